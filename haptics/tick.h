@@ -1,0 +1,140 @@
+#pragma once
+
+// One haptic tick: from the pose of a hand to the wrench on it. A pure function of its arguments, 1 kHz.
+//
+// 1. Fixed, bounded work: no allocation, lock, system call, log or throw. Capacities are fixed; what does not fit sets a
+//    flag.
+// 2. The force sent is finite, within the limit, and its rate of change is limited.
+// 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
+// 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
+//
+// Roles of parts. A part is simulated here (owned), or moved by others (its pose arrives in TickInput::moved), or still.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+#include "assets/ids.h"
+#include "assets/pose.h"
+#include "haptics/contact_scene.h"
+#include "haptics/device.h"
+
+namespace tandem::haptics {
+
+inline constexpr int kMaxContacts = 3;     // simultaneous constraints of the proxy
+inline constexpr int kMaxOwnedParts = 8;   // parts that one hand simulates at once: held, or settling after release
+inline constexpr int kMaxPartCommands = 8;
+
+/// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
+struct TickParameters {
+  double dt = 1e-3;                 // s
+  double toolRadius = 0.0;          // m; 0 = point tool
+  double stiffness = 800.0;         // N/m, proxy coupling where the material states none
+  double damping = 1.0;             // N·s/m
+  double graspStiffness = 800.0;    // N/m, virtual coupling to the held part
+  double graspDamping = 4.0;        // N·s/m
+  double graspRotStiffness = 4.0;   // N·m/rad
+  double graspRotDamping = 0.02;    // N·m·s/rad
+  double forceLimit = 3.3;          // N
+  double torqueLimit = 0.2;         // N·m
+  double slewLimit = 400.0;         // N/s: the most by which the force may change
+  double fadeTime = 0.3;            // s, over which the force of a coupling that ends fades away
+  double gain = 1.0;                // 0..1, of the wrench sent
+  bool zeroForce = false;           // the user's emergency key
+  glm::dvec3 gravity{0.0, 0.0, 0.0};  // m/s^2, felt as the weight of the held part
+};
+
+/// A part that others move: its pose and velocity for this tick.
+struct PartMotion {
+  PartId part = kNoPart;
+  Pose worldFromPart;
+  Twist twist;
+};
+
+/// What the owner's side decides about parts; carried out in order at the start of a tick.
+struct PartCommand {
+  enum class Kind : std::uint8_t {
+    own,      // this tick simulates the part from now on, from `pose`
+    grasp,    // couple the device to an owned part, at the relative pose they have now: no force at first
+    letGo,    // end the coupling; the force fades; the part settles and stays where it is left
+    disown,   // others move the part from now on; a coupling to it ends as in letGo
+    setPose,  // put a part that is not owned somewhere (state restored, reset)
+  };
+  Kind kind = Kind::own;
+  PartId part = kNoPart;
+  Pose pose;
+};
+
+struct TickInput {
+  DeviceSample device;
+  std::span<const PartMotion> moved;       // at most one entry a part
+  std::span<const PartCommand> commands;   // at most kMaxPartCommands
+};
+
+/// One constraint that the proxy rests on.
+struct Contact {
+  PartId part = kNoPart;
+  glm::dvec3 point{0.0, 0.0, 0.0};    // world
+  glm::dvec3 normal{0.0, 0.0, 0.0};   // world, unit, away from the part
+  double force = 0.0;                 // N along the normal, before limits
+};
+
+enum TickFlag : std::uint32_t {
+  kFlagInvalidSample = 1u << 0,    // zero force this tick
+  kFlagForceLimited = 1u << 1,
+  kFlagSlewLimited = 1u << 2,
+  kFlagOverflow = 1u << 3,         // something did not fit a fixed capacity and was dropped
+  kFlagFault = 1u << 4,            // a broken invariant inside the tick: force ramps to zero until resetFault()
+  kFlagSqueezed = 1u << 5,         // the proxy could not stay outside everything
+  kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
+  kFlagProxyReset = 1u << 7,       // the proxy was put back onto the device (start, recovery)
+};
+
+/// A part simulated in this tick.
+struct OwnedPart {
+  PartId part = kNoPart;
+  Pose worldFromPart;
+  Twist twist;
+  bool held = false;
+  bool atRest = false;   // nothing moves it: its owner may release it
+};
+
+struct TickOutput {
+  Wrench toHand;                 // at the device's tip, limited: what the device gets
+  Pose worldFromProxy;           // where the tool is seen: on the surface
+  std::array<Contact, kMaxContacts> contacts;
+  int contactCount = 0;
+  PartId touched = kNoPart;      // the part under the tool: first contact, else the nearest within reach of a grasp
+  std::array<OwnedPart, kMaxOwnedParts> owned;
+  int ownedCount = 0;
+  PartId held = kNoPart;
+  std::uint32_t flags = 0;
+};
+
+/// Everything that a tick remembers from one to the next. Allocated once, for one scene.
+class TickState {
+ public:
+  /// Takes the parts' rest poses from the scene, which must outlive this object. Allocates.
+  explicit TickState(const ContactScene& scene);
+  ~TickState();
+  TickState(TickState&&) noexcept;
+  TickState& operator=(TickState&&) noexcept;
+
+  /// Pose of a part as of the last tick, world.
+  const Pose& worldFromPart(PartId part) const;
+
+  /// Clears a latched fault.
+  void resetFault();
+
+  struct Data;
+  Data& data() { return *data_; }
+
+ private:
+  std::unique_ptr<Data> data_;
+};
+
+/// One tick. `state` must have been made for `scene`.
+TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters, TickState& state);
+
+}  // namespace tandem::haptics
