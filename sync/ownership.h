@@ -1,0 +1,113 @@
+#pragma once
+
+// Who owns which part: the rules S1-S8 of the protocol as two pure state machines, one for the server and one for a site.
+// No clock, no network, no thread: time comes in as an argument, decisions come out as values.
+//
+// 1. A part has one owner or none. Every grant and every end of an ownership is told to all; a grant has a new epoch,
+//    larger than any before it (S1), also across restarts (restore()).
+// 2. Exclusion holds at the receiver: a state of another epoch or owner, or not newer, is dropped (S2).
+// 3. Leases are for liveness. A site stops publishing when its lease, counted from the sending of the ping that renewed
+//    it and shortened by the clocks' drift, has run out; the server frees the part only after the full lease (S3).
+// 4. A request repeated by (site, request id) gets the same answer again (S7).
+// 5. After restore() nothing is granted until every lease that may be out has ended, except to earlier owners that come
+//    back and reclaim (S8).
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sync/messages.h"
+#include "sync/time.h"
+
+namespace tandem::sync {
+
+struct LeaseRules {
+  Micros lease = 2 * kSecond;
+  double driftPpm = 500.0;                     // by which two monotonic clocks may disagree
+  Micros margin = 50 * kMillisecond;           // a site stops this much earlier still
+};
+
+/// The server's side.
+class OwnershipTable {
+ public:
+  /// movable[i]: whether part i may be granted. Poses at rest come from the scene.
+  OwnershipTable(std::vector<bool> movable, std::vector<Pose> worldFromPartAtRest, LeaseRules rules);
+  ~OwnershipTable();
+  OwnershipTable(OwnershipTable&&) noexcept;
+
+  /// What the journal kept. Owners have until `now` + lease (+ drift) to come back.
+  void restore(std::span<const PartRecord> records, Micros now);
+
+  struct Decision {
+    GrabReply reply;
+    bool changed = false;   // a new epoch: write it to the journal, then reply, then tell all
+    bool repeated = false;  // an earlier answer, told again
+  };
+  Decision grab(SiteId site, Role role, const Grab& request, Micros now);
+  Decision reclaim(SiteId site, Role role, const Reclaim& request, Micros now);
+
+  struct ReleaseDecision {
+    ReleaseReply reply;
+    bool changed = false;
+  };
+  ReleaseDecision release(SiteId site, const Release& request, Micros now);
+
+  /// Ends an ownership by an instructor's word; the part as it is now, or nothing if nobody owned it.
+  std::optional<PartRecord> revoke(PartId part, Micros now);
+  /// Puts a part that nobody owns back to its pose in the scene.
+  std::optional<PartRecord> reset(PartId part, Micros now);
+
+  /// A site's ping arrived: all its leases run anew.
+  void renew(SiteId site, Micros now);
+  /// The site left for good: its parts are free now. (A lost connection is not a leave: the lease decides.)
+  std::vector<PartRecord> leave(SiteId site, Micros now);
+  /// The parts whose lease has run out, freed.
+  std::vector<PartRecord> expire(Micros now);
+
+  /// Whether a state that came from `site` may be relayed; if so its pose becomes the part's last known one (S2).
+  bool accept(SiteId site, const PartState& state);
+
+  const PartRecord& part(PartId part) const;
+  /// Every part that was ever granted or moved.
+  std::vector<PartRecord> records() const;
+  bool recovering(Micros now) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// A site's side.
+class OwnershipView {
+ public:
+  OwnershipView(std::size_t partCount, LeaseRules rules);
+  ~OwnershipView();
+  OwnershipView(OwnershipView&&) noexcept;
+
+  void setSelf(SiteId self);
+  SiteId self() const;
+
+  /// Welcome's records, or OwnershipChanged, or the record in a GrabReply. False: older than what is known; ignored.
+  bool apply(const PartRecord& record);
+
+  enum class Verdict : std::uint8_t { accepted, oldEpoch, futureEpoch, notOwner, oldSequence, ownPart, unknownPart };
+  /// Whether a state from `from` may be used here (S2).
+  Verdict accept(SiteId from, const PartState& state);
+
+  /// A Pong arrived for a ping sent at local time `pingSent`: the lease now ends that much later.
+  void renewed(Micros pingSent);
+  /// Whether this site may publish states of a part that it owns at local time `now` (S3).
+  bool mayPublish(PartId part, Micros now) const;
+  bool leaseValid(Micros now) const;
+
+  const PartRecord& part(PartId part) const;
+  bool owns(PartId part) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tandem::sync
