@@ -1,0 +1,38 @@
+#pragma once
+
+// The window on a scene: GLFW, OpenGL 3.3 core through epoxy, Dear ImGui. Main thread only.
+
+#include <memory>
+#include <string>
+
+#include "assets/result.h"
+#include "client/view_model.h"
+
+namespace tandem::client {
+
+struct ViewerOptions {
+  std::string title = "Tandem";
+  int width = 1440, height = 900;
+  bool panels = true;          // false: the scene alone
+  bool stylusFromMouse = true; // no hardware device: mouse and keyboard move the stylus
+};
+
+class Viewer {
+ public:
+  /// Opens a window; the error says that there is no display, or what GL lacks.
+  static Result<std::unique_ptr<Viewer>> open(const assets::Scene& scene, const ViewerOptions& options);
+  /// The same pictures without a display, through EGL (surfaceless Mesa or any EGL device).
+  static Result<std::unique_ptr<Viewer>> openOffscreen(const assets::Scene& scene, const ViewerOptions& options);
+
+  virtual ~Viewer() = default;
+  /// Draws one frame, waits for the display's refresh (a window only), and returns what the person did.
+  virtual ViewActions frame(const ViewModel& model) = 0;
+  /// Writes the last frame as a PNG.
+  virtual Status screenshot(const std::string& path) = 0;
+  virtual Camera& camera() = 0;
+};
+
+/// Whether a display can be expected (DISPLAY or WAYLAND_DISPLAY is set).
+bool displayPresent();
+
+}  // namespace tandem::client
