@@ -2,9 +2,12 @@
 
 // The 1 kHz thread: poll the device, call the tick, apply the force, note the times.
 //
-// 1. Nothing in the loop allocates, locks or logs; SCHED_FIFO and mlockall are tried once and reported, never required.
+// 1. Nothing in the loop allocates, locks or logs; SCHED_FIFO and mlockall are tried once and reported, never
+// required.
 // 2. A late wake-up is counted and the schedule moves on (no burst of catch-up ticks).
-// 3. On stop, and when the callback does not return within its budget too often, the device gets zero force.
+// 3. On stop, and while the callback overruns its period too often (servo_schedule.h), the device gets zero
+// force. A
+//    wrench that is not finite counts as zero; one above the device's limits is shortened to them.
 
 #include <array>
 #include <atomic>
@@ -21,22 +24,27 @@ namespace tandem::haptics {
 /// What the loop has seen so far; readable from any thread.
 struct ServoStatistics {
   std::uint64_t ticks = 0;
-  std::uint64_t late = 0;            // woken more than half a period late
+  std::uint64_t late = 0;        // woken more than half a period late
+  std::uint64_t skipped = 0;     // periods left out because they had already passed
+  std::uint64_t zeroed = 0;      // ticks at zero force because the callback overran its period too often
+  std::uint64_t exceptions = 0;  // callbacks that threw
   double compute_us_p50 = 0.0, compute_us_p99 = 0.0, compute_us_max = 0.0;  // callback only, since start
   double period_us_p99 = 0.0, period_us_max = 0.0;
-  bool realtime = false;             // SCHED_FIFO granted
+  bool realtime = false;  // SCHED_FIFO granted
   bool memoryLocked = false;
-  std::string note;                  // why not, in words
+  std::string note;  // why not, in words
 };
 
 class ServoLoop {
  public:
-  /// Given a reading, the wrench to apply. `now` is seconds on the loop's monotonic clock (std::chrono::steady_clock).
+  /// Given a reading, the wrench to apply. `now` is seconds on the loop's monotonic clock
+  /// (std::chrono::steady_clock).
   using Callback = std::function<Wrench(const DeviceSample& sample, double now)>;
 
   ServoLoop(Device& device, Callback callback, double rate = 1000.0);
   ~ServoLoop();  // stops
 
+  /// Starts the thread; nothing happens when it runs already. The device must be open.
   void start();
   /// Ends the thread and leaves the device at zero force. Idempotent.
   void stop();

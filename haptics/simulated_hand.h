@@ -1,20 +1,27 @@
 #pragma once
 
-// A person's arm and hand on an impedance device, as a model: two masses a translational axis (arm, device) joined by the
-// grip, driven by the target that the person has in mind. Used by simulations, tests, and - with the mouse as the target -
-// by the virtual stylus that needs no hardware.
+// A person's arm and hand on an impedance device, as a model: two masses a translational axis (arm, device)
+// joined by the grip, driven by the target that the person has in mind. Used by simulations, tests, and -
+// with the mouse as the target - by the virtual stylus that needs no hardware.
 //
 //   arm:     m_a a_a = k (x_target - x_a) + b (v_target - v_a) + m_a a_target - F_grip
-//   grip:    F_grip = k_g (x_a - x_d) + b_g (v_a - v_d)          (zero once the person has let go of the stylus)
-//   device:  m_d a_d = F_grip + F_command - b_d v_d - F_c tanh(v_d / 1 mm/s)
+//   grip:    F_grip = k_g (x_a - x_d) + b_g (v_a - v_d)          (zero once the person has let go of the
+//   stylus) device:  m_d a_d = F_grip + F_command - b_d v_d - F_c tanh(v_d / 1 mm/s)
 //
-// The commanded force is held over a tick; the reading is quantised; each tick is integrated in ten semi-implicit steps.
-// Orientation follows the target with a first-order lag: torque does not move it.
+// The commanded force is held over a tick; the reading is quantised; each tick is integrated in ten
+// semi-implicit steps. Orientation follows the target with a first-order lag of 50 ms: torque does not move
+// it.
+//
+// A hand that has let go goes on following its target; taking hold again, the grip pulls the device to it, so
+// bring the target back to the device first.
 
 #include "assets/pose.h"
 #include "haptics/device.h"
 
 namespace tandem::haptics {
+
+/// `force` shortened to at most `limit` in length; zero when it is not finite.
+glm::dvec3 limited(const glm::dvec3& force, double limit);
 
 /// A person's arm. Defaults: a relaxed adult arm.
 struct ArmParameters {
@@ -44,12 +51,15 @@ struct HandTarget {
 
 class SimulatedHand {
  public:
-  SimulatedHand(const ArmParameters& arm, const SimulatedDeviceParameters& device, const Pose& worldFromStart);
+  SimulatedHand(const ArmParameters& arm, const SimulatedDeviceParameters& device,
+                const Pose& worldFromStart);
 
-  /// Advances by dt seconds under a target and a commanded force (clamped to forceMax).
+  /// Advances by dt seconds (1 ms is what the model was fitted at) under a target and a commanded force in N,
+  /// which is clamped to forceMax; a force that is not finite counts as zero. dt > 0.
   void step(const HandTarget& target, const glm::dvec3& commandedForce, double dt);
 
-  /// The device's reading: quantised position, velocity by a filtered difference of readings, as a driver has it.
+  /// The device's reading: quantised position, velocity by a filtered difference of readings, as a driver has
+  /// it.
   DeviceSample sample(double now) const;
 
   /// True device pose and velocity, m and m/s, for measures that must not see the quantisation.
@@ -57,14 +67,15 @@ class SimulatedHand {
   const glm::dvec3& deviceVelocity() const { return deviceVelocity_; }
   const Pose& armPose() const { return worldFromArm_; }
 
-  /// Energy in J that the commanded force has given to the device so far: the integral of F.v, exact within the steps.
+  /// Energy in J that the commanded force has given to the device so far: the integral of F.v, exact within
+  /// the steps.
   double energyGiven() const { return energyGiven_; }
 
  private:
   ArmParameters arm_;
   SimulatedDeviceParameters device_;
   Pose worldFromArm_, worldFromDevice_;
-  glm::dvec3 armVelocity_{0.0, 0.0, 0.0}, deviceVelocity_{0.0, 0.0, 0.0};
+  glm::dvec3 armVelocity_{0.0, 0.0, 0.0}, deviceVelocity_{0.0, 0.0, 0.0}, angularVelocity_{0.0, 0.0, 0.0};
   glm::dvec3 reading_{0.0, 0.0, 0.0}, readingVelocity_{0.0, 0.0, 0.0};
   double energyGiven_ = 0.0;
 };
