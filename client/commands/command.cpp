@@ -1,0 +1,64 @@
+#include "client/commands/command.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <fstream>
+
+#include <CLI/CLI.hpp>
+
+namespace tandem::client {
+
+int badInput(const Error& error) {
+  std::fprintf(stderr, "tandem: %s\n", error.message.c_str());
+  return kExitBadInput;
+}
+
+void addSceneOptions(CLI::App& command, SceneArguments& arguments) {
+  command.add_option("scene", arguments.path, "Scene file (.gltf or .glb)")->required();
+  command.add_option("--units", arguments.units, "Unit of the file's numbers: m, cm, mm, inch or foot")
+      ->capture_default_str();
+  command.add_option("--movable", arguments.movable,
+                     "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable");
+  command.add_flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
+}
+
+Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments) {
+  assets::LoadOptions options;
+  Result<double> scale = assets::parseUnits(arguments.units);
+  if (!scale) return Error{"--units " + arguments.units + ": " + scale.error().message};
+  options.unitScale = *scale;
+  for (const std::string& name : arguments.movable) {
+    if (name == "all")
+      options.allMovable = true;
+    else
+      options.movable.push_back(name);
+  }
+  return options;
+}
+
+Result<assets::Scene> loadScene(const SceneArguments& arguments) {
+  Result<assets::LoadOptions> options = loadOptions(arguments);
+  if (!options) return options.error();
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal)
+    options->progress = [](double done, const char* what) {
+      std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * done, what);
+      std::fflush(stderr);
+    };
+  Result<assets::Scene> scene =
+      assets::loadScene(arguments.path, *options, arguments.noCache ? "" : assets::defaultCacheDirectory());
+  if (terminal) std::fputs("\r\033[K", stderr);
+  return scene;
+}
+
+Status writeFile(const std::string& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) return Error{path + ": cannot be written"};
+  return {};
+}
+
+}  // namespace tandem::client

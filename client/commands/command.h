@@ -1,0 +1,44 @@
+#pragma once
+
+// The sub-commands of `tandem`, one a file. Each adds its options to the command line and sets the exit code when it is
+// the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or input.
+
+#include <string>
+
+#include "assets/load_gltf.h"
+#include "assets/result.h"
+
+namespace CLI {
+class App;
+}
+
+namespace tandem::client {
+
+inline constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
+
+void addJoin(CLI::App& app, int& exitCode);
+void addCheck(CLI::App& app, int& exitCode);
+void addProbe(CLI::App& app, int& exitCode);
+void addSimulate(CLI::App& app, int& exitCode);
+void addDevices(CLI::App& app, int& exitCode);
+void addReplay(CLI::App& app, int& exitCode);
+
+/// Prints one line on stderr and returns kExitBadInput.
+int badInput(const Error& error);
+
+/// The options that say how to read a scene, shared by the commands that load one from a file.
+struct SceneArguments {
+  std::string path;
+  std::string units = "m";
+  std::vector<std::string> movable;
+  bool noCache = false;
+};
+void addSceneOptions(CLI::App& command, SceneArguments& arguments);
+Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);
+/// Loads the scene through the user's cache, with a progress bar if stderr is a terminal.
+Result<assets::Scene> loadScene(const SceneArguments& arguments);
+
+/// Writes text to a file, or says why not.
+Status writeFile(const std::string& path, const std::string& text);
+
+}  // namespace tandem::client

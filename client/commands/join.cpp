@@ -1,0 +1,317 @@
+#include <unistd.h>
+
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <memory>
+#include <thread>
+
+#include <CLI/CLI.hpp>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/commands/command.h"
+#include "client/join/joined_site.h"
+#include "client/join/live_table.h"
+#include "client/viewer/viewer.h"
+#include "haptics/devices/device_list.h"
+#include "haptics/devices/null_device.h"
+#include "haptics/devices/virtual_stylus.h"
+
+namespace tandem::client {
+
+namespace {
+
+struct Arguments {
+  std::string link, device, hand, screenshot, record, json, trace, name, colour, cache;
+  bool headless = false, tcp = false, quiet = false;
+  double duration = 0.0;
+  int width = 1440, height = 900;
+};
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Ownership and grabs over the run, for --json.
+struct Report {
+  std::vector<OwnershipNote> ownership;
+  std::vector<GrabNote> grabs;
+  void collect(JoinedSite& site) {
+    for (OwnershipNote& note : site.takeOwnershipNotes()) ownership.push_back(note);
+    for (GrabNote& note : site.takeGrabNotes()) grabs.push_back(note);
+  }
+};
+
+Result<std::array<std::uint8_t, 3>> parseColour(const std::string& text) {
+  unsigned value = 0;
+  char rest = 0;
+  if (text.size() != 7 || std::sscanf(text.c_str(), "#%6x%c", &value, &rest) != 1)
+    return Error{"--colour " + text + ": must be #RRGGBB"};
+  return std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                                     static_cast<std::uint8_t>(value)};
+}
+
+/// A colour that tells sites apart when nobody chose one: from the name, on a wheel of well-separated hues.
+std::array<std::uint8_t, 3> colourOf(const std::string& name) {
+  static constexpr std::array<std::array<std::uint8_t, 3>, 8> kWheel{{{230, 120, 60},
+                                                                      {70, 150, 230},
+                                                                      {110, 190, 90},
+                                                                      {200, 90, 200},
+                                                                      {230, 190, 60},
+                                                                      {70, 195, 190},
+                                                                      {225, 95, 115},
+                                                                      {140, 120, 235}}};
+  unsigned sum = 0;
+  for (const char c : name) sum = sum * 31 + static_cast<unsigned char>(c);
+  return kWheel[sum % kWheel.size()];
+}
+
+std::string defaultName(const sync::JoinLink& link) {
+  const char* user = std::getenv("USER");
+  return user && *user ? user : sync::toString(link.role);
+}
+
+/// The device in the hand, and how the window or a script reaches it.
+struct Hand {
+  std::unique_ptr<haptics::Device> device;
+  haptics::VirtualStylus* stylus = nullptr;
+  ScriptedDevice* scripted = nullptr;
+};
+
+Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window) {
+  Hand hand;
+  const Pose start = defaultHandStart(site.scene(), site.id());
+  if (!arguments.hand.empty()) {
+    Result<HandScript> script = loadHandScript(arguments.hand, site.scene());
+    if (!script) return script.error();
+    auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
+                                                   haptics::SimulatedDeviceParameters{}, start,
+                                                   [&site](PartId part) { return site.worldFromPart(part); });
+    hand.scripted = device.get();
+    hand.device = std::move(device);
+    return hand;
+  }
+  const std::string name = !arguments.device.empty() ? arguments.device : window ? "stylus" : "none";
+  if (name == "stylus") {
+    auto device = std::make_unique<haptics::VirtualStylus>(start);
+    hand.stylus = device.get();
+    hand.device = std::move(device);
+  } else {
+    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(name);
+    if (!device) return Error{"--device " + name + ": " + device.error().message};
+    hand.device = std::move(*device);
+  }
+  if (Status opened = hand.device->open(); !opened) return Error{"--device " + name + ": " + opened.error().message};
+  return hand;
+}
+
+/// Poses of parts as this site had them, one row each: what an accuracy check compares between sites.
+class PoseTrace {
+ public:
+  explicit PoseTrace(const std::string& path) : file_(path) { file_ << "session_us,part,owned,x,y,z,qw,qx,qy,qz\n"; }
+  bool good() const { return file_.good(); }
+  void add(const ShownPose& shown, const assets::Scene& scene) {
+    if (shown.time == 0) return;
+    const glm::dvec3& p = shown.worldFromPart.position;
+    const glm::dquat& q = shown.worldFromPart.orientation;
+    char line[320];
+    std::snprintf(line, sizeof line, "%lld,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                  static_cast<long long>(shown.time), scene.parts[shown.part].name.substr(0, 100).c_str(),
+                  shown.owned ? 1 : 0, p.x, p.y, p.z, q.w, q.x, q.y, q.z);
+    file_ << line;
+  }
+
+ private:
+  std::ofstream file_;
+};
+
+std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& report, const std::string& end) {
+  nlohmann::ordered_json json;
+  json["site"] = site.id();
+  json["role"] = sync::toString(site.role());
+  json["end"] = end;
+  const haptics::ServoStatistics servo = site.servoStatistics();
+  json["ticks"] = servo.ticks;
+  json["late"] = servo.late;
+  json["compute_us"] = {{"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
+  const LinkStatistics link = site.linkStatistics();
+  json["round_trip_ms"] = link.roundTrip_ms;
+  json["loss_up"] = link.lossUp;
+  json["loss_down"] = link.lossDown;
+  json["play_out_ms"] = link.playOut_ms;
+  json["reconnects"] = link.reconnects;
+  json["dropped_states"] = link.droppedStates;
+  json["state_over_udp"] = model.link.stateOverUdp;
+  json["grabs"] = nlohmann::ordered_json::array();
+  for (const GrabNote& grab : report.grabs)
+    json["grabs"].push_back({{"t", grab.time}, {"wait_ms", grab.wait_ms}, {"part", site.scene().parts[grab.part].name},
+                             {"answer", sync::toString(grab.denial)}});
+  json["ownership"] = nlohmann::ordered_json::array();
+  for (const OwnershipNote& note : report.ownership)
+    json["ownership"].push_back({{"t", note.time}, {"part", site.scene().parts[note.record.part].name},
+                                 {"owner", note.record.owner}, {"epoch", note.record.epoch}});
+  for (std::size_t i = 0; i < site.scene().parts.size(); ++i) {
+    if (!site.scene().parts[i].movable) continue;
+    const Pose& pose = model.worldFromPart[i];
+    json["poses"][site.scene().parts[i].name] = {pose.position.x,    pose.position.y,    pose.position.z,
+                                                 pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                                                 pose.orientation.z};
+  }
+  return json.dump(2);
+}
+
+Status offscreenPicture(const Arguments& arguments, const ViewModel& model) {
+  ViewerOptions options;
+  options.width = arguments.width;
+  options.height = arguments.height;
+  Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*model.scene, options);
+  if (!viewer) return viewer.error();
+  for (int i = 0; i < 3; ++i) static_cast<void>((*viewer)->frame(model));  // panels find their sizes in the first frames
+  return (*viewer)->screenshot(arguments.screenshot);
+}
+
+class JoinRun {
+ public:
+  JoinRun(const Arguments& arguments, JoinedSite& site) : arguments_(arguments), site_(site) {}
+
+  int run() {
+    const bool window = !arguments_.headless && displayPresent();
+    if (!arguments_.headless && !window && !arguments_.quiet)
+      std::fprintf(stderr, "tandem: no display: running headless\n");
+    if (window) {
+      Result<std::unique_ptr<Viewer>> viewer =
+          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height, true,
+                                       arguments_.device.empty() || arguments_.device == "stylus"});
+      if (!viewer) return badInput(viewer.error());
+      viewer_ = std::move(*viewer);
+    }
+    Result<Hand> hand = makeHand(arguments_, site_, window);
+    if (!hand) return badInput(hand.error());
+    if (!arguments_.trace.empty()) {
+      trace_ = std::make_unique<PoseTrace>(arguments_.trace);
+      if (!trace_->good()) return badInput(Error{arguments_.trace + ": cannot be written"});
+      site_.onShown = [this](const ShownPose& shown) { trace_->add(shown, site_.scene()); };
+    }
+    haptics::VirtualStylus* stylus = hand->stylus;
+    ScriptedDevice* scripted = hand->scripted;
+    site_.start(std::move(hand->device),
+                scripted ? std::function<PartId()>([scripted] { return scripted->wish(); }) : nullptr);
+    loop(stylus);
+    return finish();
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void loop(haptics::VirtualStylus* stylus) {
+    const Clock::time_point start = Clock::now();
+    LiveTable table(arguments_.quiet || viewer_ != nullptr);
+    while (!interrupted && end_.empty()) {
+      site_.update(model_);
+      report_.collect(site_);
+      const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+      if (viewer_) {
+        const ViewActions actions = viewer_->frame(model_);
+        if (stylus && actions.stylusMoved)
+          stylus->setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
+        site_.act(actions);
+        if (actions.quit) end_ = "window closed";
+      } else {
+        table.show(model_, elapsed);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      }
+      if (arguments_.duration > 0.0 && elapsed >= arguments_.duration) end_ = "done";
+      if (std::string reason; site_.ended(reason)) {
+        end_ = reason;
+        failed_ = true;
+      }
+    }
+    if (end_.empty()) end_ = "interrupted";
+  }
+
+  int finish() {
+    site_.update(model_);
+    report_.collect(site_);
+    if (!arguments_.screenshot.empty()) {
+      Status picture = viewer_ ? viewer_->screenshot(arguments_.screenshot) : offscreenPicture(arguments_, model_);
+      if (!picture) {
+        std::fprintf(stderr, "tandem: %s\n", picture.error().message.c_str());
+        failed_ = true;
+      }
+    }
+    if (!arguments_.json.empty())
+      if (Status written = writeFile(arguments_.json, reportJson(site_, model_, report_, end_) + "\n"); !written)
+        return badInput(written.error());
+    if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size());
+    return failed_ ? kExitFailed : kExitDone;
+  }
+
+  const Arguments& arguments_;
+  JoinedSite& site_;
+  std::unique_ptr<Viewer> viewer_;
+  std::unique_ptr<PoseTrace> trace_;
+  ViewModel model_;
+  Report report_;
+  std::string end_;
+  bool failed_ = false;
+};
+
+int run(Arguments& arguments) {
+  Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
+  if (!link) return badInput(link.error());
+  JoinOptions options;
+  options.link = *link;
+  if (arguments.name.empty()) arguments.name = defaultName(*link);
+  if (arguments.name.size() > sync::kMaxNameLength)
+    return badInput(Error{"--name: at most " + std::to_string(sync::kMaxNameLength) + " bytes"});
+  options.name = arguments.name;
+  options.colour = colourOf(options.name);
+  if (!arguments.colour.empty()) {
+    Result<std::array<std::uint8_t, 3>> colour = parseColour(arguments.colour);
+    if (!colour) return badInput(colour.error());
+    options.colour = *colour;
+  }
+  options.udp = !arguments.tcp;
+  options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
+  options.recordPath = arguments.record;
+  std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGTERM, [](int) { interrupted = 1; });
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  Result<std::unique_ptr<JoinedSite>> site = JoinedSite::enter(options, [&](double done, const char* what) {
+    if (terminal) std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * done, what);
+  });
+  if (terminal) std::fputs("\r\033[K", stderr);
+  if (!site) return badInput(site.error());
+  return JoinRun(arguments, **site).run();
+}
+
+}  // namespace
+
+void addJoin(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("join", "Enter a session: see, touch and move its parts");
+  command->add_option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)")->required();
+  command->add_option("--name", arguments->name, "Your name, as the others see it");
+  command->add_option("--colour", arguments->colour, "Your colour, #RRGGBB");
+  command->add_flag("--headless", arguments->headless, "No window: a table in the terminal");
+  command->add_option("--device", arguments->device,
+                      "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
+  command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
+  command->add_option("--duration", arguments->duration, "Leave after this many seconds")->check(CLI::PositiveNumber);
+  command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) at the end, with or without a display");
+  command->add_option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
+  command->add_option("--json", arguments->json, "Write what happened to this file");
+  command->add_option("--trace", arguments->trace, "Write every pose of moving parts, as this site had it, to this CSV file");
+  command->add_option("--cache", arguments->cache, "Folder for fetched scenes (default: the user's cache)");
+  command->add_option("--width", arguments->width, "Of window and picture, pixels")->check(CLI::Range(200, 7680));
+  command->add_option("--height", arguments->height)->check(CLI::Range(200, 4320));
+  command->add_flag("--tcp", arguments->tcp, "State over TLS, not UDP");
+  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command->footer("In the window F1 shows all keys. Space stops all force.\n"
+                  "Example: tandem join 'tandem://review.example:7411/participant?token=...&pin=...' --name Ada");
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,274 @@
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/allocation_counter.h"
+#include "client/commands/command.h"
+#include "client/device_path.h"
+#include "client/percentiles.h"
+#include "haptics/tick.h"
+
+namespace tandem::client {
+
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Arguments {
+  SceneArguments scene;
+  std::string path, tool = "point", ticks, json;
+  std::vector<std::string> moves;
+  double stiffness = 0.0, damping = -1.0, forceLimit = 0.0;
+};
+
+struct Tool {
+  double radius = 0.0;
+  PartId part = kNoPart;
+};
+
+struct MovedPart {
+  PartId part = kNoPart;
+  std::vector<PathRow> path;
+};
+
+/// One line of --ticks.
+struct Row {
+  double time = 0.0;
+  Pose hand, proxy;
+  haptics::TickOutput tick;
+  double compute_ns = 0.0;
+};
+
+Result<Tool> parseTool(const std::string& text, const assets::Scene& scene) {
+  Tool tool;
+  if (text == "point") return tool;
+  if (text.rfind("ball:", 0) == 0) {
+    char* end = nullptr;
+    tool.radius = std::strtod(text.c_str() + 5, &end);
+    if (*end != '\0' || !(tool.radius > 0.0) || !std::isfinite(tool.radius))
+      return Error{"--tool " + text + ": the radius must be a positive number of metres"};
+    return tool;
+  }
+  if (text.rfind("part:", 0) == 0) {
+    tool.part = assets::findPart(scene, text.substr(5));
+    if (tool.part == kNoPart) return Error{"--tool " + text + ": no part has this name"};
+    if (!scene.parts[tool.part].movable)
+      return Error{"--tool " + text + ": the part is not movable (see --movable)"};
+    return tool;
+  }
+  return Error{"--tool " + text + ": must be point, ball:RADIUS_M or part:NAME"};
+}
+
+Result<std::vector<MovedPart>> loadMoves(const std::vector<std::string>& moves, const assets::Scene& scene) {
+  std::vector<MovedPart> moved;
+  for (const std::string& move : moves) {
+    const std::size_t equals = move.rfind('=');
+    if (equals == std::string::npos) return Error{"--move " + move + ": must be NAME=PATH.csv"};
+    MovedPart entry;
+    entry.part = assets::findPart(scene, move.substr(0, equals));
+    if (entry.part == kNoPart) return Error{"--move " + move + ": no part is named " + move.substr(0, equals)};
+    Result<std::vector<PathRow>> path = loadDevicePath(move.substr(equals + 1));
+    if (!path) return path.error();
+    for (std::size_t i = 0; i < path->size(); ++i)
+      if (!(*path)[i].valid) return Error{move.substr(equals + 1) + ": row " + std::to_string(i + 1) + ": not finite"};
+    entry.path = std::move(*path);
+    moved.push_back(std::move(entry));
+  }
+  return moved;
+}
+
+/// Velocity between two rows of a path, world axes.
+Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
+  return {(to.pose.position - from.pose.position) / dt,
+          rotationVector(to.pose.orientation * glm::conjugate(from.pose.orientation)) / dt};
+}
+
+class Probe {
+ public:
+  Probe(const assets::Scene& scene, const haptics::ContactScene& contact, const Arguments& arguments, Tool tool)
+      : scene_(scene), contact_(contact), state_(contact), tool_(tool) {
+    if (arguments.stiffness > 0.0) parameters_.stiffness = parameters_.graspStiffness = arguments.stiffness;
+    if (arguments.damping >= 0.0) parameters_.damping = parameters_.graspDamping = arguments.damping;
+    if (arguments.forceLimit > 0.0) parameters_.forceLimit = arguments.forceLimit;
+    parameters_.toolRadius = tool.radius;
+    parameters_.gravity = scene.gravity;
+  }
+
+  void run(const std::vector<PathRow>& path, const std::vector<MovedPart>& moves) {
+    std::vector<haptics::PartMotion> moved(moves.size());
+    rows_.reserve(path.size());
+    PathRow before = path.front();
+    for (std::size_t i = 0; i < path.size(); ++i) {
+      for (std::size_t m = 0; m < moves.size(); ++m) {
+        const std::vector<PathRow>& rows = moves[m].path;
+        const PathRow& row = rows[std::min(i, rows.size() - 1)];
+        const bool moving = i > 0 && i < rows.size();
+        moved[m] = {moves[m].part, row.pose, moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
+      }
+      haptics::TickInput input;
+      input.device = sample(path[i], before, i);
+      input.moved = moved;
+      const haptics::PartCommand take[2] = {
+          {haptics::PartCommand::Kind::own, tool_.part,
+           tool_.part == kNoPart ? Pose{} : scene_.parts[tool_.part].worldFromPart},
+          {haptics::PartCommand::Kind::grasp, tool_.part, {}}};
+      if (i == 0 && tool_.part != kNoPart) input.commands = take;
+      step(input, path[i]);
+      if (path[i].valid) before = path[i];
+    }
+  }
+
+  const std::vector<Row>& rows() const { return rows_; }
+  std::uint64_t allocations() const { return allocations_; }
+
+ private:
+  haptics::DeviceSample sample(const PathRow& row, const PathRow& before, std::size_t index) const {
+    haptics::DeviceSample sample;
+    sample.worldFromDevice = row.pose;
+    sample.time = static_cast<double>(index) * parameters_.dt;
+    sample.valid = true;  // an invalid row goes in as it is: the tick must find out
+    if (row.valid && index > 0) sample.twist = twistBetween(before, row, parameters_.dt);
+    return sample;
+  }
+
+  void step(const haptics::TickInput& input, const PathRow& row) {
+    const std::uint64_t before = allocationsOfThisThread();
+    const Clock::time_point start = Clock::now();
+    const haptics::TickOutput output = haptics::tick(input, contact_, parameters_, state_);
+    const Clock::time_point end = Clock::now();
+    allocations_ += allocationsOfThisThread() - before;
+    Row result;
+    result.time = row.time;
+    result.hand = row.pose;
+    result.proxy = output.worldFromProxy;
+    if (tool_.part != kNoPart && output.ownedCount > 0) result.proxy = output.owned[0].worldFromPart;
+    result.tick = output;
+    result.compute_ns = std::chrono::duration<double, std::nano>(end - start).count();
+    rows_.push_back(result);
+  }
+
+  const assets::Scene& scene_;
+  const haptics::ContactScene& contact_;
+  haptics::TickState state_;
+  haptics::TickParameters parameters_;
+  Tool tool_;
+  std::vector<Row> rows_;
+  std::uint64_t allocations_ = 0;
+};
+
+Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene, bool part) {
+  std::string text = "t,hx,hy,hz,px,py,pz,fx,fy,fz,tx,ty,tz,contacts,part,flags,compute_ns";
+  text += part ? ",pqw,pqx,pqy,pqz,depth\n" : "\n";
+  char line[640];
+  for (const Row& row : rows) {
+    const glm::dvec3 &h = row.hand.position, &p = row.proxy.position;
+    const Wrench& w = row.tick.toHand;
+    const PartId touched = row.tick.contactCount > 0 ? row.tick.contacts[0].part : kNoPart;
+    int length = std::snprintf(
+        line, sizeof line, "%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f", row.time,
+        h.x, h.y, h.z, p.x, p.y, p.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z,
+        row.tick.contactCount, touched == kNoPart ? "" : scene.parts[touched].name.substr(0, 200).c_str(),
+        row.tick.flags, row.compute_ns);
+    text.append(line, static_cast<std::size_t>(length));
+    if (part) {
+      // A held part does not touch others in this version: there is no penetration depth to tell.
+      const glm::dquat& q = row.proxy.orientation;
+      length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,nan", q.w, q.x, q.y, q.z);
+      text.append(line, static_cast<std::size_t>(length));
+    }
+    text += '\n';
+  }
+  return writeFile(path, text);
+}
+
+nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
+  const std::pair<std::uint32_t, const char*> names[] = {
+      {haptics::kFlagInvalidSample, "invalid_sample"}, {haptics::kFlagForceLimited, "force_limited"},
+      {haptics::kFlagSlewLimited, "slew_limited"},     {haptics::kFlagOverflow, "overflow"},
+      {haptics::kFlagFault, "fault"},                  {haptics::kFlagSqueezed, "squeezed"},
+      {haptics::kFlagHeldWithoutContact, "held_without_contact"}, {haptics::kFlagProxyReset, "proxy_reset"}};
+  nlohmann::ordered_json counts = nlohmann::ordered_json::object();
+  for (const auto& [bit, name] : names) {
+    std::uint64_t count = 0;
+    for (const Row& row : rows) count += (row.tick.flags & bit) != 0 ? 1 : 0;
+    if (count > 0) counts[name] = count;
+  }
+  return counts;
+}
+
+double milliseconds(Clock::time_point from) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
+}
+
+int run(const Arguments& arguments) {
+  Result<std::vector<PathRow>> path = loadDevicePath(arguments.path);
+  if (!path) return badInput(path.error());
+  const Clock::time_point loadStart = Clock::now();
+  Result<assets::Scene> scene = loadScene(arguments.scene);
+  if (!scene) return badInput(scene.error());
+  const double load_ms = milliseconds(loadStart);
+  Result<Tool> tool = parseTool(arguments.tool, *scene);
+  if (!tool) return badInput(tool.error());
+  Result<std::vector<MovedPart>> moves = loadMoves(arguments.moves, *scene);
+  if (!moves) return badInput(moves.error());
+  const Clock::time_point bakeStart = Clock::now();
+  const haptics::ContactScene contact(*scene);
+  const double bake_ms = milliseconds(bakeStart);
+  if (tool->part != kNoPart)
+    std::fprintf(stderr, "tandem: note: a held part follows the hand but does not collide with others in this version\n");
+
+  Probe probe(*scene, contact, arguments, *tool);
+  probe.run(*path, *moves);
+
+  if (!arguments.ticks.empty())
+    if (Status written = writeTicks(arguments.ticks, probe.rows(), *scene, tool->part != kNoPart); !written)
+      return badInput(written.error());
+  std::vector<double> times;
+  for (const Row& row : probe.rows()) times.push_back(row.compute_ns);
+  const Percentiles p = percentiles(times);
+  nlohmann::ordered_json json = {
+      {"ticks", probe.rows().size()},
+      {"triangles", assets::triangleCount(*scene)},
+      {"parts", scene->parts.size()},
+      {"load_ms", load_ms},
+      {"bake_ms", bake_ms},
+      {"compute_ns", {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}}},
+      {"allocations", probe.allocations()},
+      {"flags", flagCounts(probe.rows())}};
+  if (!arguments.json.empty())
+    if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written) return badInput(written.error());
+  std::printf("%zu ticks on %zu triangles in %zu parts; load %.0f ms, bake %.0f ms\n", probe.rows().size(),
+              assets::triangleCount(*scene), scene->parts.size(), load_ms, bake_ms);
+  std::printf("tick %.2f us p50, %.2f p99, %.2f p99.9, %.2f max; %llu allocations\n", p.p50 / 1e3, p.p99 / 1e3,
+              p.p999 / 1e3, p.max / 1e3, static_cast<unsigned long long>(probe.allocations()));
+  return probe.allocations() == 0 ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void addProbe(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("probe", "Run the haptic tick over a scripted device path, without a network");
+  addSceneOptions(*command, arguments->scene);
+  command->add_option("--path", arguments->path, "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
+      ->required();
+  command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
+  command->add_option("--stiffness", arguments->stiffness, "N/m, where the material states none")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--damping", arguments->damping, "N*s/m")->check(CLI::NonNegativeNumber);
+  command->add_option("--force-limit", arguments->forceLimit, "N, of the device")->check(CLI::PositiveNumber);
+  command->add_option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable");
+  command->add_option("--ticks", arguments->ticks, "Write every tick to this CSV file");
+  command->add_option("--json", arguments->json, "Write load time, tick times, allocations and flags to this file");
+  command->footer("Exit code 1: a tick used the heap.\nExample: tandem probe assets/scenes/pump.glb --path stroke.csv "
+                  "--ticks ticks.csv --json probe.json");
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,233 @@
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+
+#include <CLI/CLI.hpp>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/commands/command.h"
+#include "client/join/scene_store.h"
+#include "client/viewer/viewer.h"
+#include "sync/ownership.h"
+#include "sync/recording.h"
+
+namespace tandem::client {
+
+namespace {
+
+struct Arguments {
+  std::string recording, scenePath, units = "m", screenshot, json, cache;
+  std::vector<std::string> movable;
+  bool headless = false;
+  double at = -1.0;
+};
+
+/// A recording in memory, with times from its beginning.
+struct Recording {
+  sync::RecordingHeader header;
+  std::vector<sync::RecordingEntry> entries;
+  std::string damaged;
+  sync::Micros start = 0;
+  double duration = 0.0;   // s
+};
+
+Result<Recording> readRecording(const std::string& path) {
+  Result<sync::RecordingReader> reader = sync::RecordingReader::open(path);
+  if (!reader) return reader.error();
+  Recording recording;
+  recording.header = reader->header();
+  while (std::optional<sync::RecordingEntry> entry = reader->next()) {
+    if (entry->time <= 0) entry->time = recording.entries.empty() ? 0 : recording.entries.back().time;
+    if (recording.start == 0) recording.start = entry->time;
+    recording.entries.push_back(std::move(*entry));
+  }
+  recording.damaged = reader->damaged();
+  for (const sync::RecordingEntry& entry : recording.entries)
+    recording.duration = std::max(recording.duration, sync::toSeconds(entry.time - recording.start));
+  return recording;
+}
+
+/// The session at one instant of a recording. Going back begins anew.
+class Playback {
+ public:
+  Playback(const Recording& recording, const assets::Scene& scene)
+      : recording_(recording), scene_(scene) {
+    model_.scene = &scene;
+    model_.replay = true;
+    model_.duration = recording.duration;
+    rewind();
+  }
+
+  void seek(double time) {
+    if (time < model_.time) rewind();
+    model_.time = std::min(std::max(time, 0.0), model_.duration);
+    while (next_ < recording_.entries.size() &&
+           sync::toSeconds(recording_.entries[next_].time - recording_.start) <= model_.time)
+      apply(recording_.entries[next_++]);
+  }
+
+  ViewModel& model() { return model_; }
+
+ private:
+  void rewind() {
+    next_ = 0;
+    ownership_.emplace(scene_.parts.size(), sync::LeaseRules{});
+    model_.time = 0.0;
+    model_.worldFromPart.clear();
+    for (const assets::Part& part : scene_.parts) model_.worldFromPart.push_back(part.worldFromPart);
+    model_.owner.assign(scene_.parts.size(), kNoSite);
+    model_.sites.clear();
+  }
+
+  void apply(const sync::RecordingEntry& entry) {
+    if (const auto* control = std::get_if<sync::ControlMessage>(&entry.message)) {
+      if (const auto* changed = std::get_if<sync::OwnershipChanged>(control)) applyRecord(changed->part);
+      if (const auto* reply = std::get_if<sync::GrabReply>(control)) applyRecord(reply->part);
+      if (const auto* site = std::get_if<sync::SiteChanged>(control)) siteOf(site->site.site).info = site->site;
+      return;
+    }
+    const auto* update = std::get_if<sync::StateUpdate>(&std::get<sync::StateMessage>(entry.message));
+    if (!update) return;
+    SiteView& site = siteOf(update->site != kNoSite ? update->site : update->presence.site);
+    site.presence = update->presence;
+    site.seen = true;
+    for (const sync::PartState& state : update->parts)
+      if (state.part < scene_.parts.size()) model_.worldFromPart[state.part] = state.worldFromPart;
+  }
+
+  void applyRecord(const sync::PartRecord& record) {
+    if (record.part >= scene_.parts.size() || !ownership_->apply(record)) return;
+    model_.owner[record.part] = record.owner;
+    model_.worldFromPart[record.part] = record.worldFromPart;
+  }
+
+  SiteView& siteOf(SiteId id) {
+    for (SiteView& site : model_.sites)
+      if (site.info.site == id) return site;
+    static constexpr std::array<std::array<std::uint8_t, 3>, 4> kColours{
+        {{230, 120, 60}, {70, 150, 230}, {110, 190, 90}, {200, 90, 200}}};
+    SiteView site;
+    site.info.site = id;
+    site.info.name = "site " + std::to_string(id);
+    site.info.colour = kColours[id % kColours.size()];
+    model_.sites.push_back(site);
+    return model_.sites.back();
+  }
+
+  const Recording& recording_;
+  const assets::Scene& scene_;
+  std::optional<sync::OwnershipView> ownership_;
+  ViewModel model_;
+  std::size_t next_ = 0;
+};
+
+/// What happened, in numbers: for the summary and --json.
+nlohmann::ordered_json summarise(const Recording& recording, const assets::Scene& scene) {
+  std::map<SiteId, double> largestForce;
+  std::map<SiteId, std::uint64_t> updates;
+  nlohmann::ordered_json ownership = nlohmann::ordered_json::array();
+  for (const sync::RecordingEntry& entry : recording.entries) {
+    if (const auto* control = std::get_if<sync::ControlMessage>(&entry.message)) {
+      const auto* changed = std::get_if<sync::OwnershipChanged>(control);
+      if (changed && changed->part.part < scene.parts.size())
+        ownership.push_back({{"t", sync::toSeconds(entry.time - recording.start)},
+                             {"part", scene.parts[changed->part.part].name},
+                             {"owner", changed->part.owner},
+                             {"epoch", changed->part.epoch}});
+      continue;
+    }
+    if (const auto* update = std::get_if<sync::StateUpdate>(&std::get<sync::StateMessage>(entry.message))) {
+      const SiteId site = update->site != kNoSite ? update->site : update->presence.site;
+      ++updates[site];
+      largestForce[site] = std::max(largestForce[site], glm::length(update->presence.force));
+    }
+  }
+  nlohmann::ordered_json json;
+  json["duration_s"] = recording.duration;
+  json["entries"] = recording.entries.size();
+  json["damaged"] = recording.damaged;
+  json["sites"] = nlohmann::ordered_json::array();
+  for (const auto& [site, count] : updates)
+    json["sites"].push_back({{"site", site}, {"updates", count}, {"largest_force_n", largestForce[site]}});
+  json["ownership"] = ownership;
+  return json;
+}
+
+Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recording) {
+  if (!arguments.scenePath.empty()) {
+    SceneArguments scene{arguments.scenePath, arguments.units, arguments.movable, false};
+    return loadScene(scene);
+  }
+  const SceneStore store(arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache);
+  const std::vector<std::byte> package = store.find(recording.header.sceneHash);
+  if (package.empty())
+    return Error{arguments.recording + ": its scene is not in the cache of this user; give it with --scene FILE"};
+  return assets::unpackScene(package);
+}
+
+int playInWindow(Playback& playback) {
+  Result<std::unique_ptr<Viewer>> viewer =
+      Viewer::open(*playback.model().scene, {"Tandem - replay", 1440, 900, true, false});
+  if (!viewer) return badInput(viewer.error());
+  auto last = std::chrono::steady_clock::now();
+  playback.model().playing = true;
+  for (;;) {
+    const auto now = std::chrono::steady_clock::now();
+    const double elapsed = std::chrono::duration<double>(now - last).count();
+    last = now;
+    if (playback.model().playing) playback.seek(playback.model().time + elapsed);
+    const ViewActions actions = (*viewer)->frame(playback.model());
+    if (actions.seek) playback.seek(actions.seekTo);
+    if (actions.togglePlay) playback.model().playing = !playback.model().playing;
+    if (actions.quit) return kExitDone;
+  }
+}
+
+int run(const Arguments& arguments) {
+  Result<Recording> recording = readRecording(arguments.recording);
+  if (!recording) return badInput(recording.error());
+  Result<assets::Scene> scene = sceneOf(arguments, *recording);
+  if (!scene) return badInput(scene.error());
+  const nlohmann::ordered_json summary = summarise(*recording, *scene);
+  if (!arguments.json.empty())
+    if (Status written = writeFile(arguments.json, summary.dump(2) + "\n"); !written) return badInput(written.error());
+  if (!recording->damaged.empty())
+    std::fprintf(stderr, "tandem: %s: %s; shown up to there\n", arguments.recording.c_str(),
+                 recording->damaged.c_str());
+  Playback playback(*recording, *scene);
+  if (!arguments.screenshot.empty()) {
+    playback.seek(arguments.at >= 0.0 ? arguments.at : recording->duration);
+    Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*scene, {});
+    if (!viewer) return badInput(viewer.error());
+    for (int i = 0; i < 3; ++i) static_cast<void>((*viewer)->frame(playback.model()));
+    if (Status saved = (*viewer)->screenshot(arguments.screenshot); !saved) return badInput(saved.error());
+  }
+  if (arguments.headless || !displayPresent()) {
+    std::printf("%s\n", summary.dump(2).c_str());
+    return kExitDone;
+  }
+  return playInWindow(playback);
+}
+
+}  // namespace
+
+void addReplay(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand("replay", "Show a recorded session again, with its forces");
+  command->add_option("recording", arguments->recording, "File of 'tandem join --record' or 'tandem-server --record'")
+      ->required();
+  command->add_option("--scene", arguments->scenePath, "Scene file, if this user never joined that session");
+  command->add_option("--units", arguments->units, "Unit of the scene file")->capture_default_str();
+  command->add_option("--movable", arguments->movable, "As given to the server");
+  command->add_flag("--headless", arguments->headless, "No window: print a summary");
+  command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
+  command->add_option("--at", arguments->at, "Seconds from the beginning (default: the end)")->check(CLI::NonNegativeNumber);
+  command->add_option("--json", arguments->json, "Write a summary to this file");
+  command->add_option("--cache", arguments->cache, "Folder of fetched scenes");
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace tandem::client

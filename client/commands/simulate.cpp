@@ -1,0 +1,68 @@
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/commands/command.h"
+#include "client/simulation/simulation.h"
+
+namespace tandem::client {
+
+namespace {
+
+struct Arguments {
+  std::string scenario, json;
+  SimulationOptions options;
+  bool quiet = false;
+};
+
+void printSummary(const SimulationResult& result) {
+  std::printf("%-14s %12s %12s %12s %10s %10s\n", "site", "energy mJ", "felt N/m", "step N/20ms", "packets/s", "kB/s");
+  for (const auto& [name, site] : result.sites)
+    std::printf("%-14s %12.4f %12.1f %12.3f %10.1f %10.2f\n", name.c_str(), site.energyCreated * 1e3,
+                site.feltStiffness, site.forceStep20ms, site.packetsPerSecond, site.bytesPerSecond / 1e3);
+  for (const auto& grant : result.grants) {
+    const auto name = result.siteNames.find(grant.site);
+    std::printf("%8.3f s  %s -> %s (epoch %u)\n", grant.at, result.partNames[grant.part].c_str(),
+                name == result.siteNames.end() ? "a site that is gone" : name->second.c_str(), grant.epoch);
+  }
+  for (const Violation& violation : result.violations)
+    std::printf("%8.3f s  %s broken: %s\n", violation.at, violation.rule.c_str(), violation.what.c_str());
+  std::printf("displayed discrepancy %.3f mm rms, %.3f mm max; %s; %zu violations; hash %s\n",
+              result.displayedRms * 1e3, result.displayedMax * 1e3, result.stable ? "stable" : "NOT STABLE",
+              result.violations.size(), result.hash.c_str());
+}
+
+int run(const Arguments& arguments) {
+  Result<Scenario> scenario = loadScenario(arguments.scenario);
+  if (!scenario) return badInput(scenario.error());
+  Result<assets::Scene> scene = assets::loadScene(scenario->scene, scenario->load, assets::defaultCacheDirectory());
+  if (!scene) return badInput(scene.error());
+  Result<SimulationResult> result = simulate(*scenario, *scene, arguments.options);
+  if (!result) return badInput(result.error());
+  if (!arguments.json.empty())
+    if (Status written = writeFile(arguments.json, toJson(*result) + "\n"); !written) return badInput(written.error());
+  if (!arguments.quiet) printSummary(*result);
+  return result->stable && result->violations.empty() ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void addSimulate(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
+  command->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation for examples)")
+      ->required();
+  command->add_option("--seed", arguments->options.seed, "Seed of network and clocks")->capture_default_str();
+  command->add_option("--json", arguments->json, "Write the measures to this file");
+  command->add_option("--trace", arguments->options.tracePath, "Write hands and forces every 10 ms to this CSV file");
+  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command->footer(
+      "The same scenario and seed give the same result, to the bit.\n"
+      "Exit code 1: the run was not stable, or a rule of the protocol (S1-S8, L1-L5) was broken.\n"
+      "Example: tandem simulate tests/simulation/hand_over.json --seed 7 --json out.json");
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace tandem::client

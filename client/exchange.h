@@ -1,0 +1,92 @@
+#pragma once
+
+// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (SiteLink), main thread
+// (window or terminal). Latest values go through triple buffers, events through single-producer rings; nobody waits.
+//
+//   SiteLink --events, time base--> HandLoop --output, intents--> SiteLink
+//   main ----settings, wish-------> HandLoop --view, poses------> main
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "haptics/spsc_ring.h"
+#include "haptics/tick.h"
+#include "haptics/triple_buffer.h"
+#include "sync/messages.h"
+#include "sync/time.h"
+
+namespace tandem::client {
+
+/// Network to hand: what the others did. Already checked against ownership.
+struct NetworkEvent {
+  enum class Kind : std::uint8_t {
+    state,      // `state` of a part that another site owns, holding at session time `time`
+    ownership,  // `record` is how things stand now
+    denied,     // the grab of `record.part` was refused
+    lost,       // the connection is gone: grabs that were asked for get no answer
+  };
+  Kind kind = Kind::state;
+  sync::Micros time = 0;
+  sync::PartState state;
+  sync::PartRecord record;
+};
+
+/// Hand to network: what the person asks for.
+struct HandIntent {
+  enum class Kind : std::uint8_t { grab, release };
+  Kind kind = Kind::grab;
+  PartId part = kNoPart;
+  Epoch epoch = 0;          // release: of the ownership that ends
+  Pose worldFromPart;       // release: where the part rests
+};
+
+/// Session time for the haptic thread: session = local + offset; parts are shown `playOutDelay` late.
+struct TimeBase {
+  sync::Micros offset = 0;
+  sync::Micros playOutDelay = 0;
+  SiteId self = kNoSite;
+};
+
+/// The state of the hand after a tick, at local time `time`.
+struct HandOutput {
+  sync::Micros time = 0;
+  haptics::DeviceSample device;
+  haptics::TickOutput tick;
+  std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned
+  bool grabPending = false;
+};
+
+/// What the person set, and a part to grasp whatever the stylus touches (kNoPart: the touched one).
+struct HandSettingsInput {
+  haptics::TickParameters parameters;
+  PartId wish = kNoPart;
+  bool graspButton = false;      // of the window or a script, besides the device's own button 0
+  std::uint32_t faultResets = 0; // counts up
+};
+
+/// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has it.
+struct ShownPose {
+  PartId part = kNoPart;
+  bool owned = false;        // simulated here; else played out, `time` lying the play-out delay before now
+  sync::Micros time = 0;
+  Pose worldFromPart;
+};
+
+inline constexpr std::size_t kEventRing = 1024;
+inline constexpr std::size_t kIntentRing = 64;
+inline constexpr std::size_t kShownRing = 16384;
+inline constexpr std::size_t kForceRing = 4096;
+
+struct Exchange {
+  haptics::SpscRing<NetworkEvent, kEventRing> events;     // network -> hand
+  haptics::TripleBuffer<TimeBase> timeBase;               // network -> hand
+  haptics::SpscRing<HandIntent, kIntentRing> intents;     // hand -> network
+  haptics::TripleBuffer<HandOutput> output;               // hand -> network
+  haptics::TripleBuffer<HandSettingsInput> settings;      // main -> hand
+  haptics::TripleBuffer<HandOutput> view;                 // hand -> main
+  haptics::SpscRing<ShownPose, kShownRing> shown;         // hand -> main: poses that changed
+  haptics::SpscRing<float, kForceRing> forces;            // hand -> main: |force| each tick, N, for the plot
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,241 @@
+#include "client/hand_loop.h"
+
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::client {
+
+using haptics::PartCommand;
+
+namespace {
+
+bool near(const Pose& a, const Pose& b, double tolerance) {
+  return glm::length(a.position - b.position) < tolerance &&
+         glm::length(rotationVector(b.orientation * glm::conjugate(a.orientation))) < tolerance;
+}
+
+}  // namespace
+
+HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
+    : scene_(scene), exchange_(exchange), state_(scene), commands_(2 * scene.scene().parts.size() + 64) {}
+
+Wrench HandLoop::tick(const haptics::DeviceSample& sample, sync::Micros now) {
+  settings_ = exchange_.settings.latest();
+  timeBase_ = exchange_.timeBase.latest();
+  if (settings_.faultResets != faultResetsSeen_) {
+    faultResetsSeen_ = settings_.faultResets;
+    state_.resetFault();
+  }
+  const sync::Micros sessionNow = now + timeBase_.offset;
+  takeEvents(sessionNow);
+  playOutFollowed(sessionNow);
+  finishTaking(sessionNow);
+  followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0));
+
+  std::size_t batch = 0;
+  for (; batch < haptics::kMaxPartCommands && commandCount_ > 0; ++batch, --commandCount_) {
+    commandBatch_[batch] = commands_[commandHead_];
+    commandHead_ = (commandHead_ + 1) % commands_.size();
+  }
+  const haptics::TickInput input{sample, {moved_.data(), movedCount_}, {commandBatch_.data(), batch}};
+  output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
+  for (std::size_t i = 0; i < batch; ++i)
+    show({commandBatch_[i].part, false, sessionNow, state_.worldFromPart(commandBatch_[i].part)});
+  releaseRested(sessionNow);
+  publish(sample, now);
+  return output_.tick.toHand;
+}
+
+void HandLoop::takeEvents(sync::Micros sessionNow) {
+  NetworkEvent event;
+  // Events stay in their ring while the commands that they may cause would not fit: nothing is lost, only later.
+  while (commandCount_ + haptics::kMaxPartCommands < commands_.size() && exchange_.events.pop(event)) {
+    switch (event.kind) {
+      case NetworkEvent::Kind::state:
+        if (Followed* slot = slotFor(event.state.part, sessionNow))
+          slot->playOut.push(event.state, event.time);
+        else
+          command(PartCommand::Kind::setPose, event.state.part, event.state.worldFromPart);
+        break;
+      case NetworkEvent::Kind::ownership:
+        takeOwnership(event.record, sessionNow);
+        break;
+      case NetworkEvent::Kind::denied:
+        if (stage_ == Stage::asked && graspPart_ == event.record.part) stage_ = Stage::idle;
+        break;
+      case NetworkEvent::Kind::lost:
+        if (stage_ == Stage::asked) stage_ = Stage::idle;
+        for (Owned& owned : owned_) owned.releasing = false;  // asked again once there is a server again
+        break;
+    }
+  }
+}
+
+void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow) {
+  Owned* mine = ownedEntry(record.part);
+  if (record.owner == timeBase_.self && timeBase_.self != kNoSite) {
+    if (mine)
+      mine->epoch = record.epoch;  // reclaimed after an outage
+    else
+      beginTaking(record, sessionNow);
+    return;
+  }
+  if (mine)
+    loseOwned(*mine, record, sessionNow);
+  else
+    follow(record, sessionNow, kBlend);
+}
+
+void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionNow) {
+  if (stage_ == Stage::taking || stage_ == Stage::holding) {
+    // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
+    if (Owned* free = ownedEntry(kNoPart)) {
+      *free = {record.part, record.epoch, false};
+      if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
+      command(PartCommand::Kind::own, record.part, record.worldFromPart);
+    }
+    return;
+  }
+  follow(record, sessionNow, near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance) ? 0 : kBlend);
+  taking_ = record;
+  takingUntil_ = sessionNow + kBlend;
+  stage_ = Stage::taking;
+  graspPart_ = record.part;
+}
+
+void HandLoop::finishTaking(sync::Micros sessionNow) {
+  if (stage_ != Stage::taking) return;
+  const bool there = near(state_.worldFromPart(taking_.part), taking_.worldFromPart, kTakeTolerance);
+  if (!there && sessionNow < takingUntil_) return;
+  Owned* entry = ownedEntry(kNoPart);
+  if (!entry) return;  // eight parts still settle: wait for one to rest
+  *entry = {taking_.part, taking_.epoch, false};
+  if (Followed* slot = slotOf(taking_.part)) slot->part = kNoPart;
+  command(PartCommand::Kind::own, taking_.part, taking_.worldFromPart);
+  if (wantedBefore_) {
+    command(PartCommand::Kind::grasp, taking_.part);
+    stage_ = Stage::holding;
+  } else {
+    stage_ = Stage::idle;  // let go while the answer was on its way: rests, and is released
+  }
+}
+
+void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
+  command(PartCommand::Kind::disown, owned.part);
+  if (graspPart_ == owned.part && stage_ == Stage::holding) stage_ = Stage::idle;
+  owned = {};
+  const bool still = near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance);
+  follow(record, sessionNow, still ? 0 : kLossBlend);
+}
+
+void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend) {
+  if (stage_ == Stage::taking && taking_.part == record.part && record.owner != timeBase_.self) stage_ = Stage::idle;
+  if (Followed* slot = slotFor(record.part, sessionNow)) {
+    slot->owned = record.owner != kNoSite;
+    slot->playOut.restart(record.worldFromPart, sessionNow, blend);
+  } else {
+    command(PartCommand::Kind::setPose, record.part, record.worldFromPart);
+  }
+}
+
+void HandLoop::followGrasp(bool wanted) {
+  const bool pressed = wanted && !wantedBefore_;
+  const bool lifted = !wanted && wantedBefore_;
+  wantedBefore_ = wanted;
+  if (pressed && stage_ == Stage::idle) {
+    const PartId wish = wish_ != kNoPart ? wish_ : settings_.wish;
+    const PartId part = wish != kNoPart ? wish : output_.tick.touched;
+    if (part >= scene_.scene().parts.size() || !scene_.scene().parts[part].movable) return;
+    graspPart_ = part;
+    Owned* mine = ownedEntry(part);
+    if (mine && !mine->releasing) {  // still settling in this hand's care
+      command(PartCommand::Kind::grasp, part);
+      stage_ = Stage::holding;
+    } else if (exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}})) {
+      stage_ = Stage::asked;
+    }
+  }
+  if (lifted && stage_ == Stage::holding) {
+    command(PartCommand::Kind::letGo, graspPart_);
+    stage_ = Stage::idle;
+  }
+}
+
+void HandLoop::playOutFollowed(sync::Micros sessionNow) {
+  movedCount_ = 0;
+  for (Followed& slot : followed_) {
+    if (slot.part == kNoPart) continue;
+    const sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
+    moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
+    show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart});
+    if (!slot.owned && shown.still) slot.part = kNoPart;
+  }
+}
+
+void HandLoop::releaseRested(sync::Micros sessionNow) {
+  for (int i = 0; i < output_.tick.ownedCount; ++i) {
+    const haptics::OwnedPart& part = output_.tick.owned[static_cast<std::size_t>(i)];
+    show({part.part, true, sessionNow, part.worldFromPart});
+    Owned* mine = ownedEntry(part.part);
+    if (!mine || mine->releasing || part.held || !part.atRest) continue;
+    mine->releasing = exchange_.intents.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
+  }
+}
+
+void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
+  output_.time = now;
+  output_.device = sample;
+  output_.grabPending = stage_ == Stage::asked || stage_ == Stage::taking;
+  for (int i = 0; i < output_.tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const Owned* mine = ownedEntry(output_.tick.owned[index].part);
+    output_.ownedEpoch[index] = mine ? mine->epoch : 0;
+  }
+  exchange_.output.write(output_);
+  exchange_.view.write(output_);
+  // A full ring is a plot that nobody draws.
+  static_cast<void>(exchange_.forces.push(static_cast<float>(glm::length(output_.tick.toHand.force))));
+  refreshOne();
+}
+
+void HandLoop::show(const ShownPose& shown) {
+  // A full ring means a window that stands still; refreshOne() heals what it missed.
+  shownDropped_ += exchange_.shown.push(shown) ? 0 : 1;
+}
+
+void HandLoop::refreshOne() {
+  if (shownDropped_ == 0) return;
+  show({refresh_, false, 0, state_.worldFromPart(refresh_)});
+  refresh_ = static_cast<PartId>((refresh_ + 1u) % scene_.scene().parts.size());
+}
+
+HandLoop::Followed* HandLoop::slotOf(PartId part) {
+  for (Followed& slot : followed_)
+    if (slot.part == part) return &slot;
+  return nullptr;
+}
+
+HandLoop::Followed* HandLoop::slotFor(PartId part, sync::Micros sessionNow) {
+  if (Followed* slot = slotOf(part)) return slot;
+  Followed* slot = slotOf(kNoPart);
+  if (!slot) return nullptr;
+  slot->part = part;
+  slot->owned = true;
+  slot->playOut.restart(state_.worldFromPart(part), sessionNow, 0);
+  return slot;
+}
+
+HandLoop::Owned* HandLoop::ownedEntry(PartId part) {
+  for (Owned& owned : owned_)
+    if (owned.part == part) return &owned;
+  return nullptr;
+}
+
+void HandLoop::command(PartCommand::Kind kind, PartId part, const Pose& pose) {
+  ASSERT(commandCount_ < commands_.size());  // takeEvents() keeps room
+  commands_[(commandHead_ + commandCount_) % commands_.size()] = {kind, part, pose};
+  ++commandCount_;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,103 @@
+#pragma once
+
+// One hand at one site: joins what the others did (play-out) to what this hand feels (tick), and says what it wants
+// (intents). Runs inside the servo thread, or on virtual time; allocates only in the constructor.
+//
+// The life of a grasp, seen from here:
+//   idle -button-> asked -granted-> taking (the replica finishes its play-out) -> holding -button up-> settling -rest->
+//   releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back to idle; forces fade.
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "assets/pose.h"
+#include "client/exchange.h"
+#include "haptics/contact_scene.h"
+#include "haptics/tick.h"
+#include "sync/play_out.h"
+
+namespace tandem::client {
+
+class HandLoop {
+ public:
+  /// The scene and the exchange must outlive this.
+  HandLoop(const haptics::ContactScene& scene, Exchange& exchange);
+
+  /// One tick at local time `now`. The wrench is what the device gets.
+  Wrench tick(const haptics::DeviceSample& sample, sync::Micros now);
+
+  /// A part to grasp whatever the stylus touches; kNoPart: the touched one. Haptic thread, before tick().
+  void setWish(PartId part) { wish_ = part; }
+
+  const HandOutput& output() const { return output_; }
+  const Pose& worldFromPart(PartId part) const { return state_.worldFromPart(part); }
+
+  /// Parts that others move at the same time, played out smoothly; more than that jump to their states.
+  static constexpr std::size_t kMaxFollowed = 64;
+  /// A replica nearer than this to the pose of its grant is taken at once, m and rad: well below what a hand can tell.
+  static constexpr double kTakeTolerance = 2e-5;
+  static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;
+  static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
+
+ private:
+  struct Followed {
+    PartId part = kNoPart;
+    bool owned = false;          // by somebody: keep the slot
+    sync::PlayOut playOut;
+  };
+  struct Owned {
+    PartId part = kNoPart;
+    Epoch epoch = 0;
+    bool releasing = false;
+  };
+  enum class Stage : std::uint8_t { idle, asked, taking, holding };
+
+  void takeEvents(sync::Micros sessionNow);
+  void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
+  void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
+  void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
+  void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);
+  void followGrasp(bool wanted);
+  void finishTaking(sync::Micros sessionNow);
+  void playOutFollowed(sync::Micros sessionNow);
+  void releaseRested(sync::Micros sessionNow);
+  void show(const ShownPose& shown);
+  void refreshOne();
+  void publish(const haptics::DeviceSample& sample, sync::Micros now);
+
+  Followed* slotOf(PartId part);
+  Followed* slotFor(PartId part, sync::Micros sessionNow);
+  Owned* ownedEntry(PartId part);
+  void command(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {});
+
+  const haptics::ContactScene& scene_;
+  Exchange& exchange_;
+  haptics::TickState state_;
+  HandOutput output_;
+  HandSettingsInput settings_;
+  TimeBase timeBase_;
+  std::uint32_t faultResetsSeen_ = 0;
+
+  std::array<Followed, kMaxFollowed> followed_;
+  std::array<Owned, haptics::kMaxOwnedParts> owned_;
+  std::array<haptics::PartMotion, kMaxFollowed> moved_;
+  std::size_t movedCount_ = 0;
+  /// Commands that wait for a tick with room; the ring is as large as a session's parts, so a reset of all fits.
+  std::vector<haptics::PartCommand> commands_;
+  std::size_t commandHead_ = 0, commandCount_ = 0;
+  std::array<haptics::PartCommand, haptics::kMaxPartCommands> commandBatch_;
+
+  Stage stage_ = Stage::idle;
+  PartId graspPart_ = kNoPart;        // asked, taking or holding
+  sync::PartRecord taking_;
+  sync::Micros takingUntil_ = 0;
+  bool wantedBefore_ = false;
+  PartId wish_ = kNoPart;
+
+  std::uint64_t shownDropped_ = 0;    // once a pose was dropped, one part a tick is shown again
+  PartId refresh_ = 0;
+};
+
+}  // namespace tandem::client

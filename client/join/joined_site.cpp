@@ -1,0 +1,350 @@
+#include "client/join/joined_site.h"
+
+#include <algorithm>
+#include <chrono>
+#include <map>
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+constexpr Micros kNetworkPeriod = kMillisecond;
+constexpr Micros kSharePeriod = 15 * kMillisecond;
+constexpr double kNoticeLife = 8.0;         // s
+constexpr std::size_t kPlotLength = 1000;   // ticks of force
+}  // namespace
+
+/// Notes what the link is told, for reports. Network thread; the lists are guarded by the site's mutex.
+class JoinedSite::Observer : public LinkObserver {
+ public:
+  explicit Observer(JoinedSite& site) : site_(site), start_(localNow()) {}
+  void onOwnership(const PartRecord& record) override {
+    const std::lock_guard lock(site_.mutex_);
+    site_.ownershipNotes_.push_back({since(), record});
+  }
+  void onGrab(const Grab& grab) override { asked_[grab.request] = localNow(); }
+  void onGrabReply(const GrabReply& reply) override {
+    const auto asked = asked_.find(reply.request);
+    if (asked == asked_.end()) return;  // a reclaim: no person waited
+    const double wait_ms = toSeconds(localNow() - asked->second) * 1e3;
+    asked_.erase(asked);
+    const std::lock_guard lock(site_.mutex_);
+    site_.grabNotes_.push_back({since(), wait_ms, reply.part.part, reply.denial});
+  }
+
+ private:
+  double since() const { return toSeconds(localNow() - start_); }
+  JoinedSite& site_;
+  Micros start_;
+  std::map<RequestId, Micros> asked_;
+};
+
+JoinedSite::JoinedSite(const JoinOptions& options) : options_(options), store_(options.cacheDirectory) {}
+
+JoinedSite::~JoinedSite() {
+  if (servo_) servo_->stop();
+  leave();
+  stop_ = true;
+  if (network_.joinable()) network_.join();
+}
+
+Micros JoinedSite::localNow() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(const JoinOptions& options,
+                                                      const std::function<void(double, const char*)>& progress) {
+  std::unique_ptr<JoinedSite> site(new JoinedSite(options));
+  if (Status status = site->enterSession(progress); !status) return status.error();
+  return site;
+}
+
+Status JoinedSite::enterSession(const std::function<void(double, const char*)>& progress) {
+  SiteLinkOptions linkOptions;
+  linkOptions.name = options_.name;
+  linkOptions.colour = options_.colour;
+  linkOptions.token = options_.link.token;
+  observer_ = std::make_unique<Observer>(*this);
+  link_ = std::make_unique<SiteLink>(linkOptions, [this]() -> Result<std::unique_ptr<Transport>> {
+    ConnectOptions connect;
+    connect.udp = options_.udp;
+    Result<std::unique_ptr<SocketTransport>> made =
+        connectTo(options_.link.host, options_.link.port, options_.link.pin, connect);
+    if (!made) return made.error();
+    return std::unique_ptr<Transport>(std::move(*made));
+  });
+  link_->setObserver(observer_.get());
+  progress(0.0, "entering the session");
+  const Micros deadline = localNow() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
+  while (link_->stage() == SiteLink::Stage::connecting || link_->stage() == SiteLink::Stage::entering) {
+    if (localNow() > deadline)
+      return Error{options_.link.host + ":" + std::to_string(options_.link.port) + ": " +
+                   (link_->reason().empty() ? "no answer" : link_->reason())};
+    waitForNetwork();
+    link_->step(localNow());
+  }
+  if (link_->stage() == SiteLink::Stage::ended) return Error{"the session refused this site: " + link_->reason()};
+  return prepareScene(progress);
+}
+
+Status JoinedSite::fetch(const std::function<void(double, const char*)>& progress) {
+  const assets::ContentHash hash = link_->welcome().sceneHash;
+  link_->startTransfer(store_.beginning(hash));
+  Micros lastProgress = localNow();
+  double lastShare = -1.0;
+  while (link_->stage() != SiteLink::Stage::haveScene) {
+    if (link_->stage() == SiteLink::Stage::ended) return Error{"the session ended: " + link_->reason()};
+    if (link_->stage() == SiteLink::Stage::needScene) link_->startTransfer(link_->scenePackage());  // reconnected
+    if (link_->transferProgress() != lastShare) {
+      lastShare = link_->transferProgress();
+      lastProgress = localNow();
+      progress(lastShare, "fetching the scene");
+    } else if (localNow() - lastProgress > 30 * kSecond) {
+      store_.keepBeginning(hash, link_->scenePackage());
+      return Error{"the scene transfer stands still; it will go on from here next time"};
+    }
+    waitForNetwork();
+    link_->step(localNow());
+  }
+  if (assets::contentHash(link_->scenePackage()) != hash) {
+    store_.keepBeginning(hash, {});
+    return Error{"the scene arrived damaged (its hash is not the announced one)"};
+  }
+  store_.keep(hash, link_->scenePackage());
+  return {};
+}
+
+Status JoinedSite::prepareScene(const std::function<void(double, const char*)>& progress) {
+  std::vector<std::byte> package = store_.find(link_->welcome().sceneHash);
+  if (package.empty()) {
+    if (Status fetched = fetch(progress); !fetched) return fetched;
+    package = link_->scenePackage();
+  } else {
+    link_->skipTransfer();
+  }
+  progress(1.0, "preparing the scene");
+  Result<assets::Scene> scene = assets::unpackScene(package);
+  if (!scene) return Error{"the server's scene cannot be used: " + scene.error().message};
+  scene_ = std::move(*scene);
+  contact_ = std::make_unique<haptics::ContactScene>(scene_);
+  exchange_ = std::make_unique<Exchange>();
+  hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+  if (!options_.recordPath.empty()) {
+    Result<RecordingWriter> writer =
+        RecordingWriter::create(options_.recordPath, {link_->welcome().sceneHash, wireFrame(scene_.bounds)});
+    if (!writer) return writer.error();
+    recording_ = std::make_unique<RecordingWriter>(std::move(*writer));
+    link_->setRecording(recording_.get());
+    store_.keep(link_->welcome().sceneHash, package);  // a replay finds the scene by its hash
+  }
+  settings_.parameters.gravity = scene_.gravity;
+  return {};
+}
+
+void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<PartId()> wish) {
+  device_ = std::move(device);
+  const haptics::DeviceLimits limits = device_->limits();
+  if (limits.maxForce > 0.0) settings_.parameters.forceLimit = limits.maxForce;
+  exchange_->settings.write(settings_);
+  link_->sceneReady(scene_, *exchange_);
+  servo_ = std::make_unique<haptics::ServoLoop>(
+      *device_, [this, wish = std::move(wish)](const haptics::DeviceSample& sample, double now) {
+        if (wish) hand_->setWish(wish());
+        return hand_->tick(sample, static_cast<Micros>(now * 1e6));
+      });
+  servo_->start();
+  network_ = std::thread([this] { runNetwork(); });
+}
+
+// ---- network thread ----
+
+void JoinedSite::waitForNetwork() {
+  if (auto* sockets = dynamic_cast<SocketTransport*>(link_->transport()))
+    sockets->wait(kNetworkPeriod);
+  else
+    std::this_thread::sleep_for(std::chrono::microseconds(kNetworkPeriod));
+}
+
+void JoinedSite::runNetwork() {
+  Micros nextShare = 0;
+  while (!stop_) {
+    waitForNetwork();
+    const Micros now = localNow();
+    link_->step(now);
+    if (now < nextShare) continue;
+    nextShare = now + kSharePeriod;
+    share();
+  }
+  // A last word must leave before the socket goes.
+  for (int i = 0; i < 20 && link_->transport(); ++i) {
+    link_->step(localNow());
+    waitForNetwork();
+  }
+  if (recording_)
+    if (Status flushed = recording_->flush(); !flushed) {
+      const std::lock_guard lock(mutex_);
+      shared_.notices.push_back({Notice::Level::error, 0.0, flushed.error().message});
+    }
+}
+
+void JoinedSite::share() {
+  std::vector<PartId> revokes;
+  bool reset = false, goodbye = false;
+  {
+    const std::lock_guard lock(mutex_);
+    shared_.sites = link_->sites();
+    shared_.owner.resize(scene_.parts.size());
+    for (std::size_t i = 0; i < shared_.owner.size(); ++i) shared_.owner[i] = link_->owner(static_cast<PartId>(i));
+    for (Notice& notice : link_->takeNotices()) shared_.notices.push_back(std::move(notice));
+    const TransportCounters before = shared_.statistics.transport;
+    shared_.statistics = link_->statistics();
+    const TransportCounters& after = shared_.statistics.transport;
+    const auto rate = [](std::uint64_t now, std::uint64_t then, double& kbit_s) {
+      const double present = now >= then ? static_cast<double>(now - then) * 8e-3 / toSeconds(kSharePeriod) : 0.0;
+      kbit_s += 0.05 * (present - kbit_s);
+    };
+    rate(after.stateBytesOut + after.controlBytesOut, before.stateBytesOut + before.controlBytesOut,
+         shared_.sentKbit_s);
+    rate(after.stateBytesIn + after.controlBytesIn, before.stateBytesIn + before.controlBytesIn,
+         shared_.receivedKbit_s);
+    shared_.stage = link_->stage();
+    shared_.reason = link_->reason();
+    if (const auto* sockets = dynamic_cast<SocketTransport*>(link_->transport()))
+      shared_.udp = sockets->stateOverUdp(0);
+    link_->setCamera(shared_.worldFromCamera);
+    std::swap(revokes, shared_.revokes);
+    std::swap(reset, shared_.resetParts);
+    std::swap(goodbye, shared_.leave);
+  }
+  for (const PartId part : revokes) link_->revoke(part);
+  if (reset) link_->resetParts();
+  if (goodbye) link_->leave();
+}
+
+// ---- main thread ----
+
+void JoinedSite::leave() {
+  const std::lock_guard lock(mutex_);
+  shared_.leave = true;
+}
+
+bool JoinedSite::ended(std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (shared_.stage != SiteLink::Stage::ended) return false;
+  reason = shared_.reason;
+  return true;
+}
+
+LinkStatistics JoinedSite::linkStatistics() {
+  const std::lock_guard lock(mutex_);
+  return shared_.statistics;
+}
+
+haptics::ServoStatistics JoinedSite::servoStatistics() const {
+  return servo_ ? servo_->statistics() : haptics::ServoStatistics{};
+}
+
+std::vector<OwnershipNote> JoinedSite::takeOwnershipNotes() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(ownershipNotes_, {});
+}
+
+std::vector<GrabNote> JoinedSite::takeGrabNotes() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(grabNotes_, {});
+}
+
+void JoinedSite::update(ViewModel& model) {
+  const double now = haptics::ServoLoop::now();
+  const double elapsed = lastUpdate_ > 0.0 ? now - lastUpdate_ : 0.0;
+  lastUpdate_ = now;
+  if (model.worldFromPart.size() != scene_.parts.size()) {
+    model.scene = &scene_;
+    model.worldFromPart.clear();
+    for (const assets::Part& part : scene_.parts) model.worldFromPart.push_back(part.worldFromPart);
+  }
+  ShownPose shown;
+  while (exchange_->shown.pop(shown)) {
+    model.worldFromPart[shown.part] = shown.worldFromPart;
+    if (onShown) onShown(shown);
+  }
+  updateHand(model);
+  const std::lock_guard lock(mutex_);
+  model.sites = shared_.sites;
+  model.owner = shared_.owner;
+  model.owner.resize(scene_.parts.size(), kNoSite);
+  for (const SiteView& site : model.sites)
+    if (site.self) model.role = site.info.role;
+  model.link.connected = shared_.stage == SiteLink::Stage::ready;
+  model.link.status = model.link.connected ? "connected"
+                      : shared_.stage == SiteLink::Stage::ended ? "ended: " + shared_.reason
+                                                                : "reconnecting: " + shared_.reason;
+  model.link.roundTrip_ms = shared_.statistics.roundTrip_ms;
+  model.link.lossUp = shared_.statistics.lossUp;
+  model.link.lossDown = shared_.statistics.lossDown;
+  model.link.playOut_ms = shared_.statistics.playOut_ms;
+  model.link.sentKbit_s = shared_.sentKbit_s;
+  model.link.receivedKbit_s = shared_.receivedKbit_s;
+  model.link.stateOverUdp = shared_.udp;
+  for (Notice& notice : notices_) notice.age += elapsed;
+  std::erase_if(notices_, [](const Notice& notice) { return notice.age > kNoticeLife; });
+  for (Notice& notice : shared_.notices) notices_.push_back(std::move(notice));
+  shared_.notices.clear();
+  model.notices = notices_;
+}
+
+void JoinedSite::updateHand(ViewModel& model) {
+  const HandOutput& output = exchange_->view.latest();
+  HandView& hand = model.hand;
+  hand.deviceName = device_ ? device_->name() : "none";
+  hand.present = device_ && hand.deviceName != "none";
+  hand.valid = output.device.valid;
+  hand.worldFromDevice = output.device.worldFromDevice;
+  hand.worldFromProxy = output.tick.worldFromProxy;
+  hand.toolRadius = settings_.parameters.toolRadius;
+  hand.force = output.tick.toHand.force;
+  hand.contacts = output.tick.contacts;
+  hand.contactCount = output.tick.contactCount;
+  hand.touched = output.tick.touched;
+  hand.held = output.tick.held;
+  hand.grabPending = output.grabPending;
+  hand.flags = output.tick.flags;
+  const haptics::ServoStatistics servo = servoStatistics();
+  model.loop.compute_us_p50 = servo.compute_us_p50;
+  model.loop.compute_us_p99 = servo.compute_us_p99;
+  model.loop.compute_us_max = servo.compute_us_max;
+  model.loop.ticks = servo.ticks;
+  model.loop.late = servo.late;
+  model.loop.realtime = servo.realtime;
+  if (servo_) {
+    const std::array<float, 256> recent = servo_->recentComputeTimes();
+    model.loop.recentCompute_us.assign(recent.begin(), recent.end());
+  }
+  float force = 0.0f;
+  while (exchange_->forces.pop(force)) recentForces_.push_back(force);
+  if (recentForces_.size() > kPlotLength)
+    recentForces_.erase(recentForces_.begin(), recentForces_.end() - static_cast<std::ptrdiff_t>(kPlotLength));
+  model.loop.recentForce_n = recentForces_;
+  model.settings = {settings_.parameters.forceLimit, settings_.parameters.gain, settings_.parameters.zeroForce,
+                    settings_.parameters.stiffness};
+}
+
+void JoinedSite::act(const ViewActions& actions) {
+  if (actions.settingsChanged) {
+    settings_.parameters.forceLimit = actions.settings.forceLimit;
+    settings_.parameters.gain = actions.settings.gain;
+    settings_.parameters.zeroForce = actions.settings.zeroForce;
+    settings_.parameters.stiffness = actions.settings.stiffness;
+  }
+  if (actions.resetFault) ++settings_.faultResets;
+  settings_.graspButton = actions.grasp;
+  exchange_->settings.write(settings_);
+  const std::lock_guard lock(mutex_);
+  shared_.worldFromCamera = actions.worldFromCamera;
+  if (actions.revoke != kNoPart) shared_.revokes.push_back(actions.revoke);
+  shared_.resetParts = shared_.resetParts || actions.resetParts;
+}
+
+}  // namespace tandem::client

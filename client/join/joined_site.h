@@ -1,0 +1,133 @@
+#pragma once
+
+// A site that runs: servo thread (HandLoop on a device), network thread (SiteLink on sockets), and what the main thread
+// needs to show and steer both. Main thread only, but for what its two threads do inside.
+
+#include <atomic>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "client/exchange.h"
+#include "client/hand_loop.h"
+#include "client/join/scene_store.h"
+#include "client/scripted_device.h"
+#include "client/site_link.h"
+#include "client/view_model.h"
+#include "haptics/servo_loop.h"
+#include "sync/join_link.h"
+#include "sync/socket_transport.h"
+
+namespace tandem::client {
+
+struct JoinOptions {
+  sync::JoinLink link;
+  std::string name = "site";
+  std::array<std::uint8_t, 3> colour{90, 160, 250};
+  bool udp = true;
+  std::string cacheDirectory;
+  std::string recordPath;             // empty: no recording
+  double enterTimeout_s = 10.0;       // for the way into the session, the scene transfer not counted
+};
+
+/// A change of ownership as this site was told, for reports.
+struct OwnershipNote {
+  double time = 0.0;                  // s since the site started
+  sync::PartRecord record;
+};
+
+/// How this site's grabs were answered.
+struct GrabNote {
+  double time = 0.0;                  // s since the site started
+  double wait_ms = 0.0;               // from the request to its answer
+  PartId part = kNoPart;
+  sync::Denial denial = sync::Denial::none;
+};
+
+class JoinedSite {
+ public:
+  /// Enters the session and fetches the scene; `progress` is told the share done. Blocks until the scene stands.
+  static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options,
+                                                   const std::function<void(double, const char*)>& progress);
+  ~JoinedSite();   // stops both threads, says goodbye
+
+  const assets::Scene& scene() const { return scene_; }
+  sync::Role role() const { return link_->welcome().role; }
+  SiteId id() const { return link_->welcome().site; }
+  Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }  // servo thread
+
+  /// Starts both threads with this device, which must be open. `wish`, if given, is asked each tick in the servo thread.
+  void start(std::unique_ptr<haptics::Device> device, std::function<PartId()> wish = {});
+
+  /// Brings the model up to date with both threads.
+  void update(ViewModel& model);
+  /// Hands the person's actions on.
+  void act(const ViewActions& actions);
+
+  /// The site is out of the session for good, and why.
+  bool ended(std::string& reason);
+  void leave();
+  /// Leaves without a word, as a killed program would (tests).
+  LinkStatistics linkStatistics();
+  haptics::ServoStatistics servoStatistics() const;
+  std::vector<OwnershipNote> takeOwnershipNotes();
+  std::vector<GrabNote> takeGrabNotes();
+  /// Called in update() for every pose that a part had here, in the order of time.
+  std::function<void(const ShownPose&)> onShown;
+
+ private:
+  class Observer;
+  explicit JoinedSite(const JoinOptions& options);
+  Status enterSession(const std::function<void(double, const char*)>& progress);
+  Status prepareScene(const std::function<void(double, const char*)>& progress);
+  Status fetch(const std::function<void(double, const char*)>& progress);
+  void runNetwork();
+  void waitForNetwork();
+  void share();
+  void updateHand(ViewModel& model);
+  static sync::Micros localNow();
+
+  JoinOptions options_;
+  SceneStore store_;
+  std::unique_ptr<Observer> observer_;
+  std::unique_ptr<SiteLink> link_;                 // network thread, once started
+  std::unique_ptr<sync::RecordingWriter> recording_;
+  assets::Scene scene_;
+  std::unique_ptr<haptics::ContactScene> contact_;
+  std::unique_ptr<Exchange> exchange_;
+  std::unique_ptr<HandLoop> hand_;                 // servo thread, once started
+  std::unique_ptr<haptics::Device> device_;
+  std::unique_ptr<haptics::ServoLoop> servo_;
+  std::thread network_;
+  std::atomic<bool> stop_{false};
+
+  // main thread
+  HandSettingsInput settings_;
+  std::vector<Notice> notices_;
+  std::vector<float> recentForces_;
+  double lastUpdate_ = 0.0;
+
+  // shared by main and network threads
+  std::mutex mutex_;
+  struct Shared {
+    std::vector<SiteView> sites;
+    std::vector<SiteId> owner;
+    std::vector<Notice> notices;
+    LinkStatistics statistics;
+    std::string reason;
+    SiteLink::Stage stage = SiteLink::Stage::connecting;
+    bool udp = true;
+    double sentKbit_s = 0.0, receivedKbit_s = 0.0;
+    // main -> network
+    Pose worldFromCamera;
+    std::vector<PartId> revokes;
+    bool resetParts = false, leave = false;
+  } shared_;
+  std::vector<OwnershipNote> ownershipNotes_;
+  std::vector<GrabNote> grabNotes_;
+};
+
+}  // namespace tandem::client

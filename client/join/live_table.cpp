@@ -1,0 +1,76 @@
+#include "client/join/live_table.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::client {
+
+namespace {
+
+std::string partName(const ViewModel& model, PartId part) {
+  return part == kNoPart || !model.scene ? "-" : model.scene->parts[part].name;
+}
+
+std::string ownedBy(const ViewModel& model, SiteId site) {
+  std::string names;
+  for (std::size_t i = 0; i < model.owner.size(); ++i)
+    if (model.owner[i] == site) names += (names.empty() ? "" : ", ") + model.scene->parts[i].name;
+  return names.empty() ? "-" : names;
+}
+
+}  // namespace
+
+LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0) {}
+
+void LiveTable::show(const ViewModel& model, double elapsed) {
+  if (quiet_ || elapsed < next_ || !model.scene) return;
+  next_ = elapsed + (terminal_ ? 0.2 : 2.0);
+  if (!terminal_) {
+    std::printf("%7.1f s  %s  %zu here  rtt %.1f ms  tick p99 %.0f us  force %.2f N  holds %s\n", elapsed,
+                model.link.status.c_str(), model.sites.size(), model.link.roundTrip_ms, model.loop.compute_us_p99,
+                glm::length(model.hand.force), partName(model, model.hand.held).c_str());
+    std::fflush(stdout);
+    return;
+  }
+  if (lines_ > 0) std::printf("\033[%dA", lines_);
+  lines_ = 0;
+  const auto end = [this] {
+    std::fputs("\033[K\n", stdout);
+    ++lines_;
+  };
+  std::printf("%6.1f s  %s  %s  rtt %.1f ms  loss %.1f/%.1f %%  play-out %.1f ms", elapsed, model.link.status.c_str(),
+              model.link.stateOverUdp ? "UDP" : "TLS", model.link.roundTrip_ms, 100.0 * model.link.lossUp,
+              100.0 * model.link.lossDown, model.link.playOut_ms);
+  end();
+  std::printf("loop  %llu ticks  %.1f us p50  %.1f us p99  %llu late%s", static_cast<unsigned long long>(model.loop.ticks),
+              model.loop.compute_us_p50, model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
+              model.loop.realtime ? "" : "  (not real-time)");
+  end();
+  std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
+              partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str());
+  end();
+  for (const SiteView& site : model.sites) {
+    std::printf("  %s%-16s %-11s %-5s owns %s", site.self ? "*" : " ", site.info.name.c_str(),
+                sync::toString(site.info.role), site.info.connected ? "here" : "away",
+                ownedBy(model, site.info.site).c_str());
+    end();
+  }
+  for (const Notice& notice : model.notices) {
+    std::printf("  ! %s", notice.text.c_str());
+    end();
+  }
+  std::fputs("\033[J", stdout);
+  std::fflush(stdout);
+}
+
+void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
+  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grabs asked\n",
+              end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
+              model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late), model.link.roundTrip_ms,
+              100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs);
+}
+
+}  // namespace tandem::client

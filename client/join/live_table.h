@@ -1,0 +1,26 @@
+#pragma once
+
+// What a site without a window shows: a table in the terminal, drawn anew, or a line now and then where there is none.
+
+#include <cstddef>
+#include <string>
+
+#include "client/view_model.h"
+
+namespace tandem::client {
+
+class LiveTable {
+ public:
+  explicit LiveTable(bool quiet);
+  /// `elapsed` in s since the start; draws a few times a second at most.
+  void show(const ViewModel& model, double elapsed);
+  /// A summary at the end.
+  static void summary(const ViewModel& model, const std::string& end, std::size_t grabs);
+
+ private:
+  bool quiet_, terminal_;
+  double next_ = 0.0;
+  int lines_ = 0;
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,110 @@
+#include "client/simulation/measures.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::client {
+
+namespace {
+constexpr std::size_t kStepWindow = 20;      // ticks
+constexpr double kDiverged = 10.0;           // m from where the hand began
+constexpr double kRestMotion = 0.5e-3;       // m peak to peak
+constexpr double kRestForceStep = 0.3;       // N in 20 ms
+constexpr std::size_t kRestTicks = 1500;
+}  // namespace
+
+double HandMeasures::energyCreated() const {
+  double most = 0.0;
+  for (const HandSample& sample : samples_) most = std::max(most, sample.energyGiven);
+  return most;
+}
+
+double HandMeasures::feltStiffness() const {
+  // The direction in which the hand travelled while pressing, then force against travel along it.
+  glm::dvec3 meanPosition(0.0), meanForce(0.0);
+  double count = 0.0;
+  for (const HandSample& s : samples_)
+    if (s.pressing) {
+      meanPosition += s.position;
+      meanForce += s.force;
+      count += 1.0;
+    }
+  if (count < 20.0) return 0.0;
+  meanPosition /= count;
+  meanForce /= count;
+  const double norm = glm::length(meanForce);
+  if (norm < 1e-9) return 0.0;
+  const glm::dvec3 axis = meanForce / norm;
+  double xx = 0.0, xf = 0.0;
+  for (const HandSample& s : samples_)
+    if (s.pressing) {
+      const double x = glm::dot(s.position - meanPosition, axis);
+      xx += x * x;
+      xf += x * glm::dot(s.force - meanForce, axis);
+    }
+  return xx > 1e-12 ? -xf / xx : 0.0;
+}
+
+double HandMeasures::forceChange(std::size_t tick) const {
+  // The largest change within the window ends at its newest sample for the window in which it is first seen.
+  double most = 0.0;
+  const std::size_t first = tick >= kStepWindow ? tick - kStepWindow : 0;
+  for (std::size_t i = first; i < tick; ++i)
+    most = std::max(most, glm::length(samples_[tick].force - samples_[i].force));
+  return most;
+}
+
+double HandMeasures::forceStep() const {
+  double most = 0.0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) most = std::max(most, forceChange(i));
+  return most;
+}
+
+double HandMeasures::handoverExcess() const {
+  double excess = 0.0;
+  for (const std::size_t change : roleChanges_) {
+    std::vector<double> before;
+    for (std::size_t i = change >= 1000 ? change - 1000 : 0; i < change; ++i) before.push_back(forceChange(i));
+    if (before.empty()) continue;
+    const std::size_t rank = before.size() * 99 / 100;
+    std::nth_element(before.begin(), before.begin() + static_cast<std::ptrdiff_t>(rank), before.end());
+    double after = 0.0;
+    // Windows that reach back before the change are left out: they would count the motion before it.
+    for (std::size_t i = change + kStepWindow; i < std::min(change + 500, samples_.size()); ++i)
+      after = std::max(after, forceChange(i));
+    for (std::size_t i = change; i < std::min(change + kStepWindow, samples_.size()); ++i)
+      if (change > 0) after = std::max(after, glm::length(samples_[i].force - samples_[change - 1].force));
+    excess = std::max(excess, after - before[rank]);
+  }
+  return excess;
+}
+
+double HandMeasures::rmsForce() const {
+  if (samples_.empty()) return 0.0;
+  double sum = 0.0;
+  for (const HandSample& s : samples_) sum += glm::dot(s.force, s.force);
+  return std::sqrt(sum / static_cast<double>(samples_.size()));
+}
+
+bool HandMeasures::stable(const std::vector<bool>& allStill) const {
+  if (samples_.empty()) return true;
+  for (const HandSample& s : samples_)
+    if (!(glm::length(s.position - samples_.front().position) < kDiverged)) return false;
+  std::size_t stillFor = 0;
+  for (std::size_t i = 0; i < samples_.size(); ++i) {
+    stillFor = allStill[i] ? stillFor + 1 : 0;
+    // The hands' targets must have stood for half a second: an arm needs that long to settle.
+    if (stillFor > 500 && forceChange(i) > kRestForceStep) return false;
+  }
+  if (stillFor < kRestTicks + 500) return true;
+  glm::dvec3 low = samples_.back().position, high = low;
+  for (std::size_t i = samples_.size() - kRestTicks; i < samples_.size(); ++i) {
+    low = glm::min(low, samples_[i].position);
+    high = glm::max(high, samples_[i].position);
+  }
+  return glm::length(high - low) < kRestMotion;
+}
+
+}  // namespace tandem::client

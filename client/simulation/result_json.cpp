@@ -1,0 +1,54 @@
+#include <nlohmann/json.hpp>
+
+#include "client/simulation/simulation.h"
+
+namespace tandem::client {
+
+using nlohmann::ordered_json;
+
+std::string toJson(const SimulationResult& result) {
+  ordered_json json;
+  json["stable"] = result.stable;
+  double excess = 0.0;
+  ordered_json energy, stiffness, step, packets, bytes;
+  for (const auto& [name, site] : result.sites) {
+    energy[name] = site.energyCreated;
+    stiffness[name] = site.feltStiffness > 0.0 ? ordered_json(site.feltStiffness) : ordered_json(nullptr);
+    step[name] = site.forceStep20ms;
+    packets[name] = site.packetsPerSecond;
+    bytes[name] = site.bytesPerSecond;
+    excess = std::max(excess, site.handoverExcess);
+  }
+  json["energy_created_j"] = energy;
+  json["felt_stiffness"] = stiffness;
+  // Nobody is engaged in a part that somebody else owns in this version: only what is displayed can differ.
+  json["discrepancy_m"] = {{"rms", nullptr},
+                           {"max", nullptr},
+                           {"displayed_rms", result.displayedRms},
+                           {"displayed_max", result.displayedMax}};
+  json["force_step_20ms_n"] = step;
+  json["handover_excess_n"] = excess;
+  json["leader_load_ratio"] = result.leaderLoadRatio;
+  json["packets_per_s"] = packets;
+  json["bytes_per_s"] = bytes;
+  json["grants"] = ordered_json::array();
+  for (const auto& grant : result.grants) {
+    const auto name = result.siteNames.find(grant.site);
+    json["grants"].push_back({{"t", grant.at},
+                              {"part", result.partNames[grant.part]},
+                              {"site", name == result.siteNames.end() ? std::to_string(grant.site) : name->second},
+                              {"epoch", grant.epoch}});
+  }
+  json["denials"] = result.denials;
+  json["dropped_states"] = result.droppedStates;
+  json["violations"] = ordered_json::array();
+  for (const Violation& violation : result.violations)
+    json["violations"].push_back({{"rule", violation.rule}, {"t", violation.at}, {"what", violation.what}});
+  for (const auto& [part, pose] : result.finalPoses)
+    json["final_poses"][part] = {pose.position.x,    pose.position.y,    pose.position.z,   pose.orientation.w,
+                                 pose.orientation.x, pose.orientation.y, pose.orientation.z};
+  json["hash"] = result.hash;
+  return json.dump(2);
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,217 @@
+#include "client/simulation/scenario.h"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <nlohmann/json.hpp>
+
+namespace tandem::client {
+
+using nlohmann::json;
+
+namespace {
+
+/// Reads fields of one object, and knows which of them nobody asked for.
+class Fields {
+ public:
+  Fields(const json& object, std::string where) : object_(object), where_(std::move(where)) {
+    if (!object_.is_object()) throw where_ + ": must be an object";
+  }
+  bool has(const char* key) {
+    known_.insert(key);
+    return object_.contains(key);
+  }
+  double number(const char* key, double fallback, double least, double most) {
+    if (!has(key)) return fallback;
+    const json& value = object_[key];
+    if (!value.is_number() || !std::isfinite(value.get<double>()) || value.get<double>() < least ||
+        value.get<double>() > most)
+      throw where_ + ": \"" + key + "\" must be a number from " + short_(least) + " to " + short_(most);
+    return value.get<double>();
+  }
+  double required(const char* key, double least, double most) {
+    if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
+    return number(key, 0.0, least, most);
+  }
+  std::string text(const char* key, const std::string& fallback) {
+    if (!has(key)) return fallback;
+    if (!object_[key].is_string()) throw where_ + ": \"" + key + "\" must be a string";
+    return object_[key].get<std::string>();
+  }
+  std::string requiredText(const char* key) {
+    if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
+    return text(key, "");
+  }
+  const json& list(const char* key) {
+    static const json empty = json::array();
+    if (!has(key)) return empty;
+    if (!object_[key].is_array()) throw where_ + ": \"" + key + "\" must be a list";
+    return object_[key];
+  }
+  const json& operator[](const char* key) { return object_[key]; }
+  const std::string& where() const { return where_; }
+  /// A misspelt key would silently simulate something else.
+  void refuseUnknown() const {
+    for (const auto& [key, value] : object_.items())
+      if (!known_.count(key)) throw where_ + ": does not know \"" + key + "\"";
+  }
+
+ private:
+  static std::string short_(double value) {
+    std::string text = std::to_string(value);
+    text.erase(text.find_last_not_of('0') + 1);
+    if (text.back() == '.') text.pop_back();
+    return text;
+  }
+  const json& object_;
+  std::string where_;
+  std::set<std::string> known_;
+};
+
+ScenarioSite parseSite(const json& entry, const std::string& where) {
+  Fields fields(entry, where);
+  ScenarioSite site;
+  site.name = fields.requiredText("name");
+  site.role = fields.text("role", "participant");
+  if (site.role != "participant" && site.role != "observer" && site.role != "instructor")
+    throw where + ": \"role\" must be instructor, participant or observer";
+  site.joins = fields.number("joins", 0.0, 0.0, 1e4);
+  if (fields.has("arm")) {
+    Fields arm(fields["arm"], where + ".arm");
+    site.arm.mass = arm.number("mass", site.arm.mass, 1e-3, 100.0);
+    site.arm.stiffness = arm.number("stiffness", site.arm.stiffness, 0.0, 1e5);
+    site.arm.damping = arm.number("damping", site.arm.damping, 0.0, 1e4);
+    site.arm.gripStiffness = arm.number("grip_stiffness", site.arm.gripStiffness, 0.0, 1e5);
+    site.arm.gripDamping = arm.number("grip_damping", site.arm.gripDamping, 0.0, 1e4);
+    arm.refuseUnknown();
+  }
+  if (fields.has("device")) {
+    Fields device(fields["device"], where + ".device");
+    site.device.mass = device.number("mass", site.device.mass, 1e-3, 100.0);
+    site.device.damping = device.number("damping", site.device.damping, 0.0, 1e3);
+    site.device.friction = device.number("friction", site.device.friction, 0.0, 100.0);
+    site.device.quantum = device.number("quantum_m", site.device.quantum, 0.0, 0.01);
+    site.device.forceMax = device.number("force_max", site.device.forceMax, 0.0, 1e3);
+    device.refuseUnknown();
+  }
+  if (fields.has("start")) {
+    const json& start = fields["start"];
+    if (!start.is_array() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (!start[i].is_number()) throw where + ": \"start\" must hold numbers";
+      site.start[static_cast<glm::length_t>(i)] = start[i].get<double>();
+    }
+    site.hasStart = true;
+  }
+  site.script = fields.list("script").dump();
+  fields.refuseUnknown();
+  return site;
+}
+
+void parseNetwork(const json& entry, Scenario& scenario) {
+  Fields fields(entry, "network");
+  const auto micros = [](double ms) { return static_cast<sync::Micros>(std::llround(ms * 1e3)); };
+  scenario.network.oneWay = micros(fields.number("one_way_ms", 0.0, 0.0, 1e5));
+  scenario.network.jitter = fields.number("jitter", 0.0, 0.0, 1.0);
+  scenario.network.loss = fields.number("loss", 0.0, 0.0, 1.0);
+  scenario.network.duplicate = fields.number("duplicate", 0.0, 0.0, 1.0);
+  scenario.network.reorder = fields.number("reorder", 0.0, 0.0, 1.0);
+  scenario.packetHz = fields.number("packet_hz", 250.0, 1.0, 1000.0);
+  for (const json& item : fields.list("blackouts")) {
+    Fields blackout(item, "network.blackouts");
+    scenario.blackouts.push_back({blackout.requiredText("site"), blackout.required("at", 0.0, 1e5),
+                                  blackout.required("for_s", 0.0, 1e5)});
+    blackout.refuseUnknown();
+  }
+  for (const json& item : fields.list("steps")) {
+    Fields step(item, "network.steps");
+    scenario.steps.push_back({step.required("at", 0.0, 1e5), micros(step.required("one_way_ms", 0.0, 1e5))});
+    step.refuseUnknown();
+  }
+  fields.refuseUnknown();
+}
+
+Fault parseFault(const json& entry, const std::string& where) {
+  Fields fields(entry, where);
+  Fault fault;
+  fault.at = fields.required("at", 0.0, 1e5);
+  if (fields.has("kill") == fields.has("pause")) throw where + ": needs either \"kill\" or \"pause\"";
+  if (fields.has("pause")) {
+    fault.kind = Fault::Kind::pauseSite;
+    fault.site = fields.requiredText("pause");
+    fault.lasts = fields.required("for_s", 0.0, 1e5);
+  } else {
+    fault.site = fields.requiredText("kill");
+    fault.kind = fault.site == "server" ? Fault::Kind::killServer : Fault::Kind::killSite;
+    fault.lasts = fields.number("restart_after_s", -1.0, 0.0, 1e5);
+  }
+  fields.refuseUnknown();
+  return fault;
+}
+
+void checkSites(const Scenario& scenario) {
+  std::set<std::string> names;
+  for (const ScenarioSite& site : scenario.sites)
+    if (site.name == "server" || !names.insert(site.name).second)
+      throw "sites: the name \"" + site.name + "\" is taken";
+  const auto check = [&](const std::string& site, const char* where) {
+    if (!names.count(site)) throw std::string(where) + ": no site is named \"" + site + "\"";
+  };
+  for (const Blackout& blackout : scenario.blackouts) check(blackout.site, "network.blackouts");
+  for (const Fault& fault : scenario.faults)
+    if (fault.kind != Fault::Kind::killServer) check(fault.site, "faults");
+}
+
+Scenario parse(const json& document, const std::string& path) {
+  namespace fs = std::filesystem;
+  Fields fields(document, "scenario");
+  Scenario scenario;
+  scenario.path = path;
+  const std::string scene = fields.requiredText("scene");
+  const fs::path beside = fs::path(path).parent_path() / scene;
+  scenario.scene = fs::exists(beside) ? beside.string() : scene;
+  scenario.duration = fields.required("duration_s", 0.001, 3600.0);
+  Result<double> units = assets::parseUnits(fields.text("units", "m"));
+  if (!units) throw "units: " + units.error().message;
+  scenario.load.unitScale = *units;
+  if (fields.has("movable")) {
+    const json& movable = fields["movable"];
+    if (movable.is_string() && movable.get<std::string>() == "all") {
+      scenario.load.allMovable = true;
+    } else {
+      for (const json& name : fields.list("movable")) {
+        if (!name.is_string()) throw std::string("movable: must be \"all\" or a list of names");
+        scenario.load.movable.push_back(name.get<std::string>());
+      }
+    }
+  }
+  std::size_t index = 0;
+  for (const json& site : fields.list("sites"))
+    scenario.sites.push_back(parseSite(site, "sites[" + std::to_string(index++) + "]"));
+  if (scenario.sites.empty()) throw std::string("sites: needs at least one");
+  if (fields.has("network")) parseNetwork(fields["network"], scenario);
+  index = 0;
+  for (const json& fault : fields.list("faults"))
+    scenario.faults.push_back(parseFault(fault, "faults[" + std::to_string(index++) + "]"));
+  fields.refuseUnknown();
+  checkSites(scenario);
+  return scenario;
+}
+
+}  // namespace
+
+Result<Scenario> loadScenario(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) return Error{path + ": cannot be read"};
+  const json document = json::parse(file, nullptr, false);
+  if (document.is_discarded()) return Error{path + ": not JSON"};
+  try {
+    return parse(document, path);
+  } catch (const std::string& reason) {
+    return Error{path + ": " + reason};
+  }
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,60 @@
+#pragma once
+
+// A scenario of `tandem simulate`: people, devices, network and faults, read from JSON. The form is in client/README.md.
+
+#include <string>
+#include <vector>
+
+#include "assets/load_gltf.h"
+#include "assets/result.h"
+#include "haptics/simulated_hand.h"
+#include "sync/virtual_network.h"
+
+namespace tandem::client {
+
+struct ScenarioSite {
+  std::string name;
+  haptics::ArmParameters arm;
+  haptics::SimulatedDeviceParameters device;
+  std::string role = "participant";
+  bool hasStart = false;
+  glm::dvec3 start{0.0, 0.0, 0.0};   // m, world
+  double joins = 0.0;                // s
+  std::string script;                // JSON text, parsed against the scene later
+};
+
+struct Blackout {
+  std::string site;
+  double at = 0.0, lasts = 0.0;      // s
+};
+
+struct DelayStep {
+  double at = 0.0;                   // s
+  sync::Micros oneWay = 0;
+};
+
+struct Fault {
+  enum class Kind : std::uint8_t { killServer, killSite, pauseSite };
+  Kind kind = Kind::killServer;
+  double at = 0.0;                   // s
+  double lasts = -1.0;               // s: until the restart, or of the pause; < 0: for good
+  std::string site;
+};
+
+struct Scenario {
+  std::string path;                  // of the scenario file, for messages
+  std::string scene;                 // path of the scene
+  assets::LoadOptions load;
+  double duration = 0.0;             // s
+  std::vector<ScenarioSite> sites;
+  sync::NetworkConditions network;
+  double packetHz = 250.0;
+  std::vector<Blackout> blackouts;
+  std::vector<DelayStep> steps;
+  std::vector<Fault> faults;
+};
+
+/// Reads a scenario file. The scene's path is taken from the file's folder, then from the working directory.
+Result<Scenario> loadScenario(const std::string& path);
+
+}  // namespace tandem::client

@@ -1,0 +1,483 @@
+#include "client/simulation/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <memory>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "assets/scene_package.h"
+#include "client/hand_loop.h"
+#include "client/scripted_device.h"
+#include "client/simulation/measures.h"
+#include "client/site_link.h"
+#include "server/memory_journal.h"
+#include "server/session.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+
+constexpr Micros kTick = kMillisecond;
+constexpr std::int64_t kWallClock = 1700000000;  // Unix time at virtual time 0: any constant
+
+/// FNV-1a over the bits of doubles: equal only if every tick was equal.
+class Fingerprint {
+ public:
+  void add(double value) {
+    std::uint64_t bits;
+    std::memcpy(&bits, &value, sizeof bits);
+    for (int i = 0; i < 8; ++i) {
+      hash_ ^= (bits >> (8 * i)) & 0xff;
+      hash_ *= 1099511628211ull;
+    }
+  }
+  void add(const glm::dvec3& v) { add(v.x), add(v.y), add(v.z); }
+  std::string hex() const {
+    char text[17];
+    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash_));
+    return text;
+  }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037ull;
+};
+
+Role roleOf(const std::string& name) {
+  return name == "instructor" ? Role::instructor : name == "observer" ? Role::observer : Role::participant;
+}
+
+class Simulation;
+
+/// One person with everything at their site.
+class SimulatedSite : public LinkObserver {
+ public:
+  SimulatedSite(Simulation& simulation, std::size_t index, const ScenarioSite& description, HandScript script,
+                const haptics::ContactScene& contact, const Pose& start, Micros clockOffset);
+
+  void start();
+  void crash();
+  void step(Micros now);
+
+  void onOwnership(const PartRecord& record) override;
+  void onGrab(const Grab& grab) override;
+  void onGrabReply(const GrabReply& reply) override;
+  void onAccepted(SiteId from, const PartState& state) override;
+  void onPublished(const PartState& state) override;
+  void onConnection(bool up) override;
+
+  bool paused(Micros now) const { return now < pausedUntil; }
+  bool inSession() const { return link && link->stage() == SiteLink::Stage::ready; }
+  Micros local(Micros now) const { return now + clockOffset; }
+
+  const std::string& name() const { return description.name; }
+
+  Simulation& simulation;
+  std::size_t index;
+  const ScenarioSite& description;
+  Micros clockOffset, joinsAt, pausedUntil = 0;
+  SiteId id = kNoSite;
+  std::unique_ptr<Exchange> exchange;
+  std::unique_ptr<HandLoop> hand;
+  std::unique_ptr<SiteLink> link;
+  ScriptedDevice device;
+  HandMeasures measures;
+  glm::dvec3 lastTarget{0.0, 0.0, 0.0};
+  double sourceEnergy = 0.0;
+  std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
+
+ private:
+  void tickHand(Micros now);
+  void countTransport();
+};
+
+class Simulation {
+ public:
+  Simulation(const Scenario& script, const assets::Scene& parts, const SimulationOptions& options)
+      : scenario(script), scene(parts), contact(parts), package(assets::packScene(parts)),
+        network(options.seed, script.network), conditions(script.network),
+        invariants(script.sites.size(), LeaseRules{}) {
+    key.seed.fill(static_cast<std::uint8_t>(options.seed));
+    if (!options.tracePath.empty()) {
+      trace.open(options.tracePath);
+      trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags\n";
+    }
+  }
+
+  Status addSites(std::uint64_t seed);
+  Status run();
+  SimulationResult result();
+
+  void startServer();
+  void killServer();
+  void stepServer();
+  void applyFaults();
+  void compareReplicas();
+
+  const Scenario& scenario;
+  const assets::Scene& scene;
+  haptics::ContactScene contact;
+  std::vector<std::byte> package;
+  VirtualNetwork network;
+  NetworkConditions conditions;
+  Invariants invariants;
+  server::SigningKey key;
+  server::MemoryJournal journal;
+  std::unique_ptr<Transport> serverTransport;
+  std::unique_ptr<server::Session> session;
+  Micros now = 0, serverClockOffset = 0, restartAt = -1;
+  std::vector<std::unique_ptr<SimulatedSite>> sites;
+  std::vector<bool> faultDone, blackoutDone, stepDone;
+  std::vector<std::pair<Micros, std::size_t>> rejoin;
+  std::vector<bool> allStill;
+  std::vector<bool> everOwned;
+  Fingerprint fingerprint;
+  std::ofstream trace;
+  double displayedSquares = 0.0, displayedMax = 0.0;
+  std::uint64_t displayedCount = 0;
+};
+
+// ---- a site ----
+
+SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const ScenarioSite& siteDescription,
+                             HandScript script, const haptics::ContactScene& contact, const Pose& start, Micros offset)
+    : simulation(sim),
+      index(siteIndex),
+      description(siteDescription),
+      clockOffset(offset),
+      joinsAt(static_cast<Micros>(description.joins * 1e6)),
+      exchange(std::make_unique<Exchange>()),
+      hand(std::make_unique<HandLoop>(contact, *exchange)),
+      device(sim.scene, std::move(script), description.arm, description.device, start,
+             [this](PartId part) { return hand->worldFromPart(part); }) {
+  lastTarget = start.position;
+  HandSettingsInput settings;
+  settings.parameters.forceLimit = description.device.forceMax;
+  settings.parameters.gravity = sim.scene.gravity;
+  exchange->settings.write(settings);
+}
+
+void SimulatedSite::start() {
+  SiteLinkOptions options;
+  options.name = description.name;
+  options.packetHz = simulation.scenario.packetHz;
+  options.token = simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
+  link = std::make_unique<SiteLink>(options, [this]() -> Result<std::unique_ptr<Transport>> {
+    countTransport();
+    return simulation.network.connect(name());
+  });
+  link->setObserver(this);
+}
+
+void SimulatedSite::countTransport() {
+  if (!link || !link->transport()) return;
+  packetsBefore += link->transport()->counters().statePacketsOut;
+  bytesBefore += link->transport()->counters().stateBytesOut + link->transport()->counters().controlBytesOut;
+}
+
+void SimulatedSite::crash() {
+  countTransport();
+  if (link) {
+    droppedStates += link->statistics().droppedStates;
+    simulation.invariants.onDead(index, id);
+  }
+  link.reset();
+  id = kNoSite;
+  // The process is gone with all that it knew; arm and device stay in the world.
+  exchange = std::make_unique<Exchange>();
+  HandSettingsInput settings;
+  settings.parameters.forceLimit = description.device.forceMax;
+  settings.parameters.gravity = simulation.scene.gravity;
+  exchange->settings.write(settings);
+  hand = std::make_unique<HandLoop>(simulation.contact, *exchange);
+}
+
+void SimulatedSite::step(Micros now) {
+  tickHand(now);
+  if (paused(now) || !link) return;
+  link->step(local(now));
+  if (link->stage() == SiteLink::Stage::needScene) link->skipTransfer();
+  if (link->stage() == SiteLink::Stage::haveScene) link->sceneReady(simulation.scene, *exchange);
+  id = link->welcome().site;
+  if (link->stage() == SiteLink::Stage::ended)
+    simulation.invariants.onConnection(index, false);
+}
+
+void SimulatedSite::tickHand(Micros now) {
+  const haptics::DeviceSample sample = device.poll(toSeconds(now));
+  Wrench wrench;
+  const bool running = !paused(now) && (link || !simulation.session);
+  if (!paused(now)) {
+    hand->setWish(device.wish());
+    wrench = hand->tick(sample, local(now));
+  }
+  if (!running && !link) wrench = {};  // the process is dead: the device's watchdog gives zero force
+  device.apply(wrench);
+  const haptics::TickOutput& tick = hand->output().tick;
+  HandSample measured;
+  measured.force = wrench.force;
+  measured.position = device.hand().devicePose().position;
+  measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
+  if (tick.held != kNoPart) {
+    // The weight of a held part is a source of the scene: what it gives to the hand was not created.
+    const assets::Part& part = simulation.scene.parts[tick.held];
+    sourceEnergy += part.massProperties.mass * part.gravityFactor *
+                    glm::dot(simulation.scene.gravity, device.hand().deviceVelocity()) * 1e-3;
+  }
+  for (int i = 0; i < tick.contactCount; ++i)
+    if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable) measured.pressing = true;
+  const glm::dvec3 target = device.target().worldFromTarget.position;
+  measured.still = target == lastTarget;
+  lastTarget = target;
+  measures.add(measured);
+  simulation.fingerprint.add(wrench.force);
+  simulation.fingerprint.add(measured.position);
+  if (simulation.trace.is_open() && now % (10 * kMillisecond) == 0) {
+    char line[320];
+    const glm::dvec3& p = tick.worldFromProxy.position;
+    std::snprintf(line, sizeof line, "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u\n", toSeconds(now),
+                  name().c_str(), measured.position.x, measured.position.y, measured.position.z, p.x, p.y, p.z,
+                  wrench.force.x, wrench.force.y, wrench.force.z,
+                  tick.held == kNoPart ? "" : simulation.scene.parts[tick.held].name.c_str(), tick.flags);
+    simulation.trace << line;
+  }
+}
+
+void SimulatedSite::onOwnership(const PartRecord& record) {
+  simulation.invariants.onOwnership(index, record);
+  simulation.everOwned[record.part] = true;
+  if (record.owner == link->welcome().site || hand->output().tick.held == record.part) measures.roleChanged();
+}
+void SimulatedSite::onGrab(const Grab& grab) { simulation.invariants.onGrab(index, grab); }
+void SimulatedSite::onGrabReply(const GrabReply& reply) {
+  if (reply.denial != Denial::none) ++denials;
+  simulation.invariants.onGrabReply(index, reply);
+}
+void SimulatedSite::onAccepted(SiteId, const PartState& state) { simulation.invariants.onAccepted(index, state); }
+void SimulatedSite::onPublished(const PartState& state) {
+  simulation.invariants.onPublished(index, link->welcome().site, state);
+}
+void SimulatedSite::onConnection(bool up) { simulation.invariants.onConnection(index, up); }
+
+// ---- the session ----
+
+Status Simulation::addSites(std::uint64_t seed) {
+  std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
+  for (std::size_t i = 0; i < scenario.sites.size(); ++i) {
+    const ScenarioSite& description = scenario.sites[i];
+    Result<HandScript> script =
+        parseHandScript(description.script, scenario.path + ": sites[" + std::to_string(i) + "].script", scene);
+    if (!script) return script.error();
+    const Pose start = description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene, i);
+    // Each site's clock started some time in the last eleven days.
+    const auto offset = static_cast<Micros>(random() % 1000000000000ull);
+    sites.push_back(
+        std::make_unique<SimulatedSite>(*this, i, description, std::move(*script), contact, start, offset));
+  }
+  faultDone.assign(scenario.faults.size(), false);
+  blackoutDone.assign(scenario.blackouts.size(), false);
+  stepDone.assign(scenario.steps.size(), false);
+  everOwned.assign(scene.parts.size(), false);
+  return {};
+}
+
+void Simulation::startServer() {
+  server::SessionConfig config;
+  config.key = key;
+  config.maxSites = kMaxSites;
+  serverTransport = network.listen();
+  const server::JournalContents kept = journal.contents();
+  serverClockOffset = kept.sessionTime - now;  // a new process: its clock goes on from what the journal knows
+  session = std::make_unique<server::Session>(scene, package, config, *serverTransport, journal, nullptr,
+                                              now + serverClockOffset, kWallClock + now / kSecond);
+  if (now > 0) invariants.onServerRestart(kept.parts);
+}
+
+void Simulation::killServer() {
+  session.reset();
+  serverTransport.reset();
+  journal.crash();
+}
+
+void Simulation::stepServer() {
+  if (!session) return;
+  session->step(now + serverClockOffset, kWallClock + now / kSecond);
+  for (std::size_t i = 0; i < scene.parts.size(); ++i)
+    if (const PartRecord& record = session->ownership().part(static_cast<PartId>(i)); record.epoch > 0)
+      invariants.onServerRecord(record);
+}
+
+void Simulation::applyFaults() {
+  const double t = toSeconds(now);
+  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
+    const Fault& fault = scenario.faults[i];
+    if (faultDone[i] || t < fault.at) continue;
+    faultDone[i] = true;
+    const Micros until = now + static_cast<Micros>(std::max(fault.lasts, 0.0) * 1e6);
+    if (fault.kind == Fault::Kind::killServer) {
+      killServer();
+      if (fault.lasts >= 0.0) restartAt = until;
+      continue;
+    }
+    for (auto& site : sites) {
+      if (site->name() != fault.site) continue;
+      if (fault.kind == Fault::Kind::pauseSite) {
+        site->pausedUntil = until;
+      } else {
+        site->crash();
+        if (fault.lasts >= 0.0) rejoin.emplace_back(until, site->index);
+      }
+    }
+  }
+  if (restartAt >= 0 && now >= restartAt) {
+    restartAt = -1;
+    startServer();
+  }
+  for (auto& [at, index] : rejoin)
+    if (at >= 0 && now >= at && session) {
+      sites[index]->start();
+      at = -1;
+    }
+  for (std::size_t i = 0; i < scenario.blackouts.size(); ++i)
+    if (!blackoutDone[i] && t >= scenario.blackouts[i].at) {
+      blackoutDone[i] = true;
+      network.blackout(scenario.blackouts[i].site, now + static_cast<Micros>(scenario.blackouts[i].lasts * 1e6));
+    }
+  for (std::size_t i = 0; i < scenario.steps.size(); ++i)
+    if (!stepDone[i] && t >= scenario.steps[i].at) {
+      stepDone[i] = true;
+      conditions.oneWay = scenario.steps[i].oneWay;
+      network.setConditions(conditions);
+    }
+}
+
+/// The owner's part against what every other site shows of it at this instant.
+void Simulation::compareReplicas() {
+  for (const auto& owner : sites) {
+    if (!owner->inSession()) continue;
+    const haptics::TickOutput& tick = owner->hand->output().tick;
+    for (int i = 0; i < tick.ownedCount; ++i) {
+      const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
+      fingerprint.add(part.worldFromPart.position);
+      for (const auto& other : sites) {
+        if (other == owner || !other->inSession()) continue;
+        const double distance =
+            glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position);
+        displayedSquares += distance * distance;
+        displayedMax = std::max(displayedMax, distance);
+        ++displayedCount;
+      }
+    }
+  }
+}
+
+Status Simulation::run() {
+  startServer();
+  const auto ticks = static_cast<Micros>(std::llround(scenario.duration * 1e3));
+  for (Micros tick = 0; tick < ticks; ++tick) {
+    now = tick * kTick;
+    invariants.setTime(now);
+    network.advanceTo(now);
+    journal.advanceTo(now);
+    applyFaults();
+    stepServer();
+    bool still = true;
+    for (auto& site : sites) {
+      if (!site->link && site->joinsAt >= 0 && now >= site->joinsAt && session) {
+        site->joinsAt = -1;
+        site->start();
+      }
+      site->step(now);
+      still = still && site->measures.samples().back().still;
+    }
+    allStill.push_back(still);
+    compareReplicas();
+  }
+  return {};
+}
+
+SimulationResult Simulation::result() {
+  SimulationResult result;
+  std::vector<std::pair<std::string, double>> replicaErrors;
+  for (std::size_t part = 0; part < scene.parts.size(); ++part) {
+    if (!everOwned[part]) continue;
+    const SimulatedSite* first = nullptr;
+    double error = 0.0;
+    for (const auto& site : sites) {
+      if (!site->inSession() || site->link->owner(static_cast<PartId>(part)) != kNoSite) continue;
+      const Pose& pose = site->hand->worldFromPart(static_cast<PartId>(part));
+      if (first)
+        error = std::max(error, glm::length(pose.position -
+                                            first->hand->worldFromPart(static_cast<PartId>(part)).position));
+      else
+        result.finalPoses[scene.parts[part].name] = pose;
+      if (!first) first = site.get();
+    }
+    replicaErrors.emplace_back(scene.parts[part].name, error);
+  }
+  invariants.finish(replicaErrors);
+  for (const auto& site : sites) {
+    SimulatedSiteResult& out = result.sites[site->name()];
+    out.energyCreated = site->measures.energyCreated();
+    out.feltStiffness = site->measures.feltStiffness();
+    out.forceStep20ms = site->measures.forceStep();
+    out.handoverExcess = site->measures.handoverExcess();
+    out.rmsForce = site->measures.rmsForce();
+    const TransportCounters counters =
+        site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
+    out.packetsPerSecond = static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
+    out.bytesPerSecond =
+        static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) / scenario.duration;
+    result.stable = result.stable && site->measures.stable(allStill);
+    result.siteNames[site->id] = site->name();
+    result.droppedStates += site->droppedStates + (site->link ? site->link->statistics().droppedStates : 0);
+    result.denials += site->denials;
+  }
+  if (displayedCount > 0) result.displayedRms = std::sqrt(displayedSquares / static_cast<double>(displayedCount));
+  result.displayedMax = displayedMax;
+  result.grants = invariants.grants();
+  result.violations = invariants.violations();
+  for (const assets::Part& part : scene.parts) result.partNames.push_back(part.name);
+  result.hash = fingerprint.hex();
+  return result;
+}
+
+/// The site that owned a part first, or the first of the list.
+std::string leader(const SimulationResult& result, const Scenario& scenario) {
+  if (!result.grants.empty()) {
+    const auto name = result.siteNames.find(result.grants.front().site);
+    if (name != result.siteNames.end()) return name->second;
+  }
+  return scenario.sites.front().name;
+}
+
+}  // namespace
+
+Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene& scene,
+                                  const SimulationOptions& options) {
+  Simulation simulation(scenario, scene, options);
+  if (Status status = simulation.addSites(options.seed); !status) return status.error();
+  if (Status status = simulation.run(); !status) return status.error();
+  SimulationResult result = simulation.result();
+  if (!options.leaderLoad || scenario.network.oneWay == 0) return result;
+  Scenario near = scenario;
+  near.network = {};
+  near.steps.clear();
+  SimulationOptions again = options;
+  again.leaderLoad = false;
+  again.tracePath.clear();
+  Result<SimulationResult> reference = simulate(near, scene, again);
+  if (!reference) return reference.error();
+  const std::string name = leader(result, scenario);
+  const double load = reference->sites[name].rmsForce;
+  result.leaderLoadRatio = load > 1e-9 ? result.sites[name].rmsForce / load : 1.0;
+  return result;
+}
+
+}  // namespace tandem::client

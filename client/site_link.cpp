@@ -1,0 +1,442 @@
+#include "client/site_link.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+namespace tandem::client {
+
+using namespace sync;
+
+SiteLink::SiteLink(SiteLinkOptions options, Connector connector)
+    : options_(std::move(options)), connector_(std::move(connector)), retryDelay_(options_.retryFirst) {
+  outgoing_.parts.reserve(haptics::kMaxOwnedParts);
+  bytes_.reserve(kMaxStateBytes);
+}
+
+SiteLink::~SiteLink() = default;
+
+void SiteLink::step(Micros now) {
+  now_ = now;
+  if (stage_ == Stage::ended) {
+    if (transport_) takeEvents(now);  // lets a farewell leave
+    return;
+  }
+  if (!transport_ && now >= retryAt_) connect(now);
+  if (transport_) takeEvents(now);
+  if (!transport_ || stage_ == Stage::connecting) return;
+  if (stage_ == Stage::ready && now >= nextPing_) {
+    nextPing_ = now + options_.pingInterval;
+    outgoingMessage_ = Ping{++pingSequence_, now};
+    sendState(outgoingMessage_);
+  }
+  if (exchange_) {
+    publishTimeBase(now);
+    flushEvents();
+    if (stage_ == Stage::ready) {
+      sendIntents();
+      publish(now);
+    }
+  }
+}
+
+// ---- connection ----
+
+void SiteLink::connect(Micros now) {
+  Result<std::unique_ptr<Transport>> made = connector_();
+  if (!made) {
+    reason_ = made.error().message;
+    retryAt_ = now + retryDelay_;
+    retryDelay_ = std::min(2 * retryDelay_, options_.retryLongest);
+    return;
+  }
+  transport_ = std::move(*made);
+}
+
+void SiteLink::disconnected(const std::string& reason, Micros now) {
+  transport_.reset();
+  if (stage_ == Stage::ended) return;
+  if (stage_ == Stage::ready) {
+    notice(Notice::Level::warning, "connection lost: " + reason);
+    ++statistics_.reconnects;
+    if (observer_) observer_->onConnection(false);
+    pushEvent({NetworkEvent::Kind::lost, 0, {}, {}});
+  }
+  for (SiteView& site : sites_) site.info.connected = site.self;
+  openGrabs_.clear();
+  reason_ = reason;
+  stage_ = Stage::connecting;
+  retryAt_ = now + retryDelay_;
+  retryDelay_ = std::min(2 * retryDelay_, options_.retryLongest);
+}
+
+void SiteLink::takeEvents(Micros now) {
+  TransportEvent event;
+  while (transport_ && transport_->poll(event)) {
+    switch (event.kind) {
+      case TransportEvent::Kind::connected: {
+        stage_ = Stage::entering;
+        const bool resume = !resumeTicket_.empty();
+        send(Hello{kProtocolVersion, resume, resume ? resumeTicket_ : options_.token, options_.name, options_.colour});
+        break;
+      }
+      case TransportEvent::Kind::control:
+        takeControl(event.bytes, now);
+        break;
+      case TransportEvent::Kind::state:
+        takeState(event.bytes, now);
+        break;
+      case TransportEvent::Kind::closed:
+        disconnected(event.reason, now);
+        break;
+    }
+  }
+}
+
+void SiteLink::takeControl(std::span<const std::byte> bytes, Micros now) {
+  Result<ControlMessage> decoded = decodeControl(bytes);
+  if (!decoded) {
+    ++statistics_.malformed;
+    transport_->close(0);
+    disconnected("the server sent something that is not of this protocol: " + decoded.error().message, now);
+    return;
+  }
+  if (recording_ && !std::holds_alternative<SceneChunk>(*decoded) && !std::holds_alternative<Welcome>(*decoded))
+    recording_->write(sessionTime(now), *decoded);
+  std::visit([this](auto& message) { take(message); }, *decoded);
+}
+
+template <typename Unexpected>
+void SiteLink::take(Unexpected&) {
+  ++statistics_.malformed;
+}
+
+void SiteLink::take(Welcome& message) {
+  if (scene_ && message.sceneHash != welcome_.sceneHash) {
+    stage_ = Stage::ended;
+    reason_ = "the server now holds another scene";
+    transport_->close(0);
+    return;
+  }
+  welcome_ = std::move(message);
+  resumeTicket_ = welcome_.resumeTicket;
+  options_.lease.lease = welcome_.lease;
+  retryDelay_ = options_.retryFirst;
+  clock_.reset();
+  sites_.clear();
+  for (const SiteInfo& info : welcome_.sites) sites_.push_back({info, info.site == welcome_.site, false, {}});
+  if (scene_)
+    enterReady();
+  else
+    stage_ = Stage::needScene;
+}
+
+void SiteLink::take(Refused& message) {
+  // A ticket of a server that forgot this site is no reason to try for ever.
+  reason_ = message.reason;
+  stage_ = Stage::ended;
+  notice(Notice::Level::error, "refused: " + message.reason);
+}
+
+// ---- scene ----
+
+void SiteLink::skipTransfer() {
+  if (stage_ == Stage::needScene) stage_ = Stage::haveScene;
+}
+
+void SiteLink::startTransfer(std::vector<std::byte> have) {
+  if (stage_ != Stage::needScene) return;
+  package_ = std::move(have);
+  if (package_.size() > welcome_.sceneBytes) package_.clear();
+  package_.reserve(welcome_.sceneBytes);
+  stage_ = package_.size() == welcome_.sceneBytes ? Stage::haveScene : Stage::transferring;
+  if (stage_ == Stage::transferring) send(SceneRequest{package_.size()});
+}
+
+double SiteLink::transferProgress() const {
+  return welcome_.sceneBytes == 0 ? 0.0
+                                  : static_cast<double>(package_.size()) / static_cast<double>(welcome_.sceneBytes);
+}
+
+void SiteLink::take(SceneChunk& message) {
+  if (stage_ != Stage::transferring || message.offset != package_.size() ||
+      message.bytes.size() > welcome_.sceneBytes - package_.size()) {
+    ++statistics_.malformed;
+    return;
+  }
+  const auto* begin = reinterpret_cast<const std::byte*>(message.bytes.data());
+  package_.insert(package_.end(), begin, begin + message.bytes.size());
+  if (package_.size() == welcome_.sceneBytes) stage_ = Stage::haveScene;
+}
+
+void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
+  scene_ = &scene;
+  exchange_ = &exchange;
+  frame_ = wireFrame(scene.bounds);
+  ownership_.emplace(scene.parts.size(), options_.lease);
+  partSequence_.assign(scene.parts.size(), 0);
+  if (stage_ == Stage::haveScene) enterReady();
+}
+
+void SiteLink::enterReady() {
+  ownership_->setSelf(welcome_.site);
+  stage_ = Stage::ready;
+  nextPing_ = nextUpdate_ = now_;
+  publishTimeBase(now_);
+  if (observer_) observer_->onConnection(true);
+  reclaimParts();
+  for (const PartRecord& record : welcome_.parts)
+    if (record.part < scene_->parts.size()) applyOwnership(record);
+  send(Ready{});
+}
+
+/// Parts that were this site's before an outage are asked for again, in their old epoch.
+void SiteLink::reclaimParts() {
+  hand_ = exchange_->output.latest();
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const haptics::OwnedPart& part = hand_.tick.owned[index];
+    if (hand_.ownedEpoch[index] == 0) continue;
+    openGrabs_.emplace_back(nextRequest_, part.part);
+    send(Reclaim{nextRequest_++, part.part, hand_.ownedEpoch[index], part.worldFromPart});
+  }
+}
+
+// ---- ownership ----
+
+void SiteLink::applyOwnership(const PartRecord& record) {
+  if (!ownership_->apply(record)) return;
+  if (observer_) observer_->onOwnership(record);
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::ownership;
+  event.record = record;
+  pushEvent(event);
+}
+
+void SiteLink::take(OwnershipChanged& message) {
+  if (!scene_ || message.part.part >= scene_->parts.size()) {
+    ++statistics_.malformed;
+    return;
+  }
+  applyOwnership(message.part);
+}
+
+void SiteLink::take(GrabReply& message) {
+  const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(),
+                                 [&](const auto& entry) { return entry.first == message.request; });
+  if (open == openGrabs_.end() || !scene_ || message.part.part >= scene_->parts.size() ||
+      open->second != message.part.part) {
+    ++statistics_.malformed;
+    return;
+  }
+  openGrabs_.erase(open);
+  if (observer_) observer_->onGrabReply(message);
+  if (message.denial != Denial::none) {
+    std::string why = toString(message.denial);
+    if (message.denial == Denial::ownedByOther) why = siteName(message.part.owner) + " holds it";
+    notice(Notice::Level::warning, partName(message.part.part) + " cannot be taken: " + why);
+    NetworkEvent event;
+    event.kind = NetworkEvent::Kind::denied;
+    event.record = message.part;
+    pushEvent(event);
+  }
+  applyOwnership(message.part);
+}
+
+void SiteLink::take(ReleaseReply& message) {
+  if (scene_ && message.part.part < scene_->parts.size()) applyOwnership(message.part);
+}
+
+void SiteLink::take(CommandReply& message) {
+  if (!message.done) notice(Notice::Level::warning, "not done: " + message.reason);
+}
+
+void SiteLink::revoke(PartId part) {
+  if (stage_ == Stage::ready) send(Revoke{nextRequest_++, part});
+}
+
+void SiteLink::resetParts() {
+  if (stage_ == Stage::ready) send(ResetParts{nextRequest_++});
+}
+
+void SiteLink::leave() {
+  if (transport_ && stage_ != Stage::connecting) {
+    send(Goodbye{});
+    transport_->close(0);
+  }
+  stage_ = Stage::ended;
+  reason_ = "left";
+}
+
+// ---- people ----
+
+void SiteLink::take(SiteChanged& message) {
+  if (SiteView* known = siteView(message.site.site)) {
+    if (known->info.connected && !message.site.connected)
+      notice(Notice::Level::info, message.site.name + " lost the connection");
+    known->info = message.site;
+    return;
+  }
+  if (message.site.site != welcome_.site) notice(Notice::Level::info, message.site.name + " joined");
+  sites_.push_back({message.site, message.site.site == welcome_.site, false, {}});
+}
+
+void SiteLink::take(SiteLeft& message) {
+  notice(Notice::Level::info, siteName(message.site) + " left");
+  std::erase_if(sites_, [&](const SiteView& site) { return site.info.site == message.site; });
+}
+
+SiteView* SiteLink::siteView(SiteId site) {
+  for (SiteView& view : sites_)
+    if (view.info.site == site) return &view;
+  return nullptr;
+}
+
+std::string SiteLink::siteName(SiteId site) const {
+  for (const SiteView& view : sites_)
+    if (view.info.site == site) return view.info.name;
+  return "somebody";
+}
+
+std::string SiteLink::partName(PartId part) const {
+  return scene_ && part < scene_->parts.size() ? scene_->parts[part].name : "part " + std::to_string(part);
+}
+
+void SiteLink::notice(Notice::Level level, std::string text) { notices_.push_back({level, 0.0, std::move(text)}); }
+
+std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {}); }
+
+// ---- state ----
+
+void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
+  if (!frame_ || stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
+  if (!decodeState(bytes, *frame_, incoming_)) {
+    ++statistics_.malformed;
+    return;
+  }
+  if (const auto* pong = std::get_if<Pong>(&incoming_)) {
+    if (pong->siteTime > now || now - pong->siteTime > 10 * kSecond) return;
+    clock_.observe(pong->siteTime, pong->serverTime, now);
+    ownership_->renewed(pong->siteTime);
+    statistics_.roundTrip_ms = toSeconds(clock_.lastRoundTrip()) * 1e3;
+    if (datagramsSent_ > 0)
+      statistics_.lossUp =
+          std::max(0.0, 1.0 - static_cast<double>(pong->received) / static_cast<double>(datagramsSent_));
+  } else if (const auto* update = std::get_if<StateUpdate>(&incoming_)) {
+    takeUpdate(*update, now);
+  }
+}
+
+void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
+  ++statistics_.receivedUpdates;
+  auto last = std::find_if(lastSequence_.begin(), lastSequence_.end(),
+                           [&](const auto& entry) { return entry.first == update.site; });
+  if (last == lastSequence_.end()) last = lastSequence_.insert(last, {update.site, update.sequence - 1});
+  const auto ahead = static_cast<std::int32_t>(update.sequence - last->second);
+  if (ahead > 0) {
+    expectedUpdates_ += static_cast<std::uint64_t>(ahead);
+    last->second = update.sequence;
+    statistics_.lossDown = std::max(
+        0.0, 1.0 - static_cast<double>(statistics_.receivedUpdates) / static_cast<double>(expectedUpdates_));
+    if (SiteView* site = siteView(update.site)) {
+      site->presence = update.presence;
+      site->seen = true;
+    }
+  }
+  if (recording_) recording_->write(update.time, incoming_);
+  if (!clock_.known()) return;
+  playOutDelay_.observe(update.time, clock_.sessionTime(now));
+  for (const PartState& state : update.parts) {
+    if (ownership_->accept(update.site, state) != OwnershipView::Verdict::accepted) {
+      ++statistics_.droppedStates;
+      continue;
+    }
+    if (observer_) observer_->onAccepted(update.site, state);
+    NetworkEvent event;
+    event.kind = NetworkEvent::Kind::state;
+    event.time = update.time;
+    event.state = state;
+    pushEvent(event);
+  }
+}
+
+void SiteLink::pushEvent(const NetworkEvent& event) {
+  if (!exchange_) return;
+  if (waitingEvents_.empty() && exchange_->events.push(event)) return;
+  if (event.kind == NetworkEvent::Kind::state)
+    ++statistics_.droppedStates;  // newer ones follow
+  else
+    waitingEvents_.push_back(event);
+}
+
+void SiteLink::flushEvents() {
+  std::size_t sent = 0;
+  while (sent < waitingEvents_.size() && exchange_->events.push(waitingEvents_[sent])) ++sent;
+  waitingEvents_.erase(waitingEvents_.begin(), waitingEvents_.begin() + static_cast<std::ptrdiff_t>(sent));
+}
+
+void SiteLink::publishTimeBase(Micros now) {
+  if (clock_.known()) playOut_ = playOutDelay_.delay(clock_.sessionTime(now));
+  exchange_->timeBase.write({sessionTime(now) - now, playOut_, welcome_.site});
+  statistics_.playOut_ms = toSeconds(playOut_) * 1e3;
+}
+
+Micros SiteLink::sessionTime(Micros now) { return clock_.known() ? clock_.sessionTime(now) : 0; }
+
+void SiteLink::sendIntents() {
+  HandIntent intent;
+  while (exchange_->intents.pop(intent)) {
+    if (intent.kind == HandIntent::Kind::grab) {
+      const Grab grab{nextRequest_++, intent.part};
+      openGrabs_.emplace_back(grab.request, grab.part);
+      if (observer_) observer_->onGrab(grab);
+      send(grab);
+    } else {
+      send(Release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart});
+    }
+  }
+}
+
+void SiteLink::publish(Micros now) {
+  hand_ = exchange_->output.latest();
+  if (!clock_.known() || now < nextUpdate_) return;
+  const haptics::TickOutput& tick = hand_.tick;
+  outgoing_.parts.clear();
+  for (int i = 0; i < tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const haptics::OwnedPart& part = tick.owned[index];
+    // The view, not the hand, says what this site may say (S3); the hand goes on either way.
+    if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch || !ownership_->mayPublish(part.part, now)) continue;
+    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], ++partSequence_[part.part], part.worldFromPart,
+                               part.atRest ? Twist{} : part.twist});
+    if (observer_) observer_->onPublished(outgoing_.parts.back());
+  }
+  const double hz = outgoing_.parts.empty() ? options_.presenceHz : options_.packetHz;
+  nextUpdate_ = std::max(nextUpdate_ + static_cast<Micros>(1e6 / hz), now - kMillisecond);
+  outgoing_.sequence = ++updateSequence_;
+  outgoing_.time = clock_.sessionTime(hand_.time);
+  outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force, tick.touched};
+  outgoingMessage_ = outgoing_;
+  ++statistics_.sentUpdates;
+  sendState(outgoingMessage_);
+  if (recording_) recording_->write(outgoing_.time, outgoingMessage_);
+}
+
+void SiteLink::send(const ControlMessage& message) {
+  if (transport_) transport_->sendControl(0, encodeControl(message));
+}
+
+void SiteLink::sendState(const StateMessage& message) {
+  if (!transport_ || !frame_) return;
+  encodeState(message, *frame_, bytes_);
+  transport_->sendState(0, bytes_);
+  ++datagramsSent_;
+}
+
+LinkStatistics SiteLink::statistics() const {
+  LinkStatistics statistics = statistics_;
+  if (transport_) statistics.transport = transport_->counters();
+  return statistics;
+}
+
+}  // namespace tandem::client

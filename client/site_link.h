@@ -1,0 +1,187 @@
+#pragma once
+
+// One site's side of the protocol: enters the session, fetches the scene, asks for parts, publishes and receives states,
+// keeps its lease and clock, and comes back after an outage. Knows no socket and no thread: a connector makes transports,
+// step() is called a thousand times a second or so.
+//
+// Network thread only; the haptic thread is reached through the Exchange.
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assets/result.h"
+#include "client/exchange.h"
+#include "client/view_model.h"
+#include "sync/clock_offset.h"
+#include "sync/ownership.h"
+#include "sync/play_out.h"
+#include "sync/recording.h"
+#include "sync/transport.h"
+#include "sync/wire.h"
+
+namespace tandem::client {
+
+struct SiteLinkOptions {
+  std::string name = "site";
+  std::array<std::uint8_t, 3> colour{90, 160, 250};
+  std::string token;                              // of the join link
+  double packetHz = 250.0;                        // while a part of this site moves
+  double presenceHz = 60.0;                       // otherwise
+  sync::Micros pingInterval = 100 * sync::kMillisecond;
+  sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
+  sync::LeaseRules lease;                         // the length is replaced by the server's
+};
+
+/// Watches a site from outside, for the checks of a simulation. Called in the network thread.
+class LinkObserver {
+ public:
+  virtual ~LinkObserver() = default;
+  virtual void onOwnership(const sync::PartRecord&) {}
+  virtual void onGrab(const sync::Grab&) {}
+  virtual void onGrabReply(const sync::GrabReply&) {}
+  virtual void onAccepted(SiteId, const sync::PartState&) {}
+  virtual void onPublished(const sync::PartState&) {}
+  virtual void onConnection(bool) {}
+};
+
+struct LinkStatistics {
+  double roundTrip_ms = 0.0, lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
+  std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
+  std::uint64_t reconnects = 0;
+  sync::TransportCounters transport;              // of the present connection
+};
+
+class SiteLink {
+ public:
+  using Connector = std::function<Result<std::unique_ptr<sync::Transport>>()>;
+  enum class Stage : std::uint8_t {
+    connecting,    // no connection yet, or trying again
+    entering,      // Hello sent
+    needScene,     // welcomed: skipTransfer() or startTransfer() is awaited
+    transferring,
+    haveScene,     // the package is complete: sceneReady() is awaited
+    ready,         // in the session
+    ended,         // refused, or left; see reason()
+  };
+
+  SiteLink(SiteLinkOptions options, Connector connector);
+  ~SiteLink();
+
+  /// Everything that is due at local time `now`.
+  void step(sync::Micros now);
+
+  Stage stage() const { return stage_; }
+  /// Why the site is not in the session, in words.
+  const std::string& reason() const { return reason_; }
+  const sync::Welcome& welcome() const { return welcome_; }
+
+  /// The scene package is in a cache: no transfer.
+  void skipTransfer();
+  /// Fetches the package, continuing after `have` (bytes of an earlier, broken-off transfer).
+  void startTransfer(std::vector<std::byte> have);
+  double transferProgress() const;   // 0..1
+  const std::vector<std::byte>& scenePackage() const { return package_; }
+
+  /// The scene stands and the hand may touch it. Both must outlive the link.
+  void sceneReady(const assets::Scene& scene, Exchange& exchange);
+
+  void revoke(PartId part);
+  void resetParts();
+  void setCamera(const Pose& worldFromCamera) { worldFromCamera_ = worldFromCamera; }
+  /// Says goodbye: this site's parts are free at once.
+  void leave();
+
+  sync::Transport* transport() { return transport_.get(); }
+  const std::vector<SiteView>& sites() const { return sites_; }
+  SiteId owner(PartId part) const { return ownership_ ? ownership_->part(part).owner : kNoSite; }
+  LinkStatistics statistics() const;
+  std::vector<Notice> takeNotices();
+  /// Session time at local time `now`, 0 before the first pong.
+  sync::Micros sessionTime(sync::Micros now);
+
+  void setObserver(LinkObserver* observer) { observer_ = observer; }
+  void setRecording(sync::RecordingWriter* recording) { recording_ = recording; }
+
+ private:
+  void connect(sync::Micros now);
+  void disconnected(const std::string& reason, sync::Micros now);
+  void takeEvents(sync::Micros now);
+  void takeControl(std::span<const std::byte> bytes, sync::Micros now);
+  void takeState(std::span<const std::byte> bytes, sync::Micros now);
+  void takeUpdate(const sync::StateUpdate& update, sync::Micros now);
+
+  void take(sync::Welcome& message);
+  void take(sync::Refused& message);
+  void take(sync::SceneChunk& message);
+  void take(sync::SiteChanged& message);
+  void take(sync::SiteLeft& message);
+  void take(sync::GrabReply& message);
+  void take(sync::ReleaseReply& message);
+  void take(sync::CommandReply& message);
+  void take(sync::OwnershipChanged& message);
+  template <typename Unexpected>
+  void take(Unexpected& message);   // messages that only a site sends
+
+  void applyOwnership(const sync::PartRecord& record);
+  void enterReady();
+  void reclaimParts();
+  void pushEvent(const NetworkEvent& event);
+  void flushEvents();
+  void sendIntents();
+  void publish(sync::Micros now);
+  void publishTimeBase(sync::Micros now);
+  void send(const sync::ControlMessage& message);
+  void sendState(const sync::StateMessage& message);
+  void notice(Notice::Level level, std::string text);
+  SiteView* siteView(SiteId site);
+  std::string siteName(SiteId site) const;
+  std::string partName(PartId part) const;
+
+  SiteLinkOptions options_;
+  Connector connector_;
+  std::unique_ptr<sync::Transport> transport_;
+  LinkObserver* observer_ = nullptr;
+  sync::RecordingWriter* recording_ = nullptr;
+
+  Stage stage_ = Stage::connecting;
+  std::string reason_;
+  std::string resumeTicket_;
+  sync::Micros retryAt_ = 0, retryDelay_;
+  sync::Welcome welcome_;
+  std::vector<std::byte> package_;
+
+  const assets::Scene* scene_ = nullptr;
+  Exchange* exchange_ = nullptr;
+  std::optional<sync::WireFrame> frame_;
+  std::optional<sync::OwnershipView> ownership_;
+  std::vector<NetworkEvent> waitingEvents_;   // ownership events that found the ring full: none may be lost
+  sync::ClockOffset clock_;
+  sync::PlayOutDelay playOutDelay_;
+  sync::Micros playOut_ = 0, now_ = 0;
+
+  sync::RequestId nextRequest_ = 1;
+  std::vector<std::pair<sync::RequestId, PartId>> openGrabs_;
+  std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
+  sync::Micros nextPing_ = 0, nextUpdate_ = 0;
+  std::vector<std::uint32_t> partSequence_;   // by part, of what this site publishes
+  std::array<Epoch, haptics::kMaxOwnedParts> restSent_{};
+  int restRepeats_ = 0;
+  HandOutput hand_;
+  Pose worldFromCamera_;
+
+  std::vector<SiteView> sites_;
+  std::vector<Notice> notices_;
+  LinkStatistics statistics_;
+  std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;   // newest update a site, for the downlink loss
+  std::uint64_t expectedUpdates_ = 0;
+  std::uint64_t datagramsSent_ = 0;
+
+  sync::StateUpdate outgoing_;
+  sync::StateMessage incoming_, outgoingMessage_;
+  std::vector<std::byte> bytes_;
+};
+
+}  // namespace tandem::client
