@@ -88,6 +88,7 @@ struct ViewModel {
   bool replay = false;
   double time = 0.0, duration = 0.0;         // s
   bool playing = false;
+  double speed = 1.0;                        // 1 = as it happened
 };
 
 /// Position and aim of a camera; looks along -z of its frame, +y up.
@@ -118,6 +119,7 @@ struct ViewActions {
   bool seek = false;
   double seekTo = 0.0;                       // s
   bool togglePlay = false;
+  double setSpeed = 0.0;                     // 0 = unchanged
 };
 
 }  // namespace tandem::client

@@ -13,8 +13,8 @@ namespace tandem::client {
 struct ViewerOptions {
   std::string title = "Tandem";
   int width = 1440, height = 900;
-  bool panels = true;          // false: the scene alone
-  bool stylusFromMouse = true; // no hardware device: mouse and keyboard move the stylus
+  bool panels = true;           // false: the scene alone
+  bool stylusFromMouse = true;  // no hardware device: mouse and keyboard move the stylus
 };
 
 class Viewer {
@@ -22,7 +22,8 @@ class Viewer {
   /// Opens a window; the error says that there is no display, or what GL lacks.
   static Result<std::unique_ptr<Viewer>> open(const assets::Scene& scene, const ViewerOptions& options);
   /// The same pictures without a display, through EGL (surfaceless Mesa or any EGL device).
-  static Result<std::unique_ptr<Viewer>> openOffscreen(const assets::Scene& scene, const ViewerOptions& options);
+  static Result<std::unique_ptr<Viewer>> openOffscreen(const assets::Scene& scene,
+                                                       const ViewerOptions& options);
 
   virtual ~Viewer() = default;
   /// Draws one frame, waits for the display's refresh (a window only), and returns what the person did.

@@ -1,0 +1,146 @@
+#include "client/viewer/hand_glyphs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "client/viewer/colours.h"
+
+namespace tandem::client {
+namespace {
+
+// Sizes in pixels: a hand must be seen whether the scene is a watch or a wing.
+constexpr double kStylusLength = 120.0;
+constexpr double kTipRadius = 3.2;
+constexpr double kBarrelRadius = 5.0;
+constexpr double kArrowAtLimit = 130.0;  // length of the arrow of a force at the limit
+constexpr double kDiscRadius = 9.0;
+constexpr double kNormalLength = 26.0;
+constexpr double kFrustumDepth = 46.0;
+
+constexpr double kFaintestForce = 0.02;  // N; less is not drawn
+constexpr double kGhostFrom = 1.5;       // pixels between device and proxy from which both are drawn
+
+const GlyphColour kForceColour(0.80f, 0.07f, 0.03f, 1.0f);
+const GlyphColour kContactColour(0.02f, 0.42f, 0.20f, 0.85f);
+const GlyphColour kSteel(0.45f, 0.47f, 0.50f, 1.0f);
+
+double pixelAt(const View& view, const glm::dvec3& point) {
+  return view.metresPerPixel(std::max(view.depthOf(point), view.near));
+}
+
+GlyphColour withAlpha(const GlyphColour& colour, float alpha) {
+  return {colour.x, colour.y, colour.z, alpha};
+}
+
+/// A pen whose tip is at the pose's position and whose barrel runs along its +z axis.
+void addStylus(GlyphBatch& batch, const Pose& worldFromTool, double toolRadius, const GlyphColour& colour,
+               float alpha) {
+  const double px = pixelAt(batch.view(), worldFromTool.position);
+  const double tip = std::max(toolRadius, kTipRadius * px), barrel = std::max(kBarrelRadius * px, 0.5 * tip);
+  const auto along = [&](double pixels) { return transformPoint(worldFromTool, {0.0, 0.0, pixels * px}); };
+  batch.sphere(worldFromTool.position, tip, withAlpha(colour, alpha));
+  batch.cone(along(0.0), along(26.0), 0.45 * std::min(tip, barrel), barrel, withAlpha(kSteel, alpha));
+  batch.cone(along(26.0), along(kStylusLength), barrel, barrel, withAlpha(colour, alpha));
+  batch.cone(along(kStylusLength), along(kStylusLength + 5.0), barrel, 0.6 * barrel,
+             withAlpha(kSteel, alpha));
+}
+
+void addArrow(GlyphBatch& batch, const glm::dvec3& from, const glm::dvec3& to, const GlyphColour& colour) {
+  const double px = pixelAt(batch.view(), from);
+  const double length = glm::length(to - from), head = std::min(16.0 * px, 0.5 * length);
+  const glm::dvec3 neck = to - (to - from) * (head / length);
+  batch.cone(from, neck, 2.6 * px, 2.6 * px, colour);
+  batch.cone(neck, to, 7.5 * px, 0.0, colour);
+}
+
+void addForce(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  const HandView& hand = model.hand;
+  const double force = glm::length(hand.force);
+  if (!(force > kFaintestForce)) return;
+  const glm::dvec3 from = hand.worldFromProxy.position;
+  const double px = pixelAt(batch.view(), from);
+  const double share = std::min(force / std::max(model.settings.forceLimit, 1e-3), 1.5);
+  const double length = (18.0 + (kArrowAtLimit - 18.0) * share) * px;
+  const glm::dvec3 to = from + hand.force * (length / force);
+  addArrow(batch, from, to, kForceColour);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f N", force);
+  labels.push_back({to, {10.0, -8.0}, {0.80f, 0.16f, 0.08f}, text});
+}
+
+void addContacts(const HandView& hand, GlyphBatch& batch) {
+  const int count = std::clamp(hand.contactCount, 0, haptics::kMaxContacts);
+  for (int i = 0; i < count; ++i) {
+    const haptics::Contact& contact = hand.contacts[static_cast<std::size_t>(i)];
+    if (!(glm::length(contact.normal) > 0.5)) continue;
+    const double px = pixelAt(batch.view(), contact.point);
+    const glm::dvec3 lifted = contact.point + contact.normal * (0.8 * px);
+    batch.ring(lifted, contact.normal, 0.62 * kDiscRadius * px, kDiscRadius * px, kContactColour);
+    batch.disc(lifted, contact.normal, 0.25 * kDiscRadius * px, kContactColour);
+    batch.line(lifted, lifted + contact.normal * (kNormalLength * px), 1.8, kContactColour);
+  }
+}
+
+void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  const HandView& hand = model.hand;
+  if (!hand.present) return;
+  const GlyphColour colour(linear(selfColour(model)), 1.0f);
+  const Pose& proxy = hand.worldFromProxy;
+  const Pose& device = hand.worldFromDevice;
+  addStylus(batch, proxy, hand.toolRadius, colour, hand.valid ? 1.0f : 0.4f);
+  const double apart = glm::length(device.position - proxy.position);
+  const double px = pixelAt(batch.view(), proxy.position);
+  if (hand.valid && apart > kGhostFrom * px) {
+    batch.line(proxy.position, device.position, 2.0, withAlpha(colour, 0.8f));
+    batch.sphere(device.position, std::max(hand.toolRadius, kTipRadius * px), withAlpha(colour, 0.35f));
+  }
+  addContacts(hand, batch);
+  addForce(model, batch, labels);
+}
+
+/// A small pyramid that opens where the other person looks.
+void addCamera(const Pose& worldFromCamera, const SiteView& site, GlyphBatch& batch,
+               std::vector<Label>& labels) {
+  const View& view = batch.view();
+  const double depth = view.depthOf(worldFromCamera.position);
+  const double px = view.metresPerPixel(std::max(depth, view.near));
+  // A camera that (nearly) coincides with this one would fill the view.
+  if (depth < 0.08 * view.camera.distance) return;
+  const double d = kFrustumDepth * px;
+  const auto at = [&](double x, double y, double z) {
+    return transformPoint(worldFromCamera, glm::dvec3(x, y, z) * d);
+  };
+  const glm::dvec3 eye = worldFromCamera.position;
+  const glm::dvec3 corners[4] = {at(-0.55, -0.38, -1.0), at(0.55, -0.38, -1.0), at(0.55, 0.38, -1.0),
+                                 at(-0.55, 0.38, -1.0)};
+  const glm::vec3 colour = srgb(site.info.colour);
+  const GlyphColour line(linear(colour), 0.9f);
+  for (int i = 0; i < 4; ++i) {
+    batch.line(eye, corners[i], 1.6, line);
+    batch.line(corners[i], corners[(i + 1) % 4], 1.6, line);
+  }
+  batch.cone(at(-0.14, 0.38, -1.0), at(0.0, 0.58, -1.0), 0.02 * d, 0.02 * d, line);
+  batch.cone(at(0.0, 0.58, -1.0), at(0.14, 0.38, -1.0), 0.02 * d, 0.02 * d, line);
+  batch.sphere(eye, 3.0 * px, line);
+  labels.push_back({eye, {8.0, -18.0}, colour, site.info.name});
+}
+
+}  // namespace
+
+void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  for (const SiteView& site : model.sites) {
+    if (site.self || !site.seen || !site.info.connected) continue;
+    addCamera(site.presence.worldFromCamera, site, batch, labels);
+    if (site.info.role == sync::Role::observer) continue;
+    const glm::vec3 colour = srgb(site.info.colour);
+    const Pose& tool = site.presence.worldFromTool;
+    addStylus(batch, tool, 0.0, GlyphColour(linear(colour), 1.0f), 1.0f);
+    const double px = pixelAt(batch.view(), tool.position);
+    const glm::dvec3 top = transformPoint(tool, {0.0, 0.0, (kStylusLength + 8.0) * px});
+    labels.push_back({top, {6.0, -10.0}, colour, site.info.name});
+  }
+  addOwnHand(model, batch, labels);
+}
+
+}  // namespace tandem::client

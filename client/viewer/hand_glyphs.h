@@ -1,0 +1,23 @@
+#pragma once
+
+// What stands for people in a scene: this hand with its force and contacts, the others' hands, their cameras.
+
+#include <string>
+#include <vector>
+
+#include "client/viewer/glyphs.h"
+
+namespace tandem::client {
+
+/// A few words at a place in the scene.
+struct Label {
+  glm::dvec3 world{0.0, 0.0, 0.0};
+  glm::dvec2 offset{0.0, 0.0};  // pixels
+  glm::vec3 colour{0.0f};       // sRGB
+  std::string text;
+};
+
+/// Adds everything that stands for people to the batch, and the words that go with it to `labels`.
+void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
+
+}  // namespace tandem::client

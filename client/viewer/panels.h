@@ -1,0 +1,72 @@
+#pragma once
+
+// The panels around the scene. Each draws what the model says, and writes what the person did into the state
+// of the interface or the actions. ImGui's context is current.
+
+#include <memory>
+#include <string>
+
+#include "client/viewer/hand_glyphs.h"
+#include "client/viewer/theme.h"
+#include "client/viewer/ui_state.h"
+
+namespace tandem::client {
+
+/// What every panel needs.
+struct PanelContext {
+  const ViewModel& model;
+  UiState& ui;
+  ViewActions& actions;
+  const Fonts& fonts;
+  float scale = 1.0f;
+};
+
+/// The tree of parts with search; keeps which nodes are open.
+class PartTree {
+ public:
+  explicit PartTree(const assets::Scene& scene);
+  void draw(const PanelContext& context);
+
+ private:
+  struct Row {
+    std::uint32_t node = assets::kNone;
+    PartId part = kNoPart;
+    int depth = 0;
+    bool hasChildren = false;
+  };
+  void collect(std::uint32_t node, int depth, std::vector<Row>& rows) const;
+  void collectMatches(const std::string& needle, std::vector<Row>& rows) const;
+  std::vector<PartId> partsUnder(std::uint32_t node) const;
+  void drawRow(const PanelContext& context, const Row& row);
+  void drawMenu(const PanelContext& context, const Row& row);
+  const char* nameOf(const Row& row) const;
+
+  const assets::Scene& scene_;
+  std::vector<std::vector<std::uint32_t>> children_;  // a tree node's nodes
+  std::vector<std::vector<PartId>> partsOf_;          // a tree node's own parts
+  std::vector<std::uint32_t> roots_;
+  std::vector<PartId> loose_;  // parts outside the tree
+  std::vector<bool> open_;
+};
+
+/// Side panels and status bar; returns what they leave of the window for the scene.
+Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& window);
+
+// The sections of the right panel.
+void drawPeople(const PanelContext& context);
+void drawHand(const PanelContext& context);
+void drawNetwork(const PanelContext& context);
+void drawSettings(const PanelContext& context);
+
+// What lies over the scene.
+void drawLabels(const View& view, const Rect& viewport, const std::vector<Label>& labels,
+                const PanelContext& context);
+void drawNotices(const PanelContext& context, const Rect& viewport);
+void drawReplayBar(const PanelContext& context, const Rect& viewport);
+void drawHelp(const PanelContext& context);
+/// A filled circle of a site's colour, as tall as a line of text.
+void colourDot(const glm::vec3& srgb, bool hollow = false);
+/// Menu entries for one part: fit, hide, isolate, transparent, take away.
+void partMenu(const PanelContext& context, const std::vector<PartId>& parts);
+
+}  // namespace tandem::client

@@ -1,0 +1,77 @@
+#include "client/viewer/part_display.h"
+
+#include <algorithm>
+
+#include "client/viewer/colours.h"
+
+namespace tandem::client {
+namespace {
+
+constexpr float kTransparentAlpha = 0.28f;
+constexpr glm::vec3 kSelection(0.95f, 0.55f,
+                               0.05f);  // sRGB; orange is kept out of the sites' colours' meaning
+constexpr glm::vec3 kHover(0.25f, 0.30f, 0.38f);
+
+void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
+  look.tint = linear(colour);
+  look.tintAmount = heldHere ? 0.55f : 0.42f;
+  look.rimAmount = 0.7f;
+  look.edgeColour = 0.72f * colour;
+  look.edgeWidth = heldHere ? 2.2f : 1.6f;
+}
+
+}  // namespace
+
+void PartDisplay::isolate(const std::vector<PartId>& parts) {
+  std::vector<bool> wanted(isolated_.size(), false);
+  for (const PartId part : parts) wanted[part] = true;
+  if (isolating_ && wanted == isolated_) {
+    isolating_ = false;
+    return;
+  }
+  isolated_ = std::move(wanted);
+  isolating_ = true;
+  for (const PartId part : parts) hidden_[part] = false;
+}
+
+void PartDisplay::showAll() {
+  std::fill(hidden_.begin(), hidden_.end(), false);
+  std::fill(transparent_.begin(), transparent_.end(), false);
+  isolating_ = false;
+}
+
+void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks) {
+  looks.assign(model.worldFromPart.size(), PartLook{});
+  for (std::size_t p = 0; p < looks.size(); ++p) {
+    const auto part = static_cast<PartId>(p);
+    PartLook& look = looks[p];
+    look.visible = display.visible(part);
+    if (display.transparent(part)) look.alpha = kTransparentAlpha;
+    const SiteId owner = p < model.owner.size() ? model.owner[p] : kNoSite;
+    const bool held = part == model.hand.held;
+    if (held) {
+      markOwned(look, selfColour(model), true);
+    } else if (const SiteView* site = owner != kNoSite ? findSite(model, owner) : nullptr) {
+      markOwned(look, srgb(site->info.colour), false);
+    }
+    if (part == model.hand.touched && !held) {
+      if (look.edgeWidth <= 0.0f) look.edgeColour = 0.85f * selfColour(model);
+      look.edgeWidth = std::max(look.edgeWidth, 1.8f);
+    }
+    if (part == display.hovered && look.edgeWidth <= 0.0f) {
+      look.edgeColour = kHover;
+      look.edgeWidth = 1.6f;
+    }
+    if (part == display.selected) {
+      if (look.tintAmount <= 0.0f) {
+        look.tint = linear(kSelection);
+        look.tintAmount = 0.12f;
+        look.rimAmount = 0.8f;
+      }
+      look.edgeColour = kSelection;
+      look.edgeWidth = 2.2f;
+    }
+  }
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,37 @@
+#pragma once
+
+// Which parts a person wants to see and how; and from that, with ownership and touch, how each part looks.
+
+#include <vector>
+
+#include "client/view_model.h"
+#include "client/viewer/scene_renderer.h"
+
+namespace tandem::client {
+
+class PartDisplay {
+ public:
+  explicit PartDisplay(std::size_t partCount)
+      : hidden_(partCount), transparent_(partCount), isolated_(partCount) {}
+
+  bool visible(PartId part) const { return !hidden_[part] && (!isolating_ || isolated_[part]); }
+  bool transparent(PartId part) const { return transparent_[part]; }
+  bool isolating() const { return isolating_; }
+  void setHidden(PartId part, bool hidden) { hidden_[part] = hidden; }
+  void setTransparent(PartId part, bool transparent) { transparent_[part] = transparent; }
+  /// Shows these parts alone; the same parts again show everything again.
+  void isolate(const std::vector<PartId>& parts);
+  void showAll();
+
+  PartId selected = kNoPart;
+  PartId hovered = kNoPart;  // under the mouse, in the part tree or in the scene
+
+ private:
+  std::vector<bool> hidden_, transparent_, isolated_;
+  bool isolating_ = false;
+};
+
+/// One look a part: hidden, transparent, in its owner's colour, touched, selected.
+void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks);
+
+}  // namespace tandem::client

@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "assets/result.h"
+
+namespace tandem::client {
+
+/// Writes 8-bit RGB rows, bottom row first as GL gives them, as a PNG; the error names the file.
+Status writePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb);
+
+}  // namespace tandem::client

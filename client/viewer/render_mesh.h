@@ -1,0 +1,39 @@
+#pragma once
+
+// Turns a Mesh into what the GPU draws: vertices with crease-aware normals, triangles by material, feature
+// edges. Pure functions; no GL.
+
+#include <cstdint>
+#include <vector>
+
+#include "assets/scene.h"
+
+namespace tandem::client {
+
+struct RenderVertex {
+  glm::vec3 position{0.0f};  // m, part frame
+  glm::vec3 normal{0.0f};    // unit
+};
+
+/// A run of triangles with one material.
+struct RenderRange {
+  std::uint16_t material = 0;
+  std::uint32_t firstIndex = 0, indexCount = 0;
+};
+
+struct RenderMesh {
+  std::vector<RenderVertex> vertices;
+  std::vector<std::uint32_t> indices;  // three a triangle, ordered by material
+  std::vector<RenderRange> ranges;
+  std::vector<glm::vec3> featureEdges;  // two points an edge, each edge once; sharp, open or non-manifold
+};
+
+/// Corners of a vertex share a normal where they can be reached over smooth edges; it is weighted by the
+/// corners' angles (Thuermer and Wuethrich 1998). O(T).
+RenderMesh makeRenderMesh(const assets::Mesh& mesh);
+
+/// Triangles for an implicit shape, for parts without a mesh. Infinite planes are drawn as `planeExtent` m
+/// squares.
+RenderMesh makeRenderMesh(const assets::ImplicitShape& shape, double planeExtent);
+
+}  // namespace tandem::client

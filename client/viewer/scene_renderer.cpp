@@ -1,0 +1,308 @@
+#include "client/viewer/scene_renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/gtc/matrix_transform.hpp>
+
+#include "client/viewer/shaders.h"
+
+namespace tandem::client {
+namespace {
+
+constexpr double kLinePull = 1.2e-3;  // share of the distance by which edges stand before their surfaces
+constexpr double kEdgesFrom = 14.0;   // pixels across a part below which its edges are not drawn
+constexpr double kEdgesFull = 90.0;   // and from which on they are fully dark
+constexpr float kEdgeOpacity = 0.62f;
+constexpr glm::vec3 kThinEdgeColour(0.10f, 0.12f, 0.15f);
+
+glm::mat4 matrixOf(const Pose& pose) {
+  glm::dmat4 m = glm::mat4_cast(pose.orientation);
+  m[3] = glm::dvec4(pose.position, 1.0);
+  return glm::mat4(m);
+}
+
+bool hasVolume(const assets::Bounds& bounds) {
+  return bounds.min.x <= bounds.max.x && bounds.min.y <= bounds.max.y && bounds.min.z <= bounds.max.z;
+}
+
+void include(assets::Bounds& bounds, const glm::dvec3& point) {
+  bounds.min = glm::min(bounds.min, point);
+  bounds.max = glm::max(bounds.max, point);
+}
+
+void append(RenderMesh& to, const RenderMesh& from) {
+  const auto firstVertex = static_cast<std::uint32_t>(to.vertices.size());
+  const auto firstIndex = static_cast<std::uint32_t>(to.indices.size());
+  to.vertices.insert(to.vertices.end(), from.vertices.begin(), from.vertices.end());
+  for (const std::uint32_t index : from.indices) to.indices.push_back(firstVertex + index);
+  for (RenderRange range : from.ranges) {
+    range.firstIndex += firstIndex;
+    to.ranges.push_back(range);
+  }
+  to.featureEdges.insert(to.featureEdges.end(), from.featureEdges.begin(), from.featureEdges.end());
+}
+
+template <typename T>
+void fill(const GlBuffer& buffer, GLenum target, const std::vector<T>& data) {
+  glBindBuffer(target, buffer.id());
+  glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STATIC_DRAW);
+}
+
+/// The part of the projection that maps one pixel onto the whole of a 1 x 1 target.
+glm::dmat4 pickProjection(const View& view, const glm::dvec2& pixel) {
+  const glm::dvec2 centre(2.0 * pixel.x / view.size.x - 1.0, 1.0 - 2.0 * pixel.y / view.size.y);
+  const glm::dmat4 scale = glm::scale(glm::dmat4(1.0), glm::dvec3(view.size, 1.0));
+  return scale * glm::translate(glm::dmat4(1.0), glm::dvec3(-centre, 0.0)) * view.eyeToClip;
+}
+
+double depthFromBuffer(const View& view, double value) {
+  const double ndc = 2.0 * value - 1.0;
+  return 2.0 * view.near * view.far / (view.far + view.near - ndc * (view.far - view.near));
+}
+
+}  // namespace
+
+Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& scene) {
+  const std::string header = std::string("#version 330 core\n") + shaders::kLighting;
+  auto part = GlProgram::make("part", shaders::kPartVertex, header + shaders::kPartFragment);
+  if (!part) return part.error();
+  auto thin = GlProgram::make("thin line", shaders::kThinLineVertex, shaders::kFlatFragment);
+  if (!thin) return thin.error();
+  auto wide = GlProgram::make("line", shaders::kLineVertex, shaders::kFlatFragment);
+  if (!wide) return wide.error();
+  auto background = GlProgram::make("background", shaders::kBackgroundVertex, shaders::kBackgroundFragment);
+  if (!background) return background.error();
+  auto pick = GlProgram::make("pick", shaders::kPartVertex, shaders::kPickFragment);
+  if (!pick) return pick.error();
+  Programs programs{std::move(*part), std::move(*thin), std::move(*wide), std::move(*background),
+                    std::move(*pick)};
+  return std::unique_ptr<SceneRenderer>(new SceneRenderer(scene, std::move(programs)));
+}
+
+SceneRenderer::SceneRenderer(const assets::Scene& scene, Programs programs)
+    : scene_(scene), programs_(std::move(programs)), meshes_(scene.meshes.size()) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) upload(makeRenderMesh(scene.meshes[m]), meshes_[m]);
+  const double extent =
+      hasVolume(scene.bounds) ? 2.0 * glm::length(scene.bounds.max - scene.bounds.min) : 1.0;
+  meshOfPart_.reserve(scene.parts.size());
+  for (const assets::Part& part : scene.parts) {
+    meshOfPart_.push_back(part.mesh);
+    if (part.mesh != assets::kNone || part.shapes.empty()) continue;
+    RenderMesh merged;
+    for (const assets::ImplicitShape& shape : part.shapes) append(merged, makeRenderMesh(shape, extent));
+    meshOfPart_.back() = static_cast<std::uint32_t>(meshes_.size());
+    upload(merged, meshes_.emplace_back());
+  }
+  pickTarget_.resize({1, 1}, 0, GL_RGBA8);
+}
+
+void SceneRenderer::upload(const RenderMesh& mesh, GpuMesh& gpu) {
+  gpu.ranges = mesh.ranges;
+  gpu.edgeCount = static_cast<int>(mesh.featureEdges.size() / 2);
+  for (const RenderVertex& vertex : mesh.vertices) include(gpu.bounds, glm::dvec3(vertex.position));
+  if (hasVolume(gpu.bounds))
+    gpu.sphere = {0.5 * (gpu.bounds.min + gpu.bounds.max),
+                  0.5 * glm::length(gpu.bounds.max - gpu.bounds.min)};
+
+  glBindVertexArray(gpu.surface.id());
+  fill(gpu.vertices, GL_ARRAY_BUFFER, mesh.vertices);
+  fill(gpu.indices, GL_ELEMENT_ARRAY_BUFFER, mesh.indices);
+  floatAttribute(0, 3, sizeof(RenderVertex), offsetof(RenderVertex, position));
+  floatAttribute(1, 3, sizeof(RenderVertex), offsetof(RenderVertex, normal));
+  glBindVertexArray(gpu.thinEdges.id());
+  fill(gpu.edges, GL_ARRAY_BUFFER, mesh.featureEdges);
+  floatAttribute(0, 3, sizeof(glm::vec3), 0);
+  glBindVertexArray(gpu.wideEdges.id());
+  floatAttribute(0, 3, 2 * sizeof(glm::vec3), 0, 1);
+  floatAttribute(1, 3, 2 * sizeof(glm::vec3), sizeof(glm::vec3), 1);
+  glBindVertexArray(0);
+}
+
+const SceneRenderer::GpuMesh* SceneRenderer::meshOf(PartId part) const {
+  const std::uint32_t index = meshOfPart_[part];
+  return index < meshes_.size() ? &meshes_[index] : nullptr;
+}
+
+Sphere SceneRenderer::worldSphere(PartId part, const Pose& worldFromPart) const {
+  const GpuMesh* mesh = meshOf(part);
+  if (!mesh) return {worldFromPart.position, 0.0};
+  return {transformPoint(worldFromPart, mesh->sphere.centre), mesh->sphere.radius};
+}
+
+assets::Bounds SceneRenderer::bounds(std::span<const Pose> worldFromPart,
+                                     std::span<const PartId> parts) const {
+  assets::Bounds box;
+  for (const PartId part : parts) {
+    const GpuMesh* mesh = part < meshOfPart_.size() ? meshOf(part) : nullptr;
+    if (!mesh || !hasVolume(mesh->bounds)) continue;
+    for (int corner = 0; corner < 8; ++corner) {
+      const auto& b = mesh->bounds;
+      const glm::dvec3 point((corner & 1) ? b.max.x : b.min.x, (corner & 2) ? b.max.y : b.min.y,
+                             (corner & 4) ? b.max.z : b.min.z);
+      include(box, transformPoint(worldFromPart[part], point));
+    }
+  }
+  return box;
+}
+
+Sphere SceneRenderer::contentSphere(std::span<const Pose> worldFromPart) const {
+  assets::Bounds box;
+  for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
+    const Sphere sphere = worldSphere(static_cast<PartId>(p), worldFromPart[p]);
+    include(box, sphere.centre - sphere.radius);
+    include(box, sphere.centre + sphere.radius);
+  }
+  if (!hasVolume(box)) return {};
+  return {0.5 * (box.min + box.max), 0.5 * glm::length(box.max - box.min)};
+}
+
+bool SceneRenderer::inView(const View& view, const Sphere& sphere) const {
+  const glm::dvec3 eye = transformPoint(view.eyeFromWorld, sphere.centre);
+  const double depth = -eye.z;
+  if (depth < view.near - sphere.radius || depth > view.far + sphere.radius) return false;
+  const double tanY = std::tan(0.5 * view.camera.fieldOfView), tanX = tanY * view.size.x / view.size.y;
+  const double marginX = sphere.radius * std::hypot(1.0, tanX),
+               marginY = sphere.radius * std::hypot(1.0, tanY);
+  return std::abs(eye.x) <= depth * tanX + marginX && std::abs(eye.y) <= depth * tanY + marginY;
+}
+
+void SceneRenderer::drawBackground(const Background& background) const {
+  glDisable(GL_DEPTH_TEST);
+  programs_.background.use();
+  programs_.background.set("top", background.top);
+  programs_.background.set("bottom", background.bottom);
+  glBindVertexArray(empty_.id());
+  glDrawArrays(GL_TRIANGLES, 0, 3);
+  glEnable(GL_DEPTH_TEST);
+}
+
+void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
+                         std::span<const PartLook> looks, bool edges) const {
+  std::vector<std::pair<double, PartId>> transparent;
+  std::vector<PartId> opaque;
+  for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
+    const auto part = static_cast<PartId>(p);
+    if (!looks[p].visible || !meshOf(part)) continue;
+    const Sphere sphere = worldSphere(part, worldFromPart[p]);
+    if (!inView(view, sphere)) continue;
+    if (looks[p].alpha < 1.0f) {
+      transparent.emplace_back(-view.depthOf(sphere.centre), part);
+    } else {
+      opaque.push_back(part);
+    }
+  }
+  std::sort(transparent.begin(), transparent.end());
+
+  glEnable(GL_BLEND);
+  glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+  const glm::vec3 up(view.eyeFromWorld.orientation * glm::dvec3(0.0, 1.0, 0.0));
+  programs_.part.use();
+  programs_.part.set("clipFromEye", glm::mat4(view.eyeToClip));
+  programs_.part.set("upInEye", up);
+  for (const PartId part : opaque) drawSurface(view, part, worldFromPart[part], looks[part]);
+  if (edges)
+    for (const PartId part : opaque) drawEdges(view, part, worldFromPart[part], looks[part]);
+  glDepthMask(GL_FALSE);
+  for (const auto& [depth, part] : transparent) {
+    drawSurface(view, part, worldFromPart[part], looks[part]);
+    if (edges) drawEdges(view, part, worldFromPart[part], looks[part]);
+  }
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+  glBindVertexArray(0);
+}
+
+void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& worldFromPart,
+                                const PartLook& look) const {
+  const GpuMesh& mesh = *meshOf(part);
+  const GlProgram& program = programs_.part;
+  program.use();
+  program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
+  program.set("tint", look.tint);
+  program.set("tintAmount", look.tintAmount);
+  program.set("rimAmount", look.rimAmount);
+  glBindVertexArray(mesh.surface.id());
+  for (const RenderRange& range : mesh.ranges) {
+    const assets::Material& material =
+        scene_.materials[std::min<std::size_t>(range.material, scene_.materials.size() - 1)];
+    const auto& c = material.baseColour;
+    program.set("baseColour", glm::vec4(c[0], c[1], c[2], look.alpha));
+    program.set("metallic", material.metallic);
+    program.set("roughness", std::max(material.roughness, 0.2f));
+    const std::uintptr_t offset = range.firstIndex * sizeof(std::uint32_t);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.indexCount), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(offset));
+  }
+}
+
+void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFromPart,
+                              const PartLook& look) const {
+  const GpuMesh& mesh = *meshOf(part);
+  if (mesh.edgeCount == 0) return;
+  const Sphere sphere = worldSphere(part, worldFromPart);
+  const double depth = std::max(view.depthOf(sphere.centre), view.near);
+  const double across = 2.0 * sphere.radius / view.metresPerPixel(depth);
+  const bool wide = look.edgeWidth > 0.0f;
+  const auto fade =
+      static_cast<float>(std::clamp((across - kEdgesFrom) / (kEdgesFull - kEdgesFrom), 0.0, 1.0));
+  if (!wide && fade <= 0.0f) return;
+  const GlProgram& program = wide ? programs_.wideLine : programs_.thinLine;
+  program.use();
+  program.set("clipFromEye", glm::mat4(view.eyeToClip));
+  program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
+  program.set("pull", static_cast<float>(kLinePull));
+  const float opacity = std::max(look.alpha, 0.5f);
+  if (wide) {
+    program.set("viewport", glm::vec2(view.size));
+    program.set("width", look.edgeWidth);
+    program.set("nearPlane", static_cast<float>(view.near));
+    program.set("flatColour", glm::vec4(look.edgeColour, opacity));
+    glBindVertexArray(mesh.wideEdges.id());
+    glDrawArraysInstanced(GL_TRIANGLE_STRIP, 0, 4, mesh.edgeCount);
+  } else {
+    program.set("flatColour", glm::vec4(kThinEdgeColour, kEdgeOpacity * fade * opacity));
+    glBindVertexArray(mesh.thinEdges.id());
+    glDrawArrays(GL_LINES, 0, 2 * mesh.edgeCount);
+  }
+}
+
+std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel,
+                                       std::span<const Pose> worldFromPart, std::span<const PartLook> looks) {
+  const glm::dvec3 direction = view.pointAt(pixel, 1.0) - view.worldFromEye.position;
+  pickTarget_.bind();
+  glEnable(GL_DEPTH_TEST);
+  glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
+  glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+  programs_.pick.use();
+  programs_.pick.set("clipFromEye", glm::mat4(pickProjection(view, pixel)));
+  for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
+    const auto part = static_cast<PartId>(p);
+    const GpuMesh* mesh = meshOf(part);
+    if (!mesh || !looks[p].visible) continue;
+    const Sphere sphere = worldSphere(part, worldFromPart[p]);
+    const glm::dvec3 toCentre = sphere.centre - view.worldFromEye.position;
+    const double off = glm::length(glm::cross(toCentre, direction)) / glm::length(direction);
+    if (off > sphere.radius * 1.01 || !inView(view, sphere)) continue;
+    programs_.pick.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart[p]));
+    programs_.pick.set("partIndex", static_cast<float>(p));
+    glBindVertexArray(mesh->surface.id());
+    for (const RenderRange& range : mesh->ranges)
+      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.indexCount), GL_UNSIGNED_INT,
+                     reinterpret_cast<const void*>(std::uintptr_t{range.firstIndex} * sizeof(std::uint32_t)));
+  }
+  glBindVertexArray(0);
+  std::array<std::uint8_t, 4> colour{};
+  float depth = 1.0f;
+  glReadPixels(0, 0, 1, 1, GL_RGBA, GL_UNSIGNED_BYTE, colour.data());
+  glReadPixels(0, 0, 1, 1, GL_DEPTH_COMPONENT, GL_FLOAT, &depth);
+  if (colour[3] == 0) return std::nullopt;
+  Hit hit;
+  hit.part = static_cast<PartId>(colour[0] + 256 * colour[1]);
+  hit.depth = depthFromBuffer(view, depth);
+  hit.point = view.pointAt(pixel, hit.depth);
+  return hit;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,88 @@
+#pragma once
+
+// Draws the parts of a scene: shaded surfaces, feature edges, marks of ownership and selection; answers which
+// part is under a pixel. Needs the context that made it to be current.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "client/viewer/camera.h"
+#include "client/viewer/gl_objects.h"
+#include "client/viewer/render_mesh.h"
+
+namespace tandem::client {
+
+/// How one part is drawn in this frame.
+struct PartLook {
+  bool visible = true;
+  float alpha = 1.0f;
+  glm::vec3 tint{0.0f};        // linear
+  float tintAmount = 0.0f;     // 0..1, of the surface
+  float rimAmount = 0.0f;      // 0..1, of the silhouette's glow
+  glm::vec3 edgeColour{0.0f};  // sRGB
+  float edgeWidth = 0.0f;      // pixels; 0 = thin and dark, as all unmarked edges
+  friend bool operator==(const PartLook&, const PartLook&) = default;
+};
+
+struct Background {
+  glm::vec3 top{0.0f}, bottom{0.0f};  // sRGB
+};
+
+/// What is under a pixel.
+struct Hit {
+  PartId part = kNoPart;
+  glm::dvec3 point{0.0, 0.0, 0.0};  // world
+  double depth = 0.0;               // m, from the eye
+};
+
+class SceneRenderer {
+ public:
+  /// Uploads every mesh; `scene` must outlive this object.
+  static Result<std::unique_ptr<SceneRenderer>> make(const assets::Scene& scene);
+
+  /// A sphere around all parts at these poses.
+  Sphere contentSphere(std::span<const Pose> worldFromPart) const;
+  /// The box around the chosen parts, world.
+  assets::Bounds bounds(std::span<const Pose> worldFromPart, std::span<const PartId> parts) const;
+
+  void drawBackground(const Background& background) const;
+  /// Draws all visible parts, opaque ones first, into the bound framebuffer.
+  void draw(const View& view, std::span<const Pose> worldFromPart, std::span<const PartLook> looks,
+            bool edges) const;
+  /// The nearest visible part under a pixel. Draws only what a ray through the pixel may meet; waits for the
+  /// GPU.
+  std::optional<Hit> pick(const View& view, const glm::dvec2& pixel, std::span<const Pose> worldFromPart,
+                          std::span<const PartLook> looks);
+
+ private:
+  struct GpuMesh {
+    GlVertexArray surface, thinEdges, wideEdges;
+    GlBuffer vertices, indices, edges;
+    std::vector<RenderRange> ranges;
+    int edgeCount = 0;
+    Sphere sphere;          // part frame
+    assets::Bounds bounds;  // part frame
+  };
+  struct Programs {
+    GlProgram part, thinLine, wideLine, background, pick;
+  };
+
+  SceneRenderer(const assets::Scene& scene, Programs programs);
+  void upload(const RenderMesh& mesh, GpuMesh& gpu);
+  const GpuMesh* meshOf(PartId part) const;
+  Sphere worldSphere(PartId part, const Pose& worldFromPart) const;
+  bool inView(const View& view, const Sphere& sphere) const;
+  void drawSurface(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
+  void drawEdges(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
+
+  const assets::Scene& scene_;
+  Programs programs_;
+  std::vector<GpuMesh> meshes_;  // the scene's, then one for each part that has only implicit shapes
+  std::vector<std::uint32_t> meshOfPart_;  // into meshes_, or kNone
+  GlVertexArray empty_;
+  GlTarget pickTarget_;
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,218 @@
+#include <imgui.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include "client/viewer/colours.h"
+#include "client/viewer/panels.h"
+#include "client/viewer/strip_chart.h"
+
+namespace tandem::client {
+namespace {
+
+const char* roleName(sync::Role role) {
+  switch (role) {
+    case sync::Role::observer:
+      return "observer";
+    case sync::Role::participant:
+      return "participant";
+    case sync::Role::instructor:
+      return "instructor";
+  }
+  return "";
+}
+
+template <typename... Args>
+std::string format(const char* pattern, Args... args) {
+  char text[128];
+  std::snprintf(text, sizeof text, pattern, args...);
+  return text;
+}
+
+/// A muted name at the left and a value at the right of one line.
+void valueLine(const char* name, const std::string& value, const ImVec4& colour = theme::kText) {
+  ImGui::TextColored(theme::kMuted, "%s", name);
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x);
+  ImGui::TextColored(colour, "%s", value.c_str());
+}
+
+std::string partName(const ViewModel& model, PartId part) {
+  return model.scene && part < model.scene->parts.size() ? model.scene->parts[part].name : std::string();
+}
+
+/// What somebody does, in words: holds, touches, watches.
+std::string activity(const ViewModel& model, const SiteView& site) {
+  if (!site.info.connected) return "away";
+  int owned = 0;
+  PartId first = kNoPart;
+  for (std::size_t p = 0; p < model.owner.size(); ++p)
+    if (model.owner[p] == site.info.site && owned++ == 0) first = static_cast<PartId>(p);
+  if (owned == 1) return "holds " + partName(model, first);
+  if (owned > 1) return format("holds %d parts", owned);
+  const PartId touched = site.self ? model.hand.touched : site.presence.touched;
+  const bool feels = glm::length(site.self ? model.hand.force : site.presence.force) > 0.02;
+  if (touched != kNoPart && feels) return "touches " + partName(model, touched);
+  if (site.info.role == sync::Role::observer) return "watches";
+  return site.self || site.seen ? "here" : "joining";
+}
+
+void drawPerson(const PanelContext& context, const SiteView& site) {
+  ImGui::PushID(site.info.site);
+  colourDot(srgb(site.info.colour), !site.info.connected);
+  ImGui::SameLine();
+  ImGui::PushFont(context.fonts.strong);
+  ImGui::TextUnformatted(site.info.name.c_str());
+  ImGui::PopFont();
+  ImGui::SameLine();
+  ImGui::TextColored(theme::kMuted, site.self ? "you, %s" : "%s", roleName(site.info.role));
+  if (!site.self && site.seen && site.info.connected) {
+    const bool follows = context.ui.following == site.info.site;
+    const char* text = follows ? "Stop" : "Follow";
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(text).x -
+                    2.0f * ImGui::GetStyle().FramePadding.x);
+    if (ImGui::SmallButton(text)) context.ui.following = follows ? kNoSite : site.info.site;
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("See what %s sees", site.info.name.c_str());
+  }
+  ImGui::Indent(22.0f * context.scale);
+  std::string line = activity(context.model, site);
+  const double force = glm::length(site.self ? context.model.hand.force : site.presence.force);
+  if (site.info.connected && force > 0.02) line += format("  ·  %.1f N", force);
+  ImGui::TextColored(site.info.connected ? theme::kMuted : theme::kWarning, "%s", line.c_str());
+  ImGui::Unindent(22.0f * context.scale);
+  ImGui::PopID();
+}
+
+struct FlagText {
+  std::uint32_t flag;
+  const char* text;
+  bool bad;
+};
+constexpr FlagText kFlagTexts[] = {
+    {haptics::kFlagFault, "stopped by a fault: force is off", true},
+    {haptics::kFlagInvalidSample, "no reading from the device", true},
+    {haptics::kFlagForceLimited, "force is at its limit", false},
+    {haptics::kFlagSlewLimited, "force is rising at its limit", false},
+    {haptics::kFlagOverflow, "more contacts than can be felt at once", false},
+    {haptics::kFlagSqueezed, "squeezed: no way out of everything", false},
+    {haptics::kFlagHeldWithoutContact, "the held part passes through others", false},
+    {haptics::kFlagProxyReset, "the tool was put back onto the hand", false},
+};
+
+void drawFlags(const PanelContext& context) {
+  for (const FlagText& entry : kFlagTexts)
+    if (context.model.hand.flags & entry.flag) {
+      ImGui::TextColored(entry.bad ? theme::kBad : theme::kWarning, "\xE2\x97\x8F %s", entry.text);
+    }
+  if ((context.model.hand.flags & haptics::kFlagFault) && ImGui::Button("Clear the fault"))
+    context.actions.resetFault = true;
+}
+
+void drawLoop(const PanelContext& context) {
+  const LoopView& loop = context.model.loop;
+  StripChart chart;
+  chart.id = "loop";
+  chart.title = "Tick";
+  chart.now = format("p50 %.0f  p99 %.0f  max %.0f µs", loop.compute_us_p50, loop.compute_us_p99,
+                     loop.compute_us_max);
+  chart.limit = 1000.0f;
+  chart.limitLabel = "1 ms";
+  chart.minimumRange = 20.0f;
+  chart.colour = theme::kGood;
+  drawStripChart(chart, loop.recentCompute_us, 56.0f * context.scale, context.fonts.small);
+  const double lateShare =
+      loop.ticks > 0 ? 100.0 * static_cast<double>(loop.late) / static_cast<double>(loop.ticks) : 0.0;
+  valueLine("Late ticks",
+            format("%llu of %llu (%.2f %%)", static_cast<unsigned long long>(loop.late),
+                   static_cast<unsigned long long>(loop.ticks), lateShare),
+            lateShare > 1.0 ? theme::kWarning : theme::kText);
+  valueLine("Real-time priority", loop.realtime ? "yes" : "no",
+            loop.realtime ? theme::kGood : theme::kWarning);
+}
+
+}  // namespace
+
+void colourDot(const glm::vec3& srgb, bool hollow) {
+  const float size = ImGui::GetTextLineHeight();
+  const ImVec2 at = ImGui::GetCursorScreenPos();
+  const ImVec2 centre(at.x + 0.5f * size, at.y + 0.55f * size);
+  const ImU32 colour = theme::packed(theme::colour(srgb));
+  ImDrawList& list = *ImGui::GetWindowDrawList();
+  if (hollow) {
+    list.AddCircle(centre, 0.32f * size, colour, 0, 1.5f);
+  } else {
+    list.AddCircleFilled(centre, 0.36f * size, colour);
+  }
+  ImGui::Dummy(ImVec2(size, size));
+}
+
+void drawPeople(const PanelContext& context) {
+  if (context.model.sites.empty()) ImGui::TextDisabled("Nobody else: this is a local scene");
+  for (const SiteView& site : context.model.sites) drawPerson(context, site);
+}
+
+void drawHand(const PanelContext& context) {
+  const ViewModel& model = context.model;
+  const HandView& hand = model.hand;
+  if (!hand.present) {
+    ImGui::TextDisabled("No device");
+    return;
+  }
+  valueLine("Device", hand.deviceName, hand.valid ? theme::kText : theme::kBad);
+  std::string part = hand.held != kNoPart ? partName(model, hand.held) : partName(model, hand.touched);
+  const char* verb = hand.held != kNoPart ? "Holds" : hand.grabPending ? "Asks for" : "At";
+  valueLine(verb, part.empty() ? "\xE2\x80\x93" : part);
+  StripChart chart;
+  chart.id = "force";
+  chart.title = "Force";
+  chart.now = format("%.2f N", glm::length(hand.force));
+  chart.limit = static_cast<float>(model.settings.forceLimit);
+  chart.limitLabel = format("limit %.1f N", model.settings.forceLimit);
+  chart.minimumRange = static_cast<float>(model.settings.forceLimit) * 1.05f;
+  chart.colour = theme::kAccent;
+  drawStripChart(chart, model.loop.recentForce_n, 72.0f * context.scale, context.fonts.small);
+  drawLoop(context);
+  drawFlags(context);
+}
+
+void drawNetwork(const PanelContext& context) {
+  const LinkView& link = context.model.link;
+  valueLine("State", link.status, link.connected ? theme::kGood : theme::kWarning);
+  if (!link.connected) return;
+  const auto lossColour = [](double loss) {
+    return loss > 0.05 ? theme::kBad : loss > 0.01 ? theme::kWarning : theme::kText;
+  };
+  valueLine("Round trip", format("%.1f ms", link.roundTrip_ms));
+  valueLine("Play-out delay", format("%.1f ms", link.playOut_ms));
+  valueLine("Lost on the way up", format("%.1f %%", 100.0 * link.lossUp), lossColour(link.lossUp));
+  valueLine("Lost on the way down", format("%.1f %%", 100.0 * link.lossDown), lossColour(link.lossDown));
+  valueLine("Sent", format("%.0f kbit/s", link.sentKbit_s));
+  valueLine("Received", format("%.0f kbit/s", link.receivedKbit_s));
+  valueLine("States travel over", link.stateOverUdp ? "UDP" : "TLS (UDP is blocked)",
+            link.stateOverUdp ? theme::kText : theme::kWarning);
+}
+
+void drawSettings(const PanelContext& context) {
+  HandSettings& settings = context.actions.settings;
+  const HandSettings before = settings;
+  const auto slider = [&](const char* name, const char* id, double& value, float min, float max,
+                          const char* pattern, ImGuiSliderFlags flags) {
+    auto edited = static_cast<float>(value);
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextColored(theme::kMuted, "%s", name);
+    ImGui::SameLine(108.0f * context.scale);
+    ImGui::SetNextItemWidth(-1.0f);
+    if (ImGui::SliderFloat(id, &edited, min, max, pattern, flags | ImGuiSliderFlags_AlwaysClamp))
+      value = static_cast<double>(edited);
+  };
+  slider("Force limit", "##limit", settings.forceLimit, 0.2f, 12.0f, "%.1f N", 0);
+  slider("Gain", "##gain", settings.gain, 0.0f, 1.0f, "%.2f", 0);
+  slider("Stiffness", "##stiffness", settings.stiffness, 50.0f, 5000.0f, "%.0f N/m",
+         ImGuiSliderFlags_Logarithmic);
+  if (settings.forceLimit != before.forceLimit || settings.gain != before.gain ||
+      settings.stiffness != before.stiffness)
+    context.actions.settingsChanged = true;
+  ImGui::Checkbox("Stylus follows surfaces", &context.ui.followSurface);
+  ImGui::Checkbox("Edges", &context.ui.showEdges);
+}
+
+}  // namespace tandem::client

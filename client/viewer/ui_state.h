@@ -1,0 +1,32 @@
+#pragma once
+
+// What the panels change and the viewer carries out.
+
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "client/viewer/part_display.h"
+
+namespace tandem::client {
+
+struct UiState {
+  explicit UiState(std::size_t partCount) : parts(partCount) {}
+
+  PartDisplay parts;
+  bool showPanels = true;
+  bool showHelp = false;
+  bool showEdges = true;
+  bool followSurface = true;
+  SiteId following = kNoSite;              // whose camera this one follows
+  std::optional<std::vector<PartId>> fit;  // asked for in this frame; empty = all visible parts
+  std::array<char, 128> search{};
+};
+
+/// A rectangle in window pixels.
+struct Rect {
+  glm::dvec2 min{0.0, 0.0}, max{1.0, 1.0};
+  glm::dvec2 size() const { return max - min; }
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,504 @@
+#include "client/viewer/viewer.h"
+
+#include <epoxy/gl.h>
+
+#include <GLFW/glfw3.h>
+#include <backends/imgui_impl_opengl3.h>
+#include <imgui.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <optional>
+#include <type_traits>
+
+#include "assets/assert.h"
+#include "client/viewer/glyphs.h"
+#include "client/viewer/hand_glyphs.h"
+#include "client/viewer/panels.h"
+#include "client/viewer/png.h"
+#include "client/viewer/scene_renderer.h"
+#include "client/viewer/stylus_control.h"
+#include "client/viewer/surface.h"
+
+namespace tandem::client {
+namespace {
+
+constexpr int kSamples = 4;
+
+/// A number that differs when what is drawn differs (FNV-1a over the values).
+class Fingerprint {
+ public:
+  template <typename T>
+  void add(const T& value) {
+    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, &value, sizeof(T));
+    for (const unsigned char byte : bytes) hash_ = (hash_ ^ byte) * 1099511628211ull;
+  }
+  void add(const glm::dvec3& v) {
+    add(v.x);
+    add(v.y);
+    add(v.z);
+  }
+  void add(const glm::vec3& v) {
+    add(v.x);
+    add(v.y);
+    add(v.z);
+  }
+  void add(const Pose& pose) {
+    add(pose.position);
+    add(pose.orientation.w);
+    add(pose.orientation.x);
+    add(pose.orientation.y);
+    add(pose.orientation.z);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 14695981039346656037ull;
+};
+
+/// ImGui's context of one viewer; several may live in one process.
+class Interface {
+ public:
+  explicit Interface(Surface& surface) : surface_(surface), context_(ImGui::CreateContext()) {
+    ImGui::SetCurrentContext(context_);
+    ImGui::GetIO().IniFilename = nullptr;
+    scale_ = surface.contentScale();
+    fonts_ = theme::apply(scale_);
+    surface_.startInterface();
+    ImGui_ImplOpenGL3_Init("#version 330 core");
+  }
+  ~Interface() {
+    surface_.makeCurrent();
+    ImGui::SetCurrentContext(context_);
+    ImGui_ImplOpenGL3_Shutdown();
+    surface_.stopInterface();
+    ImGui::DestroyContext(context_);
+  }
+  Interface(const Interface&) = delete;
+  Interface& operator=(const Interface&) = delete;
+
+  void begin(Input& input) {
+    ImGui::SetCurrentContext(context_);
+    ImGui_ImplOpenGL3_NewFrame();
+    surface_.beginFrame(input);
+    ImGui::NewFrame();
+    const ImGuiIO& io = ImGui::GetIO();
+    input.cursor = {static_cast<double>(io.MousePos.x), static_cast<double>(io.MousePos.y)};
+    input.cursorMove = {static_cast<double>(io.MouseDelta.x), static_cast<double>(io.MouseDelta.y)};
+    for (std::size_t b = 0; b < 3; ++b) {
+      const int button = static_cast<int>(b);
+      input.down[b] = io.MouseDown[button];
+      input.pressed[b] = ImGui::IsMouseClicked(button);
+      input.released[b] = ImGui::IsMouseReleased(button);
+    }
+    input.wheel = static_cast<double>(io.MouseWheel);
+    input.shift = io.KeyShift;
+    input.ctrl = io.KeyCtrl;
+  }
+  const Fonts& fonts() const { return fonts_; }
+  float scale() const { return scale_; }
+
+ private:
+  Surface& surface_;
+  ImGuiContext* context_;
+  Fonts fonts_;
+  float scale_ = 1.0f;
+};
+
+class SceneViewer final : public Viewer {
+ public:
+  static Result<std::unique_ptr<Viewer>> make(const assets::Scene& scene, const ViewerOptions& options,
+                                              std::unique_ptr<Surface> surface) {
+    surface->makeCurrent();
+    auto parts = SceneRenderer::make(scene);
+    if (!parts) return parts.error();
+    auto glyphs = GlyphRenderer::make();
+    if (!glyphs) return glyphs.error();
+    return std::unique_ptr<Viewer>(
+        new SceneViewer(scene, options, std::move(surface), std::move(*parts), std::move(*glyphs)));
+  }
+
+  ~SceneViewer() override { surface_->makeCurrent(); }
+
+  ViewActions frame(const ViewModel& model) override;
+  Status screenshot(const std::string& path) override;
+  Camera& camera() override { return camera_; }
+
+ private:
+  enum class Drag { none, turn, shift };
+
+  SceneViewer(const assets::Scene& scene, const ViewerOptions& options, std::unique_ptr<Surface> surface,
+              std::unique_ptr<SceneRenderer> parts, std::unique_ptr<GlyphRenderer> glyphs)
+      : options_(options),
+        surface_(std::move(surface)),
+        renderer_(std::move(parts)),
+        glyphs_(std::move(glyphs)),
+        interface_(std::make_unique<Interface>(*surface_)),
+        tree_(scene),
+        ui_(scene.parts.size()),
+        sceneBounds_(scene.bounds) {
+    camera_ = fitView(sceneBounds_, 1.0);
+  }
+
+  void keys(const ViewModel& model, const Input& input, ViewActions& actions);
+  void partKey(int key, bool shift);
+  void fit(const ViewModel& model);
+  void moveCamera(const Input& input, const View& view);
+  void startDrag(const Input& input, const View& view, bool cursorInView);
+  void moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
+                  ViewActions& actions);
+  void partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView);
+  void follow(const ViewModel& model);
+  View currentView(const ViewModel& model) const;
+  bool pictureChanged(const View& view, const ViewModel& model);
+  void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
+  void showScene();
+  glm::dvec2 pixelScale() const;
+
+  ViewerOptions options_;
+  std::unique_ptr<Surface> surface_;
+  std::unique_ptr<SceneRenderer> renderer_;
+  std::unique_ptr<GlyphRenderer> glyphs_;
+  std::unique_ptr<Interface> interface_;
+  PartTree tree_;
+  UiState ui_;
+  StylusControl stylus_;
+  Camera camera_;
+  assets::Bounds sceneBounds_;
+  Rect viewport_;  // window pixels
+  std::vector<PartLook> looks_;
+  std::optional<Hit> underCursor_;
+  glm::dvec3 pivot_{0.0, 0.0, 0.0};
+  glm::dvec2 dragStart_{0.0, 0.0};
+  Drag drag_ = Drag::none;
+  bool dragged_ = false, started_ = false;
+  PartId menuPart_ = kNoPart;
+  std::uint64_t lastPicture_ = 0;
+  GlTarget multisampled_, resolved_;
+};
+
+glm::dvec2 SceneViewer::pixelScale() const {
+  return glm::dvec2(surface_->framebufferSize()) / glm::max(glm::dvec2(surface_->size()), glm::dvec2(1.0));
+}
+
+View SceneViewer::currentView(const ViewModel& model) const {
+  Sphere content = renderer_->contentSphere(model.worldFromPart);
+  const auto includePoint = [&](const glm::dvec3& point) {
+    content.radius = std::max(content.radius, glm::length(point - content.centre) + 0.05 * camera_.distance);
+  };
+  if (model.hand.present) includePoint(model.hand.worldFromProxy.position);
+  for (const SiteView& site : model.sites)
+    if (site.seen && !site.self) {
+      includePoint(site.presence.worldFromTool.position);
+      includePoint(site.presence.worldFromCamera.position);
+    }
+  return makeView(camera_, viewport_.size(), content);
+}
+
+void SceneViewer::fit(const ViewModel& model) {
+  std::vector<PartId> parts = *ui_.fit;
+  ui_.fit.reset();
+  if (parts.empty())
+    for (std::size_t p = 0; p < model.worldFromPart.size(); ++p)
+      if (ui_.parts.visible(static_cast<PartId>(p))) parts.push_back(static_cast<PartId>(p));
+  const glm::dvec2 size = viewport_.size();
+  camera_ = fitFrom(camera_, renderer_->bounds(model.worldFromPart, parts), size.x / std::max(size.y, 1.0));
+  ui_.following = kNoSite;
+}
+
+void SceneViewer::partKey(int key, bool shift) {
+  if (key == GLFW_KEY_H && shift) {
+    ui_.parts.showAll();
+    return;
+  }
+  const PartId part = ui_.parts.selected;
+  if (part == kNoPart) return;
+  if (key == GLFW_KEY_H) ui_.parts.setHidden(part, ui_.parts.visible(part));
+  if (key == GLFW_KEY_I) ui_.parts.isolate({part});
+  if (key == GLFW_KEY_T) ui_.parts.setTransparent(part, !ui_.parts.transparent(part));
+}
+
+void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& actions) {
+  const bool typing = ImGui::GetIO().WantTextInput;
+  for (const int key : input.keysPressed) {
+    if (key == GLFW_KEY_F1) ui_.showHelp = !ui_.showHelp;
+    if (typing) continue;
+    switch (key) {
+      case GLFW_KEY_SPACE:
+        actions.settings.zeroForce = !actions.settings.zeroForce;
+        actions.settingsChanged = true;
+        break;
+      case GLFW_KEY_F:
+        ui_.fit =
+            ui_.parts.selected != kNoPart ? std::vector<PartId>{ui_.parts.selected} : std::vector<PartId>{};
+        break;
+      case GLFW_KEY_HOME:
+        ui_.fit = std::vector<PartId>{};
+        break;
+      case GLFW_KEY_1:
+      case GLFW_KEY_KP_1:
+        look(camera_, StandardView::front);
+        break;
+      case GLFW_KEY_3:
+      case GLFW_KEY_KP_3:
+        look(camera_, StandardView::right);
+        break;
+      case GLFW_KEY_7:
+      case GLFW_KEY_KP_7:
+        look(camera_, StandardView::top);
+        break;
+      case GLFW_KEY_TAB:
+        ui_.showPanels = !ui_.showPanels;
+        break;
+      case GLFW_KEY_ESCAPE:
+        if (!ui_.showHelp) ui_.parts.selected = kNoPart;
+        ui_.showHelp = false;
+        ui_.following = kNoSite;
+        break;
+      case GLFW_KEY_H:
+      case GLFW_KEY_I:
+      case GLFW_KEY_T:
+        partKey(key, input.shift);
+        break;
+      default:
+        break;
+    }
+  }
+  if (model.replay && !typing)
+    for (const int key : input.keysPressed)
+      if (key == GLFW_KEY_P) actions.togglePlay = true;
+}
+
+void SceneViewer::follow(const ViewModel& model) {
+  if (ui_.following == kNoSite) return;
+  const auto site = std::find_if(model.sites.begin(), model.sites.end(),
+                                 [&](const SiteView& s) { return s.info.site == ui_.following; });
+  if (site == model.sites.end() || !site->info.connected) {
+    ui_.following = kNoSite;
+  } else if (site->seen) {
+    camera_ = cameraAt(site->presence.worldFromCamera, camera_);
+  }
+}
+
+void SceneViewer::startDrag(const Input& input, const View& view, bool cursorInView) {
+  const bool leftTurns = !options_.stylusFromMouse && input.pressed[0];
+  const bool pressed = leftTurns || input.pressed[1] || input.pressed[2] || (input.shift && input.pressed[0]);
+  if (drag_ != Drag::none || !pressed || !cursorInView) return;
+  drag_ = input.shift ? Drag::shift : Drag::turn;
+  dragged_ = false;
+  dragStart_ = input.cursor;
+  pivot_ = underCursor_ ? underCursor_->point : view.camera.target;
+}
+
+void SceneViewer::moveCamera(const Input& input, const View& view) {
+  if (drag_ != Drag::none && !input.down[0] && !input.down[1] && !input.down[2]) drag_ = Drag::none;
+  if (drag_ != Drag::none) {
+    dragged_ = dragged_ || glm::length(input.cursor - dragStart_) > 4.0;
+    if (dragged_ && drag_ == Drag::turn) orbit(camera_, input.cursorMove, pivot_);
+    if (dragged_ && drag_ == Drag::shift) {
+      const double depth = std::max(view.depthOf(pivot_), view.near);
+      pan(camera_, input.cursorMove, view.metresPerPixel(depth));
+    }
+    if (dragged_) ui_.following = kNoSite;
+  }
+}
+
+void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
+                             ViewActions& actions) {
+  if (!started_) {
+    const auto middle = renderer_->pick(view, 0.5 * view.size, model.worldFromPart, looks_);
+    stylus_.place(view, middle ? middle->depth : camera_.distance);
+    actions.stylusMoved = true;
+  }
+  StylusControl::Situation now{view, input};
+  now.cursor = input.cursor - viewport_.min;
+  now.cursorInView = cursorInView;
+  now.cameraMoving = drag_ != Drag::none;
+  now.keysFree = !ImGui::GetIO().WantTextInput;
+  now.mayGrasp = model.role != sync::Role::observer && !model.replay;
+  now.holding = model.hand.held != kNoPart;
+  now.followSurface = ui_.followSurface;
+  now.surface = underCursor_;
+  if (stylus_.update(now)) actions.stylusMoved = true;
+  actions.worldFromStylus = stylus_.worldFromStylus();
+  actions.grasp = stylus_.grasping();
+}
+
+void SceneViewer::partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView) {
+  const bool click = input.released[1] && !dragged_ && cursorInView;
+  const bool select = !options_.stylusFromMouse && input.released[0] && !dragged_ && cursorInView;
+  if (click || select) ui_.parts.selected = underCursor_ ? underCursor_->part : kNoPart;
+  if (click && underCursor_) {
+    menuPart_ = underCursor_->part;
+    ImGui::OpenPopup("part menu");
+  }
+  if (!ImGui::BeginPopup("part menu")) return;
+  if (context.model.scene && menuPart_ < context.model.scene->parts.size())
+    ImGui::TextDisabled("%s", context.model.scene->parts[menuPart_].name.c_str());
+  ImGui::Separator();
+  partMenu(context, {menuPart_});
+  ImGui::EndPopup();
+}
+
+bool SceneViewer::pictureChanged(const View& view, const ViewModel& model) {
+  Fingerprint print;
+  print.add(view.worldFromEye);
+  print.add(view.camera.distance);
+  print.add(view.size.x);
+  print.add(view.size.y);
+  print.add(ui_.showEdges);
+  for (const Pose& pose : model.worldFromPart) print.add(pose);
+  for (const PartLook& look : looks_) {
+    print.add(look.visible);
+    for (const float value : {look.alpha, look.tintAmount, look.rimAmount, look.edgeWidth}) print.add(value);
+    print.add(look.tint);
+    print.add(look.edgeColour);
+  }
+  const HandView& hand = model.hand;
+  print.add(hand.present);
+  print.add(hand.valid);
+  print.add(hand.worldFromProxy);
+  print.add(hand.worldFromDevice);
+  print.add(hand.force);
+  for (int i = 0; i < std::clamp(hand.contactCount, 0, haptics::kMaxContacts); ++i) {
+    print.add(hand.contacts[static_cast<std::size_t>(i)].point);
+    print.add(hand.contacts[static_cast<std::size_t>(i)].normal);
+  }
+  for (const SiteView& site : model.sites) {
+    print.add(site.seen && site.info.connected);
+    print.add(site.presence.worldFromTool);
+    print.add(site.presence.worldFromCamera);
+    for (const std::uint8_t channel : site.info.colour) print.add(channel);
+  }
+  const bool changed = !started_ || print.value() != lastPicture_;
+  lastPicture_ = print.value();
+  return changed;
+}
+
+void SceneViewer::drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch) {
+  const glm::ivec2 size = glm::max(glm::ivec2(viewport_.size() * pixelScale()), glm::ivec2(1));
+  multisampled_.resize(size, kSamples, GL_RGBA8);
+  resolved_.resize(size, 0, GL_RGBA8);
+  multisampled_.bind();
+  glDisable(GL_SCISSOR_TEST);
+  glDisable(GL_CULL_FACE);
+  glEnable(GL_MULTISAMPLE);
+  glDepthMask(GL_TRUE);
+  glDepthFunc(GL_LESS);
+  glClear(GL_DEPTH_BUFFER_BIT);
+  renderer_->drawBackground(theme::kBackground);
+  renderer_->draw(view, model.worldFromPart, looks_, ui_.showEdges);
+  glyphs_->draw(batch);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, multisampled_.framebuffer());
+  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer());
+  glBlitFramebuffer(0, 0, size.x, size.y, 0, 0, size.x, size.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
+}
+
+void SceneViewer::showScene() {
+  const glm::ivec2 window = surface_->framebufferSize();
+  const glm::ivec2 size = resolved_.size();
+  const glm::ivec2 corner(viewport_.min * pixelScale());
+  const int bottom = window.y - corner.y - size.y;
+  glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
+  glViewport(0, 0, window.x, window.y);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.framebuffer());
+  glBlitFramebuffer(0, 0, size.x, size.y, corner.x, bottom, corner.x + size.x, bottom + size.y,
+                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
+}
+
+ViewActions SceneViewer::frame(const ViewModel& model) {
+  ASSERT(model.scene && model.worldFromPart.size() == model.scene->parts.size());
+  surface_->makeCurrent();
+  Input input;
+  interface_->begin(input);
+  ViewActions actions;
+  actions.settings = model.settings;
+  actions.quit = surface_->closeRequested();
+  const PanelContext context{model, ui_, actions, interface_->fonts(), interface_->scale()};
+
+  ui_.parts.hovered = kNoPart;
+  viewport_ = {{0.0, 0.0}, glm::dvec2(surface_->size())};
+  keys(model, input, actions);
+  if (options_.panels && ui_.showPanels) viewport_ = drawPanels(context, tree_, glm::dvec2(surface_->size()));
+  if (!started_ && camera_.distance == fitView(sceneBounds_, 1.0).distance)
+    camera_ = fitFrom(camera_, sceneBounds_, viewport_.size().x / std::max(viewport_.size().y, 1.0));
+  if (ui_.fit) fit(model);
+  follow(model);
+
+  const glm::dvec2 cursor = input.cursor - viewport_.min;
+  const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && cursor.x >= 0.0 && cursor.y >= 0.0 &&
+                            cursor.x < viewport_.size().x && cursor.y < viewport_.size().y;
+  View view = currentView(model);
+  partLooks(model, ui_.parts, looks_);
+  if (drag_ == Drag::none)
+    underCursor_ = cursorInView ? renderer_->pick(view, cursor, model.worldFromPart, looks_) : std::nullopt;
+  startDrag(input, view, cursorInView);
+  moveCamera(input, view);
+  if (cursorInView && !input.ctrl && input.wheel != 0.0) {
+    zoom(camera_, input.wheel, underCursor_ ? underCursor_->point : view.pointAt(cursor, camera_.distance));
+    ui_.following = kNoSite;
+  }
+  view = currentView(model);
+  if (options_.stylusFromMouse) moveStylus(model, input, view, cursorInView, actions);
+  partMenuOverScene(context, input, cursorInView);
+
+  if (!options_.stylusFromMouse && underCursor_) ui_.parts.hovered = underCursor_->part;
+  partLooks(model, ui_.parts, looks_);
+  GlyphBatch batch(view);
+  std::vector<Label> labels;
+  addPeople(model, batch, labels);
+  drawLabels(view, viewport_, labels, context);
+  if (options_.panels) {
+    drawNotices(context, viewport_);
+    drawReplayBar(context, viewport_);
+    if (ui_.showHelp) drawHelp(context);
+  }
+  if (pictureChanged(view, model)) drawScene(view, model, batch);
+  showScene();
+  ImGui::Render();
+  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  surface_->present();
+  started_ = true;
+  actions.worldFromCamera = view.worldFromEye;
+  return actions;
+}
+
+Status SceneViewer::screenshot(const std::string& path) {
+  surface_->makeCurrent();
+  const glm::ivec2 size = surface_->framebufferSize();
+  std::vector<std::uint8_t> rgb(static_cast<std::size_t>(size.x) * static_cast<std::size_t>(size.y) * 3);
+  glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glReadPixels(0, 0, size.x, size.y, GL_RGB, GL_UNSIGNED_BYTE, rgb.data());
+  return writePng(path, size.x, size.y, rgb);
+}
+
+}  // namespace
+
+Result<std::unique_ptr<Viewer>> Viewer::open(const assets::Scene& scene, const ViewerOptions& options) {
+  if (!displayPresent()) return Error{"no window can be opened: neither DISPLAY nor WAYLAND_DISPLAY is set"};
+  auto surface = openWindow(options);
+  if (!surface) return surface.error();
+  return SceneViewer::make(scene, options, std::move(*surface));
+}
+
+Result<std::unique_ptr<Viewer>> Viewer::openOffscreen(const assets::Scene& scene,
+                                                      const ViewerOptions& options) {
+  auto surface = openOffscreenSurface(options);
+  if (!surface) return surface.error();
+  return SceneViewer::make(scene, options, std::move(*surface));
+}
+
+bool displayPresent() {
+  const auto set = [](const char* name) {
+    const char* value = std::getenv(name);
+    return value && *value;
+  };
+  return set("DISPLAY") || set("WAYLAND_DISPLAY");
+}
+
+}  // namespace tandem::client
