@@ -191,7 +191,7 @@ View SceneViewer::currentView(const ViewModel& model) const {
   };
   if (model.hand.present) includePoint(model.hand.worldFromProxy.position);
   for (const SiteView& site : model.sites)
-    if (site.seen && !site.self) {
+    if (site.seen && site.info.connected && !site.self) {
       includePoint(site.presence.worldFromTool.position);
       includePoint(site.presence.worldFromCamera.position);
     }

@@ -1,0 +1,211 @@
+#include "client/viewer/viewer.h"
+
+#include <epoxy/gl.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "tests/client/picture.h"
+
+namespace tandem::client {
+namespace {
+
+constexpr int kWidth = 480, kHeight = 320;
+
+assets::Part box(const char* name, const glm::dvec3& at, std::uint16_t material) {
+  assets::Part part;
+  part.name = name;
+  part.movable = true;
+  part.worldFromPart.position = at;
+  assets::ImplicitShape shape;
+  shape.kind = assets::ImplicitShape::Kind::box;
+  shape.size = {0.1, 0.1, 0.1};
+  shape.material = material;
+  part.shapes.push_back(shape);
+  return part;
+}
+
+/// A red box at the left and a green one at the right, seen from the front.
+assets::Scene twoBoxes() {
+  assets::Scene scene;
+  scene.name = "boxes";
+  scene.materials.resize(2);
+  scene.materials[0].baseColour = {0.7f, 0.02f, 0.02f, 1.0f};
+  scene.materials[1].baseColour = {0.02f, 0.5f, 0.02f, 1.0f};
+  scene.parts = {box("left", {-0.1, 0.0, 0.0}, 0), box("right", {0.1, 0.0, 0.0}, 1)};
+  scene.bounds.min = {-0.15, -0.05, -0.05};
+  scene.bounds.max = {0.15, 0.05, 0.05};
+  return scene;
+}
+
+bool isRed(const Rgb& c) { return c[0] > 90 && c[0] > 2 * c[1] && c[0] > 2 * c[2]; }
+bool isGreen(const Rgb& c) { return c[1] > 70 && c[1] > 2 * c[0] && c[1] > 2 * c[2]; }
+bool isBlue(const Rgb& c) { return c[2] > 110 && c[2] > c[0] + 40 && c[2] > c[1] + 15; }
+
+/// A viewer without a display on the two boxes, and the model it shows.
+class ViewerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    ViewerOptions options;
+    options.width = kWidth;
+    options.height = kHeight;
+    options.panels = false;
+    auto opened = Viewer::openOffscreen(scene_, options);
+    if (!opened) GTEST_SKIP() << opened.error().message;
+    viewer_ = std::move(*opened);
+    model_.scene = &scene_;
+    for (const assets::Part& part : scene_.parts) model_.worldFromPart.push_back(part.worldFromPart);
+    model_.owner.assign(scene_.parts.size(), kNoSite);
+    model_.role = sync::Role::participant;
+    Camera& camera = viewer_->camera();
+    camera = fitView(scene_.bounds, 1.5);
+    camera.yaw = 0.0;
+    camera.pitch = 0.0;
+    camera.distance = 0.5;
+  }
+
+  Picture draw() {
+    actions_ = viewer_->frame(model_);
+    const std::string path = testing::TempDir() + "tandem_viewer_test.png";
+    EXPECT_TRUE(viewer_->screenshot(path).ok());
+    EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+    Picture picture = readPng(path);
+    std::filesystem::remove(path);
+    EXPECT_EQ(picture.width, kWidth);
+    EXPECT_EQ(picture.height, kHeight);
+    return picture;
+  }
+
+  const assets::Scene scene_ = twoBoxes();
+  std::unique_ptr<Viewer> viewer_;
+  ViewModel model_;
+  ViewActions actions_;
+};
+
+TEST_F(ViewerTest, ShowsPartsInTheirColoursAtTheirPlaces) {
+  const Picture picture = draw();
+  EXPECT_TRUE(isRed(picture.at(kWidth / 4 + 20, kHeight / 2)));
+  EXPECT_TRUE(isGreen(picture.at(3 * kWidth / 4 - 20, kHeight / 2)));
+  const Rgb corner = picture.at(3, 3);
+  EXPECT_FALSE(isRed(corner) || isGreen(corner));
+}
+
+TEST_F(ViewerTest, MovedPartsAreDrawnWhereTheyAre) {
+  draw();
+  std::swap(model_.worldFromPart[0], model_.worldFromPart[1]);
+  const Picture picture = draw();
+  EXPECT_TRUE(isGreen(picture.at(kWidth / 4 + 20, kHeight / 2)));
+  EXPECT_TRUE(isRed(picture.at(3 * kWidth / 4 - 20, kHeight / 2)));
+}
+
+TEST_F(ViewerTest, TheSameModelGivesTheSamePicture) {
+  const Picture first = draw(), second = draw();
+  EXPECT_EQ(countDifferent(first, second, 0), 0);
+}
+
+TEST_F(ViewerTest, AnOwnedPartTakesItsOwnersColour) {
+  SiteView site;
+  site.info.site = 7;
+  site.info.name = "Ada";
+  site.info.colour = {20, 60, 250};
+  model_.sites.push_back(site);
+  const Picture before = draw();
+  EXPECT_EQ(before.count(isBlue), 0);
+  model_.owner[0] = 7;
+  const Picture owned = draw();
+  const int changed = countDifferent(before, owned, 8);
+  EXPECT_GT(changed, 3000);
+  EXPECT_LT(changed, kWidth * kHeight / 2) << "only the owned part may change";
+  EXPECT_TRUE(isGreen(owned.at(3 * kWidth / 4 - 20, kHeight / 2)));
+  EXPECT_GT(owned.at(kWidth / 4 + 20, kHeight / 2)[2], before.at(kWidth / 4 + 20, kHeight / 2)[2] + 30);
+}
+
+TEST_F(ViewerTest, TheForceArrowGrowsWithTheForce) {
+  model_.hand.present = model_.hand.valid = true;
+  model_.hand.worldFromProxy.position = {0.0, -0.02, 0.06};
+  model_.hand.worldFromDevice = model_.hand.worldFromProxy;
+  const Picture without = draw();
+  model_.hand.force = {0.0, 1.0, 0.0};
+  const Picture weak = draw();
+  model_.hand.force = {0.0, 3.0, 0.0};
+  const Picture strong = draw();
+  const int weakPixels = countDifferent(without, weak, 12),
+            strongPixels = countDifferent(without, strong, 12);
+  EXPECT_GT(weakPixels, 200);
+  EXPECT_GT(strongPixels, weakPixels + 150);
+}
+
+TEST_F(ViewerTest, OthersHandsAreDrawnUnlessTheyAreAway) {
+  const Picture alone = draw();
+  SiteView site;
+  site.info.site = 2;
+  site.info.name = "Bruno";
+  site.info.role = sync::Role::participant;
+  site.info.colour = {20, 60, 250};
+  site.seen = true;
+  site.presence.worldFromTool.position = {0.0, 0.02, 0.06};
+  site.presence.worldFromCamera.position = {0.0, 0.0, 5.0};
+  model_.sites.push_back(site);
+  EXPECT_GT(countDifferent(alone, draw(), 12), 300);
+  model_.sites[0].info.connected = false;
+  EXPECT_EQ(countDifferent(alone, draw(), 0), 0);
+}
+
+TEST_F(ViewerTest, PlacesTheVirtualStylusBeforeWhatIsInTheMiddle) {
+  model_.worldFromPart[0].position = {0.0, 0.0, 0.0};
+  draw();
+  EXPECT_TRUE(actions_.stylusMoved);
+  EXPECT_FALSE(actions_.grasp);
+  const glm::dvec3 tip = actions_.worldFromStylus.position;
+  EXPECT_NEAR(tip.x, 0.0, 1e-9);
+  EXPECT_NEAR(tip.y, 0.0, 1e-9);
+  EXPECT_GT(tip.z, 0.05);         // before the box's front face
+  EXPECT_LT(tip.z, 0.05 + 0.02);  // but within reach of it
+  draw();
+  EXPECT_FALSE(actions_.stylusMoved);
+}
+
+TEST_F(ViewerTest, AnUnwritableScreenshotIsAnErrorThatNamesTheFile) {
+  draw();
+  const Status status = viewer_->screenshot("/nonexistent/folder/picture.png");
+  ASSERT_FALSE(status.ok());
+  EXPECT_NE(status.error().message.find("/nonexistent/folder/picture.png"), std::string::npos);
+}
+
+TEST_F(ViewerTest, TwoViewersDoNotDisturbEachOther) {
+  const Picture before = draw();
+  ViewerOptions options;
+  options.width = 200;
+  options.height = 100;
+  auto other = Viewer::openOffscreen(scene_, options);
+  ASSERT_TRUE(other.ok());
+  (*other)->frame(model_);
+  EXPECT_EQ(countDifferent(before, draw(), 0), 0);
+  other->reset();
+  EXPECT_EQ(countDifferent(before, draw(), 0), 0);
+}
+
+TEST_F(ViewerTest, PanelsLeaveRoomForTheScene) {
+  ViewerOptions options;
+  options.width = 1200;
+  options.height = 700;
+  auto opened = Viewer::openOffscreen(scene_, options);
+  ASSERT_TRUE(opened.ok());
+  model_.notices.push_back({Notice::Level::warning, 0.5, "Not granted: left is held by Bruno"});
+  model_.loop.recentForce_n = {0.0f, 1.0f, 2.0f};
+  (*opened)->frame(model_);
+  (*opened)->frame(model_);
+  const std::string path = testing::TempDir() + "tandem_viewer_panels.png";
+  ASSERT_TRUE((*opened)->screenshot(path).ok());
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  const Picture picture = readPng(path);
+  std::filesystem::remove(path);
+  EXPECT_GT(picture.count(isRed), 2000);
+  EXPECT_GT(picture.count(isGreen), 2000);
+  const auto isPanel = [](const Rgb& c) { return c[0] > 240 && c[1] > 240 && c[2] > 240; };
+  EXPECT_TRUE(isPanel(picture.at(20, 500)));
+  EXPECT_TRUE(isPanel(picture.at(1190, 690)));
+}
+
+}  // namespace
+}  // namespace tandem::client
