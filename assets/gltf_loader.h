@@ -1,0 +1,26 @@
+#pragma once
+
+// The steps of loading, for loadGltf() and for the cache, which has to look at the file before it decides. For the
+// loader's sources only.
+
+#include <string>
+#include <vector>
+
+#include "assets/gltf_document.h"
+#include "assets/load_gltf.h"
+
+namespace tandem::assets {
+
+/// Opens the file and its external buffers; throws GltfError.
+void openFromDisk(const std::string& path, GltfDocument& document);
+
+/// The scene of an opened file; throws GltfError.
+Scene buildScene(const std::string& name, GltfDocument& document, const LoadOptions& options);
+
+/// The exception being handled as one line "name: place: reason". Call from a catch block only.
+Error describeError(const std::string& name);
+
+/// "; near it are 'a', 'b'": the names most like `wanted`, or nothing if there are none.
+std::string nearNames(const std::string& wanted, const std::vector<std::string>& names);
+
+}  // namespace tandem::assets
