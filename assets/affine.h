@@ -1,6 +1,7 @@
 #pragma once
 
-// Splits an affine map into a rigid motion and what is left, so that parts can be rigid (invariant 1 of scene.h).
+// Splits an affine map into a rigid motion and what is left, so that parts can be rigid (invariant 1 of
+// scene.h).
 
 #include <optional>
 
@@ -17,9 +18,10 @@ struct RigidSplit {
   glm::dmat3 residual{1.0};  // symmetric: scales and shears; negative definite where the map mirrors
 };
 
-/// The polar decomposition A = R S of an affine map (Higham 1986, "Computing the polar decomposition"). The residual
-/// depends on the scales alone, not on the rotation, so rotated instances of a mesh get the same one. A map that mirrors
-/// gives R det > 0 and S = -(R' A): its winding has to be flipped. Nothing if the map is singular or not finite.
+/// The polar decomposition A = R S of an affine map (Higham 1986, "Computing the polar decomposition"). The
+/// residual depends on the scales alone, not on the rotation, so rotated instances of a mesh get the same
+/// one. A map that mirrors gives R det > 0 and S = -(R' A): its winding has to be flipped. Nothing if the map
+/// is singular or not finite.
 std::optional<RigidSplit> splitRigid(const glm::dmat4& map);
 
 /// The pose as a matrix.

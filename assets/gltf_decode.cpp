@@ -7,26 +7,29 @@
 
 #include <draco/compression/decode.h>
 #include <meshoptimizer.h>
+#include <glm/common.hpp>
 
 namespace tandem::assets {
 namespace {
 
 using nlohmann::json;
 
-// The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec); beyond this a count is a lie.
+// The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec); beyond this a count is a
+// lie.
 constexpr std::size_t kMaxMeshoptRatio = 256;
 // A Draco connectivity symbol takes a fraction of a bit at best; real meshes spend 1 to 2 bits a face.
 constexpr std::size_t kMaxDracoFacesPerByte = 256;
 
 /// The bytes of a buffer view, decompressed where it was compressed.
 ByteView viewBytes(const GltfDocument& document, std::size_t index) {
-  if (index < document.ownedViews.size() && !document.ownedViews[index].empty()) return document.ownedViews[index];
+  if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
+    return document.ownedViews[index];
   const tinygltf::BufferView& view = document.model.bufferViews[index];
   const ByteView buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-    throw GltfError(placeName("bufferViews", index), "reaches past the end of its buffer (" + std::to_string(view.byteOffset) +
-                                                         " + " + std::to_string(view.byteLength) + " of " +
-                                                         std::to_string(buffer.size()) + " bytes)");
+    throw GltfError(placeName("bufferViews", index),
+                    "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
+                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size()) + " bytes)");
   return buffer.subspan(view.byteOffset, view.byteLength);
 }
 
@@ -55,8 +58,8 @@ struct Elements {
 };
 
 /// `count` elements from `offset` of a view; a stride of 0 means tightly packed.
-Elements elementsIn(ByteView view, std::size_t offset, std::size_t count, std::size_t stride, std::size_t size,
-                    const std::string& place) {
+Elements elementsIn(ByteView view, std::size_t offset, std::size_t count, std::size_t stride,
+                    std::size_t size, const std::string& place) {
   if (stride == 0) stride = size;
   if (stride < size) throw GltfError(place, "the stride is smaller than an element");
   // All factors are below 2^31, so the product cannot wrap.
@@ -85,9 +88,9 @@ void applySparse(const GltfDocument& document, std::size_t index, std::size_t si
   if (sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
     throw GltfError(place + ".indices", "must be unsigned integers");
   const std::size_t indexSize = componentSize(sparse.indices.componentType, place + ".indices.componentType");
-  const Elements indices =
-      elementsIn(viewBytes(document, static_cast<std::size_t>(sparse.indices.bufferView)),
-                 static_cast<std::size_t>(sparse.indices.byteOffset), count, 0, indexSize, place + ".indices");
+  const Elements indices = elementsIn(
+      viewBytes(document, static_cast<std::size_t>(sparse.indices.bufferView)),
+      static_cast<std::size_t>(sparse.indices.byteOffset), count, 0, indexSize, place + ".indices");
   const Elements values =
       elementsIn(viewBytes(document, static_cast<std::size_t>(sparse.values.bufferView)),
                  static_cast<std::size_t>(sparse.values.byteOffset), count, 0, size, place + ".values");
@@ -96,7 +99,8 @@ void applySparse(const GltfDocument& document, std::size_t index, std::size_t si
     for (std::size_t i = 0; i < base.count; ++i) std::memcpy(dense->data() + i * size, base.at(i), size);
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t target = readUnsigned(indices.at(i), indexSize);
-    if (target >= base.count) throw GltfError(place + ".indices", "index " + std::to_string(target) + " is out of range");
+    if (target >= base.count)
+      throw GltfError(place + ".indices", "index " + std::to_string(target) + " is out of range");
     std::memcpy(dense->data() + target * size, values.at(i), size);
   }
   base.data = dense->data();
@@ -132,7 +136,8 @@ void convertPositions(const Elements& elements, double divisor, std::vector<glm:
   for (std::size_t i = 0; i < elements.count; ++i) {
     T values[3];
     std::memcpy(values, elements.at(i), sizeof values);
-    const glm::dvec3 position(static_cast<double>(values[0]), static_cast<double>(values[1]), static_cast<double>(values[2]));
+    const glm::dvec3 position(static_cast<double>(values[0]), static_cast<double>(values[1]),
+                              static_cast<double>(values[2]));
     // A normalised signed integer's most negative value stands for -1 too (glTF 2.0, 3.6.2.2).
     out.push_back(divisor == 1.0 ? position : glm::max(position / divisor, glm::dvec3(-1.0)));
   }
@@ -151,7 +156,8 @@ void requireFinite(const std::vector<glm::dvec3>& positions, const std::string& 
   }
 }
 
-std::size_t wholeIn(const json& object, const char* key, const std::string& place, bool required, std::size_t limit) {
+std::size_t wholeIn(const json& object, const char* key, const std::string& place, bool required,
+                    std::size_t limit) {
   const auto it = object.find(key);
   if (it == object.end()) {
     if (required) throw GltfError(place + "." + key, "is missing");
@@ -165,13 +171,16 @@ std::size_t wholeIn(const json& object, const char* key, const std::string& plac
 void applyMeshoptFilter(const std::string& filter, Bytes& bytes, std::size_t count, std::size_t stride,
                         const std::string& place) {
   if (filter == "NONE") return;
-  if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8)) return meshopt_decodeFilterOct(bytes.data(), count, stride);
+  if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
+    return meshopt_decodeFilterOct(bytes.data(), count, stride);
   if (filter == "QUATERNION" && stride == 8) return meshopt_decodeFilterQuat(bytes.data(), count, stride);
   if (filter == "EXPONENTIAL" && stride % 4 == 0) return meshopt_decodeFilterExp(bytes.data(), count, stride);
-  throw GltfError(place + ".filter", "'" + filter.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
+  throw GltfError(place + ".filter",
+                  "'" + filter.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
 }
 
-Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::size_t viewLength, const std::string& place) {
+Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::size_t viewLength,
+                    const std::string& place) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t bufferIndex = wholeIn(extension, "buffer", place, true, kMax);
   if (bufferIndex >= document.buffers.size()) throw GltfError(place + ".buffer", "is out of range");
@@ -180,8 +189,10 @@ Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::si
   const std::size_t length = wholeIn(extension, "byteLength", place, true, kMax);
   const std::size_t stride = wholeIn(extension, "byteStride", place, true, 256);
   const std::size_t count = wholeIn(extension, "count", place, true, kMax);
-  if (offset > buffer.size() || length > buffer.size() - offset) throw GltfError(place, "reaches past the end of its buffer");
-  if (count * stride != viewLength) throw GltfError(place, "count times byteStride is not the view's byteLength");
+  if (offset > buffer.size() || length > buffer.size() - offset)
+    throw GltfError(place, "reaches past the end of its buffer");
+  if (count * stride != viewLength)
+    throw GltfError(place, "count times byteStride is not the view's byteLength");
   if (viewLength == 0 || viewLength / kMaxMeshoptRatio > length)
     throw GltfError(place, "claims more data than its bytes can hold");
   const std::string mode = extension.value("mode", json("")).is_string() ? extension.value("mode", "") : "";
@@ -198,7 +209,8 @@ Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::si
   } else if (mode == "INDICES" && (stride == 2 || stride == 4)) {
     failed = meshopt_decodeIndexSequence(out.data(), count, stride, in, length);
   } else {
-    throw GltfError(place + ".mode", "'" + mode.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
+    throw GltfError(place + ".mode",
+                    "'" + mode.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
   }
   if (failed != 0) throw GltfError(place, "the meshopt data cannot be decoded");
   return out;
@@ -224,15 +236,18 @@ struct DracoHeader {
   }
 };
 
-/// The decoder allocates by the header's counts before it meets the end of the data, so they are checked against the
-/// length here. Layout: Draco bitstream specification 2.2, sections 3 and 5; glTF allows no other version.
+/// The decoder allocates by the header's counts before it meets the end of the data, so they are checked
+/// against the length here. Layout: Draco bitstream specification 2.2, sections 3 and 5; glTF allows no other
+/// version.
 void checkDracoHeader(ByteView bytes, const std::string& place) {
   DracoHeader header{bytes};
   for (const char expected : {'D', 'R', 'A', 'C', 'O'})
-    if (header.byte(place) != static_cast<unsigned char>(expected)) throw GltfError(place, "is not Draco data");
+    if (header.byte(place) != static_cast<unsigned char>(expected))
+      throw GltfError(place, "is not Draco data");
   const unsigned major = header.byte(place), minor = header.byte(place);
   if (major != 2 || minor != 2)
-    throw GltfError(place, "Draco version " + std::to_string(major) + "." + std::to_string(minor) + " is not 2.2");
+    throw GltfError(place,
+                    "Draco version " + std::to_string(major) + "." + std::to_string(minor) + " is not 2.2");
   if (header.byte(place) != 1) throw GltfError(place, "is a Draco point cloud, not a mesh");
   const unsigned method = header.byte(place);
   const unsigned flags = header.byte(place) | header.byte(place) << 8;
@@ -291,7 +306,8 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
 
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor) {
   const int componentType = document.model.accessors[accessor].componentType;
-  if (componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE && componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+  if (componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+      componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
       componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
     throw GltfError(placeName("accessors", accessor, "componentType"), "indices must be unsigned integers");
   const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_SCALAR, 1);
@@ -306,7 +322,8 @@ DracoMesh decodeDraco(const GltfDocument& document, const json& extension, const
   const std::size_t view = wholeIn(extension, "bufferView", place, true, kMax);
   if (view >= document.model.bufferViews.size()) throw GltfError(place + ".bufferView", "is out of range");
   const auto attributes = extension.find("attributes");
-  if (attributes == extension.end() || !attributes->is_object()) throw GltfError(place + ".attributes", "is missing");
+  if (attributes == extension.end() || !attributes->is_object())
+    throw GltfError(place + ".attributes", "is missing");
   const std::size_t positionId = wholeIn(*attributes, "POSITION", place + ".attributes", true, kMax);
   const ByteView bytes = viewBytes(document, view);
   checkDracoHeader(bytes, place);
@@ -315,10 +332,12 @@ DracoMesh decodeDraco(const GltfDocument& document, const json& extension, const
   buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   draco::Decoder decoder;
   auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
-  if (!decoded.ok()) throw GltfError(place, std::string("the Draco data cannot be decoded: ") + decoded.status().error_msg());
+  if (!decoded.ok())
+    throw GltfError(place, std::string("the Draco data cannot be decoded: ") + decoded.status().error_msg());
   const draco::Mesh& mesh = *decoded.value();
   const draco::PointAttribute* position = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(positionId));
-  if (position == nullptr || position->num_components() != 3) throw GltfError(place, "has no positions of three components");
+  if (position == nullptr || position->num_components() != 3)
+    throw GltfError(place, "has no positions of three components");
 
   DracoMesh out;
   out.positions.resize(mesh.num_points());
@@ -332,7 +351,7 @@ DracoMesh decodeDraco(const GltfDocument& document, const json& extension, const
   requireFinite(out.positions, place);
   out.indices.reserve(std::size_t(mesh.num_faces()) * 3);
   for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)
-    for (const draco::PointIndex corner : mesh.face(draco::FaceIndex(f))) {
+    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {
       if (corner.value() >= mesh.num_points()) throw GltfError(place, "has an index out of range");
       out.indices.push_back(corner.value());
     }

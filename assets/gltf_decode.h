@@ -1,7 +1,8 @@
 #pragma once
 
-// Numbers out of a glTF file's buffers: accessors (strided, sparse, quantised), Draco, meshopt. Every byte range and
-// every count is checked against the bytes that are there before anything is allocated. For the loader's sources only.
+// Numbers out of a glTF file's buffers: accessors (strided, sparse, quantised), Draco, meshopt. Every byte
+// range and every count is checked against the bytes that are there before anything is allocated. For the
+// loader's sources only.
 
 #include <cstdint>
 #include <string>
@@ -19,7 +20,8 @@ void decodeMeshoptViews(GltfDocument& document);
 /// The elements of an accessor; 0 <= accessor < accessors.size().
 std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
 
-/// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All finite.
+/// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All
+/// finite.
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor);
 
 /// A SCALAR accessor of unsigned integers.
@@ -31,6 +33,7 @@ struct DracoMesh {
 };
 
 /// The geometry of a primitive with KHR_draco_mesh_compression; `extension` is that object.
-DracoMesh decodeDraco(const GltfDocument& document, const nlohmann::json& extension, const std::string& place);
+DracoMesh decodeDraco(const GltfDocument& document, const nlohmann::json& extension,
+                      const std::string& place);
 
 }  // namespace tandem::assets

@@ -75,9 +75,10 @@ constexpr Rule kSparsePartRules[] = {
     {"sparse", "componentType", Kind::whole},
 };
 
-// What tinygltf gets to see. Images, textures, skins, animations and cameras say nothing about shape, so that a broken
-// one never keeps a scene from loading.
-constexpr const char* kModelSections[] = {"bufferViews", "accessors", "meshes", "nodes", "scenes", "materials"};
+// What tinygltf gets to see. Images, textures, skins, animations and cameras say nothing about shape, so that
+// a broken one never keeps a scene from loading.
+constexpr const char* kModelSections[] = {"bufferViews", "accessors", "meshes",
+                                          "nodes",       "scenes",    "materials"};
 
 std::size_t sectionSize(const json& document, const char* section) {
   const auto it = document.find(section);
@@ -98,7 +99,8 @@ void checkWhole(json& value, const std::string& place, const char* refersTo, con
   if (refersTo == nullptr) return;
   const std::size_t size = sectionSize(document, refersTo);
   if (value.get<std::size_t>() >= size)
-    throw GltfError(place, "index " + value.dump() + " is out of range (" + std::to_string(size) + " " + refersTo + ")");
+    throw GltfError(
+        place, "index " + value.dump() + " is out of range (" + std::to_string(size) + " " + refersTo + ")");
 }
 
 void checkNumbers(const json& value, std::size_t count, const std::string& place) {
@@ -164,11 +166,13 @@ void checkSparse(json& accessor, const std::string& place, const json& document)
   for (const Rule& rule : kSparseRules) checkRule(*sparse, rule, where, document);
   for (const char* part : {"indices", "values"})
     for (const Rule& rule : kSparsePartRules) checkRule((*sparse)[part], rule, where + "." + part, document);
-  if (!(*sparse)["indices"].contains("componentType")) throw GltfError(where + ".indices.componentType", "is missing");
+  if (!(*sparse)["indices"].contains("componentType"))
+    throw GltfError(where + ".indices.componentType", "is missing");
 }
 
 void checkSections(json& document) {
-  for (const char* section : {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "materials"}) {
+  for (const char* section :
+       {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "materials"}) {
     const auto it = document.find(section);
     if (it == document.end()) continue;
     if (!it->is_array()) throw GltfError(section, "must be an array");
@@ -178,13 +182,15 @@ void checkSections(json& document) {
   for (const Rule& rule : kRules) {
     const auto it = document.find(rule.section);
     if (it == document.end()) continue;
-    for (std::size_t i = 0; i < it->size(); ++i) checkRule((*it)[i], rule, placeName(rule.section, i), document);
+    for (std::size_t i = 0; i < it->size(); ++i)
+      checkRule((*it)[i], rule, placeName(rule.section, i), document);
   }
   for (std::size_t i = 0; i < sectionSize(document, "meshes"); ++i)
     checkPrimitives(document["meshes"][i], placeName("meshes", i), document);
   for (std::size_t i = 0; i < sectionSize(document, "accessors"); ++i)
     checkSparse(document["accessors"][i], placeName("accessors", i), document);
-  if (const auto scene = document.find("scene"); scene != document.end()) checkWhole(*scene, "scene", "scenes", document);
+  if (const auto scene = document.find("scene"); scene != document.end())
+    checkWhole(*scene, "scene", "scenes", document);
 }
 
 void checkDepth(std::string_view text) {
@@ -198,7 +204,8 @@ void checkDepth(std::string_view text) {
     } else if (c == '"') {
       inString = true;
     } else if (c == '{' || c == '[') {
-      if (++depth > kMaxJsonDepth) throw GltfError("json", "is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
+      if (++depth > kMaxJsonDepth)
+        throw GltfError("json", "is nested deeper than " + std::to_string(kMaxJsonDepth) + " levels");
     } else if (c == '}' || c == ']') {
       --depth;
     }
@@ -211,9 +218,11 @@ json parseJson(std::string_view text) {
     return json::parse(text.begin(), text.end());
   } catch (const json::exception& e) {
     std::string reason = e.what();
-    // "[json.exception.parse_error.101] parse error at line 1 ..." names nlohmann's classes, which help nobody.
+    // "[json.exception.parse_error.101] parse error at line 1 ..." names nlohmann's classes, which help
+    // nobody.
     if (const auto bracket = reason.find("] "); bracket != std::string::npos) reason.erase(0, bracket + 2);
-    std::replace_if(reason.begin(), reason.end(), [](unsigned char c) { return c < 32; }, ' ');
+    std::replace_if(
+        reason.begin(), reason.end(), [](unsigned char c) { return c < 32; }, ' ');
     throw GltfError("json", reason);
   }
 }
@@ -236,13 +245,14 @@ Container splitGlb(ByteView file) {
     throw GltfError("header", "version " + std::to_string(readU32(file, 4)) + " is not glTF 2.0");
   const std::size_t length = readU32(file, 8);
   if (length > file.size())
-    throw GltfError("header", "the file is truncated: " + std::to_string(file.size()) + " of " + std::to_string(length) +
-                                  " bytes");
+    throw GltfError("header", "the file is truncated: " + std::to_string(file.size()) + " of " +
+                                  std::to_string(length) + " bytes");
   Container container;
   for (std::size_t at = 12; at + 8 <= length;) {
     const std::size_t size = readU32(file, at);
     const std::uint32_t type = readU32(file, at + 4);
-    if (size > length - at - 8) throw GltfError("chunk at byte " + std::to_string(at), "reaches past the file's end");
+    if (size > length - at - 8)
+      throw GltfError("chunk at byte " + std::to_string(at), "reaches past the file's end");
     const ByteView chunk = file.subspan(at + 8, size);
     if (at == 12 && type != 0x4E4F534A) throw GltfError("header", "the first chunk is not JSON");
     if (at == 12) container.json = {reinterpret_cast<const char*>(chunk.data()), chunk.size()};
@@ -264,7 +274,9 @@ Container splitContainer(ByteView file) {
 }
 
 std::string percentDecoded(const std::string& uri) {
-  const auto hex = [](char c) { return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1; };
+  const auto hex = [](char c) {
+    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
+  };
   std::string out;
   for (std::size_t i = 0; i < uri.size(); ++i) {
     if (uri[i] == '%' && i + 2 < uri.size() && hex(uri[i + 1]) >= 0 && hex(uri[i + 2]) >= 0) {
@@ -278,11 +290,13 @@ std::string percentDecoded(const std::string& uri) {
 }
 
 /// Where a relative URI lies, if that is inside the file's own directory.
-std::filesystem::path externalPath(const std::string& uri, const std::string& directory, const std::string& place) {
+std::filesystem::path externalPath(const std::string& uri, const std::string& directory,
+                                   const std::string& place) {
   const std::filesystem::path relative(percentDecoded(uri));
   const bool hasScheme = uri.find(':') != std::string::npos && uri.find(':') < uri.find('/');
-  const bool escapes = relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end() ||
-                       relative.string().find('\0') != std::string::npos || relative.string().find('\\') != std::string::npos;
+  const bool escapes =
+      relative.is_absolute() || std::find(relative.begin(), relative.end(), "..") != relative.end() ||
+      relative.string().find('\0') != std::string::npos || relative.string().find('\\') != std::string::npos;
   if (hasScheme || escapes || relative.empty())
     throw GltfError(place, "'" + uri.substr(0, 80) + "' does not lie in the directory of the file");
   return std::filesystem::path(directory) / relative;
@@ -294,15 +308,19 @@ bool isMeshoptFallback(const json& buffer) {
 }
 
 /// Fills buffers[i] from the GLB's chunk, a data URI or a file beside this one.
-void openBuffer(GltfDocument& document, const Container& container, std::size_t i, const std::string* directory) {
+void openBuffer(GltfDocument& document, const Container& container, std::size_t i,
+                const std::string* directory) {
   const json& buffer = document.json["buffers"][i];
   const std::string place = placeName("buffers", i);
   const std::size_t length = buffer["byteLength"].get<std::size_t>();
   const auto uriAt = buffer.find("uri");
   if (uriAt == buffer.end()) {
-    if (i == 0 && container.hasBinary) document.buffers[i] = container.binary;
-    else if (isMeshoptFallback(buffer)) return;
-    else throw GltfError(place, "has neither a uri nor a binary chunk");
+    if (i == 0 && container.hasBinary)
+      document.buffers[i] = container.binary;
+    else if (isMeshoptFallback(buffer))
+      return;
+    else
+      throw GltfError(place, "has neither a uri nor a binary chunk");
   } else {
     const std::string uri = uriAt->get<std::string>();
     Bytes& owned = document.ownedBuffers[i];
@@ -318,7 +336,8 @@ void openBuffer(GltfDocument& document, const Container& container, std::size_t 
     document.buffers[i] = owned;
   }
   if (document.buffers[i].size() < length)
-    throw GltfError(place, "holds " + std::to_string(document.buffers[i].size()) + " of its " + std::to_string(length) + " bytes");
+    throw GltfError(place, "holds " + std::to_string(document.buffers[i].size()) + " of its " +
+                               std::to_string(length) + " bytes");
   document.buffers[i] = document.buffers[i].first(length);
 }
 
@@ -341,8 +360,8 @@ json modelJson(const json& document) {
       for (json& primitive : mesh["primitives"]) {
         stripObject(primitive);
         primitive.erase("targets");
-        // tinygltf refuses index accessors without a buffer view, which are legal where they are sparse or where Draco
-        // holds the data; the decoder takes them from the JSON instead.
+        // tinygltf refuses index accessors without a buffer view, which are legal where they are sparse or
+        // where Draco holds the data; the decoder takes them from the JSON instead.
         primitive.erase("indices");
       }
   return out;
@@ -351,14 +370,16 @@ json modelJson(const json& document) {
 }  // namespace
 
 std::string placeName(const char* section, std::size_t index, const char* key) {
-  return std::string(section) + "[" + std::to_string(index) + "]" + (key != nullptr ? std::string(".") + key : "");
+  return std::string(section) + "[" + std::to_string(index) + "]" +
+         (key != nullptr ? std::string(".") + key : "");
 }
 
 Bytes readWholeFile(const std::string& path, const std::string& place) {
   std::error_code error;
   const auto status = std::filesystem::status(path, error);
   if (!std::filesystem::exists(status)) throw GltfError(place, "'" + path + "' does not exist");
-  if (!std::filesystem::is_regular_file(status)) throw GltfError(place, "'" + path + "' is not a regular file");
+  if (!std::filesystem::is_regular_file(status))
+    throw GltfError(place, "'" + path + "' is not a regular file");
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) throw GltfError(place, "'" + path + "' cannot be read: " + error.message());
   if (size > std::uintmax_t(kMaxWhole)) throw GltfError(place, "'" + path + "' is larger than 2 GiB");
@@ -396,7 +417,8 @@ void openGltf(Bytes file, const std::string* directory, GltfDocument& document) 
   const auto asset = document.json.find("asset");
   if (asset == document.json.end() || !asset->is_object()) throw GltfError("asset", "is missing");
   const auto version = asset->find("version");
-  if (version == asset->end() || !version->is_string() || version->get<std::string>().compare(0, 2, "2.") != 0)
+  if (version == asset->end() || !version->is_string() ||
+      version->get<std::string>().compare(0, 2, "2.") != 0)
     throw GltfError("asset.version", "is not glTF 2.x");
   checkSections(document.json);
   const std::size_t count = sectionSize(document.json, "buffers");
@@ -409,8 +431,9 @@ void parseModel(GltfDocument& document) {
   const std::string text = modelJson(document.json).dump();
   tinygltf::TinyGLTF reader;
   std::string error, warning;
-  const bool good = reader.LoadASCIIFromString(&document.model, &error, &warning, text.c_str(),
-                                               static_cast<unsigned int>(text.size()), "", tinygltf::NO_REQUIRE);
+  const bool good =
+      reader.LoadASCIIFromString(&document.model, &error, &warning, text.c_str(),
+                                 static_cast<unsigned int>(text.size()), "", tinygltf::NO_REQUIRE);
   if (good) return;
   std::replace(error.begin(), error.end(), '\n', ' ');
   throw GltfError("json", error.empty() ? "tinygltf refuses it" : error);

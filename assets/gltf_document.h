@@ -1,12 +1,14 @@
 #pragma once
 
-// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. For the loader's own
-// sources (gltf_*.cpp, load_gltf.cpp) only; nothing else includes this header.
+// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. For the
+// loader's own sources (gltf_*.cpp, load_gltf.cpp) only; nothing else includes this header.
 //
-// 1. After openGltf() every index between the sections of the file is in range, and every property that the loader uses
+// 1. After openGltf() every index between the sections of the file is in range, and every property that the
+// loader uses
 //    has the type that the specification gives it.
 // 2. Byte ranges are not checked yet: that is done where they are read (gltf_decode.h).
-// 3. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any thread;
+// 3. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any
+// thread;
 //    the functions of load_gltf.h turn it into an Error.
 
 #include <cstdint>
@@ -16,8 +18,8 @@
 #include <utility>
 #include <vector>
 
-#include <nlohmann/json.hpp>
 #include <tiny_gltf.h>
+#include <nlohmann/json.hpp>
 
 namespace tandem::assets {
 
@@ -41,13 +43,13 @@ struct GltfDocument {
   GltfDocument(const GltfDocument&) = delete;
   GltfDocument& operator=(const GltfDocument&) = delete;
 
-  Bytes file;                          // the file itself
-  std::vector<Bytes> ownedBuffers;     // per buffer: from a data URI or a file of its own, else empty
-  std::vector<ByteView> buffers;       // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
-  std::vector<ByteView> externals;     // buffers that came from files of their own, for the content hash
-  nlohmann::json json;                 // the whole document; extensions and extras are read from here
-  tinygltf::Model model;               // core properties only, filled by parseModel()
-  std::vector<Bytes> ownedViews;       // per buffer view: decompressed by meshopt, else empty
+  Bytes file;                       // the file itself
+  std::vector<Bytes> ownedBuffers;  // per buffer: from a data URI or a file of its own, else empty
+  std::vector<ByteView> buffers;    // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
+  std::vector<ByteView> externals;  // buffers that came from files of their own, for the content hash
+  nlohmann::json json;              // the whole document; extensions and extras are read from here
+  tinygltf::Model model;            // core properties only, filled by parseModel()
+  std::vector<Bytes> ownedViews;    // per buffer view: decompressed by meshopt, else empty
 };
 
 /// Opens a file that is already in memory: .glb by its magic number, else .gltf. Fills all but the model.

@@ -14,7 +14,8 @@ namespace {
 
 using nlohmann::json;
 
-// Beyond this a coordinate is a mistake in the file's units, and squares and products of it lose their meaning.
+// Beyond this a coordinate is a mistake in the file's units, and squares and products of it lose their
+// meaning.
 constexpr double kMaxCoordinate = 1e9;  // m
 
 constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
@@ -35,7 +36,8 @@ std::optional<std::size_t> positionAccessor(const json& primitive) {
   return it->get<std::size_t>();
 }
 
-/// Corner triples in the order of the specification (glTF 2.0, 3.7.2.1), each named by its place in the index list.
+/// Corner triples in the order of the specification (glTF 2.0, 3.7.2.1), each named by its place in the index
+/// list.
 template <typename Emit>
 void forEachTriangle(int mode, std::size_t count, const Emit& emit) {
   if (mode == kTriangles) {
@@ -91,7 +93,8 @@ class SoupBuilder {
       if (const auto it = primitive.find("indices"); it != primitive.end())
         indices = readIndices(document_, it->get<std::size_t>());
     }
-    addTriangles(place, mode, base, vertices, indices ? &*indices : nullptr, mirrored, piece.materials[index]);
+    addTriangles(place, mode, base, vertices, indices ? &*indices : nullptr, mirrored,
+                 piece.materials[index]);
   }
 
   /// Where the positions of an accessor begin in the soup; primitives of a mesh often share one.
@@ -103,7 +106,8 @@ class SoupBuilder {
     return base;
   }
 
-  std::size_t addPositions(const std::vector<glm::dvec3>& positions, const glm::dmat4& partFromMesh, const std::string& place) {
+  std::size_t addPositions(const std::vector<glm::dvec3>& positions, const glm::dmat4& partFromMesh,
+                           const std::string& place) {
     const std::size_t base = soup_.positions.size();
     if (base + positions.size() > 0xfffffff0u) throw GltfError(place, "a part has more than 2^32 vertices");
     soup_.positions.reserve(base + positions.size());
@@ -111,8 +115,10 @@ class SoupBuilder {
     const glm::dvec3 offset(partFromMesh[3]);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const glm::dvec3 p = linear * positions[i] + offset;
-      if (!(std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate))
-        throw GltfError(place, "position " + std::to_string(i) + " lies farther than 1e9 m from its part's origin");
+      if (!(std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate &&
+            std::abs(p.z) < kMaxCoordinate))
+        throw GltfError(place,
+                        "position " + std::to_string(i) + " lies farther than 1e9 m from its part's origin");
       soup_.positions.push_back(p);
     }
     return base;
@@ -124,8 +130,9 @@ class SoupBuilder {
     if (indices != nullptr)
       for (std::size_t i = 0; i < count; ++i)
         if ((*indices)[i] >= vertices)
-          throw GltfError(place + ".indices", "index " + std::to_string((*indices)[i]) + " at " + std::to_string(i) +
-                                                  " is out of range (" + std::to_string(vertices) + " vertices)");
+          throw GltfError(place + ".indices", "index " + std::to_string((*indices)[i]) + " at " +
+                                                  std::to_string(i) + " is out of range (" +
+                                                  std::to_string(vertices) + " vertices)");
     if (mode == kTriangles && count % 3 != 0) ++notes_.incompleteTriangles;
     const auto vertex = [&](std::size_t i) {
       return static_cast<std::uint32_t>(base + (indices != nullptr ? (*indices)[i] : i));
@@ -152,8 +159,10 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
     const auto positions = positionAccessor(primitive);
     const auto indices = primitive.find("indices");
     std::size_t corners = 0;
-    if (indices != primitive.end()) corners = elementCount(document, indices->get<std::size_t>());
-    else if (positions) corners = elementCount(document, *positions);
+    if (indices != primitive.end())
+      corners = elementCount(document, indices->get<std::size_t>());
+    else if (positions)
+      corners = elementCount(document, *positions);
     // Positions cost as much as triangles, also those that no index names.
     const std::size_t vertices = positions ? elementCount(document, *positions) : 0;
     total += std::max(modeOf(primitive) == kTriangles ? corners / 3 : corners, vertices / 3) + 1;
@@ -161,7 +170,8 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
   return total;
 }
 
-TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPiece>& pieces, GeometryNotes& notes) {
+TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPiece>& pieces,
+                          GeometryNotes& notes) {
   SoupBuilder builder(document, notes);
   for (const MeshPiece& piece : pieces) builder.addPiece(piece);
   return builder.take();

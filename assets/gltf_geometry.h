@@ -14,10 +14,10 @@ namespace tandem::assets {
 
 /// One glTF mesh placed in a part.
 struct MeshPiece {
-  std::size_t mesh = 0;                   // into model.meshes
-  glm::dmat4 partFromMesh{1.0};           // m; may scale, shear and mirror
-  std::int64_t surface = -1;              // which physics surface it has, for telling pieces apart; -1 = none
-  std::vector<std::uint16_t> materials;   // one a primitive, into Scene::materials
+  std::size_t mesh = 0;                  // into model.meshes
+  glm::dmat4 partFromMesh{1.0};          // m; may scale, shear and mirror
+  std::int64_t surface = -1;             // which physics surface it has, for telling pieces apart; -1 = none
+  std::vector<std::uint16_t> materials;  // one a primitive, into Scene::materials
 };
 
 /// What was left out of a mesh.
@@ -30,7 +30,9 @@ struct GeometryNotes {
 /// An upper bound of the triangles of a mesh, from its counts alone: nothing is read yet.
 std::size_t triangleBound(const GltfDocument& document, std::size_t mesh);
 
-/// The triangles of all pieces, in part order: positions moved into the part's frame, winding turned where mirrored.
-TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPiece>& pieces, GeometryNotes& notes);
+/// The triangles of all pieces, in part order: positions moved into the part's frame, winding turned where
+/// mirrored.
+TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPiece>& pieces,
+                          GeometryNotes& notes);
 
 }  // namespace tandem::assets

@@ -10,7 +10,9 @@ JsonObject::JsonObject(const json& value, std::string place) : value_(&value), p
   if (!value.is_object()) throw GltfError(place_, "must be an object");
 }
 
-void JsonObject::fail(const char* key, const std::string& reason) const { throw GltfError(place_ + "." + key, reason); }
+void JsonObject::fail(const char* key, const std::string& reason) const {
+  throw GltfError(place_ + "." + key, reason);
+}
 
 const json* JsonObject::find(const char* key) const {
   const auto it = value_->find(key);
@@ -95,7 +97,8 @@ std::optional<std::size_t> JsonObject::index(const char* key, std::size_t size, 
   const json* value = find(key);
   if (value == nullptr) return std::nullopt;
   const bool good = value->is_number_unsigned() && value->get<std::uint64_t>() < size;
-  if (!good) fail(key, value->dump().substr(0, 40) + " is out of range (" + std::to_string(size) + " " + what + ")");
+  if (!good)
+    fail(key, value->dump().substr(0, 40) + " is out of range (" + std::to_string(size) + " " + what + ")");
   return value->get<std::size_t>();
 }
 

@@ -39,7 +39,7 @@ class JsonObject {
   std::size_t requiredIndex(const char* key, std::size_t size, const char* what) const;
 
   [[noreturn]] void fail(const char* key, const std::string& reason) const;
-  const nlohmann::json& json() const { return *value_; }
+  const nlohmann::json& raw() const { return *value_; }
 
  private:
   const nlohmann::json* find(const char* key) const;
@@ -49,6 +49,7 @@ class JsonObject {
 };
 
 /// value.extensions[name] as a checked object.
-std::optional<JsonObject> extensionOf(const nlohmann::json& value, const char* name, const std::string& place);
+std::optional<JsonObject> extensionOf(const nlohmann::json& value, const char* name,
+                                      const std::string& place);
 
 }  // namespace tandem::assets

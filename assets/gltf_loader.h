@@ -1,7 +1,7 @@
 #pragma once
 
-// The steps of loading, for loadGltf() and for the cache, which has to look at the file before it decides. For the
-// loader's sources only.
+// The steps of loading, for loadGltf() and for the cache, which has to look at the file before it decides.
+// For the loader's sources only.
 
 #include <string>
 #include <vector>

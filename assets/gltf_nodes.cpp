@@ -48,7 +48,8 @@ std::vector<bool> findChildren(const tinygltf::Model& model) {
     for (const int child : model.nodes[i].children) {
       const auto c = static_cast<std::size_t>(child);
       if (isChild[c])
-        throw GltfError(placeName("nodes", i, "children"), "node " + std::to_string(child) + " has a second parent");
+        throw GltfError(placeName("nodes", i, "children"),
+                        "node " + std::to_string(child) + " has a second parent");
       isChild[c] = true;
     }
   return isChild;
@@ -116,7 +117,8 @@ std::vector<FlatNode> flattenNodes(const GltfDocument& document, double unitScal
     const auto self = static_cast<std::uint32_t>(flat.size());
     flat.push_back({next.node, next.parent, worldFromNode});
     const std::vector<int>& children = model.nodes[next.node].children;
-    for (auto it = children.rbegin(); it != children.rend(); ++it) stack.push_back({static_cast<std::size_t>(*it), self});
+    for (auto it = children.rbegin(); it != children.rend(); ++it)
+      stack.push_back({static_cast<std::size_t>(*it), self});
   }
   return flat;
 }
@@ -127,12 +129,14 @@ std::vector<SubtreeMesh> subtreeMeshes(const GltfDocument& document, std::size_t
   while (!stack.empty()) {
     const SubtreeMesh next = stack.back();
     stack.pop_back();
-    if (budget-- == 0) throw GltfError(placeName("nodes", root), "too many colliders are made of other nodes");
+    if (budget-- == 0)
+      throw GltfError(placeName("nodes", root), "too many colliders are made of other nodes");
     const tinygltf::Node& node = document.model.nodes[next.gltfNode];
     if (node.mesh >= 0) out.push_back(next);
     for (auto it = node.children.rbegin(); it != node.children.rend(); ++it) {
       const auto child = static_cast<std::size_t>(*it);
-      stack.push_back({child, next.rootFromNode * localTransform(document.model.nodes[child], placeName("nodes", child))});
+      stack.push_back({child, next.rootFromNode *
+                                  localTransform(document.model.nodes[child], placeName("nodes", child))});
     }
   }
   return out;

@@ -11,7 +11,8 @@ namespace {
 
 constexpr std::size_t kMaxPieces = 1u << 20;
 constexpr std::size_t kMaxNameBytes = 200;
-// Two instances whose residual differs by less than their numbers' own precision (float matrices) are the same.
+// Two instances whose residual differs by less than their numbers' own precision (float matrices) are the
+// same.
 constexpr double kSameTransform = 1e-6;
 
 std::string cleanName(std::string name) {
@@ -21,7 +22,8 @@ std::string cleanName(std::string name) {
     while (!name.empty() && (static_cast<unsigned char>(name.back()) & 0xc0u) == 0x80u) name.pop_back();
     if (!name.empty() && static_cast<unsigned char>(name.back()) >= 0xc0u) name.pop_back();
   }
-  std::replace_if(name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
   return name;
 }
 
@@ -43,7 +45,9 @@ class UniqueNames {
 };
 
 /// A colour component, held to 0..1.
-float unit(double value) { return static_cast<float>(std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0); }
+float unit(double value) {
+  return static_cast<float>(std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0);
+}
 
 /// Scene::materials: each pair of a visual material and a physics surface that is in use.
 class MaterialTable {
@@ -51,7 +55,8 @@ class MaterialTable {
   MaterialTable(const GltfDocument& document, std::vector<Material>& out) : document_(document), out_(out) {}
 
   std::int64_t surfaceId(const PhysicsSurface& s) {
-    const auto key = std::make_tuple(s.staticFriction, s.dynamicFriction, s.restitution, s.stiffness, s.damping);
+    const auto key =
+        std::make_tuple(s.staticFriction, s.dynamicFriction, s.restitution, s.stiffness, s.damping);
     const auto [it, isNew] = surfaceIds_.emplace(key, static_cast<std::int64_t>(surfaces_.size()));
     if (isNew) surfaces_.push_back(s);
     return it->second;
@@ -145,10 +150,15 @@ class Planner {
     if (count > 0) plan_.findings.push_back({severity, code, "", count, message});
   }
 
-  const tinygltf::Node& nodeOf(std::uint32_t flat) const { return document_.model.nodes[plan_.nodes[flat].gltfNode]; }
-  const PhysicsNode& physicsOf(std::uint32_t flat) const { return physics_.nodes[plan_.nodes[flat].gltfNode]; }
+  const tinygltf::Node& nodeOf(std::uint32_t flat) const {
+    return document_.model.nodes[plan_.nodes[flat].gltfNode];
+  }
+  const PhysicsNode& physicsOf(std::uint32_t flat) const {
+    return physics_.nodes[plan_.nodes[flat].gltfNode];
+  }
 
-  /// Whether the node lies in a body of its own or of an ancestor; only such parts reach down to their descendants.
+  /// Whether the node lies in a body of its own or of an ancestor; only such parts reach down to their
+  /// descendants.
   bool inBody(std::uint32_t part) const { return part != kNone && plan_.parts[part].motion.has_value(); }
 
   void findParts() {
@@ -169,7 +179,8 @@ class Planner {
       ++flattened_;
       return above;
     }
-    if (plan_.parts.size() >= kMaxParts) throw GltfError("nodes", "more than " + std::to_string(kMaxParts) + " parts");
+    if (plan_.parts.size() >= kMaxParts)
+      throw GltfError("nodes", "more than " + std::to_string(kMaxParts) + " parts");
     PartPlan part;
     part.name = names_.take(nameOf(node));
     part.flatNode = node;
@@ -182,7 +193,8 @@ class Planner {
   std::string nameOf(std::uint32_t flat) const {
     const tinygltf::Node& node = nodeOf(flat);
     std::string name = cleanName(node.name);
-    if (name.empty() && node.mesh >= 0) name = cleanName(document_.model.meshes[static_cast<std::size_t>(node.mesh)].name);
+    if (name.empty() && node.mesh >= 0)
+      name = cleanName(document_.model.meshes[static_cast<std::size_t>(node.mesh)].name);
     return name.empty() ? "part" : name;
   }
 
@@ -190,8 +202,10 @@ class Planner {
   std::optional<PhysicsSurface> ownSurface(std::uint32_t flat) const {
     const PhysicsNode& node = physicsOf(flat);
     std::optional<PhysicsSurface> surface;
-    if (node.collider && node.collider->surface) surface = physics_.surfaces[*node.collider->surface];
-    else if (const auto it = surfaceFromOther_.find(plan_.nodes[flat].gltfNode); it != surfaceFromOther_.end())
+    if (node.collider && node.collider->surface)
+      surface = physics_.surfaces[*node.collider->surface];
+    else if (const auto it = surfaceFromOther_.find(plan_.nodes[flat].gltfNode);
+             it != surfaceFromOther_.end())
       surface = physics_.surfaces[it->second];
     if (!node.hapticSurface) return surface;
     const PhysicsSurface& haptic = physics_.surfaces[*node.hapticSurface];
@@ -201,18 +215,22 @@ class Planner {
     return surface;
   }
 
-  /// surfaceOf_: what each node states, else its parent's within the same part, else its part's first collider's.
+  /// surfaceOf_: what each node states, else its parent's within the same part, else its part's first
+  /// collider's.
   void findSurfaces() {
     std::vector<std::int64_t> partDefault(plan_.parts.size(), -1);
     for (std::uint32_t i = 0; i < plan_.nodes.size(); ++i) {
       const auto& collider = physicsOf(i).collider;
-      if (collider && collider->node && collider->surface) surfaceFromOther_.emplace(*collider->node, *collider->surface);
+      if (collider && collider->node && collider->surface)
+        surfaceFromOther_.emplace(*collider->node, *collider->surface);
     }
     surfaceOf_.assign(plan_.nodes.size(), -1);
     for (std::uint32_t i = 0; i < plan_.nodes.size(); ++i) {
       const std::uint32_t parent = plan_.nodes[i].parent, part = plan_.partOfNode[i];
-      if (const auto own = ownSurface(i)) surfaceOf_[i] = table_.surfaceId(*own);
-      else if (parent != kNone && plan_.partOfNode[parent] == part) surfaceOf_[i] = surfaceOf_[parent];
+      if (const auto own = ownSurface(i))
+        surfaceOf_[i] = table_.surfaceId(*own);
+      else if (parent != kNone && plan_.partOfNode[parent] == part)
+        surfaceOf_[i] = surfaceOf_[parent];
       if (part != kNone && partDefault[part] < 0) partDefault[part] = surfaceOf_[i];
     }
     for (std::uint32_t i = 0; i < plan_.nodes.size(); ++i)
@@ -256,9 +274,10 @@ class Planner {
     addColliderMesh(part, index, flat, *collider);
   }
 
-  /// A collider that is a mesh. Nearly always it is the mesh that is seen, which the part has already; only a part that
-  /// shows nothing takes its geometry from here.
-  void addColliderMesh(PartPlan& part, std::uint32_t index, std::uint32_t flat, const PhysicsCollider& collider) {
+  /// A collider that is a mesh. Nearly always it is the mesh that is seen, which the part has already; only a
+  /// part that shows nothing takes its geometry from here.
+  void addColliderMesh(PartPlan& part, std::uint32_t index, std::uint32_t flat,
+                       const PhysicsCollider& collider) {
     const bool bare = part.pieces.empty() || bareParts_.count(index) > 0;
     if (!bare) {
       const std::uint32_t other = collider.node ? flatOf_[*collider.node] : kNone;
@@ -271,8 +290,8 @@ class Planner {
     const glm::dmat4 partFromCollider = partFromNode(part, flat);
     if (collider.mesh) return addPiece(part, *collider.mesh, partFromCollider, surfaceOf_[flat]);
     for (const SubtreeMesh& below : subtreeMeshes(document_, *collider.node, subtreeBudget_))
-      addPiece(part, static_cast<std::size_t>(document_.model.nodes[below.gltfNode].mesh), partFromCollider * below.rootFromNode,
-               surfaceOf_[flat]);
+      addPiece(part, static_cast<std::size_t>(document_.model.nodes[below.gltfNode].mesh),
+               partFromCollider * below.rootFromNode, surfaceOf_[flat]);
   }
 
   void addShape(PartPlan& part, std::uint32_t flat, ImplicitShape shape) {
@@ -292,12 +311,13 @@ class Planner {
     const glm::dvec3 diagonal(std::abs(residual[0][0]), std::abs(residual[1][1]), std::abs(residual[2][2]));
     const double mean = std::cbrt(std::abs(glm::determinant(residual)));
     const double tolerance = 1e-6 * mean;
-    const bool sheared = std::abs(residual[0][1]) + std::abs(residual[0][2]) + std::abs(residual[1][2]) > tolerance;
+    const bool sheared =
+        std::abs(residual[0][1]) + std::abs(residual[0][2]) + std::abs(residual[1][2]) > tolerance;
     const bool round = std::abs(diagonal.x - diagonal.z) <= tolerance;
     const bool uniform = round && std::abs(diagonal.x - diagonal.y) <= tolerance;
     using Kind = ImplicitShape::Kind;
     const bool exact = shape.kind == Kind::box || shape.kind == Kind::plane ? !sheared
-                       : shape.kind == Kind::cylinder                      ? !sheared && round
+                       : shape.kind == Kind::cylinder                       ? !sheared && round
                                                                             : !sheared && uniform;
     const glm::dvec3 scale = exact ? diagonal : glm::dvec3(mean);
     if (!exact) ++approximated_;
@@ -321,7 +341,8 @@ class Planner {
       if (part.geometry != kNone) continue;
       for (const MeshPiece& piece : part.pieces) triangles += triangleBound(document_, piece.mesh);
       if (triangles > maxTriangles)
-        throw GltfError("meshes", "more than " + std::to_string(maxTriangles) + " triangles in the scene's distinct meshes");
+        throw GltfError("meshes", "more than " + std::to_string(maxTriangles) +
+                                      " triangles in the scene's distinct meshes");
       part.geometry = static_cast<std::uint32_t>(plan_.geometries.size());
       candidates.push_back(part.geometry);
       plan_.geometries.push_back(part.pieces);
@@ -333,17 +354,19 @@ class Planner {
   ScenePlan plan_;
   MaterialTable table_;
   UniqueNames names_;
-  std::vector<std::uint32_t> flatOf_;                        // glTF node to flat node
-  std::map<std::size_t, std::size_t> surfaceFromOther_;      // glTF node to the surface of a collider that names it
-  std::vector<std::int64_t> surfaceOf_;                      // flat node to surface id, -1 = none
-  std::set<std::uint32_t> bareParts_;                        // parts without a mesh of their own
+  std::vector<std::uint32_t> flatOf_;  // glTF node to flat node
+  std::map<std::size_t, std::size_t>
+      surfaceFromOther_;                 // glTF node to the surface of a collider that names it
+  std::vector<std::int64_t> surfaceOf_;  // flat node to surface id, -1 = none
+  std::set<std::uint32_t> bareParts_;    // parts without a mesh of their own
   std::size_t pieceCount_ = 0, subtreeBudget_ = kMaxPieces;
   std::uint64_t flattened_ = 0, approximated_ = 0, unusedColliderMeshes_ = 0;
 };
 
 }  // namespace
 
-ScenePlan planParts(const GltfDocument& document, const GltfPhysics& physics, double unitScale, std::size_t maxTriangles) {
+ScenePlan planParts(const GltfDocument& document, const GltfPhysics& physics, double unitScale,
+                    std::size_t maxTriangles) {
   return Planner(document, physics, unitScale).run(maxTriangles);
 }
 

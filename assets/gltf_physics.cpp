@@ -34,8 +34,10 @@ class PhysicsReader {
     for (std::size_t i = 0; i < count; ++i) readNode((*nodes)[i], i);
     addCounted("trigger", triggers_, "Triggers are not simulated.");
     addCounted("convex-hull", hulls_, "Colliders that ask for a convex hull are felt as their exact mesh.");
-    addCounted("old-collider-form", oldForms_, "Colliders state their shape outside of 'geometry', an outdated form.");
-    addCounted("unused-haptic-property", unusedHaptics_, "extras.haptic holds properties other than stiffness and damping.");
+    addCounted("old-collider-form", oldForms_,
+               "Colliders state their shape outside of 'geometry', an outdated form.");
+    addCounted("unused-haptic-property", unusedHaptics_,
+               "extras.haptic holds properties other than stiffness and damping.");
     return std::move(out_);
   }
 
@@ -44,7 +46,8 @@ class PhysicsReader {
     if (count > 0) out_.findings.push_back({Finding::Severity::note, code, "", count, message});
   }
 
-  // --- shapes ---------------------------------------------------------------------------------------------------
+  // --- shapes
+  // ---------------------------------------------------------------------------------------------------
 
   void readRadii(const JsonObject& shape, double fallback, ImplicitShape& out) {
     out.height = shape.sizeOr("height", 0.5);
@@ -56,7 +59,8 @@ class PhysicsReader {
   PhysicsShape readShape(const JsonObject& entry, double radiusFallback) {
     const std::string type = entry.text("type", "");
     static const json empty = json::object();
-    const JsonObject shape = type.empty() ? entry : entry.object(type.c_str()).value_or(JsonObject(empty, entry.place()));
+    const JsonObject shape =
+        type.empty() ? entry : entry.object(type.c_str()).value_or(JsonObject(empty, entry.place()));
     PhysicsShape out;
     ImplicitShape& s = out.shape;
     if (type == "box") {
@@ -89,11 +93,13 @@ class PhysicsReader {
   void readShapes(const char* extension, Section& section, double radiusFallback) {
     section.first = out_.shapes.size();
     if (const auto object = extensionOf(json_, extension, "extensions"))
-      for (const JsonObject& shape : object->objects("shapes")) out_.shapes.push_back(readShape(shape, radiusFallback));
+      for (const JsonObject& shape : object->objects("shapes"))
+        out_.shapes.push_back(readShape(shape, radiusFallback));
     section.count = out_.shapes.size() - section.first;
   }
 
-  // --- materials and filters -------------------------------------------------------------------------------------
+  // --- materials and filters
+  // -------------------------------------------------------------------------------------
 
   /// Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
   bool readHaptic(const json& holder, const std::string& place, PhysicsSurface& surface) {
@@ -105,7 +111,7 @@ class PhysicsReader {
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
     static constexpr const char* kUsed[] = {"stiffness", "damping", "staticFriction", "dynamicFriction"};
-    for (const auto& [key, value] : haptic.json().items())
+    for (const auto& [key, value] : haptic.raw().items())
       if (std::find(std::begin(kUsed), std::end(kUsed), key) == std::end(kUsed)) ++unusedHaptics_;
     return true;
   }
@@ -125,7 +131,8 @@ class PhysicsReader {
     CollisionFilter filter;
     const std::uint64_t member = systemBits(entry.texts("collisionSystems"), entry);
     if (member != 0) filter.memberOf = member;
-    if (entry.has("collideWithSystems")) filter.collidesWith = systemBits(entry.texts("collideWithSystems"), entry);
+    if (entry.has("collideWithSystems"))
+      filter.collidesWith = systemBits(entry.texts("collideWithSystems"), entry);
     else if (entry.has("notCollideWithSystems"))
       filter.collidesWith = ~systemBits(entry.texts("notCollideWithSystems"), entry);
     return filter;
@@ -140,19 +147,21 @@ class PhysicsReader {
         surface.staticFriction = material.sizeOr("staticFriction", 0.6);
         surface.dynamicFriction = material.sizeOr("dynamicFriction", 0.6);
         surface.restitution = std::min(1.0, material.sizeOr("restitution", 0.0));
-        readHaptic(material.json(), material.place(), surface);
+        readHaptic(material.raw(), material.place(), surface);
         out_.surfaces.push_back(surface);
       }
-      for (const JsonObject& filter : object->objects("collisionFilters")) out_.filters.push_back(readFilter(filter));
+      for (const JsonObject& filter : object->objects("collisionFilters"))
+        out_.filters.push_back(readFilter(filter));
     }
     materials.count = out_.surfaces.size() - materials.first;
     filters.count = out_.filters.size() - filters.first;
   }
 
-  // --- joints and gravity ----------------------------------------------------------------------------------------
+  // --- joints and gravity
+  // ----------------------------------------------------------------------------------------
 
   std::uint8_t readAxes(const JsonObject& limit, const char* key) {
-    const json& axes = limit.json()[key];
+    const json& axes = limit.raw()[key];
     if (!axes.is_array() || axes.empty() || axes.size() > 3) limit.fail(key, "must name one to three axes");
     std::uint8_t bits = 0;
     for (const json& axis : axes) {
@@ -165,7 +174,8 @@ class PhysicsReader {
   JointLimit readLimit(const JsonObject& entry) {
     JointLimit limit;
     limit.angular = entry.has("angularAxes");
-    if (limit.angular == entry.has("linearAxes")) entry.fail("linearAxes", "needs either linearAxes or angularAxes");
+    if (limit.angular == entry.has("linearAxes"))
+      entry.fail("linearAxes", "needs either linearAxes or angularAxes");
     limit.axes = readAxes(entry, limit.angular ? "angularAxes" : "linearAxes");
     limit.min = entry.numberOr("min", -1e300);
     limit.max = entry.numberOr("max", 1e300);
@@ -212,21 +222,24 @@ class PhysicsReader {
     out_.gravity = direction / length * object->numberOr("gravity", 0.0);
   }
 
-  // --- nodes -----------------------------------------------------------------------------------------------------
+  // --- nodes
+  // -----------------------------------------------------------------------------------------------------
 
   PhysicsMotion readMotion(const JsonObject& entry, bool omi) {
     PhysicsMotion motion;
     motion.kinematic = entry.flag("isKinematic", false);
     if (omi) {
       const std::string type = entry.text("type", "");
-      if (type != "kinematic" && type != "dynamic") entry.fail("type", "must be static, kinematic or dynamic");
+      if (type != "kinematic" && type != "dynamic")
+        entry.fail("type", "must be static, kinematic or dynamic");
       motion.kinematic = type == "kinematic";
       motion.mass = 1.0;
     }
     if (entry.has("mass")) motion.mass = entry.sizeOr("mass", 0.0);
     motion.centreOfMass = entry.vector("centerOfMass");
     motion.inertiaDiagonal = entry.vector("inertiaDiagonal");
-    if (motion.inertiaDiagonal && std::min({motion.inertiaDiagonal->x, motion.inertiaDiagonal->y, motion.inertiaDiagonal->z}) < 0.0)
+    if (motion.inertiaDiagonal &&
+        std::min({motion.inertiaDiagonal->x, motion.inertiaDiagonal->y, motion.inertiaDiagonal->z}) < 0.0)
       entry.fail("inertiaDiagonal", "must not be negative");
     // OMI writes three zeros for "compute it", KHR for "infinite"; an inertia of zero serves neither.
     if (omi && motion.inertiaDiagonal == glm::dvec3(0.0)) motion.inertiaDiagonal.reset();
@@ -241,8 +254,10 @@ class PhysicsReader {
   }
 
   void setShape(PhysicsCollider& collider, std::size_t shape) {
-    if (out_.shapes[shape].mesh) collider.mesh = out_.shapes[shape].mesh;
-    else collider.shape = shape;
+    if (out_.shapes[shape].mesh)
+      collider.mesh = out_.shapes[shape].mesh;
+    else
+      collider.shape = shape;
   }
 
   PhysicsCollider readCollider(const JsonObject& entry, const Section& shapes, const Section& materials,
@@ -251,10 +266,14 @@ class PhysicsReader {
     const auto geometry = entry.object("geometry");
     const JsonObject& holder = geometry ? *geometry : entry;
     if (!geometry && !omi) ++oldForms_;
-    if (const auto shape = holder.index("shape", shapes.count, "shapes")) setShape(collider, shapes.first + *shape);
-    else if (const auto node = holder.index("node", document_.model.nodes.size(), "nodes")) collider.node = *node;
-    else if (const auto mesh = holder.index("mesh", document_.model.meshes.size(), "meshes")) collider.mesh = *mesh;
-    else holder.fail("shape", "is missing");
+    if (const auto shape = holder.index("shape", shapes.count, "shapes"))
+      setShape(collider, shapes.first + *shape);
+    else if (const auto node = holder.index("node", document_.model.nodes.size(), "nodes"))
+      collider.node = *node;
+    else if (const auto mesh = holder.index("mesh", document_.model.meshes.size(), "meshes"))
+      collider.mesh = *mesh;
+    else
+      holder.fail("shape", "is missing");
     if (holder.flag("convexHull", false)) ++hulls_;
     if (const auto material = entry.index("physicsMaterial", materials.count, "physics materials"))
       collider.surface = materials.first + *material;
@@ -291,17 +310,20 @@ class PhysicsReader {
       if (motion && motion->text("type", "") != "static") node.motion = readMotion(*motion, true);
       // OMI bodies take their materials and filters from KHR's lists where the file has no list of its own.
       if (const auto collider = omi->object("collider"))
-        node.collider = readCollider(*collider, omiShapes_, omiMaterials_.count > 0 ? omiMaterials_ : khrMaterials_,
-                                     omiFilters_.count > 0 ? omiFilters_ : khrFilters_, true);
+        node.collider =
+            readCollider(*collider, omiShapes_, omiMaterials_.count > 0 ? omiMaterials_ : khrMaterials_,
+                         omiFilters_.count > 0 ? omiFilters_ : khrFilters_, true);
       if (omi->has("trigger")) ++triggers_;
     }
-    if (const auto omi = extensionOf(value, "OMI_physics_joint", place)) node.joint = readJointUse(*omi, omiJoints_);
+    if (const auto omi = extensionOf(value, "OMI_physics_joint", place))
+      node.joint = readJointUse(*omi, omiJoints_);
   }
 
   const GltfDocument& document_;
   const json& json_;
   GltfPhysics out_;
-  Section khrShapes_, omiShapes_, khrMaterials_, omiMaterials_, khrFilters_, omiFilters_, khrJoints_, omiJoints_;
+  Section khrShapes_, omiShapes_, khrMaterials_, omiMaterials_, khrFilters_, omiFilters_, khrJoints_,
+      omiJoints_;
   std::map<std::string, std::size_t> systems_;
   std::uint64_t triggers_ = 0, hulls_ = 0, oldForms_ = 0, unusedHaptics_ = 0;
 };

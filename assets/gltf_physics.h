@@ -1,8 +1,8 @@
 #pragma once
 
-// The physics that a glTF file states: KHR_physics_rigid_bodies with KHR_implicit_shapes, and OMI_physics_shape, _body,
-// _joint and _gravity, brought into one form; and extras.haptic. Lengths stay in file units here. For the loader's
-// sources only.
+// The physics that a glTF file states: KHR_physics_rigid_bodies with KHR_implicit_shapes, and
+// OMI_physics_shape, _body, _joint and _gravity, brought into one form; and extras.haptic. Lengths stay in
+// file units here. For the loader's sources only.
 
 #include <cstdint>
 #include <optional>

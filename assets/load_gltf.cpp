@@ -17,16 +17,18 @@
 namespace tandem::assets {
 namespace {
 
-// Without these a file may be read as something else than its author meant. Textures are not drawn, so that extensions
-// about nothing but them are no obstacle.
+// Without these a file may be read as something else than its author meant. Textures are not drawn, so that
+// extensions about nothing but them are no obstacle.
 constexpr const char* kKnownExtensions[] = {
-    "KHR_physics_rigid_bodies", "KHR_implicit_shapes",    "OMI_physics_shape",          "OMI_physics_body",
-    "OMI_physics_joint",        "OMI_physics_gravity",    "KHR_draco_mesh_compression", "EXT_meshopt_compression",
-    "KHR_mesh_quantization",    "KHR_texture_transform",  "KHR_texture_basisu",         "EXT_texture_webp",
+    "KHR_physics_rigid_bodies",   "KHR_implicit_shapes",     "OMI_physics_shape",
+    "OMI_physics_body",           "OMI_physics_joint",       "OMI_physics_gravity",
+    "KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_mesh_quantization",
+    "KHR_texture_transform",      "KHR_texture_basisu",      "EXT_texture_webp",
 };
 
 bool isKnown(const std::string& extension) {
-  return std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), extension) != std::end(kKnownExtensions);
+  return std::find(std::begin(kKnownExtensions), std::end(kKnownExtensions), extension) !=
+         std::end(kKnownExtensions);
 }
 
 /// A mesh in the making, one a distinct geometry.
@@ -40,13 +42,16 @@ struct Analysed {
 class SceneBuilder {
  public:
   SceneBuilder(const GltfDocument& document, const LoadOptions& options)
-      : document_(document), options_(options), physics_(readPhysics(document)),
+      : document_(document),
+        options_(options),
+        physics_(readPhysics(document)),
         plan_(planParts(document, physics_, options.unitScale, options.maxTriangles)) {}
 
   Scene build() {
     checkMovableNames();
     readMeshes();
-    scene_.gravity = options_.gravity == glm::dvec3(0.0) ? physics_.gravity.value_or(glm::dvec3(0.0)) : options_.gravity;
+    scene_.gravity =
+        options_.gravity == glm::dvec3(0.0) ? physics_.gravity.value_or(glm::dvec3(0.0)) : options_.gravity;
     scene_.materials = std::move(plan_.materials);
     addTree();
     addParts();
@@ -84,7 +89,8 @@ class SceneBuilder {
       order[i] = i;
       for (const MeshPiece& piece : plan_.geometries[i]) size[i] += triangleBound(document_, piece.mesh);
     }
-    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
     const auto work = [&](std::size_t i) {
       const std::size_t g = order[i];
       TriangleSoup soup = readGeometry(document_, plan_.geometries[g], meshes_[g].notes);
@@ -95,7 +101,8 @@ class SceneBuilder {
         meshes_[g].solid = massProperties(meshes_[g].analysis.mesh, options_.density);
     };
     parallelFor(order.size(), work, [&](std::size_t i) {
-      if (options_.progress) options_.progress(0.1 + 0.85 * double(i) / double(order.size()), "reading meshes");
+      if (options_.progress)
+        options_.progress(0.1 + 0.85 * double(i) / double(order.size()), "reading meshes");
     });
   }
 
@@ -103,7 +110,8 @@ class SceneBuilder {
     for (const FlatNode& flat : plan_.nodes) {
       const tinygltf::Node& node = document_.model.nodes[flat.gltfNode];
       std::string name = node.name;
-      if (name.empty() && node.mesh >= 0) name = document_.model.meshes[static_cast<std::size_t>(node.mesh)].name;
+      if (name.empty() && node.mesh >= 0)
+        name = document_.model.meshes[static_cast<std::size_t>(node.mesh)].name;
       scene_.tree.push_back({std::move(name), flat.parent});
     }
   }
@@ -117,7 +125,8 @@ class SceneBuilder {
       if (plan.geometry != kNone && whereOf_[plan.geometry].empty()) whereOf_[plan.geometry] = plan.name;
       const bool hasMesh = plan.geometry != kNone && meshes_[plan.geometry].hasTriangles;
       if (!hasMesh && plan.shapes.empty()) {
-        addFinding(Finding::Severity::warning, "empty-part", plan.name, 1, "Has no triangles and no colliders; left out.");
+        addFinding(Finding::Severity::warning, "empty-part", plan.name, 1,
+                   "Has no triangles and no colliders; left out.");
         continue;
       }
       Part part;
@@ -144,8 +153,9 @@ class SceneBuilder {
 
   void setMass(const PartPlan& plan, Part& part) {
     if (!wantsMovable(plan)) return;
-    const MassProperties computed = part.shapes.empty() || part.mesh != kNone ? meshes_[plan.geometry].solid
-                                                                              : shapesMass(part.shapes, options_.density);
+    const MassProperties computed = part.shapes.empty() || part.mesh != kNone
+                                        ? meshes_[plan.geometry].solid
+                                        : shapesMass(part.shapes, options_.density);
     part.kinematic = plan.motion && (plan.motion->kinematic || plan.motion->mass == 0.0);
     part.gravityFactor = plan.motion ? plan.motion->gravityFactor : 1.0;
     const std::optional<MassProperties> mass =
@@ -153,13 +163,15 @@ class SceneBuilder {
     part.movable = mass.has_value() || part.kinematic;
     if (mass) part.massProperties = *mass;
     if (!part.movable)
-      addFinding(Finding::Severity::error, "no-mass", plan.name, 1, "Has no volume to take a mass from and stays fixed.");
+      addFinding(Finding::Severity::error, "no-mass", plan.name, 1,
+                 "Has no volume to take a mass from and stays fixed.");
   }
 
   void growBounds(const Part& part) {
     const auto grow = [&](const Bounds& box) {
       for (int corner = 0; corner < 8; ++corner) {
-        const glm::dvec3 point((corner & 1) != 0 ? box.max.x : box.min.x, (corner & 2) != 0 ? box.max.y : box.min.y,
+        const glm::dvec3 point((corner & 1) != 0 ? box.max.x : box.min.x,
+                               (corner & 2) != 0 ? box.max.y : box.min.y,
                                (corner & 4) != 0 ? box.max.z : box.min.z);
         const glm::dvec3 inWorld = transformPoint(part.worldFromPart, point);
         if (!(std::abs(inWorld.x) < 1e12 && std::abs(inWorld.y) < 1e12 && std::abs(inWorld.z) < 1e12))
@@ -172,7 +184,8 @@ class SceneBuilder {
     for (const ImplicitShape& shape : part.shapes) grow(shapeBounds(shape));
   }
 
-  // --- joints ----------------------------------------------------------------------------------------------------
+  // --- joints
+  // ----------------------------------------------------------------------------------------------------
 
   /// The part that moves with a node, and the node's frame in it; the world's where nothing moves.
   std::pair<PartId, Pose> anchor(std::uint32_t flat, const std::string& place) const {
@@ -198,7 +211,8 @@ class SceneBuilder {
       std::tie(joint.partA, joint.aFromJoint) = anchor(i, place);
       std::tie(joint.partB, joint.bFromJoint) = anchor(other->second, place);
       if (joint.partA == joint.partB) {
-        addFinding(Finding::Severity::note, "idle-joint", joint.name, 1, "Joins nothing that moves; left out.");
+        addFinding(Finding::Severity::note, "idle-joint", joint.name, 1,
+                   "Joins nothing that moves; left out.");
         continue;
       }
       joint.limits = physics_.joints[use->joint].limits;
@@ -224,7 +238,8 @@ class SceneBuilder {
     }
   }
 
-  // --- findings --------------------------------------------------------------------------------------------------
+  // --- findings
+  // --------------------------------------------------------------------------------------------------
 
   void addFinding(Finding::Severity severity, const char* code, const std::string& where, std::uint64_t count,
                   const std::string& message) {
@@ -234,7 +249,8 @@ class SceneBuilder {
   void addFindings() {
     for (const std::string& name : extensionNames(document_, "extensionsUsed"))
       if (!isKnown(name))
-        addFinding(Finding::Severity::note, "unknown-extension", "", 1, "The extension " + name.substr(0, 80) + " is not read.");
+        addFinding(Finding::Severity::note, "unknown-extension", "", 1,
+                   "The extension " + name.substr(0, 80) + " is not read.");
     for (const Finding& finding : physics_.findings) scene_.findings.push_back(finding);
     for (const Finding& finding : plan_.findings) scene_.findings.push_back(finding);
     for (std::size_t i = 0; i < meshes_.size(); ++i) addMeshFindings(meshes_[i], whereOf_[i]);
@@ -243,20 +259,32 @@ class SceneBuilder {
   void addMeshFindings(const Analysed& mesh, const std::string& where) {
     using Severity = Finding::Severity;
     const MeshDefects& d = mesh.analysis.defects;
-    addFinding(Severity::note, "points-and-lines", where, mesh.notes.pointsAndLines, "Primitives of points or lines are not felt.");
+    addFinding(Severity::note, "points-and-lines", where, mesh.notes.pointsAndLines,
+               "Primitives of points or lines are not felt.");
     addFinding(Severity::warning, "incomplete-triangles", where, mesh.notes.incompleteTriangles,
                "Primitives end in the middle of a triangle.");
-    addFinding(Severity::warning, "flattened-mesh", where, mesh.notes.singularPieces, "Meshes are scaled to zero thickness and left out.");
-    addFinding(Severity::note, "duplicate-vertices", where, d.duplicateVertices, "Vertices at one place are welded.");
-    addFinding(Severity::note, "unused-vertices", where, d.unusedVertices, "Vertices of no triangle are dropped.");
-    addFinding(Severity::warning, "degenerate-faces", where, d.degenerateFaces, "Triangles without area are dropped.");
-    addFinding(Severity::warning, "duplicate-faces", where, d.duplicateFaces, "Triangles that lie twice are dropped.");
-    addFinding(Severity::warning, "flipped-faces", where, d.flippedFaces, "Triangles facing against their neighbours are turned.");
-    addFinding(Severity::warning, "inverted-shells", where, d.invertedShells, "Closed shells that were inside out are turned.");
-    addFinding(Severity::warning, "open-shells", where, d.openShells, "Shells are not closed and have no inside.");
-    addFinding(Severity::warning, "boundary-edges", where, d.boundaryEdges, "Edges have a triangle on one side only.");
-    addFinding(Severity::warning, "non-manifold-edges", where, d.nonManifoldEdges, "Edges have more than two triangles.");
-    addFinding(Severity::warning, "non-orientable-shells", where, d.nonOrientableShells, "Shells have no consistent outside.");
+    addFinding(Severity::warning, "flattened-mesh", where, mesh.notes.singularPieces,
+               "Meshes are scaled to zero thickness and left out.");
+    addFinding(Severity::note, "duplicate-vertices", where, d.duplicateVertices,
+               "Vertices at one place are welded.");
+    addFinding(Severity::note, "unused-vertices", where, d.unusedVertices,
+               "Vertices of no triangle are dropped.");
+    addFinding(Severity::warning, "degenerate-faces", where, d.degenerateFaces,
+               "Triangles without area are dropped.");
+    addFinding(Severity::warning, "duplicate-faces", where, d.duplicateFaces,
+               "Triangles that lie twice are dropped.");
+    addFinding(Severity::warning, "flipped-faces", where, d.flippedFaces,
+               "Triangles facing against their neighbours are turned.");
+    addFinding(Severity::warning, "inverted-shells", where, d.invertedShells,
+               "Closed shells that were inside out are turned.");
+    addFinding(Severity::warning, "open-shells", where, d.openShells,
+               "Shells are not closed and have no inside.");
+    addFinding(Severity::warning, "boundary-edges", where, d.boundaryEdges,
+               "Edges have a triangle on one side only.");
+    addFinding(Severity::warning, "non-manifold-edges", where, d.nonManifoldEdges,
+               "Edges have more than two triangles.");
+    addFinding(Severity::warning, "non-orientable-shells", where, d.nonOrientableShells,
+               "Shells have no consistent outside.");
   }
 
   const GltfDocument& document_;
@@ -271,7 +299,8 @@ class SceneBuilder {
 
 void refuseUnknownRequired(const GltfDocument& document) {
   for (const std::string& name : extensionNames(document, "extensionsRequired"))
-    if (!isKnown(name)) throw GltfError("extensionsRequired", "the extension " + name.substr(0, 80) + " is not supported");
+    if (!isKnown(name))
+      throw GltfError("extensionsRequired", "the extension " + name.substr(0, 80) + " is not supported");
 }
 
 void checkOptions(const LoadOptions& options) {
@@ -281,7 +310,8 @@ void checkOptions(const LoadOptions& options) {
   if (!positive(options.density)) throw GltfError("options", "the density must be positive");
   if (!positive(options.creaseAngle)) throw GltfError("options", "the crease angle must be positive");
   const glm::dvec3& g = options.gravity;
-  if (!std::isfinite(g.x) || !std::isfinite(g.y) || !std::isfinite(g.z)) throw GltfError("options", "gravity must be finite");
+  if (!std::isfinite(g.x) || !std::isfinite(g.y) || !std::isfinite(g.z))
+    throw GltfError("options", "gravity must be finite");
 }
 
 }  // namespace
@@ -291,7 +321,8 @@ std::string nearNames(const std::string& wanted, const std::vector<std::string>&
     std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
     return s;
   };
-  // Levenshtein's distance on the first 64 bytes; a name that contains the wanted one is nearer than any other.
+  // Levenshtein's distance on the first 64 bytes; a name that contains the wanted one is nearer than any
+  // other.
   const auto distance = [](const std::string& a, const std::string& b) {
     if (!a.empty() && b.find(a) != std::string::npos) return std::size_t{0};
     std::vector<std::size_t> row(b.size() + 1);
@@ -365,7 +396,8 @@ Result<Scene> loadGltf(const std::string& path, const LoadOptions& options) {
   }
 }
 
-Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsigned char>& bytes, const LoadOptions& options) {
+Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsigned char>& bytes,
+                                 const LoadOptions& options) {
   try {
     GltfDocument document;
     openGltf(bytes, nullptr, document);

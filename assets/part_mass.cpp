@@ -46,7 +46,8 @@ Solid solidOf(const ImplicitShape& shape, double density) {
       Solid solid = cylinderSolid(radius, shape.height, density);
       const Solid ball = sphereSolid(radius, density);
       // Half balls at both ends: their centres lie 3/8 r beyond the cylinder's ends.
-      const double side = ball.mass * (0.4 * radius * radius + 0.25 * shape.height * shape.height + 0.375 * shape.height * radius);
+      const double side = ball.mass * (0.4 * radius * radius + 0.25 * shape.height * shape.height +
+                                       0.375 * shape.height * radius);
       solid.mass += ball.mass;
       solid.inertia += glm::dvec3(side, ball.inertia.y, side);
       return solid;
@@ -83,7 +84,8 @@ Bounds shapeBounds(const ImplicitShape& shape) {
   if (shape.kind == ImplicitShape::Kind::capsule) half = {radius, 0.5 * shape.height + radius, radius};
   Bounds bounds;
   for (int corner = 0; corner < 8; ++corner) {
-    const glm::dvec3 sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0, (corner & 4) != 0 ? 1.0 : -1.0);
+    const glm::dvec3 sign((corner & 1) != 0 ? 1.0 : -1.0, (corner & 2) != 0 ? 1.0 : -1.0,
+                          (corner & 4) != 0 ? 1.0 : -1.0);
     const glm::dvec3 point = transformPoint(shape.partFromShape, sign * half);
     bounds.min = glm::min(bounds.min, point);
     bounds.max = glm::max(bounds.max, point);
@@ -113,12 +115,14 @@ std::optional<MassProperties> usableMass(const MassProperties& computed) {
   const glm::dmat3& inertia = computed.inertia;
   const double determinant = glm::determinant(inertia);
   const bool good = isUsable(computed.mass) && isUsable(inertia[0][0]) && isUsable(inertia[1][1]) &&
-                    isUsable(inertia[2][2]) && std::isfinite(determinant) && std::isfinite(glm::length2(computed.centreOfMass));
+                    isUsable(inertia[2][2]) && std::isfinite(determinant) &&
+                    std::isfinite(glm::length2(computed.centreOfMass));
   if (!good) return std::nullopt;
   return computed;
 }
 
-std::optional<MassProperties> statedMass(const PhysicsMotion& motion, const MassProperties& computed, double unitScale) {
+std::optional<MassProperties> statedMass(const PhysicsMotion& motion, const MassProperties& computed,
+                                         double unitScale) {
   MassProperties out = computed;
   if (motion.mass && *motion.mass > 0.0) {
     const double ratio = isUsable(computed.mass) ? *motion.mass / computed.mass : 0.0;

@@ -1,0 +1,15 @@
+#pragma once
+
+// Invariant 3 of scene.h, as code: what unpackScene() demands of bytes from a network, and what tests demand
+// of the loader.
+
+#include "assets/result.h"
+#include "assets/scene.h"
+
+namespace tandem::assets {
+
+/// Whether every index is in range, every number finite, every array of its shape, every name printable; an
+/// error names the first thing that is not. O(size of the scene).
+Status checkScene(const Scene& scene);
+
+}  // namespace tandem::assets
