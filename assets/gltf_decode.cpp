@@ -33,6 +33,12 @@ ByteView viewBytes(const GltfDocument& document, std::size_t index) {
   return buffer.subspan(view.byteOffset, view.byteLength);
 }
 
+std::size_t fileBytes(const GltfDocument& document) {
+  std::size_t size = document.file.size();
+  for (const ByteView& external : document.externals) size += external.size();
+  return size;
+}
+
 std::size_t componentSize(int componentType, const std::string& place) {
   switch (componentType) {
     case TINYGLTF_COMPONENT_TYPE_BYTE:
@@ -121,11 +127,8 @@ Elements accessorElements(const GltfDocument& document, std::size_t index, int t
                           document.model.bufferViews[view].byteStride, size, place);
   } else {
     // Such elements are zeros that cost the file nothing, so that their count needs a bound of its own.
-    std::size_t available = document.file.size();
-    for (const ByteView& external : document.externals) available += external.size();
     if (!accessor.sparse.isSparse) throw GltfError(place, "has neither a buffer view nor sparse values");
-    if (accessor.count > available) throw GltfError(place + ".count", "is larger than the file");
-    elements.count = accessor.count;
+    elements.count = elementCount(document, index);
   }
   if (accessor.sparse.isSparse) applySparse(document, index, size, elements);
   return elements;
@@ -272,8 +275,17 @@ void decodeMeshoptViews(GltfDocument& document) {
   }
 }
 
-std::size_t elementCount(const GltfDocument& document, std::size_t accessor) {
-  return document.model.accessors[accessor].count;
+std::size_t elementCount(const GltfDocument& document, std::size_t index) {
+  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  // An element takes a byte at least, or comes out of nothing and must then not outnumber the file's bytes.
+  const std::size_t available =
+      accessor.bufferView >= 0 ? viewBytes(document, static_cast<std::size_t>(accessor.bufferView)).size()
+                               : fileBytes(document);
+  if (accessor.count > available)
+    throw GltfError(
+        placeName("accessors", index),
+        std::to_string(accessor.count) + " elements do not fit into " + std::to_string(available) + " bytes");
+  return accessor.count;
 }
 
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor) {

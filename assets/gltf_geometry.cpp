@@ -156,15 +156,16 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
   std::size_t total = 0;
   const json& primitives = document.json["meshes"][mesh]["primitives"];
   for (const json& primitive : primitives) {
+    // Draco's accessors have no bytes of their own; its decoder checks its counts itself.
+    const bool draco = findExtension(primitive, "KHR_draco_mesh_compression") != nullptr;
+    const auto count = [&](std::size_t accessor) {
+      return draco ? document.model.accessors[accessor].count : elementCount(document, accessor);
+    };
     const auto positions = positionAccessor(primitive);
     const auto indices = primitive.find("indices");
-    std::size_t corners = 0;
-    if (indices != primitive.end())
-      corners = elementCount(document, indices->get<std::size_t>());
-    else if (positions)
-      corners = elementCount(document, *positions);
+    const std::size_t vertices = positions ? count(*positions) : 0;
+    const std::size_t corners = indices != primitive.end() ? count(indices->get<std::size_t>()) : vertices;
     // Positions cost as much as triangles, also those that no index names.
-    const std::size_t vertices = positions ? elementCount(document, *positions) : 0;
     total += std::max(modeOf(primitive) == kTriangles ? corners / 3 : corners, vertices / 3) + 1;
   }
   return total;

@@ -236,7 +236,7 @@ TEST(LoadGltf, BakesScalesAndShearsSoThatPartsAreRigid) {
 }
 
 TEST(LoadGltf, TurnsTheWindingOfMirroredParts) {
-  for (const glm::dvec3 scale : {glm::dvec3(-1, 1, 1), glm::dvec3(-2, -1, -1), glm::dvec3(-1, -1, 1)}) {
+  for (const glm::dvec3& scale : {glm::dvec3(-1, 1, 1), glm::dvec3(-2, -1, -1), glm::dvec3(-1, -1, 1)}) {
     GltfBuilder b = oneBox();
     b.json["nodes"][0]["scale"] = {scale.x, scale.y, scale.z};
     const Scene scene = loaded(b);
@@ -397,7 +397,7 @@ TEST(LoadGltfRefuses, ZerosFromNowhere) {
                                    {"values", {{"bufferView", view}}}}}});
   b.json["meshes"][0]["primitives"][0] = {{"attributes", {{"POSITION", 2}}}};
   const std::string message = refusal(load(b));
-  EXPECT_NE(message.find("triangles"), std::string::npos) << message;
+  EXPECT_NE(message.find("accessors[2]: 2000000000 elements do not fit"), std::string::npos) << message;
 }
 
 TEST(LoadGltfRefuses, PositionsThatAreNotFinite) {
@@ -483,7 +483,7 @@ TEST(LoadGltfRefuses, RequiredExtensionsByName) {
 }
 
 TEST(LoadGltfRefuses, BadOptions) {
-  for (const double scale : {0.0, -1.0, std::nan(""), INFINITY}) {
+  for (const double scale : {0.0, -1.0, std::nan(""), double{INFINITY}}) {
     LoadOptions options;
     options.unitScale = scale;
     EXPECT_NE(refusal(load(oneBox(), options)).find("unit scale"), std::string::npos);

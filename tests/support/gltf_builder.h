@@ -68,7 +68,8 @@ class GltfBuilder {
       corners.push_back((i & 2) != 0 ? y / 2 : -y / 2);
       corners.push_back((i & 4) != 0 ? z / 2 : -z / 2);
     }
-    return addMesh(addPositions(corners), addIndices(boxIndices()), 4, -1, name);
+    const int positions = addPositions(corners);  // first, so that tests know which accessor is which
+    return addMesh(positions, addIndices(boxIndices()), 4, -1, name);
   }
 
   static std::vector<std::uint32_t> boxIndices() {
