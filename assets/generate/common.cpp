@@ -1,0 +1,26 @@
+#include "assets/generate/common.h"
+
+namespace tandem::generate {
+
+SampleShape benchTop(const glm::dvec2& size) {
+  SampleShape shape{"bench", {}, {kBench}, kFeelWood};
+  const double bevel = 2.0 * kMillimetre, thickness = 18.0 * kMillimetre, radius = 20.0 * kMillimetre;
+  const Loop rim = roundedRectangle(size, radius, 8);
+  const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * bevel), radius - bevel, 8);
+  shape.solid.cap(inner, {}, -thickness, Facing::down);
+  shape.solid.band(inner, -thickness, rim, -thickness + bevel);
+  shape.solid.band(rim, -thickness + bevel, rim, -bevel);
+  shape.solid.band(rim, -bevel, inner, 0.0);
+  shape.solid.cap(inner, {}, 0.0, Facing::up);
+  return shape;
+}
+
+std::vector<SampleScene> makeAllScenes() {
+  std::vector<SampleScene> scenes;
+  scenes.push_back(makePump());
+  scenes.push_back(makeFilterChange());
+  scenes.push_back(makePegBoard());
+  return scenes;
+}
+
+}  // namespace tandem::generate

@@ -1,0 +1,150 @@
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <sstream>
+
+#include <tiny_gltf.h>
+
+#include "assets/generate/sample_scene.h"
+
+namespace tandem::generate {
+namespace {
+
+using Object = tinygltf::Value::Object;
+using Array = tinygltf::Value::Array;
+
+/// Four digits: what a data sheet would give, and no noise of the last bits in the file.
+double rounded(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return std::strtod(text, nullptr);
+}
+
+tinygltf::Value number(double value) { return tinygltf::Value(value); }
+tinygltf::Value vector(const glm::dvec3& v) {
+  return tinygltf::Value(Array{number(v.x), number(v.y), number(v.z)});
+}
+tinygltf::Value index(std::size_t i) { return tinygltf::Value(static_cast<int>(i)); }
+
+template <typename T>
+int addAccessor(tinygltf::Model& model, const std::vector<T>& data, int componentType, int type, int target) {
+  std::vector<unsigned char>& bytes = model.buffers[0].data;
+  tinygltf::BufferView view;
+  view.buffer = 0;
+  view.byteOffset = bytes.size();
+  view.byteLength = data.size() * sizeof(T);
+  view.target = target;
+  bytes.resize(view.byteOffset + view.byteLength);
+  std::memcpy(bytes.data() + view.byteOffset, data.data(), view.byteLength);
+  model.bufferViews.push_back(view);
+  tinygltf::Accessor accessor;
+  accessor.bufferView = static_cast<int>(model.bufferViews.size()) - 1;
+  accessor.componentType = componentType;
+  accessor.type = type;
+  accessor.count = data.size() / (type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+  model.accessors.push_back(accessor);
+  return static_cast<int>(model.accessors.size()) - 1;
+}
+
+void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
+  for (const Look& look : scene.looks) {
+    tinygltf::Material material;
+    material.name = look.name;
+    material.pbrMetallicRoughness.baseColorFactor = {look.colour[0], look.colour[1], look.colour[2], 1.0};
+    material.pbrMetallicRoughness.metallicFactor = look.metallic;
+    material.pbrMetallicRoughness.roughnessFactor = look.roughness;
+    model.materials.push_back(material);
+  }
+  Array feels;
+  for (const Feel& feel : scene.feels) {
+    Object haptic{{"stiffness", number(feel.stiffness)}, {"damping", number(feel.damping)}};
+    feels.emplace_back(Object{{"name", tinygltf::Value(feel.name)},
+                              {"staticFriction", number(feel.staticFriction)},
+                              {"dynamicFriction", number(feel.dynamicFriction)},
+                              {"restitution", number(feel.restitution)},
+                              {"extras", tinygltf::Value(Object{{"haptic", tinygltf::Value(haptic)}})}});
+  }
+  model.extensions["KHR_physics_rigid_bodies"] =
+      tinygltf::Value(Object{{"physicsMaterials", tinygltf::Value(feels)}});
+  model.extensionsUsed.push_back("KHR_physics_rigid_bodies");
+}
+
+void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mesh& welded) {
+  std::vector<float> positions;
+  for (const glm::dvec3& p : welded.positions)
+    for (int axis = 0; axis < 3; ++axis) positions.push_back(static_cast<float>(p[axis]));
+  const int positionAccessor = addAccessor(model, positions, TINYGLTF_COMPONENT_TYPE_FLOAT,
+                                           TINYGLTF_TYPE_VEC3, TINYGLTF_TARGET_ARRAY_BUFFER);
+  for (int axis = 0; axis < 3; ++axis) {  // the bounds must be those of the floats
+    model.accessors.back().minValues.push_back(static_cast<float>(welded.bounds.min[axis]));
+    model.accessors.back().maxValues.push_back(static_cast<float>(welded.bounds.max[axis]));
+  }
+  tinygltf::Mesh mesh;
+  mesh.name = shape.name;
+  for (std::size_t slot = 0; slot < shape.looks.size(); ++slot) {
+    std::vector<std::uint32_t> corners;
+    for (std::size_t t = 0; t < welded.triangles.size(); ++t)
+      if (welded.triangleMaterial[t] == slot)
+        corners.insert(corners.end(), welded.triangles[t].begin(), welded.triangles[t].end());
+    tinygltf::Primitive primitive;
+    primitive.attributes["POSITION"] = positionAccessor;
+    primitive.indices = addAccessor(model, corners, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
+                                    TINYGLTF_TYPE_SCALAR, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    primitive.material = static_cast<int>(shape.looks[slot]);
+    primitive.mode = TINYGLTF_MODE_TRIANGLES;
+    mesh.primitives.push_back(primitive);
+  }
+  model.meshes.push_back(mesh);
+}
+
+tinygltf::Value motion(const assets::Mesh& mesh, double density) {
+  const assets::MassProperties m = assets::massProperties(mesh, density);
+  glm::dvec3 centre(0.0), inertia(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    // All movable shapes are symmetric about their own axis, which leaves rounding across it.
+    centre[axis] = std::abs(m.centreOfMass[axis]) < 1e-7 ? 0.0 : rounded(m.centreOfMass[axis]);
+    inertia[axis] = rounded(m.inertia[axis][axis]);
+  }
+  return tinygltf::Value(Object{{"mass", number(rounded(m.mass))},
+                                {"centerOfMass", vector(centre)},
+                                {"inertiaDiagonal", vector(inertia)}});
+}
+
+}  // namespace
+
+std::string toGlb(const SampleScene& scene) {
+  tinygltf::Model model;
+  model.asset.version = "2.0";
+  model.asset.generator = "tandem-scenes";
+  model.buffers.emplace_back();
+  addMaterials(model, scene);
+  std::vector<assets::Mesh> meshes;
+  for (const SampleShape& shape : scene.shapes) {
+    meshes.push_back(assets::analyseMesh(shape.solid.soup(), 0.5).mesh);
+    addMesh(model, shape, meshes.back());
+  }
+  tinygltf::Scene root;
+  root.name = scene.name;
+  for (const SamplePart& part : scene.parts) {
+    const SampleShape& shape = scene.shapes[part.shape];
+    tinygltf::Node node;
+    node.name = part.name;
+    node.mesh = static_cast<int>(part.shape);
+    node.translation = {part.position.x, part.position.y, part.position.z};
+    const Object geometry{{"node", index(model.nodes.size())}};
+    Object body{{"collider", tinygltf::Value(Object{{"geometry", tinygltf::Value(geometry)},
+                                                    {"physicsMaterial", index(shape.feel)}})}};
+    if (part.movable) body["motion"] = motion(meshes[part.shape], scene.feels[shape.feel].density);
+    node.extensions["KHR_physics_rigid_bodies"] = tinygltf::Value(body);
+    root.nodes.push_back(static_cast<int>(model.nodes.size()));
+    model.nodes.push_back(node);
+  }
+  model.scenes.push_back(root);
+  model.defaultScene = 0;
+  std::ostringstream out;
+  tinygltf::TinyGLTF().WriteGltfSceneToStream(&model, out, false, true);
+  return out.str();
+}
+
+}  // namespace tandem::generate
