@@ -1,0 +1,105 @@
+#include "haptics/contact_scene.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <thread>
+
+#include <glm/geometric.hpp>
+
+#include "assets/assert.h"
+#include "haptics/contact_scene_data.h"
+#include "haptics/implicit_mesh.h"
+
+namespace tandem::haptics {
+namespace {
+
+// Meshes above this many triangles are built one after the other on all threads, smaller ones side by side.
+constexpr std::size_t kLargeMesh = 50'000;
+
+/// The tool stays this far off a surface, so that rounding can never put it on the other side: 1e-9 of the
+/// part's size, plus what the coordinates themselves are worth where the part lies far from its own origin.
+double skinOf(const assets::Bounds& bounds) {
+  const glm::dvec3 furthest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
+  return glm::length(bounds.max - bounds.min) * 0x1p-30 + glm::length(furthest) * 0x1p-42;
+}
+
+void buildTrees(const std::vector<const assets::Mesh*>& meshes,
+                std::vector<std::unique_ptr<TriangleBvh>>& trees, int threads) {
+  std::vector<std::size_t> small;
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    if (meshes[i] == nullptr) continue;
+    if (meshes[i]->triangles.size() > kLargeMesh) {
+      trees[i] = std::make_unique<TriangleBvh>(*meshes[i], threads);
+    } else {
+      small.push_back(i);
+    }
+  }
+  std::atomic<std::size_t> next{0};
+  const auto work = [&] {
+    for (std::size_t i = next++; i < small.size(); i = next++) {
+      trees[small[i]] = std::make_unique<TriangleBvh>(*meshes[small[i]], 1);
+    }
+  };
+  std::vector<std::thread> helpers;
+  for (int i = 1; i < std::min<int>(threads, static_cast<int>(small.size())); ++i) helpers.emplace_back(work);
+  work();
+  for (std::thread& helper : helpers) helper.join();
+}
+
+Collider makeCollider(const TriangleBvh* tree) {
+  if (tree == nullptr || tree->empty()) return {};
+  const assets::Bounds& bounds = tree->bounds();
+  return {tree, 0.5 * (bounds.min + bounds.max), 0.5 * glm::length(bounds.max - bounds.min), skinOf(bounds)};
+}
+
+}  // namespace
+
+ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std::make_unique<Data>()) {
+  data_->scene = &scene;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const glm::dvec3 size = glm::max(scene.bounds.max - scene.bounds.min, glm::dvec3(0.0));
+  const double reach = glm::length(size) > 0.0 ? 10.0 * glm::length(size) : 1.0;
+
+  std::vector<const assets::Mesh*> meshes(scene.meshes.size(), nullptr);
+  std::vector<std::size_t> treeOfPart(scene.parts.size(), assets::kNone);
+  for (std::size_t i = 0; i < scene.parts.size(); ++i) {
+    const assets::Part& part = scene.parts[i];
+    if (!part.shapes.empty()) {
+      data_->shapeMeshes.push_back(std::make_unique<assets::Mesh>(meshOfShapes(part.shapes, reach)));
+      treeOfPart[i] = meshes.size();
+      meshes.push_back(data_->shapeMeshes.back().get());
+    } else if (part.mesh != assets::kNone) {
+      ASSERT(part.mesh < scene.meshes.size());
+      treeOfPart[i] = part.mesh;
+      meshes[part.mesh] = &scene.meshes[part.mesh];
+    }
+  }
+  data_->trees.resize(meshes.size());
+  buildTrees(meshes, data_->trees, threads > 0 ? threads : cores);
+  for (const std::size_t tree : treeOfPart) {
+    data_->colliders.push_back(makeCollider(tree == assets::kNone ? nullptr : data_->trees[tree].get()));
+  }
+}
+
+ContactScene::~ContactScene() = default;
+ContactScene::ContactScene(ContactScene&&) noexcept = default;
+ContactScene& ContactScene::operator=(ContactScene&&) noexcept = default;
+
+const assets::Scene& ContactScene::scene() const { return *data_->scene; }
+
+std::size_t ContactScene::memory() const {
+  std::size_t bytes = 0;
+  for (const auto& tree : data_->trees) bytes += tree ? tree->memory() : 0;
+  for (const auto& mesh : data_->shapeMeshes) {
+    bytes += mesh->positions.size() * sizeof(glm::dvec3) + mesh->triangles.size() * 14;
+  }
+  return bytes;
+}
+
+std::size_t ContactScene::memory(std::uint32_t mesh) const {
+  ASSERT(mesh < data_->scene->meshes.size());
+  return data_->trees[mesh] ? data_->trees[mesh]->memory() : 0;
+}
+
+}  // namespace tandem::haptics

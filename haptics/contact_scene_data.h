@@ -1,0 +1,29 @@
+#pragma once
+
+// What ContactScene holds. For the sources of this folder and their tests.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "haptics/contact_scene.h"
+#include "haptics/triangle_bvh.h"
+
+namespace tandem::haptics {
+
+/// The contact geometry of one part; instances share the tree.
+struct Collider {
+  const TriangleBvh* tree = nullptr;  // null: nothing to touch
+  glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
+  double radius = 0.0;                // m, of the ball around that centre that holds the part
+  double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
+};
+
+struct ContactScene::Data {
+  const assets::Scene* scene = nullptr;
+  std::vector<std::unique_ptr<assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
+  std::vector<std::unique_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
+  std::vector<Collider> colliders;                  // one a part
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,193 @@
+#include "haptics/contact_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+const assets::Material kDefaultMaterial;
+
+assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
+  if (collider.tree == nullptr) return {};
+  const assets::Bounds& local = collider.tree->bounds();
+  const glm::dvec3 half = 0.5 * (local.max - local.min);
+  const glm::dmat3 turn = glm::mat3_cast(pose.orientation);
+  // The box of a turned box: the absolute matrix times its half extents (Arvo 1990, Graphics Gems).
+  const glm::dvec3 reach =
+      glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
+  const glm::dvec3 centre = transformPoint(pose, collider.centre);
+  const glm::dvec3 slack(collider.skin + 0x1p-42 * (glm::length(pose.position) + collider.radius));
+  return {centre - reach - slack, centre + reach + slack};
+}
+
+glm::dvec3 toPart(const Pose& worldFromPart, const glm::dvec3& p) {
+  return glm::conjugate(worldFromPart.orientation) * (p - worldFromPart.position);
+}
+
+double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 ab = b - a;
+  const double square = glm::dot(ab, ab);
+  const double t = square > 0.0 ? std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : 0.0;
+  return glm::length(p - (a + t * ab));
+}
+
+}  // namespace
+
+ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
+  const std::vector<assets::Part>& parts = data_->scene->parts;
+  std::vector<assets::Bounds> boxes(parts.size());
+  parts_.resize(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    parts_[i].pose = parts[i].worldFromPart;
+    const assets::CollisionFilter& filter = parts[i].filter;
+    // The tool belongs to every system and collides with every system: only a part that shuts out all is
+    // untouchable.
+    parts_[i].solid = data_->colliders[i].tree != nullptr && filter.memberOf != 0 && filter.collidesWith != 0;
+    boxes[i] = worldBox(data_->colliders[i], parts_[i].pose);
+  }
+  broad_ = SceneBvh(boxes);
+}
+
+void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  parts_[part].pose = worldFromPart;
+  parts_[part].twist = twist;
+  broad_.update(part, worldBox(data_->colliders[part], worldFromPart));
+}
+
+bool ContactWorld::mayCollide(PartId a, PartId b) const {
+  const assets::CollisionFilter& fa = scene().parts[a].filter;
+  const assets::CollisionFilter& fb = scene().parts[b].filter;
+  return (fa.collidesWith & fb.memberOf) != 0 && (fb.collidesWith & fa.memberOf) != 0;
+}
+
+double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
+  return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(parts_[part].pose.position));
+}
+
+bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
+                             WorldHit& hit) const {
+  const Pose& pose = parts_[part].pose;
+  const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+  const double off = skin(part, p);
+  MeshBallHit local;
+  local.t = hit.t;
+  if (!data_->colliders[part].tree->sweepBall(toPart(pose, p), partFromWorld * motion, radius + 0.5 * off,
+                                              0.125 * off, local)) {
+    return false;
+  }
+  hit.t = local.t;
+  hit.point = transformPoint(pose, local.point);
+  hit.normal = transformVector(pose, local.normal);
+  hit.onFace = local.onFace;
+  hit.part = part;
+  hit.triangle = local.triangle;
+  return true;
+}
+
+bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
+                         WorldHit& hit) const {
+  const glm::dvec3 grow(radius);
+  const assets::Bounds box{glm::min(p, p + motion) - grow, glm::max(p, p + motion) + grow};
+  bool found = false;
+  forEachNear(box, [&](PartId part) {
+    if (part == except || !touchable(part)) return;
+    // Of two touches at the same instant the more squarely met one is kept, as within a part.
+    WorldHit candidate;
+    candidate.t = hit.t;
+    if (!sweepPart(part, p, motion, radius, candidate)) return;
+    if (found && candidate.t == hit.t && glm::dot(candidate.normal, motion) >= glm::dot(hit.normal, motion))
+      return;
+    hit = candidate;
+    found = true;
+  });
+  return found;
+}
+
+bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius,
+                                     WorldHit& hit, glm::dvec3& carried) const {
+  const Collider& collider = data_->colliders[part];
+  if (!touchable(part)) return false;
+  const Pose& now = parts_[part].pose;
+  const double off = skin(part, p);
+  const double reach = collider.radius + radius + 2.0 * off;
+  const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
+  if (distanceToSegment(p, c0, c1) > reach) return false;
+
+  // Seen from the part the ball moves along an arc; chords of at most 3 degrees follow it, and end points are
+  // exact.
+  const double turn = glm::length(rotationVector(now.orientation * glm::conjugate(before.orientation)));
+  const int pieces = std::clamp(static_cast<int>(std::ceil(turn / 0.05)), 1, 64);
+  glm::dvec3 from = toPart(before, p);
+  for (int i = 1; i <= pieces; ++i) {
+    const glm::dvec3 to =
+        toPart(i == pieces ? now : interpolate(before, now, static_cast<double>(i) / pieces), p);
+    MeshBallHit local;
+    if (collider.tree->sweepBall(from, to - from, radius + 0.5 * off, 0.125 * off, local)) {
+      hit.t = (i - 1 + local.t) / pieces;
+      hit.point = transformPoint(now, local.point);
+      hit.normal = transformVector(now, local.normal);
+      hit.onFace = local.onFace;
+      hit.part = part;
+      hit.triangle = local.triangle;
+      carried = transformPoint(now, from + (to - from) * local.t);
+      return true;
+    }
+    from = to;
+  }
+  return false;
+}
+
+SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {
+  const Pose& pose = parts_[part].pose;
+  const glm::dvec3 local = toPart(pose, p);
+  const Triangle t = data_->colliders[part].tree->triangle(triangle);
+  const TrianglePoint closest = closestPointOnTriangle(local, t);
+  const glm::dvec3 normal = contactNormal(local, t, closest);
+  return {part, triangle, transformPoint(pose, closest.point), transformVector(pose, normal),
+          glm::dot(local - closest.point, normal)};
+}
+
+bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const {
+  MeshPoint local;
+  const Collider& collider = data_->colliders[part];
+  if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(parts_[part].pose, p), reach, local)) {
+    return false;
+  }
+  found = surfaceAt(part, local.triangle, p);
+  return true;
+}
+
+bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) const {
+  const Collider& collider = data_->colliders[part];
+  if (collider.tree == nullptr) return false;
+  const glm::dvec3 local = toPart(parts_[part].pose, p);
+  const double margin = radius + skin(part, p);
+  if (glm::length(local - collider.centre) > collider.radius + margin) return false;
+  MeshPoint near;
+  if (collider.tree->closestPoint(local, margin, near)) return true;
+  // Directions without zeros or equal components: CAD faces are axis-parallel, their edges often at 45
+  // degrees. From inside a solid every ray leaves once more often than it enters; from before an open surface
+  // those that meet it enter.
+  static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
+  const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
+  int leaving = 0;
+  for (const auto& ray : kRays) {
+    const glm::dvec3 way = glm::dvec3(ray[0], ray[1], ray[2]) * length;
+    leaving += collider.tree->signedCrossings(local, local + way) > 0 ? 1 : 0;
+    leaving += collider.tree->signedCrossings(local, local - way) > 0 ? 1 : 0;
+  }
+  return leaving >= 5;
+}
+
+const assets::Material& ContactWorld::material(PartId part, std::uint32_t triangle) const {
+  const assets::Mesh& mesh = data_->colliders[part].tree->mesh();
+  if (triangle >= mesh.triangleMaterial.size()) return kDefaultMaterial;
+  const std::uint16_t index = mesh.triangleMaterial[triangle];
+  return index < scene().materials.size() ? scene().materials[index] : kDefaultMaterial;
+}
+
+}  // namespace tandem::haptics

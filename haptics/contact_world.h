@@ -1,0 +1,103 @@
+#pragma once
+
+// The parts as one hand's tick knows them: where they are now, which of them the tool may touch. All
+// geometric questions of the proxy go through here, in world coordinates.
+//
+// 1. setPose() and every query are free of allocation; the constructor allocates.
+// 2. Not shared between threads: each TickState owns one.
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "assets/pose.h"
+#include "haptics/contact_scene_data.h"
+#include "haptics/scene_bvh.h"
+
+namespace tandem::haptics {
+
+/// First touch of the moving tool with any part, world frame.
+struct WorldHit : BallHit {
+  PartId part = kNoPart;
+  std::uint32_t triangle = kNoTriangle;
+};
+
+/// A point of a part's surface, world frame.
+struct SurfacePoint {
+  PartId part = kNoPart;
+  std::uint32_t triangle = kNoTriangle;
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, towards the asker
+  double distance = 0.0;             // m
+};
+
+class ContactWorld {
+ public:
+  explicit ContactWorld(const ContactScene& scene);
+
+  const assets::Scene& scene() const { return *data_->scene; }
+  const Collider& collider(PartId part) const { return data_->colliders[part]; }
+  const Pose& pose(PartId part) const { return parts_[part].pose; }
+  const Twist& twist(PartId part) const { return parts_[part].twist; }
+  bool has(PartId part) const { return part < parts_.size(); }
+
+  void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
+  void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
+
+  /// Whether the collision filters of two parts let them touch. Both must allow it.
+  bool mayCollide(PartId a, PartId b) const;
+  /// Whether the tool may touch a part: it has geometry, its filter lets anything at all touch it, it is not
+  /// ignored.
+  bool touchable(PartId part) const { return parts_[part].solid && !parts_[part].ignored; }
+  void setIgnored(PartId part, bool ignored) { parts_[part].ignored = ignored; }
+  bool ignored(PartId part) const { return parts_[part].ignored; }
+
+  /// Distance that the tool keeps from a part near p, m: the part's own skin plus the rounding of world
+  /// coordinates.
+  double skin(PartId part, const glm::dvec3& p) const;
+
+  /// First touch of a ball of `radius` moving from p by `motion` with any touchable part but `except`, at a
+  /// distance of radius plus half a skin; earlier than hit.t.
+  bool sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
+             WorldHit& hit) const;
+
+  /// The same against one part that moves meanwhile from `before` to where it is now; the ball stands still
+  /// in the world. hit.t is a share of the part's motion; point and normal are those at the part's present
+  /// pose, and `carried` is where the ball's centre ends if it goes with the part from the touch on.
+  bool sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius, WorldHit& hit,
+                         glm::dvec3& carried) const;
+
+  /// Where one triangle is nearest to p, now.
+  SurfacePoint surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const;
+
+  /// The nearest point of one part within `reach` m of p; false if there is none.
+  bool nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const;
+
+  /// Whether p is inside the part's solid, or nearer than `radius` to its surface. Inside: at least five of
+  /// six rays leave the solid, so that one ray through an edge or a small hole does not decide.
+  bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
+
+  template <typename Visit>
+  void forEachNear(const assets::Bounds& box, Visit&& visit) const {
+    broad_.forEach(box, visit);
+  }
+
+  const assets::Material& material(PartId part, std::uint32_t triangle) const;
+
+ private:
+  struct PartState {
+    Pose pose;
+    Twist twist;
+    bool solid = false;
+    bool ignored = false;
+  };
+
+  bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
+                 WorldHit& hit) const;
+
+  const ContactScene::Data* data_;
+  std::vector<PartState> parts_;
+  SceneBvh broad_;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,34 @@
+#pragma once
+
+// The small exact optimisation inside the proxy: the point nearest to a goal that obeys a few planes.
+
+#include <array>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+namespace tandem::haptics {
+
+/// The half space normal . x >= offset; normal is a unit vector.
+struct HalfSpace {
+  glm::dvec3 normal{0.0, 0.0, 0.0};
+  double offset = 0.0;
+};
+
+inline constexpr int kMaxPlanes = 8;
+
+/// x = goal + sum of multiplier[i] * normal[i], with at most three multipliers that are not zero.
+struct Projection {
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  std::array<double, kMaxPlanes> multiplier{};  // m, >= 0
+  bool exact =
+      true;  // false: no point obeys all planes within the tolerance; `point` is then the least bad one
+};
+
+/// Minimises |x - goal|^2 subject to all planes (at most kMaxPlanes), by trying every set of up to three
+/// active planes: the Karush-Kuhn-Tucker conditions of this strictly convex problem have exactly one
+/// solution, whatever the order of the planes. `tolerance` (m) is by how much a plane may be broken by
+/// rounding.
+Projection projectOntoPlanes(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance);
+
+}  // namespace tandem::haptics

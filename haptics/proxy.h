@@ -1,0 +1,58 @@
+#pragma once
+
+// The proxy of a point or ball tool: it follows the device, but never enters a part.
+//
+// Zilles & Salisbury 1995, "A constraint-based god-object method for haptic display"; Ruspini, Kolarov &
+// Khatib 1997, "The haptic display of complex graphical environments" (ball proxy). Here all constraints act
+// in the same tick.
+//
+// 1. The proxy moves only along segments that a swept test has found free, so it cannot pass an edge, a
+// corner or a thin
+//    plate, whatever the speed. A point is a ball of radius 0.
+// 2. It rests at radius + skin from a surface and is stopped at radius + skin/2; the skin is some 1e-9 of the
+// part's
+//    size (ContactWorld::skin). Every tolerance here is a share of the skin: there are no lengths in the
+//    code.
+// 3. Both sides of every triangle are solid; orientation is never asked.
+
+#include <array>
+#include <cstdint>
+
+#include "haptics/contact_world.h"
+#include "haptics/plane_projection.h"
+
+namespace tandem::haptics {
+
+/// A triangle that the proxy touches, as a plane; world frame.
+struct ProxyPlane {
+  SurfacePoint surface;     // distance: from the proxy, along the normal
+  double skin = 0.0;        // m
+  double multiplier = 0.0;  // m: how far this plane holds the proxy off the goal, along its normal
+};
+
+/// What the proxy remembers from tick to tick.
+struct Proxy {
+  glm::dvec3 position{0.0, 0.0, 0.0};
+  std::array<ProxyPlane, kMaxPlanes> planes;
+  int planeCount = 0;
+  bool sliding = false;  // the friction cone was left, and not yet entered again
+};
+
+/// Moves the proxy as near to the goal as the parts let it, without friction. Bounded work: at most 24
+/// sweeps.
+void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
+
+/// slideProxy() with the Coulomb friction of the touched materials (Harwin & Melder 2002, the friction cone:
+/// the proxy stays while the goal lies in the cone of the static coefficient, else it is drawn along at that
+/// of the dynamic one).
+void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
+
+/// Takes the proxy along with a part that has moved from `before` to its present pose: pushed where the part
+/// met it, carried rigidly if it stuck to that part by friction. False if another part stopped it, so that it
+/// is squeezed; it then may overlap the part that moved.
+bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy);
+
+/// Whether a plane holds the proxy back now.
+inline bool presses(const ProxyPlane& plane) { return plane.multiplier > 0.0; }
+
+}  // namespace tandem::haptics

@@ -1,0 +1,367 @@
+#include "haptics/tick.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/tick_data.h"
+
+namespace tandem::haptics {
+namespace {
+
+using Data = TickState::Data;
+
+// A hand unseen for longer than this may be anywhere: dragging the old proxy after it would mean nothing to
+// it.
+constexpr double kProxyResetAfter = 0.25;  // s
+// A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
+constexpr double kTouchShare = 0.02;
+constexpr int kMaxTouchQueries = 32;
+
+bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool isFinite(const Wrench& w) { return isFinite(w.force) && isFinite(w.torque); }
+
+bool usable(const DeviceSample& sample) {
+  return sample.valid && isValid(sample.worldFromDevice) && isFinite(sample.twist.linear) &&
+         isFinite(sample.twist.angular);
+}
+
+bool samePose(const Pose& a, const Pose& b) {
+  return a.position == b.position && a.orientation == b.orientation;
+}
+
+Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+
+glm::dvec3 clampLength(const glm::dvec3& v, double limit, bool& clamped) {
+  const double length = glm::length(v);
+  if (length <= limit) return v;
+  clamped = true;
+  return v * (std::max(limit, 0.0) / length);
+}
+
+/// One call of tick(): the steps in the order in which they run.
+class Tick {
+ public:
+  Tick(const TickInput& input, const TickParameters& parameters, Data& data)
+      : input_(input), parameters_(parameters), data_(data), valid_(usable(input.device)) {}
+
+  TickOutput run() {
+    noteSample();
+    runCommands();
+    moveParts();
+    simulateOwned();
+    forgetIgnored();
+    if (valid_) {
+      moveTool();
+      data_.contactWrench = contactWrench();
+    } else {
+      data_.contactWrench = data_.couplingWrench = Wrench{};
+    }
+    findTouched();
+    report();
+    sendWrench();
+    return out_;
+  }
+
+ private:
+  void noteSample() {
+    if (!valid_) {
+      out_.flags |= kFlagInvalidSample;
+      data_.invalidTime += parameters_.dt;
+      return;
+    }
+    data_.device = input_.device;
+    if (!data_.started || data_.invalidTime > kProxyResetAfter) resetProxy();
+    data_.started = true;
+    data_.invalidTime = 0.0;
+  }
+
+  /// Puts the proxy onto the device. What the device is inside of cannot be felt until it has come out.
+  void resetProxy() {
+    out_.flags |= kFlagProxyReset;
+    data_.proxy = Proxy{};
+    data_.proxy.position = data_.device.worldFromDevice.position;
+    ignoreOverlapping();
+  }
+
+  void ignoreOverlapping() {
+    const glm::dvec3& p = data_.proxy.position;
+    const glm::dvec3 grow(radius());
+    data_.world.forEachNear({p - grow, p + grow}, [&](PartId part) {
+      if (data_.world.touchable(part) && data_.world.overlaps(part, p, radius())) ignore(part);
+    });
+  }
+
+  void ignore(PartId part) {
+    if (data_.world.ignored(part)) return;
+    if (data_.ignoredCount == kMaxIgnored) {
+      out_.flags |= kFlagOverflow;
+      return;
+    }
+    data_.ignored[static_cast<std::size_t>(data_.ignoredCount++)] = part;
+    data_.world.setIgnored(part, true);
+  }
+
+  void runCommands() {
+    int done = 0;
+    for (const PartCommand& command : input_.commands) {
+      if (done++ == kMaxPartCommands) {
+        out_.flags |= kFlagOverflow;
+        return;
+      }
+      if (TICK_ASSERT(data_.fault, data_.world.has(command.part))) runCommand(command);
+    }
+  }
+
+  void runCommand(const PartCommand& command) {
+    switch (command.kind) {
+      case PartCommand::Kind::own:
+        if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
+        movePart(command.part, command.pose, Twist{});
+        if (!data_.held.own(data_.world, command.part)) out_.flags |= kFlagOverflow;
+        return;
+      case PartCommand::Kind::grasp:
+        grasp(command.part);
+        return;
+      case PartCommand::Kind::letGo:
+        if (data_.held.held() == command.part) letGo();
+        return;
+      case PartCommand::Kind::disown:
+        if (data_.held.held() == command.part) letGo();
+        data_.held.disown(command.part);
+        return;
+      case PartCommand::Kind::setPose:
+        if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
+        // A part put somewhere is not a part that moves there: it does not sweep the tool along.
+        data_.world.setPose(command.part, command.pose, Twist{});
+        if (data_.started) ignoreOverlapping();
+        return;
+    }
+  }
+
+  void grasp(PartId part) {
+    if (!data_.started || !data_.held.owns(part) || data_.held.held() == part) return;
+    if (data_.held.held() != kNoPart) letGo();
+    data_.held.grasp(part, data_.device.worldFromDevice);
+    // The tool no longer touches what it holds. The force of that contact must not vanish at once.
+    data_.fade.start(forceOfContactsWith(part), parameters_.fadeTime);
+    ignore(part);
+  }
+
+  void letGo() {
+    data_.held.letGo();
+    data_.fade.start(data_.couplingWrench, parameters_.fadeTime);
+    data_.couplingWrench = Wrench{};
+  }
+
+  /// Share of the last tick's contact force that came from one part.
+  Wrench forceOfContactsWith(PartId part) const {
+    double all = 0.0, his = 0.0;
+    for (int i = 0; i < data_.proxy.planeCount; ++i) {
+      const ProxyPlane& plane = data_.proxy.planes[static_cast<std::size_t>(i)];
+      all += plane.multiplier;
+      if (plane.surface.part == part) his += plane.multiplier;
+    }
+    const double share = all > 0.0 ? his / all : 0.0;
+    return {data_.contactWrench.force * share, data_.contactWrench.torque * share};
+  }
+
+  void moveParts() {
+    for (const PartId part : data_.moving) data_.world.setTwist(part, Twist{});
+    data_.moving.clear();
+    for (const PartMotion& motion : input_.moved) {
+      // These come from elsewhere: what cannot be used is dropped, never trusted.
+      const bool good = data_.world.has(motion.part) && isValid(motion.worldFromPart) &&
+                        isFinite(motion.twist.linear) && isFinite(motion.twist.angular) &&
+                        data_.moving.size() < data_.moving.capacity();
+      if (!good) {
+        out_.flags |= kFlagOverflow;
+      } else if (!data_.held.owns(motion.part)) {
+        movePart(motion.part, motion.worldFromPart, motion.twist);
+        data_.moving.push_back(motion.part);
+      }
+    }
+  }
+
+  void movePart(PartId part, const Pose& worldFromPart, const Twist& twist) {
+    const Pose before = data_.world.pose(part);
+    if (samePose(before, worldFromPart)) return data_.world.setTwist(part, twist);
+    data_.world.setPose(part, worldFromPart, twist);
+    if (!data_.started) return;
+    if (!pushProxy(data_.world, part, before, radius(), data_.proxy)) {
+      out_.flags |= kFlagSqueezed;
+      ignore(part);
+    }
+  }
+
+  void simulateOwned() {
+    data_.couplingWrench =
+        data_.held.step(valid_ ? &input_.device : nullptr, parameters_, data_.world.scene());
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
+      movePart(entry.part, entry.body.worldFromBody, entry.body.twist);
+    }
+    if (data_.held.held() != kNoPart) out_.flags |= kFlagHeldWithoutContact;
+  }
+
+  /// The tool may touch a part again once both the device and the proxy are out of it: then there is no
+  /// depth, and so no force that could begin with a step.
+  void forgetIgnored() {
+    if (!data_.started) return;
+    int kept = 0;
+    for (int i = 0; i < data_.ignoredCount; ++i) {
+      const PartId part = data_.ignored[static_cast<std::size_t>(i)];
+      const bool stays = part == data_.held.held() ||
+                         data_.world.overlaps(part, data_.device.worldFromDevice.position, radius()) ||
+                         data_.world.overlaps(part, data_.proxy.position, radius());
+      if (stays) {
+        data_.ignored[static_cast<std::size_t>(kept++)] = part;
+      } else {
+        data_.world.setIgnored(part, false);
+      }
+    }
+    data_.ignoredCount = kept;
+  }
+
+  void moveTool() {
+    moveProxy(data_.world, data_.device.worldFromDevice.position, radius(), data_.proxy);
+    if (!TICK_ASSERT(data_.fault, isFinite(data_.proxy.position))) resetProxy();
+  }
+
+  /// Springs between proxy and device: each plane with its own stiffness and damping along its normal, and
+  /// what is left (friction) with their mean. Damping sees the normal speed only and never pulls.
+  Wrench contactWrench() {
+    Wrench wrench;
+    glm::dvec3 rest = data_.proxy.position - data_.device.worldFromDevice.position;
+    double depths = 0.0, stiffnesses = 0.0;
+    for (int i = 0; i < data_.proxy.planeCount; ++i) {
+      const ProxyPlane& plane = data_.proxy.planes[static_cast<std::size_t>(i)];
+      if (!presses(plane)) continue;
+      const assets::Material& material = data_.world.material(plane.surface.part, plane.surface.triangle);
+      const double stiffness = material.stiffness > 0.0 ? material.stiffness : parameters_.stiffness;
+      const double damping = material.damping > 0.0 ? material.damping : parameters_.damping;
+      const glm::dvec3& normal = plane.surface.normal;
+      const glm::dvec3 surfaceVelocity = velocityAt(
+          data_.world.pose(plane.surface.part), data_.world.twist(plane.surface.part), plane.surface.point);
+      const double leaving = glm::dot(data_.device.twist.linear - surfaceVelocity, normal);
+      const double force = std::max(0.0, stiffness * plane.multiplier - damping * leaving);
+      wrench.force += force * normal;
+      rest -= plane.multiplier * normal;
+      depths += plane.multiplier;
+      stiffnesses += plane.multiplier * stiffness;
+      if (out_.contactCount < kMaxContacts) {
+        out_.contacts[static_cast<std::size_t>(out_.contactCount++)] = {plane.surface.part,
+                                                                        plane.surface.point, normal, force};
+      }
+    }
+    if (depths > 0.0) wrench.force += rest * (stiffnesses / depths);
+    return wrench;
+  }
+
+  /// The part under the tool: what it touches, else what it is inside of, else the nearest within that part's
+  /// reach.
+  void findTouched() {
+    if (!data_.started) return;
+    if (out_.contactCount > 0) {
+      out_.touched = out_.contacts[0].part;
+      return;
+    }
+    for (int i = 0; i < data_.ignoredCount; ++i) {
+      const PartId part = data_.ignored[static_cast<std::size_t>(i)];
+      if (part == data_.held.held()) continue;
+      out_.touched = part;
+      return;
+    }
+    const glm::dvec3& p = data_.proxy.position;
+    const glm::dvec3 grow(std::max(data_.touchReach, radius() * 3.0));
+    double nearest = 1e300;
+    int queries = 0;
+    data_.world.forEachNear({p - grow, p + grow}, [&](PartId part) {
+      if (!data_.world.touchable(part) || queries == kMaxTouchQueries) return;
+      const Collider& collider = data_.world.collider(part);
+      const double reach =
+          std::min(nearest, radius() + std::max(2.0 * radius(), kTouchShare * 2.0 * collider.radius));
+      const glm::dvec3 centre = transformPoint(data_.world.pose(part), collider.centre);
+      if (glm::length(centre - p) > collider.radius + reach) return;
+      ++queries;
+      SurfacePoint found;
+      if (!data_.world.nearest(part, p, reach, found) || found.distance >= nearest) return;
+      nearest = found.distance;
+      out_.touched = part;
+    });
+  }
+
+  void report() {
+    out_.worldFromProxy = {data_.proxy.position, data_.device.worldFromDevice.orientation};
+    out_.held = data_.held.held();
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {
+          entry.part, entry.body.worldFromBody, entry.body.twist, entry.held, HeldParts::atRest(entry)};
+    }
+  }
+
+  void sendWrench() {
+    data_.fade.advance(parameters_.dt);
+    Wrench wanted = sum(sum(data_.contactWrench, data_.couplingWrench), data_.fade.now());
+    if (!TICK_ASSERT(data_.fault, isFinite(wanted))) wanted = Wrench{};
+    // No actuator may be driven on a reading that is not there, nor once the user has hit the key: at once,
+    // no ramp.
+    if (!valid_ || parameters_.zeroForce) {
+      data_.sent = Wrench{};
+      if (data_.fault.raised()) out_.flags |= kFlagFault;
+      return;
+    }
+    bool limited = false, slewed = false;
+    const double gain = std::clamp(parameters_.gain, 0.0, 1.0);
+    wanted.force = clampLength(wanted.force * gain, parameters_.forceLimit, limited);
+    wanted.torque = clampLength(wanted.torque * gain, parameters_.torqueLimit, limited);
+    if (data_.fault.raised()) {
+      wanted = Wrench{};
+      out_.flags |= kFlagFault;
+    }
+    const double step = parameters_.slewLimit * parameters_.dt;
+    const double torqueStep =
+        parameters_.forceLimit > 0.0 ? step * parameters_.torqueLimit / parameters_.forceLimit : 0.0;
+    data_.sent.force += clampLength(wanted.force - data_.sent.force, step, slewed);
+    data_.sent.torque += clampLength(wanted.torque - data_.sent.torque, torqueStep, slewed);
+    if (limited) out_.flags |= kFlagForceLimited;
+    if (slewed) out_.flags |= kFlagSlewLimited;
+    out_.toHand = data_.sent;
+  }
+
+  double radius() const { return parameters_.toolRadius; }
+
+  const TickInput& input_;
+  const TickParameters& parameters_;
+  Data& data_;
+  const bool valid_;
+  TickOutput out_;
+};
+
+}  // namespace
+
+TickState::Data::Data(const ContactScene& contactScene) : scene(&contactScene.data()), world(contactScene) {
+  const std::size_t parts = contactScene.scene().parts.size();
+  moving.reserve(std::max<std::size_t>(parts, 1));
+  for (std::size_t i = 0; i < parts; ++i) {
+    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(static_cast<PartId>(i)).radius);
+  }
+}
+
+TickState::TickState(const ContactScene& scene) : data_(std::make_unique<Data>(scene)) {}
+TickState::~TickState() = default;
+TickState::TickState(TickState&&) noexcept = default;
+TickState& TickState::operator=(TickState&&) noexcept = default;
+
+const Pose& TickState::worldFromPart(PartId part) const { return data_->world.pose(part); }
+
+void TickState::resetFault() { data_->fault = FaultLatch{}; }
+
+TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters,
+                TickState& state) {
+  TICK_ASSERT(state.data().fault, state.data().scene == &scene.data());
+  return Tick(input, parameters, state.data()).run();
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,57 @@
+#pragma once
+
+// What TickState holds. For tick.cpp and the tests that look inside.
+
+#include <array>
+#include <vector>
+
+#include "haptics/contact_world.h"
+#include "haptics/fault.h"
+#include "haptics/held_part.h"
+#include "haptics/proxy.h"
+#include "haptics/tick.h"
+
+namespace tandem::haptics {
+
+/// Forces of contacts and couplings that have ended, on their way to zero in a straight line.
+struct Fade {
+  Wrench from;
+  double left = 0.0, total = 0.0;  // s
+
+  Wrench now() const {
+    const double share = total > 0.0 ? left / total : 0.0;
+    return {from.force * share, from.torque * share};
+  }
+  /// Adds a wrench that has just ended; what still fades starts anew with it.
+  void start(const Wrench& ended, double time) {
+    const Wrench still = now();
+    from = {still.force + ended.force, still.torque + ended.torque};
+    left = total = time;
+  }
+  void advance(double dt) { left = left > dt ? left - dt : 0.0; }
+};
+
+inline constexpr int kMaxIgnored = 16;
+
+struct TickState::Data {
+  explicit Data(const ContactScene& contactScene);
+
+  const ContactScene::Data* scene;
+  ContactWorld world;
+  HeldParts held;
+  Proxy proxy;
+  FaultLatch fault;
+  Fade fade;
+  Wrench sent;           // of the last tick: what slew limits are counted from
+  Wrench contactWrench;  // of the last tick, before limits
+  Wrench couplingWrench;
+  DeviceSample device;                        // the last valid one
+  double invalidTime = 0.0;                   // s since the last valid sample
+  bool started = false;                       // there has been a valid sample
+  double touchReach = 0.0;                    // m, the largest of all parts
+  std::vector<PartId> moving;                 // parts with a twist from this tick; capacity for all
+  std::array<PartId, kMaxIgnored> ignored{};  // parts that the tool passes through until it has left them
+  int ignoredCount = 0;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,305 @@
+#include "haptics/triangle_bvh.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+#include "assets/assert.h"
+#include "haptics/bvh_build.h"
+#include "haptics/simd4.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
+
+float roundDown(double x) {
+  const float f = static_cast<float>(x);
+  return static_cast<double>(f) > x ? std::nextafter(f, -kInfinity) : f;
+}
+
+float roundUp(double x) {
+  const float f = static_cast<float>(x);
+  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
+}
+
+/// A node (or leaf) still to be visited, with the lower bound of what it can give.
+struct Pending {
+  std::uint32_t child;
+  float bound;
+};
+
+class Stack {
+ public:
+  bool pop(Pending& next) {
+    if (size_ == 0) return false;
+    next = entries_[--size_];
+    return true;
+  }
+  /// Pushes the children of `mask`, the one with the least bound last, so that it comes off first.
+  void pushOrdered(const std::uint32_t* child, const float* bound, int mask) {
+    const int first = size_;
+    for (int i = 0; i < 4; ++i) {
+      if ((mask & (1 << i)) == 0 || child[i] == TriangleBvh::kEmptyChild) continue;
+      int at = size_++;
+      for (; at > first && entries_[at - 1].bound < bound[i]; --at) entries_[at] = entries_[at - 1];
+      entries_[at] = {child[i], bound[i]};
+    }
+  }
+
+ private:
+  std::array<Pending, kStackSize> entries_;
+  int size_ = 0;
+};
+
+/// A motion as four-wide slab tests see it.
+class Slabs {
+ public:
+  /// Boxes are inflated by `radius` and by more than what the float arithmetic can lose: the roundings of the
+  /// origin, of the differences and of t, each a few units in the last place of `largest`, the largest length
+  /// in play.
+  Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
+      : inflate_(roundUp(radius + largest * 0x1p-20)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      origin_[axis] = Float4(static_cast<float>(origin[axis]));
+      const double least = largest * 0x1p-60;
+      const double step = std::abs(motion[axis]) > least ? motion[axis] : std::copysign(least, motion[axis]);
+      inverse_[axis] = Float4(static_cast<float>(std::clamp(1.0 / step, -1e30, 1e30)));
+    }
+  }
+
+  /// Which children are met before `latest` (a share of the motion), and lower bounds of when.
+  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
+    Float4 enter, leave(latest);
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 t0 = (Float4::load(node.low[axis]) - inflate_ - origin_[axis]) * inverse_[axis];
+      const Float4 t1 = (Float4::load(node.high[axis]) + inflate_ - origin_[axis]) * inverse_[axis];
+      enter = max(enter, min(t0, t1));
+      leave = min(leave, max(t0, t1));
+    }
+    enter = enter * Float4(1.0f - 0x1p-20f);
+    enter.store(bounds);
+    return lessEqualMask(enter, leave);
+  }
+
+ private:
+  Float4 origin_[3], inverse_[3], inflate_;
+};
+
+/// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
+int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
+  const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
+  // Signed volumes of the line with the three edges: one sign means that the line passes through the
+  // triangle.
+  const double u = glm::dot(direction, glm::cross(b, a));
+  const double v = glm::dot(direction, glm::cross(c, b));
+  const double w = glm::dot(direction, glm::cross(a, c));
+  const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
+  if (negative == positive) return 0;
+  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const double height = glm::dot(normal, a), slope = glm::dot(normal, direction);
+  if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0) return 0;
+  return slope > 0.0 ? 1 : -1;
+}
+
+}  // namespace
+
+TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
+  const std::size_t count = mesh.triangles.size();
+  ASSERT(count <= kLeafFirstMask);
+  if (count == 0) return;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Triangle t = triangle(i);
+    bounds_.min = glm::min(bounds_.min, glm::min(t.a, glm::min(t.b, t.c)));
+    bounds_.max = glm::max(bounds_.max, glm::max(t.a, glm::max(t.b, t.c)));
+  }
+  centre_ = 0.5 * (bounds_.min + bounds_.max);
+  const glm::dvec3 half = bounds_.max - centre_;
+  extent_ = roundUp(std::max({half.x, half.y, half.z}));
+
+  std::vector<BuildPrimitive> primitives(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Triangle t = triangle(i);
+    const glm::dvec3 low = glm::min(t.a, glm::min(t.b, t.c)) - centre_;
+    const glm::dvec3 high = glm::max(t.a, glm::max(t.b, t.c)) - centre_;
+    BuildPrimitive& p = primitives[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      p.low[axis] = roundDown(low[axis]);
+      p.high[axis] = roundUp(high[axis]);
+    }
+    p.setTriangle(i);
+  }
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  nodes_ = buildNodes(primitives, threads > 0 ? threads : cores);
+  order_.resize(count);
+  for (std::size_t i = 0; i < count; ++i) order_[i] = primitives[i].triangle();
+  ASSERT(depth() <= kMaxDepth);
+}
+
+bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
+  if (empty()) return false;
+  // The query point is an interval of two floats around the true one, so that a box's distance is never
+  // overestimated; the factor covers the roundings of the sum of squares.
+  constexpr float kBelow = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
+  Float4 pointLow[3], pointHigh[3];
+  const glm::dvec3 q = p - centre_;
+  for (int axis = 0; axis < 3; ++axis) {
+    pointLow[axis] = Float4(roundDown(q[axis]));
+    pointHigh[axis] = Float4(roundUp(q[axis]));
+  }
+  double bestSquare = maxDistance * maxDistance;
+  float bound = roundUp(bestSquare);
+  bool found = false;
+  Stack stack;
+  Pending next{0, 0.0f};
+  do {
+    if (next.bound > bound) continue;
+    if ((next.child & kLeafBit) == 0) {
+      const Node& node = nodes_[next.child];
+      Float4 square;
+      for (int axis = 0; axis < 3; ++axis) {
+        const Float4 below = Float4::load(node.low[axis]) - pointHigh[axis];
+        const Float4 above = pointLow[axis] - Float4::load(node.high[axis]);
+        const Float4 d = max(max(below, above), Float4());
+        square = square + d * d;
+      }
+      square = square * Float4(kBelow);
+      alignas(16) float bounds[4];
+      square.store(bounds);
+      stack.pushOrdered(node.child, bounds, lessEqualMask(square, Float4(bound)));
+      continue;
+    }
+    const std::uint32_t first = next.child & kLeafFirstMask;
+    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
+      const std::uint32_t index = order_[first + i];
+      const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
+      const glm::dvec3 offset = p - closest.point;
+      const double square = glm::dot(offset, offset);
+      // A tie goes to the lower index: the answer must not depend on the order of visits.
+      if (square > bestSquare || (square == bestSquare && found && index > nearest.triangle)) continue;
+      found = true;
+      bestSquare = square;
+      bound = roundUp(square);
+      nearest.triangle = index;
+      nearest.point = closest.point;
+      nearest.onFace = closest.onFace;
+    }
+  } while (stack.pop(next));
+  if (found) nearest.distance = std::sqrt(bestSquare);
+  return found;
+}
+
+bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+                            MeshBallHit& hit) const {
+  if (empty()) return false;
+  const glm::dvec3 origin = from - centre_;
+  const double largest = extent_ + radius + glm::length(origin) + glm::length(motion);
+  const Slabs slabs(origin, motion, radius + tolerance, largest);
+  bool found = false;
+  Stack stack;
+  Pending next{0, 0.0f};
+  do {
+    if (static_cast<double>(next.bound) > hit.t * (1.0 + 0x1p-20)) continue;
+    if ((next.child & kLeafBit) == 0) {
+      const Node& node = nodes_[next.child];
+      alignas(16) float bounds[4];
+      const int mask = slabs.enter(node, roundUp(hit.t * (1.0 + 0x1p-20)), bounds);
+      stack.pushOrdered(node.child, bounds, mask);
+      continue;
+    }
+    const std::uint32_t first = next.child & kLeafFirstMask;
+    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
+      const std::uint32_t index = order_[first + i];
+      BallHit candidate;
+      candidate.t = hit.t;
+      if (!haptics::sweepBall(from, motion, radius, tolerance, triangle(index), candidate)) continue;
+      if (found && candidate.t == hit.t) {
+        const double now = glm::dot(candidate.normal, motion), best = glm::dot(hit.normal, motion);
+        if (now > best || (now == best && index > hit.triangle)) continue;
+      }
+      found = true;
+      static_cast<BallHit&>(hit) = candidate;
+      hit.triangle = index;
+    }
+  } while (stack.pop(next));
+  return found;
+}
+
+template <typename Visit>
+void TriangleBvh::forEachInBox(const assets::Bounds& box, Visit&& visit) const {
+  if (empty()) return;
+  Float4 low[3], high[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    low[axis] = Float4(roundDown(box.min[axis] - centre_[axis]));
+    high[axis] = Float4(roundUp(box.max[axis] - centre_[axis]));
+  }
+  Stack stack;
+  Pending next{0, 0.0f};
+  do {
+    if ((next.child & kLeafBit) == 0) {
+      const Node& node = nodes_[next.child];
+      int mask = 15;
+      for (int axis = 0; axis < 3; ++axis) {
+        mask &= lessEqualMask(Float4::load(node.low[axis]), high[axis]);
+        mask &= lessEqualMask(low[axis], Float4::load(node.high[axis]));
+      }
+      constexpr float kNone[4] = {0.0f, 0.0f, 0.0f, 0.0f};
+      stack.pushOrdered(node.child, kNone, mask);
+      continue;
+    }
+    const std::uint32_t first = next.child & kLeafFirstMask;
+    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) visit(order_[first + i]);
+  } while (stack.pop(next));
+}
+
+int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const {
+  if (empty()) return 0;
+  const glm::dvec3 direction = to - from, origin = from - centre_;
+  const Slabs slabs(origin, direction, 0.0, extent_ + glm::length(origin) + glm::length(direction));
+  int crossings = 0;
+  Stack stack;
+  Pending next{0, 0.0f};
+  do {
+    if ((next.child & kLeafBit) == 0) {
+      const Node& node = nodes_[next.child];
+      alignas(16) float bounds[4];
+      const int mask = slabs.enter(node, 1.0f, bounds);
+      stack.pushOrdered(node.child, bounds, mask);
+      continue;
+    }
+    const std::uint32_t first = next.child & kLeafFirstMask;
+    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
+      crossings += crossing(from, direction, triangle(order_[first + i]));
+    }
+  } while (stack.pop(next));
+  return crossings;
+}
+
+std::size_t TriangleBvh::gather(const assets::Bounds& box, std::span<std::uint32_t> found) const {
+  std::size_t count = 0;
+  forEachInBox(box, [&](std::uint32_t index) {
+    if (count < found.size()) found[count] = index;
+    ++count;
+  });
+  return count;
+}
+
+int TriangleBvh::depth() const {
+  if (empty()) return 0;
+  // Children stand after their parents, so one pass from the front suffices.
+  std::vector<int> levels(nodes_.size(), 1);
+  int deepest = 1;
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    for (const std::uint32_t child : nodes_[i].child) {
+      if ((child & kLeafBit) != 0) continue;
+      levels[child] = levels[i] + 1;
+      deepest = std::max(deepest, levels[child]);
+    }
+  }
+  return deepest;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,102 @@
+#pragma once
+
+// A bounding volume hierarchy over the triangles of one mesh: who is near a point, what does a moving ball
+// meet.
+//
+// 1. Boxes are floats, rounded outwards and relative to the mesh's centre; decisions on triangles are in
+// double.
+// 2. Four children a node, at most kMaxLeaf triangles a leaf, depth at most kMaxDepth: queries use a fixed
+// stack.
+// 3. Immutable after construction and safe in every thread. The tree does not depend on the number of
+// threads.
+// 4. The mesh must outlive the tree.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "assets/scene.h"
+#include "haptics/triangle_math.h"
+
+namespace tandem::haptics {
+
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// Nearest point of a mesh.
+struct MeshPoint {
+  double distance = 0.0;  // m
+  std::uint32_t triangle = kNoTriangle;
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  bool onFace = false;
+};
+
+/// First touch of a moving ball with a mesh.
+struct MeshBallHit : BallHit {
+  std::uint32_t triangle = kNoTriangle;
+};
+
+class TriangleBvh {
+ public:
+  static constexpr int kMaxLeaf = 4;
+  static constexpr int kMaxDepth = 64;
+
+  /// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": binned surface-area
+  /// heuristic, here with four-way nodes made directly and subtrees built on up to `threads` threads (0 = all
+  /// cores).
+  explicit TriangleBvh(const assets::Mesh& mesh, int threads = 0);
+
+  /// The nearest point within `maxDistance` of p; false if there is none.
+  bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
+
+  /// The first triangle that a ball moving from `from` by `motion` meets, earlier than hit.t; see sweepBall()
+  /// of triangle_math.h. On a tie the triangle met most squarely wins.
+  bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+                 MeshBallHit& hit) const;
+
+  /// How often a segment crosses the surface outwards less how often inwards: the winding number of `from`
+  /// where the segment ends outside, save where it meets an edge exactly.
+  int signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const;
+
+  /// Writes the triangles whose boxes meet `box`; returns how many there are, of which the first found.size()
+  /// are kept.
+  std::size_t gather(const assets::Bounds& box, std::span<std::uint32_t> found) const;
+
+  Triangle triangle(std::uint32_t index) const {
+    const auto& corners = mesh_->triangles[index];
+    return {mesh_->positions[corners[0]], mesh_->positions[corners[1]], mesh_->positions[corners[2]]};
+  }
+  const assets::Mesh& mesh() const { return *mesh_; }
+  const assets::Bounds& bounds() const { return bounds_; }  // exact, of the triangles
+  bool empty() const { return order_.empty(); }
+  std::size_t memory() const { return nodes_.size() * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
+  /// Levels of nodes; for tests.
+  int depth() const;
+
+  /// Four child boxes side by side, m relative to the centre. A child is a node index, or a leaf: kLeafBit,
+  /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild where there is
+  /// none.
+  struct alignas(64) Node {
+    float low[3][4];
+    float high[3][4];
+    std::uint32_t child[4];
+  };
+  static constexpr std::uint32_t kLeafBit = 0x80000000u;
+  static constexpr std::uint32_t kEmptyChild = 0xffffffffu;
+  static constexpr std::uint32_t kLeafFirstMask = 0x0fffffffu;
+
+  static std::uint32_t leafCount(std::uint32_t child) { return (child >> 28) & 7u; }
+
+ private:
+  template <typename Visit>
+  void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
+
+  const assets::Mesh* mesh_;
+  glm::dvec3 centre_{0.0, 0.0, 0.0};
+  assets::Bounds bounds_;
+  float extent_ = 0.0f;               // m, largest coordinate relative to the centre
+  std::vector<Node> nodes_;           // nodes_[0] is the root
+  std::vector<std::uint32_t> order_;  // triangles in leaf order
+};
+
+}  // namespace tandem::haptics

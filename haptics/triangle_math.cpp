@@ -1,0 +1,90 @@
+#include "haptics/triangle_math.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::haptics {
+namespace {
+
+glm::dvec3 closestOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
+  const glm::dvec3 ab = b - a;
+  const double square = glm::dot(ab, ab);
+  if (!(square > 0.0)) return a;
+  return a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0);
+}
+
+/// For triangles of no area, whose face regions are empty.
+TrianglePoint closestOnEdges(const glm::dvec3& p, const Triangle& t) {
+  const glm::dvec3 candidates[3] = {closestOnSegment(p, t.a, t.b), closestOnSegment(p, t.b, t.c),
+                                    closestOnSegment(p, t.c, t.a)};
+  TrianglePoint best{candidates[0], false};
+  for (const glm::dvec3& q : candidates) {
+    if (glm::dot(p - q, p - q) < glm::dot(p - best.point, p - best.point)) best.point = q;
+  }
+  return best;
+}
+
+}  // namespace
+
+TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& t) {
+  const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return {t.a, false};
+
+  const glm::dvec3 bp = p - t.b;
+  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return {t.b, false};
+
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 - d3 > 0.0) return {t.a + ab * (d1 / (d1 - d3)), false};
+
+  const glm::dvec3 cp = p - t.c;
+  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return {t.c, false};
+
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 - d6 > 0.0) return {t.a + ac * (d2 / (d2 - d6)), false};
+
+  const double va = d3 * d6 - d5 * d4;
+  const double along = (d4 - d3) + (d5 - d6);
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 && along > 0.0) {
+    return {t.b + (t.c - t.b) * ((d4 - d3) / along), false};
+  }
+  const double sum = va + vb + vc;
+  if (!(sum > 0.0)) return closestOnEdges(p, t);
+  return {t.a + ab * (vb / sum) + ac * (vc / sum), true};
+}
+
+glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& t, const TrianglePoint& closest) {
+  const glm::dvec3 offset = p - closest.point;
+  const double distance = glm::length(offset);
+  if (!closest.onFace && distance > 0.0) return offset / distance;
+  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const double length = glm::length(normal);
+  if (!(length > 0.0)) return distance > 0.0 ? offset / distance : glm::dvec3(0.0, 0.0, 1.0);
+  return glm::dot(normal, offset) < 0.0 ? -normal / length : normal / length;
+}
+
+bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+               const Triangle& triangle, BallHit& hit) {
+  // Quadratic convergence: six rounds are usual. Near a tangent the root is double and convergence only
+  // linear; stopping early there reports a contact before its time, which is the safe side.
+  constexpr int kMaxRounds = 40;
+  double t = 0.0;
+  for (int round = 0;; ++round) {
+    const glm::dvec3 p = from + motion * t;
+    const TrianglePoint closest = closestPointOnTriangle(p, triangle);
+    const glm::dvec3 normal = contactNormal(p, triangle, closest);
+    const double slope = glm::dot(motion, normal);
+    if (!(slope < 0.0)) return false;
+    const double gap = glm::dot(p - closest.point, normal) - radius;
+    if (gap <= tolerance || round == kMaxRounds) {
+      hit = {t, closest.point, normal, closest.onFace};
+      return true;
+    }
+    t += gap / -slope;
+    if (t > hit.t) return false;
+  }
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,44 @@
+#pragma once
+
+// Exact relations between a point or a moving ball and one triangle, in double precision.
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace tandem::haptics {
+
+/// Three corners, counter-clockwise seen from outside.
+struct Triangle {
+  glm::dvec3 a, b, c;
+};
+
+/// The point of a triangle that is closest to another one.
+struct TrianglePoint {
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  bool onFace = false;  // inside the triangle, neither on an edge nor a corner
+};
+
+/// Voronoi-region walk of Ericson, "Real-Time Collision Detection", 5.1.5. Triangles of no area are handled
+/// as edges.
+TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& triangle);
+
+/// Where a moving ball first comes as near to a triangle as its radius.
+struct BallHit {
+  double t = 1.0;                    // share of the motion, 0..1
+  glm::dvec3 point{0.0, 0.0, 0.0};   // on the triangle
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, from the triangle to the ball's centre
+  bool onFace = false;
+};
+
+/// Unit normal of the triangle at `closest`, on the side of p: exact on the face, from the closest point
+/// elsewhere.
+glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& triangle, const TrianglePoint& closest);
+
+/// First t in [0, hit.t] at which the distance of from + t * motion to the triangle falls to `radius`, found
+/// within `tolerance` above it and never below; false if there is none or the ball is not approaching. Both
+/// sides are solid. The distance to a convex set is a convex function of t: Newton's iteration from t = 0
+/// approaches its first root from below and never passes it.
+bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+               const Triangle& triangle, BallHit& hit);
+
+}  // namespace tandem::haptics
