@@ -30,13 +30,15 @@ void heading(const PanelContext& context, const char* text) {
 template <typename Draw>
 void section(const PanelContext& context, const char* title, Draw draw) {
   ImGui::PushFont(context.fonts.strong);
+  ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, 0.0f);
   const bool open = ImGui::CollapsingHeader(title, ImGuiTreeNodeFlags_DefaultOpen);
+  ImGui::PopStyleVar();
   ImGui::PopFont();
   if (!open) return;
   ImGui::PushID(title);
   draw(context);
   ImGui::PopID();
-  ImGui::Dummy(ImVec2(0.0f, 4.0f * context.scale));
+  ImGui::Dummy(ImVec2(0.0f, 1.0f));
 }
 
 /// The one control that must be found without looking for it.
@@ -52,7 +54,7 @@ void drawZeroForce(const PanelContext& context) {
   ImGui::PushStyleColor(ImGuiCol_Border, theme::kBad);
   ImGui::PushFont(context.fonts.strong);
   const char* text = off ? "FORCE IS OFF  (Space turns it on)" : "Zero force  (Space)";
-  if (ImGui::Button(text, ImVec2(-1.0f, 34.0f * context.scale))) {
+  if (ImGui::Button(text, ImVec2(-1.0f, 32.0f * context.scale))) {
     settings.zeroForce = !off;
     context.actions.settingsChanged = true;
   }

@@ -14,7 +14,7 @@ constexpr glm::vec3 kHover(0.25f, 0.30f, 0.38f);
 
 void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
   look.tint = linear(colour);
-  look.tintAmount = heldHere ? 0.55f : 0.42f;
+  look.tintAmount = heldHere ? 0.75f : 0.6f;
   look.rimAmount = 0.7f;
   look.edgeColour = 0.72f * colour;
   look.edgeWidth = heldHere ? 2.2f : 1.6f;

@@ -159,8 +159,10 @@ void PartTree::drawRow(const PanelContext& context, const Row& row) {
   ImGui::SetCursorPosX(ImGui::GetCursorPosX() + static_cast<float>(row.depth) * 14.0f * context.scale);
   if (row.hasChildren) {
     if (foldButton("fold", open_[row.node])) open_[row.node] = !open_[row.node];
-    ImGui::SameLine(0.0f, 2.0f);
+  } else {
+    ImGui::Dummy(ImVec2(ImGui::GetTextLineHeight() * 0.9f, 0.0f));
   }
+  ImGui::SameLine(0.0f, 2.0f);
   const SiteId owner =
       row.part != kNoPart && row.part < context.model.owner.size() ? context.model.owner[row.part] : kNoSite;
   const SiteView* site = owner != kNoSite ? findSite(context.model, owner) : nullptr;

@@ -179,15 +179,14 @@ void SceneRenderer::drawBackground(const Background& background) const {
 }
 
 void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
-                         std::span<const PartLook> looks, bool edges) const {
+                         std::span<const PartLook> looks, std::span<const PartId> parts, bool edges) const {
   std::vector<std::pair<double, PartId>> transparent;
   std::vector<PartId> opaque;
-  for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
-    const auto part = static_cast<PartId>(p);
-    if (!looks[p].visible || !meshOf(part)) continue;
-    const Sphere sphere = worldSphere(part, worldFromPart[p]);
+  for (const PartId part : parts) {
+    if (!looks[part].visible || !meshOf(part)) continue;
+    const Sphere sphere = worldSphere(part, worldFromPart[part]);
     if (!inView(view, sphere)) continue;
-    if (looks[p].alpha < 1.0f) {
+    if (looks[part].alpha < 1.0f) {
       transparent.emplace_back(-view.depthOf(sphere.centre), part);
     } else {
       opaque.push_back(part);

@@ -48,9 +48,9 @@ class SceneRenderer {
   assets::Bounds bounds(std::span<const Pose> worldFromPart, std::span<const PartId> parts) const;
 
   void drawBackground(const Background& background) const;
-  /// Draws all visible parts, opaque ones first, into the bound framebuffer.
+  /// Draws these parts, opaque ones first, into the bound framebuffer.
   void draw(const View& view, std::span<const Pose> worldFromPart, std::span<const PartLook> looks,
-            bool edges) const;
+            std::span<const PartId> parts, bool edges) const;
   /// The nearest visible part under a pixel. Draws only what a ray through the pixel may meet; waits for the
   /// GPU.
   std::optional<Hit> pick(const View& view, const glm::dvec2& pixel, std::span<const Pose> worldFromPart,

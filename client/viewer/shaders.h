@@ -24,11 +24,15 @@ vec3 shade(vec3 base, float metallic, float roughness, vec3 n, vec3 v) {
   float visibility = 0.25 / ((nk * (1.0 - k) + k) * (nv * (1.0 - k) + k));
   vec3 f0 = mix(vec3(0.04), base, metallic);
   vec3 fresnel = f0 + (1.0 - f0) * pow(1.0 - max(dot(h, v), 0.0), 5.0);
-  vec3 diffuse = base * (1.0 - 0.75 * metallic);
-  float sky = 0.5 + 0.5 * dot(n, upInEye);
-  vec3 ambient = mix(vec3(0.30, 0.29, 0.28), vec3(0.50, 0.53, 0.57), sky);
-  vec3 light = ambient * (diffuse + f0 * 0.6 * (1.0 - 0.5 * roughness));
-  light += diffuse * (0.62 * nk + 0.16 * max(dot(n, fill), 0.0));
+  vec3 diffuse = base * (1.0 - metallic);
+  vec3 floorLight = vec3(0.25, 0.245, 0.24), skyLight = vec3(0.46, 0.48, 0.51);
+  vec3 light = diffuse * mix(floorLight, skyLight, 0.5 + 0.5 * dot(n, upInEye));
+  // What a surface mirrors: a bright sky over a dark floor, their border the softer the rougher the surface.
+  float up = dot(reflect(-v, n), upInEye);
+  float border = 0.15 + 0.85 * roughness;
+  vec3 mirrored = mix(vec3(0.20, 0.20, 0.21), vec3(0.95, 0.97, 1.0), smoothstep(-border, border, up));
+  light += mirrored * (f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0)) * (1.0 - 0.35 * roughness);
+  light += diffuse * (0.56 * nk + 0.14 * max(dot(n, fill), 0.0));
   light += 0.9 * nk * min(distribution * visibility, 4.0) * fresnel;
   return light;
 }

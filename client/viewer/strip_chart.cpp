@@ -38,20 +38,30 @@ void drawLimit(ImDrawList& list, const Frame& frame, const StripChart& chart, Im
 
 void drawValues(ImDrawList& list, const Frame& frame, const std::vector<float>& values,
                 const ImVec4& colour) {
-  const auto columns = static_cast<std::size_t>(std::max(frame.max.x - frame.min.x, 1.0f));
   if (values.size() < 2) return;
-  std::vector<ImVec2> line;
+  const auto columns = static_cast<std::size_t>(std::max(frame.max.x - frame.min.x, 1.0f));
+  float lastUpper = 0.0f, lastLower = 0.0f;
   for (std::size_t c = 0; c < columns; ++c) {
     const std::size_t first = c * values.size() / columns;
     const std::size_t last = std::max(first + 1, (c + 1) * values.size() / columns);
     const auto [low, high] = std::minmax_element(values.begin() + static_cast<std::ptrdiff_t>(first),
                                                  values.begin() + static_cast<std::ptrdiff_t>(last));
     const float x = frame.min.x + static_cast<float>(c);
-    line.emplace_back(x, frame.y(*high));
-    if (*low < *high) line.emplace_back(x, frame.y(*low));
-    list.AddLine({x, frame.max.y}, {x, frame.y(*high)}, theme::packed(colour, 0.10f));
+    // Like an oscilloscope: each column spans its own values and reaches its neighbour's.
+    float upper = frame.y(*high), lower = frame.y(*low);
+    if (c > 0) {
+      const float own = upper;
+      upper = std::min(upper, lastLower);
+      lower = std::max(lower, lastUpper);
+      lastUpper = own;
+      lastLower = frame.y(*low);
+    } else {
+      lastUpper = upper;
+      lastLower = lower;
+    }
+    list.AddRectFilled({x, lower}, {x + 1.0f, frame.max.y}, theme::packed(colour, 0.10f));
+    list.AddRectFilled({x, upper - 0.75f}, {x + 1.0f, lower + 0.75f}, theme::packed(colour));
   }
-  list.AddPolyline(line.data(), static_cast<int>(line.size()), theme::packed(colour), 0, 1.5f);
 }
 
 }  // namespace
@@ -59,7 +69,7 @@ void drawValues(ImDrawList& list, const Frame& frame, const std::vector<float>& 
 float niceCeiling(float value) {
   if (!(value > 0.0f) || !std::isfinite(value)) return 1.0f;
   const float decade = std::pow(10.0f, std::floor(std::log10(value)));
-  for (const float step : {1.0f, 2.0f, 5.0f})
+  for (const float step : {1.0f, 1.5f, 2.0f, 3.0f, 4.0f, 5.0f, 6.0f, 8.0f})
     if (value <= step * decade * 1.0001f) return step * decade;
   return 10.0f * decade;
 }

@@ -21,7 +21,7 @@ struct StripChart {
 
 void drawStripChart(const StripChart& chart, const std::vector<float>& values, float height, ImFont* small);
 
-/// The smallest of 1, 2 or 5 times a power of ten that is not below `value`; 1 for nonsense.
+/// The smallest of 1, 1.5, 2, 3, 4, 5, 6 or 8 times a power of ten that is not below `value`; 1 for nonsense.
 float niceCeiling(float value);
 
 }  // namespace tandem::client

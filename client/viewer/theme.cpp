@@ -60,7 +60,7 @@ Fonts apply(float scale) {
   setColours(style);
   style.WindowPadding = ImVec2(12, 10);
   style.FramePadding = ImVec2(8, 4);
-  style.ItemSpacing = ImVec2(8, 6);
+  style.ItemSpacing = ImVec2(8, 5);
   style.ItemInnerSpacing = ImVec2(6, 4);
   style.IndentSpacing = 16;
   style.ScrollbarSize = 10;

@@ -7,57 +7,22 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
-#include <type_traits>
 
 #include "assets/assert.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/png.h"
+#include "client/viewer/scene_picture.h"
 #include "client/viewer/scene_renderer.h"
 #include "client/viewer/stylus_control.h"
 #include "client/viewer/surface.h"
 
 namespace tandem::client {
 namespace {
-
-constexpr int kSamples = 4;
-
-/// A number that differs when what is drawn differs (FNV-1a over the values).
-class Fingerprint {
- public:
-  template <typename T>
-  void add(const T& value) {
-    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
-    unsigned char bytes[sizeof(T)];
-    std::memcpy(bytes, &value, sizeof(T));
-    for (const unsigned char byte : bytes) hash_ = (hash_ ^ byte) * 1099511628211ull;
-  }
-  void add(const glm::dvec3& v) {
-    add(v.x);
-    add(v.y);
-    add(v.z);
-  }
-  void add(const glm::vec3& v) {
-    add(v.x);
-    add(v.y);
-    add(v.z);
-  }
-  void add(const Pose& pose) {
-    add(pose.position);
-    add(pose.orientation.w);
-    add(pose.orientation.x);
-    add(pose.orientation.y);
-    add(pose.orientation.z);
-  }
-  std::uint64_t value() const { return hash_; }
-
- private:
-  std::uint64_t hash_ = 14695981039346656037ull;
-};
 
 /// ImGui's context of one viewer; several may live in one process.
 class Interface {
@@ -153,9 +118,7 @@ class SceneViewer final : public Viewer {
   void partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView);
   void follow(const ViewModel& model);
   View currentView(const ViewModel& model) const;
-  bool pictureChanged(const View& view, const ViewModel& model);
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
-  void showScene();
   glm::dvec2 pixelScale() const;
 
   ViewerOptions options_;
@@ -176,8 +139,7 @@ class SceneViewer final : public Viewer {
   Drag drag_ = Drag::none;
   bool dragged_ = false, started_ = false;
   PartId menuPart_ = kNoPart;
-  std::uint64_t lastPicture_ = 0;
-  GlTarget multisampled_, resolved_;
+  ScenePicture picture_;
 };
 
 glm::dvec2 SceneViewer::pixelScale() const {
@@ -195,6 +157,8 @@ View SceneViewer::currentView(const ViewModel& model) const {
       includePoint(site.presence.worldFromTool.position);
       includePoint(site.presence.worldFromCamera.position);
     }
+  // In coarse steps: a hand that moves must not change the depth planes, and with them the whole picture, each frame.
+  if (content.radius > 0.0) content.radius = std::exp2(std::ceil(4.0 * std::log2(content.radius)) / 4.0);
   return makeView(camera_, viewport_.size(), content);
 }
 
@@ -343,70 +307,15 @@ void SceneViewer::partMenuOverScene(const PanelContext& context, const Input& in
   ImGui::EndPopup();
 }
 
-bool SceneViewer::pictureChanged(const View& view, const ViewModel& model) {
-  Fingerprint print;
-  print.add(view.worldFromEye);
-  print.add(view.camera.distance);
-  print.add(view.size.x);
-  print.add(view.size.y);
-  print.add(ui_.showEdges);
-  for (const Pose& pose : model.worldFromPart) print.add(pose);
-  for (const PartLook& look : looks_) {
-    print.add(look.visible);
-    for (const float value : {look.alpha, look.tintAmount, look.rimAmount, look.edgeWidth}) print.add(value);
-    print.add(look.tint);
-    print.add(look.edgeColour);
-  }
-  const HandView& hand = model.hand;
-  print.add(hand.present);
-  print.add(hand.valid);
-  print.add(hand.worldFromProxy);
-  print.add(hand.worldFromDevice);
-  print.add(hand.force);
-  for (int i = 0; i < std::clamp(hand.contactCount, 0, haptics::kMaxContacts); ++i) {
-    print.add(hand.contacts[static_cast<std::size_t>(i)].point);
-    print.add(hand.contacts[static_cast<std::size_t>(i)].normal);
-  }
-  for (const SiteView& site : model.sites) {
-    print.add(site.seen && site.info.connected);
-    print.add(site.presence.worldFromTool);
-    print.add(site.presence.worldFromCamera);
-    for (const std::uint8_t channel : site.info.colour) print.add(channel);
-  }
-  const bool changed = !started_ || print.value() != lastPicture_;
-  lastPicture_ = print.value();
-  return changed;
-}
-
 void SceneViewer::drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch) {
   const glm::ivec2 size = glm::max(glm::ivec2(viewport_.size() * pixelScale()), glm::ivec2(1));
-  multisampled_.resize(size, kSamples, GL_RGBA8);
-  resolved_.resize(size, 0, GL_RGBA8);
-  multisampled_.bind();
-  glDisable(GL_SCISSOR_TEST);
-  glDisable(GL_CULL_FACE);
-  glEnable(GL_MULTISAMPLE);
-  glDepthMask(GL_TRUE);
-  glDepthFunc(GL_LESS);
-  glClear(GL_DEPTH_BUFFER_BIT);
-  renderer_->drawBackground(theme::kBackground);
-  renderer_->draw(view, model.worldFromPart, looks_, ui_.showEdges);
-  glyphs_->draw(batch);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, multisampled_.framebuffer());
-  glBindFramebuffer(GL_DRAW_FRAMEBUFFER, resolved_.framebuffer());
-  glBlitFramebuffer(0, 0, size.x, size.y, 0, 0, size.x, size.y, GL_COLOR_BUFFER_BIT, GL_NEAREST);
-}
-
-void SceneViewer::showScene() {
+  picture_.update({view, model.worldFromPart, looks_, batch, theme::kBackground, ui_.showEdges}, size,
+                  *renderer_, *glyphs_);
   const glm::ivec2 window = surface_->framebufferSize();
-  const glm::ivec2 size = resolved_.size();
   const glm::ivec2 corner(viewport_.min * pixelScale());
-  const int bottom = window.y - corner.y - size.y;
   glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
   glViewport(0, 0, window.x, window.y);
-  glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.framebuffer());
-  glBlitFramebuffer(0, 0, size.x, size.y, corner.x, bottom, corner.x + size.x, bottom + size.y,
-                    GL_COLOR_BUFFER_BIT, GL_NEAREST);
+  picture_.show(surface_->framebuffer(), {corner.x, window.y - corner.y - size.y});
   glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
 }
 
@@ -457,8 +366,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
     drawReplayBar(context, viewport_);
     if (ui_.showHelp) drawHelp(context);
   }
-  if (pictureChanged(view, model)) drawScene(view, model, batch);
-  showScene();
+  drawScene(view, model, batch);
   ImGui::Render();
   ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
   surface_->present();

@@ -1,0 +1,47 @@
+#pragma once
+
+// Keeps the picture of a scene between frames and draws anew only what changed: a layer with the parts at
+// rest, over it the parts that move, the transparent ones and the glyphs. Without that, a software renderer
+// would spend the cores that the haptic loop needs on a scene in which a hand moves.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "client/viewer/glyphs.h"
+#include "client/viewer/scene_renderer.h"
+
+namespace tandem::client {
+
+class ScenePicture {
+ public:
+  /// Everything that one picture shows.
+  struct Content {
+    const View& view;
+    std::span<const Pose> worldFromPart;
+    std::span<const PartLook> looks;
+    const GlyphBatch& glyphs;
+    Background background;
+    bool edges = true;
+  };
+
+  /// Brings the picture up to date; `size` in pixels.
+  void update(const Content& content, const glm::ivec2& size, const SceneRenderer& parts,
+              const GlyphRenderer& glyphs);
+  /// Copies the picture into the bound draw framebuffer, its lower left corner at `corner`.
+  void show(unsigned framebuffer, const glm::ivec2& corner) const;
+
+ private:
+  void sortParts(const Content& content);
+  std::uint64_t printOfLayer(const Content& content, const glm::ivec2& size) const;
+  std::uint64_t printOfRest(const Content& content) const;
+  void drawLayer(const Content& content, const SceneRenderer& parts) const;
+
+  GlTarget layer_, multisampled_, resolved_;
+  std::vector<PartId> resting_, moving_;
+  std::vector<Pose> lastPose_;
+  std::vector<std::uint32_t> framesAtRest_;
+  std::uint64_t lastLayer_ = 0, lastRest_ = 0;
+};
+
+}  // namespace tandem::client
