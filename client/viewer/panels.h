@@ -39,7 +39,7 @@ class PartTree {
   std::vector<PartId> partsUnder(std::uint32_t node) const;
   void drawRow(const PanelContext& context, const Row& row);
   void drawMenu(const PanelContext& context, const Row& row);
-  const char* nameOf(const Row& row) const;
+  std::string nameOf(const Row& row) const;
 
   const assets::Scene& scene_;
   std::vector<std::vector<std::uint32_t>> children_;  // a tree node's nodes

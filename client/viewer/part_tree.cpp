@@ -15,6 +15,20 @@ std::string lowered(std::string text) {
   return text;
 }
 
+/// The text, or as much of its beginning as fits into a width, with dots behind it.
+std::string shortened(const std::string& text, float width) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  std::string kept = text;
+  while (!kept.empty()) {
+    // Whole characters only: the following bytes of UTF-8 look like 10xxxxxx.
+    do kept.pop_back();
+    while (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0x80);
+    if (!kept.empty() && (static_cast<unsigned char>(kept.back()) & 0xC0) == 0xC0) kept.pop_back();
+    if (ImGui::CalcTextSize((kept + "...").c_str()).x <= width) break;
+  }
+  return kept + "...";
+}
+
 /// An eye, open or struck out; true when clicked.
 bool eyeButton(const char* id, bool open, bool dim) {
   const float size = ImGui::GetTextLineHeight();
@@ -135,14 +149,16 @@ void PartTree::collectMatches(const std::string& needle, std::vector<Row>& rows)
       rows.push_back({assets::kNone, static_cast<PartId>(p), 0, false});
 }
 
-const char* PartTree::nameOf(const Row& row) const {
+std::string PartTree::nameOf(const Row& row) const {
   const std::string& name = row.part != kNoPart ? scene_.parts[row.part].name : scene_.tree[row.node].name;
-  return name.empty() ? "(unnamed)" : name.c_str();
+  if (!name.empty()) return name;
+  return row.part != kNoPart ? "Part without a name"
+                             : "Group of " + std::to_string(partsUnder(row.node).size());
 }
 
 void PartTree::drawMenu(const PanelContext& context, const Row& row) {
   if (!ImGui::BeginPopupContextItem("menu")) return;
-  ImGui::TextDisabled("%s", nameOf(row));
+  ImGui::TextDisabled("%s", nameOf(row).c_str());
   ImGui::Separator();
   partMenu(context, row.part != kNoPart ? std::vector<PartId>{row.part} : partsUnder(row.node));
   ImGui::EndPopup();
@@ -168,7 +184,11 @@ void PartTree::drawRow(const PanelContext& context, const Row& row) {
   const SiteView* site = owner != kNoSite ? findSite(context.model, owner) : nullptr;
   if (!visible) ImGui::PushStyleColor(ImGuiCol_Text, theme::kMuted);
   const bool selected = row.part != kNoPart && row.part == display.selected;
-  if (ImGui::Selectable(nameOf(row), selected, ImGuiSelectableFlags_AllowItemOverlap)) {
+  const std::string name = nameOf(row);
+  const float ownerWidth =
+      site ? ImGui::CalcTextSize(site->info.name.c_str()).x + 24.0f * context.scale : 0.0f;
+  const std::string shown = shortened(name, ImGui::GetContentRegionAvail().x - ownerWidth) + "###name";
+  if (ImGui::Selectable(shown.c_str(), selected, ImGuiSelectableFlags_AllowItemOverlap)) {
     if (row.part != kNoPart) {
       display.selected = selected ? kNoPart : row.part;
     } else {
@@ -178,12 +198,12 @@ void PartTree::drawRow(const PanelContext& context, const Row& row) {
   if (ImGui::IsItemHovered()) {
     if (row.part != kNoPart) display.hovered = row.part;
     if (ImGui::IsMouseDoubleClicked(0)) context.ui.fit = parts;
+    if (shown.size() != name.size() + 7) ImGui::SetTooltip("%s", name.c_str());
   }
   if (!visible) ImGui::PopStyleColor();
   drawMenu(context, row);
   if (site) {
-    const float width = ImGui::CalcTextSize(site->info.name.c_str()).x + 18.0f * context.scale;
-    ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - width, 60.0f));
+    ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - ownerWidth + 6.0f * context.scale, 60.0f));
     colourDot(srgb(site->info.colour));
     ImGui::SameLine(0.0f, 4.0f);
     ImGui::TextColored(theme::kMuted, "%s", site->info.name.c_str());

@@ -147,15 +147,13 @@ assets::Bounds SceneRenderer::bounds(std::span<const Pose> worldFromPart,
   return box;
 }
 
-Sphere SceneRenderer::contentSphere(std::span<const Pose> worldFromPart) const {
-  assets::Bounds box;
+double SceneRenderer::reachFrom(const glm::dvec3& centre, std::span<const Pose> worldFromPart) const {
+  double reach = 0.0;
   for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
     const Sphere sphere = worldSphere(static_cast<PartId>(p), worldFromPart[p]);
-    include(box, sphere.centre - sphere.radius);
-    include(box, sphere.centre + sphere.radius);
+    reach = std::max(reach, glm::length(sphere.centre - centre) + sphere.radius);
   }
-  if (!hasVolume(box)) return {};
-  return {0.5 * (box.min + box.max), 0.5 * glm::length(box.max - box.min)};
+  return reach;
 }
 
 bool SceneRenderer::inView(const View& view, const Sphere& sphere) const {

@@ -42,8 +42,8 @@ class SceneRenderer {
   /// Uploads every mesh; `scene` must outlive this object.
   static Result<std::unique_ptr<SceneRenderer>> make(const assets::Scene& scene);
 
-  /// A sphere around all parts at these poses.
-  Sphere contentSphere(std::span<const Pose> worldFromPart) const;
+  /// The largest distance from a point to anything of the parts at these poses, m.
+  double reachFrom(const glm::dvec3& centre, std::span<const Pose> worldFromPart) const;
   /// The box around the chosen parts, world.
   assets::Bounds bounds(std::span<const Pose> worldFromPart, std::span<const PartId> parts) const;
 

@@ -147,7 +147,8 @@ glm::dvec2 SceneViewer::pixelScale() const {
 }
 
 View SceneViewer::currentView(const ViewModel& model) const {
-  Sphere content = renderer_->contentSphere(model.worldFromPart);
+  Sphere content{0.5 * (sceneBounds_.min + sceneBounds_.max), 0.0};
+  content.radius = renderer_->reachFrom(content.centre, model.worldFromPart);
   const auto includePoint = [&](const glm::dvec3& point) {
     content.radius = std::max(content.radius, glm::length(point - content.centre) + 0.05 * camera_.distance);
   };
@@ -157,7 +158,8 @@ View SceneViewer::currentView(const ViewModel& model) const {
       includePoint(site.presence.worldFromTool.position);
       includePoint(site.presence.worldFromCamera.position);
     }
-  // In coarse steps: a hand that moves must not change the depth planes, and with them the whole picture, each frame.
+  // In coarse steps: a hand that moves must not change the depth planes, and with them the whole picture,
+  // each frame.
   if (content.radius > 0.0) content.radius = std::exp2(std::ceil(4.0 * std::log2(content.radius)) / 4.0);
   return makeView(camera_, viewport_.size(), content);
 }
