@@ -25,12 +25,16 @@ inline constexpr std::size_t kMaxTextLength = 512;       // bytes, UTF-8: reason
 inline constexpr std::size_t kMaxCredentialLength = 512; // bytes, ASCII
 inline constexpr std::size_t kMaxStateBytes = 1200;      // a whole datagram
 inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;
-inline constexpr std::size_t kMaxControlBytes = 1 << 20; // one control message
+inline constexpr std::size_t kMaxControlBytes = (1 << 20) + (1 << 16);  // a Welcome with kMaxParts records fits
 inline constexpr std::size_t kMaxSites = 64;
+inline constexpr std::size_t kMaxStateParts = 255;       // in one StateUpdate; fewer fit as a rule
+inline constexpr Micros kMaxMicros = (Micros{1} << 55) - 1;  // +- 1141 years: sums of a few never overflow
 
 enum class Role : std::uint8_t { observer = 0, participant = 1, instructor = 2 };
 const char* toString(Role role);
 
+/// Chosen by the site, different for each of its requests. A site that starts again starts from another number, drawn
+/// at random, because the server remembers earlier answers (S7).
 using RequestId = std::uint32_t;
 
 /// A site as the others see it.

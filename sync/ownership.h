@@ -8,9 +8,17 @@
 // 2. Exclusion holds at the receiver: a state of another epoch or owner, or not newer, is dropped (S2).
 // 3. Leases are for liveness. A site stops publishing when its lease, counted from the sending of the ping that renewed
 //    it and shortened by the clocks' drift, has run out; the server frees the part only after the full lease (S3).
-// 4. A request repeated by (site, request id) gets the same answer again (S7).
-// 5. After restore() nothing is granted until every lease that may be out has ended, except to earlier owners that come
-//    back and reclaim (S8).
+// 4. A request repeated by (site, request id) gets the same answer again (S7), as long as it is among the last
+//    kRememberedRequests of its site. An older one, or one from before a restart of the server, is decided anew; that
+//    grants nothing twice, because a Grab by the owner is answered with the epoch that it has.
+// 5. After restore() no part gets a new owner, not even one that nobody owned, until each restored owner has come back
+//    (reclaimed, released, left, or published in its epoch) or lease + drift has passed (S8).
+// 6. A site that comes back with a ticket finds its parts in Welcome and reclaims or releases each: its pings keep all
+//    of them.
+
+//
+// Order of records of one part: by epoch, and within an epoch an ended ownership (owner = kNoSite) after a running one. A
+// grant, a revocation and a reset each begin a new epoch; a release, an expiry and a leave end the running one.
 
 #include <cstdint>
 #include <memory>
@@ -27,7 +35,15 @@ struct LeaseRules {
   Micros lease = 2 * kSecond;
   double driftPpm = 500.0;                     // by which two monotonic clocks may disagree
   Micros margin = 50 * kMillisecond;           // a site stops this much earlier still
+
+  /// By how much two clocks may disagree about the length of a lease, rounded up.
+  Micros drift() const { return static_cast<Micros>(static_cast<double>(lease) * driftPpm * 1e-6) + 1; }
+  /// How long after the last renewal the server may free a part, and a site must have stopped.
+  Micros serverLease() const { return lease + drift(); }
+  Micros siteLease() const { return lease - drift() - margin; }
 };
+
+inline constexpr std::size_t kRememberedRequests = 64;   // a site
 
 /// The server's side.
 class OwnershipTable {
@@ -54,9 +70,10 @@ class OwnershipTable {
   };
   ReleaseDecision release(SiteId site, const Release& request, Micros now);
 
-  /// Ends an ownership by an instructor's word; the part as it is now, or nothing if nobody owned it.
+  /// Ends an ownership by an instructor's word, with a new epoch; the part as it is now, or nothing if nobody owned it.
   std::optional<PartRecord> revoke(PartId part, Micros now);
-  /// Puts a part that nobody owns back to its pose in the scene.
+  /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or was never
+  /// granted.
   std::optional<PartRecord> reset(PartId part, Micros now);
 
   /// A site's ping arrived: all its leases run anew.
@@ -65,6 +82,8 @@ class OwnershipTable {
   std::vector<PartRecord> leave(SiteId site, Micros now);
   /// The parts whose lease has run out, freed.
   std::vector<PartRecord> expire(Micros now);
+  /// When the next lease runs out if it is not renewed; nothing if nobody owns a part.
+  std::optional<Micros> nextExpiry() const;
 
   /// Whether a state that came from `site` may be relayed; if so its pose becomes the part's last known one (S2).
   bool accept(SiteId site, const PartState& state);
@@ -89,7 +108,7 @@ class OwnershipView {
   void setSelf(SiteId self);
   SiteId self() const;
 
-  /// Welcome's records, or OwnershipChanged, or the record in a GrabReply. False: older than what is known; ignored.
+  /// Welcome's records, or OwnershipChanged, or the record in a GrabReply. False: not newer than what is known; ignored.
   bool apply(const PartRecord& record);
 
   enum class Verdict : std::uint8_t { accepted, oldEpoch, futureEpoch, notOwner, oldSequence, ownPart, unknownPart };

@@ -18,8 +18,11 @@ class PlayOutDelay {
  public:
   /// A state that held at `stateTime` arrived at `arrival`.
   void observe(Micros stateTime, Micros arrival);
-  /// The delay at `now`; changes by at most 5 % of the elapsed time, so that playing never runs backwards.
+  /// The delay at `now`. It grows by at most half of the elapsed time and shrinks by at most 5 % of it, so playing runs
+  /// at 0.5 to 1.05 times its speed and never backwards. 0 before the first state.
   Micros delay(Micros now);
+
+  static constexpr Micros kReserve = 2 * kMillisecond;   // above the quantile of the delays
 
  private:
   static constexpr std::size_t kWindow = 128;
@@ -56,12 +59,26 @@ class PlayOut {
     Pose pose;
     Twist twist;
   };
-  static constexpr std::size_t kCapacity = 64;
-  std::array<Entry, kCapacity> entries_{};
+  /// Half a second at 250 Hz. When it is full the oldest goes.
+  static constexpr std::size_t kCapacity = 128;
+
+  /// What the buffer alone says for the time t.
+  Shown sample(Micros t) const;
+  /// Adds the step from one pose to another to what is being blended away; `rate` in 1/s, 0 = by the step's size.
+  void blendStep(const Pose& from, const Pose& to, double rate);
+  void decay(double dt);
+
+  std::array<Entry, kCapacity> entries_{};   // sorted by time
   std::size_t count_ = 0;
-  Pose blendFrom_, lastShown_;
-  Micros blendStart_ = 0, blendLength_ = 0;
+  bool changed_ = false;                     // since the last at()
   bool shownBefore_ = false;
+  Micros shownAt_ = 0, playedAt_ = 0;        // arguments of the last at(): session time, and play time
+  Pose raw_;                                 // what it found without the blend
+  // The blend: an offset (position, rotation vector) and its rate of change, critically damped toward zero.
+  glm::dvec3 offset_{0.0, 0.0, 0.0}, offsetRate_{0.0, 0.0, 0.0};
+  glm::dvec3 turn_{0.0, 0.0, 0.0}, turnRate_{0.0, 0.0, 0.0};
+  double blendRate_ = 0.0;                   // 1/s; 0 = nothing to blend
+  double largestOffset_ = 0.0, largestTurn_ = 0.0;
 };
 
 }  // namespace tandem::sync

@@ -2,9 +2,16 @@
 
 // A network inside one process, on virtual time, for simulations and tests: the same seed gives the same deliveries.
 // The server sits in the middle; conditions are site to site, so each leg gets half of the delay.
+//
+// 1. What is due at the same instant is delivered in the order in which it was sent: no order depends on addresses or
+//    threads.
+// 2. Control arrives in order and once, whatever the conditions; a loss delays it, and what was sent after it, by a
+//    resend.
+// 3. A connection's last event is `closed`.
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "sync/time.h"
@@ -28,6 +35,8 @@ class VirtualNetwork {
 
   /// Moves virtual time; messages whose time has come can be polled.
   void advanceTo(Micros now);
+  /// When the next delivery is due; nothing if nobody has sent anything.
+  std::optional<Micros> nextDelivery() const;
 
   /// The server's end. At most one at a time: destroying it is a crash of the server (its sites see `closed`).
   std::unique_ptr<Transport> listen();

@@ -1,0 +1,79 @@
+#include "assets/assert.h"
+#include "sync/ownership.h"
+
+namespace tandem::sync {
+
+struct OwnershipView::State {
+  struct Entry {
+    PartRecord record;
+    bool hasSequence = false;
+    std::uint32_t sequence = 0;
+  };
+  std::vector<Entry> parts;
+  LeaseRules rules;
+  SiteId self = kNoSite;
+  bool everRenewed = false;
+  Micros leaseFrom = 0;
+};
+
+OwnershipView::OwnershipView(std::size_t partCount, LeaseRules rules) : state_(std::make_unique<State>()) {
+  ASSERT(partCount <= kMaxParts);
+  state_->rules = rules;
+  state_->parts.resize(partCount);
+  for (std::size_t i = 0; i < partCount; ++i) state_->parts[i].record.part = static_cast<PartId>(i);
+}
+OwnershipView::~OwnershipView() = default;
+OwnershipView::OwnershipView(OwnershipView&&) noexcept = default;
+
+void OwnershipView::setSelf(SiteId self) { state_->self = self; }
+SiteId OwnershipView::self() const { return state_->self; }
+
+bool OwnershipView::apply(const PartRecord& record) {
+  if (record.part >= state_->parts.size()) return false;
+  State::Entry& entry = state_->parts[record.part];
+  const bool newEpoch = record.epoch > entry.record.epoch;
+  const bool ends =
+      record.epoch == entry.record.epoch && entry.record.owner != kNoSite && record.owner == kNoSite;
+  if (!newEpoch && !ends) return false;
+  entry.record = record;
+  if (newEpoch) entry.hasSequence = false;
+  return true;
+}
+
+OwnershipView::Verdict OwnershipView::accept(SiteId from, const PartState& state) {
+  if (state.part >= state_->parts.size()) return Verdict::unknownPart;
+  State::Entry& entry = state_->parts[state.part];
+  if (from == state_->self) return Verdict::ownPart;
+  if (state.epoch < entry.record.epoch) return Verdict::oldEpoch;
+  if (state.epoch > entry.record.epoch) return Verdict::futureEpoch;
+  if (entry.record.owner == state_->self && state_->self != kNoSite) return Verdict::ownPart;
+  if (entry.record.owner != from || from == kNoSite) return Verdict::notOwner;
+  if (entry.hasSequence && state.sequence <= entry.sequence) return Verdict::oldSequence;
+  entry.hasSequence = true;
+  entry.sequence = state.sequence;
+  entry.record.worldFromPart = state.worldFromPart;
+  return Verdict::accepted;
+}
+
+void OwnershipView::renewed(Micros pingSent) {
+  if (!state_->everRenewed || pingSent > state_->leaseFrom) state_->leaseFrom = pingSent;
+  state_->everRenewed = true;
+}
+
+bool OwnershipView::leaseValid(Micros now) const {
+  return state_->everRenewed && now - state_->leaseFrom < state_->rules.siteLease();
+}
+
+bool OwnershipView::mayPublish(PartId part, Micros now) const { return owns(part) && leaseValid(now); }
+
+const PartRecord& OwnershipView::part(PartId part) const {
+  ASSERT(part < state_->parts.size());
+  return state_->parts[part].record;
+}
+
+bool OwnershipView::owns(PartId part) const {
+  return part < state_->parts.size() && state_->self != kNoSite &&
+         state_->parts[part].record.owner == state_->self;
+}
+
+}  // namespace tandem::sync
