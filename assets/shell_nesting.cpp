@@ -33,10 +33,9 @@ bool rayMeets(const std::array<glm::dvec3, 3>& t, const glm::dvec3& p, double& h
 class ColumnGrid {
  public:
   ColumnGrid(const Mesh& mesh, const std::vector<Shell>& shells) : mesh_(mesh) {
-    side_ = std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh.triangles.size()))), 1, 1024);
-    const glm::dvec3 extent = mesh.bounds.max - mesh.bounds.min;
-    for (int axis = 0; axis < 2; ++axis)
-      cellsPerMetre_[axis] = extent[axis] > 0.0 ? side_ / extent[axis] : 0.0;
+    setSide(std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh.triangles.size()))), 1, 1024));
+    // Large triangles lie in many columns. A file may have nothing but such; then coarser columns must do.
+    while (side_ > 1 && entries(shells) > 8 * mesh.triangles.size() + 65536) setSide(side_ / 2);
     columns_.resize(static_cast<std::size_t>(side_) * side_);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
       if (shells[mesh.triangleShell[t]].closed) add(t);
@@ -58,12 +57,37 @@ class ColumnGrid {
     return std::clamp(static_cast<int>(scaled), 0, side_ - 1);
   }
 
-  void add(std::uint32_t t) {
+  void setSide(int side) {
+    side_ = side;
+    const glm::dvec3 extent = mesh_.bounds.max - mesh_.bounds.min;
+    for (int axis = 0; axis < 2; ++axis)
+      cellsPerMetre_[axis] = extent[axis] > 0.0 ? side_ / extent[axis] : 0.0;
+  }
+
+  struct Cells {
+    int lowX = 0, highX = 0, lowY = 0, highY = 0;
+  };
+  Cells cellsOf(std::uint32_t t) const {
     const auto c = corners(t);
     const glm::dvec3 low = glm::min(glm::min(c[0], c[1]), c[2]), high = glm::max(glm::max(c[0], c[1]), c[2]);
-    for (int y = cell(low, 1); y <= cell(high, 1); ++y)
-      for (int x = cell(low, 0); x <= cell(high, 0); ++x)
-        columns_[static_cast<std::size_t>(y) * side_ + x].push_back(t);
+    return {cell(low, 0), cell(high, 0), cell(low, 1), cell(high, 1)};
+  }
+
+  /// How many entries the columns would have in all.
+  std::size_t entries(const std::vector<Shell>& shells) const {
+    std::size_t sum = 0;
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      if (!shells[mesh_.triangleShell[t]].closed) continue;
+      const Cells c = cellsOf(t);
+      sum += static_cast<std::size_t>(c.highX - c.lowX + 1) * static_cast<std::size_t>(c.highY - c.lowY + 1);
+    }
+    return sum;
+  }
+
+  void add(std::uint32_t t) {
+    const Cells c = cellsOf(t);
+    for (int y = c.lowY; y <= c.highY; ++y)
+      for (int x = c.lowX; x <= c.highX; ++x) columns_[static_cast<std::size_t>(y) * side_ + x].push_back(t);
   }
 
   const Mesh& mesh_;

@@ -326,6 +326,17 @@ TEST(MeshAnalysis, ShellsSideBySideAreTurnedOneByOne) {
   EXPECT_NEAR(a.mesh.volume, 20.0, 1e-12);
 }
 
+TEST(MeshAnalysis, ThousandsOfInvertedShellsOverEachOtherStayWithinBoundedWork) {
+  // Every face spans the whole mesh; with a column for each place this would fill the memory.
+  TriangleSoup soup;
+  for (int i = 0; i < 3000; ++i) addBox(soup, glm::dvec3(-1.0 - 1e-4 * i), glm::dvec3(1.0 + 1e-4 * i));
+  flipAll(soup);
+  const MeshAnalysis a = analyse(soup);
+  expectConsistent(a.mesh);
+  EXPECT_EQ(a.mesh.shellCount, 3000u);
+  EXPECT_EQ(a.defects.invertedShells, 3000u);
+}
+
 TEST(MeshAnalysis, NothingAndOneTriangle) {
   const MeshAnalysis nothing = analyse(TriangleSoup{});
   EXPECT_EQ(nothing.mesh.shellCount, 0u);
