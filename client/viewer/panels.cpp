@@ -116,7 +116,7 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
   }
   separatorDot();
   ImGui::Text("%.2f N", glm::length(model.hand.force));
-  if (context.actions.settings.zeroForce) {
+  if (context.actions.settings.zeroForce && !model.replay) {
     separatorDot();
     ImGui::TextColored(theme::kBad, "force is off");
   }
@@ -248,6 +248,8 @@ void drawHelp(const PanelContext& context) {
       {"Q  E,  arrow keys", "turn"},
       {"Left button", "hold the part while pressed"},
       {"G", "hold until pressed again"},
+      {nullptr, "With a device"},
+      {"Left drag, left click", "turn the camera, select"},
       {nullptr, "Parts"},
       {"Right click", "select; menu"},
       {"H   Shift + H", "hide the selected part, show all"},
@@ -256,6 +258,7 @@ void drawHelp(const PanelContext& context) {
       {"Esc", "select nothing, stop following"},
       {nullptr, "Window"},
       {"Tab", "panels on and off"},
+      {"P", "play or pause a recording"},
       {"F1", "this help"},
   };
   const ImVec2 window = ImGui::GetIO().DisplaySize;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
@@ -98,21 +100,74 @@ std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<Re
   return vertexOfCorner;
 }
 
-void orderByMaterial(const assets::Mesh& mesh, const std::vector<std::uint32_t>& vertexOfCorner,
-                     RenderMesh& out) {
+/// Spreads the lower ten bits so that two zero bits follow each.
+std::uint32_t spread(std::uint32_t bits) {
+  bits = (bits | (bits << 16)) & 0x030000FFu;
+  bits = (bits | (bits << 8)) & 0x0300F00Fu;
+  bits = (bits | (bits << 4)) & 0x030C30C3u;
+  return (bits | (bits << 2)) & 0x09249249u;
+}
+
+/// Place of a point in a box along a Morton curve of 1024 steps an axis.
+std::uint32_t mortonCode(const glm::dvec3& point, const assets::Bounds& bounds) {
+  std::uint32_t code = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double extent = bounds.max[axis] - bounds.min[axis];
+    const double share = extent > 0.0 ? (point[axis] - bounds.min[axis]) / extent : 0.0;
+    code |= spread(static_cast<std::uint32_t>(std::clamp(share, 0.0, 1.0) * 1023.0)) << axis;
+  }
+  return code;
+}
+
+/// Triangles ordered by material, then along the curve.
+std::vector<std::uint32_t> drawingOrder(const assets::Mesh& mesh) {
   const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
-  const auto material = [&](std::uint32_t t) { return known ? mesh.triangleMaterial[t] : std::uint16_t{0}; };
-  std::vector<std::uint32_t> order(mesh.triangles.size());
-  std::iota(order.begin(), order.end(), std::uint32_t{0});
-  std::stable_sort(order.begin(), order.end(),
-                   [&](std::uint32_t a, std::uint32_t b) { return material(a) < material(b); });
+  assets::Bounds bounds;
+  for (const glm::dvec3& p : mesh.positions) {
+    bounds.min = glm::min(bounds.min, p);
+    bounds.max = glm::max(bounds.max, p);
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& tri = mesh.triangles[t];
+    const glm::dvec3 centre =
+        (mesh.positions[tri[0]] + mesh.positions[tri[1]] + mesh.positions[tri[2]]) / 3.0;
+    const std::uint64_t material = known ? mesh.triangleMaterial[t] : 0;
+    keyed[t] = {(material << 32) | mortonCode(centre, bounds), t};
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::uint32_t> order(keyed.size());
+  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& entry) { return entry.second; });
+  return order;
+}
+
+void addIndices(const assets::Mesh& mesh, const std::vector<std::uint32_t>& vertexOfCorner, RenderMesh& out) {
+  const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
   out.indices.reserve(vertexOfCorner.size());
-  for (const std::uint32_t t : order) {
-    if (out.ranges.empty() || out.ranges.back().material != material(t))
-      out.ranges.push_back({material(t), static_cast<std::uint32_t>(out.indices.size()), 0});
+  for (const std::uint32_t t : drawingOrder(mesh)) {
+    const std::uint16_t material = known ? mesh.triangleMaterial[t] : std::uint16_t{0};
+    if (out.ranges.empty() || out.ranges.back().material != material)
+      out.ranges.push_back({material, static_cast<std::uint32_t>(out.indices.size()), 0});
     for (std::uint32_t k = 0; k < 3; ++k) out.indices.push_back(vertexOfCorner[3 * t + k]);
     out.ranges.back().indexCount += 3;
   }
+}
+
+RenderCluster makeCluster(const RenderMesh& mesh, std::uint32_t first, std::uint32_t count) {
+  glm::vec3 low(std::numeric_limits<float>::max()), high(-low);
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    low = glm::min(low, mesh.vertices[mesh.indices[i]].position);
+    high = glm::max(high, mesh.vertices[mesh.indices[i]].position);
+  }
+  return {first, count, 0.5f * (low + high), 0.5f * glm::length(high - low)};
+}
+
+void addClusters(RenderMesh& mesh) {
+  constexpr std::uint32_t kClusterIndices = 3 * 1024;
+  for (const RenderRange& range : mesh.ranges)
+    for (std::uint32_t done = 0; done < range.indexCount; done += kClusterIndices)
+      mesh.clusters.push_back(
+          makeCluster(mesh, range.firstIndex + done, std::min(kClusterIndices, range.indexCount - done)));
 }
 
 void addFeatureEdges(const assets::Mesh& mesh, std::vector<glm::vec3>& edges) {
@@ -222,7 +277,8 @@ void buildCapsule(ShapeBuilder& builder, double height, double top, double botto
 RenderMesh makeRenderMesh(const assets::Mesh& mesh) {
   RenderMesh out;
   const std::vector<std::uint32_t> vertexOfCorner = makeVertices(mesh, out.vertices);
-  orderByMaterial(mesh, vertexOfCorner, out);
+  addIndices(mesh, vertexOfCorner, out);
+  addClusters(out);
   addFeatureEdges(mesh, out.featureEdges);
   return out;
 }
@@ -252,6 +308,7 @@ RenderMesh makeRenderMesh(const assets::ImplicitShape& shape, double planeExtent
     }
   }
   out.ranges.push_back({shape.material, 0, static_cast<std::uint32_t>(out.indices.size())});
+  addClusters(out);
   return out;
 }
 

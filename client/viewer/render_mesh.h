@@ -21,10 +21,20 @@ struct RenderRange {
   std::uint32_t firstIndex = 0, indexCount = 0;
 };
 
+/// A run of neighbouring triangles within one range, with a sphere around them: what is out of sight, or away
+/// from a picking ray, is skipped by the cluster.
+struct RenderCluster {
+  std::uint32_t firstIndex = 0, indexCount = 0;
+  glm::vec3 centre{0.0f};  // m, part frame
+  float radius = 0.0f;     // m
+};
+
 struct RenderMesh {
   std::vector<RenderVertex> vertices;
-  std::vector<std::uint32_t> indices;  // three a triangle, ordered by material
+  std::vector<std::uint32_t>
+      indices;  // three a triangle, ordered by material, then along a space-filling curve
   std::vector<RenderRange> ranges;
+  std::vector<RenderCluster> clusters;  // cover the indices without gap
   std::vector<glm::vec3> featureEdges;  // two points an edge, each edge once; sharp, open or non-manifold
 };
 

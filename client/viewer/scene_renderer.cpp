@@ -41,6 +41,10 @@ void append(RenderMesh& to, const RenderMesh& from) {
     range.firstIndex += firstIndex;
     to.ranges.push_back(range);
   }
+  for (RenderCluster cluster : from.clusters) {
+    cluster.firstIndex += firstIndex;
+    to.clusters.push_back(cluster);
+  }
   to.featureEdges.insert(to.featureEdges.end(), from.featureEdges.begin(), from.featureEdges.end());
 }
 
@@ -100,6 +104,7 @@ SceneRenderer::SceneRenderer(const assets::Scene& scene, Programs programs)
 
 void SceneRenderer::upload(const RenderMesh& mesh, GpuMesh& gpu) {
   gpu.ranges = mesh.ranges;
+  gpu.clusters = mesh.clusters;
   gpu.edgeCount = static_cast<int>(mesh.featureEdges.size() / 2);
   for (const RenderVertex& vertex : mesh.vertices) include(gpu.bounds, glm::dvec3(vertex.position));
   if (hasVolume(gpu.bounds))
@@ -211,6 +216,33 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
   glBindVertexArray(0);
 }
 
+template <typename Test>
+void SceneRenderer::drawClusters(const GpuMesh& mesh, std::uint32_t first, std::uint32_t count,
+                                 const Pose& worldFromPart, Test visible) {
+  std::uint32_t runStart = first, runCount = 0;
+  const auto flush = [&] {
+    if (runCount == 0) return;
+    const std::uintptr_t offset = std::uintptr_t{runStart} * sizeof(std::uint32_t);
+    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(runCount), GL_UNSIGNED_INT,
+                   reinterpret_cast<const void*>(offset));
+    runCount = 0;
+  };
+  auto cluster =
+      std::lower_bound(mesh.clusters.begin(), mesh.clusters.end(), first,
+                       [](const RenderCluster& c, std::uint32_t index) { return c.firstIndex < index; });
+  for (; cluster != mesh.clusters.end() && cluster->firstIndex < first + count; ++cluster) {
+    const Sphere sphere{transformPoint(worldFromPart, glm::dvec3(cluster->centre)),
+                        static_cast<double>(cluster->radius) * 1.001};
+    if (!visible(sphere)) {
+      flush();
+      continue;
+    }
+    if (runCount == 0) runStart = cluster->firstIndex;
+    runCount += cluster->indexCount;
+  }
+  flush();
+}
+
 void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& worldFromPart,
                                 const PartLook& look) const {
   const GpuMesh& mesh = *meshOf(part);
@@ -228,9 +260,8 @@ void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& world
     program.set("baseColour", glm::vec4(c[0], c[1], c[2], look.alpha));
     program.set("metallic", material.metallic);
     program.set("roughness", std::max(material.roughness, 0.2f));
-    const std::uintptr_t offset = range.firstIndex * sizeof(std::uint32_t);
-    glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.indexCount), GL_UNSIGNED_INT,
-                   reinterpret_cast<const void*>(offset));
+    drawClusters(mesh, range.firstIndex, range.indexCount, worldFromPart,
+                 [&](const Sphere& sphere) { return mesh.clusters.size() < 4 || inView(view, sphere); });
   }
 }
 
@@ -267,7 +298,13 @@ void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFr
 
 std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel,
                                        std::span<const Pose> worldFromPart, std::span<const PartLook> looks) {
-  const glm::dvec3 direction = view.pointAt(pixel, 1.0) - view.worldFromEye.position;
+  const glm::dvec3 direction = glm::normalize(view.pointAt(pixel, 1.0) - view.worldFromEye.position);
+  const double pixelAtFar =
+      view.metresPerPixel(view.far);  // the target's one pixel is a thin pyramid, not a ray
+  const auto meetsRay = [&](const Sphere& sphere) {
+    const glm::dvec3 toCentre = sphere.centre - view.worldFromEye.position;
+    return glm::length(glm::cross(toCentre, direction)) <= sphere.radius + pixelAtFar;
+  };
   pickTarget_.bind();
   glEnable(GL_DEPTH_TEST);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
@@ -279,15 +316,12 @@ std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel
     const GpuMesh* mesh = meshOf(part);
     if (!mesh || !looks[p].visible) continue;
     const Sphere sphere = worldSphere(part, worldFromPart[p]);
-    const glm::dvec3 toCentre = sphere.centre - view.worldFromEye.position;
-    const double off = glm::length(glm::cross(toCentre, direction)) / glm::length(direction);
-    if (off > sphere.radius * 1.01 || !inView(view, sphere)) continue;
+    if (!meetsRay(sphere) || !inView(view, sphere)) continue;
     programs_.pick.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart[p]));
     programs_.pick.set("partIndex", static_cast<float>(p));
     glBindVertexArray(mesh->surface.id());
     for (const RenderRange& range : mesh->ranges)
-      glDrawElements(GL_TRIANGLES, static_cast<GLsizei>(range.indexCount), GL_UNSIGNED_INT,
-                     reinterpret_cast<const void*>(std::uintptr_t{range.firstIndex} * sizeof(std::uint32_t)));
+      drawClusters(*mesh, range.firstIndex, range.indexCount, worldFromPart[p], meetsRay);
   }
   glBindVertexArray(0);
   std::array<std::uint8_t, 4> colour{};

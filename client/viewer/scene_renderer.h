@@ -61,6 +61,7 @@ class SceneRenderer {
     GlVertexArray surface, thinEdges, wideEdges;
     GlBuffer vertices, indices, edges;
     std::vector<RenderRange> ranges;
+    std::vector<RenderCluster> clusters;
     int edgeCount = 0;
     Sphere sphere;          // part frame
     assets::Bounds bounds;  // part frame
@@ -74,6 +75,11 @@ class SceneRenderer {
   const GpuMesh* meshOf(PartId part) const;
   Sphere worldSphere(PartId part, const Pose& worldFromPart) const;
   bool inView(const View& view, const Sphere& sphere) const;
+  /// Draws those clusters of a run of indices for whose spheres (world) the test holds, joined where they
+  /// follow on.
+  template <typename Test>
+  static void drawClusters(const GpuMesh& mesh, std::uint32_t first, std::uint32_t count,
+                           const Pose& worldFromPart, Test visible);
   void drawSurface(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
   void drawEdges(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
 

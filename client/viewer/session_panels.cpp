@@ -204,14 +204,16 @@ void drawSettings(const PanelContext& context) {
     if (ImGui::SliderFloat(id, &edited, min, max, pattern, flags | ImGuiSliderFlags_AlwaysClamp))
       value = static_cast<double>(edited);
   };
-  slider("Force limit", "##limit", settings.forceLimit, 0.2f, 12.0f, "%.1f N", 0);
-  slider("Gain", "##gain", settings.gain, 0.0f, 1.0f, "%.2f", 0);
-  slider("Stiffness", "##stiffness", settings.stiffness, 50.0f, 5000.0f, "%.0f N/m",
-         ImGuiSliderFlags_Logarithmic);
-  if (settings.forceLimit != before.forceLimit || settings.gain != before.gain ||
-      settings.stiffness != before.stiffness)
-    context.actions.settingsChanged = true;
-  ImGui::Checkbox("Stylus follows surfaces", &context.ui.followSurface);
+  if (!context.model.replay) {
+    slider("Force limit", "##limit", settings.forceLimit, 0.2f, 12.0f, "%.1f N", 0);
+    slider("Gain", "##gain", settings.gain, 0.0f, 1.0f, "%.2f", 0);
+    slider("Stiffness", "##stiffness", settings.stiffness, 50.0f, 5000.0f, "%.0f N/m",
+           ImGuiSliderFlags_Logarithmic);
+    if (settings.forceLimit != before.forceLimit || settings.gain != before.gain ||
+        settings.stiffness != before.stiffness)
+      context.actions.settingsChanged = true;
+    ImGui::Checkbox("Stylus follows surfaces", &context.ui.followSurface);
+  }
   ImGui::Checkbox("Edges", &context.ui.showEdges);
 }
 

@@ -216,6 +216,9 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
       case GLFW_KEY_KP_7:
         look(camera_, StandardView::top);
         break;
+      case GLFW_KEY_P:
+        actions.togglePlay = model.replay;
+        break;
       case GLFW_KEY_TAB:
         ui_.showPanels = !ui_.showPanels;
         break;
@@ -233,9 +236,6 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
         break;
     }
   }
-  if (model.replay && !typing)
-    for (const int key : input.keysPressed)
-      if (key == GLFW_KEY_P) actions.togglePlay = true;
 }
 
 void SceneViewer::follow(const ViewModel& model) {
