@@ -18,6 +18,9 @@ constexpr double kApproachTime = 0.02;  // s, time constant when the surface com
 constexpr double kRetreatTime = 0.09;   // s, when it falls away
 constexpr double kOffsetTime = 0.12;    // s, in which a free tip comes back under the mouse
 
+/// The tip comes no nearer to the eye than this, m. Not the near plane: that follows the scene, and the hand.
+double nearest(const View& view) { return 0.02 * view.camera.distance; }
+
 bool moved(const Pose& a, const Pose& b, double tolerance) {
   return glm::length(a.position - b.position) > tolerance ||
          std::abs(glm::dot(a.orientation, b.orientation)) < 1.0 - 1e-10;
@@ -32,7 +35,7 @@ glm::dquat restingOrientation() {
 
 void StylusControl::place(const View& view, double depth) {
   eyeFromStylus_ = restingOrientation();
-  depth_ = std::max(depth - kClearance * view.metresPerPixel(depth), view.near);
+  depth_ = std::max(depth - kClearance * view.metresPerPixel(depth), nearest(view));
   worldFromStylus_.position = view.pointAt(0.5 * view.size, depth_);
   worldFromStylus_.orientation = view.worldFromEye.orientation * eyeFromStylus_;
   offset_ = glm::dvec2(0.0);
@@ -61,7 +64,7 @@ void StylusControl::moveTip(const Situation& now) {
     push_ = 0.0;
     depth_ += step;
   }
-  depth_ = std::max(depth_, 2.0 * now.view.near);
+  depth_ = std::max(depth_, nearest(now.view));
   if (!now.holding && !grasping()) offset_ *= std::exp(-now.input.dt / kOffsetTime);
   worldFromStylus_.position = now.view.pointAt(now.cursor + offset_, depth_);
 }
@@ -105,7 +108,7 @@ bool StylusControl::update(const Situation& now) {
       // The mouse comes back from a panel or from moving the camera: a held part must not jump under it.
       const auto tip = now.view.project(worldFromStylus_.position);
       offset_ = tip && (now.holding || grasping()) ? *tip - now.cursor : glm::dvec2(0.0);
-      depth_ = std::max(now.view.depthOf(worldFromStylus_.position), 2.0 * now.view.near);
+      depth_ = std::max(now.view.depthOf(worldFromStylus_.position), nearest(now.view));
     }
     moveTip(now);
     placed_ = true;
