@@ -1,10 +1,11 @@
 #pragma once
 
-// A recording of a session: what happened when, enough to show it again with its forces. One file, appended to while the
-// session runs; a file cut off by a crash is readable up to the cut.
+// A recording of a session: what happened when, enough to show it again with its forces. One file, appended
+// to while the session runs; a file cut off by a crash is readable up to the cut.
 //
-// Layout: header (magic "TNDMREC1", scene hash, position range), then records (session time, kind, length, payload,
-// checksum). Payloads are control and state messages as on the wire, so a recording speaks one language with the network.
+// Layout: header (magic "TNDMREC1", scene hash, position range, checksum), then records (length, kind,
+// session time, payload, checksum); sync/WIRE.md has the bytes. Payloads are control and state messages as on
+// the wire, so a recording speaks one language with the network.
 
 #include <cstdio>
 #include <memory>
@@ -25,7 +26,7 @@ struct RecordingHeader {
 
 struct RecordingEntry {
   Micros time = 0;
-  std::variant<ControlMessage, StateMessage> message;   // as the server relayed it, or as a site saw it
+  std::variant<ControlMessage, StateMessage> message;  // as the server relayed it, or as a site saw it
 };
 
 class RecordingWriter {
@@ -33,8 +34,9 @@ class RecordingWriter {
   static Result<RecordingWriter> create(const std::string& path, const RecordingHeader& header);
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
-  ~RecordingWriter();   // flushes
+  ~RecordingWriter();  // flushes
 
+  /// A failed write is told by the next flush(); what comes after it is dropped.
   void write(Micros time, const ControlMessage& message);
   void write(Micros time, const StateMessage& message);
   Status flush();
