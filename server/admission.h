@@ -1,7 +1,7 @@
 #pragma once
 
-// Who may enter, in which role: tokens that the server signs (Ed25519, libsodium), valid for a time and once, and resume
-// tickets for sites that lost their connection.
+// Who may enter, in which role: tokens that the server signs (Ed25519, libsodium), valid for a time and once,
+// and resume tickets for sites that lost their connection.
 
 #include <array>
 #include <cstdint>
@@ -18,18 +18,21 @@ struct SigningKey {
 };
 SigningKey makeSigningKey();
 
+/// 32 random hexadecimal digits.
+std::string makeNonce();
+
 struct Ticket {
-  bool resume = false;            // false: a join token
+  bool resume = false;  // false: a join token
   sync::Role role = sync::Role::observer;
-  SiteId site = kNoSite;          // resume tickets only
-  std::string nonce;              // 32 hexadecimal digits
-  std::int64_t expires = 0;       // Unix time, s
+  SiteId site = kNoSite;     // resume tickets only
+  std::string nonce;         // 32 hexadecimal digits
+  std::int64_t expires = 0;  // Unix time, s
 };
 
 /// Signs a ticket; ASCII, fits in a link, at most kMaxCredentialLength.
 std::string sign(const Ticket& ticket, const SigningKey& key);
-/// The ticket, if its signature and form are good and it has not expired at `unixNow`. Whether it was used is the
-/// session's to know.
+/// The ticket, if its signature and form are good and it has not expired at `unixNow`. Whether it was used is
+/// the session's to know.
 Result<Ticket> verify(const std::string& text, const SigningKey& key, std::int64_t unixNow);
 
 }  // namespace tandem::server

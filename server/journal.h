@@ -1,10 +1,10 @@
 #pragma once
 
-// What must survive a crash of the server: epochs, owners, poses, sites, used tokens. Written before the reply that
-// depends on it (S1, S7, S8).
+// What must survive a crash of the server: epochs, owners, poses, sites, used tokens. Written before the
+// reply that depends on it (S1, S7, S8).
 //
-// One thread calls; a journal may write in a thread of its own. An append is durable once durableUpTo() has reached its
-// number; replies wait for that, the network thread does not.
+// One thread calls; a journal may write in a thread of its own. An append is durable once durableUpTo() has
+// reached its number; replies wait for that, the network thread does not.
 
 #include <cstdint>
 #include <string>
@@ -15,14 +15,16 @@
 
 namespace tandem::server {
 
-/// A site that was admitted; it may come back with its ticket.
+/// A site that was admitted; it may come back with its ticket unless it said goodbye. Its number is never
+/// used again.
 struct SiteRecord {
   sync::SiteInfo info;
+  bool left = false;
 };
 /// A token's nonce that was used.
 struct UsedNonce {
   std::string nonce;
-  std::int64_t expires = 0;   // Unix time in s: forgotten after that
+  std::int64_t expires = 0;  // Unix time in s: forgotten after that
 };
 using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce>;
 
@@ -31,8 +33,11 @@ struct JournalContents {
   std::vector<sync::PartRecord> parts;
   std::vector<SiteRecord> sites;
   std::vector<UsedNonce> nonces;
-  sync::Micros sessionTime = 0;   // at least as late as any time given out before the crash
+  sync::Micros sessionTime = 0;  // at least as late as any time given out before the crash
 };
+
+/// Puts a record into what a journal holds: the latest of each part, site and nonce wins.
+void apply(JournalContents& contents, const JournalRecord& record);
 
 class Journal {
  public:
@@ -40,10 +45,13 @@ class Journal {
   virtual JournalContents contents() const = 0;
   /// Queues a record; returns its number, counted from 1.
   virtual std::uint64_t append(const JournalRecord& record) = 0;
-  /// Session time has reached this: on reopening it continues from no earlier (kept a little ahead).
+  /// Session time has reached this: on reopening it continues from no earlier. Called often; a journal that
+  /// writes to a disk keeps a time a little ahead instead and writes seldom.
   virtual void noteTime(sync::Micros sessionTime) = 0;
   /// The number of the last record that is safe.
   virtual std::uint64_t durableUpTo() = 0;
+  /// Why nothing becomes durable any more (disk full, ...), in one line; empty while all is well. Final.
+  virtual std::string failure() const { return {}; }
 };
 
 }  // namespace tandem::server

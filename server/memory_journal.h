@@ -1,9 +1,10 @@
 #pragma once
 
-// A journal on virtual time: what was appended becomes durable after a delay, and a crash loses what was not. Lives
-// outside the simulated server, as a disk does.
+// A journal on virtual time: what was appended becomes durable after a delay, and a crash loses what was not.
+// Lives outside the simulated server, as a disk does.
 
 #include <deque>
+#include <string>
 
 #include "server/journal.h"
 
@@ -21,6 +22,9 @@ class MemoryJournal : public Journal {
   std::uint64_t append(const JournalRecord& record) override;
   void noteTime(sync::Micros sessionTime) override;
   std::uint64_t durableUpTo() override;
+  std::string failure() const override { return failure_; }
+  /// From now on nothing becomes durable, as on a full disk.
+  void fail(const std::string& reason) { failure_ = reason; }
 
  private:
   struct Pending {
@@ -30,6 +34,7 @@ class MemoryJournal : public Journal {
   sync::Micros syncDelay_, now_ = 0;
   std::deque<Pending> pending_;
   std::uint64_t appended_ = 0;
+  std::string failure_;
   JournalContents contents_;
 };
 

@@ -1,0 +1,38 @@
+#include "server/memory_journal.h"
+
+#include <algorithm>
+
+namespace tandem::server {
+
+void MemoryJournal::advanceTo(sync::Micros now) {
+  now_ = std::max(now_, now);
+  if (!failure_.empty()) return;
+  while (!pending_.empty() && pending_.front().durableAt <= now_) {
+    apply(contents_, pending_.front().record);
+    pending_.pop_front();
+  }
+}
+
+void MemoryJournal::crash() {
+  // Nobody was told of these; the next server counts on from the last that is safe.
+  appended_ -= pending_.size();
+  pending_.clear();
+}
+
+JournalContents MemoryJournal::contents() const { return contents_; }
+
+std::uint64_t MemoryJournal::append(const JournalRecord& record) {
+  pending_.push_back({now_ + syncDelay_, record});
+  return ++appended_;
+}
+
+void MemoryJournal::noteTime(sync::Micros sessionTime) {
+  contents_.sessionTime = std::max(contents_.sessionTime, sessionTime);
+}
+
+std::uint64_t MemoryJournal::durableUpTo() {
+  advanceTo(now_);
+  return appended_ - pending_.size();
+}
+
+}  // namespace tandem::server

@@ -1,0 +1,44 @@
+#include "server/outbox.h"
+
+#include <optional>
+#include <string>
+
+namespace tandem::server {
+namespace {
+
+/// What to answer in place of a reply whose record could not be kept; nothing for news that never became
+/// true.
+std::optional<sync::ControlMessage> withoutRecord(const sync::ControlMessage& message) {
+  if (const auto* grab = std::get_if<sync::GrabReply>(&message)) {
+    sync::GrabReply denied = *grab;
+    if (denied.denial == sync::Denial::none) denied.part.owner = kNoSite;
+    denied.denial = sync::Denial::recovering;
+    return denied;
+  }
+  if (const auto* release = std::get_if<sync::ReleaseReply>(&message)) {
+    sync::ReleaseReply denied = *release;
+    denied.denial = sync::Denial::recovering;
+    return denied;
+  }
+  if (const auto* command = std::get_if<sync::CommandReply>(&message))
+    return sync::CommandReply{command->request, false, "the server cannot write its journal"};
+  if (std::holds_alternative<sync::Welcome>(message))
+    return sync::Refused{sync::Refusal::sessionFull, "the server cannot write its journal and admits nobody"};
+  return std::nullopt;
+}
+
+}  // namespace
+
+void Outbox::abandon(std::uint64_t durable) {
+  std::deque<Outgoing> kept;
+  for (Outgoing& item : queue_) {
+    if (item.after <= durable) {
+      kept.push_back(std::move(item));
+    } else if (auto other = withoutRecord(*item.message)) {
+      kept.push_back({durable, item.to, std::make_shared<const sync::ControlMessage>(std::move(*other))});
+    }
+  }
+  queue_ = std::move(kept);
+}
+
+}  // namespace tandem::server

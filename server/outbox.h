@@ -1,0 +1,46 @@
+#pragma once
+
+// Control messages on their way out, in one order for all sites, each held back until the journal is as far
+// as it was when the message was made. So nobody hears of anything that a crash could undo, not even in a
+// denial.
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+
+#include "sync/messages.h"
+
+namespace tandem::server {
+
+/// One connection's number within this session; connection ids may come again, these do not.
+using PeerSerial = std::uint64_t;
+/// Addressee of what only the recording gets.
+inline constexpr PeerSerial kRecordingOnly = 0;
+
+struct Outgoing {
+  std::uint64_t after = 0;  // journal record that must be durable first
+  PeerSerial to = kRecordingOnly;
+  std::shared_ptr<const sync::ControlMessage> message;
+};
+
+class Outbox {
+ public:
+  void push(PeerSerial to, std::shared_ptr<const sync::ControlMessage> message, std::uint64_t after) {
+    queue_.push_back({after, to, std::move(message)});
+  }
+  /// The next message that may leave now that the journal is safe up to `durable`, or null.
+  const Outgoing* front(std::uint64_t durable) const {
+    return queue_.empty() || queue_.front().after > durable ? nullptr : &queue_.front();
+  }
+  void pop() { queue_.pop_front(); }
+  bool empty() const { return queue_.empty(); }
+
+  /// The journal has failed: what depends on it becomes a denial (a reply) or is dropped (news); the rest may
+  /// leave.
+  void abandon(std::uint64_t durable);
+
+ private:
+  std::deque<Outgoing> queue_;
+};
+
+}  // namespace tandem::server

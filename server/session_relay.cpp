@@ -1,0 +1,105 @@
+// State datagrams: checked, filtered by ownership, relayed. Nothing here allocates once its buffers have
+// grown.
+
+#include <algorithm>
+
+#include "server/session_state.h"
+
+namespace tandem::server {
+namespace {
+
+constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
+constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
+/// Pings are shorter, updates longer: decoded into separate storage, so that a ping does not free an update's
+/// vector.
+constexpr std::size_t kShortBytes = 32;
+
+}  // namespace
+
+bool Session::State::withinRate(Peer& peer) {
+  const double elapsed = sync::toSeconds(now - peer.allowanceAt);
+  peer.allowance = std::min(kDatagramBurst, peer.allowance + elapsed * kMaxDatagramRate);
+  peer.allowanceAt = now;
+  if (peer.allowance < 1.0) return false;
+  peer.allowance -= 1.0;
+  return true;
+}
+
+void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
+  if (!withinRate(peer)) {
+    ++counts.droppedFlood;
+    return;
+  }
+  sync::StateMessage& message = bytes.size() < kShortBytes ? incomingShort : incoming;
+  if (!sync::decodeState(bytes, frame, message)) {
+    ++counts.droppedMalformed;
+    return;
+  }
+  peer.lastHeard = now;
+  if (const auto* ping = std::get_if<sync::Ping>(&message)) {
+    onPing(peer, *ping);
+  } else if (std::holds_alternative<sync::StateUpdate>(message)) {
+    onUpdate(peer, message);
+  } else {
+    ++counts.droppedMalformed;  // only the server says this
+  }
+}
+
+void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
+  if (peer.stage == Stage::hello) {
+    ++counts.droppedEarly;
+    return;
+  }
+  // A site that is still loading cannot own anything that it feels: only ready sites renew (S3).
+  if (peer.stage == Stage::ready) table.renew(peer.site, now);
+  sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, now, peer.updatesIn}, frame, stateBytes);
+  transport.sendState(peer.connection, stateBytes);
+}
+
+bool Session::State::plausible(const sync::StateUpdate& update) const {
+  if (update.time > now + kMaxAhead || update.time < now - kMaxBehind) return false;
+  if (update.presence.touched != kNoPart && update.presence.touched >= scene.parts.size()) return false;
+  return std::all_of(update.parts.begin(), update.parts.end(),
+                     [&](const sync::PartState& state) { return state.part < scene.parts.size(); });
+}
+
+void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
+  if (peer.stage != Stage::ready) {
+    ++counts.droppedEarly;
+    return;
+  }
+  auto& update = std::get<sync::StateUpdate>(message);
+  if (!plausible(update)) {
+    ++counts.droppedMalformed;
+    return;
+  }
+  ++peer.updatesIn;
+  const bool newest =
+      peer.updatesIn == 1 || static_cast<std::int32_t>(update.sequence - peer.lastSequenceIn) > 0;
+  if (newest) peer.lastSequenceIn = update.sequence;
+
+  const auto refused =
+      std::remove_if(update.parts.begin(), update.parts.end(),
+                     [&](const sync::PartState& state) { return !table.accept(peer.site, state); });
+  counts.droppedStates += static_cast<std::uint64_t>(update.parts.end() - refused);
+  update.parts.erase(refused, update.parts.end());
+  for (const sync::PartState& state : update.parts) {
+    if (moved[state.part]) continue;
+    moved[state.part] = true;
+    movedParts.push_back(state.part);
+  }
+  if (!newest && update.parts.empty()) return;  // an old presence, and nothing else of use
+
+  update.site = update.presence.site = peer.site;
+  if (recording != nullptr) recording->write(now, message);
+  ++counts.relayedUpdates;
+  counts.relayedParts += update.parts.size();
+  for (auto& [connection, other] : peers) {
+    if (other.stage != Stage::ready || other.site == peer.site) continue;
+    update.sequence = ++other.sequenceOut;
+    sync::encodeState(message, frame, stateBytes);
+    transport.sendState(connection, stateBytes);
+  }
+}
+
+}  // namespace tandem::server
