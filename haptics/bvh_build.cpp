@@ -298,8 +298,7 @@ std::vector<Node> buildNodes(std::vector<BuildPrimitive>& primitives, int thread
   root.range.end = static_cast<std::uint32_t>(primitives.size());
   for (const BuildPrimitive& p : primitives) grow(root.range, p);
   const Builder builder(primitives);
-  const bool small = primitives.size() <= 2 * kGrain;
-  TaskPool(builder, &root).run(small ? 1 : threads);
+  TaskPool(builder, &root).run(threads);
   std::vector<Node> nodes;
   nodes.reserve(primitives.size() / 5 + 1);
   flatten(root, nodes);

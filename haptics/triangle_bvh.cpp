@@ -14,6 +14,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr std::size_t kLargeMesh = 16'384;  // triangles from which a second thread pays
 constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
 
 float roundDown(double x) {
@@ -24,6 +25,20 @@ float roundDown(double x) {
 float roundUp(double x) {
   const float f = static_cast<float>(x);
   return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
+}
+
+/// Calls work(begin, end, worker) for equal shares of `count`, one a thread.
+template <typename Work>
+void inParallel(std::size_t count, int workers, const Work& work) {
+  std::vector<std::thread> helpers;
+  const std::size_t share = count / static_cast<std::size_t>(workers) + 1;
+  const auto run = [&](int worker) {
+    const std::size_t begin = std::min(count, share * static_cast<std::size_t>(worker));
+    work(begin, std::min(count, begin + share), worker);
+  };
+  for (int i = 1; i < workers; ++i) helpers.emplace_back(run, i);
+  run(0);
+  for (std::thread& helper : helpers) helper.join();
 }
 
 /// A node (or leaf) still to be visited, with the lower bound of what it can give.
@@ -111,29 +126,40 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   const std::size_t count = mesh.triangles.size();
   ASSERT(count <= kLeafFirstMask);
   if (count == 0) return;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Triangle t = triangle(i);
-    bounds_.min = glm::min(bounds_.min, glm::min(t.a, glm::min(t.b, t.c)));
-    bounds_.max = glm::max(bounds_.max, glm::max(t.a, glm::max(t.b, t.c)));
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  const int workers = count > kLargeMesh ? (threads > 0 ? threads : cores) : 1;
+  std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
+  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
+    assets::Bounds own;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Triangle t = triangle(static_cast<std::uint32_t>(i));
+      own.min = glm::min(own.min, glm::min(t.a, glm::min(t.b, t.c)));
+      own.max = glm::max(own.max, glm::max(t.a, glm::max(t.b, t.c)));
+    }
+    bounds[static_cast<std::size_t>(worker)] = own;
+  });
+  for (const assets::Bounds& own : bounds) {
+    bounds_.min = glm::min(bounds_.min, own.min);
+    bounds_.max = glm::max(bounds_.max, own.max);
   }
   centre_ = 0.5 * (bounds_.min + bounds_.max);
   const glm::dvec3 half = bounds_.max - centre_;
   extent_ = roundUp(std::max({half.x, half.y, half.z}));
 
   std::vector<BuildPrimitive> primitives(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const Triangle t = triangle(i);
-    const glm::dvec3 low = glm::min(t.a, glm::min(t.b, t.c)) - centre_;
-    const glm::dvec3 high = glm::max(t.a, glm::max(t.b, t.c)) - centre_;
-    BuildPrimitive& p = primitives[i];
-    for (int axis = 0; axis < 3; ++axis) {
-      p.low[axis] = roundDown(low[axis]);
-      p.high[axis] = roundUp(high[axis]);
+  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Triangle t = triangle(static_cast<std::uint32_t>(i));
+      const glm::dvec3 low = glm::min(t.a, glm::min(t.b, t.c)) - centre_;
+      const glm::dvec3 high = glm::max(t.a, glm::max(t.b, t.c)) - centre_;
+      for (int axis = 0; axis < 3; ++axis) {
+        primitives[i].low[axis] = roundDown(low[axis]);
+        primitives[i].high[axis] = roundUp(high[axis]);
+      }
+      primitives[i].setTriangle(static_cast<std::uint32_t>(i));
     }
-    p.setTriangle(i);
-  }
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  nodes_ = buildNodes(primitives, threads > 0 ? threads : cores);
+  });
+  nodes_ = buildNodes(primitives, workers);
   order_.resize(count);
   for (std::size_t i = 0; i < count; ++i) order_[i] = primitives[i].triangle();
   ASSERT(depth() <= kMaxDepth);

@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
+#include <limits>
 #include <random>
 #include <string>
 #include <vector>
@@ -246,14 +248,17 @@ bool benchBuild(bench::Report& report) {
   scene.parts.emplace_back();
   scene.parts[0].mesh = 0;
   const WorldMesh world = flatten(scene);
-  double ours = 1e300, theirs = 1e300;
+  double ours = 1e300, theirs = 1e300, processor = 1e300;
   for (int i = 0; i < 3; ++i) {
     const bench::Stopwatch watch;
+    const std::clock_t before = std::clock();
     const haptics::TriangleBvh tree(scene.meshes[0]);
+    processor = std::min(processor, static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
     ours = std::min(ours, watch.seconds());
     theirs = std::min(theirs, EmbreeYardstick(world).buildSeconds());
   }
   report.value("rtcCommitScene, 1 M triangles", "ms", 1e3 * theirs);
+  report.value("build, processor time, 1 M triangles", "ms", 1e3 * processor);
   report.value("build / rtcCommitScene", "", ours / theirs);
   return report.bound("build, 1 M triangles, ms", 1e3 * ours, 300.0);
 }
