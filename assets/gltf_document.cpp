@@ -15,6 +15,7 @@ using nlohmann::json;
 constexpr std::int64_t kMaxWhole = std::numeric_limits<std::int32_t>::max();
 // Far beyond any real file; keeps everything that recurses over JSON (copying, tinygltf) off the stack's end.
 constexpr int kMaxJsonDepth = 96;
+constexpr std::size_t kMaxTextBytes = 200;
 
 enum class Kind { whole, wholes, numbers3, numbers4, numbers16, text, flag, object, objects, wholeMap };
 
@@ -372,6 +373,18 @@ json modelJson(const json& document) {
 std::string placeName(const char* section, std::size_t index, const char* key) {
   return std::string(section) + "[" + std::to_string(index) + "]" +
          (key != nullptr ? std::string(".") + key : "");
+}
+
+std::string cleanText(std::string text) {
+  if (text.size() > kMaxTextBytes) {
+    text.resize(kMaxTextBytes);
+    // Not in the middle of a UTF-8 character.
+    while (!text.empty() && (static_cast<unsigned char>(text.back()) & 0xc0u) == 0x80u) text.pop_back();
+    if (!text.empty() && static_cast<unsigned char>(text.back()) >= 0xc0u) text.pop_back();
+  }
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+  return text;
 }
 
 Bytes readWholeFile(const std::string& path, const std::string& place) {

@@ -37,6 +37,10 @@ struct GltfError : std::exception {
 /// "section[index]" or "section[index].key", as places are named in messages.
 std::string placeName(const char* section, std::size_t index, const char* key = nullptr);
 
+/// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters
+/// replaced.
+std::string cleanText(std::string text);
+
 /// An opened file. Not movable: views point into it.
 struct GltfDocument {
   GltfDocument() = default;

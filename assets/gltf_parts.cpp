@@ -10,22 +10,9 @@ namespace tandem::assets {
 namespace {
 
 constexpr std::size_t kMaxPieces = 1u << 20;
-constexpr std::size_t kMaxNameBytes = 200;
 // Two instances whose residual differs by less than their numbers' own precision (float matrices) are the
 // same.
 constexpr double kSameTransform = 1e-6;
-
-std::string cleanName(std::string name) {
-  if (name.size() > kMaxNameBytes) {
-    name.resize(kMaxNameBytes);
-    // Not in the middle of a UTF-8 character.
-    while (!name.empty() && (static_cast<unsigned char>(name.back()) & 0xc0u) == 0x80u) name.pop_back();
-    if (!name.empty() && static_cast<unsigned char>(name.back()) >= 0xc0u) name.pop_back();
-  }
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
-  return name;
-}
 
 /// Appends " #2", " #3" ... to names that are taken.
 class UniqueNames {
@@ -77,7 +64,7 @@ class MaterialTable {
     if (visual >= 0) {
       const tinygltf::Material& from = document_.model.materials[static_cast<std::size_t>(visual)];
       const auto& pbr = from.pbrMetallicRoughness;
-      material.name = cleanName(from.name);
+      material.name = cleanText(from.name);
       for (std::size_t i = 0; i < 4; ++i)
         material.baseColour[i] = pbr.baseColorFactor.size() == 4 ? unit(pbr.baseColorFactor[i]) : 1.0f;
       material.metallic = unit(pbr.metallicFactor);
@@ -192,9 +179,9 @@ class Planner {
 
   std::string nameOf(std::uint32_t flat) const {
     const tinygltf::Node& node = nodeOf(flat);
-    std::string name = cleanName(node.name);
+    std::string name = cleanText(node.name);
     if (name.empty() && node.mesh >= 0)
-      name = cleanName(document_.model.meshes[static_cast<std::size_t>(node.mesh)].name);
+      name = cleanText(document_.model.meshes[static_cast<std::size_t>(node.mesh)].name);
     return name.empty() ? "part" : name;
   }
 

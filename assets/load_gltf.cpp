@@ -112,7 +112,7 @@ class SceneBuilder {
       std::string name = node.name;
       if (name.empty() && node.mesh >= 0)
         name = document_.model.meshes[static_cast<std::size_t>(node.mesh)].name;
-      scene_.tree.push_back({std::move(name), flat.parent});
+      scene_.tree.push_back({cleanText(std::move(name)), flat.parent});
     }
   }
 
@@ -243,7 +243,7 @@ class SceneBuilder {
 
   void addFinding(Finding::Severity severity, const char* code, const std::string& where, std::uint64_t count,
                   const std::string& message) {
-    if (count > 0) scene_.findings.push_back({severity, code, where, count, message});
+    if (count > 0) scene_.findings.push_back({severity, code, where, count, cleanText(message)});
   }
 
   void addFindings() {
@@ -314,6 +314,13 @@ void checkOptions(const LoadOptions& options) {
     throw GltfError("options", "gravity must be finite");
 }
 
+/// Messages quote the file, which may hold line breaks.
+Error oneLine(std::string message) {
+  std::replace_if(
+      message.begin(), message.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+  return Error{std::move(message)};
+}
+
 }  // namespace
 
 std::string nearNames(const std::string& wanted, const std::vector<std::string>& names) {
@@ -361,7 +368,7 @@ Scene buildScene(const std::string& name, GltfDocument& document, const LoadOpti
   parseModel(document);
   decodeMeshoptViews(document);
   Scene scene = SceneBuilder(document, options).build();
-  scene.name = name;
+  scene.name = cleanText(name);
   if (options.progress) options.progress(1.0, "done");
   return scene;
 }
@@ -370,11 +377,11 @@ Error describeError(const std::string& name) {
   try {
     throw;
   } catch (const GltfError& e) {
-    return Error{name + ": " + e.place + ": " + e.reason};
+    return oneLine(name + ": " + e.place + ": " + e.reason);
   } catch (const std::bad_alloc&) {
     return Error{name + ": file: needs more memory than there is"};
   } catch (const std::exception& e) {
-    return Error{name + ": file: cannot be read: " + e.what()};
+    return oneLine(name + ": file: cannot be read: " + e.what());
   }
 }
 

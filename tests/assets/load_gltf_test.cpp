@@ -302,6 +302,20 @@ TEST(LoadGltf, MakesNamesUniqueAndListsTheTree) {
   EXPECT_EQ(scene.tree[scene.parts[1].treeNode].parent, 0u);
 }
 
+TEST(LoadGltf, MakesNamesFitForOneLine) {
+  // A scene whose names its own package would refuse could be loaded but never sent.
+  GltfBuilder b = oneBox();
+  b.json["nodes"][0]["name"] = "two\nlines";
+  b.addNode({{"name", std::string(5000, 'x')}});
+  b.json["extensionsUsed"] = {"ACME\twobble"};
+  const Scene scene = loaded(b);
+  EXPECT_EQ(scene.parts[0].name, "two_lines");
+  EXPECT_EQ(scene.tree[0].name, "two_lines");
+  EXPECT_EQ(scene.tree[1].name.size(), 200u);
+  b.json["extensionsRequired"] = {"ACME\nwobble"};
+  expectRefused(b, "ACME_wobble");
+}
+
 TEST(LoadGltf, MakesNamedPartsMovableWithMassFromDensity) {
   LoadOptions options;
   options.movable = {"box"};
