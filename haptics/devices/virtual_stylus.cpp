@@ -3,12 +3,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "haptics/devices/simulated_device.h"
-
 namespace tandem::haptics {
 namespace {
-
-constexpr double kLongestStep = 2e-3;  // s
 
 /// One axis vector of a critically damped follower: `offset` from the target and its rate, after dt. Exact
 /// solution.
@@ -40,54 +36,14 @@ void PoseFilter::step(const Pose& target, double time, double maxSpeed, double d
 void PoseFilter::reset(const Pose& pose) { *this = PoseFilter(pose); }
 
 VirtualStylus::VirtualStylus(const Pose& worldFromStart, const VirtualStylusSettings& settings)
-    : settings_(settings),
-      hand_(settings.arm, settings.device, worldFromStart),
+    : HandDevice(worldFromStart, settings.arm, settings.device, settings.workspaceRadius),
+      settings_(settings),
       filter_(worldFromStart),
       target_(worldFromStart) {}
 
-DeviceLimits VirtualStylus::limits() const {
-  DeviceLimits limits;
-  limits.sensedAxes = 6;
-  limits.actuatedAxes = 3;
-  limits.maxForce = settings_.device.forceMax;
-  limits.mass = settings_.device.mass;
-  limits.damping = settings_.device.damping;
-  limits.quantum = settings_.device.quantum;
-  limits.workspaceRadius = settings_.workspaceRadius;
-  return limits;
-}
-
-Status VirtualStylus::open() {
-  started_ = false;
-  force_ = glm::dvec3{0.0, 0.0, 0.0};
-  return {};
-}
-
-DeviceSample VirtualStylus::poll(double now) {
-  const Pose& target = target_.latest();
-  if (!started_) {
-    lastPoll_ = lastApply_ = now;
-    started_ = true;
-  }
-  const double interval = pollInterval(lastPoll_, now);
-  if (now - lastApply_ > kForceWatchdog) force_ = glm::dvec3{0.0, 0.0, 0.0};
-  if (interval > 0.0) {
-    const int steps = static_cast<int>(std::ceil(interval / kLongestStep));
-    for (int i = 0; i < steps; ++i) {
-      filter_.step(target, settings_.smoothingTime, settings_.maxSpeed, interval / steps);
-      hand_.step({filter_.pose(), filter_.twist().linear, filter_.acceleration(), true}, force_,
-                 interval / steps);
-    }
-  }
-  lastPoll_ = now;
-  DeviceSample sample = hand_.sample(now);
-  sample.buttons = buttons_.load(std::memory_order_relaxed);
-  return sample;
-}
-
-void VirtualStylus::apply(const Wrench& toHand) {
-  force_ = toHand.force;
-  lastApply_ = lastPoll_;
+HandTarget VirtualStylus::nextTarget(double dt) {
+  filter_.step(target_.latest(), settings_.smoothingTime, settings_.maxSpeed, dt);
+  return {filter_.pose(), filter_.twist().linear, filter_.acceleration(), true};
 }
 
 void VirtualStylus::setTarget(const glm::dvec3& worldPosition, const glm::dquat& orientation) {

@@ -9,10 +9,7 @@
 // Threads: setTarget(), setButtons() from one thread (the window's); poll() and apply() from the servo
 // thread.
 
-#include <atomic>
-
-#include "haptics/device.h"
-#include "haptics/simulated_hand.h"
+#include "haptics/devices/hand_device.h"
 #include "haptics/triple_buffer.h"
 
 namespace tandem::haptics {
@@ -49,16 +46,11 @@ class PoseFilter {
   glm::dvec3 acceleration_{0.0, 0.0, 0.0};
 };
 
-class VirtualStylus : public Device {
+class VirtualStylus : public HandDevice {
  public:
   explicit VirtualStylus(const Pose& worldFromStart = {}, const VirtualStylusSettings& settings = {});
 
   std::string name() const override { return "stylus"; }
-  DeviceLimits limits() const override;
-  Status open() override;
-  void close() override {}
-  DeviceSample poll(double now) override;
-  void apply(const Wrench& toHand) override;
 
   /// Where the mouse points, world. Not finite: ignored. Orientation is normalised.
   void setTarget(const glm::dvec3& worldPosition,
@@ -66,18 +58,14 @@ class VirtualStylus : public Device {
   /// Bit 0 grasps, bit 1 is the clutch.
   void setButtons(std::uint32_t buttons) { buttons_.store(buttons, std::memory_order_relaxed); }
 
-  /// The hand itself, for measures; servo thread, or any thread while no loop runs.
-  const SimulatedHand& hand() const { return hand_; }
-
  private:
+  HandTarget nextTarget(double dt) override;
+  std::uint32_t pressedButtons() const override { return buttons_.load(std::memory_order_relaxed); }
+
   VirtualStylusSettings settings_;
-  SimulatedHand hand_;
   PoseFilter filter_;
   TripleBuffer<Pose> target_;
   std::atomic<std::uint32_t> buttons_{0};
-  glm::dvec3 force_{0.0, 0.0, 0.0};
-  double lastPoll_ = 0.0, lastApply_ = 0.0;
-  bool started_ = false;
 };
 
 }  // namespace tandem::haptics

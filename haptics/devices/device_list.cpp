@@ -1,0 +1,146 @@
+#include "haptics/devices/device_list.h"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <pwd.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <thread>
+
+#include "haptics/devices/null_device.h"
+#include "haptics/devices/simulated_device.h"
+#include "haptics/devices/spacemouse.h"
+#include "haptics/devices/virtual_stylus.h"
+#include "haptics/servo_loop.h"
+#include "haptics/triple_buffer.h"
+
+namespace tandem::haptics {
+namespace {
+
+DeviceReport builtIn(const char* name, const char* driver) {
+  DeviceReport report;
+  report.name = name;
+  report.driver = driver;
+  report.usable = true;
+  return report;
+}
+
+bool sameReading(const DeviceSample& a, const DeviceSample& b) {
+  return a.worldFromDevice.position == b.worldFromDevice.position &&
+         a.worldFromDevice.orientation == b.worldFromDevice.orientation && a.buttons == b.buttons &&
+         a.valid == b.valid;
+}
+
+}  // namespace
+
+NodeAccess checkNode(const std::string& path) {
+  NodeAccess access;
+  struct stat status {};
+  if (stat(path.c_str(), &status) == 0) {
+    access.mode = status.st_mode & 07777;
+    const passwd* user = getpwuid(status.st_uid);
+    access.owner = user ? user->pw_name : std::to_string(status.st_uid);
+    const group* members = getgrgid(status.st_gid);
+    access.group = members ? members->gr_name : std::to_string(status.st_gid);
+  }
+  const int file = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0)
+    access.error = errno;
+  else
+    ::close(file);
+  return access;
+}
+
+void explainAccess(const NodeAccess& access, DeviceReport& report) {
+  report.usable = access.error == 0;
+  report.reason.clear();
+  report.remedy.clear();
+  if (report.usable) return;
+  if (access.error == EACCES || access.error == EPERM) {
+    char mode[8];
+    std::snprintf(mode, sizeof mode, "%04o", access.mode);
+    report.reason = "permission denied: " + report.node + " has mode " + mode + ", owner " + access.owner +
+                    ":" + access.group + "; install the udev rule, then plug the device in again";
+    report.remedy = {"sudo install -m 644 haptics/devices/70-tandem-hid.rules /etc/udev/rules.d/",
+                     "sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=hidraw"};
+  } else if (access.error == EBUSY) {
+    report.reason = report.node + " is busy: another program has it to itself (spacenavd, 3DxWare)";
+    report.remedy = {"sudo fuser -v " + report.node};
+  } else if (access.error == ENOENT || access.error == ENODEV || access.error == ENXIO ||
+             access.error == EIO) {
+    report.reason = report.node + " is gone: the device was unplugged";
+  } else {
+    report.reason = report.node + ": " + std::strerror(access.error);
+  }
+}
+
+std::vector<DeviceReport> listDevices(HidBus& bus) {
+  std::vector<DeviceReport> reports{builtIn("Virtual stylus (mouse and keyboard)", "stylus"),
+                                    builtIn("Simulated hand (scripts and tests)", "simulated"),
+                                    builtIn("No device (watch only)", "none")};
+  for (const HidInfo& info : bus.enumerate()) {
+    if (!isSpaceMouse(info)) continue;
+    DeviceReport report = builtIn(spaceMouseName(info.vendor, info.product), "spacemouse");
+    report.vendor = info.vendor;
+    report.product = info.product;
+    report.node = info.path;
+    explainAccess(checkNode(info.path), report);
+    reports.push_back(std::move(report));
+  }
+  return reports;
+}
+
+std::vector<DeviceReport> listDevices() { return listDevices(systemHidBus()); }
+
+Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& worldFromStart) {
+  std::unique_ptr<Device> device;
+  if (name == "stylus")
+    device = std::make_unique<VirtualStylus>(worldFromStart);
+  else if (name == "simulated")
+    device = std::make_unique<SimulatedDevice>(worldFromStart);
+  else if (name == "none")
+    device = std::make_unique<NullDevice>();
+  else if (name == "spacemouse")
+    device = std::make_unique<SpaceMouse>(systemHidBus(), worldFromStart);
+  else
+    return Error{"device '" + name + "' is not known: use stylus, simulated, none or spacemouse"};
+  if (Status opened = device->open(); !opened) {
+    std::string why = opened.error().message;
+    for (const DeviceReport& report : listDevices())
+      if (report.driver == name && !report.usable) why = name + ": " + report.reason;
+    return Error{why};
+  }
+  return device;
+}
+
+DeviceTestState testDevice(Device& device, double seconds,
+                           const std::function<bool(const DeviceTestState&)>& callback) {
+  TripleBuffer<DeviceTestState> latest;
+  DeviceTestState running;
+  ServoLoop loop(device, [&](const DeviceSample& sample, double) {
+    ++running.ticks;
+    running.valid += sample.valid;
+    if (running.ticks > 1) running.changes += !sameReading(sample, running.sample);
+    running.sample = sample;
+    latest.write(running);
+    return Wrench{};
+  });
+  const double start = ServoLoop::now();
+  DeviceTestState state;
+  loop.start();
+  do {
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    state = latest.latest();
+    state.elapsed = ServoLoop::now() - start;
+    state.tickRate = static_cast<double>(state.ticks) / state.elapsed;
+  } while (callback(state) && state.elapsed < seconds);
+  loop.stop();
+  return state;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,59 @@
+#pragma once
+
+// Which devices are there, which driver would serve them, and why one cannot be opened. Not for the servo
+// thread.
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "haptics/device.h"
+#include "haptics/devices/hid_transport.h"
+
+namespace tandem::haptics {
+
+struct DeviceReport {
+  std::string name;
+  std::uint16_t vendor = 0, product = 0;  // 0 for devices that need no hardware
+  std::string node;                       // empty likewise
+  std::string driver;                     // the name for openDevice()
+  bool usable = false;
+  std::string reason;               // why not, one line
+  std::vector<std::string> remedy;  // shell commands that mend it
+};
+
+/// Whether a node opens for reading and writing, and who may.
+struct NodeAccess {
+  int error = 0;  // errno of the attempt
+  unsigned mode = 0;
+  std::string owner, group;
+};
+NodeAccess checkNode(const std::string& path);
+
+/// Fills usable, reason and remedy of a report from what checkNode() found.
+void explainAccess(const NodeAccess& access, DeviceReport& report);
+
+/// The built-in devices, then the hardware on the bus that a driver knows.
+std::vector<DeviceReport> listDevices(HidBus& bus);
+std::vector<DeviceReport> listDevices();
+
+/// Makes and opens a device: `stylus`, `simulated`, `none` or `spacemouse`, starting at a pose.
+Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& worldFromStart = {});
+
+/// What a self-test has seen so far.
+struct DeviceTestState {
+  DeviceSample sample;
+  double elapsed = 0.0;       // s
+  std::uint64_t ticks = 0;    // readings taken
+  std::uint64_t valid = 0;    // of them valid
+  std::uint64_t changes = 0;  // of them different from the one before
+  double tickRate = 0.0;      // Hz
+};
+
+/// Reads an open device at 1 kHz under zero force for some seconds and calls back about 20 times a second
+/// from the calling thread; ends early when the callback returns false. Returns the last state.
+DeviceTestState testDevice(Device& device, double seconds,
+                           const std::function<bool(const DeviceTestState&)>& callback);
+
+}  // namespace tandem::haptics

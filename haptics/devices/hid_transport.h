@@ -1,0 +1,49 @@
+#pragma once
+
+// The seam between a HID driver and the bus: hidapi behind it in the program, a script in tests.
+//
+// Threads: a HidBus from any thread. A HidConnection from one thread at a time, never the servo thread: reads
+// wait.
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "assets/result.h"
+
+namespace tandem::haptics {
+
+/// One HID interface as the bus reports it.
+struct HidInfo {
+  std::string path;  // the node to open, /dev/hidrawN on Linux
+  std::uint16_t vendor = 0, product = 0;
+  std::string manufacturer, productName, serial;
+  std::uint16_t usagePage = 0, usage = 0;  // of its first collection; 0 when unknown
+};
+
+class HidConnection {
+ public:
+  virtual ~HidConnection() = default;
+  /// Waits for one input report: its length (report id first), 0 when none came in time, -1 when the device
+  /// is gone.
+  virtual int read(std::span<std::uint8_t> buffer, int timeout_ms) = 0;
+  /// Sends an output report, its id first.
+  virtual Status write(std::span<const std::uint8_t> report) = 0;
+};
+
+class HidBus {
+ public:
+  virtual ~HidBus() = default;
+  /// What is connected, each path once.
+  virtual std::vector<HidInfo> enumerate() = 0;
+  virtual Result<std::unique_ptr<HidConnection>> open(const std::string& path) = 0;
+  /// Whether the node still exists: cheaper than enumerate().
+  virtual bool present(const std::string& path) = 0;
+};
+
+/// The machine's HID devices, through hidapi. Lives as long as the program.
+HidBus& systemHidBus();
+
+}  // namespace tandem::haptics

@@ -1,0 +1,88 @@
+#pragma once
+
+// A SpaceMouse moves a simulated hand: deflection is velocity. It gives no force to the fingers; the force
+// acts on the simulated hand, which therefore stops at surfaces and whose target never runs far ahead into a
+// part.
+//
+// 1. A thread of its own reads reports (60 to 125 a second) and hands over the latest state by triple buffer.
+// 2. The device sends only while it moves: after 100 ms of silence the deflection counts as zero.
+// 3. Unplugged, its samples are not valid; plugged in again (to any port) it goes on from where the hand is.
+
+#include <memory>
+
+#include "haptics/devices/hand_device.h"
+#include "haptics/devices/hid_transport.h"
+#include "haptics/devices/spacemouse_decoder.h"
+#include "haptics/triple_buffer.h"
+
+namespace tandem::haptics {
+
+/// What the reader thread last knew.
+struct SpaceMouseReading {
+  SpaceMouseState state;
+  std::uint64_t reports = 0;   // accepted so far
+  std::uint64_t rejected = 0;  // of unknown layout
+  bool connected = false;
+};
+
+/// Owns the connection and its thread. open() and close() from one thread; reading() from one, the servo
+/// thread.
+class SpaceMouseReader {
+ public:
+  explicit SpaceMouseReader(HidBus& bus);
+  ~SpaceMouseReader();  // closes
+
+  /// Finds and opens the first SpaceMouse and starts to read it; the error says what is missing.
+  Status open();
+  /// Ends the thread and switches the light off. Idempotent.
+  void close();
+  const SpaceMouseReading& reading();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// The first interface on the bus that reports SpaceMouse motion; empty path when there is none.
+HidInfo findSpaceMouse(HidBus& bus);
+
+/// Whether an interface is the motion interface of a known model (receivers carry a mouse and a keyboard
+/// besides).
+bool isSpaceMouse(const HidInfo& info);
+
+/// What the viewer decides: which way is right on the screen, and how large the scene is.
+struct SpaceMouseView {
+  glm::dquat worldFromView{1.0, 0.0, 0.0, 0.0};
+  double maxSpeed = 0.15;  // m/s at full deflection; about the scene's size a second
+};
+
+class SpaceMouse : public HandDevice {
+ public:
+  explicit SpaceMouse(HidBus& bus, const Pose& worldFromStart = {});
+  ~SpaceMouse() override;
+
+  std::string name() const override { return "spacemouse"; }
+  /// Forces move the simulated hand only: actuatedAxes is 0 although maxForce is not.
+  DeviceLimits limits() const override;
+  Status open() override;
+  void close() override;
+  DeviceSample poll(double now) override;
+
+  /// From one thread, any time. Not finite or not a unit quaternion: ignored.
+  void setView(const SpaceMouseView& view);
+
+ private:
+  void beginPoll(double now) override;
+  HandTarget nextTarget(double dt) override;
+  std::uint32_t pressedButtons() const override { return reading_.connected ? reading_.state.buttons : 0; }
+
+  SpaceMouseReader reader_;
+  VelocityCurve curve_;
+  TripleBuffer<SpaceMouseView> view_;
+  SpaceMouseReading reading_;
+  double lastNews_ = 0.0;
+  Twist wanted_, twist_;
+  Pose target_;
+};
+
+}  // namespace tandem::haptics
