@@ -24,6 +24,21 @@ TrianglePoint closestOnEdges(const glm::dvec3& p, const Triangle& t) {
   return best;
 }
 
+/// For triangles so thin that the signs of their face regions cannot be trusted. Of one flatter than 1e-10
+/// rad nothing but edges is left.
+TrianglePoint closestOnSliver(const glm::dvec3& p, const Triangle& t, const glm::dvec3& normal) {
+  const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a;
+  const double square = glm::dot(normal, normal);
+  if (square > 1e-20 * glm::dot(ab, ab) * glm::dot(ac, ac)) {
+    const glm::dvec3 foot = p - normal * (glm::dot(normal, p - t.a) / square);
+    const bool inside = glm::dot(normal, glm::cross(ab, foot - t.a)) > 0.0 &&
+                        glm::dot(normal, glm::cross(t.c - t.b, foot - t.b)) > 0.0 &&
+                        glm::dot(normal, glm::cross(-ac, foot - t.c)) > 0.0;
+    if (inside) return {foot, true};
+  }
+  return closestOnEdges(p, t);
+}
+
 }  // namespace
 
 TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& t) {
@@ -51,7 +66,10 @@ TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& t) {
     return {t.b + (t.c - t.b) * ((d4 - d3) / along), false};
   }
   const double sum = va + vb + vc;
-  if (!(sum > 0.0)) return closestOnEdges(p, t);
+  // The sum should be the squared length of ab x ac. Seen from afar, a sliver's is drowned by rounding.
+  const glm::dvec3 normal = glm::cross(ab, ac);
+  const double square = glm::dot(normal, normal);
+  if (std::abs(sum - square) > 1e-6 * square) return closestOnSliver(p, t, normal);
   return {t.a + ab * (vb / sum) + ac * (vc / sum), true};
 }
 

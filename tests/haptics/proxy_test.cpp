@@ -3,6 +3,7 @@
 #include <cmath>
 #include <random>
 
+#include "haptics/tick_data.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::test {
@@ -185,6 +186,42 @@ TEST(Proxy, StaysOutOfASphereUnderRandomPushes) {
       hand.at(goal);
       ASSERT_GT(glm::length(hand.out.worldFromProxy.position), inner + radius * 0.9) << "push " << i;
     }
+  }
+}
+
+TEST(Proxy, KeepsItsDistanceFromEveryTriangleOfADirtySoup) {
+  // Triangles that cross each other at random, slivers and faces without area among them.
+  std::mt19937 random(11);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  assets::Mesh mesh;
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    const glm::dvec3 a = 0.03 * glm::dvec3(u(random), u(random), u(random));
+    const glm::dvec3 ab = 0.02 * glm::dvec3(u(random), u(random), u(random));
+    const glm::dvec3 ac =
+        i % 5 == 0 ? 0.5 * ab : glm::dvec3(0.02 * u(random), 0.02 * u(random), 0.02 * u(random));
+    mesh.positions.insert(mesh.positions.end(), {a, a + ab, a + (i % 7 == 0 ? ab + 1e-4 * ac : ac)});
+    mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  for (const double radius : {0.0, 0.001}) {
+    HandProbe hand(sceneOf(mesh));
+    hand.parameters.toolRadius = radius;
+    hand.at({0.06, 0.06, 0.06});
+    int touching = 0;
+    for (int visit = 0; visit < 100; ++visit) {
+      const glm::dvec3 from = hand.sample.worldFromDevice.position;
+      const glm::dvec3 to = 0.04 * glm::dvec3(u(random), u(random), u(random));
+      for (int i = 1; i <= 50; ++i) {
+        hand.at(glm::mix(from, to, i / 50.0));
+        touching += hand.out.contactCount > 0 ? 1 : 0;
+        const haptics::ContactWorld& world = hand.state.data().world;
+        const glm::dvec3& p = hand.out.worldFromProxy.position;
+        const double skin = world.skin(0, p);
+        haptics::SurfacePoint near;
+        if (!world.nearest(0, p, radius + skin, near)) continue;
+        ASSERT_GT(glm::length(p - near.point), radius + 0.45 * skin) << visit << ' ' << i;
+      }
+    }
+    EXPECT_GT(touching, 500);
   }
 }
 
