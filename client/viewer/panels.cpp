@@ -234,7 +234,7 @@ void drawHelp(const PanelContext& context) {
   };
   static constexpr Key kKeys[] = {
       {nullptr, "Safety"},
-      {"Space", "zero force, on and off"},
+      {"Space", "zero force, on and off (Ctrl + Space while typing)"},
       {nullptr, "Camera"},
       {"Right or middle drag", "turn about the point under the mouse"},
       {"Shift + drag", "shift"},

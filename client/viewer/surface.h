@@ -22,7 +22,8 @@ struct Input {
   glm::dvec2 cursor{-1e9, -1e9};  // window pixels, top left origin
   glm::dvec2 cursorMove{0.0, 0.0};
   std::array<bool, 3> down{}, pressed{}, released{};  // left, right, middle
-  double wheel = 0.0;                                 // steps, away from the person = positive
+  glm::dvec2 pressedAt{-1e9, -1e9};  // where the last button went down: the cursor may have gone on since
+  double wheel = 0.0;                // steps, away from the person = positive
   bool shift = false, ctrl = false;
   std::bitset<kKeyCount> keysDown;
   std::vector<int> keysPressed;  // in order; a key that went down and up again is still here
@@ -46,7 +47,7 @@ class Surface {
   virtual void stopInterface() = 0;
   /// Takes in events and tells ImGui; ImGui::NewFrame() follows.
   virtual void beginFrame(Input& input) = 0;
-  /// Shows the picture, at most 60 times a second.
+  /// Shows the picture, at most 60 times a second (30 where the processor draws).
   virtual void present() = 0;
   virtual bool closeRequested() const = 0;
 };

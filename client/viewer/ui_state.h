@@ -27,6 +27,9 @@ struct UiState {
 struct Rect {
   glm::dvec2 min{0.0, 0.0}, max{1.0, 1.0};
   glm::dvec2 size() const { return max - min; }
+  bool contains(const glm::dvec2& p) const {
+    return p.x >= min.x && p.y >= min.y && p.x < max.x && p.y < max.y;
+  }
 };
 
 }  // namespace tandem::client

@@ -191,7 +191,7 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
   const bool typing = ImGui::GetIO().WantTextInput;
   for (const int key : input.keysPressed) {
     if (key == GLFW_KEY_F1) ui_.showHelp = !ui_.showHelp;
-    if (typing) continue;
+    if (typing && !(key == GLFW_KEY_SPACE && input.ctrl)) continue;
     switch (key) {
       case GLFW_KEY_SPACE:
         actions.settings.zeroForce = !actions.settings.zeroForce;
@@ -340,9 +340,11 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (ui_.fit) fit(model);
   follow(model);
 
+  // In a slow frame the mouse has gone on since it clicked: a click on a panel must not grasp what it is over
+  // now.
+  if (!viewport_.contains(input.pressedAt)) input.pressed.fill(false);
   const glm::dvec2 cursor = input.cursor - viewport_.min;
-  const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && cursor.x >= 0.0 && cursor.y >= 0.0 &&
-                            cursor.x < viewport_.size().x && cursor.y < viewport_.size().y;
+  const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
   View view = currentView(model);
   partLooks(model, ui_.parts, looks_);
   if (drag_ == Drag::none)

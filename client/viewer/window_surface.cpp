@@ -18,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr auto kFrameInterval = std::chrono::microseconds(16600);
+constexpr auto kSoftwareInterval = std::chrono::microseconds(33000);
 
 std::string lastGlfwError() {
   const char* text = nullptr;
@@ -34,10 +35,17 @@ class WindowSurface final : public Surface {
  public:
   explicit WindowSurface(GLFWwindow* window) : window_(window) {
     glfwSetWindowUserPointer(window_, this);
-    // Our callback comes first: ImGui's chains to it.
+    // Our callbacks come first: ImGui's chain to them.
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
       auto* self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
       if (action == GLFW_PRESS && key >= 0) self->keysPressed_.push_back(key);
+    });
+    glfwSetCursorPosCallback(window_, [](GLFWwindow* w, double x, double y) {
+      static_cast<WindowSurface*>(glfwGetWindowUserPointer(w))->cursor_ = {x, y};
+    });
+    glfwSetMouseButtonCallback(window_, [](GLFWwindow* w, int, int action, int) {
+      auto* self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
+      if (action == GLFW_PRESS) self->pressedAt_ = self->cursor_;
     });
     glfwMakeContextCurrent(window_);
     glfwSwapInterval(1);
@@ -77,6 +85,7 @@ class WindowSurface final : public Surface {
     const auto& io = ImGui::GetIO();
     input = Input{};
     input.keysPressed.swap(keysPressed_);
+    input.pressedAt = pressedAt_;
     for (std::size_t key = 0; key < kKeyCount; ++key) input.keysDown[key] = io.KeysDown[key];
     input.dt = io.DeltaTime;
   }
@@ -86,7 +95,7 @@ class WindowSurface final : public Surface {
     glfwSwapBuffers(window_);
     // A display without vertical synchronisation (a virtual one, say) would let the loop run free. A software
     // renderer uses every core: it pauses for half as long as it drew, so that the haptic loop keeps one.
-    auto until = frameStart_ + kFrameInterval;
+    auto until = frameStart_ + (software_ ? kSoftwareInterval : kFrameInterval);
     if (software_) until = std::max(until, Clock::now() + (drawn - frameStart_) / 2);
     std::this_thread::sleep_until(until);
   }
@@ -95,6 +104,7 @@ class WindowSurface final : public Surface {
  private:
   GLFWwindow* window_;
   std::vector<int> keysPressed_;
+  glm::dvec2 cursor_{-1e9, -1e9}, pressedAt_{-1e9, -1e9};
   Clock::time_point frameStart_ = Clock::now();
   bool software_ = false;
 };
