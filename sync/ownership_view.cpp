@@ -8,6 +8,7 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
+    bool unconfirmed = false;  // held over a lapse of the lease
   };
   std::vector<Entry> parts;
   LeaseRules rules;
@@ -37,6 +38,7 @@ bool OwnershipView::apply(const PartRecord& record) {
   if (!newEpoch && !ends) return false;
   entry.record = record;
   if (newEpoch) entry.hasSequence = false;
+  entry.unconfirmed = false;
   return true;
 }
 
@@ -60,11 +62,28 @@ void OwnershipView::renewed(Micros pingSent) {
   state_->everRenewed = true;
 }
 
+void OwnershipView::renewed(Micros pingSent, Micros received) {
+  if (state_->everRenewed && !leaseValid(received)) {
+    for (State::Entry& entry : state_->parts) entry.unconfirmed = owns(entry.record.part);
+  }
+  renewed(pingSent);
+}
+
+bool OwnershipView::needsReclaim(PartId part) const { return owns(part) && state_->parts[part].unconfirmed; }
+
+void OwnershipView::confirmed(PartId part, Epoch epoch) {
+  if (part < state_->parts.size() && state_->parts[part].record.epoch == epoch) {
+    state_->parts[part].unconfirmed = false;
+  }
+}
+
 bool OwnershipView::leaseValid(Micros now) const {
   return state_->everRenewed && now - state_->leaseFrom < state_->rules.siteLease();
 }
 
-bool OwnershipView::mayPublish(PartId part, Micros now) const { return owns(part) && leaseValid(now); }
+bool OwnershipView::mayPublish(PartId part, Micros now) const {
+  return owns(part) && leaseValid(now) && !needsReclaim(part);
+}
 
 const PartRecord& OwnershipView::part(PartId part) const {
   ASSERT(part < state_->parts.size());
