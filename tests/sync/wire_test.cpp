@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
 #include "tests/sync/random_messages.h"
 
 namespace tandem::sync {
@@ -151,6 +153,25 @@ TEST(ControlWire, CleansTextThatCouldHarmATerminal) {
   EXPECT_EQ(std::get<Refused>(*message).reason, "a?[2Jb??");
   const auto cut = decodeControl(encodeControl(Refused{Refusal::malformed, std::string(600, 'x')}));
   EXPECT_EQ(std::get<Refused>(*cut).reason.size(), kMaxTextLength);
+}
+
+std::string hex(const std::vector<std::byte>& bytes) {
+  static constexpr char kDigits[] = "0123456789abcdef";
+  std::string out;
+  for (const std::byte byte : bytes) {
+    if (!out.empty()) out += ' ';
+    out += kDigits[std::to_integer<unsigned>(byte) >> 4];
+    out += kDigits[std::to_integer<unsigned>(byte) & 15u];
+  }
+  return out;
+}
+
+TEST(Wire, WritesTheExamplesOfItsDescription) {
+  std::ifstream in(std::string(TANDEM_SOURCE_DIR) + "/sync/WIRE.md");
+  const std::string description{std::istreambuf_iterator<char>(in), {}};
+  const std::string grab = hex(encodeControl(Grab{258, 3})), ping = hex(encoded(Ping{7, 1000}));
+  EXPECT_NE(description.find("`" + grab + "`"), std::string::npos) << grab;
+  EXPECT_NE(description.find("`" + ping + "`"), std::string::npos) << ping;
 }
 
 TEST(ControlWire, AWelcomeWithEveryPartFits) {
