@@ -219,7 +219,7 @@ void PartTree::draw(const PanelContext& context) {
   if (ImGui::Button("Show all")) context.ui.parts.showAll();
   if (context.model.role == sync::Role::instructor && !context.model.replay) {
     ImGui::SameLine();
-    if (ImGui::Button("Reset parts")) context.actions.resetParts = true;
+    if (ImGui::Button("Reset")) context.actions.resetParts = true;
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("Put every part that nobody holds back to its first place");
   }
   ImGui::Spacing();
