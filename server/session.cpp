@@ -133,14 +133,10 @@ const SessionCounters& Session::counters() const { return state_->counts; }
 std::vector<std::string> Session::takeLog() { return std::exchange(state_->log, {}); }
 std::vector<sync::Role> Session::takeUsedTokens() { return std::exchange(state_->usedTokens, {}); }
 
-void Session::shutDown(const std::string& reason) {
+void Session::shutDown() {
   State& s = *state_;
   s.keepPoses();
-  const auto bytes = sync::encodeControl(sync::Refused{sync::Refusal::sessionFull, reason});
-  for (const auto& [connection, peer] : s.peers) {
-    s.transport.sendControl(connection, bytes);
-    s.transport.close(connection);
-  }
+  for (const auto& [connection, peer] : s.peers) s.transport.close(connection);
   s.peers.clear();
 }
 

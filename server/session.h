@@ -74,8 +74,9 @@ class Session {
   sync::Micros nextDeadline() const;
   /// Session time at the last step.
   sync::Micros sessionTime() const;
-  /// Tells every site that the server stops and closes; call step() and run the transport a little longer.
-  void shutDown(const std::string& reason);
+  /// Keeps the poses and closes every connection, without a refusal: sites come back when the server does.
+  /// Run the transport a little longer afterwards; no step() may follow.
+  void shutDown();
 
   /// Everybody who is connected, or was a short while ago.
   const std::vector<sync::SiteInfo>& sites() const;

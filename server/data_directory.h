@@ -1,0 +1,39 @@
+#pragma once
+
+// What a server keeps between runs: its signing key, its TLS identity, and the place of its journal. One
+// server at a time may use a directory (a lock that the kernel drops with the process). Directories are made
+// 0700, files 0600.
+
+#include <string>
+#include <utility>
+
+#include "assets/result.h"
+#include "server/admission.h"
+#include "sync/socket_transport.h"
+
+namespace tandem::server {
+
+class DataDirectory {
+ public:
+  /// Locks the directory, and makes what is missing in it. Errors name the file.
+  static Result<DataDirectory> open(const std::string& path);
+  DataDirectory(DataDirectory&& other) noexcept;
+  DataDirectory& operator=(DataDirectory&&) = delete;
+  ~DataDirectory();
+
+  const SigningKey& signingKey() const { return signingKey_; }
+  const sync::TlsIdentity& identity() const { return identity_; }
+  std::string journalPath() const { return path_ + "/session.db"; }
+
+ private:
+  DataDirectory(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+  Status loadSigningKey();
+  Status loadIdentity();
+
+  std::string path_;
+  int lock_ = -1;  // file descriptor
+  SigningKey signingKey_;
+  sync::TlsIdentity identity_;
+};
+
+}  // namespace tandem::server

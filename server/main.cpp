@@ -1,0 +1,191 @@
+// tandem-server: loads a scene, opens its session's data directory, prints join links, and serves until it is
+// told to stop. Standard output carries the links and nothing else; the log goes to standard error. Exit
+// codes: 0 done, 1 the run failed, 2 bad arguments or input (one line on standard error).
+
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+
+#include "assets/scene_package.h"
+#include "server/data_directory.h"
+#include "server/invitations.h"
+#include "server/options.h"
+#include "server/session.h"
+#include "server/sqlite_journal.h"
+#include "sync/socket_transport.h"
+
+namespace tandem::server {
+namespace {
+
+constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
+constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is soon seen
+constexpr sync::Micros kClosingTime = 300 * sync::kMillisecond;
+
+volatile std::sig_atomic_t stopAsked = 0;
+
+extern "C" void onStopSignal(int) { stopAsked = 1; }
+
+void watchSignals() {
+  struct sigaction action {};
+  action.sa_handler = onStopSignal;
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  action.sa_handler = SIG_IGN;
+  sigaction(SIGPIPE, &action, nullptr);
+}
+
+/// Monotonic, from the start of the program.
+sync::Micros localNow() {
+  using Clock = std::chrono::steady_clock;
+  static const Clock::time_point start = Clock::now();
+  return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start).count();
+}
+
+std::int64_t unixNow() {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+int badInput(const Error& error) {
+  std::fprintf(stderr, "tandem-server: %s\n", error.message.c_str());
+  return kExitBadInput;
+}
+
+void startLog(bool quiet) {
+  auto log = spdlog::stderr_color_mt("tandem-server");
+  log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+  log->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
+  spdlog::set_default_logger(log);
+}
+
+Result<assets::Scene> load(Options& options) {
+  const bool bar = ::isatty(STDERR_FILENO) == 1 && !options.quiet;
+  if (bar)
+    options.load.progress = [](double share, const char* what) {
+      std::fprintf(stderr, "\r\033[Kloading %3.0f %% %s", 100.0 * share, what);
+    };
+  auto scene =
+      assets::loadScene(options.scene, options.load, options.cache ? assets::defaultCacheDirectory() : "");
+  if (bar) std::fputs("\r\033[K", stderr);
+  if (scene && scene->parts.empty()) return Error{options.scene + ": no parts in it"};
+  return scene;
+}
+
+/// Everything that a running session needs, in the order in which it is made.
+struct Server {
+  assets::Scene scene;
+  std::vector<std::byte> package;
+  DataDirectory directory;
+  std::unique_ptr<sync::SocketTransport> transport;
+  std::unique_ptr<SqliteJournal> journal;  // after the transport: its thread wakes it
+  std::optional<sync::RecordingWriter> recording;
+};
+
+/// Serves until told to stop. Returns whether the journal was sound to the end.
+bool serve(const Options& options, Server& server, Session& session, Invitations& invitations) {
+  const sync::Micros end = options.duration_s > 0.0
+                               ? localNow() + static_cast<sync::Micros>(options.duration_s * 1e6)
+                               : std::numeric_limits<sync::Micros>::max();
+  while (stopAsked == 0 && localNow() < end) {
+    const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
+    server.transport->wait(wait);
+    session.step(localNow(), unixNow());
+    for (const std::string& line : session.takeLog()) spdlog::info(line);
+    invitations.renew(session, session.takeUsedTokens(), unixNow());
+  }
+  session.shutDown();
+  const sync::Micros closed = localNow() + kClosingTime;
+  for (sync::TransportEvent event; localNow() < closed && session.sites().size() > 0;) {
+    server.transport->wait(10 * sync::kMillisecond);
+    while (server.transport->poll(event)) {
+    }
+  }
+  return server.journal->failure().empty();
+}
+
+Result<Server> prepare(Options& options, int& exitCode) {
+  exitCode = kExitBadInput;
+  Result<assets::Scene> scene = load(options);
+  if (!scene) return scene.error();
+  std::vector<std::byte> package = assets::packScene(*scene);
+  Result<DataDirectory> directory = DataDirectory::open(options.data);
+  if (!directory) return directory.error();
+  const auto hash = assets::contentHash(package);
+  auto journal = SqliteJournal::open(directory->journalPath(), {assets::toHex(hash), unixNow(), 0});
+  if (!journal) return journal.error();
+  std::optional<sync::RecordingWriter> recording;
+  if (!options.record.empty()) {
+    auto writer = sync::RecordingWriter::create(options.record, {hash, sync::wireFrame(scene->bounds)});
+    if (!writer) return writer.error();
+    recording = std::move(*writer);
+  }
+  exitCode = kExitFailed;
+  auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity());
+  if (!transport) return transport.error();
+  return Server{std::move(*scene),     std::move(package),  std::move(*directory),
+                std::move(*transport), std::move(*journal), std::move(recording)};
+}
+
+int run(Options& options) {
+  watchSignals();
+  ::umask(077);  // what a server writes is its user's alone
+  startLog(options.quiet);
+  localNow();
+  int exitCode = kExitDone;
+  Result<Server> prepared = prepare(options, exitCode);
+  if (!prepared) {
+    badInput(prepared.error());
+    return exitCode;
+  }
+  Server& server = *prepared;
+  const Result<std::string> pin = sync::pinOf(server.directory.identity());
+  if (!pin) return badInput(pin.error());
+  server.journal->onProgress([transport = server.transport.get()] { transport->wake(); });
+
+  SessionConfig config;
+  config.key = server.directory.signingKey();
+  config.lease.lease = options.lease;
+  config.lease.margin = std::min(config.lease.margin, options.lease / 8);
+  Session session(server.scene, server.package, config, *server.transport, *server.journal,
+                  server.recording ? &*server.recording : nullptr, localNow(), unixNow());
+  const std::string host = options.linkHost.empty() ? defaultLinkHost(options.listenHost) : options.linkHost;
+  const auto movable = std::count_if(server.scene.parts.begin(), server.scene.parts.end(),
+                                     [](const assets::Part& part) { return part.movable; });
+  spdlog::info("{}: {} parts ({} movable), {} triangles, {} KiB to each new site; port {}; data in {}",
+               options.scene, server.scene.parts.size(), movable, assets::triangleCount(server.scene),
+               server.package.size() / 1024, server.transport->port(), options.data);
+  Invitations invitations(options, host, server.transport->port(), *pin);
+  invitations.open(session, unixNow());
+  const bool sound = serve(options, server, session, invitations);
+
+  const SessionCounters& c = session.counters();
+  spdlog::info(
+      "stopped: {} grants, {} denials, {} releases, {} updates relayed, {} states and {} datagrams dropped",
+      c.grants, c.denials, c.releases, c.relayedUpdates, c.droppedStates,
+      c.droppedMalformed + c.droppedFlood);
+  return sound ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+}  // namespace tandem::server
+
+int main(int argc, char** argv) {
+  auto parsed = tandem::server::parseOptions(argc, argv);
+  if (const int* exitCode = std::get_if<int>(&parsed)) return *exitCode;
+  try {
+    return tandem::server::run(std::get<tandem::server::Options>(parsed));
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "tandem-server: %s\n", error.what());
+    return tandem::server::kExitFailed;
+  }
+}

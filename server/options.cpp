@@ -1,0 +1,165 @@
+#include "server/options.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <sstream>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+namespace tandem::server {
+namespace {
+
+constexpr const char* kExamples = R"(Examples:
+  tandem-server assets/scenes/pump.glb
+      A session on port 7480 (TCP and UDP); prints one join link a role.
+  tandem-server engine.glb --units mm --movable all --invite participant=3
+      A plain CAD file in millimetres, in which every part can be picked up; three open links for participants.
+  tandem-server pump.glb --listen 127.0.0.1:0 --data /tmp/trial --duration 60
+      On this machine only, on any free port, for a minute.
+
+Each line on standard output is a role and a link; a link works once, and when it has been used a new one is printed.
+The session lives in the data directory: start the server again with the same --data and port, and everybody comes back.
+Send a link over a channel that you trust: it carries the right to enter and the pin of the server's key.
+Open both TCP and UDP of the port in the firewall; where UDP does not pass, state travels over TCP.)";
+
+Result<glm::dvec3> parseVector(const std::string& text) {
+  glm::dvec3 v{0.0};
+  char rest = 0;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &v.x, &v.y, &v.z, &rest) != 3 ||
+      !std::isfinite(v.x + v.y + v.z))
+    return Error{"--gravity " + text + ": must be X,Y,Z in m/s^2"};
+  return v;
+}
+
+Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
+  const Error wrong{"--invite " + text +
+                    ": must be ROLE=N with instructor, participant or observer and N of 0 to 64"};
+  const auto equals = text.find('=');
+  if (equals == std::string::npos) return wrong;
+  int count = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data() + equals + 1, end, count);
+  if (error != std::errc() || at != end || count < 0 || count > static_cast<int>(sync::kMaxSites))
+    return wrong;
+  for (std::size_t role = 0; role < invites.size(); ++role) {
+    if (text.substr(0, equals) != sync::toString(static_cast<sync::Role>(role))) continue;
+    invites[role] = count;
+    return {};
+  }
+  return wrong;
+}
+
+/// Options as text, before they are understood.
+struct Raw {
+  std::string units = "m", listen = ":7480", gravity;
+  std::vector<std::string> movable, invites;
+  double lease_ms = 2000.0;
+  bool noCache = false;
+};
+
+Status understand(const Raw& raw, Options& options) {
+  const auto units = assets::parseUnits(raw.units);
+  if (!units) return Error{"--units: " + units.error().message};
+  options.load.unitScale = *units;
+  for (const std::string& name : raw.movable) {
+    if (name == "all")
+      options.load.allMovable = true;
+    else
+      options.load.movable.push_back(name);
+  }
+  if (!raw.gravity.empty()) {
+    const auto gravity = parseVector(raw.gravity);
+    if (!gravity) return gravity.error();
+    options.load.gravity = *gravity;
+  }
+  const auto address = parseAddress(raw.listen);
+  if (!address) return Error{"--listen " + raw.listen + ": " + address.error().message};
+  options.listenHost = address->first;
+  options.listenPort = address->second;
+  for (const std::string& invite : raw.invites)
+    if (Status status = parseInvite(invite, options.invites); !status) return status;
+  options.lease = static_cast<sync::Micros>(raw.lease_ms * 1000.0);
+  options.cache = !raw.noCache;
+  return {};
+}
+
+void addOptions(CLI::App& app, Raw& raw, Options& options) {
+  app.add_option("scene", options.scene, "the scene, .gltf or .glb")->type_name("SCENE")->required();
+  app.add_option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
+      ->type_name("HOST:PORT")
+      ->capture_default_str();
+  app.add_option("--data", options.data,
+                 "directory that keeps the session: keys, who owns what, where parts are")
+      ->type_name("DIR")
+      ->capture_default_str();
+  app.add_option("--units", raw.units, "what one unit of the file is: m, cm, mm, inch, foot")
+      ->capture_default_str();
+  app.add_option("--movable", raw.movable, "a part that can be picked up, or all; may be given again")
+      ->type_name("NAME|all")
+      ->allow_extra_args(false);
+  app.add_option("--gravity", raw.gravity, "m/s^2; none by default")->type_name("X,Y,Z");
+  app.add_option("--invite", raw.invites, "how many links to keep open for a role; one each by default")
+      ->type_name("ROLE=N")
+      ->allow_extra_args(false);
+  app.add_option("--link-host", options.linkHost, "host in the links, as the sites reach this machine")
+      ->type_name("HOST");
+  app.add_option("--token-lifetime", options.tokenLifetime_s, "how long a link is good, s")
+      ->type_name("S")
+      ->check(CLI::Range(1, 366 * 24 * 3600))
+      ->capture_default_str();
+  app.add_option("--lease-ms", raw.lease_ms, "how long a silent site keeps its parts, ms")
+      ->type_name("MS")
+      ->check(CLI::Range(200.0, 600000.0))
+      ->capture_default_str();
+  app.add_option("--record", options.record, "records the session, for tandem replay")->type_name("FILE");
+  app.add_option("--duration", options.duration_s,
+                 "stops after this time, s; 0: runs until it is told to stop")
+      ->type_name("S")
+      ->check(CLI::Range(0.0, 1e9));
+  app.add_flag("--no-cache", raw.noCache, "prepares the scene anew");
+  app.add_flag("--quiet", options.quiet, "logs only what is wrong");
+}
+
+}  // namespace
+
+Result<std::pair<std::string, std::uint16_t>> parseAddress(const std::string& text) {
+  const Error wrong{"must be HOST:PORT, [IPV6]:PORT or :PORT"};
+  const auto colon = text.rfind(':');
+  if (colon == std::string::npos) return wrong;
+  std::string host = text.substr(0, colon);
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
+  else if (host.find(':') != std::string::npos)
+    return wrong;
+  std::uint16_t port = 0;
+  const char* end = text.data() + text.size();
+  const auto [at, error] = std::from_chars(text.data() + colon + 1, end, port);
+  if (error != std::errc() || at != end) return wrong;
+  return std::pair{host, port};
+}
+
+std::variant<Options, int> parseOptions(int argc, char** argv) {
+  CLI::App app{"One Tandem session: who owns what, and the state between the sites."};
+  app.footer(kExamples);
+  app.set_version_flag("--version", TANDEM_VERSION);
+  Options options;
+  Raw raw;
+  addOptions(app, raw, options);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& success) {
+    return app.exit(success);
+  } catch (const CLI::ParseError& error) {
+    std::fprintf(stderr, "tandem-server: %s (see --help)\n", error.what());
+    return 2;
+  }
+  if (Status status = understand(raw, options); !status) {
+    std::fprintf(stderr, "tandem-server: %s\n", status.error().message.c_str());
+    return 2;
+  }
+  return options;
+}
+
+}  // namespace tandem::server

@@ -1,0 +1,41 @@
+#pragma once
+
+// The command line of tandem-server.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <variant>
+
+#include "assets/load_gltf.h"
+#include "assets/result.h"
+#include "sync/messages.h"
+#include "sync/time.h"
+
+namespace tandem::server {
+
+struct Options {
+  std::string scene;
+  assets::LoadOptions load;
+  bool cache = true;
+  std::string listenHost;           // empty: every address
+  std::uint16_t listenPort = 7480;  // 0: any free one
+  std::string linkHost;             // as the sites reach this machine; empty: found out
+  std::string data = "tandem-data";
+  std::string record;                   // empty: no recording
+  std::array<int, 3> invites{1, 1, 1};  // open links a role, by sync::Role
+  std::int64_t tokenLifetime_s = 24 * 3600;
+  sync::Micros lease = 2 * sync::kSecond;
+  double duration_s = 0.0;  // 0: until it is told to stop
+  bool quiet = false;
+};
+
+/// The options; or the exit code when the command line has been dealt with (help) or is wrong (2, told on
+/// stderr).
+std::variant<Options, int> parseOptions(int argc, char** argv);
+
+/// "HOST:PORT", "[IPV6]:PORT" or ":PORT" into its two halves.
+Result<std::pair<std::string, std::uint16_t>> parseAddress(const std::string& text);
+
+}  // namespace tandem::server

@@ -1,0 +1,90 @@
+#include "server/sqlite_database.h"
+
+#include <sqlite3.h>
+
+namespace tandem::server {
+
+Result<SqliteDatabase> SqliteDatabase::open(const std::string& path) {
+  sqlite3* handle = nullptr;
+  const int flags =
+      SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX | SQLITE_OPEN_PRIVATECACHE;
+  const int code = sqlite3_open_v2(path.c_str(), &handle, flags, nullptr);
+  SqliteDatabase database(handle);  // to be closed even after an error
+  if (code != SQLITE_OK) return Error{database.error()};
+  sqlite3_extended_result_codes(handle, 1);
+  return database;
+}
+
+SqliteDatabase::~SqliteDatabase() { sqlite3_close_v2(handle_); }
+
+Status SqliteDatabase::run(const char* sql) {
+  if (sqlite3_exec(handle_, sql, nullptr, nullptr, nullptr) != SQLITE_OK) return Error{error()};
+  return {};
+}
+
+Result<std::string> SqliteDatabase::ask(const char* sql) {
+  Result<SqliteStatement> statement = SqliteStatement::prepare(*this, sql);
+  if (!statement) return statement.error();
+  switch (statement->next()) {
+    case SqliteStatement::Row::row:
+      return statement->text(0);
+    case SqliteStatement::Row::end:
+      return std::string();
+    default:
+      return Error{error()};
+  }
+}
+
+std::string SqliteDatabase::error() const {
+  return handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
+}
+
+Result<SqliteStatement> SqliteStatement::prepare(const SqliteDatabase& database, const char* sql) {
+  sqlite3_stmt* handle = nullptr;
+  if (sqlite3_prepare_v2(database.handle(), sql, -1, &handle, nullptr) != SQLITE_OK)
+    return Error{database.error()};
+  return SqliteStatement(handle);
+}
+
+SqliteStatement::~SqliteStatement() { sqlite3_finalize(handle_); }
+
+SqliteStatement& SqliteStatement::bind(int parameter, std::int64_t value) {
+  sqlite3_bind_int64(handle_, parameter + 1, value);
+  return *this;
+}
+SqliteStatement& SqliteStatement::bind(int parameter, double value) {
+  sqlite3_bind_double(handle_, parameter + 1, value);
+  return *this;
+}
+SqliteStatement& SqliteStatement::bind(int parameter, const std::string& value) {
+  sqlite3_bind_text64(handle_, parameter + 1, value.data(), value.size(), SQLITE_TRANSIENT, SQLITE_UTF8);
+  return *this;
+}
+
+bool SqliteStatement::run() {
+  const int code = sqlite3_step(handle_);
+  sqlite3_reset(handle_);
+  return code == SQLITE_DONE || code == SQLITE_ROW;
+}
+
+SqliteStatement::Row SqliteStatement::next() {
+  switch (sqlite3_step(handle_)) {
+    case SQLITE_ROW:
+      return Row::row;
+    case SQLITE_DONE:
+      return Row::end;
+    default:
+      return Row::failed;
+  }
+}
+
+std::int64_t SqliteStatement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
+double SqliteStatement::real(int column) const { return sqlite3_column_double(handle_, column); }
+std::string SqliteStatement::text(int column) const {
+  const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));
+  return bytes == nullptr
+             ? std::string()
+             : std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column)));
+}
+
+}  // namespace tandem::server

@@ -1,0 +1,65 @@
+#pragma once
+
+// The few calls of SQLite that the journal needs, with errors as values.
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "assets/result.h"
+
+struct sqlite3;
+struct sqlite3_stmt;
+
+namespace tandem::server {
+
+class SqliteDatabase {
+ public:
+  static Result<SqliteDatabase> open(const std::string& path);
+  SqliteDatabase(SqliteDatabase&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  SqliteDatabase& operator=(SqliteDatabase&&) = delete;
+  ~SqliteDatabase();
+
+  Status run(const char* sql);
+  /// The first column of the first row as text; empty if there is none.
+  Result<std::string> ask(const char* sql);
+  /// The last error, in SQLite's words.
+  std::string error() const;
+  sqlite3* handle() const { return handle_; }
+
+ private:
+  explicit SqliteDatabase(sqlite3* handle) : handle_(handle) {}
+  sqlite3* handle_;
+};
+
+/// A prepared statement; used again and again. Parameters and columns count from 0.
+class SqliteStatement {
+ public:
+  SqliteStatement() = default;
+  static Result<SqliteStatement> prepare(const SqliteDatabase& database, const char* sql);
+  SqliteStatement(SqliteStatement&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  SqliteStatement& operator=(SqliteStatement&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    return *this;
+  }
+  ~SqliteStatement();
+
+  SqliteStatement& bind(int parameter, std::int64_t value);
+  SqliteStatement& bind(int parameter, double value);
+  SqliteStatement& bind(int parameter, const std::string& value);
+  /// Runs to the end and rewinds; false: SqliteDatabase::error() says why.
+  bool run();
+
+  enum class Row : std::uint8_t { row, end, failed };
+  Row next();
+  std::int64_t integer(int column) const;
+  double real(int column) const;
+  std::string text(int column) const;
+
+ private:
+  explicit SqliteStatement(sqlite3_stmt* handle) : handle_(handle) {}
+  sqlite3_stmt* handle_ = nullptr;
+};
+
+}  // namespace tandem::server
