@@ -1,7 +1,7 @@
 #pragma once
 
-// A scripted device path: one pose a millisecond, from CSV with the header t,x,y,z or t,x,y,z,qw,qx,qy,qz. A cell may be
-// `nan`: that reading is not valid.
+// A scripted device path: one pose a millisecond, from CSV with the header t,x,y,z or t,x,y,z,qw,qx,qy,qz. A
+// cell may be `nan`: that reading is not valid.
 
 #include <string>
 #include <vector>
@@ -12,9 +12,9 @@
 namespace tandem::client {
 
 struct PathRow {
-  double time = 0.0;   // s
-  Pose pose;           // world frame
-  bool valid = true;   // every cell was a finite number
+  double time = 0.0;  // s
+  Pose pose;          // world frame
+  bool valid = true;  // every cell was a finite number
 };
 
 /// The error names the line and the reason.

@@ -1,7 +1,8 @@
 #pragma once
 
-// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (SiteLink), main thread
-// (window or terminal). Latest values go through triple buffers, events through single-producer rings; nobody waits.
+// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (SiteLink), main
+// thread (window or terminal). Latest values go through triple buffers, events through single-producer rings;
+// nobody waits.
 //
 //   SiteLink --events, time base--> HandLoop --output, intents--> SiteLink
 //   main ----settings, wish-------> HandLoop --view, poses------> main
@@ -37,8 +38,8 @@ struct HandIntent {
   enum class Kind : std::uint8_t { grab, release };
   Kind kind = Kind::grab;
   PartId part = kNoPart;
-  Epoch epoch = 0;          // release: of the ownership that ends
-  Pose worldFromPart;       // release: where the part rests
+  Epoch epoch = 0;     // release: of the ownership that ends
+  Pose worldFromPart;  // release: where the part rests
 };
 
 /// Session time for the haptic thread: session = local + offset; parts are shown `playOutDelay` late.
@@ -61,14 +62,15 @@ struct HandOutput {
 struct HandSettingsInput {
   haptics::TickParameters parameters;
   PartId wish = kNoPart;
-  bool graspButton = false;      // of the window or a script, besides the device's own button 0
-  std::uint32_t faultResets = 0; // counts up
+  bool graspButton = false;       // of the window or a script, besides the device's own button 0
+  std::uint32_t faultResets = 0;  // counts up
 };
 
-/// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has it.
+/// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has
+/// it.
 struct ShownPose {
   PartId part = kNoPart;
-  bool owned = false;        // simulated here; else played out, `time` lying the play-out delay before now
+  bool owned = false;  // simulated here; else played out, `time` lying the play-out delay before now
   sync::Micros time = 0;
   Pose worldFromPart;
 };
@@ -79,14 +81,14 @@ inline constexpr std::size_t kShownRing = 16384;
 inline constexpr std::size_t kForceRing = 4096;
 
 struct Exchange {
-  haptics::SpscRing<NetworkEvent, kEventRing> events;     // network -> hand
-  haptics::TripleBuffer<TimeBase> timeBase;               // network -> hand
-  haptics::SpscRing<HandIntent, kIntentRing> intents;     // hand -> network
-  haptics::TripleBuffer<HandOutput> output;               // hand -> network
-  haptics::TripleBuffer<HandSettingsInput> settings;      // main -> hand
-  haptics::TripleBuffer<HandOutput> view;                 // hand -> main
-  haptics::SpscRing<ShownPose, kShownRing> shown;         // hand -> main: poses that changed
-  haptics::SpscRing<float, kForceRing> forces;            // hand -> main: |force| each tick, N, for the plot
+  haptics::SpscRing<NetworkEvent, kEventRing> events;  // network -> hand
+  haptics::TripleBuffer<TimeBase> timeBase;            // network -> hand
+  haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
+  haptics::TripleBuffer<HandOutput> output;            // hand -> network
+  haptics::TripleBuffer<HandSettingsInput> settings;   // main -> hand
+  haptics::TripleBuffer<HandOutput> view;              // hand -> main
+  haptics::SpscRing<ShownPose, kShownRing> shown;      // hand -> main: poses that changed
+  haptics::SpscRing<float, kForceRing> forces;         // hand -> main: |force| each tick, N, for the plot
 };
 
 }  // namespace tandem::client

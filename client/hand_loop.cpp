@@ -20,7 +20,7 @@ bool near(const Pose& a, const Pose& b, double tolerance) {
 HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
     : scene_(scene), exchange_(exchange), state_(scene), commands_(2 * scene.scene().parts.size() + 64) {}
 
-Wrench HandLoop::tick(const haptics::DeviceSample& sample, sync::Micros now) {
+Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
   settings_ = exchange_.settings.latest();
   timeBase_ = exchange_.timeBase.latest();
   if (settings_.faultResets != faultResetsSeen_) {
@@ -28,6 +28,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& sample, sync::Micros now) {
     state_.resetFault();
   }
   const sync::Micros sessionNow = now + timeBase_.offset;
+  const haptics::DeviceSample sample = afterStall(reading, now);
   takeEvents(sessionNow);
   playOutFollowed(sessionNow);
   finishTaking(sessionNow);
@@ -47,9 +48,29 @@ Wrench HandLoop::tick(const haptics::DeviceSample& sample, sync::Micros now) {
   return output_.tick.toHand;
 }
 
+/// A loop that stood still has lost its hold on the world: the hand is elsewhere, and the device's own
+/// watchdog has let go. One tick without a reading sets the force to zero; then the held part is grasped anew
+/// where both now are.
+haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, sync::Micros now) {
+  const bool stalled = lastTick_ != 0 && now - lastTick_ > kStall;
+  lastTick_ = now;
+  if (stalled) {
+    sample.valid = false;
+    graspAnew_ = true;
+  } else if (graspAnew_ && sample.valid) {
+    graspAnew_ = false;
+    if (stage_ == Stage::holding) {
+      command(PartCommand::Kind::letGo, graspPart_);
+      command(PartCommand::Kind::grasp, graspPart_);
+    }
+  }
+  return sample;
+}
+
 void HandLoop::takeEvents(sync::Micros sessionNow) {
   NetworkEvent event;
-  // Events stay in their ring while the commands that they may cause would not fit: nothing is lost, only later.
+  // Events stay in their ring while the commands that they may cause would not fit: nothing is lost, only
+  // later.
   while (commandCount_ + haptics::kMaxPartCommands < commands_.size() && exchange_.events.pop(event)) {
     switch (event.kind) {
       case NetworkEvent::Kind::state:
@@ -97,7 +118,8 @@ void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionN
     }
     return;
   }
-  follow(record, sessionNow, near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance) ? 0 : kBlend);
+  follow(record, sessionNow,
+         near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance) ? 0 : kBlend);
   taking_ = record;
   takingUntil_ = sessionNow + kBlend;
   stage_ = Stage::taking;
@@ -130,7 +152,8 @@ void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Mic
 }
 
 void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend) {
-  if (stage_ == Stage::taking && taking_.part == record.part && record.owner != timeBase_.self) stage_ = Stage::idle;
+  if (stage_ == Stage::taking && taking_.part == record.part && record.owner != timeBase_.self)
+    stage_ = Stage::idle;
   if (Followed* slot = slotFor(record.part, sessionNow)) {
     slot->owned = record.owner != kNoSite;
     slot->playOut.restart(record.worldFromPart, sessionNow, blend);
@@ -179,7 +202,8 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
     show({part.part, true, sessionNow, part.worldFromPart});
     Owned* mine = ownedEntry(part.part);
     if (!mine || mine->releasing || part.held || !part.atRest) continue;
-    mine->releasing = exchange_.intents.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
+    mine->releasing =
+        exchange_.intents.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
   }
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-// One hand at one site: joins what the others did (play-out) to what this hand feels (tick), and says what it wants
-// (intents). Runs inside the servo thread, or on virtual time; allocates only in the constructor.
+// One hand at one site: joins what the others did (play-out) to what this hand feels (tick), and says what it
+// wants (intents). Runs inside the servo thread, or on virtual time; allocates only in the constructor.
 //
 // The life of a grasp, seen from here:
-//   idle -button-> asked -granted-> taking (the replica finishes its play-out) -> holding -button up-> settling -rest->
-//   releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back to idle; forces fade.
+//   idle -button-> asked -granted-> taking (the replica finishes its play-out) -> holding -button up->
+//   settling -rest-> releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back
+//   to idle; forces fade.
 
 #include <array>
 #include <cstdint>
@@ -26,7 +27,7 @@ class HandLoop {
   HandLoop(const haptics::ContactScene& scene, Exchange& exchange);
 
   /// One tick at local time `now`. The wrench is what the device gets.
-  Wrench tick(const haptics::DeviceSample& sample, sync::Micros now);
+  Wrench tick(const haptics::DeviceSample& reading, sync::Micros now);
 
   /// A part to grasp whatever the stylus touches; kNoPart: the touched one. Haptic thread, before tick().
   void setWish(PartId part) { wish_ = part; }
@@ -36,15 +37,18 @@ class HandLoop {
 
   /// Parts that others move at the same time, played out smoothly; more than that jump to their states.
   static constexpr std::size_t kMaxFollowed = 64;
-  /// A replica nearer than this to the pose of its grant is taken at once, m and rad: well below what a hand can tell.
+  /// A replica nearer than this to the pose of its grant is taken at once, m and rad: well below what a hand
+  /// can tell.
   static constexpr double kTakeTolerance = 2e-5;
+  /// A gap between ticks as long as a device's own watchdog: the hand was without force meanwhile.
+  static constexpr sync::Micros kStall = 50 * sync::kMillisecond;
   static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;
   static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
 
  private:
   struct Followed {
     PartId part = kNoPart;
-    bool owned = false;          // by somebody: keep the slot
+    bool owned = false;  // by somebody: keep the slot
     sync::PlayOut playOut;
   };
   struct Owned {
@@ -54,6 +58,7 @@ class HandLoop {
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };
 
+  haptics::DeviceSample afterStall(haptics::DeviceSample sample, sync::Micros now);
   void takeEvents(sync::Micros sessionNow);
   void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
   void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
@@ -84,19 +89,22 @@ class HandLoop {
   std::array<Owned, haptics::kMaxOwnedParts> owned_;
   std::array<haptics::PartMotion, kMaxFollowed> moved_;
   std::size_t movedCount_ = 0;
-  /// Commands that wait for a tick with room; the ring is as large as a session's parts, so a reset of all fits.
+  /// Commands that wait for a tick with room; the ring is as large as a session's parts, so a reset of all
+  /// fits.
   std::vector<haptics::PartCommand> commands_;
   std::size_t commandHead_ = 0, commandCount_ = 0;
   std::array<haptics::PartCommand, haptics::kMaxPartCommands> commandBatch_;
 
   Stage stage_ = Stage::idle;
-  PartId graspPart_ = kNoPart;        // asked, taking or holding
+  PartId graspPart_ = kNoPart;  // asked, taking or holding
   sync::PartRecord taking_;
   sync::Micros takingUntil_ = 0;
   bool wantedBefore_ = false;
   PartId wish_ = kNoPart;
+  sync::Micros lastTick_ = 0;
+  bool graspAnew_ = false;  // the loop stood still: the coupling begins again at the next good reading
 
-  std::uint64_t shownDropped_ = 0;    // once a pose was dropped, one part a tick is shown again
+  std::uint64_t shownDropped_ = 0;  // once a pose was dropped, one part a tick is shown again
   PartId refresh_ = 0;
 };
 

@@ -15,8 +15,8 @@ using nlohmann::json;
 
 namespace {
 
-constexpr double kApproachSpeed = 0.25;   // m/s, mean, when a hand goes to a part
-constexpr double kApproachShortest = 0.3; // s
+constexpr double kApproachSpeed = 0.25;    // m/s, mean, when a hand goes to a part
+constexpr double kApproachShortest = 0.3;  // s
 
 /// A field's number; throws a message for a person.
 double number(const json& step, const char* key) {
@@ -111,7 +111,8 @@ ScriptStep parseStep(const json& entry, const assets::Scene& scene) {
 }
 
 /// Closest point of a triangle (Ericson 2005, section 5.1.5).
-glm::dvec3 closestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+glm::dvec3 closestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                             const glm::dvec3& c) {
   const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
   if (d1 <= 0.0 && d2 <= 0.0) return a;
@@ -126,7 +127,8 @@ glm::dvec3 closestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm
   const double vb = d5 * d2 - d1 * d6;
   if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + ac * (d2 / (d2 - d6));
   const double va = d3 * d6 - d5 * d4;
-  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
+    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
   const double scale = 1.0 / (va + vb + vc);
   return a + ab * (vb * scale) + ac * (vc * scale);
 }
@@ -144,7 +146,8 @@ Progress minimumJerk(double s) {
 
 }  // namespace
 
-Result<HandScript> parseHandScript(const std::string& text, const std::string& source, const assets::Scene& scene) {
+Result<HandScript> parseHandScript(const std::string& text, const std::string& source,
+                                   const assets::Scene& scene) {
   const json document = json::parse(text, nullptr, false);
   if (document.is_discarded()) return Error{source + ": not JSON"};
   const json& steps = document.is_object() && document.contains("script") ? document["script"] : document;
@@ -179,7 +182,8 @@ SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, cons
   double best = 1e300;
   SurfacePoint result;
   for (const auto& triangle : mesh.triangles) {
-    const glm::dvec3 &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]], &c = mesh.positions[triangle[2]];
+    const glm::dvec3 &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]],
+                     &c = mesh.positions[triangle[2]];
     const glm::dvec3 q = closestOnTriangle(p, a, b, c);
     const double distance = glm::dot(p - q, p - q);
     if (distance >= best) continue;
@@ -190,7 +194,8 @@ SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, cons
   result.normal = length > 0.0 ? result.normal / length : glm::dvec3(0.0, 1.0, 0.0);
   // Seen from outside the closest feature may be an edge: the way to the hand is then the better normal.
   const double distance = std::sqrt(best);
-  if (distance > 1e-9 && glm::dot(p - result.point, result.normal) > 0.0) result.normal = (p - result.point) / distance;
+  if (distance > 1e-9 && glm::dot(p - result.point, result.normal) > 0.0)
+    result.normal = (p - result.point) / distance;
   return {transformPoint(worldFromPart, result.point), transformVector(worldFromPart, result.normal)};
 }
 
@@ -211,7 +216,8 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
   switch (step.verb) {
     case ScriptStep::Verb::grasp:
     case ScriptStep::Verb::press: {
-      const SurfacePoint surface = nearestSurfacePoint(scene_, step.part, worldFromPart, worldFromHand.position);
+      const SurfacePoint surface =
+          nearestSurfacePoint(scene_, step.part, worldFromPart, worldFromHand.position);
       const bool press = step.verb == ScriptStep::Verb::press;
       goal.position = press ? surface.point - surface.normal * step.amount : surface.point;
       const double way = glm::length(goal.position - present.position);

@@ -1,8 +1,10 @@
 #pragma once
 
-// What a scripted person does: a list of timed verbs, as in a simulation scenario or in `tandem join --hand FILE`.
+// What a scripted person does: a list of timed verbs, as in a simulation scenario or in `tandem join --hand
+// FILE`.
 //
-//   [{"t": 0.5, "do": "grasp", "part": "shaft"}, {"t": 1.5, "do": "move_relative", "by": [0.1, 0, 0], "over_s": 1}, ...]
+//   [{"t": 0.5, "do": "grasp", "part": "shaft"}, {"t": 1.5, "do": "move_relative", "by": [0.1, 0, 0],
+//   "over_s": 1}, ...]
 //
 // Verbs (t in s; lengths in m; angles in rad; motions are minimum-jerk, Flash & Hogan 1985):
 //   grasp {part [, over_s]}   the hand goes to the part's surface, then the grasp button goes down
@@ -12,8 +14,8 @@
 //   turn {axis, angle, over_s}
 //   sine {axis, amplitude, hz, for_s}
 //   hold                      the target is where the hand is
-//   press {part, depth [, over_s]}  the target goes to `depth` inside the nearest point of that part's surface
-//   let_go                    the person lets go of the stylus; what it has latched stays
+//   press {part, depth [, over_s]}  the target goes to `depth` inside the nearest point of that part's
+//   surface let_go                    the person lets go of the stylus; what it has latched stays
 
 #include <string>
 #include <vector>
@@ -26,24 +28,26 @@ namespace tandem::client {
 
 struct ScriptStep {
   enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo };
-  double at = 0.0;                    // s
+  double at = 0.0;  // s
   Verb verb = Verb::hold;
   PartId part = kNoPart;
-  glm::dvec3 vector{0.0, 0.0, 0.0};   // to, by, or axis (unit)
-  double over = 0.0;                  // s: over_s, for_s
-  double amount = 0.0;                // angle, amplitude or depth
+  glm::dvec3 vector{0.0, 0.0, 0.0};  // to, by, or axis (unit)
+  double over = 0.0;                 // s: over_s, for_s
+  double amount = 0.0;               // angle, amplitude or depth
   double hz = 0.0;
 };
 
 struct HandScript {
-  std::vector<ScriptStep> steps;      // in the order of their times
+  std::vector<ScriptStep> steps;  // in the order of their times
 };
 
 /// Reads the JSON text of a script. An error names `source`, the step and the reason.
-Result<HandScript> parseHandScript(const std::string& json, const std::string& source, const assets::Scene& scene);
+Result<HandScript> parseHandScript(const std::string& json, const std::string& source,
+                                   const assets::Scene& scene);
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
 
-/// Nearest point of a part's surface (its mesh, or the box of its shapes) to a point, world frame, with outward normal.
+/// Nearest point of a part's surface (its mesh, or the box of its shapes) to a point, world frame, with
+/// outward normal.
 struct SurfacePoint {
   glm::dvec3 point{0.0, 0.0, 0.0};
   glm::dvec3 normal{0.0, 1.0, 0.0};
@@ -61,7 +65,8 @@ class ScriptedPerson {
     bool graspButton = false;
     PartId wish = kNoPart;
   };
-  /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts are.
+  /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts
+  /// are.
   template <typename WorldFromPart>
   Intent at(double t, const Pose& worldFromHand, const WorldFromPart& worldFromPart) {
     while (next_ < script_.steps.size() && script_.steps[next_].at <= t) {
@@ -84,12 +89,12 @@ class ScriptedPerson {
   HandScript script_;
   std::size_t next_ = 0;
   Motion motion_ = Motion::still;
-  Pose from_, to_;                    // of the motion under way
+  Pose from_, to_;  // of the motion under way
   glm::dvec3 axis_{0.0, 0.0, 0.0};
   double motionStart_ = 0.0, motionLength_ = 0.0, amount_ = 0.0, hz_ = 0.0;
   bool holdsStylus_ = true, button_ = false;
   PartId wish_ = kNoPart;
-  double buttonDownAt_ = -1.0;        // a grasp's button waits for the hand to arrive
+  double buttonDownAt_ = -1.0;  // a grasp's button waits for the hand to arrive
 };
 
 }  // namespace tandem::client

@@ -8,7 +8,8 @@
 #include "client/commands/command.h"
 
 int main(int argc, char** argv) {
-  CLI::App app{"Tandem: several people, each at their own site, put their hands on one CAD scene and feel it."};
+  CLI::App app{
+      "Tandem: several people, each at their own site, put their hands on one CAD scene and feel it."};
   app.set_version_flag("--version", TANDEM_VERSION);
   app.require_subcommand(1);
   app.footer(

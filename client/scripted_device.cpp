@@ -7,7 +7,8 @@
 
 namespace tandem::client {
 
-ScriptedDevice::ScriptedDevice(const assets::Scene& scene, HandScript script, const haptics::ArmParameters& arm,
+ScriptedDevice::ScriptedDevice(const assets::Scene& scene, HandScript script,
+                               const haptics::ArmParameters& arm,
                                const haptics::SimulatedDeviceParameters& device, const Pose& worldFromStart,
                                WorldFromPart worldFromPart)
     : person_(scene, std::move(script), worldFromStart),
@@ -47,7 +48,8 @@ Pose defaultHandStart(const assets::Scene& scene, std::size_t n) {
   const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
   const double size = std::max(glm::length(bounds.max - bounds.min), 1e-6);
   const double side = (n % 2 == 0 ? -1.0 : 1.0) * (0.15 + 0.1 * static_cast<double>(n / 2));
-  return {{centre.x + side * size, bounds.max.y + 0.15 * size, bounds.max.z + 0.1 * size}, {1.0, 0.0, 0.0, 0.0}};
+  return {{centre.x + side * size, bounds.max.y + 0.15 * size, bounds.max.z + 0.1 * size},
+          {1.0, 0.0, 0.0, 0.0}};
 }
 
 }  // namespace tandem::client

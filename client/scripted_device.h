@@ -1,7 +1,7 @@
 #pragma once
 
-// A device in the hand of a scripted person: script, arm and device models in one, on whatever time it is polled with.
-// Used by simulations (virtual time) and by `tandem join --hand` (real time).
+// A device in the hand of a scripted person: script, arm and device models in one, on whatever time it is
+// polled with. Used by simulations (virtual time) and by `tandem join --hand` (real time).
 
 #include <functional>
 
@@ -24,8 +24,8 @@ class ScriptedDevice : public haptics::Device {
   haptics::DeviceLimits limits() const override;
   Status open() override { return {}; }
   void close() override {}
-  /// Advances the person, arm and device from the last poll to `now` s under the applied force. The script's time 0 is
-  /// the first poll.
+  /// Advances the person, arm and device from the last poll to `now` s under the applied force. The script's
+  /// time 0 is the first poll.
   haptics::DeviceSample poll(double now) override;
   void apply(const Wrench& toHand) override { force_ = toHand.force; }
 
@@ -45,7 +45,8 @@ class ScriptedDevice : public haptics::Device {
   bool started_ = false;
 };
 
-/// Where a hand begins when nothing says otherwise: in front of and above the scene, the n-th hand beside the others.
+/// Where a hand begins when nothing says otherwise: in front of and above the scene, the n-th hand beside the
+/// others.
 Pose defaultHandStart(const assets::Scene& scene, std::size_t n);
 
 }  // namespace tandem::client

@@ -77,7 +77,8 @@ void SiteLink::takeEvents(Micros now) {
       case TransportEvent::Kind::connected: {
         stage_ = Stage::entering;
         const bool resume = !resumeTicket_.empty();
-        send(Hello{kProtocolVersion, resume, resume ? resumeTicket_ : options_.token, options_.name, options_.colour});
+        send(Hello{kProtocolVersion, resume, resume ? resumeTicket_ : options_.token, options_.name,
+                   options_.colour});
         break;
       }
       case TransportEvent::Kind::control:
@@ -101,7 +102,8 @@ void SiteLink::takeControl(std::span<const std::byte> bytes, Micros now) {
     disconnected("the server sent something that is not of this protocol: " + decoded.error().message, now);
     return;
   }
-  if (recording_ && !std::holds_alternative<SceneChunk>(*decoded) && !std::holds_alternative<Welcome>(*decoded))
+  if (recording_ && !std::holds_alternative<SceneChunk>(*decoded) &&
+      !std::holds_alternative<Welcome>(*decoded))
     recording_->write(sessionTime(now), *decoded);
   std::visit([this](auto& message) { take(message); }, *decoded);
 }
@@ -154,8 +156,9 @@ void SiteLink::startTransfer(std::vector<std::byte> have) {
 }
 
 double SiteLink::transferProgress() const {
-  return welcome_.sceneBytes == 0 ? 0.0
-                                  : static_cast<double>(package_.size()) / static_cast<double>(welcome_.sceneBytes);
+  return welcome_.sceneBytes == 0
+             ? 0.0
+             : static_cast<double>(package_.size()) / static_cast<double>(welcome_.sceneBytes);
 }
 
 void SiteLink::take(SceneChunk& message) {
@@ -184,20 +187,25 @@ void SiteLink::enterReady() {
   nextPing_ = nextUpdate_ = now_;
   publishTimeBase(now_);
   if (observer_) observer_->onConnection(true);
-  reclaimParts();
+  send(Ready{});
+  reclaimParts(true);
   for (const PartRecord& record : welcome_.parts)
     if (record.part < scene_->parts.size()) applyOwnership(record);
-  send(Ready{});
 }
 
-/// Parts that were this site's before an outage are asked for again, in their old epoch.
-void SiteLink::reclaimParts() {
+/// Parts that were this site's before an outage, or before its lease lapsed, are asked for again in their old
+/// epoch.
+void SiteLink::reclaimParts(bool all) {
   hand_ = exchange_->output.latest();
   for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const haptics::OwnedPart& part = hand_.tick.owned[index];
-    if (hand_.ownedEpoch[index] == 0) continue;
-    openGrabs_.emplace_back(nextRequest_, part.part);
+    if (hand_.ownedEpoch[index] == 0 || !(all || ownership_->needsReclaim(part.part))) continue;
+    const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(), [&](const OpenGrab& grab) {
+      return grab.reclaim && grab.part == part.part;
+    });
+    if (open != openGrabs_.end()) continue;
+    openGrabs_.push_back({nextRequest_, part.part, true});
     send(Reclaim{nextRequest_++, part.part, hand_.ownedEpoch[index], part.worldFromPart});
   }
 }
@@ -223,24 +231,34 @@ void SiteLink::take(OwnershipChanged& message) {
 
 void SiteLink::take(GrabReply& message) {
   const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(),
-                                 [&](const auto& entry) { return entry.first == message.request; });
+                                 [&](const auto& entry) { return entry.request == message.request; });
   if (open == openGrabs_.end() || !scene_ || message.part.part >= scene_->parts.size() ||
-      open->second != message.part.part) {
+      open->part != message.part.part) {
     ++statistics_.malformed;
     return;
   }
+  const bool reclaim = open->reclaim;
   openGrabs_.erase(open);
   if (observer_) observer_->onGrabReply(message);
-  if (message.denial != Denial::none) {
-    std::string why = toString(message.denial);
-    if (message.denial == Denial::ownedByOther) why = siteName(message.part.owner) + " holds it";
-    notice(Notice::Level::warning, partName(message.part.part) + " cannot be taken: " + why);
-    NetworkEvent event;
-    event.kind = NetworkEvent::Kind::denied;
-    event.record = message.part;
-    pushEvent(event);
-  }
+  if (message.denial != Denial::none) tellDenial(message, reclaim);
   applyOwnership(message.part);
+  if (message.denial == Denial::none) ownership_->confirmed(message.part.part, message.part.epoch);
+}
+
+void SiteLink::tellDenial(const GrabReply& reply, bool reclaim) {
+  const std::string name = partName(reply.part.part);
+  const bool other = reply.part.owner != kNoSite && reply.part.owner != welcome_.site;
+  if (reclaim) {
+    if (other) notice(Notice::Level::warning, name + " now belongs to " + siteName(reply.part.owner));
+    return;
+  }
+  const std::string why = reply.denial == Denial::ownedByOther ? siteName(reply.part.owner) + " holds it"
+                                                               : toString(reply.denial);
+  notice(Notice::Level::warning, name + " cannot be taken: " + why);
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::denied;
+  event.record = reply.part;
+  pushEvent(event);
 }
 
 void SiteLink::take(ReleaseReply& message) {
@@ -302,7 +320,9 @@ std::string SiteLink::partName(PartId part) const {
   return scene_ && part < scene_->parts.size() ? scene_->parts[part].name : "part " + std::to_string(part);
 }
 
-void SiteLink::notice(Notice::Level level, std::string text) { notices_.push_back({level, 0.0, std::move(text)}); }
+void SiteLink::notice(Notice::Level level, std::string text) {
+  notices_.push_back({level, 0.0, std::move(text)});
+}
 
 std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {}); }
 
@@ -317,7 +337,8 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
   if (const auto* pong = std::get_if<Pong>(&incoming_)) {
     if (pong->siteTime > now || now - pong->siteTime > 10 * kSecond) return;
     clock_.observe(pong->siteTime, pong->serverTime, now);
-    ownership_->renewed(pong->siteTime);
+    ownership_->renewed(pong->siteTime, now);
+    reclaimParts(false);
     statistics_.roundTrip_ms = toSeconds(clock_.lastRoundTrip()) * 1e3;
     if (datagramsSent_ > 0)
       statistics_.lossUp =
@@ -388,7 +409,7 @@ void SiteLink::sendIntents() {
   while (exchange_->intents.pop(intent)) {
     if (intent.kind == HandIntent::Kind::grab) {
       const Grab grab{nextRequest_++, intent.part};
-      openGrabs_.emplace_back(grab.request, grab.part);
+      openGrabs_.push_back({grab.request, grab.part, false});
       if (observer_) observer_->onGrab(grab);
       send(grab);
     } else {
@@ -406,16 +427,19 @@ void SiteLink::publish(Micros now) {
     const auto index = static_cast<std::size_t>(i);
     const haptics::OwnedPart& part = tick.owned[index];
     // The view, not the hand, says what this site may say (S3); the hand goes on either way.
-    if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch || !ownership_->mayPublish(part.part, now)) continue;
-    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], ++partSequence_[part.part], part.worldFromPart,
-                               part.atRest ? Twist{} : part.twist});
+    if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch ||
+        !ownership_->mayPublish(part.part, now))
+      continue;
+    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], ++partSequence_[part.part],
+                               part.worldFromPart, part.atRest ? Twist{} : part.twist});
     if (observer_) observer_->onPublished(outgoing_.parts.back());
   }
   const double hz = outgoing_.parts.empty() ? options_.presenceHz : options_.packetHz;
   nextUpdate_ = std::max(nextUpdate_ + static_cast<Micros>(1e6 / hz), now - kMillisecond);
   outgoing_.sequence = ++updateSequence_;
   outgoing_.time = clock_.sessionTime(hand_.time);
-  outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force, tick.touched};
+  outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force,
+                        tick.touched};
   outgoingMessage_ = outgoing_;
   ++statistics_.sentUpdates;
   sendState(outgoingMessage_);

@@ -1,8 +1,8 @@
 #pragma once
 
-// One site's side of the protocol: enters the session, fetches the scene, asks for parts, publishes and receives states,
-// keeps its lease and clock, and comes back after an outage. Knows no socket and no thread: a connector makes transports,
-// step() is called a thousand times a second or so.
+// One site's side of the protocol: enters the session, fetches the scene, asks for parts, publishes and
+// receives states, keeps its lease and clock, and comes back after an outage. Knows no socket and no thread:
+// a connector makes transports, step() is called a thousand times a second or so.
 //
 // Network thread only; the haptic thread is reached through the Exchange.
 
@@ -27,12 +27,12 @@ namespace tandem::client {
 struct SiteLinkOptions {
   std::string name = "site";
   std::array<std::uint8_t, 3> colour{90, 160, 250};
-  std::string token;                              // of the join link
-  double packetHz = 250.0;                        // while a part of this site moves
-  double presenceHz = 60.0;                       // otherwise
+  std::string token;         // of the join link
+  double packetHz = 250.0;   // while a part of this site moves
+  double presenceHz = 60.0;  // otherwise
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
-  sync::LeaseRules lease;                         // the length is replaced by the server's
+  sync::LeaseRules lease;  // the length is replaced by the server's
 };
 
 /// Watches a site from outside, for the checks of a simulation. Called in the network thread.
@@ -51,20 +51,20 @@ struct LinkStatistics {
   double roundTrip_ms = 0.0, lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
   std::uint64_t reconnects = 0;
-  sync::TransportCounters transport;              // of the present connection
+  sync::TransportCounters transport;  // of the present connection
 };
 
 class SiteLink {
  public:
   using Connector = std::function<Result<std::unique_ptr<sync::Transport>>()>;
   enum class Stage : std::uint8_t {
-    connecting,    // no connection yet, or trying again
-    entering,      // Hello sent
-    needScene,     // welcomed: skipTransfer() or startTransfer() is awaited
+    connecting,  // no connection yet, or trying again
+    entering,    // Hello sent
+    needScene,   // welcomed: skipTransfer() or startTransfer() is awaited
     transferring,
-    haveScene,     // the package is complete: sceneReady() is awaited
-    ready,         // in the session
-    ended,         // refused, or left; see reason()
+    haveScene,  // the package is complete: sceneReady() is awaited
+    ready,      // in the session
+    ended,      // refused, or left; see reason()
   };
 
   SiteLink(SiteLinkOptions options, Connector connector);
@@ -82,7 +82,7 @@ class SiteLink {
   void skipTransfer();
   /// Fetches the package, continuing after `have` (bytes of an earlier, broken-off transfer).
   void startTransfer(std::vector<std::byte> have);
-  double transferProgress() const;   // 0..1
+  double transferProgress() const;  // 0..1
   const std::vector<std::byte>& scenePackage() const { return package_; }
 
   /// The scene stands and the hand may touch it. Both must outlive the link.
@@ -123,11 +123,12 @@ class SiteLink {
   void take(sync::CommandReply& message);
   void take(sync::OwnershipChanged& message);
   template <typename Unexpected>
-  void take(Unexpected& message);   // messages that only a site sends
+  void take(Unexpected& message);  // messages that only a site sends
 
+  void tellDenial(const sync::GrabReply& reply, bool reclaim);
   void applyOwnership(const sync::PartRecord& record);
   void enterReady();
-  void reclaimParts();
+  void reclaimParts(bool all);
   void pushEvent(const NetworkEvent& event);
   void flushEvents();
   void sendIntents();
@@ -157,25 +158,28 @@ class SiteLink {
   Exchange* exchange_ = nullptr;
   std::optional<sync::WireFrame> frame_;
   std::optional<sync::OwnershipView> ownership_;
-  std::vector<NetworkEvent> waitingEvents_;   // ownership events that found the ring full: none may be lost
+  std::vector<NetworkEvent> waitingEvents_;  // ownership events that found the ring full: none may be lost
   sync::ClockOffset clock_;
   sync::PlayOutDelay playOutDelay_;
   sync::Micros playOut_ = 0, now_ = 0;
 
   sync::RequestId nextRequest_ = 1;
-  std::vector<std::pair<sync::RequestId, PartId>> openGrabs_;
+  struct OpenGrab {
+    sync::RequestId request = 0;
+    PartId part = kNoPart;
+    bool reclaim = false;
+  };
+  std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
   sync::Micros nextPing_ = 0, nextUpdate_ = 0;
-  std::vector<std::uint32_t> partSequence_;   // by part, of what this site publishes
-  std::array<Epoch, haptics::kMaxOwnedParts> restSent_{};
-  int restRepeats_ = 0;
+  std::vector<std::uint32_t> partSequence_;  // by part, of what this site publishes
   HandOutput hand_;
   Pose worldFromCamera_;
 
   std::vector<SiteView> sites_;
   std::vector<Notice> notices_;
   LinkStatistics statistics_;
-  std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;   // newest update a site, for the downlink loss
+  std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site, for the downlink loss
   std::uint64_t expectedUpdates_ = 0;
   std::uint64_t datagramsSent_ = 0;
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a site shows a person, as plain data: filled by join and replay, drawn by the viewer, which changes nothing but
-// what it returns as ViewActions. Main thread only.
+// What a site shows a person, as plain data: filled by join and replay, drawn by the viewer, which changes
+// nothing but what it returns as ViewActions. Main thread only.
 
 #include <array>
 #include <cstdint>
@@ -16,17 +16,17 @@ namespace tandem::client {
 
 /// The hand at this site, from the haptic loop.
 struct HandView {
-  bool present = false;               // a device is open
-  bool valid = false;                 // its last reading was good
+  bool present = false;  // a device is open
+  bool valid = false;    // its last reading was good
   std::string deviceName;
   Pose worldFromDevice, worldFromProxy;
-  double toolRadius = 0.0;            // m
-  glm::dvec3 force{0.0, 0.0, 0.0};    // N on the hand
+  double toolRadius = 0.0;          // m
+  glm::dvec3 force{0.0, 0.0, 0.0};  // N on the hand
   std::array<haptics::Contact, haptics::kMaxContacts> contacts;
   int contactCount = 0;
   PartId touched = kNoPart, held = kNoPart;
-  bool grabPending = false;           // asked for, not answered yet
-  std::uint32_t flags = 0;            // haptics::TickFlag
+  bool grabPending = false;  // asked for, not answered yet
+  std::uint32_t flags = 0;   // haptics::TickFlag
 };
 
 /// The 1 kHz loop.
@@ -34,16 +34,16 @@ struct LoopView {
   double compute_us_p50 = 0.0, compute_us_p99 = 0.0, compute_us_max = 0.0;
   std::uint64_t ticks = 0, late = 0;
   bool realtime = false;
-  std::vector<float> recentCompute_us;   // oldest first
-  std::vector<float> recentForce_n;      // oldest first
+  std::vector<float> recentCompute_us;  // oldest first
+  std::vector<float> recentForce_n;     // oldest first
 };
 
 /// The connection.
 struct LinkView {
   bool connected = false;
-  std::string status;                 // in words: "connected", "reconnecting (2 s)", "no network (local scene)"
+  std::string status;  // in words: "connected", "reconnecting (2 s)", "no network (local scene)"
   double roundTrip_ms = 0.0;
-  double lossUp = 0.0, lossDown = 0.0;   // share of datagrams
+  double lossUp = 0.0, lossDown = 0.0;  // share of datagrams
   double playOut_ms = 0.0;
   double sentKbit_s = 0.0, receivedKbit_s = 0.0;
   bool stateOverUdp = true;
@@ -53,50 +53,50 @@ struct LinkView {
 struct SiteView {
   sync::SiteInfo info;
   bool self = false;
-  bool seen = false;                  // presence has arrived
-  sync::Presence presence;            // smoothed for display
+  bool seen = false;        // presence has arrived
+  sync::Presence presence;  // smoothed for display
 };
 
 /// A line for the person: a denied grab and why, somebody joined, a warning.
 struct Notice {
   enum class Level : std::uint8_t { info, warning, error };
   Level level = Level::info;
-  double age = 0.0;                   // s
+  double age = 0.0;  // s
   std::string text;
 };
 
 /// What the person set; the viewer edits a copy and returns it.
 struct HandSettings {
-  double forceLimit = 3.3;            // N
-  double gain = 1.0;                  // 0..1
+  double forceLimit = 3.3;  // N
+  double gain = 1.0;        // 0..1
   bool zeroForce = false;
-  double stiffness = 800.0;           // N/m
+  double stiffness = 800.0;  // N/m
 };
 
 struct ViewModel {
-  const assets::Scene* scene = nullptr;      // never changes while a viewer lives
-  std::vector<Pose> worldFromPart;           // one a part
-  std::vector<SiteId> owner;                 // one a part
+  const assets::Scene* scene = nullptr;  // never changes while a viewer lives
+  std::vector<Pose> worldFromPart;       // one a part
+  std::vector<SiteId> owner;             // one a part
   std::vector<SiteView> sites;
   HandView hand;
   LoopView loop;
   LinkView link;
-  std::vector<Notice> notices;               // newest last
+  std::vector<Notice> notices;  // newest last
   HandSettings settings;
   sync::Role role = sync::Role::observer;
   // replay only
   bool replay = false;
-  double time = 0.0, duration = 0.0;         // s
+  double time = 0.0, duration = 0.0;  // s
   bool playing = false;
-  double speed = 1.0;                        // 1 = as it happened
+  double speed = 1.0;  // 1 = as it happened
 };
 
 /// Position and aim of a camera; looks along -z of its frame, +y up.
 struct Camera {
   glm::dvec3 target{0.0, 0.0, 0.0};
-  double distance = 1.0;                     // m, from the target
-  double yaw = 0.7, pitch = 0.5;             // rad
-  double fieldOfView = 0.7;                  // rad, vertical
+  double distance = 1.0;          // m, from the target
+  double yaw = 0.7, pitch = 0.5;  // rad
+  double fieldOfView = 0.7;       // rad, vertical
 };
 Pose worldFromCamera(const Camera& camera);
 /// A camera that sees all of the box.
@@ -110,16 +110,16 @@ struct ViewActions {
   // the virtual stylus, where no device is: world pose that mouse and keyboard ask for
   bool stylusMoved = false;
   Pose worldFromStylus;
-  bool grasp = false;                        // the grasp button is down (mouse) or latched (keyboard)
-  PartId revoke = kNoPart;                   // instructor
-  bool resetParts = false;                   // instructor
+  bool grasp = false;       // the grasp button is down (mouse) or latched (keyboard)
+  PartId revoke = kNoPart;  // instructor
+  bool resetParts = false;  // instructor
   bool resetFault = false;
   Pose worldFromCamera;
   // replay only
   bool seek = false;
-  double seekTo = 0.0;                       // s
+  double seekTo = 0.0;  // s
   bool togglePlay = false;
-  double setSpeed = 0.0;                     // 0 = unchanged
+  double setSpeed = 0.0;  // 0 = unchanged
 };
 
 }  // namespace tandem::client

@@ -34,7 +34,9 @@ struct DeviceClass {
 
 /// Physical damping and quantum are what limits stiffness; figures of published data sheets and measurements.
 const DeviceClass kDevices[] = {
-    {"desktop", "desktop arm of the Phantom Omni class", {6, 3, 3.3, 0.0, 0.045, 0.1, 0.055e-3, 0.08, 1000.0}},
+    {"desktop",
+     "desktop arm of the Phantom Omni class",
+     {6, 3, 3.3, 0.0, 0.045, 0.1, 0.055e-3, 0.08, 1000.0}},
     {"damped", "the same arm held by a firm hand", {6, 3, 3.3, 0.0, 0.045, 1.0, 0.055e-3, 0.08, 1000.0}},
     {"stylus", "mouse and keyboard", {6, 3, 3.3, 0.0, 0.045, 0.1, 0.055e-3, 0.2, 1000.0}},
 };
@@ -43,7 +45,7 @@ const DeviceClass kDevices[] = {
 struct PartModel {
   std::string name, model;
   std::size_t triangles = 0, bytes = 0;
-  double error = 0.0;        // m, against the file's geometry
+  double error = 0.0;  // m, against the file's geometry
   double cost_us_p50 = 0.0, cost_us_p99 = 0.0;
   bool movable = false;
   double mass = 0.0;
@@ -64,7 +66,8 @@ Percentiles strokeCost(const haptics::ContactScene& contact, PartId id) {
   for (int place = 0; place < kPlaces; ++place) {
     const std::size_t index = mesh.triangles.size() * static_cast<std::size_t>(place) / kPlaces;
     const auto& corners = mesh.triangles[index];
-    const glm::dvec3 &a = mesh.positions[corners[0]], &b = mesh.positions[corners[1]], &c = mesh.positions[corners[2]];
+    const glm::dvec3 &a = mesh.positions[corners[0]], &b = mesh.positions[corners[1]],
+                     &c = mesh.positions[corners[2]];
     const glm::dvec3 normal = glm::cross(b - a, c - a);
     const double area = glm::length(normal);
     if (!(area > 0.0)) continue;
@@ -91,7 +94,8 @@ PartModel modelOf(const haptics::ContactScene& contact, PartId id) {
   model.bytes = part.mesh == assets::kNone ? 0 : contact.memory(part.mesh);
   model.movable = part.movable;
   model.mass = part.massProperties.mass;
-  // Every triangle of the file takes part in contact, so the model has no error of its own; tessellation is the file's.
+  // Every triangle of the file takes part in contact, so the model has no error of its own; tessellation is
+  // the file's.
   model.model = part.shapes.empty() ? (part.mesh == assets::kNone ? "none" : "triangles") : "shapes";
   const Percentiles cost = strokeCost(contact, id);
   model.cost_us_p50 = cost.p50;
@@ -101,9 +105,12 @@ PartModel modelOf(const haptics::ContactScene& contact, PartId id) {
 
 const char* severity(assets::Finding::Severity severity) {
   switch (severity) {
-    case assets::Finding::Severity::note: return "note";
-    case assets::Finding::Severity::warning: return "warning";
-    case assets::Finding::Severity::error: return "error";
+    case assets::Finding::Severity::note:
+      return "note";
+    case assets::Finding::Severity::warning:
+      return "warning";
+    case assets::Finding::Severity::error:
+      return "error";
   }
   return "note";
 }
@@ -113,13 +120,21 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
   nlohmann::ordered_json json;
   json["parts"] = nlohmann::ordered_json::array();
   for (const PartModel& m : models)
-    json["parts"].push_back({{"name", m.name}, {"model", m.model}, {"triangles", m.triangles}, {"error_m", m.error},
-                             {"cost_us", {{"p50", m.cost_us_p50}, {"p99", m.cost_us_p99}}}, {"memory_bytes", m.bytes},
-                             {"movable", m.movable}, {"mass_kg", m.mass}});
+    json["parts"].push_back({{"name", m.name},
+                             {"model", m.model},
+                             {"triangles", m.triangles},
+                             {"error_m", m.error},
+                             {"cost_us", {{"p50", m.cost_us_p50}, {"p99", m.cost_us_p99}}},
+                             {"memory_bytes", m.bytes},
+                             {"movable", m.movable},
+                             {"mass_kg", m.mass}});
   json["findings"] = nlohmann::ordered_json::array();
   for (const assets::Finding& f : scene.findings)
-    json["findings"].push_back({{"severity", severity(f.severity)}, {"code", f.code}, {"where", f.where},
-                                {"count", f.count}, {"message", f.message}});
+    json["findings"].push_back({{"severity", severity(f.severity)},
+                                {"code", f.code},
+                                {"where", f.where},
+                                {"count", f.count},
+                                {"message", f.message}});
   json["triangles"] = assets::triangleCount(scene);
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
@@ -132,8 +147,8 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
   std::size_t width = 8;
   for (const PartModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
-  std::printf("%-*s %-9s %9s %8s %15s %9s %s\n", w, "part", "model", "triangles", "error um", "tick us p50/p99",
-              "memory kB", "movable");
+  std::printf("%-*s %-9s %9s %8s %15s %9s %s\n", w, "part", "model", "triangles", "error um",
+              "tick us p50/p99", "memory kB", "movable");
   for (const PartModel& m : models) {
     std::printf("%-*.40s %-9s %9zu %8.2f %7.2f/%7.2f %9.1f ", w, m.name.c_str(), m.model.c_str(), m.triangles,
                 m.error * 1e6, m.cost_us_p50, m.cost_us_p99, static_cast<double>(m.bytes) / 1e3);
@@ -147,8 +162,9 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
   for (const assets::Finding& f : scene.findings)
     std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
                 f.message.c_str(), f.where.empty() ? "" : "  in ", f.where.c_str());
-  std::printf("\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms)\n",
-              stiffest, device.what, device.limits.damping, arguments.delay_ms);
+  std::printf(
+      "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms)\n",
+      stiffest, device.what, device.limits.damping, arguments.delay_ms);
 }
 
 int run(const Arguments& arguments) {
@@ -160,10 +176,11 @@ int run(const Arguments& arguments) {
   if (!scene) return badInput(scene.error());
   const haptics::ContactScene contact(*scene);
   std::vector<PartModel> models;
-  for (std::size_t i = 0; i < scene->parts.size(); ++i) models.push_back(modelOf(contact, static_cast<PartId>(i)));
+  for (std::size_t i = 0; i < scene->parts.size(); ++i)
+    models.push_back(modelOf(contact, static_cast<PartId>(i)));
   const haptics::TickParameters parameters;
-  const double stiffest =
-      haptics::stiffestStable(device->limits.damping, parameters.dt, arguments.delay_ms * 1e-3, parameters.damping);
+  const double stiffest = haptics::stiffestStable(device->limits.damping, parameters.dt,
+                                                  arguments.delay_ms * 1e-3, parameters.damping);
   if (arguments.json)
     std::printf("%s\n", toJson(*scene, models, *device, arguments, stiffest).dump(2).c_str());
   else
@@ -175,10 +192,13 @@ int run(const Arguments& arguments) {
 
 void addCheck(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("check", "Say what is wrong with a scene, and how each part will be felt");
+  CLI::App* command =
+      app.add_subcommand("check", "Say what is wrong with a scene, and how each part will be felt");
   addSceneOptions(*command, arguments->scene);
-  command->add_option("--device", arguments->device, "Device class: desktop, damped or stylus")->capture_default_str();
-  command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")->check(CLI::NonNegativeNumber);
+  command->add_option("--device", arguments->device, "Device class: desktop, damped or stylus")
+      ->capture_default_str();
+  command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")
+      ->check(CLI::NonNegativeNumber);
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }

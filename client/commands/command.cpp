@@ -19,8 +19,9 @@ void addSceneOptions(CLI::App& command, SceneArguments& arguments) {
   command.add_option("scene", arguments.path, "Scene file (.gltf or .glb)")->required();
   command.add_option("--units", arguments.units, "Unit of the file's numbers: m, cm, mm, inch or foot")
       ->capture_default_str();
-  command.add_option("--movable", arguments.movable,
-                     "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable");
+  command.add_option(
+      "--movable", arguments.movable,
+      "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable");
   command.add_flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-// The sub-commands of `tandem`, one a file. Each adds its options to the command line and sets the exit code when it is
-// the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or input.
+// The sub-commands of `tandem`, one a file. Each adds its options to the command line and sets the exit code
+// when it is the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or
+// input.
 
 #include <string>
 

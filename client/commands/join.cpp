@@ -18,7 +18,7 @@
 #include "client/join/live_table.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
-#include "haptics/devices/null_device.h"
+#include "haptics/devices/spacemouse.h"
 #include "haptics/devices/virtual_stylus.h"
 
 namespace tandem::client {
@@ -49,8 +49,8 @@ Result<std::array<std::uint8_t, 3>> parseColour(const std::string& text) {
   char rest = 0;
   if (text.size() != 7 || std::sscanf(text.c_str(), "#%6x%c", &value, &rest) != 1)
     return Error{"--colour " + text + ": must be #RRGGBB"};
-  return std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
-                                     static_cast<std::uint8_t>(value)};
+  return std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(value >> 16),
+                                     static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
 }
 
 /// A colour that tells sites apart when nobody chose one: from the name, on a wheel of well-separated hues.
@@ -77,6 +77,7 @@ std::string defaultName(const sync::JoinLink& link) {
 struct Hand {
   std::unique_ptr<haptics::Device> device;
   haptics::VirtualStylus* stylus = nullptr;
+  haptics::SpaceMouse* spaceMouse = nullptr;
   ScriptedDevice* scripted = nullptr;
 };
 
@@ -99,18 +100,20 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
     hand.stylus = device.get();
     hand.device = std::move(device);
   } else {
-    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(name);
+    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(name, start);
     if (!device) return Error{"--device " + name + ": " + device.error().message};
     hand.device = std::move(*device);
+    hand.spaceMouse = dynamic_cast<haptics::SpaceMouse*>(hand.device.get());
   }
-  if (Status opened = hand.device->open(); !opened) return Error{"--device " + name + ": " + opened.error().message};
   return hand;
 }
 
 /// Poses of parts as this site had them, one row each: what an accuracy check compares between sites.
 class PoseTrace {
  public:
-  explicit PoseTrace(const std::string& path) : file_(path) { file_ << "session_us,part,owned,x,y,z,qw,qx,qy,qz\n"; }
+  explicit PoseTrace(const std::string& path) : file_(path) {
+    file_ << "session_us,part,owned,x,y,z,qw,qx,qy,qz\n";
+  }
   bool good() const { return file_.good(); }
   void add(const ShownPose& shown, const assets::Scene& scene) {
     if (shown.time == 0) return;
@@ -127,7 +130,8 @@ class PoseTrace {
   std::ofstream file_;
 };
 
-std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& report, const std::string& end) {
+std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& report,
+                       const std::string& end) {
   nlohmann::ordered_json json;
   json["site"] = site.id();
   json["role"] = sync::toString(site.role());
@@ -135,7 +139,8 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   const haptics::ServoStatistics servo = site.servoStatistics();
   json["ticks"] = servo.ticks;
   json["late"] = servo.late;
-  json["compute_us"] = {{"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
+  json["compute_us"] = {
+      {"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
   const LinkStatistics link = site.linkStatistics();
   json["round_trip_ms"] = link.roundTrip_ms;
   json["loss_up"] = link.lossUp;
@@ -146,12 +151,16 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["state_over_udp"] = model.link.stateOverUdp;
   json["grabs"] = nlohmann::ordered_json::array();
   for (const GrabNote& grab : report.grabs)
-    json["grabs"].push_back({{"t", grab.time}, {"wait_ms", grab.wait_ms}, {"part", site.scene().parts[grab.part].name},
+    json["grabs"].push_back({{"t", grab.time},
+                             {"wait_ms", grab.wait_ms},
+                             {"part", site.scene().parts[grab.part].name},
                              {"answer", sync::toString(grab.denial)}});
   json["ownership"] = nlohmann::ordered_json::array();
   for (const OwnershipNote& note : report.ownership)
-    json["ownership"].push_back({{"t", note.time}, {"part", site.scene().parts[note.record.part].name},
-                                 {"owner", note.record.owner}, {"epoch", note.record.epoch}});
+    json["ownership"].push_back({{"t", note.time},
+                                 {"part", site.scene().parts[note.record.part].name},
+                                 {"owner", note.record.owner},
+                                 {"epoch", note.record.epoch}});
   for (std::size_t i = 0; i < site.scene().parts.size(); ++i) {
     if (!site.scene().parts[i].movable) continue;
     const Pose& pose = model.worldFromPart[i];
@@ -168,7 +177,8 @@ Status offscreenPicture(const Arguments& arguments, const ViewModel& model) {
   options.height = arguments.height;
   Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*model.scene, options);
   if (!viewer) return viewer.error();
-  for (int i = 0; i < 3; ++i) static_cast<void>((*viewer)->frame(model));  // panels find their sizes in the first frames
+  for (int i = 0; i < 3; ++i)
+    static_cast<void>((*viewer)->frame(model));  // panels find their sizes in the first frames
   return (*viewer)->screenshot(arguments.screenshot);
 }
 
@@ -182,8 +192,8 @@ class JoinRun {
       std::fprintf(stderr, "tandem: no display: running headless\n");
     if (window) {
       Result<std::unique_ptr<Viewer>> viewer =
-          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height, true,
-                                       arguments_.device.empty() || arguments_.device == "stylus"});
+          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
+                                       true, arguments_.device.empty() || arguments_.device == "stylus"});
       if (!viewer) return badInput(viewer.error());
       viewer_ = std::move(*viewer);
     }
@@ -195,17 +205,18 @@ class JoinRun {
       site_.onShown = [this](const ShownPose& shown) { trace_->add(shown, site_.scene()); };
     }
     haptics::VirtualStylus* stylus = hand->stylus;
+    haptics::SpaceMouse* spaceMouse = hand->spaceMouse;
     ScriptedDevice* scripted = hand->scripted;
     site_.start(std::move(hand->device),
                 scripted ? std::function<PartId()>([scripted] { return scripted->wish(); }) : nullptr);
-    loop(stylus);
+    loop(stylus, spaceMouse);
     return finish();
   }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void loop(haptics::VirtualStylus* stylus) {
+  void loop(haptics::VirtualStylus* stylus, haptics::SpaceMouse* spaceMouse) {
     const Clock::time_point start = Clock::now();
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
@@ -216,6 +227,8 @@ class JoinRun {
         const ViewActions actions = viewer_->frame(model_);
         if (stylus && actions.stylusMoved)
           stylus->setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
+        // A SpaceMouse moves the stylus as seen on the screen; full deflection crosses the scene in four seconds.
+        if (spaceMouse) spaceMouse->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
         if (actions.quit) end_ = "window closed";
       } else {
@@ -231,18 +244,22 @@ class JoinRun {
     if (end_.empty()) end_ = "interrupted";
   }
 
+  double sceneSize() const { return glm::length(site_.scene().bounds.max - site_.scene().bounds.min); }
+
   int finish() {
     site_.update(model_);
     report_.collect(site_);
     if (!arguments_.screenshot.empty()) {
-      Status picture = viewer_ ? viewer_->screenshot(arguments_.screenshot) : offscreenPicture(arguments_, model_);
+      Status picture =
+          viewer_ ? viewer_->screenshot(arguments_.screenshot) : offscreenPicture(arguments_, model_);
       if (!picture) {
         std::fprintf(stderr, "tandem: %s\n", picture.error().message.c_str());
         failed_ = true;
       }
     }
     if (!arguments_.json.empty())
-      if (Status written = writeFile(arguments_.json, reportJson(site_, model_, report_, end_) + "\n"); !written)
+      if (Status written = writeFile(arguments_.json, reportJson(site_, model_, report_, end_) + "\n");
+          !written)
         return badInput(written.error());
     if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size());
     return failed_ ? kExitFailed : kExitDone;
@@ -292,25 +309,32 @@ int run(Arguments& arguments) {
 void addJoin(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("join", "Enter a session: see, touch and move its parts");
-  command->add_option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)")->required();
+  command->add_option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)")
+      ->required();
   command->add_option("--name", arguments->name, "Your name, as the others see it");
   command->add_option("--colour", arguments->colour, "Your colour, #RRGGBB");
   command->add_flag("--headless", arguments->headless, "No window: a table in the terminal");
-  command->add_option("--device", arguments->device,
-                      "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
+  command->add_option(
+      "--device", arguments->device,
+      "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
   command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
-  command->add_option("--duration", arguments->duration, "Leave after this many seconds")->check(CLI::PositiveNumber);
-  command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) at the end, with or without a display");
+  command->add_option("--duration", arguments->duration, "Leave after this many seconds")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--screenshot", arguments->screenshot,
+                      "Write a picture (PNG) at the end, with or without a display");
   command->add_option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
   command->add_option("--json", arguments->json, "Write what happened to this file");
-  command->add_option("--trace", arguments->trace, "Write every pose of moving parts, as this site had it, to this CSV file");
+  command->add_option("--trace", arguments->trace,
+                      "Write every pose of moving parts, as this site had it, to this CSV file");
   command->add_option("--cache", arguments->cache, "Folder for fetched scenes (default: the user's cache)");
-  command->add_option("--width", arguments->width, "Of window and picture, pixels")->check(CLI::Range(200, 7680));
+  command->add_option("--width", arguments->width, "Of window and picture, pixels")
+      ->check(CLI::Range(200, 7680));
   command->add_option("--height", arguments->height)->check(CLI::Range(200, 4320));
   command->add_flag("--tcp", arguments->tcp, "State over TLS, not UDP");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command->footer("In the window F1 shows all keys. Space stops all force.\n"
-                  "Example: tandem join 'tandem://review.example:7411/participant?token=...&pin=...' --name Ada");
+  command->footer(
+      "In the window F1 shows all keys. Space stops all force.\n"
+      "Example: tandem join 'tandem://review.example:7411/participant?token=...&pin=...' --name Ada");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

@@ -71,11 +71,13 @@ Result<std::vector<MovedPart>> loadMoves(const std::vector<std::string>& moves, 
     if (equals == std::string::npos) return Error{"--move " + move + ": must be NAME=PATH.csv"};
     MovedPart entry;
     entry.part = assets::findPart(scene, move.substr(0, equals));
-    if (entry.part == kNoPart) return Error{"--move " + move + ": no part is named " + move.substr(0, equals)};
+    if (entry.part == kNoPart)
+      return Error{"--move " + move + ": no part is named " + move.substr(0, equals)};
     Result<std::vector<PathRow>> path = loadDevicePath(move.substr(equals + 1));
     if (!path) return path.error();
     for (std::size_t i = 0; i < path->size(); ++i)
-      if (!(*path)[i].valid) return Error{move.substr(equals + 1) + ": row " + std::to_string(i + 1) + ": not finite"};
+      if (!(*path)[i].valid)
+        return Error{move.substr(equals + 1) + ": row " + std::to_string(i + 1) + ": not finite"};
     entry.path = std::move(*path);
     moved.push_back(std::move(entry));
   }
@@ -90,7 +92,8 @@ Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
 
 class Probe {
  public:
-  Probe(const assets::Scene& scene, const haptics::ContactScene& contact, const Arguments& arguments, Tool tool)
+  Probe(const assets::Scene& scene, const haptics::ContactScene& contact, const Arguments& arguments,
+        Tool tool)
       : scene_(scene), contact_(contact), state_(contact), tool_(tool) {
     if (arguments.stiffness > 0.0) parameters_.stiffness = parameters_.graspStiffness = arguments.stiffness;
     if (arguments.damping >= 0.0) parameters_.damping = parameters_.graspDamping = arguments.damping;
@@ -108,7 +111,8 @@ class Probe {
         const std::vector<PathRow>& rows = moves[m].path;
         const PathRow& row = rows[std::min(i, rows.size() - 1)];
         const bool moving = i > 0 && i < rows.size();
-        moved[m] = {moves[m].part, row.pose, moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
+        moved[m] = {moves[m].part, row.pose,
+                    moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
       }
       haptics::TickInput input;
       input.device = sample(path[i], before, i);
@@ -161,7 +165,8 @@ class Probe {
   std::uint64_t allocations_ = 0;
 };
 
-Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene, bool part) {
+Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene,
+                  bool part) {
   std::string text = "t,hx,hy,hz,px,py,pz,fx,fy,fz,tx,ty,tz,contacts,part,flags,compute_ns";
   text += part ? ",pqw,pqx,pqy,pqz,depth\n" : "\n";
   char line[640];
@@ -170,10 +175,11 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
     const Wrench& w = row.tick.toHand;
     const PartId touched = row.tick.contactCount > 0 ? row.tick.contacts[0].part : kNoPart;
     int length = std::snprintf(
-        line, sizeof line, "%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f", row.time,
-        h.x, h.y, h.z, p.x, p.y, p.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y, w.torque.z,
-        row.tick.contactCount, touched == kNoPart ? "" : scene.parts[touched].name.substr(0, 200).c_str(),
-        row.tick.flags, row.compute_ns);
+        line, sizeof line, "%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f",
+        row.time, h.x, h.y, h.z, p.x, p.y, p.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y,
+        w.torque.z, row.tick.contactCount,
+        touched == kNoPart ? "" : scene.parts[touched].name.substr(0, 200).c_str(), row.tick.flags,
+        row.compute_ns);
     text.append(line, static_cast<std::size_t>(length));
     if (part) {
       // A held part does not touch others in this version: there is no penetration depth to tell.
@@ -188,10 +194,14 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
 
 nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
   const std::pair<std::uint32_t, const char*> names[] = {
-      {haptics::kFlagInvalidSample, "invalid_sample"}, {haptics::kFlagForceLimited, "force_limited"},
-      {haptics::kFlagSlewLimited, "slew_limited"},     {haptics::kFlagOverflow, "overflow"},
-      {haptics::kFlagFault, "fault"},                  {haptics::kFlagSqueezed, "squeezed"},
-      {haptics::kFlagHeldWithoutContact, "held_without_contact"}, {haptics::kFlagProxyReset, "proxy_reset"}};
+      {haptics::kFlagInvalidSample, "invalid_sample"},
+      {haptics::kFlagForceLimited, "force_limited"},
+      {haptics::kFlagSlewLimited, "slew_limited"},
+      {haptics::kFlagOverflow, "overflow"},
+      {haptics::kFlagFault, "fault"},
+      {haptics::kFlagSqueezed, "squeezed"},
+      {haptics::kFlagHeldWithoutContact, "held_without_contact"},
+      {haptics::kFlagProxyReset, "proxy_reset"}};
   nlohmann::ordered_json counts = nlohmann::ordered_json::object();
   for (const auto& [bit, name] : names) {
     std::uint64_t count = 0;
@@ -220,7 +230,9 @@ int run(const Arguments& arguments) {
   const haptics::ContactScene contact(*scene);
   const double bake_ms = milliseconds(bakeStart);
   if (tool->part != kNoPart)
-    std::fprintf(stderr, "tandem: note: a held part follows the hand but does not collide with others in this version\n");
+    std::fprintf(
+        stderr,
+        "tandem: note: a held part follows the hand but does not collide with others in this version\n");
 
   Probe probe(*scene, contact, arguments, *tool);
   probe.run(*path, *moves);
@@ -241,11 +253,12 @@ int run(const Arguments& arguments) {
       {"allocations", probe.allocations()},
       {"flags", flagCounts(probe.rows())}};
   if (!arguments.json.empty())
-    if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written) return badInput(written.error());
+    if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written)
+      return badInput(written.error());
   std::printf("%zu ticks on %zu triangles in %zu parts; load %.0f ms, bake %.0f ms\n", probe.rows().size(),
               assets::triangleCount(*scene), scene->parts.size(), load_ms, bake_ms);
-  std::printf("tick %.2f us p50, %.2f p99, %.2f p99.9, %.2f max; %llu allocations\n", p.p50 / 1e3, p.p99 / 1e3,
-              p.p999 / 1e3, p.max / 1e3, static_cast<unsigned long long>(probe.allocations()));
+  std::printf("tick %.2f us p50, %.2f p99, %.2f p99.9, %.2f max; %llu allocations\n", p.p50 / 1e3,
+              p.p99 / 1e3, p.p999 / 1e3, p.max / 1e3, static_cast<unsigned long long>(probe.allocations()));
   return probe.allocations() == 0 ? kExitDone : kExitFailed;
 }
 
@@ -256,7 +269,9 @@ void addProbe(CLI::App& app, int& exitCode) {
   CLI::App* command =
       app.add_subcommand("probe", "Run the haptic tick over a scripted device path, without a network");
   addSceneOptions(*command, arguments->scene);
-  command->add_option("--path", arguments->path, "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
+  command
+      ->add_option("--path", arguments->path,
+                   "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
       ->required();
   command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
   command->add_option("--stiffness", arguments->stiffness, "N/m, where the material states none")
@@ -265,9 +280,11 @@ void addProbe(CLI::App& app, int& exitCode) {
   command->add_option("--force-limit", arguments->forceLimit, "N, of the device")->check(CLI::PositiveNumber);
   command->add_option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable");
   command->add_option("--ticks", arguments->ticks, "Write every tick to this CSV file");
-  command->add_option("--json", arguments->json, "Write load time, tick times, allocations and flags to this file");
-  command->footer("Exit code 1: a tick used the heap.\nExample: tandem probe assets/scenes/pump.glb --path stroke.csv "
-                  "--ticks ticks.csv --json probe.json");
+  command->add_option("--json", arguments->json,
+                      "Write load time, tick times, allocations and flags to this file");
+  command->footer(
+      "Exit code 1: a tick used the heap.\nExample: tandem probe assets/scenes/pump.glb --path stroke.csv "
+      "--ticks ticks.csv --json probe.json");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

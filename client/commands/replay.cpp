@@ -31,7 +31,7 @@ struct Recording {
   std::vector<sync::RecordingEntry> entries;
   std::string damaged;
   sync::Micros start = 0;
-  double duration = 0.0;   // s
+  double duration = 0.0;  // s
 };
 
 Result<Recording> readRecording(const std::string& path) {
@@ -53,8 +53,7 @@ Result<Recording> readRecording(const std::string& path) {
 /// The session at one instant of a recording. Going back begins anew.
 class Playback {
  public:
-  Playback(const Recording& recording, const assets::Scene& scene)
-      : recording_(recording), scene_(scene) {
+  Playback(const Recording& recording, const assets::Scene& scene) : recording_(recording), scene_(scene) {
     model_.scene = &scene;
     model_.replay = true;
     model_.duration = recording.duration;
@@ -86,7 +85,8 @@ class Playback {
     if (const auto* control = std::get_if<sync::ControlMessage>(&entry.message)) {
       if (const auto* changed = std::get_if<sync::OwnershipChanged>(control)) applyRecord(changed->part);
       if (const auto* reply = std::get_if<sync::GrabReply>(control)) applyRecord(reply->part);
-      if (const auto* site = std::get_if<sync::SiteChanged>(control)) siteOf(site->site.site).info = site->site;
+      if (const auto* site = std::get_if<sync::SiteChanged>(control))
+        siteOf(site->site.site).info = site->site;
       return;
     }
     const auto* update = std::get_if<sync::StateUpdate>(&std::get<sync::StateMessage>(entry.message));
@@ -164,7 +164,8 @@ Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recor
   const SceneStore store(arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache);
   const std::vector<std::byte> package = store.find(recording.header.sceneHash);
   if (package.empty())
-    return Error{arguments.recording + ": its scene is not in the cache of this user; give it with --scene FILE"};
+    return Error{arguments.recording +
+                 ": its scene is not in the cache of this user; give it with --scene FILE"};
   return assets::unpackScene(package);
 }
 
@@ -193,7 +194,8 @@ int run(const Arguments& arguments) {
   if (!scene) return badInput(scene.error());
   const nlohmann::ordered_json summary = summarise(*recording, *scene);
   if (!arguments.json.empty())
-    if (Status written = writeFile(arguments.json, summary.dump(2) + "\n"); !written) return badInput(written.error());
+    if (Status written = writeFile(arguments.json, summary.dump(2) + "\n"); !written)
+      return badInput(written.error());
   if (!recording->damaged.empty())
     std::fprintf(stderr, "tandem: %s: %s; shown up to there\n", arguments.recording.c_str(),
                  recording->damaged.c_str());
@@ -217,14 +219,17 @@ int run(const Arguments& arguments) {
 void addReplay(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand("replay", "Show a recorded session again, with its forces");
-  command->add_option("recording", arguments->recording, "File of 'tandem join --record' or 'tandem-server --record'")
+  command
+      ->add_option("recording", arguments->recording,
+                   "File of 'tandem join --record' or 'tandem-server --record'")
       ->required();
   command->add_option("--scene", arguments->scenePath, "Scene file, if this user never joined that session");
   command->add_option("--units", arguments->units, "Unit of the scene file")->capture_default_str();
   command->add_option("--movable", arguments->movable, "As given to the server");
   command->add_flag("--headless", arguments->headless, "No window: print a summary");
   command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
-  command->add_option("--at", arguments->at, "Seconds from the beginning (default: the end)")->check(CLI::NonNegativeNumber);
+  command->add_option("--at", arguments->at, "Seconds from the beginning (default: the end)")
+      ->check(CLI::NonNegativeNumber);
   command->add_option("--json", arguments->json, "Write a summary to this file");
   command->add_option("--cache", arguments->cache, "Folder of fetched scenes");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });

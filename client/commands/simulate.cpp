@@ -17,7 +17,8 @@ struct Arguments {
 };
 
 void printSummary(const SimulationResult& result) {
-  std::printf("%-14s %12s %12s %12s %10s %10s\n", "site", "energy mJ", "felt N/m", "step N/20ms", "packets/s", "kB/s");
+  std::printf("%-14s %12s %12s %12s %10s %10s\n", "site", "energy mJ", "felt N/m", "step N/20ms", "packets/s",
+              "kB/s");
   for (const auto& [name, site] : result.sites)
     std::printf("%-14s %12.4f %12.1f %12.3f %10.1f %10.2f\n", name.c_str(), site.energyCreated * 1e3,
                 site.feltStiffness, site.forceStep20ms, site.packetsPerSecond, site.bytesPerSecond / 1e3);
@@ -36,12 +37,14 @@ void printSummary(const SimulationResult& result) {
 int run(const Arguments& arguments) {
   Result<Scenario> scenario = loadScenario(arguments.scenario);
   if (!scenario) return badInput(scenario.error());
-  Result<assets::Scene> scene = assets::loadScene(scenario->scene, scenario->load, assets::defaultCacheDirectory());
+  Result<assets::Scene> scene =
+      assets::loadScene(scenario->scene, scenario->load, assets::defaultCacheDirectory());
   if (!scene) return badInput(scene.error());
   Result<SimulationResult> result = simulate(*scenario, *scene, arguments.options);
   if (!result) return badInput(result.error());
   if (!arguments.json.empty())
-    if (Status written = writeFile(arguments.json, toJson(*result) + "\n"); !written) return badInput(written.error());
+    if (Status written = writeFile(arguments.json, toJson(*result) + "\n"); !written)
+      return badInput(written.error());
   if (!arguments.quiet) printSummary(*result);
   return result->stable && result->violations.empty() ? kExitDone : kExitFailed;
 }
@@ -52,11 +55,13 @@ void addSimulate(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command = app.add_subcommand(
       "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
-  command->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation for examples)")
+  command
+      ->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation for examples)")
       ->required();
   command->add_option("--seed", arguments->options.seed, "Seed of network and clocks")->capture_default_str();
   command->add_option("--json", arguments->json, "Write the measures to this file");
-  command->add_option("--trace", arguments->options.tracePath, "Write hands and forces every 10 ms to this CSV file");
+  command->add_option("--trace", arguments->options.tracePath,
+                      "Write hands and forces every 10 ms to this CSV file");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "The same scenario and seed give the same result, to the bit.\n"

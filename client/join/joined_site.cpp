@@ -11,8 +11,8 @@ using namespace sync;
 namespace {
 constexpr Micros kNetworkPeriod = kMillisecond;
 constexpr Micros kSharePeriod = 15 * kMillisecond;
-constexpr double kNoticeLife = 8.0;         // s
-constexpr std::size_t kPlotLength = 1000;   // ticks of force
+constexpr double kNoticeLife = 8.0;        // s
+constexpr std::size_t kPlotLength = 1000;  // ticks of force
 }  // namespace
 
 /// Notes what the link is told, for reports. Network thread; the lists are guarded by the site's mutex.
@@ -50,12 +50,13 @@ JoinedSite::~JoinedSite() {
 }
 
 Micros JoinedSite::localNow() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(std::chrono::steady_clock::now().time_since_epoch())
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
-Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(const JoinOptions& options,
-                                                      const std::function<void(double, const char*)>& progress) {
+Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(
+    const JoinOptions& options, const std::function<void(double, const char*)>& progress) {
   std::unique_ptr<JoinedSite> site(new JoinedSite(options));
   if (Status status = site->enterSession(progress); !status) return status.error();
   return site;
@@ -85,7 +86,8 @@ Status JoinedSite::enterSession(const std::function<void(double, const char*)>& 
     waitForNetwork();
     link_->step(localNow());
   }
-  if (link_->stage() == SiteLink::Stage::ended) return Error{"the session refused this site: " + link_->reason()};
+  if (link_->stage() == SiteLink::Stage::ended)
+    return Error{"the session refused this site: " + link_->reason()};
   return prepareScene(progress);
 }
 
@@ -96,7 +98,8 @@ Status JoinedSite::fetch(const std::function<void(double, const char*)>& progres
   double lastShare = -1.0;
   while (link_->stage() != SiteLink::Stage::haveScene) {
     if (link_->stage() == SiteLink::Stage::ended) return Error{"the session ended: " + link_->reason()};
-    if (link_->stage() == SiteLink::Stage::needScene) link_->startTransfer(link_->scenePackage());  // reconnected
+    if (link_->stage() == SiteLink::Stage::needScene)
+      link_->startTransfer(link_->scenePackage());  // reconnected
     if (link_->transferProgress() != lastShare) {
       lastShare = link_->transferProgress();
       lastProgress = localNow();
@@ -196,13 +199,15 @@ void JoinedSite::share() {
     const std::lock_guard lock(mutex_);
     shared_.sites = link_->sites();
     shared_.owner.resize(scene_.parts.size());
-    for (std::size_t i = 0; i < shared_.owner.size(); ++i) shared_.owner[i] = link_->owner(static_cast<PartId>(i));
+    for (std::size_t i = 0; i < shared_.owner.size(); ++i)
+      shared_.owner[i] = link_->owner(static_cast<PartId>(i));
     for (Notice& notice : link_->takeNotices()) shared_.notices.push_back(std::move(notice));
     const TransportCounters before = shared_.statistics.transport;
     shared_.statistics = link_->statistics();
     const TransportCounters& after = shared_.statistics.transport;
     const auto rate = [](std::uint64_t now, std::uint64_t then, double& kbit_s) {
-      const double present = now >= then ? static_cast<double>(now - then) * 8e-3 / toSeconds(kSharePeriod) : 0.0;
+      const double present =
+          now >= then ? static_cast<double>(now - then) * 8e-3 / toSeconds(kSharePeriod) : 0.0;
       kbit_s += 0.05 * (present - kbit_s);
     };
     rate(after.stateBytesOut + after.controlBytesOut, before.stateBytesOut + before.controlBytesOut,
@@ -278,7 +283,7 @@ void JoinedSite::update(ViewModel& model) {
   for (const SiteView& site : model.sites)
     if (site.self) model.role = site.info.role;
   model.link.connected = shared_.stage == SiteLink::Stage::ready;
-  model.link.status = model.link.connected ? "connected"
+  model.link.status = model.link.connected                      ? "connected"
                       : shared_.stage == SiteLink::Stage::ended ? "ended: " + shared_.reason
                                                                 : "reconnecting: " + shared_.reason;
   model.link.roundTrip_ms = shared_.statistics.roundTrip_ms;
@@ -325,10 +330,11 @@ void JoinedSite::updateHand(ViewModel& model) {
   float force = 0.0f;
   while (exchange_->forces.pop(force)) recentForces_.push_back(force);
   if (recentForces_.size() > kPlotLength)
-    recentForces_.erase(recentForces_.begin(), recentForces_.end() - static_cast<std::ptrdiff_t>(kPlotLength));
+    recentForces_.erase(recentForces_.begin(),
+                        recentForces_.end() - static_cast<std::ptrdiff_t>(kPlotLength));
   model.loop.recentForce_n = recentForces_;
-  model.settings = {settings_.parameters.forceLimit, settings_.parameters.gain, settings_.parameters.zeroForce,
-                    settings_.parameters.stiffness};
+  model.settings = {settings_.parameters.forceLimit, settings_.parameters.gain,
+                    settings_.parameters.zeroForce, settings_.parameters.stiffness};
 }
 
 void JoinedSite::act(const ViewActions& actions) {

@@ -1,7 +1,7 @@
 #pragma once
 
-// A site that runs: servo thread (HandLoop on a device), network thread (SiteLink on sockets), and what the main thread
-// needs to show and steer both. Main thread only, but for what its two threads do inside.
+// A site that runs: servo thread (HandLoop on a device), network thread (SiteLink on sockets), and what the
+// main thread needs to show and steer both. Main thread only, but for what its two threads do inside.
 
 #include <atomic>
 #include <functional>
@@ -29,37 +29,39 @@ struct JoinOptions {
   std::array<std::uint8_t, 3> colour{90, 160, 250};
   bool udp = true;
   std::string cacheDirectory;
-  std::string recordPath;             // empty: no recording
-  double enterTimeout_s = 10.0;       // for the way into the session, the scene transfer not counted
+  std::string recordPath;        // empty: no recording
+  double enterTimeout_s = 10.0;  // for the way into the session, the scene transfer not counted
 };
 
 /// A change of ownership as this site was told, for reports.
 struct OwnershipNote {
-  double time = 0.0;                  // s since the site started
+  double time = 0.0;  // s since the site started
   sync::PartRecord record;
 };
 
 /// How this site's grabs were answered.
 struct GrabNote {
-  double time = 0.0;                  // s since the site started
-  double wait_ms = 0.0;               // from the request to its answer
+  double time = 0.0;     // s since the site started
+  double wait_ms = 0.0;  // from the request to its answer
   PartId part = kNoPart;
   sync::Denial denial = sync::Denial::none;
 };
 
 class JoinedSite {
  public:
-  /// Enters the session and fetches the scene; `progress` is told the share done. Blocks until the scene stands.
+  /// Enters the session and fetches the scene; `progress` is told the share done. Blocks until the scene
+  /// stands.
   static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options,
                                                    const std::function<void(double, const char*)>& progress);
-  ~JoinedSite();   // stops both threads, says goodbye
+  ~JoinedSite();  // stops both threads, says goodbye
 
   const assets::Scene& scene() const { return scene_; }
   sync::Role role() const { return link_->welcome().role; }
   SiteId id() const { return link_->welcome().site; }
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }  // servo thread
 
-  /// Starts both threads with this device, which must be open. `wish`, if given, is asked each tick in the servo thread.
+  /// Starts both threads with this device, which must be open. `wish`, if given, is asked each tick in the
+  /// servo thread.
   void start(std::unique_ptr<haptics::Device> device, std::function<PartId()> wish = {});
 
   /// Brings the model up to date with both threads.
@@ -93,12 +95,12 @@ class JoinedSite {
   JoinOptions options_;
   SceneStore store_;
   std::unique_ptr<Observer> observer_;
-  std::unique_ptr<SiteLink> link_;                 // network thread, once started
+  std::unique_ptr<SiteLink> link_;  // network thread, once started
   std::unique_ptr<sync::RecordingWriter> recording_;
   assets::Scene scene_;
   std::unique_ptr<haptics::ContactScene> contact_;
   std::unique_ptr<Exchange> exchange_;
-  std::unique_ptr<HandLoop> hand_;                 // servo thread, once started
+  std::unique_ptr<HandLoop> hand_;  // servo thread, once started
   std::unique_ptr<haptics::Device> device_;
   std::unique_ptr<haptics::ServoLoop> servo_;
   std::thread network_;

@@ -30,8 +30,9 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
   if (!terminal_) {
     std::printf("%7.1f s  %s  %zu here  rtt %.1f ms  tick p99 %.0f us  force %.2f N  holds %s\n", elapsed,
-                model.link.status.c_str(), model.sites.size(), model.link.roundTrip_ms, model.loop.compute_us_p99,
-                glm::length(model.hand.force), partName(model, model.hand.held).c_str());
+                model.link.status.c_str(), model.sites.size(), model.link.roundTrip_ms,
+                model.loop.compute_us_p99, glm::length(model.hand.force),
+                partName(model, model.hand.held).c_str());
     std::fflush(stdout);
     return;
   }
@@ -41,12 +42,13 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
     std::fputs("\033[K\n", stdout);
     ++lines_;
   };
-  std::printf("%6.1f s  %s  %s  rtt %.1f ms  loss %.1f/%.1f %%  play-out %.1f ms", elapsed, model.link.status.c_str(),
-              model.link.stateOverUdp ? "UDP" : "TLS", model.link.roundTrip_ms, 100.0 * model.link.lossUp,
-              100.0 * model.link.lossDown, model.link.playOut_ms);
+  std::printf("%6.1f s  %s  %s  rtt %.1f ms  loss %.1f/%.1f %%  play-out %.1f ms", elapsed,
+              model.link.status.c_str(), model.link.stateOverUdp ? "UDP" : "TLS", model.link.roundTrip_ms,
+              100.0 * model.link.lossUp, 100.0 * model.link.lossDown, model.link.playOut_ms);
   end();
-  std::printf("loop  %llu ticks  %.1f us p50  %.1f us p99  %llu late%s", static_cast<unsigned long long>(model.loop.ticks),
-              model.loop.compute_us_p50, model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
+  std::printf("loop  %llu ticks  %.1f us p50  %.1f us p99  %llu late%s",
+              static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
+              model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
               model.loop.realtime ? "" : "  (not real-time)");
   end();
   std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
@@ -67,10 +69,11 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
 }
 
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
-  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grabs asked\n",
-              end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
-              model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late), model.link.roundTrip_ms,
-              100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs);
+  std::printf(
+      "%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grabs asked\n",
+      end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
+      model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late), model.link.roundTrip_ms,
+      100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs);
 }
 
 }  // namespace tandem::client

@@ -1,6 +1,7 @@
 #pragma once
 
-// What a site without a window shows: a table in the terminal, drawn anew, or a line now and then where there is none.
+// What a site without a window shows: a table in the terminal, drawn anew, or a line now and then where there
+// is none.
 
 #include <cstddef>
 #include <string>

@@ -1,6 +1,7 @@
 #pragma once
 
-// Scene packages that this user's sites have fetched: whole ones by content hash, and the beginnings of broken transfers.
+// Scene packages that this user's sites have fetched: whole ones by content hash, and the beginnings of
+// broken transfers.
 
 #include <cstddef>
 #include <string>
@@ -20,8 +21,8 @@ class SceneStore {
   std::vector<std::byte> find(const assets::ContentHash& hash) const;
   /// Bytes of an earlier, broken-off transfer of this package.
   std::vector<std::byte> beginning(const assets::ContentHash& hash) const;
-  /// Keeps a whole package (removing its beginning), or a beginning. A store that cannot be written is no error: the
-  /// next visit transfers again.
+  /// Keeps a whole package (removing its beginning), or a beginning. A store that cannot be written is no
+  /// error: the next visit transfers again.
   void keep(const assets::ContentHash& hash, const std::vector<std::byte>& package) const;
   void keepBeginning(const assets::ContentHash& hash, const std::vector<std::byte>& bytes) const;
 

@@ -9,8 +9,9 @@ using sync::PartRecord;
 
 namespace {
 
-constexpr Micros kAnswerLimit = 10 * sync::kSecond;   // L1 in a session whose server is up: far above any round trip
-constexpr double kReplicaTolerance = 1e-5;            // m, L4: a few quanta of the wire
+constexpr Micros kAnswerLimit =
+    10 * sync::kSecond;                     // L1 in a session whose server is up: far above any round trip
+constexpr double kReplicaTolerance = 1e-5;  // m, L4: a few quanta of the wire
 
 std::string text(const PartRecord& record) {
   return "part " + std::to_string(record.part) + " epoch " + std::to_string(record.epoch) + " owner " +
@@ -19,7 +20,8 @@ std::string text(const PartRecord& record) {
 
 }  // namespace
 
-Invariants::Invariants(std::size_t sites, sync::LeaseRules lease) : lease_(lease), seen_(sites), open_(sites) {}
+Invariants::Invariants(std::size_t sites, sync::LeaseRules lease)
+    : lease_(lease), seen_(sites), open_(sites) {}
 
 void Invariants::broken(const char* rule, std::string what) {
   violations_.push_back({rule, sync::toSeconds(now_), std::move(what)});
@@ -34,7 +36,9 @@ void Invariants::onOwnership(std::size_t site, const PartRecord& record) {
   if (!fresh && entry->second != record.owner) broken("S1", "two owners in one epoch: " + text(record));
 }
 
-void Invariants::onGrab(std::size_t site, const sync::Grab& grab) { open_[site][grab.request] = {grab.part, now_}; }
+void Invariants::onGrab(std::size_t site, const sync::Grab& grab) {
+  open_[site][grab.request] = {grab.part, now_};
+}
 
 void Invariants::onGrabReply(std::size_t site, const sync::GrabReply& reply) {
   open_[site].erase(reply.request);
@@ -56,12 +60,13 @@ void Invariants::onAccepted(std::size_t site, const sync::PartState& state) {
 }
 
 void Invariants::onPublished(std::size_t, SiteId self, const sync::PartState& state) {
-  // S3: once the server has given the part to somebody else, the former owner is silent, whatever it has been told.
+  // S3: once the server has given the part to somebody else, the former owner is silent, whatever it has been
+  // told.
   const auto record = server_.find(state.part);
   if (record != server_.end() && record->second.owner != kNoSite && record->second.epoch > state.epoch &&
       record->second.owner != self)
-    broken("S3", "site " + std::to_string(self) + " still publishes part " + std::to_string(state.part) + " epoch " +
-                     std::to_string(state.epoch));
+    broken("S3", "site " + std::to_string(self) + " still publishes part " + std::to_string(state.part) +
+                     " epoch " + std::to_string(state.epoch));
 }
 
 void Invariants::onConnection(std::size_t site, bool up) {
@@ -113,9 +118,11 @@ void Invariants::finish(const std::vector<std::pair<std::string, double>>& repli
   for (const auto& requests : open_)
     for (const auto& [request, open] : requests)
       if (now_ - open.at > kAnswerLimit)
-        broken("L1", "request " + std::to_string(request) + " for part " + std::to_string(open.part) + " unanswered");
+        broken("L1", "request " + std::to_string(request) + " for part " + std::to_string(open.part) +
+                         " unanswered");
   for (const auto& [name, error] : replicaErrors)
-    if (error > kReplicaTolerance) broken("L4", "replicas of " + name + " differ by " + std::to_string(error) + " m");
+    if (error > kReplicaTolerance)
+      broken("L4", "replicas of " + name + " differ by " + std::to_string(error) + " m");
 }
 
 }  // namespace tandem::client

@@ -1,8 +1,8 @@
 #pragma once
 
-// Watches a simulated session from outside and says which promises of the protocol were broken: S1-S4, S6-S8, L1, L2, L4
-// of the design. Knows nothing of how ownership is implemented: it sees what sites were told, sent and applied, and what
-// the server's record says at each instant.
+// Watches a simulated session from outside and says which promises of the protocol were broken: S1-S4, S6-S8,
+// L1, L2, L4 of the design. Knows nothing of how ownership is implemented: it sees what sites were told, sent
+// and applied, and what the server's record says at each instant.
 
 #include <cstdint>
 #include <map>
@@ -16,8 +16,8 @@
 namespace tandem::client {
 
 struct Violation {
-  std::string rule;      // "S1" ... "L4"
-  double at = 0.0;       // s, virtual time
+  std::string rule;  // "S1" ... "L4"
+  double at = 0.0;   // s, virtual time
   std::string what;
 };
 
@@ -63,17 +63,17 @@ class Invariants {
   sync::Micros now_ = 0, restartedAt_ = -1;
   std::vector<Violation> violations_;
   std::vector<Grant> grants_;
-  std::map<std::pair<PartId, Epoch>, SiteId> ownerOf_;                // S1
+  std::map<std::pair<PartId, Epoch>, SiteId> ownerOf_;  // S1
   std::map<PartId, sync::PartRecord> server_;
   std::map<PartId, sync::PartRecord> restored_;
-  std::vector<std::map<PartId, SeenPart>> seen_;                      // S2, a site each
+  std::vector<std::map<PartId, SeenPart>> seen_;  // S2, a site each
   struct OpenGrab {
     PartId part = kNoPart;
     sync::Micros at = 0;
   };
-  std::vector<std::map<sync::RequestId, OpenGrab>> open_;             // L1, a site each
+  std::vector<std::map<sync::RequestId, OpenGrab>> open_;                       // L1, a site each
   std::map<std::pair<std::size_t, sync::RequestId>, sync::GrabReply> answers_;  // S7
-  std::map<SiteId, sync::Micros> deadSince_;                          // L2
+  std::map<SiteId, sync::Micros> deadSince_;                                    // L2
 };
 
 }  // namespace tandem::client

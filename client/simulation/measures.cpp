@@ -8,10 +8,10 @@
 namespace tandem::client {
 
 namespace {
-constexpr std::size_t kStepWindow = 20;      // ticks
-constexpr double kDiverged = 10.0;           // m from where the hand began
-constexpr double kRestMotion = 0.5e-3;       // m peak to peak
-constexpr double kRestForceStep = 0.3;       // N in 20 ms
+constexpr std::size_t kStepWindow = 20;  // ticks
+constexpr double kDiverged = 10.0;       // m from where the hand began
+constexpr double kRestMotion = 0.5e-3;   // m peak to peak
+constexpr double kRestForceStep = 0.3;   // N in 20 ms
 constexpr std::size_t kRestTicks = 1500;
 }  // namespace
 
@@ -66,7 +66,8 @@ double HandMeasures::handoverExcess() const {
   double excess = 0.0;
   for (const std::size_t change : roleChanges_) {
     std::vector<double> before;
-    for (std::size_t i = change >= 1000 ? change - 1000 : 0; i < change; ++i) before.push_back(forceChange(i));
+    for (std::size_t i = change >= 1000 ? change - 1000 : 0; i < change; ++i)
+      before.push_back(forceChange(i));
     if (before.empty()) continue;
     const std::size_t rank = before.size() * 99 / 100;
     std::nth_element(before.begin(), before.begin() + static_cast<std::ptrdiff_t>(rank), before.end());

@@ -27,20 +27,21 @@ class HandMeasures {
 
   /// J: the most by which the energy given ever exceeded what came in.
   double energyCreated() const;
-  /// N/m: least-squares slope of force against travel while pressing, along the direction of most travel; 0 without.
+  /// N/m: least-squares slope of force against travel while pressing, along the direction of most travel; 0
+  /// without.
   double feltStiffness() const;
   /// N: largest change of force within 20 ms.
   double forceStep() const;
   /// N: the same in the 0.5 s after a role change, less its 99th percentile in the second before; 0 without.
   double handoverExcess() const;
   double rmsForce() const;
-  /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more than 0.3 N
-  /// in 20 ms while `allStill` (one entry a tick, for all hands).
+  /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more
+  /// than 0.3 N in 20 ms while `allStill` (one entry a tick, for all hands).
   bool stable(const std::vector<bool>& allStill) const;
   const std::vector<HandSample>& samples() const { return samples_; }
 
  private:
-  double forceChange(std::size_t tick) const;   // within the 20 ms that end at this tick
+  double forceChange(std::size_t tick) const;  // within the 20 ms that end at this tick
 
   std::vector<HandSample> samples_;
   std::vector<std::size_t> roleChanges_;

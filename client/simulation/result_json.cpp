@@ -34,10 +34,11 @@ std::string toJson(const SimulationResult& result) {
   json["grants"] = ordered_json::array();
   for (const auto& grant : result.grants) {
     const auto name = result.siteNames.find(grant.site);
-    json["grants"].push_back({{"t", grant.at},
-                              {"part", result.partNames[grant.part]},
-                              {"site", name == result.siteNames.end() ? std::to_string(grant.site) : name->second},
-                              {"epoch", grant.epoch}});
+    json["grants"].push_back(
+        {{"t", grant.at},
+         {"part", result.partNames[grant.part]},
+         {"site", name == result.siteNames.end() ? std::to_string(grant.site) : name->second},
+         {"epoch", grant.epoch}});
   }
   json["denials"] = result.denials;
   json["dropped_states"] = result.droppedStates;
@@ -45,8 +46,9 @@ std::string toJson(const SimulationResult& result) {
   for (const Violation& violation : result.violations)
     json["violations"].push_back({{"rule", violation.rule}, {"t", violation.at}, {"what", violation.what}});
   for (const auto& [part, pose] : result.finalPoses)
-    json["final_poses"][part] = {pose.position.x,    pose.position.y,    pose.position.z,   pose.orientation.w,
-                                 pose.orientation.x, pose.orientation.y, pose.orientation.z};
+    json["final_poses"][part] = {pose.position.x,    pose.position.y,    pose.position.z,
+                                 pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                                 pose.orientation.z};
   json["hash"] = result.hash;
   return json.dump(2);
 }

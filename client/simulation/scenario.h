@@ -1,6 +1,7 @@
 #pragma once
 
-// A scenario of `tandem simulate`: people, devices, network and faults, read from JSON. The form is in client/README.md.
+// A scenario of `tandem simulate`: people, devices, network and faults, read from JSON. The form is in
+// client/README.md.
 
 #include <string>
 #include <vector>
@@ -18,34 +19,34 @@ struct ScenarioSite {
   haptics::SimulatedDeviceParameters device;
   std::string role = "participant";
   bool hasStart = false;
-  glm::dvec3 start{0.0, 0.0, 0.0};   // m, world
-  double joins = 0.0;                // s
-  std::string script;                // JSON text, parsed against the scene later
+  glm::dvec3 start{0.0, 0.0, 0.0};  // m, world
+  double joins = 0.0;               // s
+  std::string script;               // JSON text, parsed against the scene later
 };
 
 struct Blackout {
   std::string site;
-  double at = 0.0, lasts = 0.0;      // s
+  double at = 0.0, lasts = 0.0;  // s
 };
 
 struct DelayStep {
-  double at = 0.0;                   // s
+  double at = 0.0;  // s
   sync::Micros oneWay = 0;
 };
 
 struct Fault {
   enum class Kind : std::uint8_t { killServer, killSite, pauseSite };
   Kind kind = Kind::killServer;
-  double at = 0.0;                   // s
-  double lasts = -1.0;               // s: until the restart, or of the pause; < 0: for good
+  double at = 0.0;      // s
+  double lasts = -1.0;  // s: until the restart, or of the pause; < 0: for good
   std::string site;
 };
 
 struct Scenario {
-  std::string path;                  // of the scenario file, for messages
-  std::string scene;                 // path of the scene
+  std::string path;   // of the scenario file, for messages
+  std::string scene;  // path of the scene
   assets::LoadOptions load;
-  double duration = 0.0;             // s
+  double duration = 0.0;  // s
   std::vector<ScenarioSite> sites;
   sync::NetworkConditions network;
   double packetHz = 250.0;

@@ -90,18 +90,24 @@ class SimulatedSite : public LinkObserver {
   HandMeasures measures;
   glm::dvec3 lastTarget{0.0, 0.0, 0.0};
   double sourceEnergy = 0.0;
+  std::vector<Pose> lastPoses;  // of every part, as of the last tick here
   std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
 
  private:
   void tickHand(Micros now);
+  void addSources(const haptics::TickOutput& tick);
   void countTransport();
 };
 
 class Simulation {
  public:
   Simulation(const Scenario& script, const assets::Scene& parts, const SimulationOptions& options)
-      : scenario(script), scene(parts), contact(parts), package(assets::packScene(parts)),
-        network(options.seed, script.network), conditions(script.network),
+      : scenario(script),
+        scene(parts),
+        contact(parts),
+        package(assets::packScene(parts)),
+        network(options.seed, script.network),
+        conditions(script.network),
         invariants(script.sites.size(), LeaseRules{}) {
     key.seed.fill(static_cast<std::uint8_t>(options.seed));
     if (!options.tracePath.empty()) {
@@ -146,7 +152,8 @@ class Simulation {
 // ---- a site ----
 
 SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const ScenarioSite& siteDescription,
-                             HandScript script, const haptics::ContactScene& contact, const Pose& start, Micros offset)
+                             HandScript script, const haptics::ContactScene& contact, const Pose& start,
+                             Micros offset)
     : simulation(sim),
       index(siteIndex),
       description(siteDescription),
@@ -157,6 +164,7 @@ SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const Scena
       device(sim.scene, std::move(script), description.arm, description.device, start,
              [this](PartId part) { return hand->worldFromPart(part); }) {
   lastTarget = start.position;
+  for (const assets::Part& part : sim.scene.parts) lastPoses.push_back(part.worldFromPart);
   HandSettingsInput settings;
   settings.parameters.forceLimit = description.device.forceMax;
   settings.parameters.gravity = sim.scene.gravity;
@@ -167,7 +175,8 @@ void SimulatedSite::start() {
   SiteLinkOptions options;
   options.name = description.name;
   options.packetHz = simulation.scenario.packetHz;
-  options.token = simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
+  options.token =
+      simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
   link = std::make_unique<SiteLink>(options, [this]() -> Result<std::unique_ptr<Transport>> {
     countTransport();
     return simulation.network.connect(name());
@@ -205,8 +214,7 @@ void SimulatedSite::step(Micros now) {
   if (link->stage() == SiteLink::Stage::needScene) link->skipTransfer();
   if (link->stage() == SiteLink::Stage::haveScene) link->sceneReady(simulation.scene, *exchange);
   id = link->welcome().site;
-  if (link->stage() == SiteLink::Stage::ended)
-    simulation.invariants.onConnection(index, false);
+  if (link->stage() == SiteLink::Stage::ended) simulation.invariants.onConnection(index, false);
 }
 
 void SimulatedSite::tickHand(Micros now) {
@@ -224,14 +232,10 @@ void SimulatedSite::tickHand(Micros now) {
   measured.force = wrench.force;
   measured.position = device.hand().devicePose().position;
   measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
-  if (tick.held != kNoPart) {
-    // The weight of a held part is a source of the scene: what it gives to the hand was not created.
-    const assets::Part& part = simulation.scene.parts[tick.held];
-    sourceEnergy += part.massProperties.mass * part.gravityFactor *
-                    glm::dot(simulation.scene.gravity, device.hand().deviceVelocity()) * 1e-3;
-  }
+  addSources(tick);
   for (int i = 0; i < tick.contactCount; ++i)
-    if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable) measured.pressing = true;
+    if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable)
+      measured.pressing = true;
   const glm::dvec3 target = device.target().worldFromTarget.position;
   measured.still = target == lastTarget;
   lastTarget = target;
@@ -241,12 +245,32 @@ void SimulatedSite::tickHand(Micros now) {
   if (simulation.trace.is_open() && now % (10 * kMillisecond) == 0) {
     char line[320];
     const glm::dvec3& p = tick.worldFromProxy.position;
-    std::snprintf(line, sizeof line, "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u\n", toSeconds(now),
-                  name().c_str(), measured.position.x, measured.position.y, measured.position.z, p.x, p.y, p.z,
-                  wrench.force.x, wrench.force.y, wrench.force.z,
+    std::snprintf(line, sizeof line, "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u\n",
+                  toSeconds(now), name().c_str(), measured.position.x, measured.position.y,
+                  measured.position.z, p.x, p.y, p.z, wrench.force.x, wrench.force.y, wrench.force.z,
                   tick.held == kNoPart ? "" : simulation.scene.parts[tick.held].name.c_str(), tick.flags);
     simulation.trace << line;
   }
+}
+
+/// What the scene itself gave to this hand in this tick was not created: the weight of a held part, and the
+/// work of parts that others push against the tool.
+void SimulatedSite::addSources(const haptics::TickOutput& tick) {
+  const assets::Scene& scene = simulation.scene;
+  if (tick.held != kNoPart) {
+    const assets::Part& part = scene.parts[tick.held];
+    sourceEnergy += part.massProperties.mass * part.gravityFactor *
+                    glm::dot(scene.gravity, device.hand().deviceVelocity()) * toSeconds(kTick);
+  }
+  for (int i = 0; i < tick.contactCount; ++i) {
+    const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
+    const Pose now = hand->worldFromPart(contact.part);
+    const glm::dvec3 before =
+        transformPoint(lastPoses[contact.part], transformPoint(inverse(now), contact.point));
+    sourceEnergy += contact.force * std::max(0.0, glm::dot(contact.normal, contact.point - before));
+  }
+  for (std::size_t i = 0; i < lastPoses.size(); ++i)
+    if (scene.parts[i].movable) lastPoses[i] = hand->worldFromPart(static_cast<PartId>(i));
 }
 
 void SimulatedSite::onOwnership(const PartRecord& record) {
@@ -259,7 +283,9 @@ void SimulatedSite::onGrabReply(const GrabReply& reply) {
   if (reply.denial != Denial::none) ++denials;
   simulation.invariants.onGrabReply(index, reply);
 }
-void SimulatedSite::onAccepted(SiteId, const PartState& state) { simulation.invariants.onAccepted(index, state); }
+void SimulatedSite::onAccepted(SiteId, const PartState& state) {
+  simulation.invariants.onAccepted(index, state);
+}
 void SimulatedSite::onPublished(const PartState& state) {
   simulation.invariants.onPublished(index, link->welcome().site, state);
 }
@@ -271,10 +297,11 @@ Status Simulation::addSites(std::uint64_t seed) {
   std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
   for (std::size_t i = 0; i < scenario.sites.size(); ++i) {
     const ScenarioSite& description = scenario.sites[i];
-    Result<HandScript> script =
-        parseHandScript(description.script, scenario.path + ": sites[" + std::to_string(i) + "].script", scene);
+    Result<HandScript> script = parseHandScript(
+        description.script, scenario.path + ": sites[" + std::to_string(i) + "].script", scene);
     if (!script) return script.error();
-    const Pose start = description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene, i);
+    const Pose start =
+        description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene, i);
     // Each site's clock started some time in the last eleven days.
     const auto offset = static_cast<Micros>(random() % 1000000000000ull);
     sites.push_back(
@@ -347,7 +374,8 @@ void Simulation::applyFaults() {
   for (std::size_t i = 0; i < scenario.blackouts.size(); ++i)
     if (!blackoutDone[i] && t >= scenario.blackouts[i].at) {
       blackoutDone[i] = true;
-      network.blackout(scenario.blackouts[i].site, now + static_cast<Micros>(scenario.blackouts[i].lasts * 1e6));
+      network.blackout(scenario.blackouts[i].site,
+                       now + static_cast<Micros>(scenario.blackouts[i].lasts * 1e6));
     }
   for (std::size_t i = 0; i < scenario.steps.size(); ++i)
     if (!stepDone[i] && t >= scenario.steps[i].at) {
@@ -431,15 +459,18 @@ SimulationResult Simulation::result() {
     out.rmsForce = site->measures.rmsForce();
     const TransportCounters counters =
         site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
-    out.packetsPerSecond = static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
+    out.packetsPerSecond =
+        static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
     out.bytesPerSecond =
-        static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) / scenario.duration;
+        static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
+        scenario.duration;
     result.stable = result.stable && site->measures.stable(allStill);
     result.siteNames[site->id] = site->name();
     result.droppedStates += site->droppedStates + (site->link ? site->link->statistics().droppedStates : 0);
     result.denials += site->denials;
   }
-  if (displayedCount > 0) result.displayedRms = std::sqrt(displayedSquares / static_cast<double>(displayedCount));
+  if (displayedCount > 0)
+    result.displayedRms = std::sqrt(displayedSquares / static_cast<double>(displayedCount));
   result.displayedMax = displayedMax;
   result.grants = invariants.grants();
   result.violations = invariants.violations();

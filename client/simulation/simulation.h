@@ -1,8 +1,8 @@
 #pragma once
 
-// A whole session in one process on virtual time: the server's session, the wire, ownership, sites and haptic loops are
-// the very code that runs over sockets; only clocks, network, disk, arms and devices are models. The same scenario and
-// seed give the same result to the bit.
+// A whole session in one process on virtual time: the server's session, the wire, ownership, sites and haptic
+// loops are the very code that runs over sockets; only clocks, network, disk, arms and devices are models.
+// The same scenario and seed give the same result to the bit.
 
 #include <cstdint>
 #include <map>
@@ -15,32 +15,32 @@
 namespace tandem::client {
 
 struct SimulatedSiteResult {
-  double energyCreated = 0.0;     // J
-  double feltStiffness = 0.0;     // N/m, 0 if nothing fixed was pressed
-  double forceStep20ms = 0.0;     // N
-  double handoverExcess = 0.0;    // N
-  double rmsForce = 0.0;          // N
+  double energyCreated = 0.0;                           // J
+  double feltStiffness = 0.0;                           // N/m, 0 if nothing fixed was pressed
+  double forceStep20ms = 0.0;                           // N
+  double handoverExcess = 0.0;                          // N
+  double rmsForce = 0.0;                                // N
   double packetsPerSecond = 0.0, bytesPerSecond = 0.0;  // sent
 };
 
 struct SimulationResult {
   bool stable = true;
   std::map<std::string, SimulatedSiteResult> sites;
-  double displayedRms = 0.0, displayedMax = 0.0;        // m, owner's part against what others draw
+  double displayedRms = 0.0, displayedMax = 0.0;  // m, owner's part against what others draw
   double leaderLoadRatio = 1.0;
   std::vector<Invariants::Grant> grants;
   std::map<SiteId, std::string> siteNames;
   std::vector<std::string> partNames;
   std::vector<Violation> violations;
-  std::map<std::string, Pose> finalPoses;               // by part, of the parts that were ever granted; first live site's
+  std::map<std::string, Pose> finalPoses;  // by part, of the parts that were ever granted; first live site's
   std::uint64_t droppedStates = 0, denials = 0;
-  std::string hash;                                     // of every pose and force of every tick
+  std::string hash;  // of every pose and force of every tick
 };
 
 struct SimulationOptions {
   std::uint64_t seed = 1;
-  std::string tracePath;          // empty: no trace
-  bool leaderLoad = true;         // runs the scenario again without delay, for the ratio
+  std::string tracePath;   // empty: no trace
+  bool leaderLoad = true;  // runs the scenario again without delay, for the ratio
 };
 
 Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene& scene,

@@ -1,0 +1,91 @@
+#include <unistd.h>
+
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+#include <glm/geometric.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/commands/command.h"
+#include "haptics/devices/device_list.h"
+
+namespace tandem::client {
+
+namespace {
+
+struct Arguments {
+  std::string test;
+  double seconds = 5.0;
+  bool json = false;
+};
+
+int list(const Arguments& arguments) {
+  const std::vector<haptics::DeviceReport> reports = haptics::listDevices();
+  if (arguments.json) {
+    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    for (const haptics::DeviceReport& report : reports)
+      json.push_back({{"name", report.name},
+                      {"vendor", report.vendor},
+                      {"product", report.product},
+                      {"node", report.node},
+                      {"driver", report.driver},
+                      {"usable", report.usable},
+                      {"reason", report.reason},
+                      {"remedy", report.remedy}});
+    std::printf("%s\n", json.dump(2).c_str());
+    return kExitDone;
+  }
+  for (const haptics::DeviceReport& report : reports) {
+    char id[16] = "-";
+    if (report.vendor != 0) std::snprintf(id, sizeof id, "%04x:%04x", report.vendor, report.product);
+    std::printf("%-12s %-9s  %-14s %-8s %s\n", report.driver.c_str(), id,
+                report.node.empty() ? "built in" : report.node.c_str(), report.usable ? "usable" : "CLOSED",
+                report.name.c_str());
+    if (!report.reason.empty()) std::printf("             %s\n", report.reason.c_str());
+    for (const std::string& command : report.remedy) std::printf("               %s\n", command.c_str());
+  }
+  std::printf("\ntry one:  tandem devices --test NAME      use one:  tandem join LINK --device NAME\n");
+  return kExitDone;
+}
+
+int test(const Arguments& arguments) {
+  Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(arguments.test);
+  if (!device) return badInput(device.error());
+  const haptics::DeviceLimits limits = (*device)->limits();
+  std::printf(
+      "%s: senses %d axes, drives %d; at most %.1f N; reading every %.3f mm; move it and press its buttons\n",
+      (*device)->name().c_str(), limits.sensedAxes, limits.actuatedAxes, limits.maxForce,
+      limits.quantum * 1e3);
+  const bool terminal = isatty(STDOUT_FILENO) != 0;
+  const haptics::DeviceTestState state =
+      haptics::testDevice(**device, arguments.seconds, [&](const haptics::DeviceTestState& now) {
+        const glm::dvec3& p = now.sample.worldFromDevice.position;
+        if (terminal) {
+          std::printf("\r\033[K%5.1f s  %8.4f %8.4f %8.4f m  buttons %02x  %s", now.elapsed, p.x, p.y, p.z,
+                      now.sample.buttons, now.sample.valid ? "" : "no reading");
+          std::fflush(stdout);
+        }
+        return true;
+      });
+  (*device)->close();
+  std::printf("%s%llu readings, %llu valid, %llu changed, %.0f a second\n", terminal ? "\r\033[K" : "",
+              static_cast<unsigned long long>(state.ticks), static_cast<unsigned long long>(state.valid),
+              static_cast<unsigned long long>(state.changes), state.tickRate);
+  return state.valid > 0 || arguments.test == "none" ? kExitDone : kExitFailed;
+}
+
+}  // namespace
+
+void addDevices(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command =
+      app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
+  command->add_option("--test", arguments->test, "Read this device for a while under zero force");
+  command->add_option("--seconds", arguments->seconds, "Length of the test")->check(CLI::Range(0.1, 3600.0));
+  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
+  command->callback(
+      [arguments, &exitCode] { exitCode = arguments->test.empty() ? list(*arguments) : test(*arguments); });
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,348 @@
+#!/usr/bin/env python3
+"""A session of real processes and sockets on loopback: a server and headless sites, kill -9 of each in turn.
+
+    python3 tests/end_to_end/session_test.py --bin build/release/bin [--soak SECONDS] [--json OUT]
+
+Every wait is bounded; only processes started here are ended. Figures of time are printed, never judged.
+"""
+import argparse
+import bisect
+import csv
+import json
+import math
+import os
+import pathlib
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
+SCENE = ROOT / "assets" / "scenes" / "peg_board.glb"
+PEG = "peg_0.5"
+
+
+class Failed(Exception):
+    pass
+
+
+def check(condition, what):
+    if not condition:
+        raise Failed(what)
+
+
+def wait_for(condition, what, seconds=20.0):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        result = condition()
+        if result:
+            return result
+        time.sleep(0.05)
+    raise Failed(f"timed out waiting until {what}")
+
+
+class Server:
+    """tandem-server on a data directory; can be killed and started again on the same port."""
+
+    def __init__(self, binaries, folder, extra=()):
+        self.binaries, self.folder, self.port, self.process = binaries, folder, 0, None
+        self.extra = list(extra)
+        self.starts = 0
+        self.start()
+
+    def start(self):
+        self.starts += 1
+        self.out_path = self.folder / f"server{self.starts}.out"
+        self.err_path = self.folder / f"server{self.starts}.err"
+        self.process = subprocess.Popen(
+            [self.binaries / "tandem-server", SCENE, "--listen", f"127.0.0.1:{self.port}", "--data",
+             self.folder / "data", "--invite", "participant=6", "--invite", "observer=1", "--invite", "instructor=1",
+             *self.extra],
+            stdout=open(self.out_path, "w"), stderr=open(self.err_path, "w"))
+        wait_for(lambda: self.dead() or len(self.links("participant")) >= 6, "the server prints its links")
+        if self.dead():
+            raise Failed("the server ended: " + self.err_path.read_text())
+        self.used = {"participant": 0, "observer": 0, "instructor": 0}
+        self.port = int(self.links("participant")[0].split("//")[1].split("/")[0].rsplit(":", 1)[1])
+
+    def dead(self):
+        return self.process.poll() is not None
+
+    def links(self, role):
+        return [line.split()[1] for line in self.out_path.read_text().splitlines()
+                if line.startswith(role) and len(line.split()) == 2]
+
+    def link(self, role):
+        self.used[role] += 1
+        return self.links(role)[self.used[role] - 1]
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+    def stop(self):
+        if not self.dead():
+            self.process.terminate()
+            try:
+                self.process.wait(10)
+            except subprocess.TimeoutExpired:
+                self.process.kill()
+
+
+class Site:
+    """tandem join --headless with a scripted hand."""
+
+    def __init__(self, binaries, folder, link, name, script, duration, trace=False, extra=()):
+        self.name, self.folder = name, folder
+        self.json_path = folder / f"{name}.json"
+        self.trace_path = folder / f"{name}.csv"
+        arguments = [binaries / "tandem", "join", link, "--headless", "--quiet", "--name", name, "--duration",
+                     str(duration), "--json", self.json_path, "--cache", folder / "cache", *extra]
+        if script is not None:
+            script_path = folder / f"{name}.script.json"
+            script_path.write_text(json.dumps(script))
+            arguments += ["--hand", script_path]
+        if trace:
+            arguments += ["--trace", self.trace_path]
+        self.err_path = folder / f"{name}.err"
+        self.process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=open(self.err_path, "w"))
+
+    def result(self, seconds=40.0):
+        try:
+            code = self.process.wait(seconds)
+        except subprocess.TimeoutExpired:
+            self.process.kill()
+            raise Failed(f"{self.name} did not end")
+        check(code == 0, f"{self.name} ended with {code}: {self.err_path.read_text()}")
+        return json.loads(self.json_path.read_text())
+
+    def kill(self):
+        self.process.send_signal(signal.SIGKILL)
+        self.process.wait()
+
+
+def distance(a, b):
+    return math.dist(a[:3], b[:3])
+
+
+def poses_of(path, part, owned):
+    """(session time in us, position) rows of one part in a trace, sorted."""
+    rows = []
+    with open(path, newline="") as file:
+        for row in csv.DictReader(file):
+            if row["part"] == part and (row["owned"] == "1") == owned:
+                rows.append((int(row["session_us"]), tuple(float(row[c]) for c in "xyz")))
+    rows.sort()
+    return rows
+
+
+def follower_errors(owner_rows, follower_rows):
+    """Distance between follower and owner at the same session time, the play-out delay taken out; m, and owner speed."""
+    times = [t for t, _ in owner_rows]
+    errors = []
+    for t, p in follower_rows:
+        i = bisect.bisect_left(times, t)
+        if i == 0 or i == len(times) or times[i] - times[i - 1] > 20000:
+            continue
+        (t0, a), (t1, b) = owner_rows[i - 1], owner_rows[i]
+        s = (t - t0) / (t1 - t0) if t1 > t0 else 0.0
+        expected = tuple(x + s * (y - x) for x, y in zip(a, b))
+        speed = math.dist(a, b) / max(t1 - t0, 1) * 1e6
+        errors.append((math.dist(expected, p), speed))
+    return errors
+
+
+def grasp(t, part=PEG, over=0.4):
+    return {"t": t, "do": "grasp", "part": part, "over_s": over}
+
+
+def move(t, by, over):
+    return {"t": t, "do": "move_relative", "by": by, "over_s": over}
+
+
+def test_follow_and_contend(binaries, folder, figures):
+    """Both grab one part at once: one gets it, the other is told; the follower's pose is the owner's, played out late."""
+    server = Server(binaries, folder)
+    try:
+        # 0.2 m in 0.75 s at minimum jerk peaks at 0.5 m/s.
+        motion = [grasp(1.0), move(2.2, [0.0, 0.2, 0.0], 0.75), move(3.2, [0.0, -0.15, 0.05], 0.75),
+                  {"t": 4.6, "do": "release"}]
+        a = Site(binaries, folder, server.link("participant"), "ada", motion, 7, trace=True)
+        b = Site(binaries, folder, server.link("participant"), "ben", motion, 7, trace=True)
+        results = [a.result(), b.result()]
+        answers = [grab for result in results for grab in result["grabs"]]
+        check(len(answers) == 2, f"two grabs, two answers, not {answers}")
+        winners = [r for r in results if any(g["answer"] == "granted" for g in r["grabs"])]
+        check(len(winners) >= 1, "somebody gets the part")
+        first = min(answers, key=lambda grab: grab["t"])
+        check(first["answer"] in ("granted", "somebody else holds it"), f"an answer in words: {first}")
+        figures["grab_wait_ms"] = [g["wait_ms"] for g in answers]
+        figures["round_trip_ms"] = [r["round_trip_ms"] for r in results]
+        owner, follower = ("ada", "ben") if winners[0] is results[0] else ("ben", "ada")
+        errors = follower_errors(poses_of(folder / f"{owner}.csv", PEG, True),
+                                 poses_of(folder / f"{follower}.csv", PEG, False))
+        moving = [e for e, speed in errors if speed > 0.05]
+        check(len(moving) > 200, f"the follower saw the part move ({len(moving)} poses)")
+        figures["follower_error_mm"] = {"max": 1e3 * max(moving), "mean": 1e3 * sum(moving) / len(moving),
+                                        "peak_speed_m_s": max(speed for _, speed in errors)}
+        check(max(speed for _, speed in errors) > 0.4, "the part moved at about 0.5 m/s")
+        check(max(moving) < 1e-3, f"the follower is within 1 mm of the owner ({1e3 * max(moving):.3f} mm)")
+        check(distance(results[0]["poses"][PEG], results[1]["poses"][PEG]) < 1e-5, "both end with the same pose")
+    finally:
+        server.stop()
+
+
+def test_server_killed(binaries, folder, figures):
+    """kill -9 of the server while a part is held: with the same data it goes on, the holder keeps its part."""
+    server = Server(binaries, folder)
+    try:
+        script = [grasp(1.0), move(2.0, [0.0, 0.10, 0.0], 1.0), move(6.0, [0.05, 0.0, 0.0], 1.0),
+                  {"t": 8.5, "do": "release"}]
+        a = Site(binaries, folder, server.link("participant"), "ada", script, 12)
+        b = Site(binaries, folder, server.link("observer"), "eve", None, 12)
+        time.sleep(4.0)
+        server.kill()
+        time.sleep(0.3)
+        server.start()
+        time.sleep(3.0)
+        late = Site(binaries, folder, server.link("participant"), "late", None, 5)
+        results = {"ada": a.result(), "eve": b.result(), "late": late.result()}
+        for name in ("ada", "eve"):
+            check(results[name]["reconnects"] >= 1, f"{name} came back")
+        epochs = [note["epoch"] for note in results["ada"]["ownership"] if note["part"] == PEG]
+        check(epochs == sorted(epochs), f"epochs only grow: {epochs}")
+        owners = [note["owner"] for note in results["ada"]["ownership"] if note["part"] == PEG and note["owner"]]
+        check(set(owners) == {results["ada"]["site"]}, f"nobody else ever owned it: {owners}")
+        start = results["ada"]["poses"][PEG]
+        for name in ("eve", "late"):
+            check(distance(results[name]["poses"][PEG], start) < 1e-5, f"{name} has the released pose")
+        check(start[1] > 0.08, f"the part moved before and after the crash: {start}")
+        check(start[0] > -0.03, f"the move after the restart counts: {start}")
+    finally:
+        server.stop()
+
+
+def test_owner_killed(binaries, folder, figures):
+    """kill -9 of the owner: the part stays where it was last seen; after the lease somebody else takes it."""
+    server = Server(binaries, folder)
+    try:
+        a = Site(binaries, folder, server.link("participant"), "ada", [grasp(0.8), move(1.5, [0.0, 0.1, 0.0], 0.8)], 60)
+        b = Site(binaries, folder, server.link("participant"), "ben",
+                 [grasp(7.5), move(9.0, [0.0, 0.05, 0.0], 0.5), {"t": 10.0, "do": "release"}], 12)
+        time.sleep(3.5)
+        a.kill()
+        result = b.result()
+        notes = [n for n in result["ownership"] if n["part"] == PEG]
+        check(any(n["owner"] == 0 for n in notes), "the dead site's part was freed")
+        check(any(g["answer"] == "granted" for g in result["grabs"]), f"and taken by the other: {result['grabs']}")
+        check(result["poses"][PEG][1] > 0.12, f"from where it was last seen: {result['poses'][PEG]}")
+    finally:
+        server.stop()
+
+
+def run_once(arguments, expect, what, words):
+    done = subprocess.run(arguments, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=30)
+    check(done.returncode == expect, f"{what}: exit {done.returncode}, expected {expect}: {done.stderr}")
+    lines = [line for line in done.stderr.splitlines() if line.strip()]
+    check(len(lines) == 1, f"{what}: one line, not {lines}")
+    check(any(word in lines[0] for word in words), f"{what}: says why: {lines[0]}")
+
+
+def test_refusals(binaries, folder, figures):
+    """Wrong, reused or altered links are refused in one line."""
+    server = Server(binaries, folder)
+    try:
+        join = [binaries / "tandem", "join"]
+        options = ["--headless", "--quiet", "--duration", "0.5", "--cache", folder / "cache"]
+        good = server.link("participant")
+        run = subprocess.run([*join, good, *options], timeout=30, stderr=subprocess.PIPE, text=True)
+        check(run.returncode == 0, f"a good link works: {run.stderr}")
+        run_once([*join, good, *options], 2, "a used link", ["used"])
+        altered = server.link("participant")
+        head, token = altered.split("token=")
+        middle = len(token.split("&")[0]) // 2
+        altered = head + "token=" + token[:middle] + ("A" if token[middle] != "A" else "B") + token[middle + 1:]
+        run_once([*join, altered, *options], 2, "an altered token", ["credential", "sign", "token"])
+        pin = server.link("participant")
+        pin = pin[:-1] + ("0" if pin[-1] != "0" else "1")
+        run_once([*join, pin, *options], 2, "a wrong pin", ["key"])
+        run_once([*join, "tandem://127.0.0.1:1/participant?token=x&pin=" + "0" * 64, *options], 2, "no server",
+                 ["127.0.0.1:1"])
+        run_once([*join, "http://example.org", *options], 2, "no link at all", ["link"])
+        run_once([binaries / "tandem-server", folder / "missing.glb", "--data", folder / "other"], 2, "no scene",
+                 ["missing.glb"])
+    finally:
+        server.stop()
+
+
+def soak(binaries, folder, seconds):
+    """People come, take parts, leave or are killed; the server is killed now and then; it must all go on."""
+    server = Server(binaries, folder)
+    random.seed(1)
+    end = time.monotonic() + seconds
+    rounds = 0
+    try:
+        while time.monotonic() < end:
+            rounds += 1
+            sites = [Site(binaries, folder, server.link("participant"), f"s{i}",
+                          [grasp(0.5 + 0.2 * i, part), move(1.5, [0.0, 0.05, 0.0], 0.5), {"t": 2.5, "do": "release"}], 5)
+                     for i, part in enumerate([PEG, PEG, "peg_0.1"])]
+            time.sleep(2.0)
+            victim = random.randrange(4)
+            if victim < 3:
+                sites[victim].kill()
+            else:
+                server.kill()
+                server.start()
+            for i, site in enumerate(sites):
+                if i != victim:
+                    site.result()
+            check(not server.dead(), "the server lives")
+            server.used = {role: max(0, len(server.links(role)) - 6) if role == "participant" else 0
+                           for role in server.used}
+    finally:
+        server.stop()
+    print(f"soak: {rounds} rounds in {seconds:.0f} s")
+
+
+TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--bin", required=True, type=pathlib.Path)
+    parser.add_argument("--only")
+    parser.add_argument("--soak", type=float)
+    parser.add_argument("--json", type=pathlib.Path)
+    arguments = parser.parse_args()
+    binaries = arguments.bin.resolve()
+    os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="tandem-cache-")
+    figures, failures = {}, 0
+    if arguments.soak:
+        with tempfile.TemporaryDirectory(prefix="tandem-soak-") as directory:
+            soak(binaries, pathlib.Path(directory), arguments.soak)
+        return 0
+    for test in TESTS:
+        if arguments.only and arguments.only not in test.__name__:
+            continue
+        with tempfile.TemporaryDirectory(prefix="tandem-e2e-") as directory:
+            try:
+                test(binaries, pathlib.Path(directory), figures)
+                print(f"passed  {test.__name__}")
+            except (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError) as error:
+                failures += 1
+                print(f"FAILED  {test.__name__}: {error}")
+                for log in sorted(pathlib.Path(directory).glob("*.err")):
+                    text = log.read_text().strip()
+                    if text:
+                        print(f"  {log.name}: " + text[-600:].replace("\n", "\n    "))
+    print(json.dumps(figures, indent=2))
+    if arguments.json:
+        arguments.json.write_text(json.dumps(figures, indent=2))
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
