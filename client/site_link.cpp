@@ -28,6 +28,7 @@ void SiteLink::step(Micros now) {
   if (stage_ == Stage::ready && now >= nextPing_) {
     nextPing_ = now + options_.pingInterval;
     outgoingMessage_ = Ping{++pingSequence_, now};
+    updatesAtPing_ = updatesSent_;
     sendState(outgoingMessage_);
   }
   if (exchange_) {
@@ -185,6 +186,7 @@ void SiteLink::enterReady() {
   ownership_->setSelf(welcome_.site);
   stage_ = Stage::ready;
   nextPing_ = nextUpdate_ = now_;
+  updatesSent_ = updatesAtPing_ = 0;  // the server counts anew with each connection
   publishTimeBase(now_);
   if (observer_) observer_->onConnection(true);
   send(Ready{});
@@ -340,9 +342,10 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
     ownership_->renewed(pong->siteTime, now);
     reclaimParts(false);
     statistics_.roundTrip_ms = toSeconds(clock_.lastRoundTrip()) * 1e3;
-    if (datagramsSent_ > 0)
+    // Only the newest ping's count stands beside the newest count of sent updates.
+    if (pong->sequence == pingSequence_ && updatesAtPing_ > 0)
       statistics_.lossUp =
-          std::max(0.0, 1.0 - static_cast<double>(pong->received) / static_cast<double>(datagramsSent_));
+          std::max(0.0, 1.0 - static_cast<double>(pong->received) / static_cast<double>(updatesAtPing_));
   } else if (const auto* update = std::get_if<StateUpdate>(&incoming_)) {
     takeUpdate(*update, now);
   }
@@ -442,6 +445,7 @@ void SiteLink::publish(Micros now) {
                         tick.touched};
   outgoingMessage_ = outgoing_;
   ++statistics_.sentUpdates;
+  ++updatesSent_;
   sendState(outgoingMessage_);
   if (recording_) recording_->write(outgoing_.time, outgoingMessage_);
 }
@@ -454,7 +458,6 @@ void SiteLink::sendState(const StateMessage& message) {
   if (!transport_ || !frame_) return;
   encodeState(message, *frame_, bytes_);
   transport_->sendState(0, bytes_);
-  ++datagramsSent_;
 }
 
 LinkStatistics SiteLink::statistics() const {

@@ -181,7 +181,7 @@ class SiteLink {
   LinkStatistics statistics_;
   std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site, for the downlink loss
   std::uint64_t expectedUpdates_ = 0;
-  std::uint64_t datagramsSent_ = 0;
+  std::uint64_t updatesSent_ = 0, updatesAtPing_ = 0;            // on this connection, for the uplink loss
 
   sync::StateUpdate outgoing_;
   sync::StateMessage incoming_, outgoingMessage_;

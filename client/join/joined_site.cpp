@@ -44,7 +44,6 @@ JoinedSite::JoinedSite(const JoinOptions& options) : options_(options), store_(o
 
 JoinedSite::~JoinedSite() {
   if (servo_) servo_->stop();
-  leave();
   stop_ = true;
   if (network_.joinable()) network_.join();
 }
@@ -181,6 +180,7 @@ void JoinedSite::runNetwork() {
     share();
   }
   // A last word must leave before the socket goes.
+  if (link_->stage() != SiteLink::Stage::ended) link_->leave();
   for (int i = 0; i < 20 && link_->transport(); ++i) {
     link_->step(localNow());
     waitForNetwork();
@@ -194,7 +194,7 @@ void JoinedSite::runNetwork() {
 
 void JoinedSite::share() {
   std::vector<PartId> revokes;
-  bool reset = false, goodbye = false;
+  bool reset = false;
   {
     const std::lock_guard lock(mutex_);
     shared_.sites = link_->sites();
@@ -221,19 +221,12 @@ void JoinedSite::share() {
     link_->setCamera(shared_.worldFromCamera);
     std::swap(revokes, shared_.revokes);
     std::swap(reset, shared_.resetParts);
-    std::swap(goodbye, shared_.leave);
   }
   for (const PartId part : revokes) link_->revoke(part);
   if (reset) link_->resetParts();
-  if (goodbye) link_->leave();
 }
 
 // ---- main thread ----
-
-void JoinedSite::leave() {
-  const std::lock_guard lock(mutex_);
-  shared_.leave = true;
-}
 
 bool JoinedSite::ended(std::string& reason) {
   const std::lock_guard lock(mutex_);

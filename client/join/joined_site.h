@@ -71,8 +71,6 @@ class JoinedSite {
 
   /// The site is out of the session for good, and why.
   bool ended(std::string& reason);
-  void leave();
-  /// Leaves without a word, as a killed program would (tests).
   LinkStatistics linkStatistics();
   haptics::ServoStatistics servoStatistics() const;
   std::vector<OwnershipNote> takeOwnershipNotes();
@@ -126,7 +124,7 @@ class JoinedSite {
     // main -> network
     Pose worldFromCamera;
     std::vector<PartId> revokes;
-    bool resetParts = false, leave = false;
+    bool resetParts = false;
   } shared_;
   std::vector<OwnershipNote> ownershipNotes_;
   std::vector<GrabNote> grabNotes_;
