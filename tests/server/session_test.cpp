@@ -1,0 +1,431 @@
+#include "server/session.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "server/memory_journal.h"
+#include "sync/virtual_network.h"
+#include "tests/support/fake_site.h"
+
+namespace tandem::server {
+namespace {
+
+using namespace sync;
+using test::FakeSite;
+
+constexpr std::int64_t kUnix = 1000000;
+
+/// A server and its sites on one virtual network; the journal outlives the server, as a disk does.
+struct Rig {
+  assets::Scene scene;
+  std::vector<std::byte> package;
+  SessionConfig config;
+  VirtualNetwork network{1, NetworkConditions{10 * kMillisecond, 0, 0, 0, 0}};
+  MemoryJournal journal{2 * kMillisecond};
+  std::unique_ptr<Transport> transport;
+  std::unique_ptr<Session> session;
+  std::vector<std::unique_ptr<FakeSite>> sites;
+  Micros now = 0;
+  bool pinging = true;
+
+  explicit Rig(std::size_t maxSites = 16) {
+    scene.bounds = {glm::dvec3(-0.5), glm::dvec3(0.5)};
+    for (int i = 0; i < 3; ++i) {
+      assets::Part part;
+      part.name = "part" + std::to_string(i);
+      part.movable = i < 2;
+      part.worldFromPart.position.x = 0.1 * i;
+      scene.parts.push_back(part);
+    }
+    for (int i = 0; i < 200000; ++i) package.push_back(static_cast<std::byte>(i * 7));
+    config.key.seed.fill(7);
+    config.maxSites = maxSites;
+    config.maxBacklogBytes = 64 * 1024;
+    start();
+  }
+  void start() {
+    transport = network.listen();
+    session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
+  }
+  void crash() {
+    session.reset();
+    transport.reset();
+    journal.crash();
+  }
+  void run(Micros length) {
+    for (const Micros end = now + length; now < end;) {
+      now += kMillisecond;
+      network.advanceTo(now);
+      journal.advanceTo(now);
+      if (session) session->step(now, kUnix + now / kSecond);
+      for (auto& site : sites) {
+        if (site->transport == nullptr) continue;
+        site->listen();
+        if (pinging && now % (100 * kMillisecond) == 0 && site->last<Welcome>() != nullptr && !site->closed)
+          site->ping(now);
+      }
+    }
+  }
+  FakeSite& connect(const std::string& name) {
+    sites.push_back(std::make_unique<FakeSite>());
+    sites.back()->frame = wireFrame(scene.bounds);
+    sites.back()->transport = network.connect(name);
+    run(30 * kMillisecond);
+    return *sites.back();
+  }
+  std::string token(Role role) { return session->makeToken(role, kUnix + 3600); }
+  FakeSite& join(const std::string& name, Role role = Role::participant) {
+    FakeSite& site = connect(name);
+    site.say(Hello{kProtocolVersion, false, token(role), name, {1, 2, 3}});
+    run(40 * kMillisecond);
+    EXPECT_NE(site.last<Welcome>(), nullptr);
+    site.say(Ready{});
+    run(20 * kMillisecond);
+    return site;
+  }
+  FakeSite& resume(const std::string& name, const std::string& ticket) {
+    FakeSite& site = connect(name);
+    site.say(Hello{kProtocolVersion, true, ticket, name, {1, 2, 3}});
+    run(40 * kMillisecond);
+    EXPECT_NE(site.last<Welcome>(), nullptr);
+    site.say(Ready{});
+    run(20 * kMillisecond);
+    return site;
+  }
+  GrabReply grab(FakeSite& site, PartId part, RequestId request) {
+    site.say(Grab{request, part});
+    run(40 * kMillisecond);
+    const auto* reply = site.last<GrabReply>();
+    EXPECT_NE(reply, nullptr);
+    return reply == nullptr ? GrabReply{} : *reply;
+  }
+  StateUpdate update(FakeSite& site, PartId part, Epoch epoch, double x) {
+    StateUpdate u;
+    u.sequence = ++site.sequence;
+    u.time = session->sessionTime();
+    PartState state;
+    state.part = part;
+    state.epoch = epoch;
+    state.sequence = site.sequence;
+    state.worldFromPart.position.x = x;
+    u.parts.push_back(state);
+    return u;
+  }
+  Refusal refusalOf(const Hello& hello) {
+    FakeSite& site = connect("stranger" + std::to_string(sites.size()));
+    site.say(hello);
+    run(60 * kMillisecond);
+    const auto* refused = site.last<Refused>();
+    EXPECT_NE(refused, nullptr);
+    EXPECT_TRUE(site.closed);
+    EXPECT_EQ(site.last<Welcome>(), nullptr);
+    return refused == nullptr ? Refusal::unexpectedMessage : refused->refusal;
+  }
+};
+
+TEST(Session, RefusesEachBadHelloForItsReason) {
+  Rig rig;
+  const std::string good = rig.token(Role::participant);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion + 1, false, good, "a", {}}), Refusal::protocolVersion);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, "nonsense", "a", {}}), Refusal::badCredential);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, true, good, "a", {}}), Refusal::badCredential);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.session->makeToken(Role::observer, kUnix), "a", {}}),
+            Refusal::expired);
+  EXPECT_EQ(rig.session->counters().refusedHellos, 4u);
+  EXPECT_TRUE(rig.session->sites().empty());
+}
+
+TEST(Session, LetsATokenInOnceAlsoAcrossACrash) {
+  Rig rig;
+  const std::string token = rig.token(Role::participant);
+  FakeSite& a = rig.connect("a");
+  a.say(Hello{kProtocolVersion, false, token, "a", {}});
+  rig.run(50 * kMillisecond);
+  ASSERT_NE(a.last<Welcome>(), nullptr);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::alreadyUsed);
+  rig.crash();
+  rig.start();
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "c", {}}), Refusal::alreadyUsed);
+}
+
+TEST(Session, RefusesWhenFull) {
+  Rig rig(1);
+  rig.join("a");
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(Role::observer), "b", {}}),
+            Refusal::sessionFull);
+}
+
+TEST(Session, GivesSimultaneousGrabsOneWinnerKnownToAll) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b"), &c = rig.join("c", Role::observer);
+  a.say(Grab{1, 0});
+  b.say(Grab{1, 0});
+  rig.run(50 * kMillisecond);
+  const auto *ra = a.last<GrabReply>(), *rb = b.last<GrabReply>();
+  ASSERT_TRUE(ra != nullptr && rb != nullptr);
+  EXPECT_EQ((ra->denial == Denial::none) + (rb->denial == Denial::none), 1);
+  EXPECT_TRUE(ra->denial == Denial::ownedByOther || rb->denial == Denial::ownedByOther);
+  for (const FakeSite* site : {&a, &b, &c}) {
+    ASSERT_EQ(site->count<OwnershipChanged>(), 1u);
+    EXPECT_EQ(site->last<OwnershipChanged>()->part.owner, ra->part.owner);
+  }
+}
+
+TEST(Session, AnswersARepeatedRequestAlike) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  const auto first = rig.grab(a, 0, 5), again = rig.grab(a, 0, 5);
+  EXPECT_EQ(first.part.epoch, again.part.epoch);
+  EXPECT_EQ(rig.session->counters().grants, 1u);
+}
+
+TEST(Session, HoldsGrantAndDenialUntilTheRecordIsDurable) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const Micros asked = rig.now;
+  a.say(Grab{1, 0});
+  b.say(Grab{1, 0});
+  rig.run(11 * kMillisecond);  // 5 ms to the server, 2 ms to the disk, 5 ms back
+  EXPECT_EQ(a.last<GrabReply>(), nullptr) << rig.now - asked;
+  EXPECT_EQ(b.last<GrabReply>(), nullptr);
+  rig.run(4 * kMillisecond);
+  EXPECT_NE(a.last<GrabReply>(), nullptr);
+  EXPECT_NE(b.last<GrabReply>(), nullptr);
+}
+
+TEST(Session, ChecksRoles) {
+  Rig rig;
+  FakeSite &o = rig.join("o", Role::observer), &p = rig.join("p"), &i = rig.join("i", Role::instructor);
+  EXPECT_EQ(rig.grab(o, 0, 1).denial, Denial::roleForbids);
+  EXPECT_EQ(rig.grab(p, 2, 1).denial, Denial::notMovable);
+  EXPECT_EQ(rig.grab(p, 99, 2).denial, Denial::unknownPart);
+  const auto held = rig.grab(p, 0, 3);
+  ASSERT_EQ(held.denial, Denial::none);
+  o.say(Release{9, 0, held.part.epoch, {}});
+  p.say(Revoke{4, 0});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(o.last<ReleaseReply>()->denial, Denial::roleForbids);
+  EXPECT_FALSE(p.last<CommandReply>()->done);
+  EXPECT_EQ(rig.session->ownership().part(0).owner, held.part.owner);
+  i.say(Revoke{1, 0});
+  rig.run(40 * kMillisecond);
+  EXPECT_TRUE(i.last<CommandReply>()->done);
+  EXPECT_EQ(p.last<OwnershipChanged>()->part.owner, kNoSite);
+}
+
+TEST(Session, RelaysTheOwnersStateAndNobodyElses) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const auto granted = rig.grab(a, 0, 1);
+  a.send(rig.update(a, 0, granted.part.epoch, 0.2));
+  rig.run(20 * kMillisecond);
+  ASSERT_EQ(b.updates.size(), 1u);
+  EXPECT_EQ(b.updates[0].site, granted.part.owner);
+  ASSERT_EQ(b.updates[0].parts.size(), 1u);
+  EXPECT_NEAR(b.updates[0].parts[0].worldFromPart.position.x, 0.2, 1e-5);
+  EXPECT_TRUE(a.updates.empty());
+  b.send(rig.update(b, 0, granted.part.epoch, 0.4));      // not the owner
+  a.send(rig.update(a, 0, granted.part.epoch + 1, 0.4));  // an epoch that was never granted
+  a.send(rig.update(a, 77, granted.part.epoch, 0.4));     // no such part
+  rig.run(20 * kMillisecond);
+  EXPECT_NEAR(rig.session->ownership().part(0).worldFromPart.position.x, 0.2, 1e-5);
+  EXPECT_EQ(rig.session->counters().droppedStates, 2u);
+  EXPECT_EQ(rig.session->counters().droppedMalformed, 1u);
+}
+
+TEST(Session, FreesALostSitesPartAfterItsLeaseWithItsLastPose) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const auto granted = rig.grab(a, 0, 1);
+  a.send(rig.update(a, 0, granted.part.epoch, 0.3));
+  rig.run(20 * kMillisecond);
+  a.transport.reset();
+  rig.run(kSecond);
+  EXPECT_EQ(rig.grab(b, 0, 1).denial, Denial::ownedByOther);
+  rig.run(2 * kSecond);
+  ASSERT_EQ(b.last<OwnershipChanged>()->part.owner, kNoSite);
+  EXPECT_NEAR(b.last<OwnershipChanged>()->part.worldFromPart.position.x, 0.3, 1e-5);
+  EXPECT_EQ(rig.grab(b, 0, 2).denial, Denial::none);
+}
+
+TEST(Session, FreesPartsAtOnceOnGoodbyeAndVoidsTheTicket) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const std::string ticket = a.last<Welcome>()->resumeTicket;
+  rig.grab(a, 0, 1);
+  a.say(Goodbye{});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(b.last<OwnershipChanged>()->part.owner, kNoSite);
+  EXPECT_EQ(b.count<SiteLeft>(), 1u);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, true, ticket, "a", {}}), Refusal::badCredential);
+}
+
+TEST(Session, ResumesTheSameSiteAndReplacesItsOldConnection) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  const SiteId id = a.last<Welcome>()->site;
+  const auto granted = rig.grab(a, 0, 1);
+  FakeSite& again = rig.resume("a2", a.last<Welcome>()->resumeTicket);
+  EXPECT_EQ(again.last<Welcome>()->site, id);
+  EXPECT_TRUE(a.closed);
+  EXPECT_EQ(rig.session->sites().size(), 1u);
+  ASSERT_EQ(again.last<Welcome>()->parts.size(), 1u);
+  EXPECT_EQ(again.last<Welcome>()->parts[0].epoch, granted.part.epoch);
+  again.say(Reclaim{2, 0, granted.part.epoch, {}});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(again.last<GrabReply>()->denial, Denial::none);
+}
+
+TEST(Session, AfterACrashGrantsNothingUntilTheHolderIsBackAndEpochsGrow) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const std::string ticketA = a.last<Welcome>()->resumeTicket, ticketB = b.last<Welcome>()->resumeTicket;
+  const Micros before = rig.session->sessionTime();
+  const auto held = rig.grab(a, 0, 1);
+  rig.crash();
+  rig.run(100 * kMillisecond);
+  rig.start();
+  EXPECT_GE(rig.session->sessionTime(), before);
+  FakeSite& b2 = rig.resume("b2", ticketB);
+  EXPECT_EQ(rig.grab(b2, 1, 7).denial, Denial::recovering);
+  FakeSite& a2 = rig.resume("a2", ticketA);
+  a2.say(Reclaim{2, 0, held.part.epoch, held.part.worldFromPart});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(a2.last<GrabReply>()->denial, Denial::none);
+  EXPECT_EQ(rig.grab(b2, 1, 8).denial, Denial::none);
+  a2.say(Release{3, 0, held.part.epoch, held.part.worldFromPart});
+  rig.run(40 * kMillisecond);
+  EXPECT_GT(rig.grab(b2, 0, 9).part.epoch, held.part.epoch);
+}
+
+TEST(Session, KeepsAReleasedPoseAcrossACrash) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  const auto held = rig.grab(a, 0, 1);
+  Pose pose;
+  pose.position = glm::dvec3(0.25, -0.125, 0.5);
+  a.say(Release{2, 0, held.part.epoch, pose});
+  rig.run(40 * kMillisecond);
+  ASSERT_EQ(a.last<ReleaseReply>()->denial, Denial::none);
+  rig.crash();
+  rig.start();
+  EXPECT_EQ(rig.session->ownership().part(0).worldFromPart.position, pose.position);
+  FakeSite& late = rig.join("late");
+  ASSERT_EQ(late.last<Welcome>()->parts.size(), 1u);
+  EXPECT_EQ(late.last<Welcome>()->parts[0].worldFromPart.position, pose.position);
+}
+
+TEST(Session, SendsTheSceneFromTheOffsetAskedFor) {
+  Rig rig;
+  FakeSite& a = rig.connect("a");
+  a.say(Hello{kProtocolVersion, false, rig.token(Role::observer), "a", {}});
+  rig.run(40 * kMillisecond);
+  for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{123457}}) {
+    a.heard.clear();
+    a.say(SceneRequest{offset});
+    rig.run(100 * kMillisecond);
+    std::vector<std::byte> got;
+    for (const auto& message : a.heard)
+      if (const auto* chunk = std::get_if<SceneChunk>(&message)) {
+        EXPECT_EQ(chunk->offset, offset + got.size());
+        for (const std::uint8_t byte : chunk->bytes) got.push_back(std::byte{byte});
+      }
+    EXPECT_EQ(got, std::vector<std::byte>(rig.package.begin() + static_cast<std::ptrdiff_t>(offset),
+                                          rig.package.end()));
+  }
+  a.say(SceneRequest{rig.package.size() + 1});
+  rig.run(60 * kMillisecond);
+  EXPECT_TRUE(a.closed);
+}
+
+TEST(Session, ClosesOnMessagesOutOfPlaceAndChangesNothing) {
+  const ControlMessage wrong[] = {Ready{}, Grab{1, 0}, Welcome{}, GrabReply{}, Goodbye{}, SceneRequest{}};
+  for (const auto& message : wrong) {
+    Rig rig;
+    FakeSite& a = rig.connect("a");
+    a.say(message);
+    rig.run(60 * kMillisecond);
+    EXPECT_TRUE(a.closed);
+    EXPECT_TRUE(rig.session->sites().empty());
+  }
+  const ControlMessage late[] = {Hello{}, Ready{}, SceneRequest{}, OwnershipChanged{}, SiteLeft{3}};
+  for (const auto& message : late) {
+    Rig rig;
+    FakeSite &a = rig.join("a"), &b = rig.join("b");
+    const auto held = rig.grab(b, 0, 1);
+    a.say(message);
+    rig.run(60 * kMillisecond);
+    EXPECT_EQ(a.closed,
+              !std::holds_alternative<SceneRequest>(message) && !std::holds_alternative<Ready>(message));
+    EXPECT_FALSE(b.closed);
+    EXPECT_EQ(rig.session->ownership().part(0).owner, held.part.owner);
+  }
+}
+
+TEST(Session, SurvivesNoiseOnBothChannels) {
+  Rig rig;
+  FakeSite& good = rig.join("good");
+  const auto held = rig.grab(good, 0, 1);
+  std::mt19937 random(3);
+  for (int round = 0; round < 60; ++round) {
+    FakeSite& bad = rig.join("bad" + std::to_string(round));
+    std::vector<std::byte> noise(1 + random() % 200);
+    for (auto& byte : noise) byte = static_cast<std::byte>(random());
+    bad.transport->sendState(0, noise);
+    noise[0] = std::byte{0xff};
+    bad.transport->sendControl(0, noise);
+    rig.run(60 * kMillisecond);
+    EXPECT_TRUE(bad.closed);
+    rig.sites.pop_back();
+  }
+  EXPECT_EQ(rig.session->counters().refusedMessages, 60u);
+  EXPECT_GT(rig.session->counters().droppedMalformed, 0u);
+  EXPECT_EQ(rig.session->ownership().part(0).owner, held.part.owner);
+  EXPECT_FALSE(good.closed);
+}
+
+TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const auto held = rig.grab(a, 0, 1);
+  rig.journal.fail("disk full");
+  EXPECT_EQ(rig.grab(b, 1, 1).denial, Denial::recovering);
+  a.say(Release{2, 0, held.part.epoch, {}});
+  a.send(rig.update(a, 0, held.part.epoch, 0.3));
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(a.last<ReleaseReply>()->denial, Denial::recovering);
+  EXPECT_EQ(b.updates.size(), 1u);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(Role::observer), "c", {}}),
+            Refusal::sessionFull);
+}
+
+TEST(Session, RenewsLeasesOnlyForPings) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  rig.grab(a, 0, 1);
+  rig.run(5 * kSecond);
+  EXPECT_NE(rig.session->ownership().part(0).owner, kNoSite);
+  EXPECT_FALSE(a.pongs.empty());
+  rig.pinging = false;  // the control: without pings the same wait frees the part
+  rig.run(3 * kSecond);
+  EXPECT_EQ(rig.session->ownership().part(0).owner, kNoSite);
+}
+
+TEST(Session, PutsUnownedPartsBackForAnInstructor) {
+  Rig rig;
+  FakeSite& i = rig.join("i", Role::instructor);
+  const auto held = rig.grab(i, 0, 1);
+  Pose away;
+  away.position.x = 0.4;
+  i.say(Release{2, 0, held.part.epoch, away});
+  i.say(ResetParts{3});
+  i.say(ResetParts{3});  // repeated: one reset, answered again
+  rig.run(60 * kMillisecond);
+  ASSERT_NE(i.last<CommandReply>(), nullptr);
+  EXPECT_TRUE(i.last<CommandReply>()->done);
+  EXPECT_EQ(rig.session->ownership().part(0).worldFromPart.position.x, 0.0);
+}
+
+}  // namespace
+}  // namespace tandem::server

@@ -1,0 +1,177 @@
+#include "server/sqlite_journal.h"
+
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "server/data_directory.h"
+
+namespace tandem::server {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct SqliteJournalTest : testing::Test {
+  fs::path folder;
+  void SetUp() override {
+    std::string pattern = (fs::temp_directory_path() / "tandem-journal-XXXXXX").string();
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder = pattern;
+  }
+  void TearDown() override { fs::remove_all(folder); }
+  std::string path() const { return (folder / "session.db").string(); }
+};
+
+sync::PartRecord record(PartId part, Epoch epoch) {
+  sync::PartRecord r;
+  r.part = part;
+  r.owner = 3;
+  r.epoch = epoch;
+  r.worldFromPart.position.x = 0.001 * epoch;
+  return r;
+}
+
+/// Waits until a record is durable; false after ten seconds.
+bool durable(Journal& journal, std::uint64_t number) {
+  for (int i = 0; i < 100000 && journal.durableUpTo() < number && journal.failure().empty(); ++i)
+    std::this_thread::sleep_for(std::chrono::microseconds(100));
+  return journal.durableUpTo() >= number;
+}
+
+TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
+  {
+    auto journal = SqliteJournal::open(path(), {"abc", 100, 0});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    (*journal)->append(record(4, 1));
+    (*journal)->append(record(4, 9));
+    (*journal)->append(SiteRecord{{7, sync::Role::instructor, "Ann \xc3\xa9", {1, 2, 255}, true}, true});
+    (*journal)->append(UsedNonce{"old", 150});
+    (*journal)->append(UsedNonce{"new", 300});
+    (*journal)->noteTime(5 * sync::kSecond);
+  }
+  auto journal = SqliteJournal::open(path(), {"abc", 200, 0});
+  ASSERT_TRUE(journal.ok()) << journal.error().message;
+  const auto contents = (*journal)->contents();
+  ASSERT_EQ(contents.parts.size(), 1u);
+  EXPECT_EQ(contents.parts[0].epoch, 9u);
+  EXPECT_EQ(contents.parts[0].worldFromPart.position.x, 0.001 * 9);
+  ASSERT_EQ(contents.sites.size(), 1u);
+  EXPECT_EQ(contents.sites[0].info.name, "Ann \xc3\xa9");
+  EXPECT_TRUE(contents.sites[0].left);
+  ASSERT_EQ(contents.nonces.size(), 1u);
+  EXPECT_EQ(contents.nonces[0].nonce, "new");
+  EXPECT_EQ(contents.sessionTime, 5 * sync::kSecond);
+}
+
+TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
+  for (int round = 0; round < 5; ++round) {
+    int told[2];
+    ASSERT_EQ(::pipe(told), 0);
+    const pid_t child = ::fork();
+    if (child == 0) {
+      auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+      if (!journal.ok()) ::_exit(1);
+      const auto contents = (*journal)->contents();
+      Epoch epoch = contents.parts.empty() ? 0 : contents.parts[0].epoch;
+      const Epoch first = epoch;
+      for (std::uint64_t said = 0;;) {
+        (*journal)->append(record(1, ++epoch));
+        std::this_thread::sleep_for(std::chrono::microseconds(50));
+        const std::uint64_t safe = (*journal)->durableUpTo();
+        if (safe == said) continue;
+        said = safe;
+        const Epoch durableEpoch = first + static_cast<Epoch>(safe);
+        if (::write(told[1], &durableEpoch, sizeof durableEpoch) != sizeof durableEpoch) ::_exit(2);
+      }
+    }
+    ::close(told[1]);
+    Epoch last = 0, next = 0;
+    for (int i = 0; i < 40 + 10 * round && ::read(told[0], &next, sizeof next) == sizeof next; ++i)
+      last = next;
+    ::kill(child, SIGKILL);
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    while (::read(told[0], &next, sizeof next) == sizeof next) last = next;
+    ::close(told[0]);
+    EXPECT_TRUE(WIFSIGNALED(status));
+    ASSERT_GT(last, 0u);
+    auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    ASSERT_EQ((*journal)->contents().parts.size(), 1u);
+    EXPECT_GE((*journal)->contents().parts[0].epoch, last);
+  }
+}
+
+TEST_F(SqliteJournalTest, RefusesWhatIsNotItsOwn) {
+  std::ofstream(path()) << std::string(8192, 'x');
+  EXPECT_FALSE(SqliteJournal::open(path(), {"abc", 0, 0}).ok());
+  fs::remove(path());
+  { ASSERT_TRUE(SqliteJournal::open(path(), {"abc", 0, 0}).ok()); }
+  const auto other = SqliteJournal::open(path(), {"def", 0, 0});
+  ASSERT_FALSE(other.ok());
+  EXPECT_NE(other.error().message.find("another scene"), std::string::npos);
+  EXPECT_EQ(other.error().message.find('\n'), std::string::npos);
+  EXPECT_FALSE(SqliteJournal::open((folder / "none" / "x.db").string(), {"abc", 0, 0}).ok());
+}
+
+TEST_F(SqliteJournalTest, StopsAndSaysSoWhenTheDiskIsFull) {
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 6});
+  ASSERT_TRUE(journal.ok()) << journal.error().message;
+  std::uint64_t number = 0;
+  for (PartId part = 0; part < 2000; ++part) number = (*journal)->append(record(part, 1));
+  EXPECT_FALSE(durable(**journal, number));
+  EXPECT_NE((*journal)->failure().find("full"), std::string::npos) << (*journal)->failure();
+  const std::uint64_t before = (*journal)->durableUpTo();
+  (*journal)->append(record(0, 2));
+  EXPECT_EQ((*journal)->durableUpTo(), before);
+}
+
+TEST_F(SqliteJournalTest, TellsWhenRecordsBecomeDurable) {
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+  ASSERT_TRUE(journal.ok());
+  std::atomic<std::uint64_t> told{0};
+  (*journal)->onProgress([&] { told = (*journal)->durableUpTo(); });
+  std::vector<double> taken_ms;
+  for (Epoch epoch = 1; epoch <= 300; ++epoch) {
+    const auto start = std::chrono::steady_clock::now();
+    const auto number = (*journal)->append(record(1, epoch));
+    while (told < number) std::this_thread::yield();
+    taken_ms.push_back(
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
+  }
+  std::sort(taken_ms.begin(), taken_ms.end());
+  std::printf("append to durable: p50 %.2f ms, p99 %.2f ms, max %.2f ms\n", taken_ms[150], taken_ms[297],
+              taken_ms[299]);
+}
+
+TEST_F(SqliteJournalTest, ADirectoryServesOneServerAndKeepsItsKeys) {
+  const std::string data = (folder / "data").string();
+  std::string certificate;
+  SigningKey key;
+  {
+    auto first = DataDirectory::open(data);
+    ASSERT_TRUE(first.ok()) << first.error().message;
+    certificate = first->identity().certificate;
+    key = first->signingKey();
+    EXPECT_FALSE(DataDirectory::open(data).ok());
+    EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
+    EXPECT_EQ(fs::status(data + "/signing.key").permissions(),
+              fs::perms::owner_read | fs::perms::owner_write);
+  }
+  auto again = DataDirectory::open(data);
+  ASSERT_TRUE(again.ok()) << again.error().message;
+  EXPECT_EQ(again->identity().certificate, certificate);
+  EXPECT_EQ(again->signingKey().seed, key.seed);
+}
+
+}  // namespace
+}  // namespace tandem::server

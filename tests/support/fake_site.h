@@ -1,0 +1,67 @@
+#pragma once
+
+// A site by hand: says exactly what a test tells it to over a Transport, and keeps all that it hears.
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "sync/transport.h"
+#include "sync/wire.h"
+
+namespace tandem::test {
+
+struct FakeSite {
+  std::unique_ptr<sync::Transport> transport;
+  sync::WireFrame frame;
+  bool connected = false, closed = false;
+  std::vector<sync::ControlMessage> heard;
+  std::vector<sync::StateUpdate> updates;
+  std::vector<sync::Pong> pongs;
+  std::uint32_t sequence = 0, pings = 0;
+
+  void say(const sync::ControlMessage& message) { transport->sendControl(0, sync::encodeControl(message)); }
+  void send(const sync::StateMessage& message) {
+    std::vector<std::byte> bytes;
+    sync::encodeState(message, frame, bytes);
+    transport->sendState(0, bytes);
+  }
+  void ping(sync::Micros now) { send(sync::Ping{++pings, now}); }
+
+  void listen() {
+    sync::TransportEvent event;
+    while (transport->poll(event)) {
+      using Kind = sync::TransportEvent::Kind;
+      if (event.kind == Kind::connected) connected = true;
+      if (event.kind == Kind::closed) closed = true;
+      if (event.kind == Kind::control) {
+        auto message = sync::decodeControl(event.bytes);
+        ASSERT(message.ok());
+        heard.push_back(*message);
+      }
+      if (event.kind != Kind::state) continue;
+      sync::StateMessage message;
+      const Status decoded = sync::decodeState(event.bytes, frame, message);
+      ASSERT(decoded.ok());
+      if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
+      if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
+    }
+  }
+
+  /// The latest message of a kind, or null.
+  template <typename Message>
+  const Message* last() const {
+    for (auto at = heard.rbegin(); at != heard.rend(); ++at)
+      if (const auto* message = std::get_if<Message>(&*at)) return message;
+    return nullptr;
+  }
+  template <typename Message>
+  std::size_t count() const {
+    std::size_t n = 0;
+    for (const auto& message : heard) n += std::holds_alternative<Message>(message) ? 1 : 0;
+    return n;
+  }
+};
+
+}  // namespace tandem::test
