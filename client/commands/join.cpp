@@ -218,6 +218,7 @@ class JoinRun {
 
   void loop(haptics::VirtualStylus* stylus, haptics::SpaceMouse* spaceMouse) {
     const Clock::time_point start = Clock::now();
+    if (!viewer_) lookAtAll();
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
       site_.update(model_);
@@ -242,6 +243,13 @@ class JoinRun {
       }
     }
     if (end_.empty()) end_ = "interrupted";
+  }
+
+  /// A site without a window still has eyes for the others: where a window would begin.
+  void lookAtAll() {
+    ViewActions actions;
+    actions.worldFromCamera = worldFromCamera(fitView(site_.scene().bounds, 1.6));
+    site_.act(actions);
   }
 
   double sceneSize() const { return glm::length(site_.scene().bounds.max - site_.scene().bounds.min); }
