@@ -328,7 +328,9 @@ void SocketCore::wait(Micros timeout) {
   retired_.clear();
   keepHouse();
   watchUdp();
-  io_.poll();
+  // Where it may block, run_one() takes in what has arrived just as well, with one system call less a
+  // datagram.
+  if (timeout <= 0 || woken_.load(std::memory_order_acquire) || eventReady()) io_.poll();
   while (!eventReady() && !woken_.load(std::memory_order_acquire)) {
     if (now() >= deadline) break;
     watchUdp();

@@ -10,9 +10,13 @@
 // one thread, so there is one clock and each datagram meets an idle relay, as at 250 Hz it does. sealed
 // against server isolates the relay, because the ends run the same code; plain against server also charges
 // the server with the ends' encryption.
+//
+// Tens of microseconds drown in whatever else a machine does: `chrt -f 10 bench_relay` keeps other programs'
+// load out of all three alike, and the report says whether it was so.
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -423,6 +427,7 @@ bool compare(bench::Report& report, int packets) {
     lost += measured[i].lost;
   }
   report.value("datagrams a path", "", packets);
+  report.value("under SCHED_FIFO", "", sched_getscheduler(0) == SCHED_FIFO ? 1.0 : 0.0);
   bool met = report.bound("lost", lost, 0.0);
   met = report.bound("server / raw relay, p50", p[2].p50 / p[1].p50, 1.5) && met;
   met = report.bound("server / raw relay, p99", p[2].p99 / p[1].p99, 1.5) && met;
