@@ -228,7 +228,8 @@ class JoinRun {
         const ViewActions actions = viewer_->frame(model_);
         if (stylus && actions.stylusMoved)
           stylus->setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
-        // A SpaceMouse moves the stylus as seen on the screen; full deflection crosses the scene in four seconds.
+        // A SpaceMouse moves the stylus as seen on the screen; full deflection crosses the scene in four
+        // seconds.
         if (spaceMouse) spaceMouse->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
         if (actions.quit) end_ = "window closed";
@@ -304,8 +305,11 @@ int run(Arguments& arguments) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   const bool terminal = isatty(STDERR_FILENO) != 0;
+  double shown = -1.0;
   Result<std::unique_ptr<JoinedSite>> site = JoinedSite::enter(options, [&](double done, const char* what) {
-    if (terminal) std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * done, what);
+    if (terminal && std::abs(done - shown) >= 0.01)
+      std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * (shown = done), what);
+    return interrupted == 0;
   });
   if (terminal) std::fputs("\r\033[K", stderr);
   if (!site) return badInput(site.error());

@@ -11,8 +11,10 @@ using namespace sync;
 namespace {
 constexpr Micros kNetworkPeriod = kMillisecond;
 constexpr Micros kSharePeriod = 15 * kMillisecond;
-constexpr double kNoticeLife = 8.0;        // s
-constexpr std::size_t kPlotLength = 1000;  // ticks of force
+constexpr Micros kKeepPeriod = kSecond;             // between copies of a transfer under way
+constexpr Micros kTransferPatience = 30 * kSecond;  // without a byte
+constexpr double kNoticeLife = 8.0;                 // s
+constexpr std::size_t kPlotLength = 1000;           // ticks of force
 }  // namespace
 
 /// Notes what the link is told, for reports. Network thread; the lists are guarded by the site's mutex.
@@ -54,14 +56,13 @@ Micros JoinedSite::localNow() {
       .count();
 }
 
-Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(
-    const JoinOptions& options, const std::function<void(double, const char*)>& progress) {
+Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(const JoinOptions& options, const Progress& progress) {
   std::unique_ptr<JoinedSite> site(new JoinedSite(options));
   if (Status status = site->enterSession(progress); !status) return status.error();
   return site;
 }
 
-Status JoinedSite::enterSession(const std::function<void(double, const char*)>& progress) {
+Status JoinedSite::enterSession(const Progress& progress) {
   SiteLinkOptions linkOptions;
   linkOptions.name = options_.name;
   linkOptions.colour = options_.colour;
@@ -76,12 +77,13 @@ Status JoinedSite::enterSession(const std::function<void(double, const char*)>& 
     return std::unique_ptr<Transport>(std::move(*made));
   });
   link_->setObserver(observer_.get());
-  progress(0.0, "entering the session");
   const Micros deadline = localNow() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
   while (link_->stage() == SiteLink::Stage::connecting || link_->stage() == SiteLink::Stage::entering) {
-    if (localNow() > deadline)
+    // Somebody who enters waits in front of the screen: what does not work at once is told at once.
+    if (!link_->reason().empty() || localNow() > deadline)
       return Error{options_.link.host + ":" + std::to_string(options_.link.port) + ": " +
                    (link_->reason().empty() ? "no answer" : link_->reason())};
+    if (!progress(0.0, "entering the session")) return Error{"interrupted"};
     waitForNetwork();
     link_->step(localNow());
   }
@@ -90,35 +92,41 @@ Status JoinedSite::enterSession(const std::function<void(double, const char*)>& 
   return prepareScene(progress);
 }
 
-Status JoinedSite::fetch(const std::function<void(double, const char*)>& progress) {
+Status JoinedSite::fetch(const Progress& progress) {
   const assets::ContentHash hash = link_->welcome().sceneHash;
   link_->startTransfer(store_.beginning(hash));
-  Micros lastProgress = localNow();
+  Micros lastProgress = localNow(), lastKept = lastProgress;
   double lastShare = -1.0;
   while (link_->stage() != SiteLink::Stage::haveScene) {
     if (link_->stage() == SiteLink::Stage::ended) return Error{"the session ended: " + link_->reason()};
     if (link_->stage() == SiteLink::Stage::needScene)
       link_->startTransfer(link_->scenePackage());  // reconnected
+    const Micros now = localNow();
+    const bool stopped = !progress(link_->transferProgress(), "fetching the scene");
     if (link_->transferProgress() != lastShare) {
       lastShare = link_->transferProgress();
-      lastProgress = localNow();
-      progress(lastShare, "fetching the scene");
-    } else if (localNow() - lastProgress > 30 * kSecond) {
-      store_.keepBeginning(hash, link_->scenePackage());
-      return Error{"the scene transfer stands still; it will go on from here next time"};
+      lastProgress = now;
     }
+    const bool stalled = now - lastProgress > kTransferPatience;
+    if (stopped || stalled || now - lastKept > kKeepPeriod) {
+      lastKept = now;
+      store_.keepBeginning(hash, link_->scenePackage());
+    }
+    if (stopped) return Error{"interrupted; the scene's transfer will go on from here next time"};
+    if (stalled) return Error{"the scene's transfer stands still; it will go on from here next time"};
     waitForNetwork();
-    link_->step(localNow());
+    link_->step(now);
   }
   if (assets::contentHash(link_->scenePackage()) != hash) {
-    store_.keepBeginning(hash, {});
-    return Error{"the scene arrived damaged (its hash is not the announced one)"};
+    store_.forgetBeginning(hash);
+    return Error{
+        "the scene arrived damaged (its hash is not the announced one); enter again to fetch it anew"};
   }
   store_.keep(hash, link_->scenePackage());
   return {};
 }
 
-Status JoinedSite::prepareScene(const std::function<void(double, const char*)>& progress) {
+Status JoinedSite::prepareScene(const Progress& progress) {
   std::vector<std::byte> package = store_.find(link_->welcome().sceneHash);
   if (package.empty()) {
     if (Status fetched = fetch(progress); !fetched) return fetched;
@@ -126,7 +134,7 @@ Status JoinedSite::prepareScene(const std::function<void(double, const char*)>& 
   } else {
     link_->skipTransfer();
   }
-  progress(1.0, "preparing the scene");
+  if (!progress(1.0, "preparing the scene")) return Error{"interrupted"};
   Result<assets::Scene> scene = assets::unpackScene(package);
   if (!scene) return Error{"the server's scene cannot be used: " + scene.error().message};
   scene_ = std::move(*scene);

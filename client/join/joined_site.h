@@ -49,10 +49,11 @@ struct GrabNote {
 
 class JoinedSite {
  public:
-  /// Enters the session and fetches the scene; `progress` is told the share done. Blocks until the scene
-  /// stands.
-  static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options,
-                                                   const std::function<void(double, const char*)>& progress);
+  /// Told the share done, 0..1, and what is being done, every few milliseconds; false stops the entering.
+  using Progress = std::function<bool(double, const char*)>;
+  /// Enters the session and fetches the scene. Blocks until the scene stands. What was fetched when it is
+  /// stopped, or killed, is kept: the next visit goes on from there.
+  static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options, const Progress& progress);
   ~JoinedSite();  // stops both threads, says goodbye
 
   const assets::Scene& scene() const { return scene_; }
@@ -81,9 +82,9 @@ class JoinedSite {
  private:
   class Observer;
   explicit JoinedSite(const JoinOptions& options);
-  Status enterSession(const std::function<void(double, const char*)>& progress);
-  Status prepareScene(const std::function<void(double, const char*)>& progress);
-  Status fetch(const std::function<void(double, const char*)>& progress);
+  Status enterSession(const Progress& progress);
+  Status prepareScene(const Progress& progress);
+  Status fetch(const Progress& progress);
   void runNetwork();
   void waitForNetwork();
   void share();

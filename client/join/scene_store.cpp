@@ -50,8 +50,12 @@ std::vector<std::byte> SceneStore::beginning(const assets::ContentHash& hash) co
 void SceneStore::keep(const assets::ContentHash& hash, const std::vector<std::byte>& package) const {
   if (directory_.empty()) return;
   writeFileWhole(path(hash, ".scene"), package);
+  forgetBeginning(hash);
+}
+
+void SceneStore::forgetBeginning(const assets::ContentHash& hash) const {
   std::error_code ignored;
-  fs::remove(path(hash, ".part"), ignored);
+  if (!directory_.empty()) fs::remove(path(hash, ".part"), ignored);
 }
 
 void SceneStore::keepBeginning(const assets::ContentHash& hash, const std::vector<std::byte>& bytes) const {

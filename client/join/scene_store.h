@@ -25,6 +25,7 @@ class SceneStore {
   /// error: the next visit transfers again.
   void keep(const assets::ContentHash& hash, const std::vector<std::byte>& package) const;
   void keepBeginning(const assets::ContentHash& hash, const std::vector<std::byte>& bytes) const;
+  void forgetBeginning(const assets::ContentHash& hash) const;
 
  private:
   std::string path(const assets::ContentHash& hash, const char* ending) const;

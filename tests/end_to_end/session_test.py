@@ -277,6 +277,32 @@ def test_refusals(binaries, folder, figures):
         server.stop()
 
 
+def test_scene_transfer(binaries, folder, figures):
+    """A broken-off transfer goes on where it ended; a damaged beginning is refused once, then fetched anew."""
+    server = Server(binaries, folder)
+    try:
+        def join():
+            return subprocess.run([binaries / "tandem", "join", server.link("participant"), "--headless", "--quiet",
+                                   "--duration", "0.3", "--cache", folder / "cache"], stderr=subprocess.PIPE, text=True,
+                                  timeout=30)
+
+        check(join().returncode == 0, "the first visit fetches the scene")
+        whole, = (folder / "cache" / "received").glob("*.scene")
+        package = whole.read_bytes()
+        part = whole.with_suffix(".part")
+        whole.unlink()
+        part.write_bytes(package[:len(package) // 2])
+        check(join().returncode == 0, "the second visit goes on in the middle")
+        check(whole.read_bytes() == package and not part.exists(), "and ends with the same package")
+        whole.unlink()
+        part.write_bytes(bytes(len(package) // 2))
+        damaged = join()
+        check(damaged.returncode == 2 and "damaged" in damaged.stderr, f"a damaged beginning is found: {damaged.stderr}")
+        check(join().returncode == 0 and whole.read_bytes() == package, "and fetched anew")
+    finally:
+        server.stop()
+
+
 def soak(binaries, folder, seconds):
     """People come, take parts, leave or are killed; the server is killed now and then; it must all go on."""
     server = Server(binaries, folder)
@@ -307,7 +333,7 @@ def soak(binaries, folder, seconds):
     print(f"soak: {rounds} rounds in {seconds:.0f} s")
 
 
-TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals]
+TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals, test_scene_transfer]
 
 
 def main():
