@@ -68,13 +68,19 @@ Forwarder::Forwarder(std::uint16_t target) : target_(target) {
     bound = bindTo(clientSide_, own.sin_port);
   }
   need(bound, "forwarder: no port is free for TCP and UDP alike");
-  serverSide_ = socket(AF_INET, SOCK_DGRAM, 0);
-  need(serverSide_ >= 0 && connectTo(serverSide_, target), "forwarder");
   limitWait(clientSide_);
-  limitWait(serverSide_);
+  changePort();
 }
 
 Forwarder::~Forwarder() { closeAll({listener_, client_, server_, clientSide_, serverSide_}); }
+
+void Forwarder::changePort() {
+  const int before = serverSide_;
+  serverSide_ = socket(AF_INET, SOCK_DGRAM, 0);
+  need(serverSide_ >= 0 && connectTo(serverSide_, target_), "forwarder: server");
+  limitWait(serverSide_);
+  closeAll({before});  // after the new one is bound, which so has another port
+}
 
 void Forwarder::turnTcp() {
   if (client_ < 0) {
@@ -117,8 +123,9 @@ bool Forwarder::relayToServer(bool block) {
                                reinterpret_cast<sockaddr*>(&from), &size);
   if (got < 0) return false;
   clientPort_ = from.sin_port;
-  ++(toServer_ ? passed_ : lost_)[0];
-  if (toServer_) send(serverSide_, bytes.data(), static_cast<std::size_t>(got), MSG_NOSIGNAL);
+  const bool passes = toServer_ && static_cast<std::size_t>(got) <= largest_;
+  ++(passes ? passed_ : lost_)[0];
+  if (passes) send(serverSide_, bytes.data(), static_cast<std::size_t>(got), MSG_NOSIGNAL);
   return true;
 }
 
@@ -126,7 +133,7 @@ bool Forwarder::relayToClient(bool block) {
   std::array<std::byte, kDatagram> bytes;
   const ssize_t got = recv(serverSide_, bytes.data(), bytes.size(), block ? 0 : MSG_DONTWAIT);
   if (got < 0) return false;
-  const bool passes = toClient_ && clientPort_ != 0;
+  const bool passes = toClient_ && clientPort_ != 0 && static_cast<std::size_t>(got) <= largest_;
   ++(passes ? passed_ : lost_)[1];
   if (!passes) return true;
   const sockaddr_in to = loopback(clientPort_);

@@ -31,6 +31,12 @@ class Forwarder {
     toClient_ = toClient;
   }
 
+  /// Longer datagrams are lost from now on, as where a tunnel leaves little room.
+  void passUpTo(std::size_t bytes) { largest_ = bytes; }
+  /// From now on the server sees the client's datagrams come from another port, as after an address
+  /// translator forgot.
+  void changePort();
+
   void turn() {
     turnTcp();
     while (relayToServer(false)) {
@@ -60,6 +66,7 @@ class Forwarder {
   std::atomic<std::uint16_t> clientPort_{0};  // of the client's UDP socket, network byte order; 0: unknown
   Pipe up_, down_;
   bool toServer_ = true, toClient_ = true;
+  std::size_t largest_ = 2048;
   std::array<std::uint64_t, 2> passed_{}, lost_{};
 };
 
