@@ -1,0 +1,274 @@
+// The hand's side of a grasp, tick by tick: what it asks for, what it feels when the answer is yes, no, late
+// or never.
+
+#include "client/hand_loop.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "tests/support/allocation_counter.h"
+#include "tests/support/shapes.h"
+
+namespace tandem::client {
+namespace {
+
+using sync::Micros;
+using sync::PartRecord;
+
+constexpr SiteId kSelf = 1, kOther = 2;
+constexpr PartId kBox = 0;
+
+/// A hand over a movable box of 4 cm, on virtual time.
+class HandLoopTest : public testing::Test {
+ protected:
+  HandLoopTest() {
+    scene_.meshes.push_back(test::boxMesh({0.04, 0.04, 0.04}));
+    scene_.materials.emplace_back();
+    for (int i = 0; i < 3; ++i) {
+      assets::Part part;
+      part.name = "box " + std::to_string(i);
+      part.mesh = 0;
+      part.movable = true;
+      part.massProperties.mass = 0.2;
+      part.massProperties.inertia = glm::dmat3(5e-5);
+      part.worldFromPart.position = {0.2 * i, 0.0, 0.0};
+      scene_.parts.push_back(part);
+    }
+    contact_ = std::make_unique<haptics::ContactScene>(scene_);
+    exchange_ = std::make_unique<Exchange>();
+    hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+    exchange_->timeBase.write({1000000, 5000, kSelf});
+  }
+
+  Wrench tick(int count = 1) {
+    Wrench wrench;
+    for (int i = 0; i < count; ++i) {
+      now_ += 1000;
+      haptics::DeviceSample sample;
+      sample.worldFromDevice = device_;
+      sample.valid = true;
+      sample.time = sync::toSeconds(now_);
+      sample.buttons = button_ ? 1u : 0u;
+      wrench = hand_->tick(sample, now_);
+      largestStep_ = std::max(largestStep_, glm::length(wrench.force - lastForce_));
+      lastForce_ = wrench.force;
+    }
+    return wrench;
+  }
+
+  void tell(NetworkEvent::Kind kind, SiteId owner, Epoch epoch, const Pose& pose, PartId part = kBox) {
+    NetworkEvent event;
+    event.kind = kind;
+    event.record = {part, owner, epoch, pose};
+    ASSERT_TRUE(exchange_->events.push(event));
+  }
+
+  std::optional<HandIntent> intent() {
+    HandIntent intent;
+    return exchange_->intents.pop(intent) ? std::optional(intent) : std::nullopt;
+  }
+
+  /// Button down at the box, granted at once.
+  void take() {
+    tick(5);
+    button_ = true;
+    tick();
+    const auto asked = intent();
+    ASSERT_TRUE(asked.has_value());
+    ASSERT_EQ(asked->kind, HandIntent::Kind::grab);
+    tell(NetworkEvent::Kind::ownership, kSelf, 1, scene_.parts[kBox].worldFromPart);
+    tick(3);
+    ASSERT_EQ(hand_->output().tick.held, kBox);
+  }
+
+  assets::Scene scene_;
+  std::unique_ptr<haptics::ContactScene> contact_;
+  std::unique_ptr<Exchange> exchange_;
+  std::unique_ptr<HandLoop> hand_;
+  Pose device_{{0.0, 0.0, 0.0205}, {1.0, 0.0, 0.0, 0.0}};
+  bool button_ = false;
+  Micros now_ = 5000000;
+  glm::dvec3 lastForce_{0.0, 0.0, 0.0};
+  double largestStep_ = 0.0;
+};
+
+TEST_F(HandLoopTest, AsksOnceForTheTouchedPartAndFeelsNothingOfTheWait) {
+  tick(5);
+  button_ = true;
+  tick(200);
+  const auto asked = intent();
+  ASSERT_TRUE(asked.has_value());
+  EXPECT_EQ(asked->part, kBox);
+  EXPECT_FALSE(intent().has_value());
+  EXPECT_TRUE(hand_->output().grabPending);
+  EXPECT_EQ(glm::length(lastForce_), 0.0);
+}
+
+TEST_F(HandLoopTest, AGrantBeginsWithoutForceAndThePartFollows) {
+  take();
+  EXPECT_LT(largestStep_, 1e-6);
+  for (int i = 0; i < 400; ++i) {
+    device_.position.x += 1e-4;
+    tick();
+  }
+  tick(1500);
+  EXPECT_NEAR(hand_->worldFromPart(kBox).position.x, 0.04, 1e-3);
+}
+
+TEST_F(HandLoopTest, ADenialLeavesTheHandIdleAndUnmoved) {
+  tick(5);
+  button_ = true;
+  tick();
+  tell(NetworkEvent::Kind::denied, kOther, 4, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
+  tick(300);
+  EXPECT_FALSE(hand_->output().grabPending);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_LT(largestStep_, 1e-9);
+}
+
+TEST_F(HandLoopTest, AGrantThatComesAfterTheButtonIsUpIsGivenBack) {
+  tick(5);
+  button_ = true;
+  tick();
+  ASSERT_TRUE(intent().has_value());
+  button_ = false;
+  tick(20);
+  tell(NetworkEvent::Kind::ownership, kSelf, 3, scene_.parts[kBox].worldFromPart);
+  tick(1000);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  const auto back = intent();
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->kind, HandIntent::Kind::release);
+  EXPECT_EQ(back->epoch, 3u);
+}
+
+TEST_F(HandLoopTest, AReleasedPartIsGivenBackOnceAtRestWhereItIs) {
+  take();
+  button_ = false;
+  tick(1500);
+  const auto back = intent();
+  ASSERT_TRUE(back.has_value());
+  EXPECT_EQ(back->kind, HandIntent::Kind::release);
+  EXPECT_EQ(back->worldFromPart.position, hand_->worldFromPart(kBox).position);
+  EXPECT_FALSE(intent().has_value());
+  tell(NetworkEvent::Kind::ownership, kNoSite, 1, back->worldFromPart);
+  tick(200);
+  EXPECT_EQ(hand_->output().tick.ownedCount, 0);
+}
+
+TEST_F(HandLoopTest, ALostConnectionIsNoReasonToLetGo) {
+  take();
+  tell(NetworkEvent::Kind::lost, kNoSite, 0, {});
+  tick(3000);
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_LT(largestStep_, 1e-6);
+}
+
+TEST_F(HandLoopTest, AGrabThatWasUnderWayWhenTheConnectionWentCanBeAskedAgain) {
+  tick(5);
+  button_ = true;
+  tick();
+  ASSERT_TRUE(intent().has_value());
+  tell(NetworkEvent::Kind::lost, kNoSite, 0, {});
+  button_ = false;
+  tick(5);
+  button_ = true;
+  tick();
+  EXPECT_TRUE(intent().has_value());
+}
+
+TEST_F(HandLoopTest, ATakenAwayPartFadesFromTheHand) {
+  take();
+  for (int i = 0; i < 30; ++i) {
+    device_.position.x += 1e-4;
+    tick();
+  }
+  largestStep_ = 0.0;
+  const Pose elsewhere{{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  tell(NetworkEvent::Kind::ownership, kOther, 2, elsewhere);
+  tick(1000);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_NEAR(glm::length(hand_->worldFromPart(kBox).position - elsewhere.position), 0.0, 1e-6);
+  EXPECT_LT(largestStep_, 0.4 + 1e-9);  // the slew limit of 400 N/s
+  EXPECT_LT(glm::length(lastForce_), 1e-6);
+}
+
+TEST_F(HandLoopTest, AfterAStallTheGraspBeginsAnewWithoutForce) {
+  take();
+  now_ += 3 * sync::kSecond;
+  device_.position += glm::dvec3(0.05, 0.03, 0.0);  // the hand went on while the program stood still
+  largestStep_ = 0.0;
+  tick(500);
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_LT(largestStep_, 1e-3);
+}
+
+TEST_F(HandLoopTest, WithoutTheStallRuleThatHandWouldFeelAPull) {
+  take();
+  device_.position += glm::dvec3(0.05, 0.03, 0.0);  // the same jump without a gap in time
+  largestStep_ = 0.0;
+  tick(500);
+  EXPECT_GT(largestStep_, 0.1);
+}
+
+TEST_F(HandLoopTest, PlaysOutWhatAnotherSiteMoves) {
+  tell(NetworkEvent::Kind::ownership, kOther, 2, scene_.parts[1].worldFromPart, 1);
+  std::uint32_t sequence = 0;
+  for (int i = 0; i < 500; ++i) {
+    if (i % 4 == 0) {
+      NetworkEvent event;
+      event.kind = NetworkEvent::Kind::state;
+      event.time = now_ + 1000000;
+      event.state.part = 1;
+      event.state.epoch = 2;
+      event.state.sequence = ++sequence;
+      event.state.worldFromPart.position = {0.2, 1e-4 * i, 0.0};
+      event.state.twist.linear = {0.0, 0.1, 0.0};
+      ASSERT_TRUE(exchange_->events.push(event));
+    }
+    tick();
+  }
+  // 0.1 m/s, shown 5 ms late.
+  EXPECT_NEAR(hand_->worldFromPart(1).position.y, 0.05 - 0.1 * 0.005, 2e-4);
+}
+
+TEST_F(HandLoopTest, AFloodOfEventsLosesNone) {
+  int sent = 0;
+  for (Epoch epoch = 1; epoch <= 4000; ++epoch) {
+    NetworkEvent event;
+    event.kind = NetworkEvent::Kind::ownership;
+    event.record = {static_cast<PartId>(epoch % 3),
+                    kNoSite,
+                    epoch,
+                    {{0.2 * (epoch % 3), 1e-5 * epoch, 0.0}, {1, 0, 0, 0}}};
+    while (!exchange_->events.push(event)) tick();
+    ++sent;
+  }
+  tick(4000);
+  for (PartId part = 0; part < 3; ++part)
+    EXPECT_GT(hand_->worldFromPart(part).position.y, 1e-5 * 3996) << "the last word counts, part " << part;
+}
+
+TEST_F(HandLoopTest, TicksWithoutUsingTheHeap) {
+  take();
+  tick(10);
+  const test::AllocationScope scope;
+  tell(NetworkEvent::Kind::ownership, kOther, 2, scene_.parts[1].worldFromPart, 1);
+  for (int i = 0; i < 300; ++i) {
+    device_.position.x += 1e-4;
+    tick();
+  }
+  button_ = false;
+  tick(1000);
+  EXPECT_EQ(scope.count(), 0u);
+}
+
+}  // namespace
+}  // namespace tandem::client
