@@ -72,7 +72,6 @@ bool isCredential(const std::string& text) {
 
 class Writer {
  public:
-  static constexpr bool kReading = false;
   std::vector<std::byte> bytes;
 
   template <std::unsigned_integral T>
@@ -119,7 +118,6 @@ class Writer {
 
 class Reader {
  public:
-  static constexpr bool kReading = true;
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   const char* problem() const { return problem_; }
