@@ -35,6 +35,22 @@ Result<std::string> SqliteDatabase::ask(const char* sql) {
   }
 }
 
+void SqliteDatabase::watchLog() {
+  // The hook also replaces SQLite's own, which makes the automatic checkpoints.
+  const auto note = [](void* frames, sqlite3*, const char*, int count) {
+    *static_cast<int*>(frames) = count;
+    return SQLITE_OK;
+  };
+  sqlite3_wal_hook(handle_, note, frames_.get());
+}
+
+bool SqliteDatabase::checkpoint() {
+  int inLog = 0, copied = 0;
+  return sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_PASSIVE, &inLog, &copied) ==
+             SQLITE_OK &&
+         copied == inLog;
+}
+
 std::string SqliteDatabase::error() const {
   return handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
 }

@@ -17,7 +17,8 @@ namespace tandem::server {
 class SqliteDatabase {
  public:
   static Result<SqliteDatabase> open(const std::string& path);
-  SqliteDatabase(SqliteDatabase&& other) noexcept : handle_(std::exchange(other.handle_, nullptr)) {}
+  SqliteDatabase(SqliteDatabase&& other) noexcept
+      : handle_(std::exchange(other.handle_, nullptr)), frames_(std::move(other.frames_)) {}
   SqliteDatabase& operator=(SqliteDatabase&&) = delete;
   ~SqliteDatabase();
 
@@ -28,9 +29,17 @@ class SqliteDatabase {
   std::string error() const;
   sqlite3* handle() const { return handle_; }
 
+  /// From now on no commit makes a checkpoint by itself, and framesInLog() counts.
+  void watchLog();
+  /// Frames in the write-ahead log after the last commit that wrote.
+  int framesInLog() const { return *frames_; }
+  /// Copies the log into the database and syncs both; true if nothing was left over.
+  bool checkpoint();
+
  private:
   explicit SqliteDatabase(sqlite3* handle) : handle_(handle) {}
   sqlite3* handle_;
+  std::unique_ptr<int> frames_ = std::make_unique<int>(0);  // its address is known to SQLite
 };
 
 /// A prepared statement; used again and again. Parameters and columns count from 0.

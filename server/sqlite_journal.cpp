@@ -1,7 +1,15 @@
 #include "server/sqlite_journal.h"
 
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
 #include <atomic>
+#include <cerrno>
+#include <chrono>
 #include <condition_variable>
+#include <cstring>
 #include <mutex>
 #include <thread>
 
@@ -14,6 +22,13 @@ constexpr const char* kApplicationId = "1414417741";  // "TNDM"
 constexpr const char* kSchemaVersion = "1";
 // Session time in the database runs ahead of session time by between these two.
 constexpr sync::Micros kTimeAhead = 4 * sync::kSecond, kLeastAhead = 2 * sync::kSecond;
+
+// The write-ahead log, in frames of one page each. It is grown once to hold kMostFrames; a checkpoint lets it
+// start again from the front. Checkpoints cost several fsyncs, so they wait for a quiet moment unless the log
+// is full.
+constexpr int kMostFrames = 1000, kIdleFrames = 100;
+constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
+constexpr auto kQuiet = std::chrono::milliseconds(150);
 
 constexpr const char* kSchema = R"(
 PRAGMA application_id = 1414417741;
@@ -136,6 +151,28 @@ Result<JournalContents> readContents(SqliteDatabase& database) {
   return contents;
 }
 
+/// Writes zeros behind the log's end, once, so that a commit finds its blocks in place: fdatasync then has no
+/// new file size or block map to write, which would be a second trip to the disk. SQLite takes zeros for the
+/// end of the log (they have no valid checksum), and its locks are on other files.
+Status growLog(const std::string& path) {
+  const int file = ::open((path + "-wal").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
+  if (file < 0) return Error{std::strerror(errno)};
+  struct stat now {};
+  bool good = ::fstat(file, &now) == 0;
+  const std::vector<char> zeros(std::size_t{64} * 1024, 0);
+  constexpr auto kWanted = static_cast<off_t>(kLogHeaderBytes + kMostFrames * kFrameBytes);
+  for (off_t at = now.st_size; good && at < kWanted;) {
+    const auto size = std::min(zeros.size(), static_cast<std::size_t>(kWanted - at));
+    const ssize_t written = ::pwrite(file, zeros.data(), size, at);
+    good = written > 0;
+    at += written;
+  }
+  good = good && ::fsync(file) == 0;
+  const int error = errno;
+  ::close(file);
+  return good ? Status{} : Error{std::string("write-ahead log: ") + std::strerror(error)};
+}
+
 /// The statements by which records are written.
 struct Writer {
   SqliteStatement begin, commit, rollback, part, site, nonce, time;
@@ -220,26 +257,51 @@ struct SqliteJournal::State {
         latestTime(contents.sessionTime),
         timeAhead(contents.sessionTime) {}
 
+  // The writer's thread.
+  int frames = 0;                  // in the log, as of the last commit
+  int checkpointAt = kIdleFrames;  // frames from which a quiet moment is used
+
   void work();
+  bool take(std::vector<JournalRecord>& batch, sync::Micros& time);
+  void checkpoint();
   void finish(bool good, std::size_t count);
 };
+
+/// Waits for work and takes all of it; uses a quiet moment for a checkpoint. False when it is time to stop.
+bool SqliteJournal::State::take(std::vector<JournalRecord>& batch, sync::Micros& time) {
+  const auto some = [&] { return stopping || !queue.empty() || queuedTime != 0; };
+  std::unique_lock lock(mutex);
+  if (frames >= checkpointAt && !wanted.wait_for(lock, kQuiet, some)) {
+    lock.unlock();
+    checkpoint();
+    lock.lock();
+  }
+  wanted.wait(lock, some);
+  if (queue.empty() && queuedTime == 0) return false;
+  batch.clear();
+  std::swap(batch, queue);
+  time = std::exchange(queuedTime, 0);
+  return true;
+}
+
+/// Moves what the log holds into the database, so that the log starts again from the front. If that fails
+/// nothing is lost: the records are safe in the log, which grows on.
+void SqliteJournal::State::checkpoint() {
+  const bool done = database.checkpoint();
+  checkpointAt = done ? kIdleFrames : frames + kIdleFrames;
+  if (done) frames = 0;
+}
 
 /// The writer's thread: takes all that is queued, writes it as one transaction, tells.
 void SqliteJournal::State::work() {
   std::vector<JournalRecord> batch;
-  for (;;) {
-    sync::Micros time = 0;
-    {
-      std::unique_lock lock(mutex);
-      wanted.wait(lock, [&] { return stopping || !queue.empty() || queuedTime != 0; });
-      if (queue.empty() && queuedTime == 0) return;
-      batch.clear();
-      std::swap(batch, queue);
-      time = std::exchange(queuedTime, 0);
-    }
+  sync::Micros time = 0;
+  while (take(batch, time)) {
     const bool good = writer.commitBatch(batch, time);
     finish(good, batch.size());
     if (!good) return;
+    frames = database.framesInLog();
+    if (frames >= std::max(kMostFrames, checkpointAt)) checkpoint();
   }
 }
 
@@ -275,6 +337,8 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& pa
   if (Status set = database->run(settings.c_str()); !set) return failed(set.error());
   const Result<std::string> mode = database->ask("PRAGMA journal_mode");
   if (!mode || *mode != "wal") return failed(Error{"the file system does not support a write-ahead log"});
+  database->watchLog();
+  if (Status grown = growLog(path); !grown) return failed(grown.error());
   Result<JournalContents> contents = readContents(*database);
   if (!contents) return failed(contents.error());
   Result<Writer> writer = Writer::prepare(*database);

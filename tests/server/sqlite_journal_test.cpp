@@ -111,6 +111,26 @@ TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
   }
 }
 
+TEST_F(SqliteJournalTest, ReusesTheLogThatItMadeAtTheStart) {
+  constexpr PartId kParts = 2000;  // about 45 pages, so that 60 rounds would make a log of 11 MB
+  {
+    auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    const auto made = fs::file_size(path() + "-wal");
+    EXPECT_GT(made, 4'000'000u);
+    for (Epoch epoch = 1; epoch <= 60; ++epoch) {
+      std::uint64_t number = 0;
+      for (PartId part = 0; part < kParts; ++part) number = (*journal)->append(record(part, epoch));
+      ASSERT_TRUE(durable(**journal, number)) << (*journal)->failure();
+    }
+    EXPECT_LT(fs::file_size(path() + "-wal"), made + made / 4);
+  }
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+  ASSERT_TRUE(journal.ok()) << journal.error().message;
+  ASSERT_EQ((*journal)->contents().parts.size(), kParts);
+  for (const auto& part : (*journal)->contents().parts) ASSERT_EQ(part.epoch, 60u);
+}
+
 TEST_F(SqliteJournalTest, RefusesWhatIsNotItsOwn) {
   std::ofstream(path()) << std::string(8192, 'x');
   EXPECT_FALSE(SqliteJournal::open(path(), {"abc", 0, 0}).ok());
