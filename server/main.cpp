@@ -100,7 +100,8 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
     const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
     server.transport->wait(wait);
     session.step(localNow(), unixNow());
-    for (const std::string& line : session.takeLog()) spdlog::info(line);
+    for (const LogLine& line : session.takeLog())
+      spdlog::log(line.error ? spdlog::level::err : spdlog::level::info, "{}", line.text);
     invitations.renew(session, session.takeUsedTokens(), unixNow());
   }
   session.shutDown();

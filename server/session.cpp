@@ -130,7 +130,7 @@ sync::Micros Session::sessionTime() const { return state_->now; }
 const std::vector<sync::SiteInfo>& Session::sites() const { return state_->listed; }
 const sync::OwnershipTable& Session::ownership() const { return state_->table; }
 const SessionCounters& Session::counters() const { return state_->counts; }
-std::vector<std::string> Session::takeLog() { return std::exchange(state_->log, {}); }
+std::vector<LogLine> Session::takeLog() { return std::exchange(state_->log, {}); }
 std::vector<sync::Role> Session::takeUsedTokens() { return std::exchange(state_->usedTokens, {}); }
 
 void Session::shutDown() {
@@ -222,8 +222,8 @@ void Session::State::watchJournal() {
   if (!journalFailure.empty()) return;
   journalFailure = journal.failure();
   if (journalFailure.empty()) return;
-  say("journal: " + journalFailure +
-      "; nothing is granted, kept or admitted until the server is started again");
+  sayError("journal: " + journalFailure +
+           "; nothing is granted, kept or admitted until the server is started again");
   outbox.abandon(journal.durableUpTo());
 }
 
@@ -246,7 +246,7 @@ void Session::State::runTimers() {
     relist();
     forgetOldNonces();
     if (recording != nullptr && !recording->flush()) {
-      say("recording: cannot be written any more");
+      sayError("recording: cannot be written any more");
       recording = nullptr;
     }
   }
@@ -298,8 +298,11 @@ void Session::State::tellAll(sync::ControlMessage message, SiteId except) {
 }
 
 void Session::State::say(std::string line) {
-  if (log.size() < kMaxLogLines) log.push_back(std::move(line));
+  if (log.size() < kMaxLogLines) log.push_back({std::move(line), false});
 }
+
+/// Never left out: there are at most two, the journal's and the recording's.
+void Session::State::sayError(std::string line) { log.push_back({std::move(line), true}); }
 
 Peer* Session::State::peerOf(SiteId site) {
   for (auto& [connection, peer] : peers)

@@ -52,6 +52,13 @@ struct SessionCounters {
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
 };
 
+/// A line for the log. An error means that the session is no longer what it should be: it must reach
+/// somebody.
+struct LogLine {
+  std::string text;
+  bool error = false;
+};
+
 /// Datagrams a second that one site may send; the protocol's own rates stay under a quarter of it.
 inline constexpr double kMaxDatagramRate = 2000.0;
 
@@ -84,7 +91,7 @@ class Session {
   const SessionCounters& counters() const;
 
   /// Things worth a line in the log (a site joined, left, was refused, a grant), drained by the caller.
-  std::vector<std::string> takeLog();
+  std::vector<LogLine> takeLog();
   /// The roles of the join tokens used since the last call: each may want a new link.
   std::vector<sync::Role> takeUsedTokens();
 

@@ -89,7 +89,7 @@ struct Session::State {
   sync::StateMessage incoming{sync::StateUpdate{}}, incomingShort{sync::Ping{}};
   std::vector<std::byte> stateBytes;
   SessionCounters counts;
-  std::vector<std::string> log;
+  std::vector<LogLine> log;
   std::vector<sync::Role> usedTokens;
 
   State(const assets::Scene& scene, std::span<const std::byte> package, const SessionConfig& config,
@@ -109,6 +109,7 @@ struct Session::State {
   void tellAll(sync::ControlMessage message, SiteId except = kNoSite);
   void keep(const JournalRecord& record) { appended = journal.append(record); }
   void say(std::string line);
+  void sayError(std::string line);
   Peer* peerOf(SiteId site);
   std::string nameOf(SiteId site) const;
 

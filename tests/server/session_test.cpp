@@ -400,6 +400,21 @@ TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
             Refusal::sessionFull);
 }
 
+TEST(Session, CallsAFailedJournalAnErrorOnceAndNothingElse) {
+  Rig rig;
+  rig.grab(rig.join("a"), 0, 1);
+  for (const LogLine& line : rig.session->takeLog()) EXPECT_FALSE(line.error) << line.text;
+  rig.journal.fail("disk full");
+  rig.run(2 * kSecond);
+  int errors = 0;
+  for (const LogLine& line : rig.session->takeLog()) {
+    if (!line.error) continue;
+    ++errors;
+    EXPECT_NE(line.text.find("journal: disk full"), std::string::npos) << line.text;
+  }
+  EXPECT_EQ(errors, 1);
+}
+
 TEST(Session, RenewsLeasesOnlyForPings) {
   Rig rig;
   FakeSite& a = rig.join("a");
