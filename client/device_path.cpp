@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -27,6 +28,8 @@ bool parseCells(const std::string& line, std::vector<double>& cells) {
 }  // namespace
 
 Result<std::vector<PathRow>> loadDevicePath(const std::string& path) {
+  std::error_code unreadable;
+  if (std::filesystem::is_directory(path, unreadable)) return Error{path + ": is a directory"};
   std::ifstream file(path);
   if (!file) return Error{path + ": cannot be read"};
   std::string line;

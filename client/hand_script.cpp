@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <sstream>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include <nlohmann/json.hpp>
+
+#include "client/json_input.h"
 
 namespace tandem::client {
 
@@ -18,16 +18,25 @@ namespace {
 constexpr double kApproachSpeed = 0.25;    // m/s, mean, when a hand goes to a part
 constexpr double kApproachShortest = 0.3;  // s
 
-/// A field's number; throws a message for a person.
-double number(const json& step, const char* key) {
+// Far beyond any session, yet small enough that nothing computed from them overflows.
+constexpr double kLongest = 1e5;   // s
+constexpr double kMostTurn = 1e4;  // rad
+constexpr double kMostHz = 500.0;  // half the rate of the loop
+
+/// A field's number within +-most; throws a message for a person.
+double number(const json& step, const char* key, double most = kFarthest) {
   if (!step.contains(key)) throw std::string("lacks \"") + key + "\"";
   if (!step[key].is_number() || !std::isfinite(step[key].get<double>()))
     throw std::string("\"") + key + "\" must be a finite number";
-  return step[key].get<double>();
+  const double value = step[key].get<double>();
+  if (std::abs(value) > most)
+    throw std::string("\"") + key + "\" must be at most " + std::to_string(static_cast<int>(most)) +
+        " in size";
+  return value;
 }
 
 double duration(const json& step, const char* key) {
-  const double seconds = number(step, key);
+  const double seconds = number(step, key, kLongest);
   if (seconds < 0.0) throw std::string("\"") + key + "\" must not be negative";
   return seconds;
 }
@@ -40,6 +49,8 @@ glm::dvec3 vector(const json& step, const char* key) {
     const json& entry = step[key][static_cast<std::size_t>(i)];
     if (!entry.is_number() || !std::isfinite(entry.get<double>()))
       throw std::string("\"") + key + "\" must hold three finite numbers";
+    if (std::abs(entry.get<double>()) > kFarthest)
+      throw std::string("\"") + key + "\" must be within " + std::to_string(static_cast<int>(kFarthest));
     value[i] = entry.get<double>();
   }
   return value;
@@ -66,11 +77,21 @@ PartId part(const json& step, const assets::Scene& scene) {
   return id;
 }
 
+/// A misspelt key would silently do something else.
+void refuseUnknown(const json& step) {
+  static const char* const known[] = {"t",    "do",    "part",      "over_s", "to",    "by",
+                                      "axis", "angle", "amplitude", "hz",     "for_s", "depth"};
+  for (const auto& [key, value] : step.items())
+    if (std::none_of(std::begin(known), std::end(known), [&](const char* name) { return key == name; }))
+      throw "does not know \"" + key + "\"";
+}
+
 ScriptStep parseStep(const json& entry, const assets::Scene& scene) {
   using Verb = ScriptStep::Verb;
   if (!entry.is_object()) throw std::string("must be an object");
+  refuseUnknown(entry);
   ScriptStep step;
-  step.at = number(entry, "t");
+  step.at = duration(entry, "t");
   if (!entry.contains("do") || !entry["do"].is_string()) throw std::string("needs \"do\": \"VERB\"");
   const std::string verb = entry["do"].get<std::string>();
   if (verb == "grasp") {
@@ -86,13 +107,13 @@ ScriptStep parseStep(const json& entry, const assets::Scene& scene) {
   } else if (verb == "turn") {
     step.verb = Verb::turn;
     step.vector = axis(entry);
-    step.amount = number(entry, "angle");
+    step.amount = number(entry, "angle", kMostTurn);
     step.over = duration(entry, "over_s");
   } else if (verb == "sine") {
     step.verb = Verb::sine;
     step.vector = axis(entry);
     step.amount = number(entry, "amplitude");
-    step.hz = number(entry, "hz");
+    step.hz = number(entry, "hz", kMostHz);
     step.over = duration(entry, "for_s");
   } else if (verb == "hold") {
     step.verb = Verb::hold;
@@ -146,12 +167,30 @@ Progress minimumJerk(double s) {
 
 }  // namespace
 
+namespace {
+
+Result<json> parseSteps(const std::string& text, const std::string& source) {
+  Result<json> document = parseJson(text, source);
+  if (!document) return document;
+  json steps = document->is_object() && document->contains("script") ? (*document)["script"] : *document;
+  if (!steps.is_array()) return Error{source + ": a script is a list of steps"};
+  return steps;
+}
+
+}  // namespace
+
+Status checkHandScript(const std::string& path) {
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  const Result<json> steps = parseSteps(*text, path);
+  return steps ? Status{} : Status{steps.error()};
+}
+
 Result<HandScript> parseHandScript(const std::string& text, const std::string& source,
                                    const assets::Scene& scene) {
-  const json document = json::parse(text, nullptr, false);
-  if (document.is_discarded()) return Error{source + ": not JSON"};
-  const json& steps = document.is_object() && document.contains("script") ? document["script"] : document;
-  if (!steps.is_array()) return Error{source + ": a script is a list of steps"};
+  const Result<json> parsed = parseSteps(text, source);
+  if (!parsed) return parsed.error();
+  const json& steps = *parsed;
   HandScript script;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {
@@ -166,11 +205,9 @@ Result<HandScript> parseHandScript(const std::string& text, const std::string& s
 }
 
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene) {
-  std::ifstream file(path);
-  if (!file) return Error{path + ": cannot be read"};
-  std::ostringstream text;
-  text << file.rdbuf();
-  return parseHandScript(text.str(), path, scene);
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  return parseHandScript(*text, path, scene);
 }
 
 SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, const Pose& worldFromPart,

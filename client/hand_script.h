@@ -26,6 +26,9 @@
 
 namespace tandem::client {
 
+/// Lengths in scripts and scenarios beyond this are mistakes, m.
+inline constexpr double kFarthest = 1e6;
+
 struct ScriptStep {
   enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo };
   double at = 0.0;  // s
@@ -44,6 +47,8 @@ struct HandScript {
 /// Reads the JSON text of a script. An error names `source`, the step and the reason.
 Result<HandScript> parseHandScript(const std::string& json, const std::string& source,
                                    const assets::Scene& scene);
+/// What can be said of a script before its scene is known: whether it can be read, and is a list.
+Status checkHandScript(const std::string& path);
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
 
 /// Nearest point of a part's surface (its mesh, or the box of its shapes) to a point, world frame, with

@@ -22,9 +22,16 @@ constexpr int kMaxTouchQueries = 32;
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 bool isFinite(const Wrench& w) { return isFinite(w.force) && isFinite(w.torque); }
 
+// Beyond this a reading is garbage, whatever the scene: what is computed from it would overflow.
+constexpr double kAbsurd = 1e12;  // m, m/s, rad/s
+
+bool plausible(const glm::dvec3& v) {
+  return std::abs(v.x) < kAbsurd && std::abs(v.y) < kAbsurd && std::abs(v.z) < kAbsurd;  // false for nan
+}
+
 bool usable(const DeviceSample& sample) {
-  return sample.valid && isValid(sample.worldFromDevice) && isFinite(sample.twist.linear) &&
-         isFinite(sample.twist.angular);
+  return sample.valid && isValid(sample.worldFromDevice) && plausible(sample.worldFromDevice.position) &&
+         plausible(sample.twist.linear) && plausible(sample.twist.angular);
 }
 
 bool samePose(const Pose& a, const Pose& b) {

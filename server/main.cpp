@@ -57,7 +57,11 @@ std::int64_t unixNow() {
 }
 
 int badInput(const Error& error) {
-  std::fprintf(stderr, "tandem-server: %s\n", error.message.c_str());
+  // Messages quote files and arguments, which may hold line breaks and codes that a terminal obeys.
+  std::string line = error.message;
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+  std::fprintf(stderr, "tandem-server: %s\n", line.c_str());
   return kExitBadInput;
 }
 

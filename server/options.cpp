@@ -3,6 +3,8 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <functional>
 #include <sstream>
 #include <vector>
 
@@ -49,6 +51,18 @@ Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
     return {};
   }
   return wrong;
+}
+
+/// A number within bounds; never nan, which passes through CLI11's own check.
+std::function<std::string(const std::string&)> numberFrom(double least, double most) {
+  return [least, most](const std::string& text) -> std::string {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (!text.empty() && *end == '\0' && value >= least && value <= most) return "";
+    char message[96];
+    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", least, most);
+    return message + text;
+  };
 }
 
 /// Options as text, before they are understood.
@@ -111,13 +125,13 @@ void addOptions(CLI::App& app, Raw& raw, Options& options) {
       ->capture_default_str();
   app.add_option("--lease-ms", raw.lease_ms, "how long a silent site keeps its parts, ms")
       ->type_name("MS")
-      ->check(CLI::Range(200.0, 600000.0))
+      ->check(numberFrom(200.0, 600000.0))
       ->capture_default_str();
   app.add_option("--record", options.record, "records the session, for tandem replay")->type_name("FILE");
   app.add_option("--duration", options.duration_s,
                  "stops after this time, s; 0: runs until it is told to stop")
       ->type_name("S")
-      ->check(CLI::Range(0.0, 1e9));
+      ->check(numberFrom(0.0, 1e9));
   app.add_flag("--no-cache", raw.noCache, "prepares the scene anew");
   app.add_flag("--quiet", options.quiet, "logs only what is wrong");
 }

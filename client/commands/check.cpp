@@ -198,7 +198,7 @@ void addCheck(CLI::App& app, int& exitCode) {
   command->add_option("--device", arguments->device, "Device class: desktop, damped or stylus")
       ->capture_default_str();
   command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0, 1e6));
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }

@@ -3,7 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <filesystem>
 #include <fstream>
 
 #include <CLI/CLI.hpp>
@@ -11,7 +14,11 @@
 namespace tandem::client {
 
 int badInput(const Error& error) {
-  std::fprintf(stderr, "tandem: %s\n", error.message.c_str());
+  // Messages quote files and arguments, which may hold line breaks and codes that a terminal obeys.
+  std::string line = error.message;
+  std::replace_if(
+      line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+  std::fprintf(stderr, "tandem: %s\n", line.c_str());
   return kExitBadInput;
 }
 
@@ -52,6 +59,30 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments) {
       assets::loadScene(arguments.path, *options, arguments.noCache ? "" : assets::defaultCacheDirectory());
   if (terminal) std::fputs("\r\033[K", stderr);
   return scene;
+}
+
+std::function<std::string(const std::string&)> numberFrom(double least, double most) {
+  return [least, most](const std::string& text) -> std::string {
+    char* end = nullptr;
+    const double value = std::strtod(text.c_str(), &end);
+    if (!text.empty() && *end == '\0' && value >= least && value <= most) return "";
+    char message[96];
+    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", least, most);
+    return message + text;
+  };
+}
+
+Status writable(const std::string& path) {
+  namespace fs = std::filesystem;
+  if (path.empty()) return {};
+  std::error_code error;
+  const fs::file_status status = fs::status(path, error);
+  if (fs::is_directory(status)) return Error{path + ": cannot be written: is a directory"};
+  const fs::path parent = fs::path(path).parent_path();
+  const std::string asked = fs::exists(status) ? path : parent.empty() ? "." : parent.string();
+  if (::access(asked.c_str(), W_OK) != 0)
+    return Error{path + ": cannot be written: " + std::error_code(errno, std::generic_category()).message()};
+  return {};
 }
 
 Status writeFile(const std::string& path, const std::string& text) {

@@ -82,7 +82,7 @@ void addDevices(CLI::App& app, int& exitCode) {
   CLI::App* command =
       app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
   command->add_option("--test", arguments->test, "Read this device for a while under zero force");
-  command->add_option("--seconds", arguments->seconds, "Length of the test")->check(CLI::Range(0.1, 3600.0));
+  command->add_option("--seconds", arguments->seconds, "Length of the test")->check(numberFrom(0.1, 3600.0));
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->callback(
       [arguments, &exitCode] { exitCode = arguments->test.empty() ? list(*arguments) : test(*arguments); });

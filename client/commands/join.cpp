@@ -287,6 +287,11 @@ class JoinRun {
 int run(Arguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(link.error());
+  // A link works once: whatever can be wrong on this side is found before it is used up.
+  for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
+    if (Status free = writable(path); !free) return badInput(free.error());
+  if (!arguments.hand.empty())
+    if (Status script = checkHandScript(arguments.hand); !script) return badInput(script.error());
   JoinOptions options;
   options.link = *link;
   if (arguments.name.empty()) arguments.name = defaultName(*link);
@@ -331,7 +336,7 @@ void addJoin(CLI::App& app, int& exitCode) {
       "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
   command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
   command->add_option("--duration", arguments->duration, "Leave after this many seconds")
-      ->check(CLI::PositiveNumber);
+      ->check(numberFrom(1e-3, 1e9));
   command->add_option("--screenshot", arguments->screenshot,
                       "Write a picture (PNG) at the end, with or without a display");
   command->add_option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");

@@ -26,6 +26,8 @@ struct Arguments {
   double stiffness = 0.0, damping = -1.0, forceLimit = 0.0;
 };
 
+constexpr double kLargestRadius = 1e4;  // m
+
 struct Tool {
   double radius = 0.0;
   PartId part = kNoPart;
@@ -50,8 +52,8 @@ Result<Tool> parseTool(const std::string& text, const assets::Scene& scene) {
   if (text.rfind("ball:", 0) == 0) {
     char* end = nullptr;
     tool.radius = std::strtod(text.c_str() + 5, &end);
-    if (*end != '\0' || !(tool.radius > 0.0) || !std::isfinite(tool.radius))
-      return Error{"--tool " + text + ": the radius must be a positive number of metres"};
+    if (*end != '\0' || !(tool.radius >= 1e-9 && tool.radius <= kLargestRadius))
+      return Error{"--tool " + text + ": the radius must be a number of metres from 1e-9 to 1e4"};
     return tool;
   }
   if (text.rfind("part:", 0) == 0) {
@@ -106,6 +108,7 @@ class Probe {
     std::vector<haptics::PartMotion> moved(moves.size());
     rows_.reserve(path.size());
     PathRow before = path.front();
+    std::size_t beforeIndex = 0;
     for (std::size_t i = 0; i < path.size(); ++i) {
       for (std::size_t m = 0; m < moves.size(); ++m) {
         const std::vector<PathRow>& rows = moves[m].path;
@@ -115,7 +118,7 @@ class Probe {
                     moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
       }
       haptics::TickInput input;
-      input.device = sample(path[i], before, i);
+      input.device = sample(path[i], i, before, beforeIndex);
       input.moved = moved;
       const haptics::PartCommand take[2] = {
           {haptics::PartCommand::Kind::own, tool_.part,
@@ -123,7 +126,10 @@ class Probe {
           {haptics::PartCommand::Kind::grasp, tool_.part, {}}};
       if (i == 0 && tool_.part != kNoPart) input.commands = take;
       step(input, path[i]);
-      if (path[i].valid) before = path[i];
+      if (path[i].valid) {
+        before = path[i];
+        beforeIndex = i;
+      }
     }
   }
 
@@ -131,12 +137,15 @@ class Probe {
   std::uint64_t allocations() const { return allocations_; }
 
  private:
-  haptics::DeviceSample sample(const PathRow& row, const PathRow& before, std::size_t index) const {
+  /// The velocity is that since the last reading that was one, however long ago.
+  haptics::DeviceSample sample(const PathRow& row, std::size_t index, const PathRow& before,
+                               std::size_t beforeIndex) const {
     haptics::DeviceSample sample;
     sample.worldFromDevice = row.pose;
     sample.time = static_cast<double>(index) * parameters_.dt;
     sample.valid = true;  // an invalid row goes in as it is: the tick must find out
-    if (row.valid && index > 0) sample.twist = twistBetween(before, row, parameters_.dt);
+    if (row.valid && before.valid && index > beforeIndex)
+      sample.twist = twistBetween(before, row, static_cast<double>(index - beforeIndex) * parameters_.dt);
     return sample;
   }
 
@@ -165,6 +174,14 @@ class Probe {
   std::uint64_t allocations_ = 0;
 };
 
+/// A part's name as one cell: file formats allow commas, quotes and more in it.
+std::string csvCell(const std::string& name) {
+  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
+  std::string cell = "\"";
+  for (const char c : name) cell.append(c == '"' ? 2 : 1, c);
+  return cell + '"';
+}
+
 Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene,
                   bool part) {
   std::string text = "t,hx,hy,hz,px,py,pz,fx,fy,fz,tx,ty,tz,contacts,part,flags,compute_ns";
@@ -175,12 +192,12 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
     const Wrench& w = row.tick.toHand;
     const PartId touched = row.tick.contactCount > 0 ? row.tick.contacts[0].part : kNoPart;
     int length = std::snprintf(
-        line, sizeof line, "%.6f,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f",
+        line, sizeof line, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f",
         row.time, h.x, h.y, h.z, p.x, p.y, p.z, w.force.x, w.force.y, w.force.z, w.torque.x, w.torque.y,
         w.torque.z, row.tick.contactCount,
-        touched == kNoPart ? "" : scene.parts[touched].name.substr(0, 200).c_str(), row.tick.flags,
+        touched == kNoPart ? "" : csvCell(scene.parts[touched].name.substr(0, 200)).c_str(), row.tick.flags,
         row.compute_ns);
-    text.append(line, static_cast<std::size_t>(length));
+    text.append(line, std::min(static_cast<std::size_t>(length), sizeof line - 1));
     if (part) {
       // A held part does not touch others in this version: there is no penetration depth to tell.
       const glm::dquat& q = row.proxy.orientation;
@@ -216,6 +233,8 @@ double milliseconds(Clock::time_point from) {
 }
 
 int run(const Arguments& arguments) {
+  for (const std::string& out : {arguments.ticks, arguments.json})
+    if (Status free = writable(out); !free) return badInput(free.error());
   Result<std::vector<PathRow>> path = loadDevicePath(arguments.path);
   if (!path) return badInput(path.error());
   const Clock::time_point loadStart = Clock::now();
@@ -275,9 +294,10 @@ void addProbe(CLI::App& app, int& exitCode) {
       ->required();
   command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
   command->add_option("--stiffness", arguments->stiffness, "N/m, where the material states none")
-      ->check(CLI::PositiveNumber);
-  command->add_option("--damping", arguments->damping, "N*s/m")->check(CLI::NonNegativeNumber);
-  command->add_option("--force-limit", arguments->forceLimit, "N, of the device")->check(CLI::PositiveNumber);
+      ->check(numberFrom(1e-3, 1e6));
+  command->add_option("--damping", arguments->damping, "N*s/m")->check(numberFrom(0.0, 1e4));
+  command->add_option("--force-limit", arguments->forceLimit, "N, of the device")
+      ->check(numberFrom(1e-3, 1e4));
   command->add_option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable");
   command->add_option("--ticks", arguments->ticks, "Write every tick to this CSV file");
   command->add_option("--json", arguments->json,

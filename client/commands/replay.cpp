@@ -188,6 +188,8 @@ int playInWindow(Playback& playback) {
 }
 
 int run(const Arguments& arguments) {
+  for (const std::string& path : {arguments.json, arguments.screenshot})
+    if (Status free = writable(path); !free) return badInput(free.error());
   Result<Recording> recording = readRecording(arguments.recording);
   if (!recording) return badInput(recording.error());
   Result<assets::Scene> scene = sceneOf(arguments, *recording);
@@ -229,7 +231,7 @@ void addReplay(CLI::App& app, int& exitCode) {
   command->add_flag("--headless", arguments->headless, "No window: print a summary");
   command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
   command->add_option("--at", arguments->at, "Seconds from the beginning (default: the end)")
-      ->check(CLI::NonNegativeNumber);
+      ->check(numberFrom(0.0, 1e9));
   command->add_option("--json", arguments->json, "Write a summary to this file");
   command->add_option("--cache", arguments->cache, "Folder of fetched scenes");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });

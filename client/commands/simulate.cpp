@@ -35,6 +35,8 @@ void printSummary(const SimulationResult& result) {
 }
 
 int run(const Arguments& arguments) {
+  for (const std::string& path : {arguments.json, arguments.options.tracePath})
+    if (Status free = writable(path); !free) return badInput(free.error());
   Result<Scenario> scenario = loadScenario(arguments.scenario);
   if (!scenario) return badInput(scenario.error());
   Result<assets::Scene> scene =

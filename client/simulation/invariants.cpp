@@ -75,6 +75,9 @@ void Invariants::onConnection(std::size_t site, bool up) {
 
 void Invariants::onDead(std::size_t site, SiteId self) {
   open_[site].clear();
+  // Whoever comes back in its place is another site: it counts its requests, and what it has seen, anew.
+  answers_.erase(answers_.lower_bound({site, 0}), answers_.lower_bound({site + 1, 0}));
+  seen_[site].clear();
   if (self != kNoSite) deadSince_[self] = now_;
 }
 

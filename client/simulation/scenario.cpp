@@ -1,11 +1,15 @@
 #include "client/simulation/scenario.h"
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <set>
 
 #include <nlohmann/json.hpp>
+
+#include "client/hand_script.h"
+#include "client/json_input.h"
+#include "sync/messages.h"
 
 namespace tandem::client {
 
@@ -70,10 +74,19 @@ class Fields {
   std::set<std::string> known_;
 };
 
+/// Names stand in the columns of a trace and in lines for a person.
+bool plain(const std::string& name) {
+  return std::none_of(name.begin(), name.end(),
+                      [](unsigned char c) { return c < 32 || c == 127 || c == ',' || c == '"'; });
+}
+
 ScenarioSite parseSite(const json& entry, const std::string& where) {
   Fields fields(entry, where);
   ScenarioSite site;
   site.name = fields.requiredText("name");
+  if (site.name.empty() || site.name.size() > sync::kMaxNameLength || !plain(site.name))
+    throw where + ": \"name\" must be 1 to " + std::to_string(sync::kMaxNameLength) +
+        " bytes without control characters, commas or quotes";
   site.role = fields.text("role", "participant");
   if (site.role != "participant" && site.role != "observer" && site.role != "instructor")
     throw where + ": \"role\" must be instructor, participant or observer";
@@ -100,7 +113,9 @@ ScenarioSite parseSite(const json& entry, const std::string& where) {
     const json& start = fields["start"];
     if (!start.is_array() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!start[i].is_number()) throw where + ": \"start\" must hold numbers";
+      if (!start[i].is_number() || !(std::abs(start[i].get<double>()) <= kFarthest))
+        throw where + ": \"start\" must hold numbers within " + std::to_string(static_cast<int>(kFarthest)) +
+            " m";
       site.start[static_cast<glm::length_t>(i)] = start[i].get<double>();
     }
     site.hasStart = true;
@@ -171,7 +186,8 @@ Scenario parse(const json& document, const std::string& path) {
   scenario.path = path;
   const std::string scene = fields.requiredText("scene");
   const fs::path beside = fs::path(path).parent_path() / scene;
-  scenario.scene = fs::exists(beside) ? beside.string() : scene;
+  std::error_code unreadable;  // a name that no file can have is not beside it: loading says what is wrong
+  scenario.scene = fs::exists(beside, unreadable) ? beside.string() : scene;
   scenario.duration = fields.required("duration_s", 0.001, 3600.0);
   Result<double> units = assets::parseUnits(fields.text("units", "m"));
   if (!units) throw "units: " + units.error().message;
@@ -203,12 +219,12 @@ Scenario parse(const json& document, const std::string& path) {
 }  // namespace
 
 Result<Scenario> loadScenario(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) return Error{path + ": cannot be read"};
-  const json document = json::parse(file, nullptr, false);
-  if (document.is_discarded()) return Error{path + ": not JSON"};
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  const Result<json> document = parseJson(*text, path);
+  if (!document) return document.error();
   try {
-    return parse(document, path);
+    return parse(*document, path);
   } catch (const std::string& reason) {
     return Error{path + ": " + reason};
   }

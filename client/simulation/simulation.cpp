@@ -494,7 +494,12 @@ Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene&
                                   const SimulationOptions& options) {
   Simulation simulation(scenario, scene, options);
   if (Status status = simulation.addSites(options.seed); !status) return status.error();
+  if (!options.tracePath.empty() && !simulation.trace)
+    return Error{options.tracePath + ": cannot be written"};
   if (Status status = simulation.run(); !status) return status.error();
+  simulation.trace.flush();
+  if (!options.tracePath.empty() && !simulation.trace)
+    return Error{options.tracePath + ": cannot be written"};
   SimulationResult result = simulation.result();
   if (!options.leaderLoad || scenario.network.oneWay == 0) return result;
   Scenario near = scenario;

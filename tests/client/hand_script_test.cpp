@@ -101,7 +101,7 @@ TEST(HandScript, LettingGoOfTheStylusKeepsTheLatch) {
 
 TEST(HandScript, RefusesWhatItDoesNotKnowAndNamesTheStep) {
   const assets::Scene scene = squareScene();
-  const std::pair<const char*, const char*> cases[] = {
+  const std::pair<std::string, const char*> cases[] = {
       {R"([{"t":0,"do":"jump"}])", "jump"},
       {R"([{"t":0,"do":"hold"},{"t":1,"do":"grasp","part":"none"}])", "step 2"},
       {R"([{"do":"hold"}])", "\"t\""},
@@ -109,6 +109,12 @@ TEST(HandScript, RefusesWhatItDoesNotKnowAndNamesTheStep) {
       {R"([{"t":0,"do":"turn","axis":[0,0,0],"angle":1,"over_s":1}])", "axis"},
       {R"([{"t":0,"do":"move","to":[0,0,0],"over_s":-1}])", "over_s"},
       {"not json", "JSON"},
+      {std::string(100000, '[') + std::string(100000, ']'), "deeper"},
+      {R"([{"t":0,"do":"move","to":[1e300,0,0],"over_s":1}])", "within"},
+      {R"([{"t":-1,"do":"hold"}])", "negative"},
+      {R"([{"t":1e308,"do":"hold"}])", "\"t\""},
+      {R"([{"t":0,"do":"sine","axis":"x","amplitude":1e300,"hz":1,"for_s":1}])", "amplitude"},
+      {R"([{"t":0,"do":"hold","ower_s":1}])", "ower_s"},
       {R"({"a":1})", "list"},
   };
   for (const auto& [json, word] : cases) {

@@ -182,5 +182,16 @@ TEST(HeldPart, SaysSoWhenTooManyAreOwned) {
   EXPECT_EQ(hand.out.owned[7].part, 9);
 }
 
+TEST(HeldPart, SurvivesAReadingThatIsFiniteButAbsurd) {
+  Held held(0.5);
+  held.hand.at({1e308, 0.0, 0.0});
+  EXPECT_TRUE(held.hand.out.flags & haptics::kFlagInvalidSample);
+  held.hand.at({0.0, 0.0, 0.0205});
+  for (int i = 0; i < 100; ++i) held.hand.tick();
+  EXPECT_FALSE(held.hand.out.flags & haptics::kFlagFault);
+  ASSERT_EQ(held.hand.out.ownedCount, 1);
+  EXPECT_LT(glm::length(held.hand.out.owned[0].worldFromPart.position), 1e-3);
+}
+
 }  // namespace
 }  // namespace tandem::test

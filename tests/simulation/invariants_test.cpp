@@ -137,5 +137,21 @@ TEST_F(InvariantsTest, FindsReplicasThatDiffer) {
   EXPECT_EQ(rules(invariants), "L4 ");
 }
 
+TEST_F(InvariantsTest, ASiteThatRestartsCountsItsRequestsAnew) {
+  sync::GrabReply reply;
+  reply.request = 1;
+  reply.part = record(1, 1);
+  invariants.onGrabReply(0, reply);
+  invariants.onAccepted(0, state(0, 9));
+  reply.part = record(2, 2);
+  invariants.onDead(0, 1);
+  invariants.onGrabReply(0, reply);
+  invariants.onAccepted(0, state(0, 1));
+  EXPECT_EQ(rules(invariants), "");
+  reply.part = record(2, 3);  // but within one life a second answer is still one too many
+  invariants.onGrabReply(0, reply);
+  EXPECT_EQ(rules(invariants), "S7 ");
+}
+
 }  // namespace
 }  // namespace tandem::client

@@ -1,0 +1,70 @@
+#!/usr/bin/env python3
+"""Bad arguments and files given to the programs: exit code 2, and one line on standard error that says why.
+
+    python3 tests/end_to_end/bad_input_test.py --bin build/release/bin
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+PUMP = str(pathlib.Path(__file__).resolve().parents[2] / "assets" / "scenes" / "pump.glb")
+
+
+def scenario(folder, name, change):
+    document = {"scene": PUMP, "duration_s": 0.1, "sites": [{"name": "a", "script": []}]}
+    change(document)
+    path = folder / f"{name}.json"
+    path.write_text(document if isinstance(document, str) else json.dumps(document))
+    return str(path)
+
+
+def cases(folder):
+    """Pairs of a command and a word that the line must hold."""
+    (folder / "path.csv").write_text("t,x,y,z\n0,0,0,0.2\n")
+    (folder / "deep.json").write_text(json.dumps({"scene": PUMP, "duration_s": 1, "sites": [{"name": "a", "script": "?"}]})
+                                      .replace('"?"', "[" * 100000 + "]" * 100000))
+    probe = ["tandem", "probe", PUMP, "--path", str(folder / "path.csv")]
+    yield probe + ["--stiffness", "nan"], "--stiffness"
+    yield probe + ["--damping", "nan"], "--damping"
+    yield probe + ["--tool", "ball:nan"], "radius"
+    yield probe + ["--tool", "ball:1e308"], "radius"
+    yield probe + ["--ticks", str(folder)], "directory"
+    yield probe + ["--movable", "a\nb"], "movable"
+    yield ["tandem", "probe", PUMP, "--path", str(folder)], "directory"
+    yield ["tandem", "simulate", str(folder)], "directory"
+    yield ["tandem", "simulate", str(folder / "deep.json")], "deeper"
+    site = lambda **fields: lambda document: document["sites"][0].update(fields)
+    yield ["tandem", "simulate", scenario(folder, "verb", site(script=[{"t": 0, "do": "a\nb"}]))], "step 1"
+    yield ["tandem", "simulate", scenario(folder, "far", site(start=[1e308, 0, 0]))], "start"
+    yield ["tandem", "simulate", scenario(folder, "name", site(name="x" * 65))], "name"
+    yield ["tandem", "simulate", scenario(folder, "scene", lambda d: d.update(scene="a" * 9999))], "aaa"
+    good = scenario(folder, "good", lambda document: None)
+    yield ["tandem", "simulate", good, "--trace", str(folder)], "directory"
+    yield ["tandem", "simulate", good, "--trace", "/dev/full"], "/dev/full"
+    yield ["tandem", "check", PUMP, "--delay-ms", "nan"], "--delay-ms"
+    yield ["tandem", "join", "tandem://nonsense", "--duration", "nan"], "--duration"
+    yield ["tandem-server", PUMP, "--lease-ms", "nan"], "--lease-ms"
+    yield ["tandem-server", PUMP, "--duration", "nan"], "--duration"
+    yield ["tandem-server", "a\nb.glb"], "a_b.glb"
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--bin", type=pathlib.Path, required=True)
+    binaries = parser.parse_args().bin
+    failures = 0
+    with tempfile.TemporaryDirectory() as name:
+        for command, word in cases(pathlib.Path(name)):
+            run = subprocess.run([binaries / command[0], *command[1:]], capture_output=True, text=True, timeout=60)
+            lines = run.stderr.splitlines()
+            if run.returncode != 2 or len(lines) != 1 or word not in lines[0]:
+                failures += 1
+                print(f"{command}: exit code {run.returncode}, wanted 2 and one line with {word!r}; got {lines[:3]}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
