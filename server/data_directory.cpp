@@ -120,7 +120,7 @@ Status DataDirectory::loadIdentity() {
   if (key->has_value() && certificate->has_value()) {
     identity_ = {**key, **certificate};
     const Result<std::string> pin = sync::pinOf(identity_);
-    if (!pin) return Error{certificatePath + ": " + pin.error().message};
+    if (!pin) return Error{certificatePath + " with " + keyPath + ": " + pin.error().message};
     return {};
   }
   if (certificate->has_value()) return Error{keyPath + ": missing, but " + certificatePath + " is there"};

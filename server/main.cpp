@@ -42,6 +42,7 @@ void watchSignals() {
   sigaction(SIGTERM, &action, nullptr);
   action.sa_handler = SIG_IGN;
   sigaction(SIGPIPE, &action, nullptr);
+  sigaction(SIGXFSZ, &action, nullptr);  // a file at its limit is a failed write, like a full disk
 }
 
 /// Monotonic, from the start of the program.

@@ -1,9 +1,12 @@
 #include "server/options.h"
 
+#include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <functional>
 #include <sstream>
 #include <vector>
@@ -26,12 +29,14 @@ The session lives in the data directory: start the server again with the same --
 Send a link over a channel that you trust: it carries the right to enter and the pin of the server's key.
 Open both TCP and UDP of the port in the firewall; where UDP does not pass, state travels over TCP.)";
 
+constexpr double kMostGravity = 1000.0;  // m/s^2, the sizes of its components together
+
 Result<glm::dvec3> parseVector(const std::string& text) {
   glm::dvec3 v{0.0};
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &v.x, &v.y, &v.z, &rest) != 3 ||
-      !std::isfinite(v.x + v.y + v.z))
-    return Error{"--gravity " + text + ": must be X,Y,Z in m/s^2"};
+      !(std::abs(v.x) + std::abs(v.y) + std::abs(v.z) <= kMostGravity))
+    return Error{"--gravity " + text + ": must be X,Y,Z in m/s^2, at most 1000"};
   return v;
 }
 
@@ -92,6 +97,11 @@ Status understand(const Raw& raw, Options& options) {
   if (!address) return Error{"--listen " + raw.listen + ": " + address.error().message};
   options.listenHost = address->first;
   options.listenPort = address->second;
+  const auto ofHost = [](unsigned char c) {
+    return std::isalnum(c) != 0 || std::strchr(".:-_%", c) != nullptr;
+  };
+  if (options.linkHost.size() > 253 || !std::all_of(options.linkHost.begin(), options.linkHost.end(), ofHost))
+    return Error{"--link-host " + options.linkHost.substr(0, 60) + ": not the name or address of a host"};
   for (const std::string& invite : raw.invites)
     if (Status status = parseInvite(invite, options.invites); !status) return status;
   options.lease = static_cast<sync::Micros>(raw.lease_ms * 1000.0);
@@ -170,7 +180,10 @@ std::variant<Options, int> parseOptions(int argc, char** argv) {
     return 2;
   }
   if (Status status = understand(raw, options); !status) {
-    std::fprintf(stderr, "tandem-server: %s\n", status.error().message.c_str());
+    std::string line = status.error().message;
+    std::replace_if(
+        line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
+    std::fprintf(stderr, "tandem-server: %s\n", line.c_str());
     return 2;
   }
   return options;

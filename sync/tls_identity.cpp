@@ -144,6 +144,11 @@ Result<std::string> pinOf(const TlsIdentity& identity) {
   Pin pin{};
   if (!certificate || !pinOfCertificate(certificate.get(), pin))
     return Error{"the server's certificate cannot be read"};
+  const BioPtr keyText(
+      BIO_new_mem_buf(identity.privateKey.data(), static_cast<int>(identity.privateKey.size())));
+  const KeyPtr key(PEM_read_bio_PrivateKey(keyText.get(), nullptr, nullptr, nullptr));
+  if (!key || X509_check_private_key(certificate.get(), key.get()) != 1)
+    return Error{"the server's private key cannot be read, or is not that of its certificate"};
   std::string text;
   for (const unsigned char byte : pin) {
     text += "0123456789abcdef"[byte >> 4];

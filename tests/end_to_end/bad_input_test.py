@@ -21,7 +21,7 @@ def scenario(folder, name, change):
     return str(path)
 
 
-def cases(folder):
+def cases(folder, binaries):
     """Pairs of a command and a word that the line must hold."""
     (folder / "path.csv").write_text("t,x,y,z\n0,0,0,0.2\n")
     (folder / "deep.json").write_text(json.dumps({"scene": PUMP, "duration_s": 1, "sites": [{"name": "a", "script": "?"}]})
@@ -49,6 +49,16 @@ def cases(folder):
     yield ["tandem-server", PUMP, "--lease-ms", "nan"], "--lease-ms"
     yield ["tandem-server", PUMP, "--duration", "nan"], "--duration"
     yield ["tandem-server", "a\nb.glb"], "a_b.glb"
+    yield ["tandem-server", PUMP, "--gravity", "1e308,0,0"], "--gravity"
+    yield ["tandem-server", PUMP, "--link-host", "a b\nc"], "--link-host"
+    data = folder / "data"
+    serve = ["tandem-server", PUMP, "--listen", "127.0.0.1:0", "--duration", "0.1"]
+    subprocess.run([binaries / serve[0], *serve[1:], "--data", data], capture_output=True, timeout=60, check=True)
+    (data / "tls.key").write_text("x")
+    yield serve + ["--data", str(data)], "tls.key"
+    # A limit on the size of files is like a full disk, not a signal that ends the program.
+    yield ["bash", "-c", 'ulimit -f 2; exec "$@"', "-", str(binaries / serve[0]), *serve[1:], "--data",
+           str(folder / "full")], "full"
 
 
 def main():
@@ -57,8 +67,9 @@ def main():
     binaries = parser.parse_args().bin
     failures = 0
     with tempfile.TemporaryDirectory() as name:
-        for command, word in cases(pathlib.Path(name)):
-            run = subprocess.run([binaries / command[0], *command[1:]], capture_output=True, text=True, timeout=60)
+        for command, word in cases(pathlib.Path(name), binaries):
+            program = command[0] if command[0] == "bash" else binaries / command[0]
+            run = subprocess.run([program, *command[1:]], capture_output=True, text=True, timeout=60)
             lines = run.stderr.splitlines()
             if run.returncode != 2 or len(lines) != 1 or word not in lines[0]:
                 failures += 1
