@@ -2,6 +2,8 @@
 
 #include <cstdio>
 #include <memory>
+#include <string>
+#include <string_view>
 
 #include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
@@ -9,6 +11,7 @@
 
 #include "client/commands/command.h"
 #include "haptics/devices/device_list.h"
+#include "haptics/devices/udev_rule.h"
 
 namespace tandem::client {
 
@@ -18,6 +21,7 @@ struct Arguments {
   std::string test;
   double seconds = 5.0;
   bool json = false;
+  bool udevRule = false;
 };
 
 int list(const Arguments& arguments) {
@@ -49,6 +53,12 @@ int list(const Arguments& arguments) {
   return kExitDone;
 }
 
+int printUdevRule() {
+  const std::string_view rule = haptics::udevRule();
+  const bool written = std::fwrite(rule.data(), 1, rule.size(), stdout) == rule.size();
+  return written && std::fflush(stdout) == 0 ? kExitDone : kExitFailed;
+}
+
 int test(const Arguments& arguments) {
   Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(arguments.test);
   if (!device) return badInput(device.error());
@@ -75,6 +85,11 @@ int test(const Arguments& arguments) {
   return state.valid > 0 || arguments.test == "none" ? kExitDone : kExitFailed;
 }
 
+int run(const Arguments& arguments) {
+  if (arguments.udevRule) return printUdevRule();
+  return arguments.test.empty() ? list(arguments) : test(arguments);
+}
+
 }  // namespace
 
 void addDevices(CLI::App& app, int& exitCode) {
@@ -84,8 +99,10 @@ void addDevices(CLI::App& app, int& exitCode) {
   command->add_option("--test", arguments->test, "Read this device for a while under zero force");
   command->add_option("--seconds", arguments->seconds, "Length of the test")->check(numberFrom(0.1, 3600.0));
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->callback(
-      [arguments, &exitCode] { exitCode = arguments->test.empty() ? list(*arguments) : test(*arguments); });
+  command->add_flag(
+      "--udev-rule", arguments->udevRule,
+      "Print the udev rule that lets you open these devices, for " + std::string(haptics::kUdevRulePath));
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -15,6 +15,7 @@
 #include "haptics/devices/null_device.h"
 #include "haptics/devices/simulated_device.h"
 #include "haptics/devices/spacemouse.h"
+#include "haptics/devices/udev_rule.h"
 #include "haptics/devices/virtual_stylus.h"
 #include "haptics/servo_loop.h"
 #include "haptics/triple_buffer.h"
@@ -66,7 +67,7 @@ void explainAccess(const NodeAccess& access, DeviceReport& report) {
     std::snprintf(mode, sizeof mode, "%04o", access.mode);
     report.reason = "permission denied: " + report.node + " has mode " + mode + ", owner " + access.owner +
                     ":" + access.group + "; install the udev rule, then plug the device in again";
-    report.remedy = {"sudo install -m 644 haptics/devices/70-tandem-hid.rules /etc/udev/rules.d/",
+    report.remedy = {"tandem devices --udev-rule | sudo tee " + std::string(kUdevRulePath),
                      "sudo udevadm control --reload && sudo udevadm trigger --subsystem-match=hidraw"};
   } else if (access.error == EBUSY) {
     report.reason = report.node + " is busy: another program has it to itself (spacenavd, 3DxWare)";

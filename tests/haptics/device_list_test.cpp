@@ -8,6 +8,7 @@
 #include <iterator>
 
 #include "haptics/devices/spacemouse_decoder.h"
+#include "haptics/devices/udev_rule.h"
 
 namespace tandem::haptics {
 namespace {
@@ -20,7 +21,7 @@ TEST(DeviceList, SaysWhoMayOpenANodeAndHowToMendIt) {
   EXPECT_NE(report.reason.find("/dev/hidraw7 has mode 0600, owner root:root"), std::string::npos)
       << report.reason;
   ASSERT_EQ(report.remedy.size(), 2u);
-  EXPECT_NE(report.remedy[0].find("70-tandem-hid.rules"), std::string::npos);
+  EXPECT_EQ(report.remedy[0], "tandem devices --udev-rule | sudo tee /etc/udev/rules.d/70-tandem-hid.rules");
   explainAccess({EBUSY, 0660, "root", "root"}, report);
   EXPECT_NE(report.reason.find("busy"), std::string::npos);
   explainAccess({ENODEV, 0, "", ""}, report);
@@ -36,6 +37,7 @@ TEST(DeviceList, TheUdevRuleCoversEveryModel) {
   std::ifstream file(TANDEM_SOURCE_DIR "/haptics/devices/70-tandem-hid.rules");
   const std::string rule((std::istreambuf_iterator<char>(file)), {});
   ASSERT_FALSE(rule.empty());
+  EXPECT_EQ(udevRule(), rule);  // what the program prints is what is shipped
   for (const SpaceMouseModel& model : spaceMouseModels()) {
     char vendor[40], product[8];
     std::snprintf(vendor, sizeof vendor, "ATTRS{idVendor}==\"%04x\"", model.vendor);
