@@ -64,6 +64,7 @@ struct HandSettingsInput {
   PartId wish = kNoPart;
   bool graspButton = false;       // of the window or a script, besides the device's own button 0
   std::uint32_t faultResets = 0;  // counts up
+  std::uint32_t reseats = 0;      // counts up: put the tip back onto the device, without force meanwhile
 };
 
 /// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has

@@ -27,6 +27,10 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
     faultResetsSeen_ = settings_.faultResets;
     state_.resetFault();
   }
+  if (settings_.reseats != reseatsSeen_) {
+    reseatsSeen_ = settings_.reseats;
+    reseatTicks_ = kReseatTicks;
+  }
   const sync::Micros sessionNow = now + timeBase_.offset;
   const haptics::DeviceSample sample = afterStall(reading, now);
   takeEvents(sessionNow);
@@ -54,6 +58,10 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
 haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, sync::Micros now) {
   const bool stalled = lastTick_ != 0 && now - lastTick_ > kStall;
   lastTick_ = now;
+  if (reseatTicks_ > 0) {
+    --reseatTicks_;
+    sample.valid = false;
+  }
   if (stalled) {
     sample.valid = false;
     graspAnew_ = true;

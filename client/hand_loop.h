@@ -42,6 +42,8 @@ class HandLoop {
   static constexpr double kTakeTolerance = 2e-5;
   /// A gap between ticks as long as a device's own watchdog: the hand was without force meanwhile.
   static constexpr sync::Micros kStall = 50 * sync::kMillisecond;
+  /// Without a reading for longer than a quarter of a second, the tick puts the proxy back onto the device.
+  static constexpr int kReseatTicks = 300;
   static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;
   static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
 
@@ -83,7 +85,8 @@ class HandLoop {
   HandOutput output_;
   HandSettingsInput settings_;
   TimeBase timeBase_;
-  std::uint32_t faultResetsSeen_ = 0;
+  std::uint32_t faultResetsSeen_ = 0, reseatsSeen_ = 0;
+  int reseatTicks_ = 0;  // ticks without a reading that are left until the tip is back on the device
 
   std::array<Followed, kMaxFollowed> followed_;
   std::array<Owned, haptics::kMaxOwnedParts> owned_;

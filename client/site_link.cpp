@@ -190,9 +190,18 @@ void SiteLink::enterReady() {
   publishTimeBase(now_);
   if (observer_) observer_->onConnection(true);
   send(Ready{});
+  recordBeginning();
   reclaimParts(true);
   for (const PartRecord& record : welcome_.parts)
     if (record.part < scene_->parts.size()) applyOwnership(record);
+}
+
+/// A recording begins with who is here and how things stand; the Welcome itself holds a credential.
+void SiteLink::recordBeginning() {
+  if (!recording_) return;
+  for (const SiteInfo& info : welcome_.sites) recording_->write(welcome_.sessionTime, SiteChanged{info});
+  for (const PartRecord& record : welcome_.parts)
+    recording_->write(welcome_.sessionTime, OwnershipChanged{record});
 }
 
 /// Parts that were this site's before an outage, or before its lease lapsed, are asked for again in their old
@@ -439,6 +448,7 @@ void SiteLink::publish(Micros now) {
   }
   const double hz = outgoing_.parts.empty() ? options_.presenceHz : options_.packetHz;
   nextUpdate_ = std::max(nextUpdate_ + static_cast<Micros>(1e6 / hz), now - kMillisecond);
+  outgoing_.site = welcome_.site;
   outgoing_.sequence = ++updateSequence_;
   outgoing_.time = clock_.sessionTime(hand_.time);
   outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force,

@@ -128,6 +128,7 @@ class SiteLink {
   void tellDenial(const sync::GrabReply& reply, bool reclaim);
   void applyOwnership(const sync::PartRecord& record);
   void enterReady();
+  void recordBeginning();
   void reclaimParts(bool all);
   void pushEvent(const NetworkEvent& event);
   void flushEvents();
@@ -181,7 +182,7 @@ class SiteLink {
   LinkStatistics statistics_;
   std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site, for the downlink loss
   std::uint64_t expectedUpdates_ = 0;
-  std::uint64_t updatesSent_ = 0, updatesAtPing_ = 0;            // on this connection, for the uplink loss
+  std::uint64_t updatesSent_ = 0, updatesAtPing_ = 0;  // on this connection, for the uplink loss
 
   sync::StateUpdate outgoing_;
   sync::StateMessage incoming_, outgoingMessage_;

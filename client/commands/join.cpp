@@ -154,7 +154,8 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
     json["grabs"].push_back({{"t", grab.time},
                              {"wait_ms", grab.wait_ms},
                              {"part", site.scene().parts[grab.part].name},
-                             {"answer", sync::toString(grab.denial)}});
+                             {"answer", sync::toString(grab.denial)},
+                             {"owner", grab.owner}});
   json["ownership"] = nlohmann::ordered_json::array();
   for (const OwnershipNote& note : report.ownership)
     json["ownership"].push_back({{"t", note.time},
@@ -226,8 +227,7 @@ class JoinRun {
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
       if (viewer_) {
         const ViewActions actions = viewer_->frame(model_);
-        if (stylus && actions.stylusMoved)
-          stylus->setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
+        if (stylus) followMouse(*stylus, actions, elapsed);
         // A SpaceMouse moves the stylus as seen on the screen; full deflection crosses the scene in four
         // seconds.
         if (spaceMouse) spaceMouse->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
@@ -244,6 +244,20 @@ class JoinRun {
       }
     }
     if (end_.empty()) end_ = "interrupted";
+  }
+
+  /// The tip follows the mouse. A mouse can jump to the other side of a part, where a hand could not go: a
+  /// tip that stays caught far from where the mouse is, is put back there.
+  void followMouse(haptics::VirtualStylus& stylus, const ViewActions& actions, double elapsed) {
+    if (actions.stylusMoved)
+      stylus.setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
+    const double away = glm::length(model_.hand.worldFromProxy.position - actions.worldFromStylus.position);
+    if (model_.hand.held != kNoPart || away < kCaughtShare * sceneSize()) {
+      caughtSince_ = elapsed;
+    } else if (elapsed - caughtSince_ > kCaughtFor) {
+      caughtSince_ = elapsed;
+      site_.reseat();
+    }
   }
 
   /// A site without a window still has eyes for the others: where a window would begin.
@@ -280,18 +294,26 @@ class JoinRun {
   std::unique_ptr<PoseTrace> trace_;
   ViewModel model_;
   Report report_;
+  static constexpr double kCaughtShare = 0.05;  // of the scene's size
+  static constexpr double kCaughtFor = 0.5;     // s
+  double caughtSince_ = 0.0;                    // s since the start
   std::string end_;
   bool failed_ = false;
 };
 
 int run(Arguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
-  if (!link) return badInput(link.error());
+  if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
   // A link works once: whatever can be wrong on this side is found before it is used up.
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
   if (!arguments.hand.empty())
     if (Status script = checkHandScript(arguments.hand); !script) return badInput(script.error());
+  if (!arguments.device.empty()) {
+    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(arguments.device);
+    if (!device) return badInput(Error{"--device " + arguments.device + ": " + device.error().message});
+    (*device)->close();
+  }
   JoinOptions options;
   options.link = *link;
   if (arguments.name.empty()) arguments.name = defaultName(*link);
@@ -351,7 +373,7 @@ void addJoin(CLI::App& app, int& exitCode) {
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "In the window F1 shows all keys. Space stops all force.\n"
-      "Example: tandem join 'tandem://review.example:7411/participant?token=...&pin=...' --name Ada");
+      "Example: tandem join 'tandem://review.example:7480/participant?token=...&pin=...' --name Ada");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

@@ -58,7 +58,7 @@ void addSimulate(CLI::App& app, int& exitCode) {
   CLI::App* command = app.add_subcommand(
       "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
   command
-      ->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation for examples)")
+      ->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation/scenarios for examples)")
       ->required();
   command->add_option("--seed", arguments->options.seed, "Seed of network and clocks")->capture_default_str();
   command->add_option("--json", arguments->json, "Write the measures to this file");
@@ -68,7 +68,7 @@ void addSimulate(CLI::App& app, int& exitCode) {
   command->footer(
       "The same scenario and seed give the same result, to the bit.\n"
       "Exit code 1: the run was not stable, or a rule of the protocol (S1-S8, L1-L5) was broken.\n"
-      "Example: tandem simulate tests/simulation/hand_over.json --seed 7 --json out.json");
+      "Example: tandem simulate tests/simulation/scenarios/hand_over.json --seed 7 --json out.json");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

@@ -32,7 +32,7 @@ class JoinedSite::Observer : public LinkObserver {
     const double wait_ms = toSeconds(localNow() - asked->second) * 1e3;
     asked_.erase(asked);
     const std::lock_guard lock(site_.mutex_);
-    site_.grabNotes_.push_back({since(), wait_ms, reply.part.part, reply.denial});
+    site_.grabNotes_.push_back({since(), wait_ms, reply.part.part, reply.denial, reply.part.owner});
   }
 
  private:
@@ -286,6 +286,7 @@ void JoinedSite::update(ViewModel& model) {
   model.link.connected = shared_.stage == SiteLink::Stage::ready;
   model.link.status = model.link.connected                      ? "connected"
                       : shared_.stage == SiteLink::Stage::ended ? "ended: " + shared_.reason
+                      : shared_.reason.empty()                  ? "connecting"
                                                                 : "reconnecting: " + shared_.reason;
   model.link.roundTrip_ms = shared_.statistics.roundTrip_ms;
   model.link.lossUp = shared_.statistics.lossUp;
@@ -336,6 +337,11 @@ void JoinedSite::updateHand(ViewModel& model) {
   model.loop.recentForce_n = recentForces_;
   model.settings = {settings_.parameters.forceLimit, settings_.parameters.gain,
                     settings_.parameters.zeroForce, settings_.parameters.stiffness};
+}
+
+void JoinedSite::reseat() {
+  ++settings_.reseats;
+  exchange_->settings.write(settings_);
 }
 
 void JoinedSite::act(const ViewActions& actions) {

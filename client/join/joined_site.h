@@ -45,6 +45,7 @@ struct GrabNote {
   double wait_ms = 0.0;  // from the request to its answer
   PartId part = kNoPart;
   sync::Denial denial = sync::Denial::none;
+  SiteId owner = kNoSite;  // who has it now
 };
 
 class JoinedSite {
@@ -67,6 +68,8 @@ class JoinedSite {
 
   /// Brings the model up to date with both threads.
   void update(ViewModel& model);
+  /// Puts the tip of the stylus back onto the device: it is caught behind something.
+  void reseat();
   /// Hands the person's actions on.
   void act(const ViewActions& actions);
 

@@ -26,7 +26,9 @@ std::string ownedBy(const ViewModel& model, SiteId site) {
 LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0) {}
 
 void LiveTable::show(const ViewModel& model, double elapsed) {
-  if (quiet_ || elapsed < next_ || !model.scene) return;
+  if (quiet_ || !model.scene) return;
+  if (!terminal_) tellNews(model, elapsed);
+  if (elapsed < next_) return;
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
   if (!terminal_) {
     std::printf("%7.1f s  %s  %zu here  rtt %.1f ms  tick p99 %.0f us  force %.2f N  holds %s\n", elapsed,
@@ -68,12 +70,23 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
+/// Each notice once, as it comes: notices grow older, so a new one is younger than the time since the last
+/// look.
+void LiveTable::tellNews(const ViewModel& model, double elapsed) {
+  for (const Notice& notice : model.notices)
+    if (elapsed - notice.age > toldUpTo_) {
+      std::printf("%7.1f s  %s\n", elapsed, notice.text.c_str());
+      std::fflush(stdout);
+    }
+  toldUpTo_ = elapsed;
+}
+
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
-  std::printf(
-      "%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grabs asked\n",
-      end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
-      model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late), model.link.roundTrip_ms,
-      100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs);
+  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grab%s\n",
+              end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
+              model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
+              model.link.roundTrip_ms, 100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs,
+              grabs == 1 ? "" : "s");
 }
 
 }  // namespace tandem::client

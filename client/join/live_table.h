@@ -19,8 +19,9 @@ class LiveTable {
   static void summary(const ViewModel& model, const std::string& end, std::size_t grabs);
 
  private:
+  void tellNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
-  double next_ = 0.0;
+  double next_ = 0.0, toldUpTo_ = -1.0;  // s since the start
   int lines_ = 0;
 };
 

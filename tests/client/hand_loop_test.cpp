@@ -218,6 +218,21 @@ TEST_F(HandLoopTest, WithoutTheStallRuleThatHandWouldFeelAPull) {
   EXPECT_GT(largestStep_, 0.1);
 }
 
+TEST_F(HandLoopTest, ATipThatIsCaughtComesBackToTheDeviceWithoutForce) {
+  tick(5);
+  for (int i = 0; i < 600; ++i) {  // pushed through the box, the tip stays on the side where it came from
+    device_.position.z -= 1e-4;
+    tick();
+  }
+  ASSERT_GT(hand_->output().tick.worldFromProxy.position.z, 0.0199);
+  HandSettingsInput settings;
+  settings.reseats = 1;
+  exchange_->settings.write(settings);
+  tick(320);
+  EXPECT_NEAR(hand_->output().tick.worldFromProxy.position.z, device_.position.z, 1e-9);
+  EXPECT_EQ(glm::length(lastForce_), 0.0);
+}
+
 TEST_F(HandLoopTest, PlaysOutWhatAnotherSiteMoves) {
   tell(NetworkEvent::Kind::ownership, kOther, 2, scene_.parts[1].worldFromPart, 1);
   std::uint32_t sequence = 0;
