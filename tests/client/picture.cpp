@@ -11,6 +11,7 @@
 namespace tandem::client {
 
 Rgb Picture::at(int x, int y) const {
+  if (x < 0 || y < 0 || x >= width || y >= height) return {-1, -1, -1};
   const auto i =
       3 * (static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x));
   return {rgb[i], rgb[i + 1], rgb[i + 2]};
@@ -36,8 +37,8 @@ Picture readPng(const std::string& path) {
 
 int countDifferent(const Picture& a, const Picture& b, int tolerance) {
   int n = 0;
-  for (int y = 0; y < a.height; ++y)
-    for (int x = 0; x < a.width; ++x) {
+  for (int y = 0; y < std::max(a.height, b.height); ++y)
+    for (int x = 0; x < std::max(a.width, b.width); ++x) {
       const Rgb p = a.at(x, y), q = b.at(x, y);
       bool differs = false;
       for (std::size_t k = 0; k < 3; ++k) differs = differs || std::abs(p[k] - q[k]) > tolerance;

@@ -16,6 +16,7 @@ struct Picture {
   int width = 0, height = 0;
   std::vector<std::uint8_t> rgb;  // top row first
 
+  /// {-1, -1, -1} outside the picture.
   Rgb at(int x, int y) const;
   /// How many pixels satisfy a condition.
   int count(const std::function<bool(const Rgb&)>& condition) const;
@@ -24,7 +25,8 @@ struct Picture {
 /// An empty picture if the file cannot be read.
 Picture readPng(const std::string& path);
 
-/// How many pixels of two pictures of one size differ by more than `tolerance` in a channel.
+/// How many pixels of two pictures differ by more than `tolerance` in a channel; what only one
+/// of them has differs.
 int countDifferent(const Picture& a, const Picture& b, int tolerance);
 
 }  // namespace tandem::client

@@ -2,6 +2,7 @@
 
 #include <epoxy/gl.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <filesystem>
 
@@ -42,6 +43,11 @@ bool isRed(const Rgb& c) { return c[0] > 90 && c[0] > 2 * c[1] && c[0] > 2 * c[2
 bool isGreen(const Rgb& c) { return c[1] > 70 && c[1] > 2 * c[0] && c[1] > 2 * c[2]; }
 bool isBlue(const Rgb& c) { return c[2] > 110 && c[2] > c[0] + 40 && c[2] > c[1] + 15; }
 
+/// A file that no other test process writes: they run side by side.
+std::string ownFile(const char* what) {
+  return testing::TempDir() + "tandem_viewer_" + what + std::to_string(::getpid()) + ".png";
+}
+
 /// A viewer without a display on the two boxes, and the model it shows.
 class ViewerTest : public testing::Test {
  protected:
@@ -66,7 +72,7 @@ class ViewerTest : public testing::Test {
 
   Picture draw() {
     actions_ = viewer_->frame(model_);
-    const std::string path = testing::TempDir() + "tandem_viewer_test.png";
+    const std::string path = ownFile("test");
     EXPECT_TRUE(viewer_->screenshot(path).ok());
     EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
     Picture picture = readPng(path);
@@ -195,7 +201,7 @@ TEST_F(ViewerTest, PanelsLeaveRoomForTheScene) {
   model_.loop.recentForce_n = {0.0f, 1.0f, 2.0f};
   (*opened)->frame(model_);
   (*opened)->frame(model_);
-  const std::string path = testing::TempDir() + "tandem_viewer_panels.png";
+  const std::string path = ownFile("panels");
   ASSERT_TRUE((*opened)->screenshot(path).ok());
   EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
   const Picture picture = readPng(path);
