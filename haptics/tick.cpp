@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/contact_force.h"
 #include "haptics/tick_data.h"
 
 namespace tandem::haptics {
@@ -20,7 +21,6 @@ constexpr double kTouchShare = 0.02;
 constexpr int kMaxTouchQueries = 32;
 
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
-bool isFinite(const Wrench& w) { return isFinite(w.force) && isFinite(w.torque); }
 
 // Beyond this a reading is garbage, whatever the scene: what is computed from it would overflow.
 constexpr double kAbsurd = 1e12;  // m, m/s, rad/s
@@ -40,13 +40,6 @@ bool samePose(const Pose& a, const Pose& b) {
 
 Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 
-glm::dvec3 clampLength(const glm::dvec3& v, double limit, bool& clamped) {
-  const double length = glm::length(v);
-  if (length <= limit) return v;
-  clamped = true;
-  return v * (std::max(limit, 0.0) / length);
-}
-
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
  public:
@@ -61,7 +54,8 @@ class Tick {
     forgetIgnored();
     if (valid_) {
       moveTool();
-      data_.contactWrench = contactWrench();
+      data_.contactWrench = {contactForce(data_.world, data_.proxy, input_.device, parameters_, out_),
+                             glm::dvec3(0.0)};
     } else {
       data_.contactWrench = data_.couplingWrench = Wrench{};
     }
@@ -236,36 +230,6 @@ class Tick {
     if (!TICK_ASSERT(data_.fault, isFinite(data_.proxy.position))) resetProxy();
   }
 
-  /// Springs between proxy and device: each plane with its own stiffness and damping along its normal, and
-  /// what is left (friction) with their mean. Damping sees the normal speed only and never pulls.
-  Wrench contactWrench() {
-    Wrench wrench;
-    glm::dvec3 rest = data_.proxy.position - data_.device.worldFromDevice.position;
-    double depths = 0.0, stiffnesses = 0.0;
-    for (int i = 0; i < data_.proxy.planeCount; ++i) {
-      const ProxyPlane& plane = data_.proxy.planes[static_cast<std::size_t>(i)];
-      if (!presses(plane)) continue;
-      const assets::Material& material = data_.world.material(plane.surface.part, plane.surface.triangle);
-      const double stiffness = material.stiffness > 0.0 ? material.stiffness : parameters_.stiffness;
-      const double damping = material.damping > 0.0 ? material.damping : parameters_.damping;
-      const glm::dvec3& normal = plane.surface.normal;
-      const glm::dvec3 surfaceVelocity = velocityAt(
-          data_.world.pose(plane.surface.part), data_.world.twist(plane.surface.part), plane.surface.point);
-      const double leaving = glm::dot(data_.device.twist.linear - surfaceVelocity, normal);
-      const double force = std::max(0.0, stiffness * plane.multiplier - damping * leaving);
-      wrench.force += force * normal;
-      rest -= plane.multiplier * normal;
-      depths += plane.multiplier;
-      stiffnesses += plane.multiplier * stiffness;
-      if (out_.contactCount < kMaxContacts) {
-        out_.contacts[static_cast<std::size_t>(out_.contactCount++)] = {plane.surface.part,
-                                                                        plane.surface.point, normal, force};
-      }
-    }
-    if (depths > 0.0) wrench.force += rest * (stiffnesses / depths);
-    return wrench;
-  }
-
   /// The part under the tool: what it touches, else what it is inside of, else the nearest within that part's
   /// reach.
   void findTouched() {
@@ -310,31 +274,8 @@ class Tick {
 
   void sendWrench() {
     data_.fade.advance(parameters_.dt);
-    Wrench wanted = sum(sum(data_.contactWrench, data_.couplingWrench), data_.fade.now());
-    if (!TICK_ASSERT(data_.fault, isFinite(wanted))) wanted = Wrench{};
-    // No actuator may be driven on a reading that is not there, nor once the user has hit the key: at once,
-    // no ramp.
-    if (!valid_ || parameters_.zeroForce) {
-      data_.sent = Wrench{};
-      if (data_.fault.raised()) out_.flags |= kFlagFault;
-      return;
-    }
-    bool limited = false, slewed = false;
-    const double gain = std::clamp(parameters_.gain, 0.0, 1.0);
-    wanted.force = clampLength(wanted.force * gain, parameters_.forceLimit, limited);
-    wanted.torque = clampLength(wanted.torque * gain, parameters_.torqueLimit, limited);
-    if (data_.fault.raised()) {
-      wanted = Wrench{};
-      out_.flags |= kFlagFault;
-    }
-    const double step = parameters_.slewLimit * parameters_.dt;
-    const double torqueStep =
-        parameters_.forceLimit > 0.0 ? step * parameters_.torqueLimit / parameters_.forceLimit : 0.0;
-    data_.sent.force += clampLength(wanted.force - data_.sent.force, step, slewed);
-    data_.sent.torque += clampLength(wanted.torque - data_.sent.torque, torqueStep, slewed);
-    if (limited) out_.flags |= kFlagForceLimited;
-    if (slewed) out_.flags |= kFlagSlewLimited;
-    out_.toHand = data_.sent;
+    const Wrench wanted = sum(sum(data_.contactWrench, data_.couplingWrench), data_.fade.now());
+    out_.toHand = limitOutput(wanted, valid_, parameters_, data_.fault, data_.output, out_.flags);
   }
 
   double radius() const { return parameters_.toolRadius; }

@@ -8,6 +8,7 @@
 #include "haptics/contact_world.h"
 #include "haptics/fault.h"
 #include "haptics/held_part.h"
+#include "haptics/output_limits.h"
 #include "haptics/proxy.h"
 #include "haptics/tick.h"
 
@@ -42,7 +43,7 @@ struct TickState::Data {
   Proxy proxy;
   FaultLatch fault;
   Fade fade;
-  Wrench sent;           // of the last tick: what slew limits are counted from
+  OutputLimits output;
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
   DeviceSample device;                        // the last valid one
