@@ -3,6 +3,10 @@
 // Four floats at once. SSE2 belongs to every x86-64; elsewhere the same operations run one by one, with the
 // same results.
 
+#include <cmath>
+
+#include <glm/vec3.hpp>
+
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -21,10 +25,18 @@ struct Float4 {
 inline Float4 operator+(Float4 a, Float4 b) { return Float4(_mm_add_ps(a.v, b.v)); }
 inline Float4 operator-(Float4 a, Float4 b) { return Float4(_mm_sub_ps(a.v, b.v)); }
 inline Float4 operator*(Float4 a, Float4 b) { return Float4(_mm_mul_ps(a.v, b.v)); }
+inline Float4 operator/(Float4 a, Float4 b) { return Float4(_mm_div_ps(a.v, b.v)); }
 inline Float4 min(Float4 a, Float4 b) { return Float4(_mm_min_ps(a.v, b.v)); }
 inline Float4 max(Float4 a, Float4 b) { return Float4(_mm_max_ps(a.v, b.v)); }
-/// Bit i is set where a[i] <= b[i].
+inline Float4 sqrt(Float4 a) { return Float4(_mm_sqrt_ps(a.v)); }
+/// Bit i is set where a[i] <= b[i]; not where either is NaN.
 inline int lessEqualMask(Float4 a, Float4 b) { return _mm_movemask_ps(_mm_cmple_ps(a.v, b.v)); }
+inline int lessMask(Float4 a, Float4 b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)); }
+/// Lane i of `yes` where a[i] <= b[i], else of `no`.
+inline Float4 selectLessEqual(Float4 a, Float4 b, Float4 yes, Float4 no) {
+  const __m128 mask = _mm_cmple_ps(a.v, b.v);
+  return Float4(_mm_or_ps(_mm_and_ps(mask, yes.v), _mm_andnot_ps(mask, no.v)));
+}
 #else
 struct Float4 {
   float v[4];
@@ -54,17 +66,73 @@ inline Float4 operator-(Float4 a, Float4 b) {
 inline Float4 operator*(Float4 a, Float4 b) {
   return forEach(a, b, [](float x, float y) { return x * y; });
 }
+inline Float4 operator/(Float4 a, Float4 b) {
+  return forEach(a, b, [](float x, float y) { return x / y; });
+}
 inline Float4 min(Float4 a, Float4 b) {
   return forEach(a, b, [](float x, float y) { return x < y ? x : y; });
 }
 inline Float4 max(Float4 a, Float4 b) {
   return forEach(a, b, [](float x, float y) { return x > y ? x : y; });
 }
+inline Float4 sqrt(Float4 a) {
+  return forEach(a, a, [](float x, float) { return std::sqrt(x); });
+}
 inline int lessEqualMask(Float4 a, Float4 b) {
   int mask = 0;
   for (int i = 0; i < 4; ++i) mask |= (a.v[i] <= b.v[i] ? 1 : 0) << i;
   return mask;
 }
+inline int lessMask(Float4 a, Float4 b) {
+  int mask = 0;
+  for (int i = 0; i < 4; ++i) mask |= (a.v[i] < b.v[i] ? 1 : 0) << i;
+  return mask;
+}
+inline Float4 selectLessEqual(Float4 a, Float4 b, Float4 yes, Float4 no) {
+  Float4 r;
+  for (int i = 0; i < 4; ++i) r.v[i] = a.v[i] <= b.v[i] ? yes.v[i] : no.v[i];
+  return r;
+}
 #endif
+
+/// Four vectors side by side.
+struct Vec4 {
+  Float4 x, y, z;
+};
+inline Vec4 operator+(const Vec4& a, const Vec4& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+inline Vec4 operator-(const Vec4& a, const Vec4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+inline Vec4 operator*(const Vec4& a, Float4 s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Float4 dot(const Vec4& a, const Vec4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Vec4 cross(const Vec4& a, const Vec4& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+inline Vec4 selectLessEqual(Float4 a, Float4 b, const Vec4& yes, const Vec4& no) {
+  return {selectLessEqual(a, b, yes.x, no.x), selectLessEqual(a, b, yes.y, no.y),
+          selectLessEqual(a, b, yes.z, no.z)};
+}
+
+/// Four points relative to `origin`: the differences are taken in double, then rounded.
+inline Vec4 gatherRelative(const glm::dvec3* const points[4], const glm::dvec3& origin) {
+#if defined(__SSE2__)
+  const __m128d oxy = _mm_loadu_pd(&origin.x);
+  const __m128d oz = _mm_load_sd(&origin.z);
+  __m128 row[4];
+  for (int i = 0; i < 4; ++i) {
+    const __m128 xy = _mm_cvtpd_ps(_mm_sub_pd(_mm_loadu_pd(&points[i]->x), oxy));
+    const __m128 z = _mm_cvtpd_ps(_mm_sub_sd(_mm_load_sd(&points[i]->z), oz));
+    row[i] = _mm_movelh_ps(xy, z);
+  }
+  _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+  return {Float4(row[0]), Float4(row[1]), Float4(row[2])};
+#else
+  Vec4 r;
+  for (int i = 0; i < 4; ++i) {
+    r.x.v[i] = static_cast<float>(points[i]->x - origin.x);
+    r.y.v[i] = static_cast<float>(points[i]->y - origin.y);
+    r.z.v[i] = static_cast<float>(points[i]->z - origin.z);
+  }
+  return r;
+#endif
+}
 
 }  // namespace tandem::haptics

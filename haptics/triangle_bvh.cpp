@@ -9,6 +9,7 @@
 #include "assets/assert.h"
 #include "haptics/bvh_build.h"
 #include "haptics/simd4.h"
+#include "haptics/triangle_filter.h"
 
 namespace tandem::haptics {
 namespace {
@@ -104,6 +105,44 @@ class Slabs {
   Float4 origin_[3], inverse_[3], inflate_;
 };
 
+/// A moving ball as four-wide tests against boxes see it: the slabs of the inflated box, and the rounded
+/// box's tangent plane at the point nearest to the start. The distance to a box is a convex function of time,
+/// so it stays above its tangent. Slabs are tight for a ball smaller than the box, the tangent for a larger
+/// one.
+class MovingBall {
+ public:
+  MovingBall(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
+      : slabs_(origin, motion, radius, largest), reach_(roundUp(radius + largest * 0x1p-20)) {
+    for (int axis = 0; axis < 3; ++axis) {
+      origin_[axis] = Float4(static_cast<float>(origin[axis]));
+      motion_[axis] = Float4(static_cast<float>(motion[axis]));
+    }
+  }
+
+  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
+    const int mask = slabs_.enter(node, latest, bounds);
+    if (mask == 0) return 0;
+    Float4 square, nearing;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 d = max(Float4::load(node.low[axis]) - origin_[axis], Float4()) -
+                       max(origin_[axis] - Float4::load(node.high[axis]), Float4());
+      square = square + d * d;
+      nearing = nearing + d * motion_[axis];
+    }
+    // distance - t * nearing / distance <= reach, times distance; where the start is within reach, t = 0.
+    const Float4 distance = sqrt(square), way = square - reach_ * distance;
+    Float4 t = way / max(nearing, Float4(1e-37f)) * Float4(1.0f - 0x1p-18f);
+    t = selectLessEqual(way, Float4(), Float4(), t);
+    const int met = lessEqualMask(t, Float4(latest));
+    max(t, Float4::load(bounds)).store(bounds);
+    return mask & met;
+  }
+
+ private:
+  Slabs slabs_;
+  Float4 origin_[3], motion_[3], reach_;
+};
+
 /// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
 int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
   const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
@@ -165,6 +204,16 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   ASSERT(depth() <= kMaxDepth);
 }
 
+Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const {
+  const glm::dvec3* corners[3][4];
+  for (std::uint32_t i = 0; i < 4; ++i) {
+    const auto& t = mesh_->triangles[order_[first + std::min(i, count - 1)]];
+    for (std::size_t k = 0; k < 3; ++k) corners[k][i] = &mesh_->positions[t[k]];
+  }
+  return {gatherRelative(corners[0], origin), gatherRelative(corners[1], origin),
+          gatherRelative(corners[2], origin)};
+}
+
 bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
   if (empty()) return false;
   // The query point is an interval of two floats around the true one, so that a box's distance is never
@@ -177,7 +226,8 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
     pointHigh[axis] = Float4(roundUp(q[axis]));
   }
   double bestSquare = maxDistance * maxDistance;
-  float bound = roundUp(bestSquare);
+  float bound = roundUp(bestSquare), distanceBound = roundUp(maxDistance);
+  const Float4 rounding(roundUp(coordinateRounding(p)));
   bool found = false;
   Stack stack;
   Pending next{0, 0.0f};
@@ -198,8 +248,11 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       stack.pushOrdered(node.child, bounds, lessEqualMask(square, Float4(bound)));
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask;
-    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
+    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
+    const DistanceBound4 least = boundDistance(gather4(first, count, p), Vec4{});
+    const int far = lessMask(Float4(distanceBound) + rounding, least.distance - least.error);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if ((far >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
       const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
       const glm::dvec3 offset = p - closest.point;
@@ -209,6 +262,7 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       found = true;
       bestSquare = square;
       bound = roundUp(square);
+      distanceBound = roundUp(std::sqrt(square));
       nearest.triangle = index;
       nearest.point = closest.point;
       nearest.onFace = closest.onFace;
@@ -223,21 +277,29 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
   if (empty()) return false;
   const glm::dvec3 origin = from - centre_;
   const double largest = extent_ + radius + glm::length(origin) + glm::length(motion);
-  const Slabs slabs(origin, motion, radius + tolerance, largest);
+  const MovingBall ball(origin, motion, radius + tolerance, largest);
+  const Vec4 motion4{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
+                     Float4(static_cast<float>(motion.z))};
+  const Float4 reach(roundUp(radius + tolerance + coordinateRounding(from)));
   bool found = false;
   Stack stack;
   Pending next{0, 0.0f};
+  float latest = roundUp(hit.t * (1.0 + 0x1p-20));
   do {
-    if (static_cast<double>(next.bound) > hit.t * (1.0 + 0x1p-20)) continue;
+    if (next.bound > latest) continue;
     if ((next.child & kLeafBit) == 0) {
       const Node& node = nodes_[next.child];
       alignas(16) float bounds[4];
-      const int mask = slabs.enter(node, roundUp(hit.t * (1.0 + 0x1p-20)), bounds);
+      const int mask = ball.enter(node, latest, bounds);
       stack.pushOrdered(node.child, bounds, mask);
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask;
-    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
+    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
+    const DistanceBound4 bound = boundDistance(gather4(first, count, from), motion4);
+    const Float4 least = bound.distance + min(bound.slope * Float4(latest), Float4());
+    const int missed = lessMask(reach, least - bound.error);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      if ((missed >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
       BallHit candidate;
       candidate.t = hit.t;
@@ -249,6 +311,7 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
       found = true;
       static_cast<BallHit&>(hit) = candidate;
       hit.triangle = index;
+      latest = roundUp(hit.t * (1.0 + 0x1p-20));
     }
   } while (stack.pop(next));
   return found;

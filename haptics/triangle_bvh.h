@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "assets/scene.h"
+#include "haptics/triangle_filter.h"
 #include "haptics/triangle_math.h"
 
 namespace tandem::haptics {
@@ -90,6 +91,13 @@ class TriangleBvh {
  private:
   template <typename Visit>
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
+  /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
+  Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
+  /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
+  /// error.
+  double coordinateRounding(const glm::dvec3& p) const {
+    return 0x1p-48 * (glm::length(centre_) + extent_ + glm::length(p));
+  }
 
   const assets::Mesh* mesh_;
   glm::dvec3 centre_{0.0, 0.0, 0.0};
