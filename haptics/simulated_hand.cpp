@@ -77,6 +77,15 @@ void SimulatedHand::step(const HandTarget& target, const glm::dvec3& commandedFo
   readingVelocity_ = keep * readingVelocity_ + (1.0 - keep) / dt * (reading_ - last);
 }
 
+void SimulatedHand::stopAt(const glm::dvec3& position) {
+  const glm::dvec3 back = position - worldFromDevice_.position;
+  worldFromDevice_.position = position;
+  const double square = glm::dot(back, back);
+  if (square == 0.0) return;
+  const double outwards = glm::dot(deviceVelocity_, back);
+  if (outwards < 0.0) deviceVelocity_ -= back * (outwards / square);
+}
+
 DeviceSample SimulatedHand::sample(double now) const {
   DeviceSample sample;
   sample.worldFromDevice = {reading_, worldFromDevice_.orientation};

@@ -58,6 +58,10 @@ class SimulatedHand {
   /// which is clamped to forceMax; a force that is not finite counts as zero. dt > 0.
   void step(const HandTarget& target, const glm::dvec3& commandedForce, double dt);
 
+  /// Puts the device's tip back to where a mechanical stop holds it, m, and takes its speed away from there:
+  /// no bounce, so energy is only lost. The next step goes on from there.
+  void stopAt(const glm::dvec3& position);
+
   /// The device's reading: quantised position, velocity by a filtered difference of readings, as a driver has
   /// it.
   DeviceSample sample(double now) const;

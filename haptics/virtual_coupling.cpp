@@ -101,4 +101,11 @@ double stiffestStable(double deviceDamping, double period, double delay, double 
   return std::min(2.0 * deviceDamping / period, (deviceDamping + couplingDamping) / (0.5 * period + delay));
 }
 
+double stiffestContact(const DeviceLimits& device, double dt, double delay) {
+  if (!(device.maxForce > 0.0) || !(device.damping > 0.0) || !(dt > 0.0)) return 0.0;
+  // A device that reads more slowly than the loop runs holds each force for longer.
+  const double period = device.rate > 0.0 ? std::max(dt, 1.0 / device.rate) : dt;
+  return stiffestStable(device.damping, period, std::max(delay, 0.0), 0.0);
+}
+
 }  // namespace tandem::haptics

@@ -6,6 +6,7 @@
 #include <glm/vec3.hpp>
 
 #include "assets/pose.h"
+#include "haptics/device.h"
 
 namespace tandem::haptics {
 
@@ -48,5 +49,9 @@ Wrench stepCoupledBody(RigidBody& body, const Pose& bodyFromGrip, const Pose& wo
 ///                              2009, for B well below its own limit)
 /// with b the device's physical damping (N·s/m), B the coupling's, T the period and t_d the delay (s).
 double stiffestStable(double deviceDamping, double period, double delay, double couplingDamping);
+
+/// The same for a device as it describes itself, with no damping of the coupling's own: what a contact on it
+/// may be given by default, N/m. 0 for a device that drives nothing or has no damping of its own to draw on.
+double stiffestContact(const DeviceLimits& device, double dt, double delay);
 
 }  // namespace tandem::haptics

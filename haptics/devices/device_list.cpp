@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "haptics/devices/null_device.h"
+#include "haptics/devices/simulated_arm.h"
 #include "haptics/devices/simulated_device.h"
 #include "haptics/devices/spacemouse.h"
 #include "haptics/devices/udev_rule.h"
@@ -83,6 +84,7 @@ void explainAccess(const NodeAccess& access, DeviceReport& report) {
 std::vector<DeviceReport> listDevices(HidBus& bus) {
   std::vector<DeviceReport> reports{builtIn("Virtual stylus (mouse and keyboard)", "stylus"),
                                     builtIn("Simulated hand (scripts and tests)", "simulated"),
+                                    builtIn("Simulated desktop arm with joints and motors", "simulated-arm"),
                                     builtIn("No device (watch only)", "none")};
   for (const HidInfo& info : bus.enumerate()) {
     if (!isSpaceMouse(info)) continue;
@@ -104,12 +106,15 @@ Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& 
     device = std::make_unique<VirtualStylus>(worldFromStart);
   else if (name == "simulated")
     device = std::make_unique<SimulatedDevice>(worldFromStart);
+  else if (name == "simulated-arm")
+    device = std::make_unique<SimulatedArm>(worldFromStart);
   else if (name == "none")
     device = std::make_unique<NullDevice>();
   else if (name == "spacemouse")
     device = std::make_unique<SpaceMouse>(systemHidBus(), worldFromStart);
   else
-    return Error{"device '" + name + "' is not known: use stylus, simulated, none or spacemouse"};
+    return Error{"device '" + name +
+                 "' is not known: use stylus, simulated, simulated-arm, none or spacemouse"};
   if (Status opened = device->open(); !opened) {
     std::string why = opened.error().message;
     for (const DeviceReport& report : listDevices())

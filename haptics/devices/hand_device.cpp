@@ -55,10 +55,13 @@ DeviceSample HandDevice::poll(double now) {
   if (interval > 0.0) {
     const int steps = static_cast<int>(std::ceil(interval / kLongestStep));
     const double dt = interval / steps;
-    for (int i = 0; i < steps; ++i) hand_.step(nextTarget(dt), force_, dt);
+    for (int i = 0; i < steps; ++i) {
+      hand_.step(nextTarget(dt), actuated(force_, dt), dt);
+      afterStep(hand_, dt);
+    }
   }
   lastPoll_ = now;
-  DeviceSample sample = hand_.sample(now);
+  DeviceSample sample = reading(now);
   sample.buttons = pressedButtons();
   return sample;
 }

@@ -43,6 +43,12 @@ class HandDevice : public Device {
   /// The target for the next `dt` seconds; called for each step.
   virtual HandTarget nextTarget(double dt) = 0;
   virtual std::uint32_t pressedButtons() const = 0;
+  /// What the device's motors make of the force that was asked for, N, for the next `dt` seconds.
+  virtual glm::dvec3 actuated(const glm::dvec3& force, double) { return force; }
+  /// Called after each step of `dt` seconds: mechanical stops, readings of one's own.
+  virtual void afterStep(SimulatedHand&, double) {}
+  /// The reading that poll() hands out, without the buttons.
+  virtual DeviceSample reading(double now) const { return hand_.sample(now); }
 
  private:
   SimulatedDeviceParameters parameters_;

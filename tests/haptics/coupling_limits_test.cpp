@@ -37,6 +37,20 @@ TEST(StiffestStable, IsTheLesserOfQuantisedHoldAndDelay) {
   EXPECT_EQ(haptics::stiffestStable(0.0, 1e-3, 1e-3, 0.0), 0.0);
 }
 
+TEST(StiffestContact, OfADeviceFollowsItsDampingAndRate) {
+  haptics::DeviceLimits device;
+  device.maxForce = 3.3;
+  device.damping = 0.1;
+  EXPECT_DOUBLE_EQ(haptics::stiffestContact(device, 1e-3, 0.0), 200.0);
+  EXPECT_NEAR(haptics::stiffestContact(device, 1e-3, 1.5e-3), 50.0, 1e-9);
+  device.rate = 250.0;
+  EXPECT_DOUBLE_EQ(haptics::stiffestContact(device, 1e-3, 0.0), 50.0);
+  device.damping = 0.0;
+  EXPECT_EQ(haptics::stiffestContact(device, 1e-3, 0.0), 0.0);
+  device.damping = 0.1, device.maxForce = 0.0;
+  EXPECT_EQ(haptics::stiffestContact(device, 1e-3, 0.0), 0.0);
+}
+
 TEST(PlaneProjection, AgreesWithAlternatingProjectionsOnRandomPlanes) {
   std::mt19937 random(6);
   std::normal_distribution<double> n;
