@@ -2,16 +2,31 @@
 
 // From where the proxy is to the force of its contacts on the hand.
 
+#include <array>
+
 #include "haptics/contact_world.h"
 #include "haptics/proxy.h"
 #include "haptics/tick.h"
 
 namespace tandem::haptics {
 
-/// Force of the proxy's contacts on the hand, N, world axes, before any limit. Springs between proxy and
-/// device: each plane with its own stiffness and damping along its normal, and what is left (friction) with
-/// their mean. Damping sees the normal speed only and never pulls. Writes the contacts, of which those that
-/// press have a force, to `out`.
+/// Spring forces of up to three contacts, each along its own normal, N.
+struct NormalForces {
+  std::array<double, 3> along{};
+};
+
+/// Springs of several stiffnesses as the gradient of one potential. With independent unit normals n_i and
+/// depths lambda_i >= 0 (m; x - g = sum lambda_i n_i) and stiffnesses k_i (N/m):
+///     U(g) = 1/2 k |x - g|^2,   k = sum k_i lambda_i^2 / sum lambda_i^2,   F = -dU/dg = sum along_i n_i.
+/// k is homogeneous of degree 0 and does not change to first order as a contact begins (dk/dlambda_i = 0 at
+/// lambda_i = 0): F is continuous where contacts come and go. One contact: k_1 lambda_1; equal stiffnesses:
+/// k (x - g). The step between two faces that are nearly one plane is capped (kSteepest in the source).
+NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::array<double, 3>& depths,
+                          const std::array<double, 3>& stiffnesses, int count);
+
+/// Force of the proxy's contacts on the hand, N, world axes, before any limit: normalForces() less the
+/// damping of each contact (normal speed only, never pulling), and what lag is left (friction) with their
+/// mean stiffness. Writes the contacts to `out`.
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                         const TickParameters& parameters, TickOutput& out);
 

@@ -2,13 +2,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/geometric.hpp>
+
+#include "haptics/friction_scale.h"
+#include "haptics/surface_walk.h"
 
 namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxRounds = 24;
+constexpr int kMaxFrictionRounds = 5;
+constexpr double kConeError = 5e-4;  // of the friction ratio
+constexpr double kMaxRoll = 0.7;     // rad a round
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
 // force error of as little, yet above the noise of a direction measured over one skin.
 constexpr double kSameDirection = 1e-10;
@@ -27,8 +34,10 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     const glm::dvec3 offset = proxy.position - plane.surface.point;
     if (glm::length(offset) > radius + 2.0 * plane.skin) {
       changed = changed || presses(plane);
-      continue;
+      // What the walk says that lies ahead is worth a look before it is touched, once.
+      if (!plane.arriving) continue;
     }
+    plane.arriving = false;
     changed = changed || (presses(plane) && 1.0 - glm::dot(before, plane.surface.normal) > kSameDirection);
     proxy.planes[static_cast<std::size_t>(kept++)] = plane;
   }
@@ -86,6 +95,141 @@ double smallestSkin(const Proxy& proxy) {
   return skin;
 }
 
+bool touches(const Proxy& proxy) {
+  return std::any_of(proxy.planes.begin(), proxy.planes.begin() + proxy.planeCount, presses);
+}
+
+/// Moves along a straight way until a part stops it; true if none did.
+bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
+  WorldHit hit;
+  ++proxy.sweeps;
+  if (!world.sweep(proxy.position, way, radius, kNoPart, hit)) {
+    proxy.position += way;
+    return true;
+  }
+  proxy.position += way * hit.t;
+  refreshPlanes(world, radius, proxy);
+  addPlane(world, hit, proxy);
+  return false;
+}
+
+/// The edge a-b, or the corner a = b, of a plane's triangle that the contact lies on; world frame.
+struct Crease {
+  glm::dvec3 a, b;
+};
+
+Crease creaseUnder(const ContactWorld& world, const ProxyPlane& plane) {
+  const Pose& pose = world.pose(plane.surface.part);
+  const Triangle t = world.collider(plane.surface.part).tree->triangle(plane.surface.triangle);
+  const glm::dvec3 corners[3] = {transformPoint(pose, t.a), transformPoint(pose, t.b),
+                                 transformPoint(pose, t.c)};
+  const glm::dvec3& q = plane.surface.point;
+  Crease nearest{corners[0], corners[0]};
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % 3];
+    if (glm::length(q - a) <= plane.skin) return {a, a};
+    const glm::dvec3 along = b - a;
+    const double square = glm::dot(along, along);
+    if (!(square > 0.0)) continue;
+    const glm::dvec3 off = q - a - along * (glm::dot(q - a, along) / square);
+    if (glm::dot(off, off) < least) {
+      least = glm::dot(off, off);
+      nearest = {a, b};
+    }
+  }
+  return nearest;
+}
+
+/// How much of a way leads across a crease rather than along it, m.
+double wayOver(const Crease& crease, const glm::dvec3& way) {
+  const glm::dvec3 axis = crease.b - crease.a;
+  const double square = glm::dot(axis, axis);
+  return glm::length(square > 0.0 ? way - axis * (glm::dot(way, axis) / square) : way);
+}
+
+/// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
+/// goal: by at most kMaxRoll, along two tangents of the arc. False if it is there.
+bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const ProxyPlane& plane,
+                    Proxy& proxy) {
+  const Crease crease = creaseUnder(world, plane);
+  const glm::dvec3 axis = crease.b - crease.a;
+  const double square = glm::dot(axis, axis);
+  const double place = square > 0.0 ? glm::dot(goal - crease.a, axis) / square : 0.0;
+  const glm::dvec3 foot = crease.a + axis * std::clamp(place, 0.0, 1.0);
+  const glm::dvec3 normal = plane.surface.normal;
+  const glm::dvec3 out = goal - (crease.a + axis * place);
+  const double reach = radius + plane.skin, length = glm::length(out);
+  if (!(length > 0.0)) return false;
+  const double cosine = std::clamp(glm::dot(normal, out) / length, -1.0, 1.0);
+  const glm::dvec3 sideways = out / length - cosine * normal;
+  const double sine = glm::length(sideways);
+  const glm::dvec3 shift = foot - plane.surface.point;
+  const double angle = std::atan2(sine, cosine);
+  if (angle * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
+  // Exactly opposite: both ways are as good; the straight step decides.
+  if (!(sine > 0.0) && cosine < 0.0) return false;
+  const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
+  const double turn = std::min(angle, kMaxRoll), share = angle > 0.0 ? turn / angle : 1.0;
+  const auto over = [&](double part) {
+    const double t = part * turn;
+    return plane.surface.point + shift * (share * part) +
+           reach * (std::cos(t) * normal + std::sin(t) * tangent) / std::cos(t == turn ? 0.0 : t);
+  };
+  const glm::dvec3 end = over(1.0);
+  if (reach * turn * turn > plane.skin && !advance(world, over(0.5) - proxy.position, radius, proxy))
+    return true;
+  if (advance(world, end - proxy.position, radius, proxy)) refreshPlanes(world, radius, proxy);
+  return true;
+}
+
+/// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
+/// the contacts that stay on it arrive. True if the way was cut.
+bool keepToGround(const ContactWorld& world, double radius, Proxy& proxy, glm::dvec3& way, bool& onCrease) {
+  const double length = glm::length(way);
+  double share = 1.0;
+  std::array<SurfaceWalk, kMaxPlanes> walks;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
+    walk = walkSurface(world, plane.surface, way, plane.skin);
+    // On a crease already: over it by a few skins for a point, by no more than it can roll for a ball.
+    const double over = 3.0 * plane.skin / length;
+    if (walk.sharp || walk.share < over) {
+      onCrease = true;
+      const double leaves = wayOver(creaseUnder(world, plane), way);
+      walk.share = leaves > 0.0 ? (3.0 * plane.skin + 0.5 * radius) / leaves : 1.0;
+    } else if (walk.share < 1.0) {
+      walk.share += over;
+    }
+    share = std::min(share, walk.share);
+  }
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    const SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
+    if (!presses(plane) || walk.sharp || walk.share < 1.0 || share < 1.0) continue;
+    plane.arriving =
+        walk.arrival.triangle != plane.surface.triangle || walk.arrival.part != plane.surface.part;
+    plane.surface.part = walk.arrival.part;
+    plane.surface.triangle = walk.arrival.triangle;
+  }
+  if (share >= 1.0) return false;
+  way *= share;
+  return true;
+}
+
+const ProxyPlane* onlyPressing(const Proxy& proxy) {
+  const ProxyPlane* only = nullptr;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    if (only != nullptr) return nullptr;
+    only = &plane;
+  }
+  return only;
+}
+
 /// Friction reach of the pressing planes, m: the tangential lag that the normal depth can hold.
 double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
   double reach = 0.0;
@@ -93,67 +237,64 @@ double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding
     const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     if (!presses(plane)) continue;
     const assets::Material& m = world.material(plane.surface.part, plane.surface.triangle);
-    reach += plane.multiplier * (sliding ? m.dynamicFriction : std::max(m.staticFriction, m.dynamicFriction));
+    const double coefficient = sliding ? m.dynamicFriction : std::max(m.staticFriction, m.dynamicFriction);
+    if (coefficient > 0.0) reach += plane.multiplier * coefficient * frictionScale(world, plane.surface);
   }
   return reach;
+}
+
+/// slideProxy() from planes that are up to date.
+void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  for (int round = 0; round < kMaxRounds; ++round) {
+    glm::dvec3 way = wayToGoal(goal, radius, proxy);
+    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
+    bool onCrease = false;
+    const bool cut = touches(proxy) && keepToGround(world, radius, proxy, way, onCrease);
+    if (onCrease && radius > 0.0) {
+      const ProxyPlane* plane = onlyPressing(proxy);
+      if (plane != nullptr && rollOverCrease(world, goal, radius, ProxyPlane(*plane), proxy)) continue;
+    }
+    if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy) && !cut) return;
+  }
 }
 
 }  // namespace
 
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
-  for (int round = 0; round < kMaxRounds; ++round) {
-    const glm::dvec3 way = wayToGoal(goal, radius, proxy);
-    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
-    WorldHit hit;
-    if (world.sweep(proxy.position, way, radius, kNoPart, hit)) {
-      proxy.position += way * hit.t;
-      refreshPlanes(world, radius, proxy);
-      addPlane(world, hit, proxy);
-    } else {
-      proxy.position += way;
-      if (!refreshPlanes(world, radius, proxy)) return;
-    }
-  }
+  descend(world, goal, radius, proxy);
 }
 
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  const Proxy anchor = proxy;
-  slideProxy(world, goal, radius, proxy);
-  const bool wasTouching =
-      std::any_of(anchor.planes.begin(), anchor.planes.begin() + anchor.planeCount, presses);
-  const double slidingReach = frictionReach(world, proxy, true);
-  const double reach = anchor.sliding ? slidingReach : frictionReach(world, proxy, false);
-  if (!wasTouching || !(reach > 0.0)) {
+  proxy.sweeps = 0;
+  refreshPlanes(world, radius, proxy);
+  glm::dvec3 way = wayToGoal(goal, radius, proxy);
+  if (!touches(proxy)) {
+    // Friction begins where the tool lands.
+    proxy.sliding = false;
+    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
+    if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
+    way = wayToGoal(goal, radius, proxy);
+  }
+  const double hold = frictionReach(world, proxy, proxy.sliding);
+  if (hold > 0.0 && glm::length(way) <= hold) {
     proxy.sliding = false;
     return;
   }
-  const glm::dvec3 slip = proxy.position - anchor.position;
-  const double length = glm::length(slip);
-  const bool slides = length > reach;
-  const glm::dvec3 stop = slides ? anchor.position + slip * (1.0 - slidingReach / length) : anchor.position;
-  // The same depth under the place where friction holds the proxy: on a plane this ends exactly there, on a
-  // curved surface it ends on the surface.
-  const glm::dvec3 depth = goal - proxy.position;
-  const Proxy pressed = proxy;
-  if (slides) {
-    proxy = anchor;
-    slideProxy(world, stop + depth, radius, proxy);
-  } else {
-    proxy.position = anchor.position;
-    if (refreshPlanes(world, radius, proxy)) proxy = anchor;
-    for (int i = 0; i < proxy.planeCount; ++i) {
-      ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
-      plane.multiplier = 0.0;
-      for (int j = 0; j < pressed.planeCount; ++j) {
-        const ProxyPlane& other = pressed.planes[static_cast<std::size_t>(j)];
-        if (other.surface.part == plane.surface.part && other.surface.triangle == plane.surface.triangle) {
-          plane.multiplier = other.multiplier;
-        }
-      }
+  for (int round = 0; round < kMaxFrictionRounds; ++round) {
+    const double reach = frictionReach(world, proxy, true), lag = glm::length(way);
+    if (!(reach > 0.0) || !(lag > 0.0)) {
+      proxy.sliding = false;
+      return descend(world, goal, radius, proxy);
     }
+    // On a plane the cone is reached exactly; on a curved surface the depth changes on the way.
+    const double error = lag / reach - 1.0;
+    if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
+    descend(world, goal - way * (reach / lag), radius, proxy);
+    way = wayToGoal(goal, radius, proxy);
   }
-  proxy.sliding = slides;
+  proxy.sliding = true;
 }
 
 bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy) {

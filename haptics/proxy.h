@@ -28,6 +28,7 @@ struct ProxyPlane {
   SurfacePoint surface;     // distance: from the proxy, along the normal
   double skin = 0.0;        // m
   double multiplier = 0.0;  // m: how far this plane holds the proxy off the goal, along its normal
+  bool arriving = false;    // not touched yet: the ground that the proxy is being dragged onto
 };
 
 /// What the proxy remembers from tick to tick.
@@ -36,6 +37,7 @@ struct Proxy {
   std::array<ProxyPlane, kMaxPlanes> planes;
   int planeCount = 0;
   bool sliding = false;  // the friction cone was left, and not yet entered again
+  int sweeps = 0;        // of the last move: what it cost
 };
 
 /// Moves the proxy as near to the goal as the parts let it, without friction. Bounded work: at most 24
