@@ -4,6 +4,7 @@
 // same results.
 
 #include <cmath>
+#include <cstdint>
 
 #include <glm/vec3.hpp>
 
@@ -102,6 +103,9 @@ struct Vec4 {
 inline Vec4 operator+(const Vec4& a, const Vec4& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 inline Vec4 operator-(const Vec4& a, const Vec4& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
 inline Vec4 operator*(const Vec4& a, Float4 s) { return {a.x * s, a.y * s, a.z * s}; }
+inline Vec4 min(const Vec4& a, const Vec4& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
+inline Vec4 max(const Vec4& a, const Vec4& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
+inline Vec4 abs(const Vec4& a) { return max(a, Vec4{} - a); }
 inline Float4 dot(const Vec4& a, const Vec4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec4 cross(const Vec4& a, const Vec4& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -109,6 +113,18 @@ inline Vec4 cross(const Vec4& a, const Vec4& b) {
 inline Vec4 selectLessEqual(Float4 a, Float4 b, const Vec4& yes, const Vec4& no) {
   return {selectLessEqual(a, b, yes.x, no.x), selectLessEqual(a, b, yes.y, no.y),
           selectLessEqual(a, b, yes.z, no.z)};
+}
+
+/// Byte `index` (0 lowest) of four words, as signed numbers.
+inline Float4 signedBytes(const std::uint32_t* words, int index) {
+#if defined(__SSE2__)
+  const __m128i w = _mm_load_si128(reinterpret_cast<const __m128i*>(words));
+  return Float4(_mm_cvtepi32_ps(_mm_srai_epi32(_mm_slli_epi32(w, 24 - 8 * index), 24)));
+#else
+  Float4 r;
+  for (int i = 0; i < 4; ++i) r.v[i] = static_cast<std::int8_t>(words[i] >> (8 * index));
+  return r;
+#endif
 }
 
 /// Four points relative to `origin`: the differences are taken in double, then rounded.

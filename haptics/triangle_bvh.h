@@ -76,11 +76,16 @@ class TriangleBvh {
 
   /// Four child boxes side by side, m relative to the centre. A child is a node index, or a leaf: kLeafBit,
   /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild where there is
-  /// none.
+  /// none. `slab` says how flat a child is: a direction N of three signed bytes (x lowest), and in the top
+  /// byte h with
+  ///     N . (x - c) <= h / 128 * (|N_x|, |N_y|, |N_z|) . e      for all points x of its triangles; c, e the
+  ///     box's centre and
+  /// half extents; 0 where that would say nothing. See leaf_slab.h.
   struct alignas(64) Node {
     float low[3][4];
     float high[3][4];
     std::uint32_t child[4];
+    std::uint32_t slab[4];
   };
   static constexpr std::uint32_t kLeafBit = 0x80000000u;
   static constexpr std::uint32_t kEmptyChild = 0xffffffffu;
@@ -93,6 +98,8 @@ class TriangleBvh {
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
   /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
   Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
+  /// Fills Node::slab of nodes [begin, end), the last one first; of children outside that range with 0.
+  void fitSlabs(std::size_t begin, std::size_t end);
   /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
   /// error.
   double coordinateRounding(const glm::dvec3& p) const {

@@ -83,25 +83,67 @@ glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& t, const TriangleP
   return glm::dot(normal, offset) < 0.0 ? -normal / length : normal / length;
 }
 
+namespace {
+
+/// The gap between a moving ball and a triangle at one instant, and its rate: a convex function of t lies
+/// above every one of its tangents.
+struct Tangent {
+  double t = 0.0;
+  double gap = 0.0, slope = 0.0;  // m, m per motion
+  TrianglePoint closest;
+  glm::dvec3 normal{0.0, 0.0, 0.0};
+
+  double at(double when) const { return gap + slope * (when - t); }
+  /// Newton's next guess of when the gap closes; the slope must be negative.
+  double next() const { return t - gap / slope; }
+};
+
+Tangent tangentAt(double t, const glm::dvec3& from, const glm::dvec3& motion, double radius,
+                  const Triangle& triangle) {
+  const glm::dvec3 p = from + motion * t;
+  Tangent tangent;
+  tangent.t = t;
+  tangent.closest = closestPointOnTriangle(p, triangle);
+  tangent.normal = contactNormal(p, triangle, tangent.closest);
+  tangent.gap = glm::dot(p - tangent.closest.point, tangent.normal) - radius;
+  tangent.slope = glm::dot(motion, tangent.normal);
+  return tangent;
+}
+
+}  // namespace
+
 bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                const Triangle& triangle, BallHit& hit) {
-  // Quadratic convergence: six rounds are usual. Near a tangent the root is double and convergence only
-  // linear; stopping early there reports a contact before its time, which is the safe side.
+  // Usual: one round for a miss, three for a hit. What stops early reports a contact before its time, which
+  // is the safe side.
   constexpr int kMaxRounds = 40;
-  double t = 0.0;
+  const double clear = 0.5 * tolerance;
+  Tangent left = tangentAt(0.0, from, motion, radius, triangle), right;
+  bool bracketed = false;  // the gap is open at `right` and grows there: has it closed in between?
   for (int round = 0;; ++round) {
-    const glm::dvec3 p = from + motion * t;
-    const TrianglePoint closest = closestPointOnTriangle(p, triangle);
-    const glm::dvec3 normal = contactNormal(p, triangle, closest);
-    const double slope = glm::dot(motion, normal);
-    if (!(slope < 0.0)) return false;
-    const double gap = glm::dot(p - closest.point, normal) - radius;
-    if (gap <= tolerance || round == kMaxRounds) {
-      hit = {t, closest.point, normal, closest.onFace};
+    if (!(left.slope < 0.0)) return false;
+    if (left.gap <= tolerance || round >= kMaxRounds) {
+      hit = {left.t, left.closest.point, left.normal, left.closest.onFace};
       return true;
     }
-    t += gap / -slope;
-    if (t > hit.t) return false;
+    if (left.next() > hit.t) return false;
+    if (round == 0) {
+      right = tangentAt(1.0, from, motion, radius, triangle);
+      bracketed = right.gap > clear;
+      if (bracketed && right.slope <= 0.0) return false;
+    }
+    // A graze, such as a ball that slides along its neighbours' plane: Newton's iteration would creep towards
+    // a double root. Where the two tangents meet is the least that the gap can be, and where to look next.
+    while (bracketed) {
+      const double meet = (right.at(0.0) - left.at(0.0)) / (left.slope - right.slope);
+      if (!(left.at(meet) <= clear)) return false;
+      if (++round >= kMaxRounds || !(meet > left.t && meet < right.t)) break;
+      const Tangent middle = tangentAt(meet, from, motion, radius, triangle);
+      bracketed = middle.gap > clear;
+      if (bracketed) (middle.slope < 0.0 ? left : right) = middle;
+    }
+    if (left.next() > hit.t) return false;
+    left = tangentAt(left.next(), from, motion, radius, triangle);
   }
 }
 

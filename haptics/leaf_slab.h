@@ -1,0 +1,43 @@
+#pragma once
+
+// How flat a leaf of a BVH is, in four bytes: boxes of triangles that stand askew to the axes are thick, and
+// a ball that slides over a surface of small ones would meet hundreds. See TriangleBvh::Node::slab.
+
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "haptics/simd4.h"
+#include "haptics/triangle_math.h"
+
+namespace tandem::haptics {
+
+/// A box of a BVH, m; centre and extent in float, as queries compute them.
+struct FloatBox {
+  glm::vec3 low, high;
+  glm::vec3 centre() const { return (low + high) * 0.5f; }
+  glm::vec3 extent() const { return (high - low) * 0.5f; }
+};
+
+/// The slab of triangles whose box, relative to `origin`, is `box`; along their mean normal.
+std::uint32_t slabOfTriangles(std::span<const Triangle> triangles, const glm::dvec3& origin,
+                              const FloatBox& box);
+
+/// The slab of a node's four children, whose boxes and slabs are given (an empty child has low > high) and
+/// lie in `box`; `largest` is the largest coordinate, m.
+std::uint32_t slabOfNode(const Vec4& low, const Vec4& high, const std::uint32_t* slabs, float largest,
+                         const FloatBox& box);
+
+/// Four slabs: normal . (x - centre) <= offset.
+struct Slab4 {
+  Vec4 normal;  // not of unit length
+  Float4 offset;
+};
+
+inline Slab4 unpackSlabs(const std::uint32_t* slabs, const Vec4& extent) {
+  const Vec4 normal{signedBytes(slabs, 0), signedBytes(slabs, 1), signedBytes(slabs, 2)};
+  return {normal, signedBytes(slabs, 3) * Float4(1.0f / 128.0f) * dot(abs(normal), extent)};
+}
+
+}  // namespace tandem::haptics
