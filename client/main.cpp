@@ -24,6 +24,7 @@ int main(int argc, char** argv) {
   tandem::client::addSimulate(app, exitCode);
   tandem::client::addDevices(app, exitCode);
   tandem::client::addReplay(app, exitCode);
+  tandem::client::addReport(app, exitCode);
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& success) {

@@ -7,8 +7,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "assets/percentiles.h"
 #include "client/commands/command.h"
-#include "client/percentiles.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 

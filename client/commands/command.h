@@ -24,6 +24,7 @@ void addProbe(CLI::App& app, int& exitCode);
 void addSimulate(CLI::App& app, int& exitCode);
 void addDevices(CLI::App& app, int& exitCode);
 void addReplay(CLI::App& app, int& exitCode);
+void addReport(CLI::App& app, int& exitCode);
 
 /// Prints one line on stderr and returns kExitBadInput.
 int badInput(const Error& error);

@@ -7,10 +7,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "assets/percentiles.h"
 #include "client/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/device_path.h"
-#include "client/percentiles.h"
 #include "haptics/tick.h"
 
 namespace tandem::client {

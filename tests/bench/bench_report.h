@@ -4,7 +4,6 @@
 // machine. Timings are never a test's pass or fail on their own; a ratio to the yardstick says more than
 // microseconds on one machine.
 
-#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <fstream>
@@ -13,22 +12,12 @@
 #include <utility>
 #include <vector>
 
+#include "assets/percentiles.h"
+
 namespace tandem::bench {
 
-/// Nearest-rank percentiles, in the unit of the samples.
-struct Percentiles {
-  double p50 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
-};
-
-inline Percentiles percentiles(std::vector<double> samples) {
-  if (samples.empty()) return {};
-  std::sort(samples.begin(), samples.end());
-  const auto at = [&](double share) {
-    const auto rank = static_cast<std::size_t>(share * static_cast<double>(samples.size()));
-    return samples[std::min(rank, samples.size() - 1)];
-  };
-  return {at(0.5), at(0.99), at(0.999), samples.back()};
-}
+using tandem::Percentiles;
+using tandem::percentiles;
 
 /// Processor, cores and load, in one line: figures mean nothing without it.
 inline std::string machineLine() {

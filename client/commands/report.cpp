@@ -1,0 +1,118 @@
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+#include <memory>
+
+#include <CLI/CLI.hpp>
+
+#include "client/allocation_counter.h"
+#include "client/commands/command.h"
+#include "client/report/html.h"
+#include "client/report/peers.h"
+#include "client/report/report_json.h"
+#include "client/report/sweep.h"
+
+namespace tandem::client {
+namespace {
+
+struct Arguments {
+  std::string out = "report.html", json, peers;
+  std::vector<std::string> scenes;
+  bool quick = false, noPeers = false;
+};
+
+Status knownScenes(const std::vector<std::string>& scenes) {
+  const std::vector<report::ExperimentInfo> all = report::allExperiments();
+  for (const std::string& scene : scenes) {
+    if (std::any_of(all.begin(), all.end(), [&](const report::ExperimentInfo& i) { return i.id == scene; }))
+      continue;
+    std::string names;
+    for (const report::ExperimentInfo& info : all) names += " " + info.id;
+    return Error{"--scenes " + scene + ": there is no such scene; there are:" + names};
+  }
+  return {};
+}
+
+std::uint64_t allocationsOf(const report::SweepResult& result) {
+  std::uint64_t count = 0;
+  for (const report::ExperimentResult& e : result.experiments)
+    for (const report::Measurement& m : e.settings) count += m.allocations;
+  return count;
+}
+
+void printSummary(const report::SweepResult& result) {
+  std::printf("%-44s %9s %9s %11s %9s\n", "Tandem", "p50 us", "p99 us", "error p99 N", "build ms");
+  for (const report::ExperimentResult& e : result.experiments)
+    for (const report::Measurement& m : e.settings)
+      if (m.setting == "tandem")
+        std::printf("%-44s %9.2f %9.2f %11.2e %9.1f\n", e.info.title.c_str(), m.cost.p50, m.cost.p99,
+                    m.error.p99, m.build_ms);
+}
+
+int run(const Arguments& arguments) {
+  for (const std::string& out : {arguments.out, arguments.json})
+    if (Status free = writable(out); !free) return badInput(free.error());
+  if (Status known = knownScenes(arguments.scenes); !known) return badInput(known.error());
+  std::string peers = arguments.noPeers ? "" : arguments.peers;
+  if (!peers.empty() && ::access(peers.c_str(), X_OK) != 0)
+    return badInput({"--peers " + peers + ": is not a program that can be run"});
+  if (peers.empty() && !arguments.noPeers) peers = report::peersProgramBesideThis();
+
+  report::SweepOptions options;
+  options.quick = arguments.quick;
+  options.only = arguments.scenes;
+  options.allocations = &allocationsOfThisThread;
+  options.progress = [](std::size_t done, std::size_t all, const report::ExperimentInfo& info) {
+    std::fprintf(stderr, "%2zu of %zu: %s\n", done + 1, all, info.title.c_str());
+  };
+  report::SweepResult result = report::sweep(options);
+  if (!peers.empty()) {
+    std::fprintf(stderr, "peers: %s\n", peers.c_str());
+    Result<report::SweepResult> measured = report::measurePeers(peers, options);
+    if (!measured) {
+      std::fprintf(stderr, "tandem: %s\n", measured.error().message.c_str());
+      return kExitFailed;
+    }
+    report::mergePeers(*measured, result);
+  }
+  const std::string json = report::toJson(result);
+  if (!arguments.json.empty())
+    if (Status written = writeFile(arguments.json, json); !written) return badInput(written.error());
+  if (Status written = writeFile(arguments.out, report::htmlPage(result, json)); !written)
+    return badInput(written.error());
+  printSummary(result);
+  std::fprintf(stderr, "written: %s\n", arguments.out.c_str());
+  if (allocationsOf(result) == 0) return kExitDone;
+  std::fprintf(stderr, "tandem: a tick used the heap\n");
+  return kExitFailed;
+}
+
+}  // namespace
+
+void addReport(CLI::App& app, int& exitCode) {
+  auto arguments = std::make_shared<Arguments>();
+  CLI::App* command = app.add_subcommand(
+      "report",
+      "Measure cost and error of the haptic tick on scenes with exact answers; write them as one page");
+  command->add_option("--out", arguments->out, "The page: HTML that needs no other file")
+      ->capture_default_str();
+  command->add_option("--json", arguments->json, "Write the figures to this file too");
+  command->add_option("--scenes", arguments->scenes,
+                      "Only these scenes, by id (sphere-1k, gear-100k, plane, ...)");
+  command->add_option("--peers", arguments->peers,
+                      "Program that measures other libraries on the same scenes; else bench_peers beside "
+                      "this one, if it is there");
+  command->add_flag("--no-peers", arguments->noPeers, "Measure no other libraries");
+  command->add_flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
+  std::string scenes;
+  for (const report::ExperimentInfo& info : report::allExperiments()) scenes += " " + info.id;
+  command->footer("Scenes:" + scenes +
+                  "\nExit code 1: a tick used the heap, or the peers' program failed.\n"
+                  "Figures mean little on a busy machine: let nothing else run.\n"
+                  "Example: tandem report --quick --out report.html --json report.json");
+  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,333 @@
+#include "client/report/html.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+
+#include "client/report/svg_plot.h"
+
+namespace tandem::client::report {
+namespace {
+
+const char* const kStyle = R"(<style>
+:root{color-scheme:light}
+body{margin:0;background:#fafbfc;color:#26313c;font:16px/1.55 system-ui,"DejaVu Sans",sans-serif}
+main{max-width:960px;margin:0 auto;padding:40px 24px 80px}
+h1{font-size:30px;line-height:1.2;margin:0 0 6px;font-weight:650}
+h2{font-size:21px;margin:52px 0 8px;font-weight:650}
+h3{font-size:15px;margin:26px 0 6px;font-weight:600}
+p{margin:8px 0;max-width:74ch}
+.quiet{color:#6b7785;font-size:14px}
+figure{margin:16px 0 6px;padding:16px;background:#fff;border:1px solid #e3e8ed;border-radius:8px}
+svg{display:block;width:100%;height:auto}
+.wide{overflow-x:auto}
+table{border-collapse:collapse;width:100%;font-size:13.5px;font-variant-numeric:tabular-nums;background:#fff}
+th,td{padding:5px 9px;border-bottom:1px solid #e8ecf0;text-align:right;white-space:nowrap}
+th{font-weight:600;color:#55616e;vertical-align:bottom}
+th:first-child,td:first-child{text-align:left;white-space:normal}
+tr.tandem td:first-child{font-weight:600}
+.met{color:#1f7a4d}.missed{color:#b3261e;font-weight:600}
+details{margin:8px 0}summary{cursor:pointer;color:#2b5f8a}
+</style>
+)";
+
+std::string number(double value, int digits = 3) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
+/// A force with the prefix that fits it.
+std::string newtons(double value) {
+  if (value >= 1.0) return number(value) + " N";
+  if (value >= 1e-3) return number(1e3 * value) + " mN";
+  if (value >= 1e-6) return number(1e6 * value) + " µN";
+  return value > 0.0 ? number(1e9 * value, 2) + " nN" : "0";
+}
+
+std::string percent(double share) {
+  if (share <= 0.0) return "0";
+  if (share >= 1e-5) return number(100.0 * share) + " %";
+  return number(1e6 * share, 2) + " ppm";
+}
+
+std::string microseconds(double us) { return number(us) + " µs"; }
+
+Look lookOf(const Measurement& m) {
+  static const std::map<std::string, Look> kLooks = {
+      {"tandem", {"", "#0b6e99", Marker::circle, false}},
+      {"shading", {"", "#3d5a99", Marker::circle, false}},
+      {"no-memory", {"", "#69b3d3", Marker::circle, false}},
+      {"float-data", {"", "#0b6e99", Marker::circle, true}},
+      {"three-planes-double", {"", "#c9730b", Marker::square, false}},
+      {"three-planes-float", {"", "#c9730b", Marker::square, true}},
+      {"one-plane-double", {"", "#ab3545", Marker::square, false}},
+      {"one-plane-float", {"", "#ab3545", Marker::square, true}},
+      {"embree", {"", "#6a4c93", Marker::diamond, false}},
+      {"fcl", {"", "#4f7d3a", Marker::diamond, false}}};
+  const auto known = kLooks.find(m.setting);
+  Look look = known != kLooks.end() ? known->second : Look{"", "#6b7785", Marker::diamond, true};
+  look.name = m.name;
+  return look;
+}
+
+/// What tells an experiment from the others of its family: "10k", "all moving", "3 mm ball".
+std::string sizeOf(const ExperimentInfo& info) {
+  const std::size_t comma = info.title.find(", ");
+  const std::string rest = comma == std::string::npos ? info.title : info.title.substr(comma + 2);
+  return rest.substr(0, rest.find(" triangles"));
+}
+
+std::string tooltip(const ExperimentResult& e, const Measurement& m) {
+  return m.name + " on " + e.info.title + ": " + microseconds(m.cost.p50) + " p50, " +
+         microseconds(m.cost.p99) + " p99; error " + newtons(m.error.p99) + " p99";
+}
+
+/// Cost against error of a family: a series a setting, a point an experiment.
+std::string scatterOf(const std::vector<const ExperimentResult*>& family) {
+  ScatterPlot plot;
+  plot.xLabel = "cost of a tick, 99th percentile, µs";
+  plot.yLabel = "error of the force, 99th percentile, N";
+  for (const ExperimentResult* e : family) {
+    for (const Measurement& m : e->settings) {
+      auto series = std::find_if(plot.series.begin(), plot.series.end(),
+                                 [&](const PlotSeries& s) { return s.look.name == m.name; });
+      if (series == plot.series.end()) series = plot.series.insert(series, PlotSeries{lookOf(m), {}});
+      const bool labelled = family.size() > 1 && m.setting == "tandem";
+      series->points.push_back({m.cost.p99, m.error.p99, labelled ? sizeOf(e->info) : "", tooltip(*e, m)});
+    }
+  }
+  return "<figure>" + scatterSvg(plot) + "</figure>\n";
+}
+
+std::string tableOf(const ExperimentResult& e) {
+  std::string html =
+      "<h3>" + escaped(e.info.title) +
+      "</h3>\n<div class=\"wide\"><table><thead><tr><th>method</th>"
+      "<th>cost p50</th><th>p99</th><th>error rms</th><th>p99</th><th>largest</th><th>p99, of the force</th>"
+      "<th>largest step<br>(ideal " +
+      newtons(e.settings.empty() ? 0.0 : e.settings[0].step.ideal) +
+      ")</th><th>heap use</th><th>build, ms</th></tr></thead><tbody>\n";
+  for (const Measurement& m : e.settings) {
+    html += std::string("<tr class=\"") + (m.kind == Kind::tandem ? "tandem" : "other") + "\"><td>" +
+            escaped(m.name) + "</td>";
+    for (const std::string& cell :
+         {microseconds(m.cost.p50), microseconds(m.cost.p99), newtons(m.error.rms), newtons(m.error.p99),
+          newtons(m.error.max), percent(m.error.relativeP99), newtons(m.step.measured),
+          m.allocationsCounted ? std::to_string(m.allocations) : std::string("–"), number(m.build_ms)})
+      html += "<td>" + cell + "</td>";
+    html += "</tr>\n";
+  }
+  html += "</tbody></table></div>\n";
+  if (e.facetError > 0.0)
+    html += "<p class=\"quiet\">Facets alone may cost up to " + newtons(e.facetError) +
+            " here: the mesh is not the sphere that it stands for.</p>\n";
+  return html;
+}
+
+std::string rangesOf(const SweepResult& result) {
+  RangePlot plot;
+  plot.xLabel = "cost of a tick from the median (dot) to the 99th percentile, µs";
+  for (const ExperimentResult& e : result.experiments) {
+    RangeRow row{e.info.title, {}};
+    for (const Measurement& m : e.settings)
+      row.marks.push_back({lookOf(m), m.cost.p50, m.cost.p99, tooltip(e, m)});
+    plot.rows.push_back(std::move(row));
+  }
+  return "<figure>" + rangeSvg(plot) + "</figure>\n";
+}
+
+std::string buildBars(const SweepResult& result) {
+  std::vector<Bar> bars;
+  std::size_t most = 0;
+  for (const ExperimentResult& e : result.experiments) most = std::max(most, e.triangles);
+  for (const ExperimentResult& e : result.experiments) {
+    if (e.triangles * 10 < most || e.parts > 1) continue;
+    for (const Measurement& m : e.settings) {
+      if (m.setting != "tandem" && m.setting != "three-planes-double" && m.kind != Kind::peer) continue;
+      const std::string who = m.kind == Kind::tandem ? "Tandem"
+                              : m.kind == Kind::peer ? m.setting
+                                                     : "baseline";
+      bars.push_back({e.info.id + ", " + who, number(m.build_ms) + " ms", m.build_ms, lookOf(m).colour});
+    }
+  }
+  return bars.empty() ? "" : "<figure>" + barsSvg(bars) + "</figure>\n";
+}
+
+std::string boundsTable(const SweepResult& result) {
+  const std::vector<Bound> bounds = boundsOf(result);
+  if (bounds.empty()) return "";
+  std::string html =
+      "<h2>Bounds</h2>\n<p>What the project has set itself, against this run.</p>\n<div "
+      "class=\"wide\"><table>"
+      "<thead><tr><th>figure</th><th>measured</th><th>at most</th><th></th></tr></thead><tbody>\n";
+  for (const Bound& b : bounds)
+    html += "<tr><td>" + escaped(b.name) + "</td><td>" + number(b.measured) + " " + b.unit + "</td><td>" +
+            number(b.target) + " " + b.unit + "</td><td class=\"" +
+            (b.met() ? "met\">met" : "missed\">not met") + "</td></tr>\n";
+  return html + "</tbody></table></div>\n";
+}
+
+/// What a family's plot shows, for a reader who has not seen the code.
+std::string explanation(const std::string& family) {
+  static const std::map<std::string, std::string> kTexts = {
+      {"sphere",
+       "A mesh is not a sphere: its facets lie under it and are tilted. Every method that follows the facets "
+       "pays for them, "
+       "and more triangles make the error smaller along the line. What a method adds of its own shows as "
+       "distance from "
+       "Tandem's line."},
+      {"sphere-far",
+       "The same part ten metres from the origin of the scene. Single precision resolves 1 µm there; what is "
+       "computed or "
+       "stored in it can be no better."},
+      {"gear",
+       "The walls are flat, so the mesh is exact at every number of triangles, and the answer of an ideal "
+       "god object is known "
+       "in closed form. An error here is the method's own. At the sharp corners of a tooth an ideal proxy "
+       "snaps from one face "
+       "to the next; a proxy that comes a tick late or goes another way is wrong by newtons for that long."},
+      {"plane",
+       "The simplest scene there is. A proxy that takes one plane a tick stands still every second tick "
+       "while the hand moves "
+       "on: a buzz of 500 Hz whose strength grows with speed."},
+      {"groove", "Two walls hold the tool at once. The exact answer is the nearest point of a wedge."},
+      {"parts",
+       "Ten thousand parts, and joints between them that must not be felt. Where all parts move, each tick "
+       "is told 10,000 "
+       "new poses. The baselines know still parts only."},
+      {"fine",
+       "A million triangles on a small sphere: edges of 40 µm under a ball of up to 3 mm, which touches "
+       "thousands of them."}};
+  const auto found = kTexts.find(family);
+  return found != kTexts.end() ? found->second : "";
+}
+
+std::string familySection(const SweepResult& result, const std::string& family) {
+  std::vector<const ExperimentResult*> members;
+  for (const ExperimentResult& e : result.experiments)
+    if (e.info.family == family) members.push_back(&e);
+  const ExperimentInfo& first = members.front()->info;
+  const std::string heading =
+      members.size() > 1 ? first.title.substr(0, first.title.find(", ")) : first.title;
+  std::string html = "<h2>" + escaped(heading) + "</h2>\n<p>" + escaped(first.about) + " " +
+                     escaped(explanation(family)) + "</p>\n";
+  html += scatterOf(members) + "<details><summary>All figures</summary>\n";
+  for (const ExperimentResult* e : members) html += tableOf(*e);
+  return html + "</details>\n";
+}
+
+std::string introduction(const SweepResult& result) {
+  std::string html =
+      "<h1>Speed against error</h1>\n<p class=\"quiet\">" + escaped(result.machine) +
+      (result.quick ? "; quick run" : "") +
+      "</p>\n<p>A haptic tick turns the position of a hand into a force, a thousand times a second. Here "
+      "every method follows "
+      "the same scripted hand over the same scenes, and each force is compared with the exact one: 1000 N/m "
+      "times the way "
+      "from the hand to where an ideal god object would be. <b>Left is faster, down is more exact.</b> Both "
+      "axes are "
+      "logarithmic.</p>\n<p>A tick gives the same bits each time, so its cost is taken as the least of "
+      "several runs of the "
+      "whole path; that leaves out what other programs on the machine took. The baselines are a textbook "
+      "proxy written for "
+      "this comparison: segments against triangles under a plain tree, planes one after another. ";
+  if (result.peers.empty()) {
+    html += "Peers were not measured in this run: the program that measures them was not there.</p>\n";
+  } else {
+    html += "Peers, measured in the same run: ";
+    for (std::size_t i = 0; i < result.peers.size(); ++i)
+      html += (i > 0 ? ", " : "") + escaped(result.peers[i]);
+    html +=
+        ". They answer which surface point is nearest; the force is then a spring to that point, with no "
+        "memory of the "
+        "side that the hand came from.</p>\n";
+  }
+  return html;
+}
+
+/// JSON with no "<" in it, which could end the script element that holds it. It stands in strings only, and
+/// may be written as a code there.
+std::string scriptData(const std::string& json) {
+  std::string out;
+  for (const char c : json) {
+    if (c == '<')
+      out += "\\u003c";
+    else
+      out += c;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<Bound> boundsOf(const SweepResult& result) {
+  std::vector<Bound> bounds;
+  double steps = 0.0, allocations = 0.0, gear = 0.0;
+  bool counted = false, gears = false, exactSteps = false;
+  for (const ExperimentResult& e : result.experiments) {
+    for (const Measurement& m : e.settings) {
+      if (m.kind == Kind::tandem && m.allocationsCounted) {
+        counted = true;
+        allocations += static_cast<double>(m.allocations);
+      }
+      if (m.setting != "tandem") continue;
+      if (!(e.facetError > 0.0) && m.step.ideal > 0.0) {
+        exactSteps = true;
+        steps = std::max(steps, m.step.measured / m.step.ideal);
+      }
+      if (e.info.family == "gear") {
+        gears = true;
+        gear = std::max(gear, m.error.relativeP99);
+      }
+      const auto cost = [&](const char* id, double p50, double p99) {
+        if (e.info.id != id) return;
+        if (p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, p50});
+        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, p99});
+      };
+      cost("gear-1m", 2.0, 6.0);
+      cost("fine-ball3-1m", 0.0, 30.0);
+      cost("parts-still", 0.0, 5.0);
+      cost("parts-moving", 0.0, 20.0);
+      if (e.info.id == "gear-1m") bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, 150.0});
+    }
+  }
+  if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
+  if (exactSteps)
+    bounds.push_back({"flat surfaces: change of force a tick against the ideal", "x", steps, 1.05});
+  if (counted) bounds.push_back({"heap allocations in Tandem's ticks", "", allocations, 0.0});
+  return bounds;
+}
+
+std::string htmlPage(const SweepResult& result, const std::string& json) {
+  std::string html =
+      "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<title>Tandem: speed against error</title>\n";
+  html += kStyle + std::string("</head>\n<body>\n<main>\n") + introduction(result) + boundsTable(result);
+  html +=
+      "<h2>Cost of a tick</h2>\n<p>Every experiment and every method. A millisecond is all there is.</p>\n" +
+      rangesOf(result);
+  std::vector<std::string> done;
+  for (const ExperimentResult& e : result.experiments) {
+    if (std::find(done.begin(), done.end(), e.info.family) != done.end()) continue;
+    done.push_back(e.info.family);
+    html += familySection(result, e.info.family);
+  }
+  const std::string bars = buildBars(result);
+  if (!bars.empty())
+    html +=
+        "<h2>Preparing a mesh</h2>\n<p>Time to build what each method searches, once, when a scene is "
+        "loaded. Tandem builds "
+        "on all cores.</p>\n" +
+        bars;
+  html +=
+      "<h2>Data</h2>\n<p class=\"quiet\">The figures behind the plots stand in this page as JSON, in the "
+      "element with the id "
+      "<code>data</code>.</p>\n</main>\n<script type=\"application/json\" id=\"data\">\n" +
+      scriptData(json) + "</script>\n</body>\n</html>\n";
+  return html;
+}
+
+}  // namespace tandem::client::report

@@ -1,0 +1,24 @@
+#pragma once
+
+// The report as one HTML page that needs nothing else: style, pictures and data are inside.
+
+#include <string>
+
+#include "client/report/sweep.h"
+
+namespace tandem::client::report {
+
+/// A figure that the project has promised, and what was measured.
+struct Bound {
+  std::string name, unit;
+  double measured = 0.0, target = 0.0;
+  bool met() const { return measured <= target; }
+};
+
+/// The bounds that this run can judge; those whose experiments were left out are not listed.
+std::vector<Bound> boundsOf(const SweepResult& result);
+
+/// The whole page. `json` is what toJson() gave; it is embedded as data.
+std::string htmlPage(const SweepResult& result, const std::string& json);
+
+}  // namespace tandem::client::report

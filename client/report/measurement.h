@@ -1,0 +1,58 @@
+#pragma once
+
+// What one method gave in one experiment, and how it is judged.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "client/report/experiment.h"
+
+namespace tandem::client::report {
+
+/// Microseconds a tick. A tick gives the same bits every time, so each tick's cost is the least of several
+/// runs: what other programs took is left out. `p99Single` is the 99th percentile of the first run alone.
+struct Cost {
+  double p50 = 0.0, p99 = 0.0, max = 0.0, p99Single = 0.0;
+};
+
+/// Distance of the force from the exact one.
+struct ForceError {
+  double rms = 0.0, p99 = 0.0, max = 0.0;                          // N
+  double relativeRms = 0.0, relativeP99 = 0.0, relativeMax = 0.0;  // share of the exact force of that tick
+};
+
+/// The largest change of force from one tick to the next, N.
+struct ForceStep {
+  double measured = 0.0, ideal = 0.0;
+  double excess = 0.0;  // largest difference between the two changes of one tick
+};
+
+enum class Kind { tandem, baseline, peer };
+
+/// One point of a plot.
+struct Measurement {
+  std::string setting;  // stable id: "tandem", "one-plane", "embree", ...
+  std::string name;     // for people
+  Kind kind = Kind::tandem;
+  Cost cost;
+  ForceError error;
+  ForceStep step;
+  std::uint64_t allocations = 0;  // in all ticks
+  bool allocationsCounted = false;
+  double build_ms = 0.0;  // of the tree, or what the method needs in its place
+};
+
+/// One run of a method over a path: what it took and gave.
+struct Samples {
+  std::vector<double> us;         // one a tick
+  std::vector<glm::dvec3> force;  // one a tick, N
+};
+
+/// Judges the forces of the first run and the least cost of all runs. Every run must have path.size()
+/// entries.
+void judge(const Experiment& experiment, const std::vector<Samples>& runs, Measurement& out);
+
+}  // namespace tandem::client::report

@@ -1,0 +1,243 @@
+#include "client/report/svg_plot.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+
+namespace tandem::client::report {
+namespace {
+
+constexpr double kWidth = 900.0;
+constexpr const char* kInk = "#33404d";
+constexpr const char* kQuiet = "#6b7785";
+constexpr const char* kGrid = "#e3e8ed";
+
+__attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ...) {
+  char text[640];
+  va_list arguments;
+  va_start(arguments, pattern);
+  const int length = std::vsnprintf(text, sizeof text, pattern, arguments);
+  va_end(arguments);
+  return std::string(text,
+                     static_cast<std::size_t>(std::clamp(length, 0, static_cast<int>(sizeof text) - 1)));
+}
+
+std::string textAt(double x, double y, const char* anchor, const char* colour, double size,
+                   const std::string& text) {
+  return format(R"(<text x="%.1f" y="%.1f" text-anchor="%s" fill="%s" font-size="%.0f">)", x, y, anchor,
+                colour, size) +
+         escaped(text) + "</text>\n";
+}
+
+std::string lineFrom(double x0, double y0, double x1, double y1, const std::string& colour, double width) {
+  return format(R"(<line x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f" stroke="%s" stroke-width="%.1f"/>)", x0, y0,
+                x1, y1, colour.c_str(), width) +
+         "\n";
+}
+
+std::string markerAt(double x, double y, const Look& look, const std::string& tooltip) {
+  const std::string style = format(R"(fill="%s" stroke="%s" stroke-width="1.8")",
+                                   look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str());
+  std::string shape;
+  if (look.marker == Marker::circle)
+    shape = format(R"(<circle cx="%.1f" cy="%.1f" r="5" %s>)", x, y, style.c_str());
+  if (look.marker == Marker::square)
+    shape = format(R"(<rect x="%.1f" y="%.1f" width="9" height="9" %s>)", x - 4.5, y - 4.5, style.c_str());
+  if (look.marker == Marker::diamond)
+    shape = format(R"(<path d="M%.1f %.1fl6 6l-6 6l-6 -6z" %s>)", x, y - 6.0, style.c_str());
+  const char* end = look.marker == Marker::circle   ? "</circle>"
+                    : look.marker == Marker::square ? "</rect>"
+                                                    : "</path>";
+  return shape + "<title>" + escaped(tooltip) + "</title>" + end + "\n";
+}
+
+/// A logarithmic axis around some positive values, with lines at 1, 2, 5 or at powers of ten.
+class LogAxis {
+ public:
+  LogAxis(const std::vector<double>& values, double from, double to) : from_(from), to_(to) {
+    double low = 1e300, high = 0.0;
+    for (const double v : values) {
+      if (!(v > 0.0) || !std::isfinite(v)) continue;
+      low = std::min(low, v);
+      high = std::max(high, v);
+    }
+    if (!(high > 0.0)) low = high = 1.0;
+    const bool wide = high / low > 300.0;
+    for (double e = std::floor(std::log10(low)) - 1.0; e <= std::ceil(std::log10(high)) + 1.0; ++e)
+      for (const double digit : {1.0, 2.0, 5.0})
+        if (!wide || digit == 1.0) lines_.push_back(digit * std::pow(10.0, e));
+    while (lines_.size() > 2 && lines_[1] < 0.9 * low) lines_.erase(lines_.begin());
+    while (lines_.size() > 2 && lines_[lines_.size() - 2] > 1.1 * high) lines_.pop_back();
+    low_ = std::log10(lines_.front());
+    high_ = std::log10(lines_.back());
+  }
+
+  double at(double value) const {
+    const double share = (std::log10(std::max(value, 1e-300)) - low_) / (high_ - low_);
+    return from_ + (to_ - from_) * std::clamp(share, 0.0, 1.0);
+  }
+  const std::vector<double>& lines() const { return lines_; }
+
+ private:
+  double from_, to_, low_ = 0.0, high_ = 1.0;
+  std::vector<double> lines_;
+};
+
+/// A number of an axis: plain where it is short, else as a power of ten.
+std::string axisNumber(double value) {
+  if (value > 0.9e-3 && value < 1.1e5) return format("%.3g", value);
+  const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+  const double exponent = std::floor(std::log10(value) + 1e-9), lead = value / std::pow(10.0, exponent);
+  std::string text = lead > 1.5 ? format("%.0f·10", lead) : "10";
+  if (exponent < 0.0) text += "⁻";
+  for (const char c : format("%.0f", std::abs(exponent))) text += digits[c - '0'];
+  return text;
+}
+
+std::string begin(double height, const std::string& label) {
+  return format(R"(<svg viewBox="0 0 %.0f %.0f" role="img" xmlns="http://www.w3.org/2000/svg" )", kWidth,
+                height) +
+         R"(font-family="system-ui, 'DejaVu Sans', sans-serif" aria-label=")" + escaped(label) + "\">\n";
+}
+
+std::string legend(const std::vector<Look>& looks, double x, double y) {
+  std::string svg;
+  for (std::size_t i = 0; i < looks.size(); ++i) {
+    const double row = y + 21.0 * static_cast<double>(i);
+    svg += markerAt(x, row, looks[i], looks[i].name) +
+           textAt(x + 13.0, row + 4.0, "start", kInk, 12.0, looks[i].name);
+  }
+  return svg;
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) {
+    switch (c) {
+      case '&':
+        out += "&amp;";
+        break;
+      case '<':
+        out += "&lt;";
+        break;
+      case '>':
+        out += "&gt;";
+        break;
+      case '"':
+        out += "&quot;";
+        break;
+      default:
+        out += c;
+    }
+  }
+  return out;
+}
+
+std::string scatterSvg(const ScatterPlot& plot) {
+  const double left = 84.0, right = 560.0, top = 16.0, bottom = 372.0, height = 430.0;
+  std::vector<double> xs, ys;
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& p : series.points) {
+      xs.push_back(p.x);
+      ys.push_back(std::max(p.y, plot.floorY));
+    }
+  const LogAxis x(xs, left, right), y(ys, bottom, top);
+  std::string svg = begin(height, plot.yLabel + " against " + plot.xLabel);
+  for (const double v : x.lines()) {
+    const double at = x.at(v);
+    svg += lineFrom(at, top, at, bottom, kGrid, 1.0) +
+           textAt(at, bottom + 20.0, "middle", kQuiet, 12.0, axisNumber(v));
+  }
+  for (const double v : y.lines()) {
+    const double at = y.at(v);
+    svg += lineFrom(left, at, right, at, kGrid, 1.0) +
+           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0, axisNumber(v));
+  }
+  svg += lineFrom(left, bottom, right, bottom, kQuiet, 1.0) + lineFrom(left, top, left, bottom, kQuiet, 1.0);
+  svg += textAt(0.5 * (left + right), bottom + 46.0, "middle", kInk, 13.0, plot.xLabel);
+  svg += format(R"svg(<g transform="translate(20 %.1f) rotate(-90)">)svg", 0.5 * (top + bottom)) +
+         textAt(0.0, 0.0, "middle", kInk, 13.0, plot.yLabel) + "</g>\n";
+  std::string marks;
+  std::vector<Look> looks;
+  for (const PlotSeries& series : plot.series) {
+    looks.push_back(series.look);
+    std::string way;
+    for (const PlotPoint& p : series.points) {
+      const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
+      way += format("%s%.1f %.1f", way.empty() ? "M" : "L", px, py);
+      marks += markerAt(px, py, series.look, p.tooltip);
+      // Points that lie close together take turns above and below.
+      const double up = (&p - series.points.data()) % 2 != 0 ? 17.0 : -9.0;
+      if (!p.label.empty()) marks += textAt(px + 2.0, py + up, "middle", kInk, 11.0, p.label);
+    }
+    if (series.points.size() > 1)
+      svg += R"(<path fill="none" stroke-width="1.3" stroke-opacity="0.55" stroke=")" + series.look.colour +
+             "\" d=\"" + way + "\"/>\n";
+  }
+  return svg + marks + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
+}
+
+std::string rangeSvg(const RangePlot& plot) {
+  const double left = 250.0, right = 600.0, top = 14.0, perMark = 9.0, between = 13.0;
+  double height = top;
+  std::vector<double> values;
+  for (const RangeRow& row : plot.rows) {
+    height += between + perMark * static_cast<double>(row.marks.size());
+    for (const RangeMark& mark : row.marks) {
+      values.push_back(mark.low);
+      values.push_back(mark.high);
+    }
+  }
+  const LogAxis x(values, left, right);
+  std::string svg = begin(height + 56.0, plot.xLabel), marks;
+  std::vector<Look> looks;
+  for (const double v : x.lines()) {
+    const double at = x.at(v);
+    svg += lineFrom(at, top, at, height, kGrid, 1.0) +
+           textAt(at, height + 20.0, "middle", kQuiet, 12.0, axisNumber(v));
+  }
+  double y = top;
+  for (const RangeRow& row : plot.rows) {
+    const double middle = y + 0.5 * (between + perMark * static_cast<double>(row.marks.size()));
+    marks += textAt(left - 14.0, middle + 4.0, "end", kInk, 12.0, row.name);
+    y += 0.5 * between;
+    for (const RangeMark& mark : row.marks) {
+      y += 0.5 * perMark;
+      const Look& look = mark.look;
+      marks += format(
+          R"(<line x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f" stroke="%s" stroke-width="3" stroke-linecap="round" stroke-opacity="0.5"/>)",
+          x.at(mark.low), y, x.at(mark.high), y, look.colour.c_str());
+      marks += format(R"(<circle cx="%.1f" cy="%.1f" r="3.4" fill="%s" stroke="%s" stroke-width="1.4">)",
+                      x.at(mark.low), y, look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str()) +
+               "<title>" + escaped(mark.tooltip) + "</title></circle>\n";
+      y += 0.5 * perMark;
+      if (std::none_of(looks.begin(), looks.end(), [&](const Look& l) { return l.name == look.name; }))
+        looks.push_back(look);
+    }
+    y += 0.5 * between;
+    svg += lineFrom(left, y, right, y, kGrid, 1.0);
+  }
+  svg += textAt(0.5 * (left + right), height + 44.0, "middle", kInk, 13.0, plot.xLabel);
+  return svg + marks + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
+}
+
+std::string barsSvg(const std::vector<Bar>& bars) {
+  const double left = 250.0, right = 780.0, row = 24.0;
+  double most = 0.0;
+  for (const Bar& bar : bars) most = std::max(most, bar.length);
+  std::string svg = begin(row * static_cast<double>(bars.size()) + 12.0, "bars");
+  for (std::size_t i = 0; i < bars.size(); ++i) {
+    const double y = 6.0 + row * static_cast<double>(i);
+    const double length = most > 0.0 ? (right - left) * bars[i].length / most : 0.0;
+    svg += textAt(left - 14.0, y + 16.0, "end", kInk, 12.0, bars[i].name);
+    svg += format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="15" fill="%s"/>)", left, y + 4.0,
+                  std::max(length, 1.0), bars[i].colour.c_str()) +
+           "\n" + textAt(left + length + 8.0, y + 16.0, "start", kQuiet, 12.0, bars[i].value);
+  }
+  return svg + "</svg>\n";
+}
+
+}  // namespace tandem::client::report

@@ -1,0 +1,67 @@
+#pragma once
+
+// The report's pictures as inline SVG: nothing outside is needed to show them. Sizes in px; the width is that
+// of the page's column and scales down with it.
+
+#include <string>
+#include <vector>
+
+namespace tandem::client::report {
+
+enum class Marker { circle, square, diamond };
+
+/// How one setting looks in every plot.
+struct Look {
+  std::string name;
+  std::string colour;  // #rrggbb
+  Marker marker = Marker::circle;
+  bool hollow = false;
+};
+
+struct PlotPoint {
+  double x = 0.0, y = 0.0;
+  std::string label;    // beside the point; may be empty
+  std::string tooltip;  // shown while the pointer rests on it
+};
+
+struct PlotSeries {
+  Look look;
+  std::vector<PlotPoint> points;  // joined in this order
+};
+
+/// A scatter on two logarithmic axes. Values below `floorY` are drawn on it, and the axis says so.
+struct ScatterPlot {
+  std::string xLabel, yLabel;
+  std::vector<PlotSeries> series;
+  double floorY = 1e-9;
+};
+std::string scatterSvg(const ScatterPlot& plot);
+
+/// Rows of ranges on one logarithmic axis: from the median to the 99th percentile.
+struct RangeMark {
+  Look look;
+  double low = 0.0, high = 0.0;
+  std::string tooltip;
+};
+struct RangeRow {
+  std::string name;
+  std::vector<RangeMark> marks;
+};
+struct RangePlot {
+  std::string xLabel;
+  std::vector<RangeRow> rows;
+};
+std::string rangeSvg(const RangePlot& plot);
+
+/// Horizontal bars from zero.
+struct Bar {
+  std::string name, value;  // the value as it is written at its end
+  double length = 0.0;
+  std::string colour;
+};
+std::string barsSvg(const std::vector<Bar>& bars);
+
+/// Text with what HTML and SVG would read as markup replaced.
+std::string escaped(const std::string& text);
+
+}  // namespace tandem::client::report

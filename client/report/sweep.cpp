@@ -1,0 +1,261 @@
+#include "client/report/sweep.h"
+
+#include <algorithm>
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <thread>
+
+#include <glm/geometric.hpp>
+
+#include "client/report/baseline_proxy.h"
+#include "haptics/contact_scene.h"
+#include "haptics/tick.h"
+#include "haptics/tick_data.h"
+
+namespace tandem::client::report {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double microseconds(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::micro>(to - from).count();
+}
+
+/// What of Tandem a setting turns.
+struct Knobs {
+  bool remember = true;    // known planes are kept from tick to tick
+  bool floatData = false;  // the device's position is rounded to single precision
+};
+
+/// The pure spring: no damping, no limits, so that the force is stiffness times depth and can be compared.
+haptics::TickParameters springOnly(const Experiment& experiment) {
+  haptics::TickParameters p;
+  p.toolRadius = experiment.info.toolRadius;
+  p.stiffness = experiment.stiffness;
+  p.damping = 0.0;
+  p.forceLimit = 1e9;
+  p.slewLimit = 1e12;
+  return p;
+}
+
+/// Runs Tandem's tick over a path.
+class TandemRun {
+ public:
+  TandemRun(const Experiment& experiment, const haptics::ContactScene& contact, const Knobs& knobs,
+            std::uint64_t (*counter)())
+      : experiment_(experiment),
+        contact_(contact),
+        knobs_(knobs),
+        allocations_(counter),
+        parameters_(springOnly(experiment)),
+        state_(contact) {
+    if (!experiment.partsMove) return;
+    for (std::size_t i = 0; i < experiment.scene.parts.size(); ++i)
+      moved_.push_back({static_cast<PartId>(i), experiment.scene.parts[i].worldFromPart, {}});
+  }
+
+  Samples run() {
+    Samples samples;
+    samples.us.reserve(experiment_.path.size());
+    samples.force.reserve(experiment_.path.size());
+    double lift = 0.0;
+    for (const PathPoint& point : experiment_.path) {
+      liftParts(point.lift, lift);
+      lift = point.lift;
+      const glm::dvec3 device =
+          knobs_.floatData ? glm::dvec3(glm::vec<3, float>(point.device)) : point.device;
+      step(device, samples);
+    }
+    return samples;
+  }
+
+  std::uint64_t allocations() const { return count_; }
+
+ private:
+  void liftParts(double lift, double before) {
+    for (std::size_t i = 0; i < moved_.size(); ++i) {
+      moved_[i].worldFromPart.position =
+          experiment_.scene.parts[i].worldFromPart.position + glm::dvec3(0.0, 0.0, lift);
+      moved_[i].twist.linear = glm::dvec3(0.0, 0.0, (lift - before) / parameters_.dt);
+    }
+  }
+
+  void step(const glm::dvec3& device, Samples& samples) {
+    haptics::TickInput input;
+    input.device.worldFromDevice.position = device;
+    input.device.time = parameters_.dt * static_cast<double>(samples.us.size());
+    input.device.valid = true;
+    input.moved = moved_;
+    if (!knobs_.remember) state_.data().proxy.planeCount = 0;
+    const std::uint64_t before = allocations_ ? allocations_() : 0;
+    const Clock::time_point start = Clock::now();
+    const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
+    const Clock::time_point end = Clock::now();
+    if (allocations_) count_ += allocations_() - before;
+    samples.us.push_back(microseconds(start, end));
+    samples.force.push_back(out.toHand.force);
+  }
+
+  const Experiment& experiment_;
+  const haptics::ContactScene& contact_;
+  const Knobs knobs_;
+  std::uint64_t (*allocations_)();
+  const haptics::TickParameters parameters_;
+  haptics::TickState state_;
+  std::vector<haptics::PartMotion> moved_;
+  std::uint64_t count_ = 0;
+};
+
+/// A scene whose vertices are world coordinates in single precision, as many libraries store them.
+assets::Scene floatCopy(const assets::Scene& scene) {
+  assets::Scene copy = scene;
+  assets::Part& part = copy.parts.front();
+  for (glm::dvec3& p : copy.meshes[part.mesh].positions)
+    p = glm::dvec3(glm::vec<3, float>(transformPoint(part.worldFromPart, p)));
+  part.worldFromPart = Pose{};
+  return copy;
+}
+
+class ExperimentSweep {
+ public:
+  ExperimentSweep(const Experiment& experiment, const SweepOptions& options)
+      : experiment_(experiment), options_(options) {}
+
+  std::vector<Measurement> run() {
+    const Clock::time_point start = Clock::now();
+    const haptics::ContactScene contact(experiment_.scene);
+    const double build_ms = 1e-3 * microseconds(start, Clock::now());
+    tandem("tandem", "Tandem", contact, {}).build_ms = build_ms;
+    tandem("no-memory", "Tandem, contacts forgotten every tick", contact, {false, false}).build_ms = build_ms;
+    if (experiment_.scene.parts.size() == 1) singlePrecisionData();
+    if (!experiment_.partsMove && !(experiment_.info.toolRadius > 0.0)) {
+      baselines<double>("double", "double");
+      baselines<float>("float", "float");
+    }
+    return std::move(results_);
+  }
+
+ private:
+  Measurement& tandem(const char* id, const char* name, const haptics::ContactScene& contact,
+                      const Knobs& knobs) {
+    Measurement& out = results_.emplace_back();
+    out.setting = id;
+    out.name = name;
+    out.kind = Kind::tandem;
+    out.allocationsCounted = options_.allocations != nullptr;
+    std::vector<Samples> runs;
+    for (int i = 0; i < runsOf(options_); ++i) {
+      TandemRun run(experiment_, contact, knobs, options_.allocations);
+      runs.push_back(run.run());
+      out.allocations += run.allocations();
+    }
+    judge(experiment_, runs, out);
+    return out;
+  }
+
+  void singlePrecisionData() {
+    const assets::Scene rounded = floatCopy(experiment_.scene);
+    const Clock::time_point start = Clock::now();
+    const haptics::ContactScene contact(rounded);
+    const double build_ms = 1e-3 * microseconds(start, Clock::now());
+    tandem("float-data", "Tandem, coordinates stored as float", contact, {true, true}).build_ms = build_ms;
+  }
+
+  template <typename Real>
+  void baselines(const std::string& id, const std::string& precision) {
+    const Clock::time_point start = Clock::now();
+    const SegmentTree<Real> tree(experiment_.scene);
+    const double build_ms = 1e-3 * microseconds(start, Clock::now());
+    baseline<Real>("three-planes-" + id, "Baseline, three planes a tick, " + precision, tree,
+                   PlaneOrder::threePlanesATick, build_ms);
+    baseline<Real>("one-plane-" + id, "Baseline, one plane a tick, " + precision, tree,
+                   PlaneOrder::onePlaneATick, build_ms);
+  }
+
+  template <typename Real>
+  void baseline(const std::string& id, const std::string& name, const SegmentTree<Real>& tree,
+                PlaneOrder order, double build_ms) {
+    Measurement& out = results_.emplace_back();
+    out.setting = id;
+    out.name = name;
+    out.kind = Kind::baseline;
+    out.build_ms = build_ms;
+    std::vector<Samples> runs;
+    for (int i = 0; i < runsOf(options_); ++i) {
+      BaselineProxy<Real> proxy(tree, order, experiment_.path.front().device);
+      Samples& samples = runs.emplace_back();
+      for (const PathPoint& point : experiment_.path) {
+        const Clock::time_point from = Clock::now();
+        const glm::dvec3 force = springForce(experiment_.stiffness, proxy.follow(point.device), point.device);
+        samples.us.push_back(microseconds(from, Clock::now()));
+        samples.force.push_back(force);
+      }
+    }
+    judge(experiment_, runs, out);
+  }
+
+  const Experiment& experiment_;
+  const SweepOptions& options_;
+  std::vector<Measurement> results_;
+};
+
+/// What the facets of a sphere may cost: their depth, and the tilt of their normals at the depth of the
+/// stroke.
+double facetError(const Experiment& e) {
+  double deepest = 0.0;
+  for (const PathPoint& p : e.path) deepest = std::max(deepest, glm::length(p.exactProxy - p.device));
+  // A proxy keeps its facet until the goal has left the facet's prism: twice the tilt at most.
+  return e.stiffness * (e.facetDepth + 2.0 * e.facetTilt * (deepest + e.facetDepth));
+}
+
+}  // namespace
+
+std::vector<ExperimentInfo> chosenExperiments(const SweepOptions& options) {
+  std::vector<ExperimentInfo> chosen;
+  for (const ExperimentInfo& info : allExperiments()) {
+    const bool named = std::find(options.only.begin(), options.only.end(), info.id) != options.only.end();
+    if (options.only.empty() ? !options.quick || info.quick : named) chosen.push_back(info);
+  }
+  return chosen;
+}
+
+int ticksOf(const SweepOptions& options) { return options.quick ? 800 : 4000; }
+int runsOf(const SweepOptions& options) { return options.quick ? 2 : 3; }
+
+SweepResult sweep(const SweepOptions& options) {
+  SweepResult result;
+  result.quick = options.quick;
+  result.machine = machineLine();
+  const std::vector<ExperimentInfo> chosen = chosenExperiments(options);
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (options.progress) options.progress(i, chosen.size(), chosen[i]);
+    const Experiment experiment = buildExperiment(chosen[i].id, ticksOf(options));
+    ExperimentResult& out = result.experiments.emplace_back();
+    out.info = experiment.info;
+    out.triangles = assets::triangleCount(experiment.scene);
+    out.parts = experiment.scene.parts.size();
+    out.ticks = experiment.path.size();
+    out.facetError = facetError(experiment);
+    for (const PathPoint& p : experiment.path)
+      out.peakForce =
+          std::max(out.peakForce, glm::length(springForce(experiment.stiffness, p.exactProxy, p.device)));
+    out.settings = ExperimentSweep(experiment, options).run();
+  }
+  return result;
+}
+
+std::string machineLine() {
+  std::string model = "unknown processor", line;
+  std::ifstream info("/proc/cpuinfo");
+  while (std::getline(info, line)) {
+    if (line.rfind("model name", 0) != 0 || line.find(": ") == std::string::npos) continue;
+    model = line.substr(line.find(": ") + 2);
+    break;
+  }
+  std::string load;
+  std::ifstream("/proc/loadavg") >> load;
+  return model + ", " + std::to_string(std::thread::hardware_concurrency()) + " cores, load " + load;
+}
+
+}  // namespace tandem::client::report

@@ -1,0 +1,56 @@
+#pragma once
+
+// Speed against error: every experiment with every setting, in this process. Costs are measured, forces
+// compared with exact answers.
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "client/report/experiment.h"
+#include "client/report/measurement.h"
+
+namespace tandem::client::report {
+
+struct SweepOptions {
+  bool quick = false;             // fewer experiments, shorter paths
+  std::vector<std::string> only;  // ids of experiments; empty: all (of --quick, if set)
+  /// Heap allocations of this thread so far; null where nobody counts them.
+  std::uint64_t (*allocations)() = nullptr;
+  /// Told before each experiment: how many are done, of how many, and which comes.
+  std::function<void(std::size_t, std::size_t, const ExperimentInfo&)> progress;
+};
+
+/// One experiment with all its settings.
+struct ExperimentResult {
+  ExperimentInfo info;
+  std::size_t triangles = 0, parts = 0, ticks = 0;
+  double peakForce = 0.0;   // N, exact
+  double facetError = 0.0;  // N: what the facets alone may cost, from their depth and tilt; 0 = exact facets
+  std::vector<Measurement> settings;
+};
+
+struct SweepResult {
+  bool quick = false;
+  std::string machine;
+  std::vector<ExperimentResult> experiments;
+  std::vector<std::string> peers;  // that were measured, with versions
+};
+
+/// The experiments that the options ask for, in the report's order.
+std::vector<ExperimentInfo> chosenExperiments(const SweepOptions& options);
+
+/// Ticks of a path.
+int ticksOf(const SweepOptions& options);
+
+/// Runs of one setting: each tick's cost is the least of them.
+int runsOf(const SweepOptions& options);
+
+/// Seconds to minutes; everything happens in the calling thread but the building of trees.
+SweepResult sweep(const SweepOptions& options);
+
+/// Processor, cores and load, in one line.
+std::string machineLine();
+
+}  // namespace tandem::client::report
