@@ -18,7 +18,7 @@
 #include "client/join/live_table.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
-#include "haptics/devices/spacemouse.h"
+#include "haptics/devices/steered_hand.h"
 #include "haptics/devices/virtual_stylus.h"
 
 namespace tandem::client {
@@ -77,7 +77,7 @@ std::string defaultName(const sync::JoinLink& link) {
 struct Hand {
   std::unique_ptr<haptics::Device> device;
   haptics::VirtualStylus* stylus = nullptr;
-  haptics::SpaceMouse* spaceMouse = nullptr;
+  haptics::SteeredHand* steered = nullptr;
   ScriptedDevice* scripted = nullptr;
 };
 
@@ -103,7 +103,7 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
     Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(name, start);
     if (!device) return Error{"--device " + name + ": " + device.error().message};
     hand.device = std::move(*device);
-    hand.spaceMouse = dynamic_cast<haptics::SpaceMouse*>(hand.device.get());
+    hand.steered = dynamic_cast<haptics::SteeredHand*>(hand.device.get());
   }
   return hand;
 }
@@ -206,18 +206,18 @@ class JoinRun {
       site_.onShown = [this](const ShownPose& shown) { trace_->add(shown, site_.scene()); };
     }
     haptics::VirtualStylus* stylus = hand->stylus;
-    haptics::SpaceMouse* spaceMouse = hand->spaceMouse;
+    haptics::SteeredHand* steered = hand->steered;
     ScriptedDevice* scripted = hand->scripted;
     site_.start(std::move(hand->device),
                 scripted ? std::function<PartId()>([scripted] { return scripted->wish(); }) : nullptr);
-    loop(stylus, spaceMouse);
+    loop(stylus, steered);
     return finish();
   }
 
  private:
   using Clock = std::chrono::steady_clock;
 
-  void loop(haptics::VirtualStylus* stylus, haptics::SpaceMouse* spaceMouse) {
+  void loop(haptics::VirtualStylus* stylus, haptics::SteeredHand* steered) {
     const Clock::time_point start = Clock::now();
     if (!viewer_) lookAtAll();
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
@@ -228,9 +228,9 @@ class JoinRun {
       if (viewer_) {
         const ViewActions actions = viewer_->frame(model_);
         if (stylus) followMouse(*stylus, actions, elapsed);
-        // A SpaceMouse moves the stylus as seen on the screen; full deflection crosses the scene in four
-        // seconds.
-        if (spaceMouse) spaceMouse->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
+        // A SpaceMouse or gamepad moves the stylus as seen on the screen; full deflection crosses the scene
+        // in four seconds.
+        if (steered) steered->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
         if (actions.quit) end_ = "window closed";
       } else {

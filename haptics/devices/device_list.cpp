@@ -12,7 +12,9 @@
 #include <cstring>
 #include <thread>
 
+#include "haptics/devices/dualsense.h"
 #include "haptics/devices/null_device.h"
+#include "haptics/devices/pid_device.h"
 #include "haptics/devices/simulated_arm.h"
 #include "haptics/devices/simulated_device.h"
 #include "haptics/devices/spacemouse.h"
@@ -23,6 +25,8 @@
 
 namespace tandem::haptics {
 namespace {
+
+constexpr const char* kDeviceNames = "stylus, simulated, simulated-arm, none, spacemouse, dualsense or pid";
 
 DeviceReport builtIn(const char* name, const char* driver) {
   DeviceReport report;
@@ -36,6 +40,20 @@ bool sameReading(const DeviceSample& a, const DeviceSample& b) {
   return a.worldFromDevice.position == b.worldFromDevice.position &&
          a.worldFromDevice.orientation == b.worldFromDevice.orientation && a.buttons == b.buttons &&
          a.valid == b.valid;
+}
+
+/// Which driver serves an interface, if any.
+struct Driver {
+  const char* name = nullptr;
+  std::string shown;
+};
+
+Driver driverOf(HidBus& bus, const HidInfo& info) {
+  if (isSpaceMouse(info)) return {"spacemouse", spaceMouseName(info.vendor, info.product)};
+  if (isDualSense(info)) return {"dualsense", dualSenseName(info.vendor, info.product)};
+  if (mayBePid(info) && checkPid(bus, info).ok())
+    return {"pid", info.productName.empty() ? "Force-feedback joystick" : info.productName};
+  return {};
 }
 
 }  // namespace
@@ -87,8 +105,9 @@ std::vector<DeviceReport> listDevices(HidBus& bus) {
                                     builtIn("Simulated desktop arm with joints and motors", "simulated-arm"),
                                     builtIn("No device (watch only)", "none")};
   for (const HidInfo& info : bus.enumerate()) {
-    if (!isSpaceMouse(info)) continue;
-    DeviceReport report = builtIn(spaceMouseName(info.vendor, info.product), "spacemouse");
+    const Driver driver = driverOf(bus, info);
+    if (driver.name == nullptr) continue;
+    DeviceReport report = builtIn(driver.shown.c_str(), driver.name);
     report.vendor = info.vendor;
     report.product = info.product;
     report.node = info.path;
@@ -112,6 +131,10 @@ Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& 
     device = std::make_unique<NullDevice>();
   else if (name == "spacemouse")
     device = std::make_unique<SpaceMouse>(systemHidBus(), worldFromStart);
+  else if (name == "dualsense")
+    device = std::make_unique<DualSense>(systemHidBus(), worldFromStart);
+  else if (name == "pid")
+    device = std::make_unique<PidDevice>(systemHidBus(), worldFromStart);
   else
     return Error{"device '" + name +
                  "' is not known: use stylus, simulated, simulated-arm, none or spacemouse"};

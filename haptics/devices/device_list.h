@@ -38,7 +38,7 @@ void explainAccess(const NodeAccess& access, DeviceReport& report);
 std::vector<DeviceReport> listDevices(HidBus& bus);
 std::vector<DeviceReport> listDevices();
 
-/// Makes and opens a device: `stylus`, `simulated`, `none` or `spacemouse`, starting at a pose.
+/// Makes and opens a device by the name that listDevices() gives its driver, starting at a pose.
 Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& worldFromStart = {});
 
 /// What a self-test has seen so far.

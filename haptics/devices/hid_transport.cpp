@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <mutex>
 
 namespace tandem::haptics {
@@ -27,9 +28,21 @@ std::string utf8(const wchar_t* text) {
   return out;
 }
 
+Result<std::vector<std::uint8_t>> descriptorOf(const std::string& path) {
+  // hidapi learnt to ask for it in 0.14; Linux keeps a copy beside the node.
+  const std::string node = path.substr(path.rfind('/') + 1);
+  const std::string file = "/sys/class/hidraw/" + node + "/device/report_descriptor";
+  std::FILE* const in = std::fopen(file.c_str(), "rb");
+  if (!in) return Error{file + ": cannot be read"};
+  std::vector<std::uint8_t> bytes(4096);  // the kernel's limit
+  bytes.resize(std::fread(bytes.data(), 1, bytes.size(), in));
+  std::fclose(in);
+  return bytes;
+}
+
 class HidapiConnection : public HidConnection {
  public:
-  explicit HidapiConnection(hid_device* device) : device_(device) {}
+  HidapiConnection(hid_device* device, std::string path) : device_(device), path_(std::move(path)) {}
   ~HidapiConnection() override { hid_close(device_); }
   HidapiConnection(const HidapiConnection&) = delete;
   HidapiConnection& operator=(const HidapiConnection&) = delete;
@@ -41,9 +54,20 @@ class HidapiConnection : public HidConnection {
     if (hid_write(device_, report.data(), report.size()) >= 0) return {};
     return Error{"HID write failed: " + utf8(hid_error(device_))};
   }
+  Status sendFeature(std::span<const std::uint8_t> report) override {
+    if (hid_send_feature_report(device_, report.data(), report.size()) >= 0) return {};
+    return Error{"HID feature report refused: " + utf8(hid_error(device_))};
+  }
+  Result<std::size_t> getFeature(std::span<std::uint8_t> report) override {
+    const int length = hid_get_feature_report(device_, report.data(), report.size());
+    if (length >= 0) return static_cast<std::size_t>(length);
+    return Error{"HID feature report not given: " + utf8(hid_error(device_))};
+  }
+  Result<std::vector<std::uint8_t>> descriptor() override { return descriptorOf(path_); }
 
  private:
   hid_device* device_;
+  std::string path_;
 };
 
 class HidapiBus : public HidBus {
@@ -66,7 +90,11 @@ class HidapiBus : public HidBus {
     const std::lock_guard lock(mutex_);
     hid_device* const device = hid_open_path(path.c_str());
     if (!device) return Error{path + ": " + utf8(hid_error(nullptr))};
-    return std::unique_ptr<HidConnection>(std::make_unique<HidapiConnection>(device));
+    return std::unique_ptr<HidConnection>(std::make_unique<HidapiConnection>(device, path));
+  }
+
+  Result<std::vector<std::uint8_t>> descriptor(const std::string& path) override {
+    return descriptorOf(path);
   }
 
   bool present(const std::string& path) override { return access(path.c_str(), F_OK) == 0; }

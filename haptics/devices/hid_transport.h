@@ -31,6 +31,14 @@ class HidConnection {
   virtual int read(std::span<std::uint8_t> buffer, int timeout_ms) = 0;
   /// Sends an output report, its id first.
   virtual Status write(std::span<const std::uint8_t> report) = 0;
+  /// Sends a feature report, its id first.
+  virtual Status sendFeature(std::span<const std::uint8_t>) { return Error{"HID: no feature reports here"}; }
+  /// Asks for the feature report whose id is in report[0]; gives its length, id included.
+  virtual Result<std::size_t> getFeature(std::span<std::uint8_t>) {
+    return Error{"HID: no feature reports here"};
+  }
+  /// The report descriptor, as the device gave it to the kernel.
+  virtual Result<std::vector<std::uint8_t>> descriptor() { return Error{"HID: no report descriptor here"}; }
 };
 
 class HidBus {
@@ -39,6 +47,11 @@ class HidBus {
   /// What is connected, each path once.
   virtual std::vector<HidInfo> enumerate() = 0;
   virtual Result<std::unique_ptr<HidConnection>> open(const std::string& path) = 0;
+  /// The report descriptor of an interface, without opening it: whoever may not open it can still be told
+  /// what it is.
+  virtual Result<std::vector<std::uint8_t>> descriptor(const std::string&) {
+    return Error{"HID: no report descriptor here"};
+  }
   /// Whether the node still exists: cheaper than enumerate().
   virtual bool present(const std::string& path) = 0;
 };

@@ -11,16 +11,11 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kSilence = 0.1;     // s after which no report means no deflection
-constexpr double kSmoothing = 0.02;  // s: reports come every 8 to 16 ms
+constexpr double kSilence = 0.1;  // s after which no report means no deflection
 constexpr int kReadTimeout_ms = 50;
 constexpr auto kRetry = std::chrono::milliseconds(200);
 constexpr int kQuietReadsBeforeCheck = 10;
 constexpr std::array<std::uint8_t, 2> kLightOn{4, 1}, kLightOff{4, 0};
-
-/// Steadier and better damped than a relaxed arm, as for the mouse: no weight of a real arm would calm it.
-constexpr ArmParameters kArm{
-    .mass = 0.5, .stiffness = 300.0, .damping = 20.0, .gripStiffness = 800.0, .gripDamping = 10.0};
 
 }  // namespace
 
@@ -155,16 +150,9 @@ void SpaceMouseReader::close() {
 
 const SpaceMouseReading& SpaceMouseReader::reading() { return state_->published.latest(); }
 
-SpaceMouse::SpaceMouse(HidBus& bus, const Pose& worldFromStart)
-    : HandDevice(worldFromStart, kArm, {}, 0.2), reader_(bus), target_(worldFromStart) {}
+SpaceMouse::SpaceMouse(HidBus& bus, const Pose& worldFromStart) : SteeredHand(worldFromStart), reader_(bus) {}
 
 SpaceMouse::~SpaceMouse() = default;
-
-DeviceLimits SpaceMouse::limits() const {
-  DeviceLimits limits = HandDevice::limits();
-  limits.actuatedAxes = 0;
-  return limits;
-}
 
 Status SpaceMouse::open() {
   if (Status opened = HandDevice::open(); !opened) return opened;
@@ -173,36 +161,13 @@ Status SpaceMouse::open() {
 
 void SpaceMouse::close() { reader_.close(); }
 
-void SpaceMouse::setView(const SpaceMouseView& view) {
-  if (isValid(Pose{{view.maxSpeed, 0.0, 0.0}, view.worldFromView})) view_.write(view);
-}
-
 void SpaceMouse::beginPoll(double now) {
   const SpaceMouseReading& latest = reader_.reading();
   if (latest.reports != reading_.reports) lastNews_ = now;
   reading_ = latest;
-  wanted_ = {};
-  if (!reading_.connected || now - lastNews_ > kSilence) return;
-  const SpaceMouseView& view = view_.latest();
-  curve_.maxSpeed = view.maxSpeed;
-  wanted_ = twistFromDeflection(reading_.state.axes, curve_, view.worldFromView);
-}
-
-HandTarget SpaceMouse::nextTarget(double dt) {
-  const double share = 1.0 - std::exp(-dt / kSmoothing);
-  const glm::dvec3 change = share * (wanted_.linear - twist_.linear);
-  twist_.linear += change;
-  twist_.angular += share * (wanted_.angular - twist_.angular);
-  target_ = integrate(target_, twist_, dt);
-
-  // A hand that a surface holds back pulls its target along: a deflection is a push of bounded force, not a
-  // wind-up.
-  const glm::dvec3 here = hand().devicePose().position;
-  const glm::dvec3 ahead = target_.position - here;
-  const double leash = HandDevice::limits().maxForce / kArm.stiffness;
-  if (glm::length(ahead) <= leash) return {target_, twist_.linear, change / dt, true};
-  target_.position = here + limited(ahead, leash);
-  return {target_, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, true};
+  if (!reading_.connected || now - lastNews_ > kSilence) return steer({});
+  curve_.maxSpeed = view().maxSpeed;
+  steer(twistFromDeflection(reading_.state.axes, curve_, view().worldFromView));
 }
 
 DeviceSample SpaceMouse::poll(double now) {

@@ -10,9 +10,9 @@
 
 #include <memory>
 
-#include "haptics/devices/hand_device.h"
 #include "haptics/devices/hid_transport.h"
 #include "haptics/devices/spacemouse_decoder.h"
+#include "haptics/devices/steered_hand.h"
 #include "haptics/triple_buffer.h"
 
 namespace tandem::haptics {
@@ -50,39 +50,24 @@ HidInfo findSpaceMouse(HidBus& bus);
 /// besides).
 bool isSpaceMouse(const HidInfo& info);
 
-/// What the viewer decides: which way is right on the screen, and how large the scene is.
-struct SpaceMouseView {
-  glm::dquat worldFromView{1.0, 0.0, 0.0, 0.0};
-  double maxSpeed = 0.15;  // m/s at full deflection; about the scene's size a second
-};
-
-class SpaceMouse : public HandDevice {
+class SpaceMouse : public SteeredHand {
  public:
   explicit SpaceMouse(HidBus& bus, const Pose& worldFromStart = {});
   ~SpaceMouse() override;
 
   std::string name() const override { return "spacemouse"; }
-  /// Forces move the simulated hand only: actuatedAxes is 0 although maxForce is not.
-  DeviceLimits limits() const override;
   Status open() override;
   void close() override;
   DeviceSample poll(double now) override;
 
-  /// From one thread, any time. Not finite or not a unit quaternion: ignored.
-  void setView(const SpaceMouseView& view);
-
  private:
   void beginPoll(double now) override;
-  HandTarget nextTarget(double dt) override;
   std::uint32_t pressedButtons() const override { return reading_.connected ? reading_.state.buttons : 0; }
 
   SpaceMouseReader reader_;
   VelocityCurve curve_;
-  TripleBuffer<SpaceMouseView> view_;
   SpaceMouseReading reading_;
   double lastNews_ = 0.0;
-  Twist wanted_, twist_;
-  Pose target_;
 };
 
 }  // namespace tandem::haptics

@@ -1,0 +1,122 @@
+#include "haptics/devices/hid_worker.h"
+
+#include <array>
+#include <condition_variable>
+#include <mutex>
+#include <thread>
+
+namespace tandem::haptics {
+namespace {
+
+constexpr auto kRetry = std::chrono::milliseconds(200);
+constexpr auto kPresenceCheck = std::chrono::milliseconds(500);
+constexpr std::size_t kLongestReport = 4096;
+
+}  // namespace
+
+struct HidWorker::State {
+  State(HidBus& b, HidClient& c) : bus(b), client(c) {}
+
+  void run();
+  void work();
+  Status connect();
+  void lose();
+
+  HidBus& bus;
+  HidClient& client;
+  std::unique_ptr<HidConnection> connection;
+  std::string path;
+  std::chrono::steady_clock::time_point lastSeen;
+  std::array<std::uint8_t, kLongestReport> buffer{};
+
+  std::thread thread;
+  std::mutex mutex;
+  std::condition_variable wake;
+  bool stopping = false;  // under mutex
+};
+
+void HidWorker::State::run() {
+  for (;;) {
+    {
+      std::unique_lock lock(mutex);
+      // Reconnecting can fail for a moment after plugging in, until udev has set the permissions.
+      if (!connection && !stopping) wake.wait_for(lock, kRetry, [this] { return stopping; });
+      if (stopping) break;
+    }
+    if (connection || connect().ok()) work();
+  }
+  if (connection) client.end(*connection);
+  lose();
+}
+
+void HidWorker::State::work() {
+  const int length = connection->read(buffer, client.readTimeout_ms());
+  if (length < 0) return lose();
+  const auto now = std::chrono::steady_clock::now();
+  if (length > 0) {
+    lastSeen = now;
+    client.report(std::span<const std::uint8_t>(buffer).first(static_cast<std::size_t>(length)));
+  } else if (now - lastSeen > kPresenceCheck) {
+    // Some buses report a removed device as silence: look whether its node is still there.
+    lastSeen = now;
+    if (!bus.present(path)) return lose();
+  }
+  if (!client.service(*connection).ok()) lose();
+}
+
+Status HidWorker::State::connect() {
+  Error why{std::string(client.what()) + ": none is connected"};
+  for (const HidInfo& info : bus.enumerate()) {
+    if (!client.serves(info)) continue;
+    auto opened = bus.open(info.path);
+    if (!opened) {
+      why = {std::string(client.what()) + ": " + opened.error().message};
+      continue;
+    }
+    if (Status begun = client.begin(**opened, info); !begun) {
+      why = {std::string(client.what()) + ": " + info.path + ": " + begun.error().message};
+      continue;
+    }
+    connection = std::move(opened).value();
+    path = info.path;
+    lastSeen = std::chrono::steady_clock::now();
+    return {};
+  }
+  return why;
+}
+
+void HidWorker::State::lose() {
+  connection.reset();
+  client.lost();
+}
+
+HidWorker::HidWorker(HidBus& bus, HidClient& client) : state_(std::make_unique<State>(bus, client)) {}
+
+HidWorker::~HidWorker() { close(); }
+
+Status HidWorker::open() {
+  State& s = *state_;
+  if (s.thread.joinable()) return {};
+  if (Status connected = s.connect(); !connected) return connected;
+  s.stopping = false;
+  s.thread = std::thread([state = state_.get()] { state->run(); });
+  return {};
+}
+
+void HidWorker::close() {
+  State& s = *state_;
+  if (!s.thread.joinable()) return;
+  {
+    const std::lock_guard lock(s.mutex);
+    s.stopping = true;
+  }
+  s.wake.notify_all();
+  s.thread.join();
+  s.thread = std::thread();
+}
+
+double driverClock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+}  // namespace tandem::haptics
