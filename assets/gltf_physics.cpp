@@ -106,11 +106,13 @@ class PhysicsReader {
     const auto extras = holder.find("extras");
     if (extras == holder.end() || !extras->is_object() || !extras->contains("haptic")) return false;
     const JsonObject haptic((*extras)["haptic"], place + ".extras.haptic");
+    // A force field that a node carries says nothing about its surface (gltf_fields.h).
+    if (haptic.raw().size() == 1 && haptic.has("field")) return false;
     surface.stiffness = haptic.sizeOr("stiffness", surface.stiffness);
     surface.damping = haptic.sizeOr("damping", surface.damping);
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
-    static constexpr const char* kUsed[] = {"stiffness", "damping", "staticFriction", "dynamicFriction"};
+    static constexpr const char* kUsed[] = {"stiffness", "damping", "staticFriction", "dynamicFriction", "field"};
     for (const auto& [key, value] : haptic.raw().items())
       if (std::find(std::begin(kUsed), std::end(kUsed), key) == std::end(kUsed)) ++unusedHaptics_;
     return true;

@@ -8,6 +8,7 @@
 
 #include "assets/affine.h"
 #include "assets/gltf_decode.h"
+#include "assets/gltf_fields.h"
 #include "assets/gltf_loader.h"
 #include "assets/gltf_parts.h"
 #include "assets/mesh_analysis.h"
@@ -56,6 +57,7 @@ class SceneBuilder {
     addTree();
     addParts();
     addJoints();
+    addFields();
     addFindings();
     if (scene_.parts.empty()) throw GltfError("scene", "holds no triangles and no colliders");
     return std::move(scene_);
@@ -235,6 +237,19 @@ class SceneBuilder {
       if (drive.angular) continue;
       drive.positionTarget *= scale;
       drive.velocityTarget *= scale;
+    }
+  }
+
+  /// A field goes with the part of its node if that can move.
+  void addFields() {
+    for (PlacedField& placed : readFields(document_, plan_.nodes, options_.unitScale)) {
+      const std::uint32_t planned = placed.flatNode == kNone ? kNone : plan_.partOfNode[placed.flatNode];
+      const PartId part = planned == kNone ? kNoPart : partIds_[planned];
+      if (part != kNoPart && scene_.parts[part].movable) {
+        placed.field.part = part;
+        placed.field.partFromField = inverse(scene_.parts[part].worldFromPart) * placed.field.partFromField;
+      }
+      scene_.fields.push_back(std::move(placed.field));
     }
   }
 

@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <set>
 
+#include "assets/field_check.h"
+
 namespace tandem::assets {
 namespace {
 
@@ -148,6 +150,9 @@ Status checkScene(const Scene& scene) {
   }
   for (std::size_t i = 0; i < scene.joints.size(); ++i)
     if (Status s = checkJoint(scene, scene.joints[i], numbered("joints", i)); !s) return s;
+  if (scene.fields.size() > kMaxForceFields) return broken("fields", "too many");
+  for (std::size_t i = 0; i < scene.fields.size(); ++i)
+    if (Status s = checkField(scene.fields[i], scene.parts.size(), numbered("fields", i)); !s) return s;
   for (std::size_t i = 0; i < scene.findings.size(); ++i) {
     const Finding& f = scene.findings[i];
     if (f.severity > Finding::Severity::error || !printable(f.code) || !printable(f.where) ||

@@ -261,6 +261,60 @@ void joint(Archive& a, Joint_& j) {
   a.flag(j.collide);
 }
 
+template <typename Archive, typename Region_>
+void fieldRegion(Archive& a, Region_& r) {
+  a.number(r.kind);
+  a.number(r.halfSize);
+  a.number(r.radius);
+  a.number(r.fade);
+}
+
+template <typename Archive, typename Waveform_>
+void waveform(Archive& a, Waveform_& w) {
+  a.number(w.kind);
+  a.number(w.frequency);
+  a.number(w.endFrequency);
+  a.number(w.sweep);
+  a.number(w.phase);
+  a.number(w.width);
+  a.number(w.start);
+  a.number(w.stop);
+}
+
+template <typename Archive, typename Field_>
+void field(Archive& a, Field_& f) {
+  a.text(f.name);
+  a.number(f.kind);
+  a.number(f.part);
+  pose(a, f.partFromField);
+  a.number(f.maxForce);
+  fieldRegion(a, f.region);
+  a.number(f.force);
+  waveform(a, f.waveform);
+  a.number(f.anchor);
+  a.number(f.axis);
+  a.flag(f.oneSided);
+  a.count(f.points, 24);
+  for (auto& p : f.points) a.number(p);
+  a.flag(f.closed);
+  a.flag(f.smooth);
+  a.number(f.stiffness);
+  a.number(f.radius);
+  a.number(f.range);
+  a.number(f.fade);
+  a.number(f.drive);
+  a.number(f.damping);
+  a.number(f.strength);
+  a.number(f.potential);
+  a.number(f.depth);
+  a.number(f.sigma);
+  a.count(f.terms, 11);
+  for (auto& t : f.terms) {
+    a.number(t.coefficient);
+    a.number(t.powers);
+  }
+}
+
 template <typename Archive, typename Mesh_>
 void meshHead(Archive& a, Mesh_& m) {
   a.number(m.shellCount);
@@ -339,6 +393,8 @@ void sceneBody(Archive& a, Scene_& s) {
   for (auto& p : s.parts) part(a, p);
   a.count(s.joints, 129);
   for (auto& j : s.joints) joint(a, j);
+  a.count(s.fields, 334);
+  for (auto& f : s.fields) field(a, f);
   a.count(s.findings, 21);
   for (auto& f : s.findings) {
     a.number(f.severity);

@@ -43,7 +43,8 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
     commandBatch_[batch] = commands_[commandHead_];
     commandHead_ = (commandHead_ + 1) % commands_.size();
   }
-  const haptics::TickInput input{sample, {moved_.data(), movedCount_}, {commandBatch_.data(), batch}};
+  const haptics::TickInput input{sample, {moved_.data(), movedCount_}, {commandBatch_.data(), batch},
+                                 static_cast<double>(sessionNow) * 1e-6};
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
   for (std::size_t i = 0; i < batch; ++i)
     show({commandBatch_[i].part, false, sessionNow, state_.worldFromPart(commandBatch_[i].part)});

@@ -59,6 +59,7 @@ class Tick {
     } else {
       data_.contactWrench = data_.couplingWrench = Wrench{};
     }
+    if (!data_.fields.empty()) feelFields();
     findTouched();
     report();
     sendWrench();
@@ -230,6 +231,18 @@ class Tick {
     if (!TICK_ASSERT(data_.fault, isFinite(data_.proxy.position))) resetProxy();
   }
 
+  void feelFields() {
+    data_.fieldWrench = Wrench{};
+    if (!valid_) return data_.fields.forgetHand();
+    const double time = std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.device.time;
+    const FieldForces felt = data_.fields.step(
+        data_.world, input_.device, time,
+        {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
+    data_.fieldWrench.force = felt.force;
+    out_.sourcePower = felt.sourcePower;
+    out_.flags |= felt.flags;
+  }
+
   /// The part under the tool: what it touches, else what it is inside of, else the nearest within that part's
   /// reach.
   void findTouched() {
@@ -274,7 +287,8 @@ class Tick {
 
   void sendWrench() {
     data_.fade.advance(parameters_.dt);
-    const Wrench wanted = sum(sum(data_.contactWrench, data_.couplingWrench), data_.fade.now());
+    const Wrench felt = sum(data_.contactWrench, data_.fieldWrench);
+    const Wrench wanted = sum(sum(felt, data_.couplingWrench), data_.fade.now());
     out_.toHand = limitOutput(wanted, valid_, parameters_, data_.fault, data_.output, out_.flags);
   }
 
@@ -289,7 +303,8 @@ class Tick {
 
 }  // namespace
 
-TickState::Data::Data(const ContactScene& contactScene) : scene(&contactScene.data()), world(contactScene) {
+TickState::Data::Data(const ContactScene& contactScene)
+    : scene(&contactScene.data()), world(contactScene), fields(contactScene.scene()) {
   const std::size_t parts = contactScene.scene().parts.size();
   moving.reserve(std::max<std::size_t>(parts, 1));
   for (std::size_t i = 0; i < parts; ++i) {

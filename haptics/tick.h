@@ -12,6 +12,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <span>
 
@@ -39,6 +40,7 @@ struct TickParameters {
   double forceLimit = 3.3;          // N
   double torqueLimit = 0.2;         // N·m
   double slewLimit = 400.0;         // N/s: the most by which the force may change
+  double fieldDampingLimit = 10.0;  // N·s/m, of all damping force fields together
   double fadeTime = 0.3;            // s, over which the force of a coupling that ends fades away
   double gain = 1.0;                // 0..1, of the wrench sent
   bool zeroForce = false;           // the user's emergency key
@@ -70,6 +72,8 @@ struct TickInput {
   DeviceSample device;
   std::span<const PartMotion> moved;       // at most one entry a part
   std::span<const PartCommand> commands;   // at most kMaxPartCommands
+  // s, the session's clock, for fields that change with time; not finite: the reading's own time
+  double sessionTime = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// One constraint that the proxy rests on.
@@ -89,6 +93,7 @@ enum TickFlag : std::uint32_t {
   kFlagSqueezed = 1u << 5,         // the proxy could not stay outside everything
   kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
   kFlagProxyReset = 1u << 7,       // the proxy was put back onto the device (start, recovery)
+  kFlagFieldLimited = 1u << 12,    // a force field met its own maximum where that makes it inexact
 };
 
 /// A part simulated in this tick.
@@ -109,6 +114,7 @@ struct TickOutput {
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
+  double sourcePower = 0.0;      // W, what force fields gave the hand since the last tick, before limits
   std::uint32_t flags = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "haptics/contact_world.h"
 #include "haptics/fault.h"
+#include "haptics/force_fields.h"
 #include "haptics/held_part.h"
 #include "haptics/output_limits.h"
 #include "haptics/proxy.h"
@@ -46,6 +47,8 @@ struct TickState::Data {
   OutputLimits output;
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
+  ForceFields fields;
+  Wrench fieldWrench;  // of this tick, before limits
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
   bool started = false;                       // there has been a valid sample

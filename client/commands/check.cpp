@@ -135,6 +135,14 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
                                 {"where", f.where},
                                 {"count", f.count},
                                 {"message", f.message}});
+  json["fields"] = nlohmann::ordered_json::array();
+  for (const assets::ForceField& f : scene.fields)
+    json["fields"].push_back({{"name", f.name},
+                              {"kind", assets::nameOf(f.kind)},
+                              {"energy", assets::nameOf(assets::passivity(f))},
+                              {"part", f.part == kNoPart ? "" : scene.parts[f.part].name},
+                              {"max_force_n", f.maxForce},
+                              {"stiffness_n_per_m", assets::steepest(f)}});
   json["triangles"] = assets::triangleCount(scene);
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
@@ -158,6 +166,14 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
       std::printf("-\n");
   }
   std::printf("\n%zu parts, %zu triangles\n", scene.parts.size(), assets::triangleCount(scene));
+  for (const assets::ForceField& f : scene.fields) {
+    const double slope = assets::steepest(f);
+    std::printf("field %s: %s, %s, at most %.3g N", f.name.c_str(), assets::nameOf(f.kind),
+                assets::nameOf(assets::passivity(f)), f.maxForce);
+    if (slope > 0.0) std::printf(", up to %.3g N/m", slope);
+    if (f.part != kNoPart) std::printf(", goes with %s", scene.parts[f.part].name.c_str());
+    std::printf("%s\n", slope > stiffest ? "; stiffer than is stable on this device" : "");
+  }
   if (scene.findings.empty()) std::printf("no findings: a clean file\n");
   for (const assets::Finding& f : scene.findings)
     std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),

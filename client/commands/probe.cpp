@@ -120,6 +120,7 @@ class Probe {
       haptics::TickInput input;
       input.device = sample(path[i], i, before, beforeIndex);
       input.moved = moved;
+      input.sessionTime = path[i].time;
       const haptics::PartCommand take[2] = {
           {haptics::PartCommand::Kind::own, tool_.part,
            tool_.part == kNoPart ? Pose{} : scene_.parts[tool_.part].worldFromPart},
@@ -218,7 +219,8 @@ nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
       {haptics::kFlagFault, "fault"},
       {haptics::kFlagSqueezed, "squeezed"},
       {haptics::kFlagHeldWithoutContact, "held_without_contact"},
-      {haptics::kFlagProxyReset, "proxy_reset"}};
+      {haptics::kFlagProxyReset, "proxy_reset"},
+      {haptics::kFlagFieldLimited, "field_limited"}};
   nlohmann::ordered_json counts = nlohmann::ordered_json::object();
   for (const auto& [bit, name] : names) {
     std::uint64_t count = 0;

@@ -253,10 +253,11 @@ void SimulatedSite::tickHand(Micros now) {
   }
 }
 
-/// What the scene itself gave to this hand in this tick was not created: the weight of a held part, and the
-/// work of parts that others push against the tool.
+/// What the scene itself gave to this hand in this tick was not created: the weight of a held part, the
+/// work of parts that others push against the tool, and what force fields give by their laws.
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   const assets::Scene& scene = simulation.scene;
+  sourceEnergy += tick.sourcePower * toSeconds(kTick);
   if (tick.held != kNoPart) {
     const assets::Part& part = scene.parts[tick.held];
     sourceEnergy += part.massProperties.mass * part.gravityFactor *
