@@ -17,15 +17,48 @@ glm::dvec3 clampLength(const glm::dvec3& v, double limit, bool& clamped) {
   return v * (std::max(limit, 0.0) / length);
 }
 
+/// One of force and torque on its way out.
+struct Channel {
+  glm::dvec3 sent, within;  // of the last tick
+
+  /// A change that the hand made: `wanted` less what is still held back, of which `step` is let go.
+  glm::dvec3 byHand(const glm::dvec3& wanted, double step, bool& slewed) const {
+    const glm::dvec3 held = within - sent;
+    const double length = glm::length(held);
+    if (!(length > step)) return wanted;
+    slewed = true;
+    const glm::dvec3 along = held / length;
+    const double goal = glm::dot(wanted, along), last = glm::dot(sent, along);
+    const double now =
+        std::clamp(goal - (length - step), std::min({0.0, goal, last}), std::max({0.0, goal, last}));
+    return wanted + (now - goal) * along;
+  }
+
+  /// A change that others made, of at most `step`.
+  glm::dvec3 byOthers(const glm::dvec3& wanted, double step, bool& slewed) const {
+    return sent + clampLength(wanted - sent, step, slewed);
+  }
+};
+
+std::array<double, 10> settingsOf(const TickParameters& p) {
+  return {p.toolRadius,        p.stiffness,       p.damping,    p.graspStiffness, p.graspDamping,
+          p.graspRotStiffness, p.graspRotDamping, p.forceLimit, p.torqueLimit,    p.gain};
+}
+
 }  // namespace
 
-Wrench limitOutput(const Wrench& wanted, bool validSample, const TickParameters& parameters,
-                   FaultLatch& fault, OutputLimits& limits, std::uint32_t& flags) {
+Wrench limitOutput(const Wrench& wanted, bool validSample, const ForceCause& cause,
+                   const TickParameters& parameters, FaultLatch& fault, OutputLimits& limits,
+                   std::uint32_t& flags) {
   const bool good = TICK_ASSERT(fault, isFinite(wanted.force) && isFinite(wanted.torque));
   if (fault.raised()) flags |= kFlagFault;
+  const std::array<double, 10> settings = settingsOf(parameters);
+  const bool ordered = limits.silent || fault.raised() || settings != limits.settings;
+  limits.settings = settings;
   // No actuator may be driven on a reading that is not there, nor once the user has hit the key.
-  if (!validSample || parameters.zeroForce) {
-    limits.sent = Wrench{};
+  limits.silent = !validSample || parameters.zeroForce;
+  if (limits.silent) {
+    limits.sent = limits.within = Wrench{};
     return {};
   }
   bool limited = false, slewed = false;
@@ -34,14 +67,26 @@ Wrench limitOutput(const Wrench& wanted, bool validSample, const TickParameters&
                             ? Wrench{clampLength(wanted.force * gain, parameters.forceLimit, limited),
                                      clampLength(wanted.torque * gain, parameters.torqueLimit, limited)}
                             : Wrench{};
-  const double step = parameters.slewLimit * parameters.dt;
-  const double torqueStep =
-      parameters.forceLimit > 0.0 ? step * parameters.torqueLimit / parameters.forceLimit : 0.0;
-  limits.sent.force += clampLength(within.force - limits.sent.force, step, slewed);
-  limits.sent.torque += clampLength(within.torque - limits.sent.torque, torqueStep, slewed);
+  const double step = parameters.slewLimit * parameters.dt, turn = parameters.torqueSlewLimit * parameters.dt;
+  const Channel force{limits.sent.force, limits.within.force};
+  const Channel torque{limits.sent.torque, limits.within.torque};
+  Wrench now;
+  if (ordered || !cause.byHand) {
+    now.force = force.byOthers(within.force, step + (ordered ? 0.0 : cause.explained), slewed);
+  } else {
+    now.force = force.byHand(within.force, step, slewed);
+  }
+  now.torque =
+      ordered ? torque.byOthers(within.torque, turn, slewed) : torque.byHand(within.torque, turn, slewed);
+  if (parameters.deviceSlewLimit > 0.0) {
+    const double most = parameters.deviceSlewLimit * parameters.dt;
+    now.force = limits.sent.force + clampLength(now.force - limits.sent.force, most, slewed);
+  }
+  limits.within = within;
+  limits.sent = now;
   if (limited) flags |= kFlagForceLimited;
   if (slewed) flags |= kFlagSlewLimited;
-  return limits.sent;
+  return now;
 }
 
 }  // namespace tandem::haptics

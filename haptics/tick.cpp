@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -73,6 +74,10 @@ class Tick {
       data_.invalidTime += parameters_.dt;
       return;
     }
+    handWay_ =
+        data_.started
+            ? glm::length(input_.device.worldFromDevice.position - data_.device.worldFromDevice.position)
+            : 0.0;
     data_.device = input_.device;
     if (!data_.started || data_.invalidTime > kProxyResetAfter) resetProxy();
     data_.started = true;
@@ -136,6 +141,7 @@ class Tick {
       case PartCommand::Kind::setPose:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
         // A part put somewhere is not a part that moves there: it does not sweep the tool along.
+        if (pressesOn(command.part)) noteOthers(0.0);
         data_.world.setPose(command.part, command.pose, Twist{});
         if (data_.started) ignoreOverlapping();
         return;
@@ -145,6 +151,7 @@ class Tick {
   void grasp(PartId part) {
     if (!data_.started || !data_.held.owns(part) || data_.held.held() == part) return;
     if (data_.held.held() != kNoPart) letGo();
+    noteOthers(0.0);
     data_.held.grasp(part, data_.device.worldFromDevice);
     // The tool no longer touches what it holds. The force of that contact must not vanish at once.
     data_.fade.start(forceOfContactsWith(part), parameters_.fadeTime);
@@ -152,6 +159,7 @@ class Tick {
   }
 
   void letGo() {
+    noteOthers(0.0);
     data_.held.letGo();
     data_.fade.start(data_.couplingWrench, parameters_.fadeTime);
     data_.couplingWrench = Wrench{};
@@ -170,8 +178,10 @@ class Tick {
   }
 
   void moveParts() {
-    for (const PartId part : data_.moving) data_.world.setTwist(part, Twist{});
+    // Twists of the last tick are kept until each part has moved: they tell a motion from a jump.
+    std::swap(data_.moving, data_.movedBefore);
     data_.moving.clear();
+    ++data_.tickNumber;
     for (const PartMotion& motion : input_.moved) {
       // These come from elsewhere: what cannot be used is dropped, never trusted.
       const bool good = data_.world.has(motion.part) && isValid(motion.worldFromPart) &&
@@ -182,19 +192,62 @@ class Tick {
       } else if (!data_.held.owns(motion.part)) {
         movePart(motion.part, motion.worldFromPart, motion.twist);
         data_.moving.push_back(motion.part);
+        data_.movedAt[motion.part] = data_.tickNumber;
       }
+    }
+    for (const PartId part : data_.movedBefore) {
+      if (data_.movedAt[part] != data_.tickNumber) data_.world.setTwist(part, Twist{});
     }
   }
 
   void movePart(PartId part, const Pose& worldFromPart, const Twist& twist) {
     const Pose before = data_.world.pose(part);
     if (samePose(before, worldFromPart)) return data_.world.setTwist(part, twist);
+    const Twist twistBefore = data_.world.twist(part);
     data_.world.setPose(part, worldFromPart, twist);
     if (!data_.started) return;
-    if (!pushProxy(data_.world, part, before, radius(), data_.proxy)) {
+    const glm::dvec3 proxyBefore = data_.proxy.position;
+    const bool free = pushProxy(data_.world, part, before, radius(), data_.proxy);
+    if (data_.proxy.position != proxyBefore || pressesOn(part)) {
+      noteOthers(explainedBy(before, twistBefore, proxyBefore));
+    }
+    if (!free) {
       out_.flags |= kFlagSqueezed;
       ignore(part);
     }
+  }
+
+  bool pressesOn(PartId part) const {
+    for (int i = 0; i < data_.proxy.planeCount; ++i) {
+      const ProxyPlane& plane = data_.proxy.planes[static_cast<std::size_t>(i)];
+      if (plane.surface.part == part && presses(plane)) return true;
+    }
+    return false;
+  }
+
+  /// Others have changed the force by something of which `way` m were to be expected.
+  void noteOthers(double way) {
+    cause_.byHand = false;
+    othersWay_ += way;
+  }
+
+  /// How far the surface under the proxy would have come in this tick at the last tick's velocity, m: a
+  /// motion that goes on is felt as it is, one that begins with a jump is not.
+  double explainedBy(const Pose& before, const Twist& twist, const glm::dvec3& proxy) const {
+    const double arm = glm::length(proxy - data_.device.worldFromDevice.position);
+    return parameters_.dt *
+           (glm::length(velocityAt(before, twist, proxy)) + glm::length(twist.angular) * arm);
+  }
+
+  /// The stiffest spring between the hand and what it touches, N/m.
+  double stiffnessInPlay() const {
+    double most =
+        std::max(parameters_.stiffness, data_.held.held() != kNoPart ? parameters_.graspStiffness : 0.0);
+    for (int i = 0; i < data_.proxy.planeCount; ++i) {
+      const SurfacePoint& surface = data_.proxy.planes[static_cast<std::size_t>(i)].surface;
+      most = std::max(most, data_.world.material(surface.part, surface.triangle).stiffness);
+    }
+    return most;
   }
 
   void simulateOwned() {
@@ -289,7 +342,8 @@ class Tick {
     data_.fade.advance(parameters_.dt);
     const Wrench felt = sum(data_.contactWrench, data_.fieldWrench);
     const Wrench wanted = sum(sum(felt, data_.couplingWrench), data_.fade.now());
-    out_.toHand = limitOutput(wanted, valid_, parameters_, data_.fault, data_.output, out_.flags);
+    if (!cause_.byHand) cause_.explained = stiffnessInPlay() * (handWay_ + othersWay_);
+    out_.toHand = limitOutput(wanted, valid_, cause_, parameters_, data_.fault, data_.output, out_.flags);
   }
 
   double radius() const { return parameters_.toolRadius; }
@@ -298,6 +352,8 @@ class Tick {
   const TickParameters& parameters_;
   Data& data_;
   const bool valid_;
+  ForceCause cause_;
+  double handWay_ = 0.0, othersWay_ = 0.0;  // m, that the hand and what it touches went in this tick
   TickOutput out_;
 };
 
@@ -307,6 +363,8 @@ TickState::Data::Data(const ContactScene& contactScene)
     : scene(&contactScene.data()), world(contactScene), fields(contactScene.scene()) {
   const std::size_t parts = contactScene.scene().parts.size();
   moving.reserve(std::max<std::size_t>(parts, 1));
+  movedBefore.reserve(std::max<std::size_t>(parts, 1));
+  movedAt.resize(parts);
   for (std::size_t i = 0; i < parts; ++i) {
     touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(static_cast<PartId>(i)).radius);
   }

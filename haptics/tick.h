@@ -4,7 +4,7 @@
 //
 // 1. Fixed, bounded work: no allocation, lock, system call, log or throw. Capacities are fixed; what does not fit sets a
 //    flag.
-// 2. The force sent is finite, within the limit, and its rate of change is limited.
+// 2. The force sent is finite and within the limit; what the hand did not cause itself grows at a limited rate.
 // 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
 // 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
 //
@@ -39,8 +39,10 @@ struct TickParameters {
   double graspRotDamping = 0.02;    // N·m·s/rad
   double forceLimit = 3.3;          // N
   double torqueLimit = 0.2;         // N·m
-  double slewLimit = 400.0;         // N/s: the most by which the force may change
   double fieldDampingLimit = 10.0;  // N·s/m, of all damping force fields together
+  double slewLimit = 400.0;         // N/s: how fast a change grows that the hand did not make
+  double torqueSlewLimit = 24.0;    // N·m/s: the same for the torque
+  double deviceSlewLimit = 0.0;     // N/s: what the device can follow, whatever the cause; 0 = any
   double fadeTime = 0.3;            // s, over which the force of a coupling that ends fades away
   double gain = 1.0;                // 0..1, of the wrench sent
   bool zeroForce = false;           // the user's emergency key

@@ -54,6 +54,9 @@ struct TickState::Data {
   bool started = false;                       // there has been a valid sample
   double touchReach = 0.0;                    // m, the largest of all parts
   std::vector<PartId> moving;                 // parts with a twist from this tick; capacity for all
+  std::vector<PartId> movedBefore;            // those of the last tick
+  std::vector<std::uint32_t> movedAt;         // per part: the last tick in which others moved it
+  std::uint32_t tickNumber = 0;               // wraps: only equality with movedAt is asked
   std::array<PartId, kMaxIgnored> ignored{};  // parts that the tool passes through until it has left them
   int ignoredCount = 0;
 };

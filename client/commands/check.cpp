@@ -9,6 +9,7 @@
 
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
+#include "client/device_class.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 
@@ -23,22 +24,6 @@ struct Arguments {
   std::string device = "desktop";
   double delay_ms = 0.0;
   bool json = false;
-};
-
-/// A class of devices, for the prediction of stable stiffness.
-struct DeviceClass {
-  const char* name;
-  const char* what;
-  haptics::DeviceLimits limits;
-};
-
-/// Physical damping and quantum are what limits stiffness; figures of published data sheets and measurements.
-const DeviceClass kDevices[] = {
-    {"desktop",
-     "desktop arm of the Phantom Omni class",
-     {6, 3, 3.3, 0.0, 0.045, 0.1, 0.055e-3, 0.08, 1000.0}},
-    {"damped", "the same arm held by a firm hand", {6, 3, 3.3, 0.0, 0.045, 1.0, 0.055e-3, 0.08, 1000.0}},
-    {"stylus", "mouse and keyboard", {6, 3, 3.3, 0.0, 0.045, 0.1, 0.055e-3, 0.2, 1000.0}},
 };
 
 /// How a part is modelled for contact, and what that costs.
@@ -184,19 +169,17 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
 }
 
 int run(const Arguments& arguments) {
-  const DeviceClass* device = nullptr;
-  for (const DeviceClass& entry : kDevices)
-    if (arguments.device == entry.name) device = &entry;
-  if (!device) return badInput(Error{"--device " + arguments.device + ": must be desktop, damped or stylus"});
+  const DeviceClass* device = findDeviceClass(arguments.device);
+  if (!device)
+    return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
   Result<assets::Scene> scene = loadScene(arguments.scene);
   if (!scene) return badInput(scene.error());
   const haptics::ContactScene contact(*scene);
   std::vector<PartModel> models;
   for (std::size_t i = 0; i < scene->parts.size(); ++i)
     models.push_back(modelOf(contact, static_cast<PartId>(i)));
-  const haptics::TickParameters parameters;
-  const double stiffest = haptics::stiffestStable(device->limits.damping, parameters.dt,
-                                                  arguments.delay_ms * 1e-3, parameters.damping);
+  const double stiffest =
+      haptics::stiffestContact(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
   if (arguments.json)
     std::printf("%s\n", toJson(*scene, models, *device, arguments, stiffest).dump(2).c_str());
   else
@@ -211,7 +194,7 @@ void addCheck(CLI::App& app, int& exitCode) {
   CLI::App* command =
       app.add_subcommand("check", "Say what is wrong with a scene, and how each part will be felt");
   addSceneOptions(*command, arguments->scene);
-  command->add_option("--device", arguments->device, "Device class: desktop, damped or stylus")
+  command->add_option("--device", arguments->device, "Device class: " + deviceClassNames())
       ->capture_default_str();
   command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")
       ->check(numberFrom(0.0, 1e6));

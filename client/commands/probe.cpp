@@ -1,16 +1,20 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <memory>
 
 #include <CLI/CLI.hpp>
+#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "assets/percentiles.h"
 #include "client/allocation_counter.h"
 #include "client/commands/command.h"
+#include "client/device_class.h"
 #include "client/device_path.h"
+#include "haptics/device_defaults.h"
 #include "haptics/tick.h"
 
 namespace tandem::client {
@@ -21,9 +25,9 @@ using Clock = std::chrono::steady_clock;
 
 struct Arguments {
   SceneArguments scene;
-  std::string path, tool = "point", ticks, json;
+  std::string path, tool = "point", ticks, json, device;
   std::vector<std::string> moves;
-  double stiffness = 0.0, damping = -1.0, forceLimit = 0.0;
+  double stiffness = 0.0, damping = -1.0, forceLimit = 0.0, slewLimit = 0.0;
 };
 
 constexpr double kLargestRadius = 1e4;  // m
@@ -92,14 +96,24 @@ Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
           rotationVector(to.pose.orientation * glm::conjugate(from.pose.orientation)) / dt};
 }
 
+/// Without a device nothing clamps the force, so that it can be compared with the exact one. What others do
+/// to the hand is limited all the same.
+haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceClass* device) {
+  haptics::TickParameters p;
+  p.forceLimit = p.torqueLimit = std::numeric_limits<double>::infinity();
+  if (device != nullptr) haptics::fitToDevice(device->limits, 0.0, p);
+  if (arguments.stiffness > 0.0) p.stiffness = p.graspStiffness = arguments.stiffness;
+  if (arguments.damping >= 0.0) p.damping = p.graspDamping = arguments.damping;
+  if (arguments.forceLimit > 0.0) p.forceLimit = arguments.forceLimit;
+  if (arguments.slewLimit > 0.0) p.deviceSlewLimit = arguments.slewLimit;
+  return p;
+}
+
 class Probe {
  public:
-  Probe(const assets::Scene& scene, const haptics::ContactScene& contact, const Arguments& arguments,
-        Tool tool)
-      : scene_(scene), contact_(contact), state_(contact), tool_(tool) {
-    if (arguments.stiffness > 0.0) parameters_.stiffness = parameters_.graspStiffness = arguments.stiffness;
-    if (arguments.damping >= 0.0) parameters_.damping = parameters_.graspDamping = arguments.damping;
-    if (arguments.forceLimit > 0.0) parameters_.forceLimit = arguments.forceLimit;
+  Probe(const assets::Scene& scene, const haptics::ContactScene& contact,
+        const haptics::TickParameters& parameters, Tool tool)
+      : scene_(scene), contact_(contact), state_(contact), parameters_(parameters), tool_(tool) {
     parameters_.toolRadius = tool.radius;
     parameters_.gravity = scene.gravity;
   }
@@ -230,6 +244,29 @@ nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
   return counts;
 }
 
+/// What was felt, under which limits.
+void printForces(const std::vector<Row>& rows, const haptics::TickParameters& parameters,
+                 const DeviceClass* device) {
+  double most = 0.0, torque = 0.0;
+  int contacts = 0;
+  std::size_t touching = 0;
+  for (const Row& row : rows) {
+    most = std::max(most, glm::length(row.tick.toHand.force));
+    torque = std::max(torque, glm::length(row.tick.toHand.torque));
+    contacts = std::max(contacts, row.tick.contactCount);
+    touching += row.tick.contactCount > 0 ? 1 : 0;
+  }
+  std::printf("largest force %.4g N, torque %.4g N*m; %zu ticks in contact, at most %d contacts\n", most,
+              torque, touching, contacts);
+  if (device != nullptr)
+    std::printf("device %s: stiffness %.0f N/m where the material states none, force limit %.4g N\n",
+                device->name, parameters.stiffness, parameters.forceLimit);
+  const nlohmann::ordered_json flags = flagCounts(rows);
+  for (const auto& [name, count] : flags.items())
+    std::printf("  %s in %llu ticks\n", name.c_str(),
+                static_cast<unsigned long long>(count.get<std::uint64_t>()));
+}
+
 double milliseconds(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
@@ -237,6 +274,9 @@ double milliseconds(Clock::time_point from) {
 int run(const Arguments& arguments) {
   for (const std::string& out : {arguments.ticks, arguments.json})
     if (Status free = writable(out); !free) return badInput(free.error());
+  const DeviceClass* device = arguments.device.empty() ? nullptr : findDeviceClass(arguments.device);
+  if (device == nullptr && !arguments.device.empty())
+    return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
   Result<std::vector<PathRow>> path = loadDevicePath(arguments.path);
   if (!path) return badInput(path.error());
   const Clock::time_point loadStart = Clock::now();
@@ -255,7 +295,8 @@ int run(const Arguments& arguments) {
         stderr,
         "tandem: note: a held part follows the hand but does not collide with others in this version\n");
 
-  Probe probe(*scene, contact, arguments, *tool);
+  const haptics::TickParameters parameters = parametersOf(arguments, device);
+  Probe probe(*scene, contact, parameters, *tool);
   probe.run(*path, *moves);
 
   if (!arguments.ticks.empty())
@@ -280,6 +321,7 @@ int run(const Arguments& arguments) {
               assets::triangleCount(*scene), scene->parts.size(), load_ms, bake_ms);
   std::printf("tick %.2f us p50, %.2f p99, %.2f p99.9, %.2f max; %llu allocations\n", p.p50 / 1e3,
               p.p99 / 1e3, p.p999 / 1e3, p.max / 1e3, static_cast<unsigned long long>(probe.allocations()));
+  printForces(probe.rows(), parameters, device);
   return probe.allocations() == 0 ? kExitDone : kExitFailed;
 }
 
@@ -298,8 +340,17 @@ void addProbe(CLI::App& app, int& exitCode) {
   command->add_option("--stiffness", arguments->stiffness, "N/m, where the material states none")
       ->check(numberFrom(1e-3, 1e6));
   command->add_option("--damping", arguments->damping, "N*s/m")->check(numberFrom(0.0, 1e4));
+  command->add_option(
+      "--device", arguments->device,
+      "Limits and stiffness as on a device: " + deviceClassNames() + "; none: no force limit");
   command->add_option("--force-limit", arguments->forceLimit, "N, of the device")
       ->check(numberFrom(1e-3, 1e4));
+  command
+      ->add_option(
+          "--slew-limit", arguments->slewLimit,
+          "N/s that the device can follow, whatever the cause; what the hand did not do itself (a part "
+          "that jumps onto it, recovery) is always limited to 400 N/s")
+      ->check(numberFrom(1e-3, 1e9));
   command->add_option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable");
   command->add_option("--ticks", arguments->ticks, "Write every tick to this CSV file");
   command->add_option("--json", arguments->json,

@@ -55,10 +55,10 @@ TEST(Tick, PutsTheProxyOntoAHandThatWasLongUnseen) {
   EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
 }
 
-TEST(Tick, LimitsForceAndItsRate) {
+TEST(Tick, LimitsForceAndTheRateThatADeviceCanFollow) {
   TickParameters p = springOnly(5000.0);
   p.forceLimit = 3.3;
-  p.slewLimit = 400.0;
+  p.deviceSlewLimit = 400.0;
   HandProbe hand(boxScene(), p);
   hand.at({0.0, 0.0, 0.011});
   glm::dvec3 last(0.0);
