@@ -24,10 +24,13 @@ double smoothStep(double u) {
 double smoothStepSlope(double u) { return u > 0.0 && u < 1.0 ? 6.0 * u * (1.0 - u) : 0.0; }
 
 glm::dvec3 shortened(const glm::dvec3& v, double limit, bool& cut) {
-  const double length = glm::length(v);
+  const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+  if (!(largest > 0.0)) return v;
+  // By way of the largest component: a polynomial far out has squares that no double holds.
+  const double length = largest * glm::length(v / largest);
   if (length <= limit * (1.0 + 1e-12)) return v;  // a law that stays within may round beyond
   cut = true;
-  return v * (limit / length);
+  return v / largest * (limit / (length / largest));
 }
 
 double power(double x, unsigned n) {

@@ -20,6 +20,8 @@ std::vector<SampleScene> makeAllScenes() {
   scenes.push_back(makePump());
   scenes.push_back(makeFilterChange());
   scenes.push_back(makePegBoard());
+  scenes.push_back(makeSolarSystem());
+  scenes.push_back(makeGuidedPath());
   return scenes;
 }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/force_field.h"
 #include "assets/generate/shapes.h"
 
 namespace tandem::generate {
@@ -44,6 +45,7 @@ struct SamplePart {
   std::size_t shape = 0;
   glm::dvec3 position{0.0};  // m
   bool movable = false;
+  std::vector<assets::ForceField> fields{};  // of gravity, or guides; in the part's frame
 };
 
 struct SampleScene {
@@ -57,6 +59,8 @@ struct SampleScene {
 SampleScene makePump();
 SampleScene makeFilterChange();
 SampleScene makePegBoard();
+SampleScene makeSolarSystem();
+SampleScene makeGuidedPath();
 
 /// All of them, in the order of their files.
 std::vector<SampleScene> makeAllScenes();

@@ -111,6 +111,33 @@ tinygltf::Value motion(const assets::Mesh& mesh, double density) {
                                 {"inertiaDiagonal", vector(inertia)}});
 }
 
+tinygltf::Value fieldValue(const assets::ForceField& field) {
+  Object value{{"kind", tinygltf::Value(std::string(assets::nameOf(field.kind)))},
+               {"name", tinygltf::Value(field.name)},
+               {"maxForce", number(field.maxForce)},
+               {"radius", number(field.radius)}};
+  if (field.kind == assets::ForceField::Kind::gravity) {
+    value["surfaceForce"] = number(rounded(field.strength / (field.radius * field.radius)));
+    return tinygltf::Value(value);
+  }
+  Array points;
+  for (const glm::dvec3& p : field.points) points.push_back(vector(p));
+  value["points"] = tinygltf::Value(points);
+  value["stiffness"] = number(field.stiffness);
+  value["damping"] = number(field.damping.x);
+  value["range"] = number(field.range);
+  value["fade"] = number(field.fade);
+  return tinygltf::Value(value);
+}
+
+void addFields(const SamplePart& part, tinygltf::Node& node) {
+  if (part.fields.empty()) return;
+  Array fields;
+  for (const assets::ForceField& field : part.fields) fields.push_back(fieldValue(field));
+  node.extras =
+      tinygltf::Value(Object{{"haptic", tinygltf::Value(Object{{"field", tinygltf::Value(fields)}})}});
+}
+
 }  // namespace
 
 std::string toGlb(const SampleScene& scene) {
@@ -137,6 +164,7 @@ std::string toGlb(const SampleScene& scene) {
                                                     {"physicsMaterial", index(shape.feel)}})}};
     if (part.movable) body["motion"] = motion(meshes[part.shape], scene.feels[shape.feel].density);
     node.extensions["KHR_physics_rigid_bodies"] = tinygltf::Value(body);
+    addFields(part, node);
     root.nodes.push_back(static_cast<int>(model.nodes.size()));
     model.nodes.push_back(node);
   }

@@ -192,6 +192,40 @@ TEST(SampleScenes, LoadAsTheyWereMadeWithNothingToRemark) {
   }
 }
 
+TEST(SampleScenes, TheSunAndItsPlanetsPullAndGoWithTheirParts) {
+  const auto scene = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/solar_system.glb", {});
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  ASSERT_EQ(scene->fields.size(), 6u);
+  for (std::size_t i = 0; i < scene->fields.size(); ++i) {
+    const assets::ForceField& field = scene->fields[i];
+    EXPECT_EQ(field.kind, assets::ForceField::Kind::gravity);
+    EXPECT_EQ(field.part, scene->parts[i].movable ? static_cast<PartId>(i) : kNoPart);
+    // The field's radius is that of the body that is seen.
+    const assets::Bounds& bounds = scene->meshes[scene->parts[i].mesh].bounds;
+    EXPECT_NEAR(field.radius, 0.5 * (bounds.max.y - bounds.min.y), 1e-6) << field.name;
+  }
+  EXPECT_NEAR(scene->fields[0].strength, 2.5 * 0.03 * 0.03, 1e-12);
+}
+
+TEST(SampleScenes, TheGuidedPathKeepsClearOfItsPlate) {
+  const auto scene = assets::loadGltf(TANDEM_SOURCE_DIR "/assets/scenes/guided_path.glb", {});
+  ASSERT_TRUE(scene.ok()) << scene.error().message;
+  ASSERT_EQ(scene->fields.size(), 1u);
+  const assets::ForceField& guide = scene->fields[0];
+  EXPECT_EQ(guide.kind, assets::ForceField::Kind::guide);
+  EXPECT_EQ(guide.part, kNoPart);
+  bool through = false;
+  for (std::size_t i = 0; i + 1 < guide.points.size(); ++i) {
+    for (double s = 0.0; s <= 1.0; s += 0.05) {
+      const glm::dvec3 p = glm::mix(guide.points[i], guide.points[i + 1], s);
+      if (p.y < 0.0 || p.y > 0.01) continue;
+      through = true;
+      EXPECT_LT(std::hypot(p.x, p.z) + guide.radius, 0.009);
+    }
+  }
+  EXPECT_TRUE(through);
+}
+
 TEST(Triangulate, CoversAPlateWithHolesExactly) {
   const std::vector<glm::dvec2> plate = roundedRectangle(glm::dvec2(4.0, 3.0), 0.5, 6);
   const auto signedArea = [](const std::vector<glm::dvec2>& loop) {

@@ -3,53 +3,22 @@
 #include "haptics/force_fields.h"
 
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <random>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
-#include "haptics/simulated_hand.h"
+#include "tests/haptics/field_samples.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::haptics {
 namespace {
 
-using assets::FieldRegion;
 using assets::FieldWaveform;
 using assets::ForceField;
-using test::HandProbe;
+using namespace test;
 using Kind = ForceField::Kind;
-
-assets::Scene sceneWith(std::vector<ForceField> fields) {
-  assets::Scene scene;
-  scene.materials.emplace_back();
-  scene.fields = std::move(fields);
-  return scene;
-}
-
-ForceField spring(double stiffness) {
-  ForceField f;
-  f.kind = Kind::spring;
-  f.stiffness = stiffness;
-  return f;
-}
-
-ForceField gravity(double strength, double radius) {
-  ForceField f;
-  f.kind = Kind::gravity;
-  f.strength = strength;
-  f.radius = radius;
-  f.maxForce = 1e3;
-  return f;
-}
-
-FieldRegion sphere(double radius, double fade) {
-  return {FieldRegion::Kind::sphere, glm::dvec3(0.0), radius, fade};
-}
-
-FieldRegion box(const glm::dvec3& half, double fade) { return {FieldRegion::Kind::box, half, 0.0, fade}; }
 
 glm::dvec3 forceAt(const ForceField& field, const glm::dvec3& x, const glm::dvec3& v = glm::dvec3(0.0),
                    double time = 0.0) {
@@ -173,53 +142,10 @@ TEST(ForceFields, AWaveformFollowsTheSessionsClockOrElseTheReadings) {
   DeviceSample sample;
   sample.valid = true;
   sample.time = 0.03;
-  const TickParameters free = test::springOnly();
+  const TickParameters free = springOnly();
   expectNear(tick({sample, {}, {}}, contact, free, state).toHand.force,
              {0.0, 2.0 * std::sin(2.0 * M_PI * 5.0 * 0.03), 0.0}, 1e-12);
   expectNear(tick({sample, {}, {}, 100.05}, contact, free, state).toHand.force, {0.0, 2.0, 0.0}, 1e-9);
-}
-
-/// All laws that have a potential, with and without borders.
-std::vector<ForceField> storedFields() {
-  std::vector<ForceField> all;
-  ForceField f = spring(150.0);
-  f.radius = 0.01;
-  f.maxForce = 3.0;
-  for (const auto anchor : {ForceField::Anchor::point, ForceField::Anchor::line, ForceField::Anchor::plane}) {
-    f.anchor = anchor;
-    f.range = f.fade = 0.0;
-    all.push_back(f);
-    f.range = 0.04;
-    f.fade = 0.015;
-    all.push_back(f);
-  }
-  f.anchor = ForceField::Anchor::path;
-  f.points = {{-0.05, 0.0, 0.0}, {0.0, 0.01, 0.0}, {0.05, 0.0, 0.01}};
-  all.push_back(f);
-  all.push_back(gravity(1e-3, 0.02));
-  all.push_back(gravity(1e-3, 0.02));
-  all.back().maxForce = 1.5;  // cut between 0.012 and 0.026 m
-  all.push_back(gravity(-1e-3, 0.02));
-  all.back().range = 0.05;
-  all.back().fade = 0.02;
-  f = ForceField{};
-  f.kind = Kind::potential;
-  f.depth = 0.02;
-  f.sigma = {0.02, 0.03, 0.015};
-  all.push_back(f);
-  f.region = box({0.05, 0.04, 0.03}, 0.02);
-  f.maxForce = 100.0;
-  all.push_back(f);
-  f.potential = ForceField::Potential::ripple;
-  f.region = sphere(0.05, 0.02);
-  all.push_back(f);
-  f.potential = ForceField::Potential::polynomial;
-  f.terms = {{20.0, {2, 0, 0}}, {300.0, {1, 2, 1}}, {-5.0, {0, 0, 1}}};
-  all.push_back(f);
-  f = ForceField{};
-  f.force = {0.5, -1.0, 0.2};
-  all.push_back(f);
-  return all;
 }
 
 TEST(FieldForce, IsMinusTheSlopeOfItsPotentialEverywhere) {
