@@ -29,6 +29,7 @@ struct SurfacePoint {
   glm::dvec3 point{0.0, 0.0, 0.0};
   glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, towards the asker
   double distance = 0.0;             // m
+  bool onFace = false;               // inside the triangle, neither on an edge nor a corner
 };
 
 class ContactWorld {

@@ -57,29 +57,71 @@ void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
     if (!presses(proxy.planes[static_cast<std::size_t>(i)])) slot = i;
   }
   ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(std::max(slot, 0))];
-  plane.surface = {hit.part, hit.triangle, hit.point, hit.normal,
-                   glm::dot(proxy.position - hit.point, hit.normal)};
+  plane.surface = {
+      hit.part,  hit.triangle, hit.point, hit.normal, glm::dot(proxy.position - hit.point, hit.normal),
+      hit.onFace};
   plane.skin = world.skin(hit.part, proxy.position);
   plane.multiplier = 0.0;
 }
 
+/// The contact that covers this one on an edge or corner: it lies on or under the other's plane, and further
+/// from the proxy, which rests there at full height.
+const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
+  const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(index)];
+  if (plane.surface.onFace) return nullptr;
+  const double height = radius + 0.75 * plane.skin;  // below this a sweep along the plane would meet the edge
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& other = proxy.planes[static_cast<std::size_t>(i)];
+    const SurfacePoint& under = other.surface;
+    if (i == index || !(under.distance < plane.surface.distance) || under.distance < height) continue;
+    if (glm::dot(under.normal, plane.surface.point - under.point) <= 0.25 * plane.skin) return &other;
+  }
+  return nullptr;
+}
+
+/// Settles what a covered edge means: nothing where its face goes on flat or downwards, which is then not
+/// felt from here; the face itself where that rises. False if it means nothing.
+bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
+                ProxyPlane& plane) {
+  SurfacePoint& at = plane.surface;
+  const Pose& pose = world.pose(at.part);
+  const Triangle t = world.collider(at.part).tree->triangle(at.triangle);
+  const glm::dvec3 a = transformPoint(pose, t.a), b = transformPoint(pose, t.b),
+                   c = transformPoint(pose, t.c);
+  const auto height = [&](const glm::dvec3& p) {
+    return glm::dot(cover.surface.normal, p - cover.surface.point);
+  };
+  if (std::max({height(a), height(b), height(c)}) <= plane.skin) return false;
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  if (!(length > 0.0)) return true;
+  const double side = glm::dot(normal, position - at.point);
+  at.normal = side < 0.0 ? -normal / length : normal / length;
+  at.distance = std::abs(side) / length;
+  return true;
+}
+
 /// The way from the proxy to the point nearest to the goal that the known planes allow. Notes the
 /// multipliers.
-glm::dvec3 wayToGoal(const glm::dvec3& goal, double radius, Proxy& proxy) {
+glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   std::array<HalfSpace, kMaxPlanes> planes;
+  std::array<int, kMaxPlanes> source{};
+  std::size_t count = 0;
   double tolerance = 0.0;
   for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
-    planes[static_cast<std::size_t>(i)] = {plane.surface.normal,
-                                           radius + plane.skin - plane.surface.distance};
-    tolerance = i == 0 ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
+    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    plane.multiplier = 0.0;
+    const ProxyPlane* cover = proxy.planeCount > 1 ? coverOf(proxy, radius, i) : nullptr;
+    if (cover != nullptr && !facesProxy(world, *cover, proxy.position, plane)) continue;
+    tolerance = count == 0 ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
+    source[count] = i;
+    planes[count++] = {plane.surface.normal, radius + plane.skin - plane.surface.distance};
   }
   // Lengths are relative to the proxy, where they are small and keep their digits.
-  const Projection found = projectOntoPlanes(
-      goal - proxy.position,
-      std::span<const HalfSpace>(planes.data(), static_cast<std::size_t>(proxy.planeCount)), tolerance);
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    proxy.planes[static_cast<std::size_t>(i)].multiplier = found.multiplier[static_cast<std::size_t>(i)];
+  const Projection found =
+      projectOntoPlanes(goal - proxy.position, std::span<const HalfSpace>(planes.data(), count), tolerance);
+  for (std::size_t i = 0; i < count; ++i) {
+    proxy.planes[static_cast<std::size_t>(source[i])].multiplier = found.multiplier[i];
   }
   // Planes that contradict each other (a gap narrower than the tool and its skins): staying is always
   // allowed.
@@ -167,8 +209,8 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const glm::dvec3 shift = foot - plane.surface.point;
   const double angle = std::atan2(sine, cosine);
   if (angle * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
-  // Exactly opposite: both ways are as good; the straight step decides.
-  if (!(sine > 0.0) && cosine < 0.0) return false;
+  // Right behind the crease: no side is nearer than the other.
+  if (sine < 1e-6 && cosine < 0.0) return false;
   const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
   const double turn = std::min(angle, kMaxRoll), share = angle > 0.0 ? turn / angle : 1.0;
   const auto over = [&](double part) {
@@ -243,19 +285,30 @@ double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding
   return reach;
 }
 
-/// slideProxy() from planes that are up to date.
+/// Moves the proxy as near to the goal as it gets, from planes that are up to date.
 void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  bool mayRoll = radius > 0.0;
   for (int round = 0; round < kMaxRounds; ++round) {
-    glm::dvec3 way = wayToGoal(goal, radius, proxy);
+    glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
     if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
     bool onCrease = false;
     const bool cut = touches(proxy) && keepToGround(world, radius, proxy, way, onCrease);
-    if (onCrease && radius > 0.0) {
-      const ProxyPlane* plane = onlyPressing(proxy);
-      if (plane != nullptr && rollOverCrease(world, goal, radius, ProxyPlane(*plane), proxy)) continue;
+    const ProxyPlane* crease = onCrease && mayRoll ? onlyPressing(proxy) : nullptr;
+    if (crease != nullptr) {
+      const int sweeps = proxy.sweeps;
+      if (rollOverCrease(world, goal, radius, ProxyPlane(*crease), proxy)) continue;
+      mayRoll = false;
+      if (proxy.sweeps != sweeps) continue;  // it met something: look again, and go straight
     }
     if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy) && !cut) return;
+    mayRoll = radius > 0.0;
   }
+  // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
+  // out.
+  const glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
+  if (touches(proxy)) return;
+  advance(world, way, radius, proxy);
+  wayToGoal(world, goal, radius, proxy);
 }
 
 }  // namespace
@@ -269,13 +322,13 @@ void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
-  glm::dvec3 way = wayToGoal(goal, radius, proxy);
+  glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
   if (!touches(proxy)) {
     // Friction begins where the tool lands.
     proxy.sliding = false;
     if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
     if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
-    way = wayToGoal(goal, radius, proxy);
+    way = wayToGoal(world, goal, radius, proxy);
   }
   const double hold = frictionReach(world, proxy, proxy.sliding);
   if (hold > 0.0 && glm::length(way) <= hold) {
@@ -292,7 +345,7 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     const double error = lag / reach - 1.0;
     if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
     descend(world, goal - way * (reach / lag), radius, proxy);
-    way = wayToGoal(goal, radius, proxy);
+    way = wayToGoal(world, goal, radius, proxy);
   }
   proxy.sliding = true;
 }

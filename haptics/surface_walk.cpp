@@ -27,13 +27,15 @@ class Walker {
       const int edge = leave();
       if (edge < 0) return arrived(1.0);
       const SurfaceWalk before = arrived(walked_);
-      if (!cross(edge) || !stand()) return before;
+      if (!(cross(edge) && stand()) && !(seams_++ < kMaxSeams && crossSeam(before.arrival) && stand())) {
+        return before;
+      }
     }
-    return walk.sharp ? SurfaceWalk{0.0, {part_, triangle_, {}, {}, 0.0}, true} : arrived(walked_);
+    return walk.sharp ? SurfaceWalk{0.0, {part_, triangle_, {}, {}, 0.0, false}, true} : arrived(walked_);
   }
 
  private:
-  SurfaceWalk arrived(double share) const { return {share, {part_, triangle_, {}, {}, 0.0}, false}; }
+  SurfaceWalk arrived(double share) const { return {share, {part_, triangle_, {}, {}, 0.0, false}, false}; }
 
   void enter(PartId part, std::uint32_t triangle, const glm::dvec3& worldPoint) {
     const Pose& pose = world_.pose(part);
@@ -85,22 +87,20 @@ class Walker {
   }
 
   bool cross(int edge) {
-    if (triangle_ < mesh_->neighbours.size()) {
-      const std::uint32_t next = mesh_->neighbours[triangle_][static_cast<std::size_t>(edge)];
-      if (next != assets::kNone) {
-        triangle_ = next;
-        return true;
-      }
-    }
-    return seams_++ < kMaxSeams && crossSeam();
+    if (triangle_ >= mesh_->neighbours.size()) return false;
+    const std::uint32_t next = mesh_->neighbours[triangle_][static_cast<std::size_t>(edge)];
+    if (next == assets::kNone) return false;
+    triangle_ = next;
+    return true;
   }
 
-  /// Looks for ground just behind an edge at which the mesh ends.
-  bool crossSeam() {
+  /// Looks for ground just behind an edge at which the mesh ends or turns down: another part, or faces that
+  /// share no vertices.
+  bool crossSeam(const SurfacePoint& from) {
+    if (!(length_ > 0.0)) return false;
     const Pose& pose = world_.pose(part_);
     const double ahead = 2.0 * skin_ / length_;
-    const glm::dvec3 ground = transformPoint(pose, at_),
-                     probe = ground + transformVector(pose, step_) * ahead;
+    const glm::dvec3 ground = transformPoint(pose, at_), probe = ground + way_ * ahead;
     SurfacePoint nearest;
     double reach = 0.5 * skin_;
     const glm::dvec3 grow(reach);
@@ -113,7 +113,7 @@ class Walker {
       nearest = candidate;
       found = true;
     });
-    if (!found || (nearest.part == part_ && nearest.triangle == triangle_)) return false;
+    if (!found || (nearest.part == from.part && nearest.triangle == from.triangle)) return false;
     walked_ = std::min(1.0, walked_ + ahead);
     enter(nearest.part, nearest.triangle, probe);
     return true;

@@ -1,0 +1,149 @@
+#include <cmath>
+#include <cstdlib>
+
+#include "tests/haptics/hard_cases/hard_case.h"
+#include "tests/haptics/hard_cases/polygon_god_object.h"
+#include "tests/support/bench_meshes.h"
+
+namespace tandem::test {
+namespace {
+
+/// Millions instead of tens of thousands of triangles and pushes.
+bool atFullSize() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
+
+/// By how much facets lie under the sphere that their corners lie on, m.
+double sagitta(const assets::Mesh& mesh, double radius) {
+  double deepest = radius;
+  for (const auto& t : mesh.triangles) {
+    const glm::dvec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    deepest = std::min(deepest, std::abs(glm::dot(glm::normalize(glm::cross(b - a, c - a)), a)));
+  }
+  return radius - deepest;
+}
+
+std::vector<int> sphereSizes() {
+  return atFullSize() ? std::vector<int>{1000, 10'000, 100'000, 1'000'000}
+                      : std::vector<int>{1000, 10'000, 100'000};
+}
+
+/// Strokes a sphere along a slanted circle `depth` under its surface and checks every force against the
+/// sphere's.
+void strokeSphere(const assets::Mesh& mesh, double sphere, double ball, double depth, double step, int ticks,
+                  double scale, std::vector<glm::dvec3>& forces) {
+  const double sag = sagitta(mesh, sphere), inside = sphere + ball - depth;
+  ScaledHand hand(sceneOf(mesh), scale, ball);
+  const glm::dvec3 u = glm::normalize(glm::dvec3(1.0, 0.2, 0.1));
+  const glm::dvec3 v = glm::normalize(glm::cross(u, glm::dvec3(0.3, 1.0, -0.4)));
+  hand.at(2.0 * (sphere + ball) * u);
+  hand.to(inside * u, 2e-3);
+  // Goal and facet agree where the goal's foot lies in the facet: at most its half size, seen from the goal's
+  // depth.
+  const double most = (sag + 4.0 * hand.skin()) * (sphere + ball) / inside;
+  const double turn = std::sqrt(2.1 * (sag + 4.0 * hand.skin()) * sphere) / inside + 1e-9;
+  for (int i = 0; i < ticks; ++i) {
+    const double a = step * i / inside;
+    const glm::dvec3 n = std::cos(a) * u + std::sin(a) * v;
+    const glm::dvec3 force = hand.at(inside * n) / kStiffness;
+    EXPECT_GE(glm::length(force), depth - sag - 4.0 * hand.skin()) << i;
+    EXPECT_LE(glm::length(force), depth + most) << i;
+    EXPECT_LE(glm::length(force / glm::length(force) - n), turn) << i;
+    if (i % (ticks / 16) == 0) forces.push_back(force * kStiffness);
+    if (testing::Test::HasFailure()) return;
+  }
+}
+
+TEST(HardSphere, StrokeIsRightWithinTheFacets) {
+  for (const int triangles : sphereSizes()) {
+    const assets::Mesh mesh = tests::sphereMesh(0.05, triangles, tests::Topology::always);
+    atEveryScale(2.0 * kStiffness * sagitta(mesh, 0.05), [&](double scale, std::vector<glm::dvec3>& forces) {
+      strokeSphere(mesh, 0.05, 0.0, 0.002, 1e-4, 800, scale, forces);
+    });
+  }
+}
+
+TEST(HardSphere, FortyMillimetresDeepIsStillRight) {
+  const assets::Mesh mesh = tests::sphereMesh(0.05, 10'000, tests::Topology::always);
+  atEveryScale(kStiffness * 0.05, [&](double scale, std::vector<glm::dvec3>& forces) {
+    strokeSphere(mesh, 0.05, 0.0, 0.040, 2e-5, 800, scale, forces);
+  });
+}
+
+TEST(HardSphere, MicroMeshKeepsContactWithBallsOfEverySize) {
+  const assets::Mesh mesh =
+      tests::sphereMesh(0.01, atFullSize() ? 1'000'000 : 50'000, tests::Topology::always);
+  for (const double ball : {0.0, 0.001, 0.003}) {
+    atEveryScale(2.0 * kStiffness * sagitta(mesh, 0.01), [&](double scale, std::vector<glm::dvec3>& forces) {
+      strokeSphere(mesh, 0.01, ball, 0.0015, 1e-4, 200, scale, forces);
+    });
+  }
+}
+
+/// Goals around the gear: 1 mm in, in and out of every gap, on a path that no edge is parallel to.
+glm::dvec2 goalRoundGear(int i) {
+  const double angle = 0.005 * i, radius = 0.0185 + 0.0012 * std::sin(17.3 * angle);
+  return radius * glm::dvec2(std::cos(angle), std::sin(angle));
+}
+
+TEST(HardGear, AgreesWithAnExactPlanarGodObjectAtEveryTessellation) {
+  std::vector<glm::dvec3> coarse;
+  for (const int triangles : {1000, 10'000, 100'000}) {
+    const assets::Mesh mesh = tests::gearMesh(triangles, tests::Topology::always);
+    atEveryScale(1e-4, [&](double scale, std::vector<glm::dvec3>& forces) {
+      ScaledHand hand(sceneOf(mesh), scale);
+      const glm::dvec2 start(0.03, 0.001);
+      PolygonGodObject exact(tests::gearProfile(), start);
+      hand.at({start, 0.00487});
+      exact.moveTo(start);
+      std::vector<double> errors;
+      for (int i = 0; i < 1300; ++i) {
+        const glm::dvec2 goal = goalRoundGear(i);
+        const glm::dvec3 force = hand.at({goal, 0.00487});
+        exact.moveTo(goal);
+        const glm::dvec2 ideal = kStiffness * (exact.position() - goal);
+        errors.push_back(glm::length(force - glm::dvec3(ideal, 0.0)) / std::max(0.08, glm::length(ideal)));
+        forces.push_back(force);
+      }
+      std::sort(errors.begin(), errors.end());
+      EXPECT_LE(errors[errors.size() * 99 / 100], 1e-4);
+      EXPECT_LE(errors.back(), 1e-4);
+      if (coarse.empty()) coarse = forces;
+      double worst = 0.0;
+      for (std::size_t i = 0; i < forces.size(); ++i)
+        worst = std::max(worst, glm::length(forces[i] - coarse[i]));
+      EXPECT_LE(worst, 1e-4) << triangles << " triangles";
+    });
+  }
+}
+
+TEST(HardPushes, NeverPopThrough) {
+  const std::vector<glm::dvec2> outline = tests::gearProfile();
+  SceneBuilder gear, sphere;
+  gear.addPart(tests::gearMesh(4000, tests::Topology::always));
+  sphere.addPart(tests::sphereMesh(0.02, 2000, tests::Topology::always));
+  const double inner = 0.02 - sagitta(sphere.scene.meshes[0], 0.02);
+  const int pushes = atFullSize() ? 166'667 : 700;
+  for (const double scale : kScales) {
+    for (const double ball : {0.0, 0.0005}) {
+      ScaledHand onGear(gear.scene, scale, ball), onSphere(sphere.scene, scale, ball);
+      onGear.at({0.04, 0.0, 0.0});
+      onSphere.at({0.04, 0.0, 0.0});
+      std::uint32_t seed = 12345;
+      const auto random = [&seed] {
+        seed = seed * 1664525u + 1013904223u;
+        return static_cast<double>(seed >> 8) / double(1 << 24) * 2.0 - 1.0;
+      };
+      for (int i = 0; i < pushes; ++i) {
+        const glm::dvec3 goal(0.03 * random(), 0.03 * random(), 0.02 * random());
+        onGear.at(goal);
+        const glm::dvec3 p = onGear.proxy();
+        const bool within = p.z > 0.0 && p.z < tests::kGearHeight;
+        ASSERT_FALSE(within && PolygonGodObject::contains(outline, {p.x, p.y})) << "gear, push " << i;
+        onSphere.at(goal);
+        ASSERT_GE(glm::length(onSphere.proxy()), inner + 0.999 * ball) << "sphere, push " << i;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test
