@@ -13,8 +13,10 @@
 #include <thread>
 
 #include "haptics/devices/dualsense.h"
+#include "haptics/devices/haply_device.h"
 #include "haptics/devices/null_device.h"
 #include "haptics/devices/pid_device.h"
+#include "haptics/devices/placed_device.h"
 #include "haptics/devices/simulated_arm.h"
 #include "haptics/devices/simulated_device.h"
 #include "haptics/devices/spacemouse.h"
@@ -26,7 +28,8 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr const char* kDeviceNames = "stylus, simulated, simulated-arm, none, spacemouse, dualsense or pid";
+constexpr const char* kDeviceNames =
+    "stylus, simulated, simulated-arm, none, spacemouse, dualsense, pid or haply";
 
 DeviceReport builtIn(const char* name, const char* driver) {
   DeviceReport report;
@@ -54,6 +57,39 @@ Driver driverOf(HidBus& bus, const HidInfo& info) {
   if (mayBePid(info) && checkPid(bus, info).ok())
     return {"pid", info.productName.empty() ? "Force-feedback joystick" : info.productName};
   return {};
+}
+
+bool hasOwnWorkspace(const std::string& name) {
+  return name == "simulated-arm" || name == "pid" || name.starts_with("haply");
+}
+
+/// A device, not yet open. Hands that are modelled begin at the start; what has a workspace is placed by the
+/// caller.
+Result<std::unique_ptr<Device>> makeDevice(const std::string& name, const Pose& start, bool calibrated) {
+  using Made = std::unique_ptr<Device>;
+  if (name == "stylus") return Made(std::make_unique<VirtualStylus>(start));
+  if (name == "simulated") return Made(std::make_unique<SimulatedDevice>(start));
+  if (name == "simulated-arm") return Made(std::make_unique<SimulatedArm>(calibrated ? Pose{} : start));
+  if (name == "none") return Made(std::make_unique<NullDevice>());
+  if (name == "spacemouse") return Made(std::make_unique<SpaceMouse>(systemHidBus(), start));
+  if (name == "dualsense") return Made(std::make_unique<DualSense>(systemHidBus(), start));
+  if (name == "pid") return Made(std::make_unique<PidDevice>(systemHidBus()));
+  if (name.starts_with("haply")) {
+    Result<HaplySettings> settings = parseHaplyName(name);
+    if (!settings) return settings.error();
+    return Made(std::make_unique<HaplyDevice>(*settings));
+  }
+  return Error{"device '" + name + "' is not known: use " + std::string(kDeviceNames)};
+}
+
+DeviceReport haplyReport() {
+  DeviceReport report = builtIn("Haply Inverse3 (through its local service)", "haply");
+  const HaplySettings settings;
+  report.node = settings.host + ":" + std::to_string(settings.port);
+  const Status there = probeHaply(settings);
+  report.usable = there.ok();
+  if (!there) report.reason = there.error().message;
+  return report;
 }
 
 }  // namespace
@@ -103,7 +139,7 @@ std::vector<DeviceReport> listDevices(HidBus& bus) {
   std::vector<DeviceReport> reports{builtIn("Virtual stylus (mouse and keyboard)", "stylus"),
                                     builtIn("Simulated hand (scripts and tests)", "simulated"),
                                     builtIn("Simulated desktop arm with joints and motors", "simulated-arm"),
-                                    builtIn("No device (watch only)", "none")};
+                                    builtIn("No device (watch only)", "none"), haplyReport()};
   for (const HidInfo& info : bus.enumerate()) {
     const Driver driver = driverOf(bus, info);
     if (driver.name == nullptr) continue;
@@ -119,25 +155,20 @@ std::vector<DeviceReport> listDevices(HidBus& bus) {
 
 std::vector<DeviceReport> listDevices() { return listDevices(systemHidBus()); }
 
-Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& worldFromStart) {
-  std::unique_ptr<Device> device;
-  if (name == "stylus")
-    device = std::make_unique<VirtualStylus>(worldFromStart);
-  else if (name == "simulated")
-    device = std::make_unique<SimulatedDevice>(worldFromStart);
-  else if (name == "simulated-arm")
-    device = std::make_unique<SimulatedArm>(worldFromStart);
-  else if (name == "none")
-    device = std::make_unique<NullDevice>();
-  else if (name == "spacemouse")
-    device = std::make_unique<SpaceMouse>(systemHidBus(), worldFromStart);
-  else if (name == "dualsense")
-    device = std::make_unique<DualSense>(systemHidBus(), worldFromStart);
-  else if (name == "pid")
-    device = std::make_unique<PidDevice>(systemHidBus(), worldFromStart);
-  else
-    return Error{"device '" + name +
-                 "' is not known: use stylus, simulated, simulated-arm, none or spacemouse"};
+Result<std::unique_ptr<Device>> openDevice(const std::string& name, const std::optional<Pose>& worldFromStart,
+                                           const Colocation* calibration) {
+  Result<std::unique_ptr<Device>> made =
+      makeDevice(name, worldFromStart.value_or(Pose{}), calibration != nullptr);
+  if (!made) return made;
+  std::unique_ptr<Device> device = std::move(made).value();
+  const bool absolute = hasOwnWorkspace(name);
+  if (calibration != nullptr) {
+    if (!absolute) return Error{"device '" + name + "' has no workspace of its own to be calibrated"};
+    device = std::make_unique<PlacedDevice>(std::move(device), mappingOf(*calibration));
+  } else if (absolute && worldFromStart && name != "simulated-arm") {
+    device = std::make_unique<PlacedDevice>(
+        std::move(device), DeviceMapping({{}, worldFromStart->orientation}), worldFromStart->position);
+  }
   if (Status opened = device->open(); !opened) {
     std::string why = opened.error().message;
     for (const DeviceReport& report : listDevices())

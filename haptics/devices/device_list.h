@@ -5,9 +5,11 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "haptics/colocation.h"
 #include "haptics/device.h"
 #include "haptics/devices/hid_transport.h"
 
@@ -39,7 +41,13 @@ std::vector<DeviceReport> listDevices(HidBus& bus);
 std::vector<DeviceReport> listDevices();
 
 /// Makes and opens a device by the name that listDevices() gives its driver, starting at a pose.
-Result<std::unique_ptr<Device>> openDevice(const std::string& name, const Pose& worldFromStart = {});
+///
+/// A device with a workspace of its own (`haply`, `pid`, `simulated-arm`) is placed by its calibration if
+/// there is one, else so that where it is first read becomes the start, else (neither) its readings are in
+/// its own axes. The others take no calibration.
+Result<std::unique_ptr<Device>> openDevice(const std::string& name,
+                                           const std::optional<Pose>& worldFromStart = std::nullopt,
+                                           const Colocation* calibration = nullptr);
 
 /// What a self-test has seen so far.
 struct DeviceTestState {
