@@ -112,7 +112,9 @@ class PhysicsReader {
     surface.damping = haptic.sizeOr("damping", surface.damping);
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
-    static constexpr const char* kUsed[] = {"stiffness", "damping", "staticFriction", "dynamicFriction", "field"};
+    // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
+    static constexpr const char* kUsed[] = {"stiffness",       "damping", "staticFriction",
+                                            "dynamicFriction", "field",   "control"};
     for (const auto& [key, value] : haptic.raw().items())
       if (std::find(std::begin(kUsed), std::end(kUsed), key) == std::end(kUsed)) ++unusedHaptics_;
     return true;

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "assets/affine.h"
+#include "assets/gltf_controls.h"
 #include "assets/gltf_decode.h"
 #include "assets/gltf_fields.h"
 #include "assets/gltf_loader.h"
@@ -58,6 +59,7 @@ class SceneBuilder {
     addParts();
     addJoints();
     addFields();
+    addControls();
     addFindings();
     if (scene_.parts.empty()) throw GltfError("scene", "holds no triangles and no colliders");
     return std::move(scene_);
@@ -223,6 +225,12 @@ class SceneBuilder {
       scaleJoint(joint);
       scene_.joints.push_back(std::move(joint));
     }
+  }
+
+  void addControls() {
+    std::vector<PartId> partOfNode(plan_.nodes.size(), kNoPart);
+    for (std::size_t i = 0; i < plan_.parts.size(); ++i) partOfNode[plan_.parts[i].flatNode] = partIds_[i];
+    scene_.controls = readControls(document_, scene_, plan_.nodes, partOfNode, options_.unitScale);
   }
 
   /// Lengths from file units to m; 1e300 stays "unbounded".

@@ -17,6 +17,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include "assets/control.h"
 #include "assets/force_field.h"
 #include "assets/ids.h"
 #include "assets/pose.h"
@@ -158,6 +159,7 @@ struct Scene {
   std::vector<Part> parts;              // at most kMaxParts
   std::vector<Joint> joints;
   std::vector<ForceField> fields;       // at most kMaxForceFields
+  std::vector<Control> controls;        // at most one a part
   std::vector<TreeNode> tree;
   std::vector<Finding> findings;
   glm::dvec3 gravity{0.0, 0.0, 0.0};    // m/s^2; zero unless the scene or an option sets it

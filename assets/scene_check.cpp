@@ -119,6 +119,35 @@ Status checkJoint(const Scene& scene, const Joint& joint, const std::string& pla
   return {};
 }
 
+Status checkFeel(const Control& c, const std::string& place) {
+  if (!finite({c.min, c.max, c.initial, c.springRest, c.click.at, c.threshold}) || !(c.min < c.max) ||
+      c.initial < c.min || c.initial > c.max)
+    return broken(place, "its range is not valid");
+  if (!nonNegative({c.inertia, c.springStiffness, c.damping, c.friction, c.detents.force, c.detents.width,
+                    c.click.drop, c.click.width}) ||
+      c.inertia == 0.0 || (c.click.drop > 0.0 && c.click.width == 0.0))
+    return broken(place, "what is felt along its axis is negative or not finite");
+  const std::vector<double>& wells = c.detents.places;
+  for (std::size_t i = 0; i < wells.size(); ++i)
+    if (!(wells[i] >= c.min && wells[i] <= c.max) || (i > 0 && !(wells[i] > wells[i - 1])))
+      return broken(place, "its detents do not ascend between its ends");
+  if (wells.size() == 1 && c.detents.width == 0.0 && !c.endless)
+    return broken(place, "its detent has no width");
+  return {};
+}
+
+Status checkControl(const Scene& scene, const Control& c, const std::string& place) {
+  if (!printable(c.name)) return broken(place, "the name is not printable");
+  if (c.kind > ControlKind::layer) return broken(place, "a control of unknown kind");
+  if (c.endless && !turns(c)) return broken(place, "only a dial is endless");
+  if (c.part >= scene.parts.size() || !scene.parts[c.part].movable)
+    return broken(place, "its part is out of range or cannot move");
+  if (!isValid(c.worldFromAxis) || !isValid(c.axisFromPart)) return broken(place, "a frame is not rigid");
+  for (const PartId part : c.shows)
+    if (part >= scene.parts.size()) return broken(place, "a part that it shows is out of range");
+  return checkFeel(c, place);
+}
+
 Status checkTree(const Scene& scene) {
   for (std::size_t i = 0; i < scene.tree.size(); ++i) {
     const TreeNode& node = scene.tree[i];
@@ -153,6 +182,12 @@ Status checkScene(const Scene& scene) {
   if (scene.fields.size() > kMaxForceFields) return broken("fields", "too many");
   for (std::size_t i = 0; i < scene.fields.size(); ++i)
     if (Status s = checkField(scene.fields[i], scene.parts.size(), numbered("fields", i)); !s) return s;
+  std::set<PartId> controlled;
+  for (std::size_t i = 0; i < scene.controls.size(); ++i) {
+    if (Status s = checkControl(scene, scene.controls[i], numbered("controls", i)); !s) return s;
+    if (!controlled.insert(scene.controls[i].part).second)
+      return broken(numbered("controls", i), "its part has a control already");
+  }
   for (std::size_t i = 0; i < scene.findings.size(); ++i) {
     const Finding& f = scene.findings[i];
     if (f.severity > Finding::Severity::error || !printable(f.code) || !printable(f.where) ||

@@ -315,6 +315,30 @@ void field(Archive& a, Field_& f) {
   }
 }
 
+/// A vector of plain numbers.
+template <typename Archive, typename Numbers>
+void numbers(Archive& a, Numbers& values) {
+  a.count(values, sizeof(values[0]));
+  for (auto& v : values) a.number(v);
+}
+
+template <typename Archive, typename Control_>
+void control(Archive& a, Control_& c) {
+  a.text(c.name);
+  a.number(c.part);
+  a.number(c.kind);
+  pose(a, c.worldFromAxis);
+  pose(a, c.axisFromPart);
+  a.flag(c.endless);
+  for (auto* value :
+       {&c.min, &c.max, &c.initial, &c.inertia, &c.springStiffness, &c.springRest, &c.damping, &c.friction,
+        &c.detents.force, &c.detents.width, &c.click.at, &c.click.drop, &c.click.width, &c.threshold})
+    a.number(*value);
+  numbers(a, c.detents.places);
+  a.number(c.roles);
+  numbers(a, c.shows);
+}
+
 template <typename Archive, typename Mesh_>
 void meshHead(Archive& a, Mesh_& m) {
   a.number(m.shellCount);
@@ -395,6 +419,8 @@ void sceneBody(Archive& a, Scene_& s) {
   for (auto& j : s.joints) joint(a, j);
   a.count(s.fields, 334);
   for (auto& f : s.fields) field(a, f);
+  a.count(s.controls, 244);
+  for (auto& c : s.controls) control(a, c);
   a.count(s.findings, 21);
   for (auto& f : s.findings) {
     a.number(f.severity);

@@ -47,9 +47,14 @@ class ContactWorld {
 
   /// Whether the collision filters of two parts let them touch. Both must allow it.
   bool mayCollide(PartId a, PartId b) const;
-  /// Whether the tool may touch a part: it has geometry, its filter lets anything at all touch it, it is not
-  /// ignored.
-  bool touchable(PartId part) const { return parts_[part].solid && !parts_[part].ignored; }
+  /// Whether the tool may touch a part: it has geometry, its filter lets anything at all touch it, it is
+  /// neither ignored nor hidden.
+  bool touchable(PartId part) const {
+    return parts_[part].solid && !parts_[part].ignored && !parts_[part].hidden;
+  }
+  /// A part that a layer hides is not there: nothing touches it.
+  void setHidden(PartId part, bool hidden) { parts_[part].hidden = hidden; }
+  bool hidden(PartId part) const { return parts_[part].hidden; }
   void setIgnored(PartId part, bool ignored) { parts_[part].ignored = ignored; }
   bool ignored(PartId part) const { return parts_[part].ignored; }
 
@@ -91,6 +96,7 @@ class ContactWorld {
     Twist twist;
     bool solid = false;
     bool ignored = false;
+    bool hidden = false;
   };
 
   bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,

@@ -27,6 +27,22 @@ RigidBody bodyOf(const ContactWorld& world, PartId part) {
   return body;
 }
 
+Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+
+/// One step of a part that is a control; the wrench on the hand if that holds it.
+Wrench stepControlled(SimulatedPart& entry, const DeviceSample* device, const CouplingGains& gains,
+                      double dt) {
+  Wrench onHand;
+  if (entry.held && device != nullptr) {
+    onHand = stepHeld(entry.moved, entry.bodyFromGrip, *device, gains, dt, entry.body.worldFromBody,
+                      entry.body.twist);
+  } else {
+    stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
+  }
+  entry.sinceLetGo = !entry.held && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
+  return onHand;
+}
+
 }  // namespace
 
 bool HeldParts::own(const ContactWorld& world, PartId part) {
@@ -37,6 +53,7 @@ bool HeldParts::own(const ContactWorld& world, PartId part) {
   entry.part = part;
   entry.body = bodyOf(world, part);
   entry.sinceLetGo = kSettleTime;
+  entry.moved = takeControl(world, part);
   return true;
 }
 
@@ -64,14 +81,22 @@ void HeldParts::letGo() {
   }
 }
 
+void HeldParts::load(PartId part, const AxisLoad& tool) {
+  if (SimulatedPart* entry = find(part)) entry->moved.tool = tool;
+}
+
 Wrench HeldParts::step(const DeviceSample* device, const TickParameters& parameters,
                        const assets::Scene& scene) {
   Wrench onHand;
   for (int i = 0; i < count_; ++i) {
     SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    const CouplingGains gains{parameters.graspStiffness, parameters.graspDamping,
+                              parameters.graspRotStiffness, parameters.graspRotDamping};
+    if (entry.moved.control != nullptr) {
+      onHand = sum(onHand, stepControlled(entry, device, gains, parameters.dt));
+      continue;
+    }
     if (entry.held && device != nullptr) {
-      const CouplingGains gains{parameters.graspStiffness, parameters.graspDamping,
-                                parameters.graspRotStiffness, parameters.graspRotDamping};
       const glm::dvec3 gravity = parameters.gravity * scene.parts[entry.part].gravityFactor;
       onHand = stepCoupledBody(entry.body, entry.bodyFromGrip, device->worldFromDevice, device->twist, gains,
                                gravity, parameters.dt);

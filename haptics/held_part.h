@@ -11,6 +11,7 @@
 #include <span>
 
 #include "haptics/contact_world.h"
+#include "haptics/controls.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 
@@ -22,7 +23,8 @@ struct SimulatedPart {
   RigidBody body;
   Pose bodyFromGrip;  // where the hand holds it, while held
   bool held = false;
-  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on
+  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control: since it was last moved
+  MovedControl moved;       // a control moves along its axis only
 };
 
 class HeldParts {
@@ -39,6 +41,9 @@ class HeldParts {
   bool grasp(PartId part, const Pose& worldFromDevice);
   /// Lets go of what is held, if anything.
   void letGo();
+
+  /// What the tool puts on an owned control in the next step.
+  void load(PartId part, const AxisLoad& tool);
 
   /// Advances all parts by parameters.dt; `device` is null in a tick without a valid sample: then nothing
   /// pulls. Returns the coupling's wrench on the hand.

@@ -52,6 +52,7 @@ class Tick {
     runCommands();
     moveParts();
     simulateOwned();
+    updateLayers();
     forgetIgnored();
     if (valid_) {
       moveTool();
@@ -200,7 +201,8 @@ class Tick {
     }
   }
 
-  void movePart(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  /// `byHand`: the part moves because this hand pushes it.
+  void movePart(PartId part, const Pose& worldFromPart, const Twist& twist, bool byHand = false) {
     const Pose before = data_.world.pose(part);
     if (samePose(before, worldFromPart)) return data_.world.setTwist(part, twist);
     const Twist twistBefore = data_.world.twist(part);
@@ -208,7 +210,7 @@ class Tick {
     if (!data_.started) return;
     const glm::dvec3 proxyBefore = data_.proxy.position;
     const bool free = pushProxy(data_.world, part, before, radius(), data_.proxy);
-    if (data_.proxy.position != proxyBefore || pressesOn(part)) {
+    if (!byHand && (data_.proxy.position != proxyBefore || pressesOn(part))) {
       noteOthers(explainedBy(before, twistBefore, proxyBefore));
     }
     if (!free) {
@@ -250,12 +252,40 @@ class Tick {
     return most;
   }
 
+  /// What the tool did to the controls that this hand moves, as its contacts were in the last tick.
+  void loadControls() {
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      const assets::Control* control = entry.moved.control;
+      if (control == nullptr) continue;
+      const bool touches = valid_ && data_.started && !entry.held;
+      data_.held.load(entry.part, touches ? toolLoad(data_.world, data_.proxy, *control,
+                                                     forceOfContactsWith(entry.part).force, parameters_)
+                                          : AxisLoad{});
+    }
+  }
+
+  /// Parts that a layer shows or hides. One that appears around the tool cannot be felt until it has come
+  /// out.
+  void updateLayers() {
+    data_.layers.update(data_.world, [&](PartId part, bool hide) {
+      if (!data_.started) return;
+      if (hide) {
+        noteOthers(0.0);
+        return data_.fade.start(forceOfContactsWith(part), parameters_.fadeTime);
+      }
+      if (data_.world.overlaps(part, data_.device.worldFromDevice.position, radius()) ||
+          data_.world.overlaps(part, data_.proxy.position, radius()))
+        ignore(part);
+    });
+  }
+
   void simulateOwned() {
+    loadControls();
     data_.couplingWrench =
         data_.held.step(valid_ ? &input_.device : nullptr, parameters_, data_.world.scene());
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
-      movePart(entry.part, entry.body.worldFromBody, entry.body.twist);
+      movePart(entry.part, entry.body.worldFromBody, entry.body.twist, entry.moved.control != nullptr);
     }
     if (data_.held.held() != kNoPart) out_.flags |= kFlagHeldWithoutContact;
   }
@@ -360,7 +390,10 @@ class Tick {
 }  // namespace
 
 TickState::Data::Data(const ContactScene& contactScene)
-    : scene(&contactScene.data()), world(contactScene), fields(contactScene.scene()) {
+    : scene(&contactScene.data()),
+      world(contactScene),
+      layers(contactScene.scene()),
+      fields(contactScene.scene()) {
   const std::size_t parts = contactScene.scene().parts.size();
   moving.reserve(std::max<std::size_t>(parts, 1));
   movedBefore.reserve(std::max<std::size_t>(parts, 1));

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptics/contact_world.h"
+#include "haptics/controls.h"
 #include "haptics/fault.h"
 #include "haptics/force_fields.h"
 #include "haptics/held_part.h"
@@ -41,6 +42,7 @@ struct TickState::Data {
   const ContactScene::Data* scene;
   ContactWorld world;
   HeldParts held;
+  Layers layers;
   Proxy proxy;
   FaultLatch fault;
   Fade fade;

@@ -22,6 +22,7 @@ std::vector<SampleScene> makeAllScenes() {
   scenes.push_back(makePegBoard());
   scenes.push_back(makeSolarSystem());
   scenes.push_back(makeGuidedPath());
+  scenes.push_back(makeControlPanel());
   return scenes;
 }
 

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -39,6 +40,22 @@ struct SampleShape {
   std::size_t feel = 0;            // into SampleScene::feels
 };
 
+/// What makes a part a control; zero leaves a property out. Units: m and N; rad and N·m for a dial.
+struct SampleControl {
+  std::string kind;
+  glm::dvec3 axis{0.0};         // part frame
+  double min = 0.0, max = 0.0;  // both 0: a dial without stops
+  double value = 0.0;
+  double spring = 0.0, springRest = 0.0;
+  double damping = 0.0, friction = 0.0;
+  std::size_t detentCount = 0;
+  std::vector<double> detents{};
+  double detentForce = 0.0, detentWidth = 0.0;
+  double clickAt = 0.0, clickDrop = 0.0, clickWidth = 0.0;
+  std::vector<std::size_t> shows{};  // into SampleScene::parts
+  bool instructorOnly = false;
+};
+
 /// One part at rest; several may share a shape. Part axes stay parallel to the world's, y upward.
 struct SamplePart {
   std::string name;
@@ -46,6 +63,7 @@ struct SamplePart {
   glm::dvec3 position{0.0};  // m
   bool movable = false;
   std::vector<assets::ForceField> fields{};  // of gravity, or guides; in the part's frame
+  std::optional<SampleControl> control{};
 };
 
 struct SampleScene {
@@ -61,6 +79,7 @@ SampleScene makeFilterChange();
 SampleScene makePegBoard();
 SampleScene makeSolarSystem();
 SampleScene makeGuidedPath();
+SampleScene makeControlPanel();
 
 /// All of them, in the order of their files.
 std::vector<SampleScene> makeAllScenes();

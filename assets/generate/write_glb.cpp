@@ -138,6 +138,50 @@ void addFields(const SamplePart& part, tinygltf::Node& node) {
       tinygltf::Value(Object{{"haptic", tinygltf::Value(Object{{"field", tinygltf::Value(fields)}})}});
 }
 
+tinygltf::Value numbers(const std::vector<double>& values) {
+  Array array;
+  for (const double v : values) array.push_back(number(v));
+  return tinygltf::Value(array);
+}
+
+/// extras.haptic.control of a node.
+tinygltf::Value controlExtras(const SampleControl& c) {
+  Object control{{"kind", tinygltf::Value(c.kind)}, {"axis", vector(c.axis)}};
+  const auto add = [](Object& object, const char* key, double value) {
+    if (value != 0.0) object[key] = number(value);
+  };
+  if (c.min != c.max) {
+    control["min"] = number(c.min);
+    control["max"] = number(c.max);
+  }
+  add(control, "value", c.value);
+  add(control, "damping", c.damping);
+  add(control, "friction", c.friction);
+  if (c.spring > 0.0)
+    control["spring"] =
+        tinygltf::Value(Object{{"stiffness", number(c.spring)}, {"rest", number(c.springRest)}});
+  if (c.clickDrop > 0.0)
+    control["click"] = tinygltf::Value(
+        Object{{"at", number(c.clickAt)}, {"drop", number(c.clickDrop)}, {"width", number(c.clickWidth)}});
+  if (c.detentForce > 0.0) {
+    Object detents{{"force", number(c.detentForce)}};
+    add(detents, "width", c.detentWidth);
+    if (c.detents.empty())
+      detents["count"] = index(c.detentCount);
+    else
+      detents["positions"] = numbers(c.detents);
+    control["detents"] = tinygltf::Value(detents);
+  }
+  if (!c.shows.empty()) {
+    Array nodes;
+    for (const std::size_t part : c.shows) nodes.push_back(index(part));
+    control["shows"] = tinygltf::Value(nodes);
+  }
+  if (c.instructorOnly) control["roles"] = tinygltf::Value(Array{tinygltf::Value(std::string("instructor"))});
+  const Object haptic{{"control", tinygltf::Value(control)}};
+  return tinygltf::Value(Object{{"haptic", tinygltf::Value(haptic)}});
+}
+
 }  // namespace
 
 std::string toGlb(const SampleScene& scene) {
@@ -165,6 +209,7 @@ std::string toGlb(const SampleScene& scene) {
     if (part.movable) body["motion"] = motion(meshes[part.shape], scene.feels[shape.feel].density);
     node.extensions["KHR_physics_rigid_bodies"] = tinygltf::Value(body);
     addFields(part, node);
+    if (part.control) node.extras = controlExtras(*part.control);
     root.nodes.push_back(static_cast<int>(model.nodes.size()));
     model.nodes.push_back(node);
   }

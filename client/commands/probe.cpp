@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
@@ -140,6 +142,8 @@ class Probe {
            tool_.part == kNoPart ? Pose{} : scene_.parts[tool_.part].worldFromPart},
           {haptics::PartCommand::Kind::grasp, tool_.part, {}}};
       if (i == 0 && tool_.part != kNoPart) input.commands = take;
+      std::array<haptics::PartCommand, haptics::kMaxPartCommands> controls;
+      if (i > 0) input.commands = {controls.data(), takeControls(moves, controls)};
       step(input, path[i]);
       if (path[i].valid) {
         before = path[i];
@@ -152,6 +156,33 @@ class Probe {
   std::uint64_t allocations() const { return allocations_; }
 
  private:
+  /// Commands that give the hand the controls that it touches, and take from it those that rest: without a
+  /// session nobody else could have them.
+  std::size_t takeControls(const std::vector<MovedPart>& moves,
+                           std::array<haptics::PartCommand, haptics::kMaxPartCommands>& commands) const {
+    using Kind = haptics::PartCommand::Kind;
+    std::size_t count = 0;
+    const haptics::TickOutput& last = rows_.back().tick;
+    const auto touches = [&](PartId part) {
+      return std::any_of(last.contacts.begin(), last.contacts.begin() + last.contactCount,
+                         [&](const haptics::Contact& c) { return c.part == part && c.force > 0.0; });
+    };
+    for (const assets::Control& control : scene_.controls) {
+      const PartId part = control.part;
+      const auto* ownedEnd = last.owned.data() + last.ownedCount;
+      const auto* owned = std::find_if(last.owned.data(), ownedEnd,
+                                       [&](const haptics::OwnedPart& o) { return o.part == part; });
+      const bool moved =
+          std::any_of(moves.begin(), moves.end(), [&](const MovedPart& m) { return m.part == part; });
+      if (moved || part == tool_.part || count == commands.size()) continue;
+      if (owned == ownedEnd && touches(part))
+        commands[count++] = {Kind::own, part, state_.worldFromPart(part)};
+      else if (owned != ownedEnd && owned->atRest && !touches(part))
+        commands[count++] = {Kind::disown, part, {}};
+    }
+    return count;
+  }
+
   /// The velocity is that since the last reading that was one, however long ago.
   haptics::DeviceSample sample(const PathRow& row, std::size_t index, const PathRow& before,
                                std::size_t beforeIndex) const {
