@@ -34,11 +34,16 @@ class FieldPath {
 
  private:
   struct Piece {
-    glm::dvec3 c0, c1, c2, c3;  // c0 + u (c1 + u (c2 + u c3)), u in 0..1
+    // c0 + u (c1 + u (c2 + u c3)), u in 0..1
+    glm::dvec3 c0{0.0}, c1{0.0}, c2{0.0}, c3{0.0};
+    glm::dvec3 centre{0.0};  // of a ball that holds the piece
+    double radius = 0.0;
   };
+  void addPiece(Piece piece);
   const Piece& pieceAt(double& at) const;
   /// Half of the derivative of the squared distance to x.
   double slope(const glm::dvec3& x, double at) const;
+  double rootBetween(const glm::dvec3& x, double a, double b) const;
   double wrapped(double at) const;
 
   std::vector<Piece> pieces_;

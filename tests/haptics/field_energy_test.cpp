@@ -14,6 +14,7 @@
 #include "haptics/virtual_coupling.h"
 #include "tests/haptics/field_samples.h"
 #include "tests/haptics/hand_probe.h"
+#include "tests/support/allocation_counter.h"
 
 namespace tandem::haptics {
 namespace {
@@ -323,6 +324,22 @@ TEST(FieldEnergy, SourcePowerAccountsForWhatFieldsGive) {
     ASSERT_NEAR(given, accounted, 0.01 * largest + 1e-4) << t;
   }
   EXPECT_GT(largest, 0.05);
+}
+
+TEST(ForceFields, ATickWithEveryLawAllocatesNothing) {
+  assets::Scene scene = sceneWith(storedFields());
+  const ContactScene contact(scene, 1);
+  const ContactWorld world(contact);
+  ForceFields fields(scene);
+  DeviceSample sample;
+  sample.valid = true;
+  const AllocationScope scope;
+  for (int i = 0; i < 500; ++i) {
+    sample.worldFromDevice.position = {0.1 * std::sin(0.1 * i), 0.05 * std::cos(0.07 * i), 0.0};
+    static_cast<void>(fields.step(world, sample, 1e-3 * i, {}));
+    if (i % 50 == 0) fields.forgetHand();
+  }
+  EXPECT_EQ(scope.count(), 0u);
 }
 
 TEST(ForceFields, AFieldComesAndGoesWithTheGraspOfItsOwnPart) {
