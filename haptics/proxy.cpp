@@ -13,9 +13,11 @@ namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxRounds = 24;
-constexpr int kMaxFrictionRounds = 5;
-constexpr double kConeError = 5e-4;  // of the friction ratio
+constexpr int kMaxFrictionRounds = 4;
+constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
+constexpr double kSteepEnough = 1.0 / 64.0;
+constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
 // force error of as little, yet above the noise of a direction measured over one skin.
 constexpr double kSameDirection = 1e-10;
@@ -34,8 +36,8 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     const glm::dvec3 offset = proxy.position - plane.surface.point;
     if (glm::length(offset) > radius + 2.0 * plane.skin) {
       changed = changed || presses(plane);
-      // What the walk says that lies ahead is worth a look before it is touched, once.
-      if (!plane.arriving) continue;
+      // The face that the walk says lies ahead is worth a look before it is touched, once.
+      if (!plane.arriving || !plane.surface.onFace) continue;
     }
     plane.arriving = false;
     changed = changed || (presses(plane) && 1.0 - glm::dot(before, plane.surface.normal) > kSameDirection);
@@ -149,7 +151,12 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
     proxy.position += way;
     return true;
   }
-  proxy.position += way * hit.t;
+  // It is stopped at half a skin. Where the way met the surface steeply enough, stepping back along it to the
+  // full height is short and free.
+  const double length = glm::length(way), slope = -glm::dot(hit.normal, way) / length;
+  const double back =
+      slope > kSteepEnough ? 0.5 * world.skin(hit.part, proxy.position) / (slope * length) : 0.0;
+  proxy.position += way * (hit.t > 2.0 * back ? hit.t - back : hit.t);
   refreshPlanes(world, radius, proxy);
   addPlane(world, hit, proxy);
   return false;
@@ -225,12 +232,14 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   return true;
 }
 
+using Walks = std::array<SurfaceWalk, kMaxPlanes>;
+
 /// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
 /// the contacts that stay on it arrive. True if the way was cut.
-bool keepToGround(const ContactWorld& world, double radius, Proxy& proxy, glm::dvec3& way, bool& onCrease) {
+bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
+                  bool& onCrease) {
   const double length = glm::length(way);
   double share = 1.0;
-  std::array<SurfaceWalk, kMaxPlanes> walks;
   for (int i = 0; i < proxy.planeCount; ++i) {
     const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     if (!presses(plane)) continue;
@@ -247,18 +256,22 @@ bool keepToGround(const ContactWorld& world, double radius, Proxy& proxy, glm::d
     }
     share = std::min(share, walk.share);
   }
+  if (share >= 1.0) return false;
+  way *= share;
+  return true;
+}
+
+/// Puts the pressing planes onto the triangles to which the walk has led, once the proxy is there.
+void arrive(const Walks& walks, Proxy& proxy) {
   for (int i = 0; i < proxy.planeCount; ++i) {
     ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     const SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
-    if (!presses(plane) || walk.sharp || walk.share < 1.0 || share < 1.0) continue;
+    if (!presses(plane) || walk.sharp || walk.share < 1.0) continue;
     plane.arriving =
         walk.arrival.triangle != plane.surface.triangle || walk.arrival.part != plane.surface.part;
     plane.surface.part = walk.arrival.part;
     plane.surface.triangle = walk.arrival.triangle;
   }
-  if (share >= 1.0) return false;
-  way *= share;
-  return true;
 }
 
 const ProxyPlane* onlyPressing(const Proxy& proxy) {
@@ -285,30 +298,101 @@ double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding
   return reach;
 }
 
-/// Moves the proxy as near to the goal as it gets, from planes that are up to date.
-void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  bool mayRoll = radius > 0.0;
-  for (int round = 0; round < kMaxRounds; ++round) {
-    glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
-    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
-    bool onCrease = false;
-    const bool cut = touches(proxy) && keepToGround(world, radius, proxy, way, onCrease);
-    const ProxyPlane* crease = onCrease && mayRoll ? onlyPressing(proxy) : nullptr;
-    if (crease != nullptr) {
-      const int sweeps = proxy.sweeps;
-      if (rollOverCrease(world, goal, radius, ProxyPlane(*crease), proxy)) continue;
-      mayRoll = false;
-      if (proxy.sweeps != sweeps) continue;  // it met something: look again, and go straight
-    }
-    if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy) && !cut) return;
-    mayRoll = radius > 0.0;
+/// How near is near enough: a share of the skin, or of the depth where facets, edges and corners stand for a
+/// curve.
+double closeEnough(const Proxy& proxy, double radius) {
+  double depth = 0.0;
+  bool curved = false;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    depth += plane.multiplier;
+    curved = curved || (radius > 0.0 && !plane.surface.onFace);
   }
-  // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
-  // out.
-  const glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
-  if (touches(proxy)) return;
-  advance(world, way, radius, proxy);
-  wayToGoal(world, goal, radius, proxy);
+  return std::max(0.01 * smallestSkin(proxy), curved ? kNearEnough * depth : 0.0);
+}
+
+/// One move of the proxy towards a goal: rounds of projection, walk and sweep.
+class Descent {
+ public:
+  Descent(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy)
+      : world_(world), goal_(goal), radius_(radius), proxy_(proxy), mayRoll_(radius > 0.0) {}
+
+  /// From planes that are up to date.
+  void run() {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (settled()) return;
+    }
+    // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
+    // out.
+    const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
+    if (touches(proxy_)) return;
+    advance(world_, way, radius_, proxy_);
+    wayToGoal(world_, goal_, radius_, proxy_);
+  }
+
+ private:
+  /// One round; true if the proxy has arrived.
+  bool settled() {
+    glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
+    if (glm::length(way) <= closeEnough(proxy_, radius_)) return true;
+    if (!touches(proxy_))
+      return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
+
+    const ProxyPlane* alone = mayRoll_ ? onlyPressing(proxy_) : nullptr;
+    const bool stays = alone != nullptr && stillOnSameCrease(*alone);
+    if (stays && alone->multiplier < 0.8 * radius_ && roll(*alone)) return false;
+    if (stays) {
+      // The goal is under the crease itself: the ball leaves it, by steps that grow by themselves, but
+      // slowly.
+      boost_ *= 4.0;
+      way *= std::max(1.0, std::min(boost_, 0.5 * radius_ / glm::length(way)));
+    } else {
+      boost_ = 1.0;
+    }
+    bool onCrease = false;
+    Walks walks;
+    const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
+    if (onCrease && alone != nullptr && mayRoll_ && roll(*alone)) return false;
+    mayRoll_ = radius_ > 0.0;
+    if (!advance(world_, way, radius_, proxy_)) return false;
+    if (!cut) arrive(walks, proxy_);
+    return !refreshPlanes(world_, radius_, proxy_) && !cut;
+  }
+
+  /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
+  /// way.
+  bool stillOnSameCrease(const ProxyPlane& plane) {
+    const bool same =
+        !plane.surface.onFace && !lastOnFace_ &&
+        glm::length(plane.surface.point - lastPoint_) < 0.25 * glm::length(proxy_.position - lastPosition_);
+    lastOnFace_ = plane.surface.onFace;
+    lastPoint_ = plane.surface.point;
+    lastPosition_ = proxy_.position;
+    return same;
+  }
+
+  /// True if the round is over: the ball has rolled on, or has met something that the next projection must
+  /// know.
+  bool roll(const ProxyPlane& plane) {
+    const int sweeps = proxy_.sweeps;
+    if (rollOverCrease(world_, goal_, radius_, ProxyPlane(plane), proxy_)) return true;
+    mayRoll_ = false;
+    return proxy_.sweeps != sweeps;
+  }
+
+  const ContactWorld& world_;
+  const glm::dvec3 goal_;
+  const double radius_;
+  Proxy& proxy_;
+  bool mayRoll_;
+  bool lastOnFace_ = true;
+  double boost_ = 1.0;
+  glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
+};
+
+void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  Descent(world, goal, radius, proxy).run();
 }
 
 }  // namespace

@@ -67,10 +67,14 @@ TEST(HardFriction, SlidesOverASphereAtTheDynamicCoefficient) {
         hand.at(2.0 * goal(0.0));
         hand.to(goal(0.0), 1e-4);
         for (double s = 0.0; s < 0.003; s += 1e-3 * speed) hand.at(goal(s));
+        double sum = 0.0;
         for (int i = 1; i <= 150; ++i) {
           hand.at(goal(0.003 + 1e-3 * speed * i));
-          EXPECT_NEAR(frictionRatio(hand), kDynamic, 0.005 * kDynamic) << "speed " << speed << " tick " << i;
+          sum += frictionRatio(hand);
+          // From facet to facet the normal turns by 0.8 degrees: each one is off by as much at most.
+          EXPECT_NEAR(frictionRatio(hand), kDynamic, 0.8 * kPi / 180.0) << "speed " << speed << " tick " << i;
         }
+        EXPECT_NEAR(sum / 150, kDynamic, 0.005 * kDynamic) << "speed " << speed << " ball " << ball;
         forces.push_back(hand.force());
       });
     }
