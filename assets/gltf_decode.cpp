@@ -20,19 +20,6 @@ constexpr std::size_t kMaxMeshoptRatio = 256;
 // A Draco connectivity symbol takes a fraction of a bit at best; real meshes spend 1 to 2 bits a face.
 constexpr std::size_t kMaxDracoFacesPerByte = 256;
 
-/// The bytes of a buffer view, decompressed where it was compressed.
-ByteView viewBytes(const GltfDocument& document, std::size_t index) {
-  if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
-    return document.ownedViews[index];
-  const tinygltf::BufferView& view = document.model.bufferViews[index];
-  const ByteView buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
-  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
-    throw GltfError(placeName("bufferViews", index),
-                    "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
-                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size()) + " bytes)");
-  return buffer.subspan(view.byteOffset, view.byteLength);
-}
-
 std::size_t fileBytes(const GltfDocument& document) {
   std::size_t size = document.file.size();
   for (const ByteView& external : document.externals) size += external.size();
@@ -151,6 +138,15 @@ void convertIntegers(const Elements& elements, bool normalized, std::vector<glm:
   convertPositions<T>(elements, normalized ? static_cast<double>(std::numeric_limits<T>::max()) : 1.0, out);
 }
 
+template <typename T>
+void convertTexCoords(const Elements& elements, float divisor, std::vector<glm::vec2>& out) {
+  for (std::size_t i = 0; i < elements.count; ++i) {
+    T values[2];
+    std::memcpy(values, elements.at(i), sizeof values);
+    out.push_back(glm::vec2(static_cast<float>(values[0]), static_cast<float>(values[1])) / divisor);
+  }
+}
+
 void requireFinite(const std::vector<glm::dvec3>& positions, const std::string& place) {
   for (std::size_t i = 0; i < positions.size(); ++i) {
     const glm::dvec3& p = positions[i];
@@ -264,6 +260,18 @@ void checkDracoHeader(ByteView bytes, const std::string& place) {
 
 }  // namespace
 
+ByteView viewBytes(const GltfDocument& document, std::size_t index) {
+  if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
+    return document.ownedViews[index];
+  const tinygltf::BufferView& view = document.model.bufferViews[index];
+  const ByteView buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+    throw GltfError(placeName("bufferViews", index),
+                    "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
+                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size()) + " bytes)");
+  return buffer.subspan(view.byteOffset, view.byteLength);
+}
+
 void decodeMeshoptViews(GltfDocument& document) {
   const std::size_t count = document.model.bufferViews.size();
   document.ownedViews.resize(count);
@@ -314,6 +322,31 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
   }
   requireFinite(positions, placeName("accessors", accessor));
   return positions;
+}
+
+std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor) {
+  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_VEC2, 2);
+  const bool normalized = document.model.accessors[accessor].normalized;
+  std::vector<glm::vec2> out;
+  out.reserve(elements.count);
+  switch (document.model.accessors[accessor].componentType) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      convertTexCoords<float>(elements, 1.0f, out);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      convertTexCoords<std::uint8_t>(elements, normalized ? 255.0f : 1.0f, out);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      convertTexCoords<std::uint16_t>(elements, normalized ? 65535.0f : 1.0f, out);
+      break;
+    default:
+      throw GltfError(placeName("accessors", accessor, "componentType"),
+                      "texture coordinates cannot be of this type");
+  }
+  for (const glm::vec2& uv : out)
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+      throw GltfError(placeName("accessors", accessor), "a texture coordinate is not finite");
+  return out;
 }
 
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor) {

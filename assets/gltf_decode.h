@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "assets/gltf_document.h"
@@ -24,6 +25,12 @@ std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
 /// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All
 /// finite.
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor);
+
+/// The bytes of a buffer view, as they are after decompression; its range is checked.
+ByteView viewBytes(const GltfDocument& document, std::size_t view);
+
+/// A VEC2 accessor as texture coordinates, all finite: floats, or integers, normalised or not.
+std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor);
 
 /// A SCALAR accessor of unsigned integers.
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor);

@@ -65,7 +65,10 @@ class SoupBuilder {
     for (std::size_t i = 0; i < primitives; ++i) addPrimitive(piece, i, determinant < 0.0);
   }
 
-  TriangleSoup take() { return std::move(soup_); }
+  TriangleSoup take() {
+    if (!soup_.triangleUv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
+    return std::move(soup_);
+  }
 
  private:
   void addPrimitive(const MeshPiece& piece, std::size_t index, bool mirrored) {
@@ -93,8 +96,23 @@ class SoupBuilder {
       if (const auto it = primitive.find("indices"); it != primitive.end())
         indices = readIndices(document_, it->get<std::size_t>());
     }
-    addTriangles(place, mode, base, vertices, indices ? &*indices : nullptr, mirrored,
-                 piece.materials[index]);
+    const std::vector<glm::vec2> uv =
+        piece.textured ? texCoords(primitive, vertices, place) : std::vector<glm::vec2>();
+    addTriangles(place, mode, base, vertices, indices ? &*indices : nullptr, mirrored, piece.materials[index],
+                 uv);
+  }
+
+  /// The first set of texture coordinates; Draco's are not read.
+  std::vector<glm::vec2> texCoords(const json& primitive, std::size_t vertices, const std::string& place) {
+    const auto it = primitive["attributes"].find("TEXCOORD_0");
+    if (it == primitive["attributes"].end() ||
+        findExtension(primitive, "KHR_draco_mesh_compression") != nullptr) {
+      ++notes_.withoutUv;
+      return {};
+    }
+    std::vector<glm::vec2> uv = readTexCoords(document_, it->get<std::size_t>());
+    if (uv.size() != vertices) throw GltfError(place, "has not as many texture coordinates as positions");
+    return uv;
   }
 
   /// Where the positions of an accessor begin in the soup; primitives of a mesh often share one.
@@ -125,7 +143,8 @@ class SoupBuilder {
   }
 
   void addTriangles(const std::string& place, int mode, std::size_t base, std::size_t vertices,
-                    const std::vector<std::uint32_t>* indices, bool mirrored, std::uint16_t material) {
+                    const std::vector<std::uint32_t>* indices, bool mirrored, std::uint16_t material,
+                    const std::vector<glm::vec2>& uv) {
     const std::size_t count = indices != nullptr ? indices->size() : vertices;
     if (indices != nullptr)
       for (std::size_t i = 0; i < count; ++i)
@@ -134,12 +153,13 @@ class SoupBuilder {
                                                   std::to_string(i) + " is out of range (" +
                                                   std::to_string(vertices) + " vertices)");
     if (mode == kTriangles && count % 3 != 0) ++notes_.incompleteTriangles;
-    const auto vertex = [&](std::size_t i) {
-      return static_cast<std::uint32_t>(base + (indices != nullptr ? (*indices)[i] : i));
-    };
+    const auto own = [&](std::size_t i) { return indices != nullptr ? std::size_t{(*indices)[i]} : i; };
+    const auto vertex = [&](std::size_t i) { return static_cast<std::uint32_t>(base + own(i)); };
+    if (!uv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
     forEachTriangle(mode, count, [&](std::size_t a, std::size_t b, std::size_t c) {
       if (mirrored) std::swap(b, c);
       soup_.triangles.push_back({vertex(a), vertex(b), vertex(c)});
+      if (!uv.empty()) soup_.triangleUv.push_back({uv[own(a)], uv[own(b)], uv[own(c)]});
     });
     soup_.triangleMaterial.resize(soup_.triangles.size(), material);
   }

@@ -18,6 +18,7 @@ struct MeshPiece {
   glm::dmat4 partFromMesh{1.0};          // m; may scale, shear and mirror
   std::int64_t surface = -1;             // which physics surface it has, for telling pieces apart; -1 = none
   std::vector<std::uint16_t> materials;  // one a primitive, into Scene::materials
+  bool textured = false;                 // its surface has an image, so that texture coordinates are read
 };
 
 /// What was left out of a mesh.
@@ -25,6 +26,7 @@ struct GeometryNotes {
   std::uint64_t pointsAndLines = 0;       // primitives
   std::uint64_t incompleteTriangles = 0;  // primitives whose index count is no multiple of three
   std::uint64_t singularPieces = 0;       // pieces whose transform flattens them
+  std::uint64_t withoutUv = 0;            // primitives whose surface has an image, but no texture coordinates
 };
 
 /// An upper bound of the triangles of a mesh, from its counts alone: nothing is read yet.

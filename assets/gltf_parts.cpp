@@ -39,14 +39,19 @@ float unit(double value) {
 /// Scene::materials: each pair of a visual material and a physics surface that is in use.
 class MaterialTable {
  public:
-  MaterialTable(const GltfDocument& document, std::vector<Material>& out) : document_(document), out_(out) {}
+  MaterialTable(const GltfDocument& document, std::vector<Material>& out, std::vector<Surface>& surfacesOut)
+      : document_(document), out_(out), surfacesOut_(surfacesOut) {}
 
   std::int64_t surfaceId(const PhysicsSurface& s) {
-    const auto key =
-        std::make_tuple(s.staticFriction, s.dynamicFriction, s.restitution, s.stiffness, s.damping);
-    const auto [it, isNew] = surfaceIds_.emplace(key, static_cast<std::int64_t>(surfaces_.size()));
+    const auto [it, isNew] = surfaceIds_.emplace(s, static_cast<std::int64_t>(surfaces_.size()));
     if (isNew) surfaces_.push_back(s);
     return it->second;
+  }
+
+  /// Whether the surface needs the mesh's texture coordinates.
+  bool textured(std::int64_t surface) const {
+    return surface >= 0 && surfaces_[static_cast<std::size_t>(surface)].feel.texture.pattern ==
+                               SurfaceTexture::Pattern::image;
   }
 
   std::uint16_t index(int visual, std::int64_t surface) {
@@ -59,7 +64,15 @@ class MaterialTable {
   }
 
  private:
-  Material make(int visual, std::int64_t surface) const {
+  /// Into ScenePlan::surfaces; kNone for what says no more than a material holds itself.
+  std::uint32_t feelIndex(const Surface& feel) {
+    if (feel == Surface{}) return kNone;
+    const auto [it, isNew] = feels_.emplace(feel, static_cast<std::uint32_t>(surfacesOut_.size()));
+    if (isNew) surfacesOut_.push_back(feel);
+    return it->second;
+  }
+
+  Material make(int visual, std::int64_t surface) {
     Material material;
     if (visual >= 0) {
       const tinygltf::Material& from = document_.model.materials[static_cast<std::size_t>(visual)];
@@ -77,14 +90,17 @@ class MaterialTable {
       material.staticFriction = feel.staticFriction;
       material.dynamicFriction = feel.dynamicFriction;
       material.restitution = feel.restitution;
+      material.surface = feelIndex(feel.feel);
     }
     return material;
   }
 
   const GltfDocument& document_;
   std::vector<Material>& out_;
+  std::vector<Surface>& surfacesOut_;
   std::vector<PhysicsSurface> surfaces_;
-  std::map<std::tuple<double, double, double, double, double>, std::int64_t> surfaceIds_;
+  std::map<PhysicsSurface, std::int64_t> surfaceIds_;
+  std::map<Surface, std::uint32_t> feels_;
   std::map<std::pair<int, std::int64_t>, std::size_t> indices_;
 };
 
@@ -110,7 +126,7 @@ bool samePieces(const std::vector<MeshPiece>& a, const std::vector<MeshPiece>& b
 class Planner {
  public:
   Planner(const GltfDocument& document, const GltfPhysics& physics, double unitScale)
-      : document_(document), physics_(physics), table_(document, plan_.materials) {
+      : document_(document), physics_(physics), table_(document, plan_.materials, plan_.surfaces) {
     plan_.nodes = flattenNodes(document, unitScale);
   }
 
@@ -199,6 +215,7 @@ class Planner {
     if (!surface) return haptic;
     if (surface->stiffness == 0.0) surface->stiffness = haptic.stiffness;
     if (surface->damping == 0.0) surface->damping = haptic.damping;
+    if (surface->feel == Surface{}) surface->feel = haptic.feel;
     return surface;
   }
 
@@ -229,6 +246,7 @@ class Planner {
     MeshPiece piece{mesh, partFromMesh, surface, {}};
     for (const auto& primitive : document_.model.meshes[mesh].primitives)
       piece.materials.push_back(table_.index(primitive.material, surface));
+    piece.textured = table_.textured(surface);
     part.pieces.push_back(std::move(piece));
   }
 

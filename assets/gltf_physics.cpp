@@ -5,6 +5,7 @@
 #include <map>
 
 #include "assets/gltf_json.h"
+#include "assets/gltf_surface.h"
 
 namespace tandem::assets {
 namespace {
@@ -37,7 +38,7 @@ class PhysicsReader {
     addCounted("old-collider-form", oldForms_,
                "Colliders state their shape outside of 'geometry', an outdated form.");
     addCounted("unused-haptic-property", unusedHaptics_,
-               "extras.haptic holds properties other than stiffness and damping.");
+               "extras.haptic holds properties that are not known.");
     return std::move(out_);
   }
 
@@ -113,10 +114,7 @@ class PhysicsReader {
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
     // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
-    static constexpr const char* kUsed[] = {"stiffness",       "damping", "staticFriction",
-                                            "dynamicFriction", "field",   "control"};
-    for (const auto& [key, value] : haptic.raw().items())
-      if (std::find(std::begin(kUsed), std::end(kUsed), key) == std::end(kUsed)) ++unusedHaptics_;
+    unusedHaptics_ += readSurface(haptic, document_.json, surface.feel);
     return true;
   }
 

@@ -4,6 +4,7 @@
 // OMI_physics_shape, _body, _joint and _gravity, brought into one form; and extras.haptic. Lengths stay in
 // file units here. For the loader's sources only.
 
+#include <compare>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -21,6 +22,9 @@ namespace tandem::assets {
 struct PhysicsSurface {
   double staticFriction = 0.0, dynamicFriction = 0.0, restitution = 0.0;
   double stiffness = 0.0, damping = 0.0;  // N/m, N·s/m
+  Surface feel;                           // texture.image is a glTF texture here
+
+  auto operator<=>(const PhysicsSurface&) const = default;
 };
 
 /// The `motion` of a node: it is a body.

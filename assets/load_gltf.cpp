@@ -12,6 +12,7 @@
 #include "assets/gltf_fields.h"
 #include "assets/gltf_loader.h"
 #include "assets/gltf_parts.h"
+#include "assets/gltf_surface.h"
 #include "assets/mesh_analysis.h"
 #include "assets/parallel.h"
 #include "assets/part_mass.h"
@@ -55,6 +56,7 @@ class SceneBuilder {
     scene_.gravity =
         options_.gravity == glm::dvec3(0.0) ? physics_.gravity.value_or(glm::dvec3(0.0)) : options_.gravity;
     scene_.materials = std::move(plan_.materials);
+    addSurfaces();
     addTree();
     addParts();
     addJoints();
@@ -108,6 +110,14 @@ class SceneBuilder {
       if (options_.progress)
         options_.progress(0.1 + 0.85 * double(i) / double(order.size()), "reading meshes");
     });
+  }
+
+  void addSurfaces() {
+    std::uint64_t unread = 0;
+    scene_.surfaces = std::move(plan_.surfaces);
+    scene_.textures = readTextures(document_, scene_.surfaces, unread);
+    addFinding(Finding::Severity::warning, "unread-texture", "", unread,
+               "Haptic textures are not PNG or JPEG inside the file; the surfaces are smooth.");
   }
 
   void addTree() {
@@ -288,6 +298,8 @@ class SceneBuilder {
                "Primitives end in the middle of a triangle.");
     addFinding(Severity::warning, "flattened-mesh", where, mesh.notes.singularPieces,
                "Meshes are scaled to zero thickness and left out.");
+    addFinding(Severity::warning, "no-texture-coordinates", where, mesh.notes.withoutUv,
+               "Primitives with a haptic image have no texture coordinates and are smooth.");
     addFinding(Severity::note, "duplicate-vertices", where, d.duplicateVertices,
                "Vertices at one place are welded.");
     addFinding(Severity::note, "unused-vertices", where, d.unusedVertices,

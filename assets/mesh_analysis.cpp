@@ -36,11 +36,38 @@ void weld(TriangleSoup& soup, MeshDefects& defects) {
         isDegenerate(soup.positions[t[0]], soup.positions[t[1]], soup.positions[t[2]], welded.tolerance))
       continue;
     soup.triangles[kept] = t;
+    if (!soup.triangleUv.empty()) soup.triangleUv[kept] = soup.triangleUv[i];
     soup.triangleMaterial[kept++] = soup.triangleMaterial[i];
   }
   defects.degenerateFaces = soup.triangles.size() - kept;
   soup.triangles.resize(kept);
   soup.triangleMaterial.resize(kept);
+  if (!soup.triangleUv.empty()) soup.triangleUv.resize(kept);
+}
+
+/// dropDuplicates() for the whole soup. Texture coordinates follow by the order of what stays.
+std::uint64_t dropDuplicateFaces(TriangleSoup& soup) {
+  if (soup.triangleUv.empty())
+    return dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
+  const std::vector<TriangleIndices> before = soup.triangles;
+  const std::uint64_t dropped = dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
+  std::size_t kept = 0;
+  // The first of several equal faces stays, so that the first match is the one.
+  for (std::size_t t = 0; t < before.size() && kept < soup.triangles.size(); ++t)
+    if (before[t] == soup.triangles[kept]) soup.triangleUv[kept++] = soup.triangleUv[t];
+  soup.triangleUv.resize(soup.triangles.size());
+  return dropped;
+}
+
+/// Texture coordinates in the order of the corners `after`, where the triangles may have been turned.
+void turnUv(const std::vector<TriangleIndices>& before, const std::vector<TriangleIndices>& after,
+            std::vector<std::array<glm::vec2, 3>>& uv) {
+  for (std::size_t t = 0; t < uv.size(); ++t) {
+    const std::array<glm::vec2, 3> old = uv[t];
+    for (std::size_t c = 0; c < 3; ++c)
+      for (std::size_t o = 0; o < 3; ++o)
+        if (after[t][c] == before[t][o]) uv[t][c] = old[o];
+  }
 }
 
 /// Drops the points that lost all their faces; those that stay keep their order.
@@ -86,9 +113,11 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   MeshAnalysis result;
   MeshDefects& defects = result.defects;
   weld(soup, defects);
-  defects.duplicateFaces = dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
+  defects.duplicateFaces = dropDuplicateFaces(soup);
   dropUnused(soup, defects);
 
+  const std::vector<TriangleIndices> asRead =
+      soup.triangleUv.empty() ? std::vector<TriangleIndices>() : soup.triangles;
   EdgePairs pairs = pairEdges(soup.triangles, soup.positions.size());
   defects.boundaryEdges = pairs.openEdges;
   defects.nonManifoldEdges = pairs.manyFaced.size();
@@ -106,6 +135,7 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   mesh.positions = std::move(soup.positions);
   mesh.triangles = std::move(soup.triangles);
   mesh.triangleMaterial = std::move(soup.triangleMaterial);
+  mesh.triangleUv = std::move(soup.triangleUv);
   mesh.neighbours = std::move(topology.neighbours);
   mesh.edgeFlags = std::move(topology.edgeFlags);
   mesh.triangleShell = std::move(topology.triangleShell);
@@ -122,6 +152,7 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   }
   if (!mesh.closed) mesh.volume = 0.0;
   invertShells(mesh, invert);
+  turnUv(asRead, mesh.triangles, mesh.triangleUv);
   return result;
 }
 

@@ -16,6 +16,7 @@ struct TriangleSoup {
   std::vector<glm::dvec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint16_t> triangleMaterial;
+  std::vector<std::array<glm::vec2, 3>> triangleUv;  // T texture coordinates of the corners, or empty
 };
 
 /// What analyseMesh() found and did, counted.

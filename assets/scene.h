@@ -15,12 +15,14 @@
 #include <vector>
 
 #include <glm/mat3x3.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
 #include "assets/control.h"
 #include "assets/force_field.h"
 #include "assets/ids.h"
 #include "assets/pose.h"
+#include "assets/surface.h"
 
 namespace tandem::assets {
 
@@ -43,6 +45,7 @@ struct Material {
   double staticFriction = 0.0;    // Coulomb coefficient; 0 unless the file states one
   double dynamicFriction = 0.0;   // Coulomb coefficient
   double restitution = 0.0;       // 0..1
+  std::uint32_t surface = kNone;  // into Scene::surfaces; kNone: nothing but the above
 };
 
 /// Flags of a triangle's edge e, the edge from corner e to corner (e + 1) % 3.
@@ -61,6 +64,8 @@ struct Mesh {
   std::vector<std::array<std::uint32_t, 3>> neighbours;   // T, triangle across edge e, or kNone
   std::vector<std::array<std::uint8_t, 3>> edgeFlags;     // T, EdgeFlag bits of edge e
   std::vector<std::uint32_t> triangleShell;               // T, index of the connected shell
+  std::vector<std::array<glm::vec2, 3>> triangleUv;       // T, texture coordinates of the corners; empty unless a
+                                                          // surface of the mesh has an image
   std::uint32_t shellCount = 0;
   bool closed = false;    // every edge has exactly two triangles, oriented alike
   double volume = 0.0;    // m^3; 0 unless closed
@@ -156,6 +161,8 @@ struct Scene {
   std::string name;
   std::vector<Mesh> meshes;
   std::vector<Material> materials;      // at least one
+  std::vector<Surface> surfaces;        // of the materials that feel like more than a stiff wall
+  std::vector<TextureImage> textures;   // that surfaces name
   std::vector<Part> parts;              // at most kMaxParts
   std::vector<Joint> joints;
   std::vector<ForceField> fields;       // at most kMaxForceFields

@@ -35,14 +35,41 @@ std::string numbered(const char* what, std::size_t i) {
   return std::string(what) + "[" + std::to_string(i) + "]";
 }
 
-Status checkMaterial(const Material& m, const std::string& place) {
+Status checkMaterial(const Material& m, std::size_t surfaces, const std::string& place) {
   for (const float c : m.baseColour)
     if (!(c >= 0.0f && c <= 1.0f)) return broken(place, "a colour is not in 0..1");
   if (!(m.metallic >= 0.0f && m.metallic <= 1.0f && m.roughness >= 0.0f && m.roughness <= 1.0f))
     return broken(place, "metallic or roughness is not in 0..1");
   if (!nonNegative({m.stiffness, m.damping, m.staticFriction, m.dynamicFriction, m.restitution}))
     return broken(place, "a property of the surface is negative or not finite");
+  if (m.surface != kNone && m.surface >= surfaces) return broken(place, "its surface is out of range");
   if (!printable(m.name)) return broken(place, "the name is not printable");
+  return {};
+}
+
+Status checkSurface(const Surface& s, std::size_t textures, const std::string& place) {
+  const SurfaceTexture& t = s.texture;
+  if (!nonNegative({s.creaseAngle, s.viscosity, s.vibrationFrequency, s.vibrationAmplitude, s.stickSlipForce,
+                    s.stickSlipStiffness, s.magneticForce, s.magneticDistance, s.popThroughForce,
+                    s.stiffness2, s.relaxation, s.yieldForce, s.hardening, t.amplitude, t.amplitudeForce,
+                    t.wavelength, t.frictionScale}))
+    return broken(place, "a property is negative or not finite");
+  if (s.law > Surface::Law::plastic || t.pattern > SurfaceTexture::Pattern::noise)
+    return broken(place, "an unknown law or pattern");
+  const bool isImage = t.pattern == SurfaceTexture::Pattern::image;
+  if (isImage ? t.image >= textures : t.image != kNoTexture)
+    return broken(place, "its texture's image is out of range");
+  if (t.pattern > SurfaceTexture::Pattern::image && !(t.wavelength > 0.0))
+    return broken(place, "its texture has no wavelength");
+  return {};
+}
+
+Status checkTexture(const TextureImage& image, const std::string& place) {
+  if (image.width == 0 || image.height == 0 || image.width > kMaxTextureSide ||
+      image.height > kMaxTextureSide)
+    return broken(place, "its size is out of range");
+  if (image.texels.size() != std::size_t(image.width) * image.height)
+    return broken(place, "it has not as many texels as its size says");
   return {};
 }
 
@@ -71,6 +98,11 @@ Status checkMesh(const Mesh& mesh, std::size_t materials, const std::string& pla
       mesh.edgeFlags.size() != count || mesh.triangleShell.size() != count)
     return broken(place, "the arrays of its triangles differ in length");
   if (mesh.shellCount > count) return broken(place, "more shells than triangles");
+  if (!mesh.triangleUv.empty() && mesh.triangleUv.size() != count)
+    return broken(place, "the arrays of its triangles differ in length");
+  for (const std::array<glm::vec2, 3>& corners : mesh.triangleUv)
+    for (const glm::vec2& uv : corners)
+      if (!finite({uv.x, uv.y})) return broken(place, "a texture coordinate is not finite");
   for (const glm::dvec3& p : mesh.positions)
     if (!finite(p)) return broken(place, "a position is not finite");
   if (!finite(mesh.bounds) || !std::isfinite(mesh.volume))
@@ -168,7 +200,13 @@ Status checkScene(const Scene& scene) {
   if (!finite(scene.gravity) || !finite(scene.bounds))
     return broken("scene", "gravity or bounds are not finite");
   for (std::size_t i = 0; i < scene.materials.size(); ++i)
-    if (Status s = checkMaterial(scene.materials[i], numbered("materials", i)); !s) return s;
+    if (Status s = checkMaterial(scene.materials[i], scene.surfaces.size(), numbered("materials", i)); !s)
+      return s;
+  for (std::size_t i = 0; i < scene.surfaces.size(); ++i)
+    if (Status s = checkSurface(scene.surfaces[i], scene.textures.size(), numbered("surfaces", i)); !s)
+      return s;
+  for (std::size_t i = 0; i < scene.textures.size(); ++i)
+    if (Status s = checkTexture(scene.textures[i], numbered("textures", i)); !s) return s;
   for (std::size_t i = 0; i < scene.meshes.size(); ++i)
     if (Status s = checkMesh(scene.meshes[i], scene.materials.size(), numbered("meshes", i)); !s) return s;
   if (Status s = checkTree(scene); !s) return s;

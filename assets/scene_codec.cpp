@@ -200,6 +200,47 @@ void material(Archive& a, Material_& m) {
   a.number(m.staticFriction);
   a.number(m.dynamicFriction);
   a.number(m.restitution);
+  a.number(m.surface);
+}
+
+template <typename Archive, typename Surface_>
+void surface(Archive& a, Surface_& s) {
+  a.number(s.creaseAngle);
+  a.number(s.viscosity);
+  a.number(s.texture.pattern);
+  a.number(s.texture.image);
+  a.number(s.texture.amplitude);
+  a.number(s.texture.amplitudeForce);
+  a.number(s.texture.wavelength);
+  a.number(s.texture.frictionScale);
+  a.number(s.vibrationFrequency);
+  a.number(s.vibrationAmplitude);
+  a.number(s.stickSlipForce);
+  a.number(s.stickSlipStiffness);
+  a.number(s.magneticForce);
+  a.number(s.magneticDistance);
+  a.number(s.popThroughForce);
+  a.number(s.law);
+  a.number(s.stiffness2);
+  a.number(s.relaxation);
+  a.number(s.yieldForce);
+  a.number(s.hardening);
+}
+
+void putTexture(Writer& out, const TextureImage& image) {
+  out.number(image.width);
+  out.number(image.height);
+  out.count(image.texels, 1);
+  if (!image.texels.empty())
+    std::memcpy(out.room(image.texels.size()), image.texels.data(), image.texels.size());
+}
+
+void getTexture(Reader& in, TextureImage& image) {
+  in.number(image.width);
+  in.number(image.height);
+  in.count(image.texels, 1);
+  const std::size_t size = image.texels.size();
+  if (size > 0) std::memcpy(image.texels.data(), in.take(size), size);
 }
 
 template <typename Archive, typename Shape_>
@@ -367,6 +408,9 @@ void putMesh(Writer& out, const Mesh& mesh) {
   toPlanes(shells.data(), count, out.room(count * 4));
   toPlanes(mesh.triangleMaterial.data(), count, out.room(count * 2));
   if (count > 0) std::memcpy(out.room(count * 3), mesh.edgeFlags.data(), count * 3);
+  out.count(mesh.triangleUv, 24);
+  const float* uv = reinterpret_cast<const float*>(mesh.triangleUv.data());
+  toPlanes(uv, mesh.triangleUv.size() * 6, out.room(mesh.triangleUv.size() * 24));
 }
 
 void getMesh(Reader& in, Mesh& mesh) {
@@ -391,6 +435,9 @@ void getMesh(Reader& in, Mesh& mesh) {
   mesh.edgeFlags.resize(count);
   const std::byte* flags = in.take(count * 3);
   if (count > 0) std::memcpy(mesh.edgeFlags.data(), flags, count * 3);
+  in.count(mesh.triangleUv, 24);
+  float* uv = reinterpret_cast<float*>(mesh.triangleUv.data());
+  fromPlanes(in.take(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
 }
 
 template <typename Archive, typename Scene_>
@@ -399,9 +446,18 @@ void sceneBody(Archive& a, Scene_& s) {
   a.number(s.gravity);
   a.number(s.bounds.min);
   a.number(s.bounds.max);
-  a.count(s.materials, 68);
+  a.count(s.materials, 72);
   for (auto& m : s.materials) material(a, m);
-  a.count(s.meshes, 70);
+  a.count(s.surfaces, 134);
+  for (auto& f : s.surfaces) surface(a, f);
+  a.count(s.textures, 12);
+  for (auto& t : s.textures) {
+    if constexpr (Archive::kReads)
+      getTexture(a, t);
+    else
+      putTexture(a, t);
+  }
+  a.count(s.meshes, 74);
   for (auto& m : s.meshes) {
     if constexpr (Archive::kReads)
       getMesh(a, m);

@@ -1,0 +1,25 @@
+#pragma once
+
+// What extras.haptic says about a surface, and the images that it names. For the loader's sources only.
+
+#include <cstdint>
+#include <vector>
+
+#include "assets/gltf_document.h"
+#include "assets/gltf_json.h"
+#include "assets/surface.h"
+
+namespace tandem::assets {
+
+/// Reads the properties of `haptic` that make up a Surface; texture.image becomes a glTF texture index,
+/// checked. Throws GltfError where a known property has a wrong type or sign. Returns how many properties are
+/// unknown.
+std::uint64_t readSurface(const JsonObject& haptic, const nlohmann::json& document, Surface& surface);
+
+/// Decodes the images of all surfaces and turns their texture indices into those of the result. A surface
+/// whose image cannot be read (not PNG or JPEG, a file of its own, too large) loses its texture; `unread`
+/// counts them.
+std::vector<TextureImage> readTextures(const GltfDocument& document, std::vector<Surface>& surfaces,
+                                       std::uint64_t& unread);
+
+}  // namespace tandem::assets
