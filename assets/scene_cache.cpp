@@ -11,7 +11,7 @@ namespace tandem::assets {
 namespace {
 
 // Raised whenever the loader makes something else of the same file.
-constexpr std::uint32_t kLoaderVersion = 3;
+constexpr std::uint32_t kLoaderVersion = 4;
 
 /// Everything that the scene depends on, hashed.
 class KeyBuilder {

@@ -10,6 +10,7 @@
 #include "assets/assert.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/implicit_mesh.h"
+#include "haptics/surface_scene.h"
 
 namespace tandem::haptics {
 namespace {
@@ -55,6 +56,9 @@ Collider makeCollider(const TriangleBvh* tree) {
 
 }  // namespace
 
+ContactScene::Data::Data() = default;
+ContactScene::Data::~Data() = default;
+
 ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std::make_unique<Data>()) {
   data_->scene = &scene;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -80,6 +84,7 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   for (const std::size_t tree : treeOfPart) {
     data_->colliders.push_back(makeCollider(tree == assets::kNone ? nullptr : data_->trees[tree].get()));
   }
+  data_->surfaces = makeSurfaceScene(scene, data_->colliders);
 }
 
 ContactScene::~ContactScene() = default;

@@ -19,11 +19,17 @@ struct Collider {
   double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
 };
 
+struct SurfaceScene;  // surface_scene.h
+
 struct ContactScene::Data {
+  Data();
+  ~Data();
+
   const assets::Scene* scene = nullptr;
   std::vector<std::unique_ptr<assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
   std::vector<std::unique_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
   std::vector<Collider> colliders;                  // one a part
+  std::unique_ptr<SurfaceScene> surfaces;           // null: no material asks for more than stiffness and friction
 };
 
 }  // namespace tandem::haptics

@@ -37,6 +37,8 @@ class ContactWorld {
   explicit ContactWorld(const ContactScene& scene);
 
   const assets::Scene& scene() const { return *data_->scene; }
+  /// Null where no material has a surface of its own kind.
+  const SurfaceScene* surfaces() const { return data_->surfaces.get(); }
   const Collider& collider(PartId part) const { return data_->colliders[part]; }
   const Pose& pose(PartId part) const { return parts_[part].pose; }
   const Twist& twist(PartId part) const { return parts_[part].twist; }

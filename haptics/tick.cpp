@@ -56,7 +56,9 @@ class Tick {
     forgetIgnored();
     if (valid_) {
       moveTool();
-      data_.contactWrench = {contactForce(data_.world, data_.proxy, input_.device, parameters_, out_),
+      const glm::dvec3 force = contactForce(data_.world, data_.proxy, input_.device, parameters_, out_);
+      data_.contactWrench = {applySurface(data_.world, data_.proxy, input_.device, parameters_, force,
+                                          data_.surface, out_),
                              glm::dvec3(0.0)};
     } else {
       data_.contactWrench = data_.couplingWrench = Wrench{};

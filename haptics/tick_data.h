@@ -5,6 +5,7 @@
 #include <array>
 #include <vector>
 
+#include "haptics/apply_surface.h"
 #include "haptics/contact_world.h"
 #include "haptics/controls.h"
 #include "haptics/fault.h"
@@ -44,6 +45,7 @@ struct TickState::Data {
   HeldParts held;
   Layers layers;
   Proxy proxy;
+  SurfaceState surface;
   FaultLatch fault;
   Fade fade;
   OutputLimits output;

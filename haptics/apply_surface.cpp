@@ -1,0 +1,289 @@
+#include "haptics/apply_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/haptic_texture.h"
+#include "haptics/surface_scene.h"
+
+namespace tandem::haptics {
+namespace {
+
+using assets::Material;
+using assets::Surface;
+using assets::SurfaceTexture;
+
+constexpr int kMaxNear = 4;  // parts that may act before they are touched, a tick
+
+/// One contact of the proxy with a surface: one pressing plane, or several of one smooth surface.
+struct Touch {
+  PartId part = kNoPart;
+  std::uint32_t triangle = kNoTriangle;
+  const Material* material = nullptr;
+  const Surface* surface = nullptr;
+  glm::dvec3 point{0.0, 0.0, 0.0};   // m, world, on the triangle
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, of the facet, to the tool
+  glm::dvec3 goal{0.0, 0.0, 0.0};    // m, world
+  glm::dvec3 old{0.0, 0.0, 0.0};     // N, what contactForce() made of it
+  double strongest = 0.0;            // m, largest depth of its planes
+  int contact = -1;                  // into TickOutput::contacts; -1 = not touched, only near
+};
+
+bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+class SurfaceTick {
+ public:
+  SurfaceTick(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
+              const TickParameters& parameters, SurfaceState& state, TickOutput& out)
+      : world_(world),
+        surfaces_(*world.surfaces()),
+        proxy_(proxy),
+        device_(device),
+        parameters_(parameters),
+        state_(state),
+        out_(out) {}
+
+  glm::dvec3 run(const glm::dvec3& force) {
+    state_.letGo = kNoPart;
+    findTouches();
+    findNear();
+    for (SurfaceSlot& slot : state_.slots) slot.active = false;
+    glm::dvec3 total = force;
+    for (int i = 0; i < count_; ++i) {
+      const Touch& touch = touches_[static_cast<std::size_t>(i)];
+      total += forceOf(touch) - touch.old;
+    }
+    for (SurfaceSlot& slot : state_.slots)
+      if (!slot.active) rest(slot);
+    return isFinite(total) ? total : force;
+  }
+
+ private:
+  const Surface* surfaceOf(PartId part, std::uint32_t triangle, const Material*& material) const {
+    material = &world_.material(part, triangle);
+    const auto& all = world_.scene().surfaces;
+    return material->surface < all.size() ? &all[material->surface] : nullptr;
+  }
+
+  void findTouches() {
+    int contact = 0;
+    for (int i = 0; i < proxy_.planeCount; ++i) {
+      const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+      if (!presses(plane)) continue;
+      addPlane(plane, contact < out_.contactCount ? contact : -1);
+      ++contact;
+    }
+  }
+
+  void addPlane(const ProxyPlane& plane, int contact) {
+    const SurfacePoint& at = plane.surface;
+    const Material* material = nullptr;
+    const Surface* surface = surfaceOf(at.part, at.triangle, material);
+    if (surface == nullptr || contact < 0) return;
+    const glm::dvec3 push = plane.multiplier * at.normal;
+    const Contact& known = out_.contacts[static_cast<std::size_t>(contact)];
+    Touch* touch = nullptr;
+    for (int i = 0; i < count_ && touch == nullptr; ++i) {
+      Touch& other = touches_[static_cast<std::size_t>(i)];
+      if (joined(other, at, surface)) touch = &other;
+    }
+    if (touch == nullptr) {
+      if (count_ == kMaxTouches) return;
+      touch = &touches_[static_cast<std::size_t>(count_++)];
+      *touch = Touch{at.part,   at.triangle,     material, surface, at.point,
+                     at.normal, proxy_.position, {},       0.0,     contact};
+    }
+    touch->goal -= push;
+    touch->old += known.force * known.normal;
+    if (plane.multiplier > touch->strongest) {
+      touch->strongest = plane.multiplier;
+      touch->triangle = at.triangle;
+      touch->point = at.point;
+      touch->normal = at.normal;
+    }
+  }
+
+  /// Whether two planes are facets of one smooth surface.
+  static bool joined(const Touch& touch, const SurfacePoint& at, const Surface* surface) {
+    return touch.part == at.part && touch.surface == surface && surface->creaseAngle > 0.0 &&
+           glm::dot(touch.normal, at.normal) > std::cos(surface->creaseAngle);
+  }
+
+  /// Surfaces that act before the facets are touched: patches and relief above them, magnets.
+  void findNear() {
+    int queries = 0;
+    for (const PartId part : surfaces_.reaching) {
+      if (queries == kMaxNear || count_ == kMaxTouches) return;
+      if (!world_.touchable(part) || touches(part)) continue;
+      const PartSurface& special = surfaces_.parts[part];
+      const double reach = parameters_.toolRadius + special.reach +
+                           (special.forceReach > 0.0 ? special.forceReach / parameters_.stiffness : 0.0);
+      const Collider& collider = world_.collider(part);
+      const glm::dvec3 off = proxy_.position - transformPoint(world_.pose(part), collider.centre);
+      if (glm::dot(off, off) > (collider.radius + reach) * (collider.radius + reach)) continue;
+      ++queries;
+      SurfacePoint at;
+      if (!world_.nearest(part, proxy_.position, reach, at)) continue;
+      const Material* material = nullptr;
+      const Surface* surface = surfaceOf(part, at.triangle, material);
+      if (surface == nullptr) continue;
+      touches_[static_cast<std::size_t>(count_++)] =
+          Touch{part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1};
+    }
+  }
+
+  bool touches(PartId part) const {
+    return std::any_of(touches_.begin(), touches_.begin() + count_,
+                       [part](const Touch& touch) { return touch.part == part; });
+  }
+
+  SurfaceSlot& slotOf(PartId part) {
+    SurfaceSlot* free = &state_.slots[0];
+    for (SurfaceSlot& slot : state_.slots) {
+      if (slot.part == part && !slot.active) return slot;
+      if (!slot.active && (free->active || slot.part == kNoPart)) free = &slot;
+    }
+    *free = SurfaceSlot{};
+    free->part = part;
+    return *free;
+  }
+
+  /// A contact that has ended: viscoelastic surfaces go on recovering, all else is forgotten.
+  void rest(SurfaceSlot& slot) {
+    if (slot.part == kNoPart) return;
+    slot.anchor.set = false;
+    slot.phase = 0.0;
+    slot.velocity = glm::dvec3(0.0);
+  }
+
+  glm::dvec3 forceOf(const Touch& touch) {
+    const Pose& pose = world_.pose(touch.part);
+    const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+    const auto toPart = [&](const glm::dvec3& p) { return partFromWorld * (p - pose.position); };
+    const assets::Mesh& mesh = world_.collider(touch.part).tree->mesh();
+    const ShadedMesh* shaded =
+        touch.surface->creaseAngle > 0.0 ? surfaces_.parts[touch.part].shaded : nullptr;
+    const glm::dvec3 facet = facetDirection(mesh, touch.triangle);
+    const double side = glm::dot(partFromWorld * touch.normal, facet) < 0.0 ? -1.0 : 1.0;
+    PatchPoint patch;
+    if (!projectOntoPatch(mesh, shaded, touch.triangle, toPart(touch.point), toPart(touch.goal), side,
+                          patch) ||
+        leavesCone(touch, partFromWorld * touch.normal, patch.normal)) {
+      return touch.old;
+    }
+    return transformVector(pose, respond(touch, mesh, patch, partFromWorld));
+  }
+
+  static glm::dvec3 facetDirection(const assets::Mesh& mesh, std::uint32_t t) {
+    const auto& c = mesh.triangles[t];
+    return glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]],
+                      mesh.positions[c[2]] - mesh.positions[c[0]]);
+  }
+
+  /// Whether the tool rests on an edge or corner that is not smooth: there the plain contact is right.
+  static bool leavesCone(const Touch& touch, const glm::dvec3& contact, const glm::dvec3& smooth) {
+    constexpr double kFlat = 0.9999;  // cos of 0.8 degrees: a flat facet's own normal
+    const double crease = touch.surface->creaseAngle;
+    return glm::dot(contact, smooth) < (crease > 0.0 ? std::min(std::cos(crease), kFlat) : kFlat);
+  }
+
+  /// Force in the part's frame.
+  glm::dvec3 respond(const Touch& touch, const assets::Mesh& mesh, const PatchPoint& patch,
+                     const glm::dquat& partFromWorld) {
+    const Surface& surface = *touch.surface;
+    const double stiffness =
+        touch.material->stiffness > 0.0 ? touch.material->stiffness : parameters_.stiffness;
+    const double flatDepth = patch.depth + parameters_.toolRadius;
+    glm::dvec3 gradient = patch.depthGradient;
+    const double depth = flatDepth + relief(surface.texture, mesh, patch, stiffness, gradient);
+    glm::dvec3 force =
+        patch.depthGradient * magneticPull(surface.magneticForce, surface.magneticDistance, -flatDepth);
+    if (!(depth > 0.0)) return force;
+
+    SurfaceSlot& slot = slotOf(touch.part);
+    slot.active = true;
+    force -= stiffness * depth * gradient;
+    const glm::dvec3 elastic = force;
+    force += dissipation(touch, patch, elastic, partFromWorld, slot);
+    noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, glm::dot(force, patch.normal));
+    return force;
+  }
+
+  /// Height of the relief; adds its gradient to that of the depth.
+  double relief(const SurfaceTexture& texture, const assets::Mesh& mesh, const PatchPoint& patch,
+                double stiffness, glm::dvec3& gradient) const {
+    const double amplitude = texture.amplitude + texture.amplitudeForce / stiffness;
+    if (texture.pattern == SurfaceTexture::Pattern::none || !(amplitude > 0.0)) return 0.0;
+    double byU = 0.0, byV = 0.0, value = 0.0;
+    if (texture.pattern == SurfaceTexture::Pattern::image) {
+      if (patch.triangle >= mesh.triangleUv.size()) return 0.0;
+      const auto& uv = mesh.triangleUv[patch.triangle];
+      const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin,
+                                      alongV = glm::dvec2(uv[2]) - origin;
+      const Height h =
+          imageHeight(world_.scene().textures[texture.image], origin + patch.u * alongU + patch.v * alongV);
+      value = h.value;
+      byU = glm::dot(h.uvGradient, alongU);
+      byV = glm::dot(h.uvGradient, alongV);
+    } else {
+      const Height h = patternHeight(texture.pattern, texture.wavelength, patch.point);
+      value = h.value;
+      byU = glm::dot(h.gradient, patch.pointU);
+      byV = glm::dot(h.gradient, patch.pointV);
+    }
+    gradient += amplitude * (byU * patch.uGradient + byV * patch.vGradient);
+    return amplitude * value;
+  }
+
+  /// Damping and drag; along the normal they never outdo what presses.
+  glm::dvec3 dissipation(const Touch& touch, const PatchPoint& patch, const glm::dvec3& pressing,
+                         const glm::dquat& partFromWorld, SurfaceSlot& slot) {
+    const glm::dvec3 surfaceVelocity =
+        velocityAt(world_.pose(touch.part), world_.twist(touch.part), touch.point);
+    const glm::dvec3 velocity = partFromWorld * (device_.twist.linear - surfaceVelocity);
+    const double damping = touch.material->damping > 0.0 ? touch.material->damping : parameters_.damping;
+    glm::dvec3 drag = viscousDrag(touch.surface->viscosity, velocity, slot.velocity);
+    slot.velocity = velocity;
+    drag -= damping * glm::dot(velocity, patch.normal) * patch.normal;
+    const double along = glm::dot(drag, patch.normal);
+    const double least = -std::max(0.0, glm::dot(pressing, patch.normal));
+    return along < least ? drag + (least - along) * patch.normal : drag;
+  }
+
+  void noteContact(const Touch& touch, const glm::dvec3& normal, double force) {
+    int at = touch.contact;
+    if (at < 0) {
+      if (out_.contactCount == kMaxContacts) return;
+      at = out_.contactCount++;
+      out_.contacts[static_cast<std::size_t>(at)] = {touch.part, touch.point, normal, force};
+      return;
+    }
+    Contact& contact = out_.contacts[static_cast<std::size_t>(at)];
+    contact.normal = normal;
+    contact.force = force;
+  }
+
+  static constexpr int kMaxTouches = kMaxContacts + kMaxNear;
+
+  const ContactWorld& world_;
+  const SurfaceScene& surfaces_;
+  const Proxy& proxy_;
+  const DeviceSample& device_;
+  const TickParameters& parameters_;
+  SurfaceState& state_;
+  TickOutput& out_;
+  std::array<Touch, kMaxTouches> touches_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
+                               const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
+                               TickOutput& out) {
+  return SurfaceTick(world, proxy, device, parameters, state, out).run(force);
+}
+
+}  // namespace tandem::haptics
