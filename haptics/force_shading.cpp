@@ -18,7 +18,9 @@ constexpr int kMaxSteps = 12;        // from triangle to triangle
 constexpr double kConverged = 1e-9;  // share of a triangle
 constexpr double kOutside = 1e-7;    // share of a triangle by which a point may lie beyond an edge
 constexpr double kTooFar = 0.5;      // share of a triangle beyond a crease: no patch there any more
-constexpr double kFold = 0.05;       // of the patch's area: below, neighbouring normals cross
+// Share of the patch's area left on its offset surface, below which normals are about to cross: 97 % of the
+// radius of curvature.
+constexpr double kFold = 1e-3;
 
 using Across = std::vector<std::array<std::uint32_t, 3>>;
 
@@ -161,6 +163,8 @@ bool solve(const Patch& patch, const glm::dvec3& p, double side, PatchPoint& x) 
     const glm::dvec3 a = x.pointU - x.depth * side * nU, b = x.pointV - x.depth * side * nV;
     const glm::dvec3 c = glm::cross(a, b);
     const double volume = glm::dot(c, n);
+    // Past a centre of curvature both sides have turned round, and the volume is positive again.
+    if (!(glm::dot(a, x.pointU) > 0.0 && glm::dot(b, x.pointV) > 0.0)) return false;
     if (!(volume > kFold * glm::length(glm::cross(x.pointU, x.pointV)))) return false;
     x.uGradient = glm::cross(b, n) / volume;
     x.vGradient = glm::cross(n, a) / volume;
