@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
@@ -10,6 +11,7 @@ namespace tandem::haptics {
 namespace {
 
 const assets::Material kDefaultMaterial;
+constexpr int kSettleATick = 32;  // parts put back into the tree, some 130 ns each
 
 assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
   if (collider.tree == nullptr) return {};
@@ -40,22 +42,59 @@ double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dv
 ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
   const std::vector<assets::Part>& parts = data_->scene->parts;
   std::vector<assets::Bounds> boxes(parts.size());
+  std::vector<double> reach(parts.size());
   parts_.resize(parts.size());
+  poses_.resize(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
-    parts_[i].pose = parts[i].worldFromPart;
+    poses_[i] = parts[i].worldFromPart;
     const assets::CollisionFilter& filter = parts[i].filter;
     // The tool belongs to every system and collides with every system: only a part that shuts out all is
     // untouchable.
     parts_[i].solid = data_->colliders[i].tree != nullptr && filter.memberOf != 0 && filter.collidesWith != 0;
-    boxes[i] = worldBox(data_->colliders[i], parts_[i].pose);
+    const Collider& collider = data_->colliders[i];
+    boxes[i] = worldBox(collider, poses_[i]);
+    reach[i] = collider.tree == nullptr ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius);
   }
   broad_ = SceneBvh(boxes);
+  loose_ = LooseParts(std::move(reach));
 }
 
 void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
-  parts_[part].pose = worldFromPart;
+  poses_[part] = worldFromPart;
   parts_[part].twist = twist;
+  loose_.drop(part);
   broad_.update(part, worldBox(data_->colliders[part], worldFromPart));
+}
+
+void ContactWorld::noteNear(PartId part, const Pose& worldFromPart) {
+  const assets::Bounds before = worldBox(data_->colliders[part], poses_[part]);
+  const assets::Bounds after = worldBox(data_->colliders[part], worldFromPart);
+  loose_.addNear(part, {glm::min(before.min, after.min), glm::max(before.max, after.max)});
+}
+
+void ContactWorld::setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  poses_[part] = worldFromPart;
+  parts_[part].twist = twist;
+  if (loose_.widened()) loose_.renew(part, worldBox(data_->colliders[part], worldFromPart));
+}
+
+void ContactWorld::findNear(const assets::Bounds& box) const {
+  loose_.widen(
+      box, [this](PartId part) { return poses_[part].position; },
+      [this](PartId part) { loose_.addNear(part, worldBox(data_->colliders[part], poses_[part])); });
+}
+
+void ContactWorld::endMotions() {
+  if (!loose_.anyAtRest()) return;
+  int settled = 0;
+  loose_.forEachAtRest([&](PartId part) {
+    if (settled++ < kSettleATick) {
+      loose_.drop(part);
+      broad_.update(part, worldBox(data_->colliders[part], poses_[part]));
+    } else if (loose_.within(part, poses_[part].position)) {
+      loose_.addNear(part, worldBox(data_->colliders[part], poses_[part]));
+    }
+  });
 }
 
 bool ContactWorld::mayCollide(PartId a, PartId b) const {
@@ -65,12 +104,12 @@ bool ContactWorld::mayCollide(PartId a, PartId b) const {
 }
 
 double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
-  return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(parts_[part].pose.position));
+  return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(poses_[part].position));
 }
 
 bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
                              WorldHit& hit) const {
-  const Pose& pose = parts_[part].pose;
+  const Pose& pose = poses_[part];
   const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
   const double off = skin(part, p);
   MeshBallHit local;
@@ -111,7 +150,7 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
                                      WorldHit& hit, glm::dvec3& carried) const {
   const Collider& collider = data_->colliders[part];
   if (!touchable(part)) return false;
-  const Pose& now = parts_[part].pose;
+  const Pose& now = poses_[part];
   const double off = skin(part, p);
   const double reach = collider.radius + radius + 2.0 * off;
   const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
@@ -142,7 +181,7 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
 }
 
 SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {
-  const Pose& pose = parts_[part].pose;
+  const Pose& pose = poses_[part];
   const glm::dvec3 local = toPart(pose, p);
   const Triangle t = data_->colliders[part].tree->triangle(triangle);
   const TrianglePoint closest = closestPointOnTriangle(local, t);
@@ -154,7 +193,7 @@ SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const 
 bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const {
   MeshPoint local;
   const Collider& collider = data_->colliders[part];
-  if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(parts_[part].pose, p), reach, local)) {
+  if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(poses_[part], p), reach, local)) {
     return false;
   }
   found = surfaceAt(part, local.triangle, p);
@@ -164,7 +203,7 @@ bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, Surfa
 bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) const {
   const Collider& collider = data_->colliders[part];
   if (collider.tree == nullptr) return false;
-  const glm::dvec3 local = toPart(parts_[part].pose, p);
+  const glm::dvec3 local = toPart(poses_[part], p);
   const double margin = radius + skin(part, p);
   if (glm::length(local - collider.centre) > collider.radius + margin) return false;
   MeshPoint near;

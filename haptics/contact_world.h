@@ -12,6 +12,7 @@
 
 #include "assets/pose.h"
 #include "haptics/contact_scene_data.h"
+#include "haptics/loose_parts.h"
 #include "haptics/scene_bvh.h"
 
 namespace tandem::haptics {
@@ -40,12 +41,33 @@ class ContactWorld {
   /// Null where no material has a surface of its own kind.
   const SurfaceScene* surfaces() const { return data_->surfaces.get(); }
   const Collider& collider(PartId part) const { return data_->colliders[part]; }
-  const Pose& pose(PartId part) const { return parts_[part].pose; }
+  const Pose& pose(PartId part) const { return poses_[part]; }
   const Twist& twist(PartId part) const { return parts_[part].twist; }
   bool has(PartId part) const { return part < parts_.size(); }
 
+  /// Puts a part somewhere and into the scene tree: O(depth).
   void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
+
+  // Many parts that move in one tick: beginMotions(); noteMotion() for each; endMotions(); then setNearPose()
+  // for each that noteMotion() found near. Queries are right at every time, fastest within `region`.
+
+  /// `region`: where this tick is going to ask, m, world.
+  void beginMotions(const assets::Bounds& region) { loose_.begin(region); }
+  /// True if the part may come into the region on its way; its pose is then still the old one. If not, it has
+  /// moved.
+  bool noteMotion(PartId part, const Pose& worldFromPart) {
+    if (loose_.note(part, poses_[part].position, worldFromPart.position)) {
+      noteNear(part, worldFromPart);
+      return true;
+    }
+    poses_[part] = worldFromPart;
+    return false;
+  }
+  /// Puts some of the parts that no longer move back into the tree.
+  void endMotions();
+  void setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist);
+  bool anyLoose() const { return loose_.any(); }
 
   /// Whether the collision filters of two parts let them touch. Both must allow it.
   bool mayCollide(PartId a, PartId b) const;
@@ -85,16 +107,23 @@ class ContactWorld {
   /// six rays leave the solid, so that one ray through an edge or a small hole does not decide.
   bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
 
+  /// Calls visit(part) for every part whose box meets `box`; visit must not move parts nor ask forEachNear().
   template <typename Visit>
   void forEachNear(const assets::Bounds& box, Visit&& visit) const {
-    broad_.forEach(box, visit);
+    if (!loose_.any()) return broad_.forEach(box, visit);
+    broad_.forEach(box, [&](PartId part) {
+      if (!loose_.isLoose(part)) visit(part);
+    });
+    if (!loose_.covers(box)) findNear(box);
+    for (const LooseParts::Near& near : loose_.near()) {
+      if (SceneBvh::meet(near.box, box) && loose_.isLoose(near.part)) visit(near.part);
+    }
   }
 
   const assets::Material& material(PartId part, std::uint32_t triangle) const;
 
  private:
   struct PartState {
-    Pose pose;
     Twist twist;
     bool solid = false;
     bool ignored = false;
@@ -104,9 +133,14 @@ class ContactWorld {
   bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
                  WorldHit& hit) const;
 
+  void noteNear(PartId part, const Pose& worldFromPart);
+  void findNear(const assets::Bounds& box) const;
+
   const ContactScene::Data* data_;
+  std::vector<Pose> poses_;
   std::vector<PartState> parts_;
-  SceneBvh broad_;
+  SceneBvh broad_;            // of the parts that are not loose; boxes of loose ones are out of date
+  mutable LooseParts loose_;  // a query outside the region widens it
 };
 
 }  // namespace tandem::haptics

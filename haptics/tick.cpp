@@ -20,6 +20,8 @@ constexpr double kProxyResetAfter = 0.25;  // s
 // A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
 constexpr double kTouchShare = 0.02;
 constexpr int kMaxTouchQueries = 32;
+// More parts than this that move at once are kept out of the scene tree.
+constexpr std::size_t kManyMoving = 32;
 
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
@@ -185,22 +187,68 @@ class Tick {
     std::swap(data_.moving, data_.movedBefore);
     data_.moving.clear();
     ++data_.tickNumber;
-    for (const PartMotion& motion : input_.moved) {
-      // These come from elsewhere: what cannot be used is dropped, never trusted.
-      const bool good = data_.world.has(motion.part) && isValid(motion.worldFromPart) &&
-                        isFinite(motion.twist.linear) && isFinite(motion.twist.angular) &&
-                        data_.moving.size() < data_.moving.capacity();
-      if (!good) {
-        out_.flags |= kFlagOverflow;
-      } else if (!data_.held.owns(motion.part)) {
-        movePart(motion.part, motion.worldFromPart, motion.twist);
-        data_.moving.push_back(motion.part);
-        data_.movedAt[motion.part] = data_.tickNumber;
-      }
-    }
+    moveListed();
     for (const PartId part : data_.movedBefore) {
       if (data_.movedAt[part] != data_.tickNumber) data_.world.setTwist(part, Twist{});
     }
+  }
+
+  void moveListed() {
+    const bool many = input_.moved.size() > kManyMoving;
+    if (!many && !data_.world.anyLoose()) return moveFew();
+    data_.world.beginMotions(regionOfTick());
+    if (many) sortOutNear();
+    data_.world.endMotions();
+    if (!many) return moveFew();
+    for (const std::uint32_t i : data_.near) {
+      const PartMotion& motion = input_.moved[i];
+      const Pose before = data_.world.pose(motion.part);
+      const Twist twistBefore = data_.world.twist(motion.part);
+      data_.world.setNearPose(motion.part, motion.worldFromPart, motion.twist);
+      noteMoving(motion.part);
+      if (!samePose(before, motion.worldFromPart)) push(motion.part, before, twistBefore);
+    }
+  }
+
+  void moveFew() {
+    for (const PartMotion& motion : input_.moved) {
+      if (!takes(motion)) continue;
+      movePart(motion.part, motion.worldFromPart, motion.twist);
+      noteMoving(motion.part);
+    }
+  }
+
+  void noteMoving(PartId part) {
+    data_.moving.push_back(part);
+    data_.movedAt[part] = data_.tickNumber;
+  }
+
+  /// Moves the parts that are far from the tool; notes the others in data_.near.
+  void sortOutNear() {
+    data_.near.clear();
+    for (std::size_t i = 0; i < input_.moved.size(); ++i) {
+      const PartMotion& motion = input_.moved[i];
+      if (!takes(motion) || !data_.world.noteMotion(motion.part, motion.worldFromPart)) continue;
+      if (data_.near.size() < data_.near.capacity()) data_.near.push_back(static_cast<std::uint32_t>(i));
+    }
+  }
+
+  /// These come from elsewhere: what cannot be used is dropped, never trusted.
+  bool takes(const PartMotion& motion) {
+    const glm::dvec3 &p = motion.worldFromPart.position, &v = motion.twist.linear, &w = motion.twist.angular;
+    const glm::dquat& q = motion.worldFromPart.orientation;
+    const double sum = p.x + p.y + p.z + v.x + v.y + v.z + w.x + w.y + w.z;
+    const double norm = q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z;
+    const bool good = data_.world.has(motion.part) && sum - sum == 0.0 && std::abs(norm - 1.0) < 2e-6;
+    if (!good) out_.flags |= kFlagOverflow;
+    return good && (data_.held.parts().empty() || !data_.held.owns(motion.part));
+  }
+
+  /// Where the tool can come to in this tick, and some way around.
+  assets::Bounds regionOfTick() const {
+    const glm::dvec3 &p = data_.proxy.position, &d = data_.device.worldFromDevice.position;
+    const glm::dvec3 grow(2.0 * glm::length(d - p) + 4.0 * radius() + 2.0 * data_.touchReach);
+    return {p - grow, p + grow};
   }
 
   /// `byHand`: the part moves because this hand pushes it.
@@ -209,6 +257,10 @@ class Tick {
     if (samePose(before, worldFromPart)) return data_.world.setTwist(part, twist);
     const Twist twistBefore = data_.world.twist(part);
     data_.world.setPose(part, worldFromPart, twist);
+    push(part, before, twistBefore, byHand);
+  }
+
+  void push(PartId part, const Pose& before, const Twist& twistBefore, bool byHand = false) {
     if (!data_.started) return;
     const glm::dvec3 proxyBefore = data_.proxy.position;
     const bool free = pushProxy(data_.world, part, before, radius(), data_.proxy);
@@ -397,9 +449,10 @@ TickState::Data::Data(const ContactScene& contactScene)
       layers(contactScene.scene()),
       fields(contactScene.scene()) {
   const std::size_t parts = contactScene.scene().parts.size();
-  moving.reserve(std::max<std::size_t>(parts, 1));
-  movedBefore.reserve(std::max<std::size_t>(parts, 1));
+  moving.reserve(std::max(parts, kManyMoving));
+  movedBefore.reserve(std::max(parts, kManyMoving));
   movedAt.resize(parts);
+  near.reserve(parts);
   for (std::size_t i = 0; i < parts; ++i) {
     touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(static_cast<PartId>(i)).radius);
   }

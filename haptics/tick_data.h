@@ -57,6 +57,7 @@ struct TickState::Data {
   double invalidTime = 0.0;                   // s since the last valid sample
   bool started = false;                       // there has been a valid sample
   double touchReach = 0.0;                    // m, the largest of all parts
+  std::vector<std::uint32_t> near;            // of the parts moved in this tick; capacity for all
   std::vector<PartId> moving;                 // parts with a twist from this tick; capacity for all
   std::vector<PartId> movedBefore;            // those of the last tick
   std::vector<std::uint32_t> movedAt;         // per part: the last tick in which others moved it

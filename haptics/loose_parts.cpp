@@ -1,0 +1,27 @@
+#include "haptics/loose_parts.h"
+
+#include <utility>
+
+namespace tandem::haptics {
+
+LooseParts::LooseParts(std::vector<double> reach)
+    : reach_(std::move(reach)), movedIn_(reach_.size(), 0), slot_(reach_.size(), 0) {
+  ids_.reserve(reach_.size());
+  near_.reserve(reach_.size());
+}
+
+void LooseParts::loosen(PartId part) {
+  slot_[part] = static_cast<std::uint32_t>(ids_.size());
+  ids_.push_back(part);
+}
+
+void LooseParts::drop(PartId part) {
+  if (!isLoose(part)) return;
+  listed_ -= movedIn_[part] == now_ ? 1u : 0u;
+  movedIn_[part] = 0;
+  ids_[slot_[part]] = ids_.back();
+  slot_[ids_.back()] = slot_[part];
+  ids_.pop_back();
+}
+
+}  // namespace tandem::haptics
