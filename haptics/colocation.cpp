@@ -165,6 +165,9 @@ Result<Colocation> colocate(std::span<const PointPair> pairs, bool withScale) {
     return Error{"calibration: the points of the two frames do not belong together"};
   result.viewFromDevice.position = m.view - result.scale * (result.viewFromDevice.orientation * m.device);
   measure(pairs, result);
+  // Sizes near the ends of what a double holds.
+  if (!isValid(result.viewFromDevice) || !std::isfinite(result.rms))
+    return Error{"calibration: coordinates are too large or too small"};
   return result;
 }
 

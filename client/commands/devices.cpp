@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/commands/command.h"
+#include "haptics/colocation.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/devices/udev_rule.h"
 
@@ -18,7 +19,8 @@ namespace tandem::client {
 namespace {
 
 struct Arguments {
-  std::string test;
+  std::string test, calibrate, out;
+  bool rigid = false;
   double seconds = 5.0;
   bool json = false;
   bool udevRule = false;
@@ -85,7 +87,27 @@ int test(const Arguments& arguments) {
   return state.valid > 0 || arguments.test == "none" ? kExitDone : kExitFailed;
 }
 
+/// Pairs of points in, a calibration out: on stdout, or in a file with the residual on stdout.
+int calibrate(const Arguments& arguments) {
+  const Result<std::vector<haptics::PointPair>> pairs = haptics::loadPairs(arguments.calibrate);
+  if (!pairs) return badInput(pairs.error());
+  const Result<haptics::Colocation> found = haptics::colocate(*pairs, !arguments.rigid);
+  if (!found) return badInput(Error{arguments.calibrate + ": " + found.error().message});
+  const std::string json = haptics::toJson(*found);
+  if (arguments.out.empty()) {
+    std::printf("%s", json.c_str());
+    return kExitDone;
+  }
+  if (Status written = writeFile(arguments.out, json); !written) return badInput(written.error());
+  std::printf(
+      "%zu pairs, scale %.4f, residual %.3f mm rms, %.3f mm at worst; use it:\n"
+      "  tandem join LINK --device NAME --calibration %s\n",
+      found->pairs, found->scale, 1e3 * found->rms, 1e3 * found->worst, arguments.out.c_str());
+  return kExitDone;
+}
+
 int run(const Arguments& arguments) {
+  if (!arguments.calibrate.empty()) return calibrate(arguments);
   if (arguments.udevRule) return printUdevRule();
   return arguments.test.empty() ? list(arguments) : test(arguments);
 }
@@ -98,6 +120,12 @@ void addDevices(CLI::App& app, int& exitCode) {
       app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
   command->add_option("--test", arguments->test, "Read this device for a while under zero force");
   command->add_option("--seconds", arguments->seconds, "Length of the test")->check(numberFrom(0.1, 3600.0));
+  command->add_option(
+      "--calibrate", arguments->calibrate,
+      "Find where a device's workspace lies in the view from this CSV of touched points "
+      "(header dx,dy,dz,vx,vy,vz: in the device's axes, as --test shows them, and in the scene; m)");
+  command->add_option("--out", arguments->out, "File for the calibration (JSON); without it: stdout");
+  command->add_flag("--rigid", arguments->rigid, "Keep the scale at 1");
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->add_flag(
       "--udev-rule", arguments->udevRule,

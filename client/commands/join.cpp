@@ -7,6 +7,7 @@
 #include <fstream>
 #include <map>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <CLI/CLI.hpp>
@@ -26,7 +27,7 @@ namespace tandem::client {
 namespace {
 
 struct Arguments {
-  std::string link, device, hand, screenshot, record, json, trace, name, colour, cache;
+  std::string link, device, calibration, hand, screenshot, record, json, trace, name, colour, cache;
   bool headless = false, tcp = false, quiet = false;
   double duration = 0.0;
   int width = 1440, height = 900;
@@ -100,7 +101,14 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
     hand.stylus = device.get();
     hand.device = std::move(device);
   } else {
-    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(name, start);
+    std::optional<haptics::Colocation> calibration;
+    if (!arguments.calibration.empty()) {
+      Result<haptics::Colocation> loaded = haptics::loadColocation(arguments.calibration);
+      if (!loaded) return loaded.error();
+      calibration = *loaded;
+    }
+    Result<std::unique_ptr<haptics::Device>> device =
+        haptics::openDevice(name, start, calibration ? &*calibration : nullptr);
     if (!device) return Error{"--device " + name + ": " + device.error().message};
     hand.device = std::move(*device);
     hand.steered = dynamic_cast<haptics::SteeredHand*>(hand.device.get());
@@ -314,6 +322,9 @@ int run(Arguments& arguments) {
     if (!device) return badInput(Error{"--device " + arguments.device + ": " + device.error().message});
     (*device)->close();
   }
+  if (!arguments.calibration.empty())
+    if (auto loaded = haptics::loadColocation(arguments.calibration); !loaded)
+      return badInput(loaded.error());
   JoinOptions options;
   options.link = *link;
   if (arguments.name.empty()) arguments.name = defaultName(*link);
@@ -356,6 +367,10 @@ void addJoin(CLI::App& app, int& exitCode) {
   command->add_option(
       "--device", arguments->device,
       "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
+  command
+      ->add_option("--calibration", arguments->calibration,
+                   "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
+      ->needs("--device");
   command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
   command->add_option("--duration", arguments->duration, "Leave after this many seconds")
       ->check(numberFrom(1e-3, 1e9));

@@ -7,6 +7,8 @@
 #include <limits>
 #include <random>
 
+#include "haptics/devices/device_list.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -131,6 +133,20 @@ TEST(Colocation, MapsADevicesReadingToWhereItsTargetWasSeen) {
   sample.worldFromDevice.position = {0.02, 0.03, -0.04};
   const dvec3 seen = transformPoint(kPose, 3.0 * sample.worldFromDevice.position);
   EXPECT_LT(glm::distance(mapping.toWorld(sample).worldFromDevice.position, seen), 1e-9);
+}
+
+TEST(Colocation, PlacesADeviceThatHasAWorkspaceAndIsRefusedByOthers) {
+  const auto found = colocate(made(9, 3.0, 0.0));
+  ASSERT_TRUE(found.ok());
+  const auto arm = openDevice("simulated-arm", Pose{{7.0, 8.0, 9.0}, {1.0, 0.0, 0.0, 0.0}}, &*found);
+  ASSERT_TRUE(arm.ok()) << arm.error().message;
+  // The arm begins at the middle of its own axes, to within the encoders' steps.
+  EXPECT_LT(glm::distance((*arm)->poll(0.0).worldFromDevice.position, kPose.position), 3.0 * 0.1e-3);
+  EXPECT_NEAR((*arm)->limits().workspaceRadius,
+              3.0 * openDevice("simulated-arm").value()->limits().workspaceRadius, 1e-9);
+  const auto stylus = openDevice("stylus", Pose{}, &*found);
+  ASSERT_FALSE(stylus.ok());
+  EXPECT_NE(stylus.error().message.find("no workspace of its own"), std::string::npos);
 }
 
 TEST(Colocation, SurvivesItsJsonAndRefusesOthers) {

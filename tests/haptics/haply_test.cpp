@@ -163,16 +163,24 @@ class Haply : public ::testing::Test {
 
 TEST_F(Haply, HandsOutWhereTheHandleIsAndPushesItThere) {
   open();
-  device_.apply({{0.0, 2.0, 0.0}, {}});
-  const dvec3 force = answerTo(FakeHaply::state({0.01, 0.02, 0.03}, {0.0, 0.0, 0.5}, true));
-  const DeviceSample sample = pollUntilState(1);
-  EXPECT_TRUE(sample.valid);
+  // Again and again: on a busy machine the driver's watchdogs may bite between two lines of a test.
+  DeviceSample sample;
+  until([&] {
+    device_.apply({{0.0, 2.0, 0.0}, {}});
+    const dvec3 force = answerTo(FakeHaply::state({0.01, 0.02, 0.03}, {0.0, 0.0, 0.5}, true));
+    sample = pollUntilState(1);
+    return sample.valid && force == dvec3(0.0, 0.0, 2.0);
+  });
   EXPECT_EQ(sample.worldFromDevice.position, dvec3(0.01, 0.03, -0.02));
   EXPECT_EQ(sample.twist.linear, dvec3(0.0, 0.5, 0.0));
   EXPECT_EQ(sample.buttons, 1u);
-  EXPECT_EQ(force, dvec3(0.0, 0.0, 2.0));
-  device_.apply({{300.0, 0.0, 0.0}, {}});
-  EXPECT_EQ(answerTo(FakeHaply::state({}, {})), dvec3(5.0, 0.0, 0.0)) << "limited";
+  dvec3 limited(0.0);
+  until([&] {
+    device_.apply({{300.0, 0.0, 0.0}, {}});
+    limited = answerTo(FakeHaply::state({}, {}));
+    return limited != dvec3(0.0);
+  });
+  EXPECT_EQ(limited, dvec3(5.0, 0.0, 0.0));
 }
 
 TEST_F(Haply, AHandlePushedOntoAFloorComesToRestWhereTheForcesBalance) {
@@ -191,8 +199,10 @@ TEST_F(Haply, WithoutTheFloorOrWithOneFarTooStiffItDoesNotRest) {
 
 TEST_F(Haply, LetsGoWhenTheLoopFallsSilent) {
   open();
-  device_.apply({{0.0, 2.0, 0.0}, {}});
-  EXPECT_EQ(answerTo(FakeHaply::state({}, {})).z, 2.0);
+  until([&] {
+    device_.apply({{0.0, 2.0, 0.0}, {}});
+    return answerTo(FakeHaply::state({}, {})).z == 2.0;
+  });
   until([&] { return answerTo(FakeHaply::state({}, {})) == dvec3(0.0); });
 }
 

@@ -8,10 +8,13 @@
 #include <chrono>
 #include <glm/geometric.hpp>
 #include <thread>
+#include <vector>
 
 #include "haptics/devices/device_list.h"
+#include "haptics/devices/dualsense_codec.h"
 #include "haptics/devices/spacemouse.h"
 #include "tests/haptics/hid/mock_spacemouse.h"
+#include "tests/support/pid_descriptor.h"
 
 namespace tandem::haptics {
 namespace {
@@ -189,6 +192,77 @@ TEST_F(Hidapi, ANodeWithoutPermissionIsListedWithItsReasonAndRemedy) {
   const auto found = spaceMice();
   ASSERT_EQ(found.size(), 1u);
   EXPECT_TRUE(found[0].usable) << found[0].reason;
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+TEST_F(Hidapi, AForceFeedbackJoystickIsFoundByItsDescriptorSetUpAndPushed) {
+  const auto grant = [](std::uint8_t id) { return id == 0x12 ? Bytes{0x12, 7, 1, 0, 0} : Bytes{}; };
+  ASSERT_TRUE(bus_.plug(1, {0x1209, 0xffb0, "FFB joystick", testing::PidDescriptor().bytes(), grant}));
+  const auto reports = listDevices();
+  EXPECT_EQ(std::ranges::count(reports, "pid", &DeviceReport::driver), 1);
+
+  auto opened = openDevice("pid");
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  Device& device = **opened;
+  EXPECT_EQ(bus_.features(), (std::vector<Bytes>{{0x11, 1, 0, 0}, {0x11, 1, 0, 0}}));
+  // Reset, actuators on, full gain, then an effect an axis: set, no force, start.
+  const Bytes start = bus_.written(2 + 2 + 2 + 2 * (18 + 4 + 4));
+  ASSERT_EQ(start.size(), 58u);
+  EXPECT_EQ((Bytes(start.begin(), start.begin() + 6)), (Bytes{0x0C, 4, 0x0C, 1, 0x0D, 0xFF}));
+  EXPECT_EQ((Bytes(start.begin() + 24, start.begin() + 32)), (Bytes{0x05, 7, 0, 0, 0x0A, 7, 1, 1}));
+
+  ASSERT_TRUE(bus_.deliver(Bytes{0x01, 0x01, 0, 0xFF, 0x7F, 0, 0}));
+  EXPECT_TRUE(eventually([&] { return tick(device, 1).buttons == 1; }));
+  EXPECT_NEAR(device.poll(now_).worldFromDevice.position.x, 0.05, 1e-6);
+
+  Bytes told;
+  EXPECT_TRUE(eventually([&] {
+    device.apply({{-1.5, 0.0, 0.0}, {}});
+    const Bytes more = bus_.written(1);
+    told.insert(told.end(), more.begin(), more.end());
+    const Bytes push{0x05, 7, 0x00, 0xC0};
+    return std::search(told.begin(), told.end(), push.begin(), push.end()) != told.end();
+  }));
+  device.close();
+}
+
+TEST_F(Hidapi, AJoystickThatStallsIsRefusedWithTheReason) {
+  ASSERT_TRUE(bus_.plug(1, {0x1209, 0xffb0, "FFB joystick", testing::PidDescriptor().bytes(), {}}));
+  auto opened = openDevice("pid");
+  ASSERT_FALSE(opened.ok());
+  EXPECT_NE(opened.error().message.find("feature report not given"), std::string::npos)
+      << opened.error().message;
+}
+
+TEST_F(Hidapi, ADualSenseSteersAndItsTriggersResist) {
+  // Generic desktop, gamepad; one input and one output report of the sizes that the controller has over USB.
+  const Bytes descriptor{0x05, 0x01, 0x09, 0x05, 0xA1, 0x01, 0x85, 0x01, 0x06, 0x00, 0xFF,
+                         0x09, 0x20, 0x15, 0x00, 0x26, 0xFF, 0x00, 0x75, 0x08, 0x95, 0x3F,
+                         0x81, 0x02, 0x85, 0x02, 0x09, 0x21, 0x95, 0x2F, 0x91, 0x02, 0xC0};
+  ASSERT_TRUE(bus_.plug(2, {0x054c, 0x0ce6, "DualSense Wireless Controller", descriptor, {}}));
+  const auto reports = listDevices();
+  EXPECT_EQ(std::ranges::count(reports, "dualsense", &DeviceReport::driver), 1);
+  auto opened = openDevice("dualsense", Pose{});
+  ASSERT_TRUE(opened.ok()) << opened.error().message;
+  Device& device = **opened;
+  Bytes report(64, 0);
+  report[0] = 0x01;
+  report[1] = 0xFF, report[2] = report[3] = report[4] = 0x80;  // left stick to the right
+  report[8] = 0x28;                                            // cross
+  ASSERT_TRUE(bus_.deliver(report));
+  EXPECT_TRUE(eventually([&] { return tick(device, 1).buttons == 1; }));
+  EXPECT_GT(tick(device, 200).worldFromDevice.position.x, 0.01);
+
+  const Bytes resist = encodeDualSense({0, 0, 255, 255}, false, 0);
+  Bytes told;
+  EXPECT_TRUE(eventually([&] {
+    for (int i = 0; i < 20; ++i) device.poll(now_ += 0.001), device.apply({{3.3, 0.0, 0.0}, {}});
+    const Bytes more = bus_.written(1);
+    told.insert(told.end(), more.begin(), more.end());
+    return std::search(told.begin(), told.end(), resist.begin(), resist.end()) != told.end();
+  }));
+  device.close();
 }
 
 }  // namespace

@@ -9,10 +9,14 @@
 #include <umockdev.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <thread>
+#include <utility>
 
 namespace tandem::haptics::testing {
 namespace {
@@ -52,23 +56,26 @@ std::string recordedIoctls(const std::string& node) {
          hex(structure) + "\n";
 }
 
-std::string description(std::span<const std::string> paths, int number) {
+/// 0003:046D:C62B and the like.
+std::string busName(const MockModel& model) {
+  char text[32];
+  std::snprintf(text, sizeof text, "0003:%04X:%04X", model.vendor, model.product);
+  return text;
+}
+
+std::string description(std::span<const std::string> paths, int number, const MockModel& model) {
   const std::string name = "hidraw" + std::to_string(number);
-  return "P: " + paths[0] +
-         "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\n"
-         "A: idVendor=046d\\n\nA: idProduct=c62b\\n\nA: manufacturer=3Dconnexion\\n\n"
-         "A: product=SpaceMouse Pro\\n\nA: bcdDevice=0431\\n\n\n"
-         "P: " +
-         paths[1] +
-         "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n\n"
-         "P: " +
-         paths[2] +
-         "\nE: SUBSYSTEM=hid\nE: HID_ID=0003:0000046D:0000C62B\nE: HID_NAME=3Dconnexion SpaceMouse Pro\n"
-         "E: HID_UNIQ=\nH: report_descriptor=" +
-         hex(kDescriptor) + "\n\nP: " + paths[3] + "\nN: " + name +
-         "\nE: SUBSYSTEM=hidraw\nE: DEVNAME=/dev/" + name +
-         "\nE: MAJOR=240\nE: MINOR=" + std::to_string(number) +
-         "\nL: device=../../../0003:046D:C62B.0001\n\n";
+  char ids[64], hidId[48];
+  std::snprintf(ids, sizeof ids, "A: idVendor=%04x\\n\nA: idProduct=%04x\\n\n", model.vendor, model.product);
+  std::snprintf(hidId, sizeof hidId, "0003:%08X:%08X", model.vendor, model.product);
+  return "P: " + paths[0] + "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_device\n" + ids +
+         "A: manufacturer=Maker\\n\nA: product=" + model.name + "\\n\nA: bcdDevice=0431\\n\n\n" +
+         "P: " + paths[1] + "\nE: SUBSYSTEM=usb\nE: DEVTYPE=usb_interface\nA: bInterfaceNumber=00\\n\n\n" +
+         "P: " + paths[2] + "\nE: SUBSYSTEM=hid\nE: HID_ID=" + hidId + "\nE: HID_NAME=" + model.name +
+         "\nE: HID_UNIQ=\nH: report_descriptor=" + hex(model.descriptor) + "\n\nP: " + paths[3] +
+         "\nN: " + name + "\nE: SUBSYSTEM=hidraw\nE: DEVNAME=/dev/" + name +
+         "\nE: MAJOR=240\nE: MINOR=" + std::to_string(number) + "\nL: device=../../../" + busName(model) +
+         ".0001\n\n";
 }
 
 /// False, with a line on stderr, when there was an error.
@@ -82,6 +89,10 @@ bool succeeded(gboolean done, GError* error, const char* what) {
 void capabilities(long call, __user_cap_data_struct (&data)[2]) {
   __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
   if (syscall(call, &header, data) != 0) std::perror("capabilities");
+}
+
+gboolean onIoctl(UMockdevIoctlBase*, UMockdevIoctlClient* client, gpointer bus) {
+  return static_cast<MockBus*>(bus)->handleIoctl(client) ? TRUE : FALSE;
 }
 
 }  // namespace
@@ -102,6 +113,10 @@ MockBus::MockBus() : testbed_(umockdev_testbed_new()) {
 
 MockBus::~MockBus() {
   if (probe_ >= 0) close(probe_);
+  if (handler_) {
+    if (!node_.empty()) umockdev_testbed_detach_ioctl(testbed_, node_.c_str(), nullptr);
+    g_object_unref(handler_);
+  }
   g_object_unref(testbed_);
 }
 
@@ -112,29 +127,81 @@ std::string MockBus::realNode() const {
   return real;
 }
 
-bool MockBus::plug(int number) {
+bool MockBus::add(int number, const MockModel& model) {
   const std::string usb = "/devices/pci0000:00/0000:00:14.0/usb1/1-" + std::to_string(number + 1);
   const std::string interface = usb + "/1-" + std::to_string(number + 1) + ":1.0";
-  const std::string hid = interface + "/0003:046D:C62B.0001";
+  const std::string hid = interface + "/" + busName(model) + ".0001";
   paths_ = {usb, interface, hid, hid + "/hidraw/hidraw" + std::to_string(number)};
   node_ = "/dev/hidraw" + std::to_string(number);
-
   GError* error = nullptr;
-  const std::string text = description(paths_, number);
-  if (!succeeded(umockdev_testbed_add_from_string(testbed_, text.c_str(), &error), error, "add"))
-    return false;
+  const std::string text = description(paths_, number, model);
+  return succeeded(umockdev_testbed_add_from_string(testbed_, text.c_str(), &error), error, "add");
+}
 
+bool MockBus::openEnds() {
+  device_ = umockdev_testbed_get_dev_fd(testbed_, node_.c_str());
+  probe_ = open(realNode().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  return device_ >= 0 && probe_ >= 0;
+}
+
+bool MockBus::plug(int number) {
+  const MockModel spaceMouse{
+      0x046d, 0xc62b, "SpaceMouse Pro", {std::begin(kDescriptor), std::end(kDescriptor)}, {}};
+  if (!add(number, spaceMouse)) return false;
   const std::string recorded = root_ + "/recorded_ioctls";
   std::FILE* const file = std::fopen(recorded.c_str(), "w");
   if (!file) return false;
   std::fputs(recordedIoctls(node_).c_str(), file);
   std::fclose(file);
+  GError* error = nullptr;
   const gboolean loaded = umockdev_testbed_load_ioctl(testbed_, node_.c_str(), recorded.c_str(), &error);
-  if (!succeeded(loaded, error, "ioctls")) return false;
+  return succeeded(loaded, error, "ioctls") && openEnds();
+}
 
-  device_ = umockdev_testbed_get_dev_fd(testbed_, node_.c_str());
-  probe_ = open(realNode().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  return device_ >= 0 && probe_ >= 0;
+bool MockBus::plug(int number, const MockModel& model) {
+  model_ = model;
+  if (!add(number, model)) return false;
+  handler_ = umockdev_ioctl_base_new();
+  g_signal_connect(handler_, "handle-ioctl", G_CALLBACK(&onIoctl), this);
+  GError* error = nullptr;
+  const gboolean attached = umockdev_testbed_attach_ioctl(testbed_, node_.c_str(), handler_, &error);
+  return succeeded(attached, error, "attach") && openEnds();
+}
+
+bool MockBus::handleIoctl(void* opaque) {
+  auto* const client = static_cast<UMockdevIoctlClient*>(opaque);
+  const gulong request = umockdev_ioctl_client_get_request(client);
+  if (_IOC_TYPE(request) != 'H') return false;
+  UMockdevIoctlData* const data =
+      umockdev_ioctl_data_resolve(umockdev_ioctl_client_get_arg(client), 0, _IOC_SIZE(request), nullptr);
+  if (!data) return false;
+  const std::span<std::uint8_t> bytes(static_cast<std::uint8_t*>(static_cast<void*>(data->data)),
+                                      _IOC_SIZE(request));
+  long result = static_cast<long>(bytes.size());
+  if (_IOC_NR(request) == 0x01 || _IOC_NR(request) == 0x02) {  // size of the descriptor; the descriptor
+    const auto size = static_cast<std::uint32_t>(model_.descriptor.size());
+    std::memcpy(bytes.data(), &size, sizeof size);
+    if (_IOC_NR(request) == 0x02) std::ranges::copy(model_.descriptor, bytes.begin() + sizeof size);
+    result = 0;
+  } else if (_IOC_NR(request) == 0x06) {  // set a feature
+    const std::lock_guard lock(mutex_);
+    features_.emplace_back(bytes.begin(), bytes.end());
+  } else if (_IOC_NR(request) == 0x07) {  // get a feature
+    const std::vector<std::uint8_t> answer =
+        model_.feature ? model_.feature(bytes[0]) : std::vector<std::uint8_t>{};
+    result = answer.empty() ? -1 : static_cast<long>(std::min(answer.size(), bytes.size()));
+    if (result > 0) std::copy_n(answer.begin(), result, bytes.begin());
+  } else {
+    result = -1;
+  }
+  umockdev_ioctl_client_complete(client, result, result < 0 ? EPIPE : 0);
+  g_object_unref(data);
+  return true;
+}
+
+std::vector<std::vector<std::uint8_t>> MockBus::features() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(features_, {});
 }
 
 void MockBus::unplug() {

@@ -6,16 +6,28 @@
 // The program must run with umockdev's library preloaded. One device at a time; all calls from one thread.
 
 #include <cstdint>
+#include <functional>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
 
 struct _UMockdevTestbed;
+struct _UMockdevIoctlBase;
 
 namespace tandem::haptics::testing {
 
 /// Whether umockdev's library is preloaded; without it nothing here works.
 bool mockedBusAvailable();
+
+/// Another device in the SpaceMouse's place.
+struct MockModel {
+  std::uint16_t vendor = 0, product = 0;
+  std::string name;
+  std::vector<std::uint8_t> descriptor;
+  /// The feature report of an id, as the device answers it; empty: it stalls. Called from another thread.
+  std::function<std::vector<std::uint8_t>(std::uint8_t id)> feature;
+};
 
 /// A bus with nothing on it.
 class MockBus {
@@ -27,6 +39,7 @@ class MockBus {
 
   /// Plugs the device in as /dev/hidrawN. False when umockdev refuses it.
   bool plug(int number);
+  bool plug(int number, const MockModel& model);
   void unplug();
 
   /// The device sends one input report; waits (at most two seconds) until the driver seems to have read it: a
@@ -35,6 +48,11 @@ class MockBus {
   /// What the driver has written since the last call, waiting at most two seconds for `count` bytes.
   std::vector<std::uint8_t> written(std::size_t count);
 
+  /// Feature reports that the driver has set, oldest first.
+  std::vector<std::vector<std::uint8_t>> features();
+  /// Called by umockdev for each ioctl of a MockModel; false: not known here.
+  bool handleIoctl(void* client);
+
   /// Permission bits of the device's node.
   bool setMode(unsigned mode);
   /// As the program sees it.
@@ -42,8 +60,14 @@ class MockBus {
 
  private:
   std::string realNode() const;
+  bool add(int number, const MockModel& model);
+  bool openEnds();
 
   _UMockdevTestbed* testbed_;
+  _UMockdevIoctlBase* handler_ = nullptr;
+  MockModel model_;
+  std::mutex mutex_;
+  std::vector<std::vector<std::uint8_t>> features_;  // under mutex_
   std::string root_, node_;
   std::vector<std::string> paths_;  // in /sys, parents first
   int device_ = -1;                 // the device's end; umockdev owns it
