@@ -50,6 +50,9 @@ struct HaplyDevice::Driver {
   void listen();
   void take(const error_code& error);
   void answer();
+  void farewell();
+  template <typename Next>
+  void send(const glm::dvec3& force, Next next);
   void fail(const std::string& why);
   void publish() { published.write(reading); }
   void say(const std::string& why);
@@ -64,6 +67,7 @@ struct HaplyDevice::Driver {
   HaplyState state;
   HaplyReading reading;
   bool leaving = false;  // the thread's copy of `stopping`
+  bool writing = false;
 
   TripleBuffer<HaplyReading> published;
   TripleBuffer<Wanted> wanted;
@@ -78,6 +82,7 @@ struct HaplyDevice::Driver {
 void HaplyDevice::Driver::run() {
   for (;;) {
     io.restart();
+    writing = false;
     connect();
     io.run();
     socket.reset();
@@ -176,13 +181,26 @@ void HaplyDevice::Driver::take(const error_code& error) {
 }
 
 void HaplyDevice::Driver::answer() {
+  if (leaving) return farewell();
   const Wanted& now = wanted.latest();
-  const bool silent = leaving || driverClock() - now.heard > kSilence;
-  reply = encodeHaply(state.id, silent ? glm::dvec3(0.0) : now.force);
+  const bool silent = driverClock() - now.heard > kSilence;
+  send(silent ? glm::dvec3(0.0) : now.force, [this] { leaving ? farewell() : listen(); });
+}
+
+/// No force, then the end: whatever was answered before.
+void HaplyDevice::Driver::farewell() {
+  if (!writing) send(glm::dvec3(0.0), [this] { fail("closed"); });
+}
+
+template <typename Next>
+void HaplyDevice::Driver::send(const glm::dvec3& force, Next next) {
+  reply = encodeHaply(state.id, force);
+  writing = true;
   socket->text(true);
-  socket->async_write(asio::buffer(reply), [this](const error_code& error, std::size_t) {
-    if (error || leaving) return fail(error.message());
-    listen();
+  socket->async_write(asio::buffer(reply), [this, next](const error_code& error, std::size_t) {
+    writing = false;
+    if (error) return fail(error.message());
+    next();
   });
 }
 
@@ -229,7 +247,7 @@ void HaplyDevice::close() {
     d.stopping = true;
   }
   d.wake.notify_all();
-  // The next answer is zero force and the last one; without a next message the line is cut.
+  // The next answer is zero force and the last one; without a next message it goes unasked.
   asio::post(d.io, [driver = &d] {
     {
       // Left over from an earlier closing that found the thread between two attempts.
@@ -240,7 +258,7 @@ void HaplyDevice::close() {
     if (!driver->reading.connected) return driver->fail("closed");
     driver->deadline.expires_after(kLastWord);
     driver->deadline.async_wait([driver](const error_code& error) {
-      if (!error) driver->fail("closed");
+      if (!error && driver->socket) driver->farewell();
     });
   });
   d.thread.join();

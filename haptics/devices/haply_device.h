@@ -6,7 +6,7 @@
 // 1. A thread of its own answers each message of the service with the latest force: without an answer the
 // service
 //    sends no more.
-// 2. The force is zero once apply() has not been called for 50 ms, and in the last answer before closing.
+// 2. The force is zero once apply() has not been called for 50 ms, and in the last message before closing.
 // 3. A message that is malformed, not finite or too long is dropped and counted; it is answered all the same.
 // Without
 //    a good message for 50 ms the readings are not valid.
