@@ -9,7 +9,8 @@
 namespace tandem::assets {
 namespace {
 
-constexpr double kMost = 1e12;  // beyond any length, force or coefficient that a scene can mean
+constexpr double kLeast = 1e-9;  // m: what a length that divides may be; far below any scene's
+constexpr double kMost = 1e12;   // beyond any length, force or coefficient that a scene can mean
 
 bool within(double low, double high, std::initializer_list<double> values) {
   return std::all_of(values.begin(), values.end(), [&](double v) { return v >= low && v <= high; });
@@ -22,7 +23,7 @@ const char* faultOf(const FieldRegion& r) {
   if (r.kind > FieldRegion::Kind::sphere) return "a region of unknown shape";
   if (!within(r.halfSize, 0.0, kMost) || !within(0.0, kMost, {r.radius, r.fade}))
     return "a region's size is not valid";
-  if (r.kind != FieldRegion::Kind::everywhere && !(r.fade > 0.0)) return "a region without a fade";
+  if (r.kind != FieldRegion::Kind::everywhere && !(r.fade >= kLeast)) return "a region's fade is too short";
   return nullptr;
 }
 
@@ -52,9 +53,9 @@ const char* faultOfPotential(const ForceField& f) {
   using Potential = ForceField::Potential;
   if (f.potential > Potential::polynomial) return "an unknown potential";
   if (f.kind != ForceField::Kind::potential) return nullptr;
-  if (f.potential == Potential::gaussian && !within(f.sigma, 1e-12, kMost)) return "a width is not positive";
-  if (f.potential == Potential::ripple && !(f.sigma.x >= 1e-12 && f.sigma.x <= kMost))
-    return "a wavelength is not positive";
+  if (f.potential == Potential::gaussian && !within(f.sigma, kLeast, kMost)) return "a width is too small";
+  if (f.potential == Potential::ripple && !(f.sigma.x >= kLeast && f.sigma.x <= kMost))
+    return "a wavelength is too small";
   return nullptr;
 }
 
@@ -68,9 +69,9 @@ const char* faultOf(const ForceField& f, std::size_t parts) {
       !within(-kMost, kMost, {f.drive, f.strength, f.depth}))
     return "a property is out of range";
   if (!(std::abs(glm::length(f.axis) - 1.0) < 1e-6)) return "the axis is not a unit vector";
-  if (f.range > 0.0 && !(f.fade > 0.0 && f.fade <= f.range * (1.0 + 1e-9)))
+  if (f.range > 0.0 && !(f.fade >= kLeast && f.fade <= f.range * (1.0 + 1e-9)))
     return "the fade does not fit the range";
-  if (f.kind == ForceField::Kind::gravity && !(f.radius > 0.0)) return "the radius is not positive";
+  if (f.kind == ForceField::Kind::gravity && !(f.radius >= kLeast)) return "the radius is too small";
   if (f.kind == ForceField::Kind::guide && f.anchor != ForceField::Anchor::path)
     return "a guide without a path";
   if (f.terms.size() > kMaxPotentialTerms) return "too many terms";

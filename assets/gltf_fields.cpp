@@ -305,7 +305,7 @@ class FieldReader {
       else
         field_.sigma = glm::dvec3(positive(json_, "sigma", 0.0, scale_));
       const double least = std::min({field_.sigma.x, field_.sigma.y, field_.sigma.z});
-      if (!(least > 1e-12)) json_.fail("sigma", "must be positive");
+      if (!(least > 0.0)) json_.fail("sigma", "must be positive");
       withinMaximum("depth", std::abs(field_.depth) / least * std::exp(-0.5));
     } else if (function == "ripple") {
       know({"depth", "wavelength", "axis"});
@@ -423,6 +423,7 @@ class FieldsReader {
     placed.field = FieldReader(object, frame.scale, frame.turn).read();
     placed.field.partFromField = frame.rigid * ownPose(object, frame.scale * frame.turn);
     placed.flatNode = flatNode;
+    placed.place = object.place();
     if (placed.field.name.empty()) placed.field.name = cleanText(name);
     if (placed.field.name.empty()) placed.field.name = "field " + std::to_string(out_.size() + 1);
     const glm::dvec3& at = placed.field.partFromField.position;

@@ -5,6 +5,7 @@
 // only.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "assets/gltf_document.h"
@@ -17,6 +18,7 @@ namespace tandem::assets {
 struct PlacedField {
   ForceField field;
   std::uint32_t flatNode = kNone;  // the node that it goes with; kNone: the scene's own
+  std::string place;               // in the file, for messages
 };
 
 /// All fields of the default scene, in m and SI, each property checked. A file's own lengths are scaled with

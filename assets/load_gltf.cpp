@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "assets/affine.h"
+#include "assets/field_check.h"
 #include "assets/gltf_controls.h"
 #include "assets/gltf_decode.h"
 #include "assets/gltf_fields.h"
@@ -267,6 +268,8 @@ class SceneBuilder {
         placed.field.part = part;
         placed.field.partFromField = inverse(scene_.parts[part].worldFromPart) * placed.field.partFromField;
       }
+      const Status fit = checkField(placed.field, scene_.parts.size(), "field");
+      if (!fit) throw GltfError(placed.place, fit.error().message);
       scene_.fields.push_back(std::move(placed.field));
     }
   }

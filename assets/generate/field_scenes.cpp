@@ -97,7 +97,7 @@ SampleScene makeGuidedPath() {
                   {0.0, 5.0 * mm, 0.0},
                   {0.0, -25.0 * mm, 0.0},
                   {30.0 * mm, -50.0 * mm, -15.0 * mm}};
-  guide.stiffness = 300.0;
+  guide.stiffness = 180.0;
   guide.damping.x = 1.0;
   guide.radius = 3.0 * mm;
   guide.range = 30.0 * mm;

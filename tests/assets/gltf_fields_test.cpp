@@ -1,5 +1,6 @@
 #include <cmath>
 #include <limits>
+#include <random>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -190,6 +191,68 @@ TEST(GltfFields, RefusesBadValuesNamingThePropertyAndTheReason) {
 TEST(GltfFields, RefusesMoreFieldsThanATickHasRoomFor) {
   EXPECT_EQ(loaded(boxAndField(Json::array_t(kMaxForceFields, kSpring))).fields.size(), kMaxForceFields);
   expectRefused(Json::array_t(kMaxForceFields + 1, kSpring), "more than 64 fields");
+}
+
+/// A value that a file might hold in the place of another.
+Json strayValue(std::mt19937& random) {
+  switch (random() % 10) {
+    case 0:
+      return nullptr;
+    case 1:
+      return "x";
+    case 2:
+      return Json::array({1, 2, 3});
+    case 3:
+      return Json::object();
+    case 4:
+      return true;
+    case 5:
+      return 0;
+    default:
+      return std::copysign(std::pow(10.0, static_cast<double>(random() % 40) - 20.0),
+                           random() % 3 == 0 ? -1.0 : 1.0);
+  }
+}
+
+TEST(GltfFields, WhateverAFileHoldsIsRefusedInOneLineOrPassesTheCheck) {
+  std::mt19937 random(11);
+  int refused = 0, accepted = 0;
+  for (int round = 0; round < 1500; ++round) {
+    Json field = allKinds()[random() % allKinds().size()];
+    const Json flat = field.flatten();
+    auto entry = flat.begin();
+    std::advance(entry, static_cast<long>(random() % flat.size()));
+    field[Json::json_pointer(entry.key())] = strayValue(random);
+    const Result<Scene> scene = loadGltfFromMemory("test.glb", boxAndField(field).glb(), {});
+    if (scene.ok()) {
+      ++accepted;
+      EXPECT_TRUE(checkScene(*scene).ok()) << field.dump();
+    } else {
+      ++refused;
+      EXPECT_NE(scene.error().message.find("extras.haptic.field"), std::string::npos)
+          << scene.error().message;
+      EXPECT_EQ(scene.error().message.find('\n'), std::string::npos);
+    }
+  }
+  EXPECT_GT(refused, 300);
+  EXPECT_GT(accepted, 100);
+}
+
+TEST(FieldCheck, DamagedBytesGiveAnErrorOrASceneThatPasses) {
+  const std::vector<std::byte> good = encodeScene(loaded(boxAndField(allKinds())));
+  std::mt19937 random(12);
+  int refused = 0;
+  for (int round = 0; round < 3000; ++round) {
+    std::vector<std::byte> bytes = good;
+    bytes[random() % bytes.size()] = static_cast<std::byte>(random());
+    const Result<Scene> scene = decodeScene(bytes);
+    if (!scene) {
+      ++refused;
+    } else {
+      EXPECT_TRUE(checkScene(*scene).ok());
+    }
+  }
+  EXPECT_GT(refused, 300);
 }
 
 TEST(FieldCheck, RefusesNumbersThatATickCouldNotUse) {

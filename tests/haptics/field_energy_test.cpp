@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "assets/field_check.h"
 #include "haptics/force_fields.h"
 #include "haptics/passivity.h"
 #include "haptics/simulated_hand.h"
@@ -208,6 +209,63 @@ TEST(FieldForce, IsFiniteAndWithinItsMaximumWhateverThePlace) {
       ASSERT_EQ(out.flags & kFlagFault, 0u) << i;
     }
   }
+}
+
+/// A field with numbers from all over what doubles can hold; most are none that a scene may have.
+ForceField wildField(std::mt19937& random) {
+  std::uniform_real_distribution<double> exponent(-10.0, 12.0);
+  const auto size = [&] { return random() % 6 == 0 ? 0.0 : std::pow(10.0, exponent(random)); };
+  const auto any = [&] { return random() % 2 == 0 ? size() : -size(); };
+  ForceField f;
+  f.kind = static_cast<Kind>(random() % 8);
+  f.anchor = static_cast<ForceField::Anchor>(random() % (f.kind == Kind::spring ? 4 : 3));
+  if (f.kind == Kind::guide) f.anchor = ForceField::Anchor::path;
+  f.potential = static_cast<ForceField::Potential>(random() % 3);
+  f.maxForce = size();
+  f.region = {static_cast<FieldRegion::Kind>(random() % 3), {size(), size(), size()}, size(), size()};
+  f.force = {any(), any(), any()};
+  f.waveform.kind = static_cast<assets::FieldWaveform::Kind>(random() % 4);
+  f.waveform.width = size();
+  f.stiffness = size();
+  f.radius = size();
+  f.range = size();
+  f.fade = size();
+  f.drive = any();
+  f.damping = {size(), size(), size()};
+  f.strength = any();
+  f.depth = any();
+  f.sigma = {size(), size(), size()};
+  f.terms = {{any(), {4, 4, 4}}, {any(), {1, 0, 3}}};
+  if (f.anchor == ForceField::Anchor::path)
+    for (int i = 0; i < 4; ++i) f.points.emplace_back(any(), any(), any());
+  f.closed = random() % 2 == 0;
+  f.smooth = random() % 2 == 0;
+  return f;
+}
+
+TEST(ForceFields, AnyFieldThatTheCheckLetsThroughGivesAFiniteForce) {
+  std::mt19937 random(21);
+  std::uniform_real_distribution<double> exponent(-12.0, 11.0);
+  const auto wild = [&] {
+    return std::copysign(std::pow(10.0, exponent(random)), random() % 2 == 0 ? 1.0 : -1.0);
+  };
+  int passed = 0;
+  for (int round = 0; round < 4000; ++round) {
+    const ForceField field = wildField(random);
+    if (!assets::checkField(field, 0, "field").ok()) continue;
+    ++passed;
+    HandProbe probe(sceneWith({field}));
+    for (int n = 0; n < 12; ++n) {
+      probe.sample.valid = true;
+      probe.sample.worldFromDevice.position = {wild(), n % 3 == 0 ? 0.0 : wild(), n % 4 == 0 ? 0.0 : wild()};
+      probe.sample.twist.linear = {wild(), wild(), wild()};
+      probe.sample.time = 1e-3 * n;
+      const TickOutput& out = probe.tick();
+      ASSERT_EQ(out.flags & kFlagFault, 0u) << round << " " << assets::nameOf(field.kind);
+      ASSERT_TRUE(std::isfinite(out.sourcePower)) << round << " " << assets::nameOf(field.kind);
+    }
+  }
+  EXPECT_GT(passed, 300);
 }
 
 // ---- with a hand in the loop ----
