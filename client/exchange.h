@@ -58,6 +58,13 @@ struct HandOutput {
   bool grabPending = false;
 };
 
+/// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.
+struct ControlWish {
+  PartId part = kNoPart;
+  double value = 0.0;
+  std::uint32_t count = 0;
+};
+
 /// What the person set, and a part to grasp whatever the stylus touches (kNoPart: the touched one).
 struct HandSettingsInput {
   haptics::TickParameters parameters;
@@ -65,6 +72,7 @@ struct HandSettingsInput {
   bool graspButton = false;       // of the window or a script, besides the device's own button 0
   std::uint32_t faultResets = 0;  // counts up
   std::uint32_t reseats = 0;      // counts up: put the tip back onto the device, without force meanwhile
+  ControlWish control;
 };
 
 /// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has

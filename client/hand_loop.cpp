@@ -18,7 +18,17 @@ bool near(const Pose& a, const Pose& b, double tolerance) {
 }  // namespace
 
 HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
-    : scene_(scene), exchange_(exchange), state_(scene), commands_(2 * scene.scene().parts.size() + 64) {}
+    : scene_(scene),
+      exchange_(exchange),
+      state_(scene),
+      commands_(2 * scene.scene().parts.size() + 64),
+      controls_(scene.scene()) {}
+
+void HandLoop::setControl(const ControlWish& wish) {
+  if (wish.count == scriptedWishesSeen_) return;
+  scriptedWishesSeen_ = wish.count;
+  controls_.set(wish.part, wish.value);
+}
 
 Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
   settings_ = exchange_.settings.latest();
@@ -31,11 +41,16 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
     reseatsSeen_ = settings_.reseats;
     reseatTicks_ = kReseatTicks;
   }
+  if (settings_.control.count != wishesSeen_) {
+    wishesSeen_ = settings_.control.count;
+    controls_.set(settings_.control.part, settings_.control.value);
+  }
   const sync::Micros sessionNow = now + timeBase_.offset;
   const haptics::DeviceSample sample = afterStall(reading, now);
   takeEvents(sessionNow);
   playOutFollowed(sessionNow);
   finishTaking(sessionNow);
+  askForControls();
   followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0));
 
   std::size_t batch = 0;
@@ -43,7 +58,9 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
     commandBatch_[batch] = commands_[commandHead_];
     commandHead_ = (commandHead_ + 1) % commands_.size();
   }
-  const haptics::TickInput input{sample, {moved_.data(), movedCount_}, {commandBatch_.data(), batch},
+  const haptics::TickInput input{sample,
+                                 {moved_.data(), movedCount_},
+                                 {commandBatch_.data(), batch},
                                  static_cast<double>(sessionNow) * 1e-6};
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
   for (std::size_t i = 0; i < batch; ++i)
@@ -93,9 +110,11 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         break;
       case NetworkEvent::Kind::denied:
         if (stage_ == Stage::asked && graspPart_ == event.record.part) stage_ = Stage::idle;
+        controls_.denied(event.record.part);
         break;
       case NetworkEvent::Kind::lost:
         if (stage_ == Stage::asked) stage_ = Stage::idle;
+        controls_.lost();
         for (Owned& owned : owned_) owned.releasing = false;  // asked again once there is a server again
         break;
     }
@@ -107,7 +126,7 @@ void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessio
   if (record.owner == timeBase_.self && timeBase_.self != kNoSite) {
     if (mine)
       mine->epoch = record.epoch;  // reclaimed after an outage
-    else
+    else if (!takeControl(record))
       beginTaking(record, sessionNow);
     return;
   }
@@ -115,6 +134,38 @@ void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessio
     loseOwned(*mine, record, sessionNow);
   else
     follow(record, sessionNow, kBlend);
+}
+
+/// One part a tick: what the tool presses on, or what is to be set.
+void HandLoop::askForControls() {
+  const auto owned = [this](PartId part) { return ownedEntry(part) != nullptr; };
+  const PartId part = controls_.wanted(output_.tick, owned);
+  if (part != kNoPart && !exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}}))
+    controls_.askLater(part);
+  const std::optional<PartId> set = controls_.toSet(owned);
+  if (!set || output_.tick.held == *set || ownedEntry(*set)->releasing) return;
+  if (const std::optional<Pose> pose = controls_.granted(*set)) {
+    command(PartCommand::Kind::disown, *set);
+    command(PartCommand::Kind::own, *set, *pose);
+  }
+}
+
+/// A control that this hand asked for is owned where it is here, without a grasp: the tool rests on it, and
+/// must not be moved by a pose that comes from elsewhere.
+bool HandLoop::takeControl(const sync::PartRecord& record) {
+  if (!controls_.asked(record.part)) return false;
+  Owned* entry = ownedEntry(kNoPart);
+  if (!entry) return false;
+  *entry = {record.part, record.epoch, false};
+  if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
+  command(PartCommand::Kind::own, record.part,
+          controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
+  if (stage_ != Stage::asked || graspPart_ != record.part) return true;
+  stage_ = Stage::idle;  // the button went down on it meanwhile
+  if (!wantedBefore_) return true;
+  command(PartCommand::Kind::grasp, record.part);
+  stage_ = Stage::holding;
+  return true;
 }
 
 void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionNow) {
@@ -184,6 +235,8 @@ void HandLoop::followGrasp(bool wanted) {
     if (mine && !mine->releasing) {  // still settling in this hand's care
       command(PartCommand::Kind::grasp, part);
       stage_ = Stage::holding;
+    } else if (controls_.asked(part)) {
+      stage_ = Stage::asked;
     } else if (exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}})) {
       stage_ = Stage::asked;
     }

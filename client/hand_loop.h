@@ -7,6 +7,9 @@
 //   idle -button-> asked -granted-> taking (the replica finishes its play-out) -> holding -button up->
 //   settling -rest-> releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back
 //   to idle; forces fade.
+//
+// Controls are asked for without the button, when the tool presses on one, and are not grasped
+// (control_hand.h).
 
 #include <array>
 #include <cstdint>
@@ -14,6 +17,7 @@
 #include <vector>
 
 #include "assets/pose.h"
+#include "client/control_hand.h"
 #include "client/exchange.h"
 #include "haptics/contact_scene.h"
 #include "haptics/tick.h"
@@ -31,6 +35,10 @@ class HandLoop {
 
   /// A part to grasp whatever the stylus touches; kNoPart: the touched one. Haptic thread, before tick().
   void setWish(PartId part) { wish_ = part; }
+
+  /// Sets a control as soon as the server lets this site have it, once for each new count. Haptic thread,
+  /// before tick().
+  void setControl(const ControlWish& wish);
 
   const HandOutput& output() const { return output_; }
   const Pose& worldFromPart(PartId part) const { return state_.worldFromPart(part); }
@@ -69,6 +77,8 @@ class HandLoop {
   void followGrasp(bool wanted);
   void finishTaking(sync::Micros sessionNow);
   void playOutFollowed(sync::Micros sessionNow);
+  void askForControls();
+  bool takeControl(const sync::PartRecord& record);
   void releaseRested(sync::Micros sessionNow);
   void show(const ShownPose& shown);
   void refreshOne();
@@ -86,6 +96,7 @@ class HandLoop {
   HandSettingsInput settings_;
   TimeBase timeBase_;
   std::uint32_t faultResetsSeen_ = 0, reseatsSeen_ = 0;
+  std::uint32_t wishesSeen_ = 0, scriptedWishesSeen_ = 0;  // of controls
   int reseatTicks_ = 0;  // ticks without a reading that are left until the tip is back on the device
 
   std::array<Followed, kMaxFollowed> followed_;
@@ -98,6 +109,7 @@ class HandLoop {
   std::size_t commandHead_ = 0, commandCount_ = 0;
   std::array<haptics::PartCommand, haptics::kMaxPartCommands> commandBatch_;
 
+  ControlHand controls_;
   Stage stage_ = Stage::idle;
   PartId graspPart_ = kNoPart;  // asked, taking or holding
   sync::PartRecord taking_;

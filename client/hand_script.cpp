@@ -77,10 +77,19 @@ PartId part(const json& step, const assets::Scene& scene) {
   return id;
 }
 
+PartId controlPart(const json& step, const assets::Scene& scene) {
+  if (!step.contains("control") || !step["control"].is_string())
+    throw std::string("needs \"control\": \"NAME\"");
+  const std::string name = step["control"].get<std::string>();
+  for (const assets::Control& control : scene.controls)
+    if (control.name == name || scene.parts[control.part].name == name) return control.part;
+  throw "no control is named \"" + name + "\"";
+}
+
 /// A misspelt key would silently do something else.
 void refuseUnknown(const json& step) {
-  static const char* const known[] = {"t",    "do",    "part",      "over_s", "to",    "by",
-                                      "axis", "angle", "amplitude", "hz",     "for_s", "depth"};
+  static const char* const known[] = {"t",     "do",        "part", "over_s", "to",    "by",      "axis",
+                                      "angle", "amplitude", "hz",   "for_s",  "depth", "control", "value"};
   for (const auto& [key, value] : step.items())
     if (std::none_of(std::begin(known), std::end(known), [&](const char* name) { return key == name; }))
       throw "does not know \"" + key + "\"";
@@ -122,11 +131,15 @@ ScriptStep parseStep(const json& entry, const assets::Scene& scene) {
     step.part = part(entry, scene);
     step.amount = number(entry, "depth");
     step.over = entry.contains("over_s") ? duration(entry, "over_s") : -1.0;
+  } else if (verb == "set") {
+    step.verb = Verb::set;
+    step.part = controlPart(entry, scene);
+    step.amount = number(entry, "value");
   } else if (verb == "let_go") {
     step.verb = Verb::letGo;
   } else {
     throw "does not know \"" + verb +
-        "\"; verbs: grasp release move move_relative turn sine hold press let_go";
+        "\"; verbs: grasp release move move_relative turn sine hold press set let_go";
   }
   return step;
 }
@@ -297,6 +310,9 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
       goal.position = worldFromHand.position;
       moveTo(goal, step.at, 0.0);
       break;
+    case ScriptStep::Verb::set:
+      control_ = {step.part, step.amount, control_.count + 1};
+      break;
     case ScriptStep::Verb::letGo:
       holdsStylus_ = false;
       break;
@@ -311,6 +327,7 @@ ScriptedPerson::Intent ScriptedPerson::evaluate(double t) {
   Intent intent;
   intent.graspButton = button_;
   intent.wish = wish_;
+  intent.control = control_;
   haptics::HandTarget& target = intent.target;
   target.holdsStylus = holdsStylus_;
   const double since = t - motionStart_;

@@ -13,15 +13,18 @@
 //   move_relative {by, over_s}
 //   turn {axis, angle, over_s}
 //   sine {axis, amplitude, hz, for_s}
+//   set {control, value}      asks for a control (its own or its part's name), gives it a value (m, rad)
 //   hold                      the target is where the hand is
-//   press {part, depth [, over_s]}  the target goes to `depth` inside the nearest point of that part's
-//   surface let_go                    the person lets go of the stylus; what it has latched stays
+//   press {part, depth [, over_s]}
+//                             the target goes to `depth` inside the nearest point of that part's surface
+//   let_go                    the person lets go of the stylus; what it has latched stays
 
 #include <string>
 #include <vector>
 
 #include "assets/result.h"
 #include "assets/scene.h"
+#include "client/exchange.h"
 #include "haptics/simulated_hand.h"
 
 namespace tandem::client {
@@ -30,13 +33,13 @@ namespace tandem::client {
 inline constexpr double kFarthest = 1e6;
 
 struct ScriptStep {
-  enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo };
+  enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo, set };
   double at = 0.0;  // s
   Verb verb = Verb::hold;
   PartId part = kNoPart;
   glm::dvec3 vector{0.0, 0.0, 0.0};  // to, by, or axis (unit)
   double over = 0.0;                 // s: over_s, for_s
-  double amount = 0.0;               // angle, amplitude or depth
+  double amount = 0.0;               // angle, amplitude, depth or value
   double hz = 0.0;
 };
 
@@ -69,6 +72,7 @@ class ScriptedPerson {
     haptics::HandTarget target;
     bool graspButton = false;
     PartId wish = kNoPart;
+    ControlWish control;  // of the last `set`
   };
   /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts
   /// are.
@@ -99,6 +103,7 @@ class ScriptedPerson {
   double motionStart_ = 0.0, motionLength_ = 0.0, amount_ = 0.0, hz_ = 0.0;
   bool holdsStylus_ = true, button_ = false;
   PartId wish_ = kNoPart;
+  ControlWish control_;
   double buttonDownAt_ = -1.0;  // a grasp's button waits for the hand to arrive
 };
 

@@ -32,6 +32,7 @@ class ScriptedDevice : public haptics::Device {
   const haptics::SimulatedHand& hand() const { return hand_; }
   const haptics::HandTarget& target() const { return intent_.target; }
   PartId wish() const { return intent_.wish; }
+  const ControlWish& control() const { return intent_.control; }
   bool finished() const { return person_.finished(elapsed_); }
 
  private:

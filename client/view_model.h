@@ -110,9 +110,11 @@ struct ViewActions {
   // the virtual stylus, where no device is: world pose that mouse and keyboard ask for
   bool stylusMoved = false;
   Pose worldFromStylus;
-  bool grasp = false;       // the grasp button is down (mouse) or latched (keyboard)
-  PartId revoke = kNoPart;  // instructor
-  bool resetParts = false;  // instructor
+  bool grasp = false;           // the grasp button is down (mouse) or latched (keyboard)
+  PartId setControl = kNoPart;  // the part of a control that shall have `controlValue`
+  double controlValue = 0.0;    // m or rad
+  PartId revoke = kNoPart;      // instructor
+  bool resetParts = false;      // instructor
   bool resetFault = false;
   Pose worldFromCamera;
   // replay only

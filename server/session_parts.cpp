@@ -59,6 +59,12 @@ void Session::State::onGrab(Peer& peer, const sync::Grab& request) {
                                partAsItIs(table, scene.parts.size(), request.part)});
     return;
   }
+  if (!assets::roleMaySet(scene, request.part, static_cast<unsigned>(peer.role))) {
+    ++counts.denials;
+    say(nameOf(peer.site) + " may not set the control " + scene.parts[request.part].name);
+    tell(peer, sync::GrabReply{request.request, sync::Denial::roleForbids, table.part(request.part)});
+    return;
+  }
   answerGrab(peer, table.grab(peer.site, peer.role, request, now));
 }
 

@@ -41,7 +41,7 @@ const char* toString(Denial denial) {
     case Denial::ownedByOther:
       return "somebody else holds it";
     case Denial::roleForbids:
-      return "this role may not hold parts";
+      return "this role may not move it";
     case Denial::notMovable:
       return "the part cannot be moved";
     case Denial::unknownPart:

@@ -217,7 +217,10 @@ class JoinRun {
     haptics::SteeredHand* steered = hand->steered;
     ScriptedDevice* scripted = hand->scripted;
     site_.start(std::move(hand->device),
-                scripted ? std::function<PartId()>([scripted] { return scripted->wish(); }) : nullptr);
+                scripted ? [scripted](HandLoop& loop) {
+                  loop.setWish(scripted->wish());
+                  loop.setControl(scripted->control());
+                } : std::function<void(HandLoop&)>());
     loop(stylus, steered);
     return finish();
   }

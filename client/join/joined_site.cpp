@@ -153,15 +153,15 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   return {};
 }
 
-void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<PartId()> wish) {
+void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare) {
   device_ = std::move(device);
   const haptics::DeviceLimits limits = device_->limits();
   if (limits.maxForce > 0.0) settings_.parameters.forceLimit = limits.maxForce;
   exchange_->settings.write(settings_);
   link_->sceneReady(scene_, *exchange_);
   servo_ = std::make_unique<haptics::ServoLoop>(
-      *device_, [this, wish = std::move(wish)](const haptics::DeviceSample& sample, double now) {
-        if (wish) hand_->setWish(wish());
+      *device_, [this, prepare = std::move(prepare)](const haptics::DeviceSample& sample, double now) {
+        if (prepare) prepare(*hand_);
         return hand_->tick(sample, static_cast<Micros>(now * 1e6));
       });
   servo_->start();
@@ -351,6 +351,8 @@ void JoinedSite::act(const ViewActions& actions) {
     settings_.parameters.zeroForce = actions.settings.zeroForce;
     settings_.parameters.stiffness = actions.settings.stiffness;
   }
+  if (actions.setControl != kNoPart)
+    settings_.control = {actions.setControl, actions.controlValue, settings_.control.count + 1};
   if (actions.resetFault) ++settings_.faultResets;
   settings_.graspButton = actions.grasp;
   exchange_->settings.write(settings_);

@@ -62,9 +62,9 @@ class JoinedSite {
   SiteId id() const { return link_->welcome().site; }
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }  // servo thread
 
-  /// Starts both threads with this device, which must be open. `wish`, if given, is asked each tick in the
-  /// servo thread.
-  void start(std::unique_ptr<haptics::Device> device, std::function<PartId()> wish = {});
+  /// Starts both threads with this device, which must be open. `prepare`, if given, is called before each
+  /// tick in the servo thread.
+  void start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare = {});
 
   /// Brings the model up to date with both threads.
   void update(ViewModel& model);

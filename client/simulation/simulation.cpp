@@ -223,6 +223,7 @@ void SimulatedSite::tickHand(Micros now) {
   const bool running = !paused(now) && (link || !simulation.session);
   if (!paused(now)) {
     hand->setWish(device.wish());
+    hand->setControl(device.control());
     wrench = hand->tick(sample, local(now));
   }
   if (!running && !link) wrench = {};  // the process is dead: the device's watchdog gives zero force

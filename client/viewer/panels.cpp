@@ -82,6 +82,8 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   if (!context.model.replay) drawZeroForce(context);
   section(context, "People", drawPeople);
   if (context.model.role != sync::Role::observer) section(context, "Hand", drawHand);
+  if (context.model.scene && !context.model.scene->controls.empty())
+    section(context, "Controls", drawControls);
   if (!context.model.replay) section(context, "Network", drawNetwork);
   section(context, "Settings", drawSettings);
   ImGui::End();

@@ -54,6 +54,8 @@ Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& w
 
 // The sections of the right panel.
 void drawPeople(const PanelContext& context);
+/// The scene's controls with their values; a permitted role may set them.
+void drawControls(const PanelContext& context);
 void drawHand(const PanelContext& context);
 void drawNetwork(const PanelContext& context);
 void drawSettings(const PanelContext& context);

@@ -20,6 +20,17 @@ void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
   look.edgeWidth = heldHere ? 2.2f : 1.6f;
 }
 
+/// What a layer of the scene hides is not there, for the eye as for the hand.
+void hideLayers(const ViewModel& model, std::vector<PartLook>& looks) {
+  if (model.scene == nullptr) return;
+  for (const assets::Control& layer : model.scene->controls) {
+    if (layer.kind != assets::ControlKind::layer || layer.part >= model.worldFromPart.size()) continue;
+    if (assets::isShowing(layer, assets::controlValue(layer, model.worldFromPart[layer.part]))) continue;
+    for (const PartId part : layer.shows)
+      if (part < looks.size()) looks[part].visible = false;
+  }
+}
+
 }  // namespace
 
 void PartDisplay::isolate(const std::vector<PartId>& parts) {
@@ -72,6 +83,7 @@ void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<P
       look.edgeWidth = 2.2f;
     }
   }
+  hideLayers(model, looks);
 }
 
 }  // namespace tandem::client

@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
+#include <map>
 #include <set>
 
 namespace tandem::client {
@@ -110,6 +111,33 @@ TEST(Simulation, NoHandFeelsTheServerDie) {
   const SimulationResult without = run(loaded, 3);
   for (const auto& [name, site] : with.sites)
     EXPECT_LE(site.forceStep20ms, without.sites.at(name).forceStep20ms + 0.05) << name;
+}
+
+TEST(Simulation, ControlsAreSetSeenAndKeptByThoseWhoMay) {
+  const Loaded loaded = load("controls.json");
+  const SimulationResult result = run(loaded, 1);
+  EXPECT_TRUE(result.violations.empty()) << describe(result);
+  const auto value = [&](const char* part) {
+    const PartId id = assets::findPart(loaded.scene, part);
+    const auto pose = result.finalPoses.find(part);
+    return pose == result.finalPoses.end()
+               ? -1.0
+               : assets::controlValue(*assets::controlOf(loaded.scene, id), pose->second);
+  };
+  // As the first site has them, which set none of these: two by a participant, one by the instructor after
+  // the server's restart. The dial was set between detents and has turned into the next.
+  EXPECT_NEAR(value("mode"), 2.0 * 3.141592653589793 / 6.0, 2e-3);
+  EXPECT_NEAR(value("level"), 0.05, 1e-4);
+  EXPECT_NEAR(value("gauge layer"), 0.012, 1e-4);
+  // The button was pressed by a tool that did not grasp it, and came back.
+  EXPECT_NEAR(value("start"), 0.0, 1e-5);
+  EXPECT_EQ(result.finalPoses.count("drawer"), 0u) << "an observer sets nothing";
+  std::map<std::string, int> grants;
+  for (const auto& grant : result.grants) ++grants[loaded.scene.parts[grant.part].name];
+  EXPECT_EQ(grants["start"], 1);
+  EXPECT_EQ(grants["mode"], 1);
+  EXPECT_EQ(grants["gauge layer"], 1) << "a participant may not, the instructor may";
+  EXPECT_EQ(result.denials, 2u) << describe(result);
 }
 
 TEST(Simulation, AMisspeltKeyIsRefused) {
