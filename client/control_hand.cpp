@@ -26,10 +26,10 @@ bool ControlHand::asked(PartId part) const {
 }
 
 void ControlHand::denied(PartId part) {
-  if (Entry* entry = find(part)) {
-    entry->stage = Stage::denied;
-    entry->hasValue = false;
-  }
+  if (assets::controlOf(scene_, part) == nullptr) return;
+  Entry* entry = find(part);
+  if (entry == nullptr) entry = add(part);
+  if (entry != nullptr) *entry = {part, Stage::denied, false, 0.0};
 }
 
 void ControlHand::lost() { entries_.fill({}); }

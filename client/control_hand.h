@@ -42,8 +42,9 @@ class ControlHand {
 
   /// Whether this hand asked for the part.
   bool asked(PartId part) const;
-  /// The server has said no, or the connection is gone.
+  /// The server has said no, or has taken it away: it is not asked for again until the tool has left it.
   void denied(PartId part);
+  /// The connection is gone: nothing that was asked for will be answered.
   void lost();
   /// It is granted, or owned already: the pose at which to own it, if a value is to be set; then nothing is
   /// left to do.

@@ -206,6 +206,7 @@ void HandLoop::finishTaking(sync::Micros sessionNow) {
 void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
   command(PartCommand::Kind::disown, owned.part);
   if (graspPart_ == owned.part && stage_ == Stage::holding) stage_ = Stage::idle;
+  if (!owned.releasing) controls_.denied(record.part);  // taken away, not given back
   owned = {};
   const bool still = near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance);
   follow(record, sessionNow, still ? 0 : kLossBlend);

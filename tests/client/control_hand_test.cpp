@@ -99,6 +99,19 @@ TEST_F(ControlHandTest, ADenialHoldsUntilTheToolHasLeft) {
   EXPECT_TRUE(intent().has_value());
 }
 
+TEST_F(ControlHandTest, OneThatIsTakenAwayIsNotAskedForUntilTheToolHasLeft) {
+  at(-1e-3, 5);
+  ASSERT_TRUE(intent().has_value());
+  tell(NetworkEvent::Kind::ownership, kSelf, 1);
+  at(-1e-3, 50);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 1);
+  at(-1e-3, 500);
+  EXPECT_FALSE(intent().has_value());
+  at(5e-3, 5);
+  at(-1e-3, 5);
+  EXPECT_TRUE(intent().has_value());
+}
+
 TEST_F(ControlHandTest, AfterALostConnectionItAsksAgain) {
   at(-1e-3, 5);
   ASSERT_TRUE(intent().has_value());

@@ -99,6 +99,25 @@ TEST(HandScript, LettingGoOfTheStylusKeepsTheLatch) {
   EXPECT_TRUE(intent.graspButton);
 }
 
+TEST(HandScript, SetsAControlByItsNameOrItsPartsOncePerStep) {
+  assets::Scene scene = squareScene();
+  assets::Control control;
+  control.name = "level";
+  control.part = 0;
+  scene.controls.push_back(control);
+  ScriptedPerson p = person(scene, R"([{"t":1,"do":"set","control":"level","value":0.02},
+                 {"t":2,"do":"set","control":"square","value":0.03}])",
+                            at(0, 0, 0.1));
+  EXPECT_EQ(p.at(0.5, at(0, 0, 0.1), kStill).control.count, 0u);
+  const ControlWish first = p.at(1.1, at(0, 0, 0.1), kStill).control;
+  EXPECT_EQ(first.part, 0);
+  EXPECT_EQ(first.value, 0.02);
+  EXPECT_EQ(first.count, 1u);
+  EXPECT_EQ(p.at(1.9, at(0, 0, 0.1), kStill).control.count, 1u);
+  EXPECT_EQ(p.at(2.1, at(0, 0, 0.1), kStill).control.value, 0.03);
+  EXPECT_EQ(p.at(2.2, at(0, 0, 0.1), kStill).control.count, 2u);
+}
+
 TEST(HandScript, RefusesWhatItDoesNotKnowAndNamesTheStep) {
   const assets::Scene scene = squareScene();
   const std::pair<std::string, const char*> cases[] = {
@@ -115,6 +134,8 @@ TEST(HandScript, RefusesWhatItDoesNotKnowAndNamesTheStep) {
       {R"([{"t":1e308,"do":"hold"}])", "\"t\""},
       {R"([{"t":0,"do":"sine","axis":"x","amplitude":1e300,"hz":1,"for_s":1}])", "amplitude"},
       {R"([{"t":0,"do":"hold","ower_s":1}])", "ower_s"},
+      {R"([{"t":0,"do":"set","control":"none","value":1}])", "no control"},
+      {R"([{"t":0,"do":"set","value":1}])", "control"},
       {R"({"a":1})", "list"},
   };
   for (const auto& [json, word] : cases) {

@@ -214,6 +214,25 @@ TEST(Session, ChecksRoles) {
   EXPECT_EQ(p.last<OwnershipChanged>()->part.owner, kNoSite);
 }
 
+TEST(Session, GrantsAControlOnlyToTheRolesThatMaySetIt) {
+  Rig rig;
+  assets::Control control;
+  control.part = 1;
+  control.max = 1.0;
+  control.inertia = 1.0;
+  control.roles = 1u << static_cast<unsigned>(Role::instructor);
+  rig.scene.controls.push_back(control);
+  FakeSite &p = rig.join("p"), &i = rig.join("i", Role::instructor);
+  const auto refused = rig.grab(p, 1, 1);
+  EXPECT_EQ(refused.denial, Denial::roleForbids);
+  EXPECT_EQ(refused.part.owner, kNoSite);
+  EXPECT_EQ(rig.grab(p, 1, 1).denial, Denial::roleForbids) << "the same request, the same answer";
+  EXPECT_EQ(rig.session->ownership().part(1).owner, kNoSite);
+  EXPECT_EQ(rig.grab(p, 0, 2).denial, Denial::none) << "other parts are as free as ever";
+  EXPECT_EQ(rig.grab(i, 1, 1).denial, Denial::none);
+  EXPECT_EQ(rig.session->counters().grants, 2u);
+}
+
 TEST(Session, RelaysTheOwnersStateAndNobodyElses) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b");
