@@ -54,6 +54,7 @@ bool HeldParts::own(const ContactWorld& world, PartId part) {
   entry.body = bodyOf(world, part);
   entry.sinceLetGo = kSettleTime;
   entry.moved = takeControl(world, part);
+  if (entry.moved.control != nullptr) entry.sinceLetGo = 0.0;  // its springs may move it from here
   return true;
 }
 
