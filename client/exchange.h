@@ -56,6 +56,8 @@ struct HandOutput {
   haptics::TickOutput tick;
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned
   bool grabPending = false;
+  std::uint32_t flagsSeen = 0;  // of all ticks so far
+  const char* fault = nullptr;  // why force is off: the broken condition, while kFlagFault is set
 };
 
 /// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.

@@ -273,6 +273,8 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
 void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   output_.time = now;
   output_.device = sample;
+  output_.flagsSeen |= output_.tick.flags;
+  output_.fault = state_.fault().condition;
   output_.grabPending = stage_ == Stage::asked || stage_ == Stage::taking;
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);

@@ -25,8 +25,11 @@ struct HandView {
   std::array<haptics::Contact, haptics::kMaxContacts> contacts;
   int contactCount = 0;
   PartId touched = kNoPart, held = kNoPart;
-  bool grabPending = false;  // asked for, not answered yet
-  std::uint32_t flags = 0;   // haptics::TickFlag
+  bool grabPending = false;     // asked for, not answered yet
+  std::uint32_t flags = 0;      // haptics::TickFlag
+  std::uint32_t flagsSeen = 0;  // of all ticks so far
+  std::string fault;            // why force is off; empty without a fault
+  double stiffest = 0.0;        // N/m that a contact on this device may have; 0 = any
 };
 
 /// The 1 kHz loop.

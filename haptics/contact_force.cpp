@@ -97,6 +97,9 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     normals[at] = plane.surface.normal;
     depths[at] = plane.multiplier;
     stiffnesses[at] = material.stiffness > 0.0 ? material.stiffness : parameters.stiffness;
+    if (parameters.stiffnessLimit > 0.0) {
+      stiffnesses[at] = std::min(stiffnesses[at], parameters.stiffnessLimit);
+    }
     dampings[at] = material.damping > 0.0 ? material.damping : parameters.damping;
   }
   if (count == 0) return glm::dvec3(0.0);

@@ -9,9 +9,10 @@
 namespace tandem::haptics {
 
 /// Limits and stiffnesses of `parameters` as `limits` allow, `delay` s being that between device and loop:
-/// force and torque limits where the device states any, and the default contact and grasp stiffness no
-/// stiffer than stiffestContact(). A material that states its own stiffness keeps it. Returns
-/// stiffestContact(), N/m.
+/// force and torque limits where the device states any; contact and grasp no stiffer than stiffestContact(),
+/// whatever a material states, with the passivity controller behind it; readings that jump faster than a
+/// hand, or stand still, refused. Returns stiffestContact(), N/m; 0 for a device that drives nothing or
+/// states no damping: then stiffnesses stay as they are.
 double fitToDevice(const DeviceLimits& limits, double delay, TickParameters& parameters);
 
 }  // namespace tandem::haptics

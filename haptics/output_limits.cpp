@@ -45,9 +45,22 @@ std::array<double, 10> settingsOf(const TickParameters& p) {
           p.graspRotStiffness, p.graspRotDamping, p.forceLimit, p.torqueLimit,    p.gain};
 }
 
+/// Damping for what the sampling of the force has created, and the sum within the limit.
+glm::dvec3 withPassivity(const glm::dvec3& force, const DeviceSample& device,
+                         const TickParameters& parameters, PassivityController& controller,
+                         std::uint32_t& flags) {
+  bool limited = false;
+  const glm::dvec3 added =
+      controller.step(device.worldFromDevice.position, force, parameters.deviceDamping, parameters.dt);
+  if (added != glm::dvec3(0.0)) flags |= kFlagPassivity;
+  const glm::dvec3 sent = clampLength(force + added, parameters.forceLimit, limited);
+  controller.sent(sent);
+  return sent;
+}
+
 }  // namespace
 
-Wrench limitOutput(const Wrench& wanted, bool validSample, const ForceCause& cause,
+Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const ForceCause& cause,
                    const TickParameters& parameters, FaultLatch& fault, OutputLimits& limits,
                    std::uint32_t& flags) {
   const bool good = TICK_ASSERT(fault, isFinite(wanted.force) && isFinite(wanted.torque));
@@ -56,9 +69,10 @@ Wrench limitOutput(const Wrench& wanted, bool validSample, const ForceCause& cau
   const bool ordered = limits.silent || fault.raised() || settings != limits.settings;
   limits.settings = settings;
   // No actuator may be driven on a reading that is not there, nor once the user has hit the key.
-  limits.silent = !validSample || parameters.zeroForce;
+  limits.silent = device == nullptr || parameters.zeroForce;
   if (limits.silent) {
     limits.sent = limits.within = Wrench{};
+    limits.passivity.restart();
     return {};
   }
   bool limited = false, slewed = false;
@@ -86,6 +100,9 @@ Wrench limitOutput(const Wrench& wanted, bool validSample, const ForceCause& cau
   limits.sent = now;
   if (limited) flags |= kFlagForceLimited;
   if (slewed) flags |= kFlagSlewLimited;
+  if (parameters.passivity) {
+    now.force = withPassivity(now.force, *device, parameters, limits.passivity, flags);
+  }
   return now;
 }
 

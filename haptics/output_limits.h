@@ -19,6 +19,7 @@
 #include <array>
 
 #include "haptics/fault.h"
+#include "haptics/passivity_controller.h"
 #include "haptics/tick.h"
 
 namespace tandem::haptics {
@@ -31,15 +32,17 @@ struct ForceCause {
 
 /// What the limits remember from one tick to the next.
 struct OutputLimits {
-  Wrench sent;                        // of the last tick
+  PassivityController passivity;
+  Wrench sent;                        // of the last tick, without what the passivity controller adds
   Wrench within;                      // what would have been sent if nothing were held back
   bool silent = true;                 // no force by order in the last tick: the next one is a recovery
   std::array<double, 10> settings{};  // those whose change makes a force jump
 };
 
-/// The wrench that goes out in place of `wanted`. Without a valid sample, or with the emergency key down, it
-/// is zero at once, without a ramp; under a latched fault it ramps to zero. Sets the flags that apply.
-Wrench limitOutput(const Wrench& wanted, bool validSample, const ForceCause& cause,
+/// The wrench that goes out in place of `wanted`. Without a valid sample (null), or with the emergency key
+/// down, it is zero at once, without a ramp; under a latched fault it ramps to zero. Sets the flags that
+/// apply.
+Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const ForceCause& cause,
                    const TickParameters& parameters, FaultLatch& fault, OutputLimits& limits,
                    std::uint32_t& flags);
 

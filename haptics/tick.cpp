@@ -25,18 +25,6 @@ constexpr std::size_t kManyMoving = 32;
 
 bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
-// Beyond this a reading is garbage, whatever the scene: what is computed from it would overflow.
-constexpr double kAbsurd = 1e12;  // m, m/s, rad/s
-
-bool plausible(const glm::dvec3& v) {
-  return std::abs(v.x) < kAbsurd && std::abs(v.y) < kAbsurd && std::abs(v.z) < kAbsurd;  // false for nan
-}
-
-bool usable(const DeviceSample& sample) {
-  return sample.valid && isValid(sample.worldFromDevice) && plausible(sample.worldFromDevice.position) &&
-         plausible(sample.twist.linear) && plausible(sample.twist.angular);
-}
-
 bool samePose(const Pose& a, const Pose& b) {
   return a.position == b.position && a.orientation == b.orientation;
 }
@@ -47,7 +35,7 @@ Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torq
 class Tick {
  public:
   Tick(const TickInput& input, const TickParameters& parameters, Data& data)
-      : input_(input), parameters_(parameters), data_(data), valid_(usable(input.device)) {}
+      : input_(input), parameters_(parameters), data_(data) {}
 
   TickOutput run() {
     noteSample();
@@ -74,6 +62,9 @@ class Tick {
 
  private:
   void noteSample() {
+    const SampleGuard::Verdict verdict =
+        data_.guard.judge(input_.device, parameters_, data_.invalidTime, out_.flags);
+    valid_ = verdict != SampleGuard::Verdict::refused;
     if (!valid_) {
       out_.flags |= kFlagInvalidSample;
       data_.invalidTime += parameters_.dt;
@@ -84,7 +75,12 @@ class Tick {
             ? glm::length(input_.device.worldFromDevice.position - data_.device.worldFromDevice.position)
             : 0.0;
     data_.device = input_.device;
-    if (!data_.started || data_.invalidTime > kProxyResetAfter) resetProxy();
+    const bool elsewhere = verdict == SampleGuard::Verdict::elsewhere;
+    if (!data_.started || elsewhere || data_.invalidTime > kProxyResetAfter) resetProxy();
+    // A hand that is somewhere else holds its part where it now is: it did not draw it there.
+    if (elsewhere && data_.held.held() != kNoPart) {
+      data_.held.grasp(data_.held.held(), data_.device.worldFromDevice);
+    }
     data_.started = true;
     data_.invalidTime = 0.0;
   }
@@ -427,7 +423,8 @@ class Tick {
     const Wrench felt = sum(data_.contactWrench, data_.fieldWrench);
     const Wrench wanted = sum(sum(felt, data_.couplingWrench), data_.fade.now());
     if (!cause_.byHand) cause_.explained = stiffnessInPlay() * (handWay_ + othersWay_);
-    out_.toHand = limitOutput(wanted, valid_, cause_, parameters_, data_.fault, data_.output, out_.flags);
+    out_.toHand = limitOutput(wanted, valid_ ? &data_.device : nullptr, cause_, parameters_, data_.fault,
+                              data_.output, out_.flags);
   }
 
   double radius() const { return parameters_.toolRadius; }
@@ -435,7 +432,7 @@ class Tick {
   const TickInput& input_;
   const TickParameters& parameters_;
   Data& data_;
-  const bool valid_;
+  bool valid_ = false;
   ForceCause cause_;
   double handWay_ = 0.0, othersWay_ = 0.0;  // m, that the hand and what it touches went in this tick
   TickOutput out_;
@@ -464,6 +461,8 @@ TickState::TickState(TickState&&) noexcept = default;
 TickState& TickState::operator=(TickState&&) noexcept = default;
 
 const Pose& TickState::worldFromPart(PartId part) const { return data_->world.pose(part); }
+
+const FaultLatch& TickState::fault() const { return data_->fault; }
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }
 

@@ -20,6 +20,7 @@
 #include "assets/pose.h"
 #include "haptics/contact_scene.h"
 #include "haptics/device.h"
+#include "haptics/fault.h"
 
 namespace tandem::haptics {
 
@@ -43,6 +44,11 @@ struct TickParameters {
   double slewLimit = 400.0;         // N/s: how fast a change grows that the hand did not make
   double torqueSlewLimit = 24.0;    // N·m/s: the same for the torque
   double deviceSlewLimit = 0.0;     // N/s: what the device can follow, whatever the cause; 0 = any
+  double stiffnessLimit = 0.0;      // N/m, of any contact, whatever its material states; 0 = any
+  double maxDeviceSpeed = 0.0;      // m/s: a reading that would need more is a jump; 0 = any
+  double staleAfter = 0.05;         // s that a reading's time stamp may stand still; 0 = for ever
+  bool passivity = false;           // passivity_controller.h
+  double deviceDamping = 0.0;       // N·s/m of the device that it may count on
   double fadeTime = 0.3;            // s, over which the force of a coupling that ends fades away
   double gain = 1.0;                // 0..1, of the wrench sent
   bool zeroForce = false;           // the user's emergency key
@@ -95,6 +101,9 @@ enum TickFlag : std::uint32_t {
   kFlagSqueezed = 1u << 5,         // the proxy could not stay outside everything
   kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
   kFlagProxyReset = 1u << 7,       // the proxy was put back onto the device (start, recovery)
+  kFlagStaleSample = 1u << 8,      // zero force: the reading's time stamp stands still
+  kFlagSampleJump = 1u << 9,       // zero force: no hand moves this fast
+  kFlagPassivity = 1u << 10,       // the passivity controller damps
   kFlagFieldLimited = 1u << 12,    // a force field met its own maximum where that makes it inexact
 };
 
@@ -132,7 +141,9 @@ class TickState {
   /// Pose of a part as of the last tick, world.
   const Pose& worldFromPart(PartId part) const;
 
-  /// Clears a latched fault.
+  /// The latched fault, if any.
+  const FaultLatch& fault() const;
+  /// Clears it.
   void resetFault();
 
   struct Data;

@@ -13,6 +13,7 @@
 #include "haptics/held_part.h"
 #include "haptics/output_limits.h"
 #include "haptics/proxy.h"
+#include "haptics/sample_guard.h"
 #include "haptics/tick.h"
 
 namespace tandem::haptics {
@@ -49,6 +50,7 @@ struct TickState::Data {
   FaultLatch fault;
   Fade fade;
   OutputLimits output;
+  SampleGuard guard;
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
   ForceFields fields;

@@ -17,6 +17,7 @@
 #include "client/commands/command.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
+#include "client/tick_flags.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/devices/steered_hand.h"
@@ -157,6 +158,12 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["reconnects"] = link.reconnects;
   json["dropped_states"] = link.droppedStates;
   json["state_over_udp"] = model.link.stateOverUdp;
+  json["flags_seen"] = nlohmann::ordered_json::array();
+  for (const auto& [flag, name] : tickFlagNames())
+    if ((model.hand.flagsSeen & flag) != 0) json["flags_seen"].push_back(name);
+  json["fault"] = nullptr;
+  if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
+  json["stiffest_contact_n_per_m"] = model.hand.stiffest;
   json["grabs"] = nlohmann::ordered_json::array();
   for (const GrabNote& grab : report.grabs)
     json["grabs"].push_back({{"t", grab.time},

@@ -16,6 +16,7 @@
 #include "client/commands/command.h"
 #include "client/device_class.h"
 #include "client/device_path.h"
+#include "client/tick_flags.h"
 #include "haptics/device_defaults.h"
 #include "haptics/tick.h"
 
@@ -100,11 +101,18 @@ Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
 
 /// Without a device nothing clamps the force, so that it can be compared with the exact one. What others do
 /// to the hand is limited all the same.
-haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceClass* device) {
+haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceClass* device,
+                                     const assets::Scene& scene) {
   haptics::TickParameters p;
   p.forceLimit = p.torqueLimit = std::numeric_limits<double>::infinity();
+  // A script may move a hand of any size: a jump is what crosses half of the scene in a tick.
+  const double diagonal = glm::length(scene.bounds.max - scene.bounds.min);
+  p.maxDeviceSpeed = std::max(10.0, std::isfinite(diagonal) ? 0.5 * diagonal / p.dt : 0.0);
   if (device != nullptr) haptics::fitToDevice(device->limits, 0.0, p);
-  if (arguments.stiffness > 0.0) p.stiffness = p.graspStiffness = arguments.stiffness;
+  if (arguments.stiffness > 0.0) {
+    p.stiffness = p.graspStiffness = arguments.stiffness;
+    p.stiffnessLimit = 0.0;
+  }
   if (arguments.damping >= 0.0) p.damping = p.graspDamping = arguments.damping;
   if (arguments.forceLimit > 0.0) p.forceLimit = arguments.forceLimit;
   if (arguments.slewLimit > 0.0) p.deviceSlewLimit = arguments.slewLimit;
@@ -188,7 +196,7 @@ class Probe {
                                std::size_t beforeIndex) const {
     haptics::DeviceSample sample;
     sample.worldFromDevice = row.pose;
-    sample.time = static_cast<double>(index) * parameters_.dt;
+    sample.time = row.time;
     sample.valid = true;  // an invalid row goes in as it is: the tick must find out
     if (row.valid && before.valid && index > beforeIndex)
       sample.twist = twistBetween(before, row, static_cast<double>(index - beforeIndex) * parameters_.dt);
@@ -256,18 +264,8 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
 }
 
 nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
-  const std::pair<std::uint32_t, const char*> names[] = {
-      {haptics::kFlagInvalidSample, "invalid_sample"},
-      {haptics::kFlagForceLimited, "force_limited"},
-      {haptics::kFlagSlewLimited, "slew_limited"},
-      {haptics::kFlagOverflow, "overflow"},
-      {haptics::kFlagFault, "fault"},
-      {haptics::kFlagSqueezed, "squeezed"},
-      {haptics::kFlagHeldWithoutContact, "held_without_contact"},
-      {haptics::kFlagProxyReset, "proxy_reset"},
-      {haptics::kFlagFieldLimited, "field_limited"}};
   nlohmann::ordered_json counts = nlohmann::ordered_json::object();
-  for (const auto& [bit, name] : names) {
+  for (const auto& [bit, name] : tickFlagNames()) {
     std::uint64_t count = 0;
     for (const Row& row : rows) count += (row.tick.flags & bit) != 0 ? 1 : 0;
     if (count > 0) counts[name] = count;
@@ -326,7 +324,7 @@ int run(const Arguments& arguments) {
         stderr,
         "tandem: note: a held part follows the hand but does not collide with others in this version\n");
 
-  const haptics::TickParameters parameters = parametersOf(arguments, device);
+  const haptics::TickParameters parameters = parametersOf(arguments, device, *scene);
   Probe probe(*scene, contact, parameters, *tool);
   probe.run(*path, *moves);
 

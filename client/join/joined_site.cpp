@@ -4,6 +4,8 @@
 #include <chrono>
 #include <map>
 
+#include "haptics/device_defaults.h"
+
 namespace tandem::client {
 
 using namespace sync;
@@ -156,7 +158,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare) {
   device_ = std::move(device);
   const haptics::DeviceLimits limits = device_->limits();
-  if (limits.maxForce > 0.0) settings_.parameters.forceLimit = limits.maxForce;
+  haptics::fitToDevice(limits, 0.0, settings_.parameters);
   exchange_->settings.write(settings_);
   link_->sceneReady(scene_, *exchange_);
   servo_ = std::make_unique<haptics::ServoLoop>(
@@ -318,6 +320,9 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.held = output.tick.held;
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
+  hand.flagsSeen = output.flagsSeen;
+  hand.fault = output.fault != nullptr ? output.fault : "";
+  hand.stiffest = settings_.parameters.stiffnessLimit;
   const haptics::ServoStatistics servo = servoStatistics();
   model.loop.compute_us_p50 = servo.compute_us_p50;
   model.loop.compute_us_p99 = servo.compute_us_p99;
@@ -350,6 +355,9 @@ void JoinedSite::act(const ViewActions& actions) {
     settings_.parameters.gain = actions.settings.gain;
     settings_.parameters.zeroForce = actions.settings.zeroForce;
     settings_.parameters.stiffness = actions.settings.stiffness;
+    // Who asks for more than the device's share gets it.
+    double& limit = settings_.parameters.stiffnessLimit;
+    if (limit > 0.0) limit = std::max(limit, actions.settings.stiffness);
   }
   if (actions.setControl != kNoPart)
     settings_.control = {actions.setControl, actions.controlValue, settings_.control.count + 1};

@@ -89,6 +89,8 @@ struct FlagText {
 };
 constexpr FlagText kFlagTexts[] = {
     {haptics::kFlagFault, "stopped by a fault: force is off", true},
+    {haptics::kFlagStaleSample, "the device's readings stand still", true},
+    {haptics::kFlagSampleJump, "the device's reading jumped", true},
     {haptics::kFlagInvalidSample, "no reading from the device", true},
     {haptics::kFlagForceLimited, "force is at its limit", false},
     {haptics::kFlagSlewLimited, "force is rising at its limit", false},
@@ -103,6 +105,7 @@ void drawFlags(const PanelContext& context) {
     if (context.model.hand.flags & entry.flag) {
       ImGui::TextColored(entry.bad ? theme::kBad : theme::kWarning, "\xE2\x97\x8F %s", entry.text);
     }
+  if (!context.model.hand.fault.empty()) ImGui::TextWrapped("broken: %s", context.model.hand.fault.c_str());
   if ((context.model.hand.flags & haptics::kFlagFault) && ImGui::Button("Clear the fault"))
     context.actions.resetFault = true;
 }

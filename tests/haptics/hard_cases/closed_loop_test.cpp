@@ -1,0 +1,135 @@
+// A device on a virtual wall, closed through the tick: m = 45 g, damping b, position quantised or not, 1 kHz,
+// pushed by a steady 1 N. Between ticks the device moves under a constant force, whose exact solution is
+// used, so that the limits found are the sampling's and not an integrator's.
+//
+// The exact limit of this loop is K < b^2 (1 - a) / (m (1 - a) - a b T) with a = exp(-b T / m): 2 b / T (1 +
+// b T / 6 m) to first order, so 2 b / T to within 1 % for b <= 2 N·s/m.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "tests/haptics/hand_probe.h"
+
+namespace tandem::test {
+namespace {
+
+constexpr double kPeriod = 1e-3, kMass = 0.045, kPush = 1.0, kQuantum = 0.055e-3;
+constexpr double kDiverged = 1e9;
+
+struct Loop {
+  double stiffness = 0.0, damping = 0.0, quantum = 0.0;
+  bool controlled = false;
+  double counted = 0.5;  // share of b that the controller counts on
+};
+
+struct Outcome {
+  double swing = 0.0;  // m, peak to peak, of the last second
+  double created =
+      0.0;  // J: the most that the device was given beyond what it gave and what its damping took
+  double control = 0.0;  // N, the largest force that is not the wall's
+  bool acted = false;
+};
+
+Outcome run(const Loop& loop, double seconds = 8.0) {
+  SceneBuilder b;
+  b.addPart(sheetMesh(0.4, 1));
+  haptics::TickParameters p = springOnly(loop.stiffness);
+  p.passivity = loop.controlled;
+  p.deviceDamping = loop.counted * loop.damping;
+  HandProbe hand(b.scene, p);
+  const double a = std::exp(-loop.damping * kPeriod / kMass);
+  double z = 1e-3, v = 0.0, energy = 0.0, least = 0.0, low = 1e9, high = -1e9;
+  Outcome outcome;
+  const int ticks = static_cast<int>(seconds / kPeriod);
+  for (int i = 0; i < ticks; ++i) {
+    const double reading = loop.quantum > 0.0 ? loop.quantum * std::floor(z / loop.quantum + 0.5) : z;
+    hand.at({0.0, 0.0, reading});
+    const double force = hand.out.toHand.force.z;
+    outcome.acted = outcome.acted || (hand.out.flags & haptics::kFlagPassivity) != 0;
+    outcome.control = std::max(outcome.control, std::abs(force - std::max(0.0, -loop.stiffness * reading)));
+    const double settled = (force - kPush) / loop.damping;
+    const double before = z, speed = v;
+    z += settled * kPeriod + (v - settled) * (1.0 - a) * kMass / loop.damping;
+    v = settled + (v - settled) * a;
+    if (!(std::abs(z) < 1.0)) return {kDiverged, kDiverged, outcome.control};
+    // What the device's damping took is what came in and did not stay as kinetic energy.
+    const double kinetic = 0.5 * kMass * (v * v - speed * speed);
+    const double lost = (force - kPush) * (z - before) - kinetic;
+    energy += force * (z - before) - lost;
+    const double stored = 0.5 * loop.stiffness * std::min(0.0, z) * std::min(0.0, z);
+    least = std::min(least, energy + stored);
+    outcome.created = std::max(outcome.created, energy + stored - least);
+    if (i < ticks - 1000) continue;
+    low = std::min(low, z);
+    high = std::max(high, z);
+  }
+  outcome.swing = high - low;
+  return outcome;
+}
+
+double twoBOverT(double damping) { return 2.0 * damping / kPeriod; }
+
+/// Near the limit an oscillation dies with (1 - K T / 2 b) b / 2 m: by this many s it is gone.
+double untilQuiet(double damping, double share) { return 1.0 + 12.0 * 2.0 * kMass / (damping * share); }
+
+TEST(ClosedLoop, AContinuousDeviceComesToRestUpToNearTheStiffestStable) {
+  for (const double b : {0.5, 1.0, 2.0}) {
+    EXPECT_LT(run({0.95 * twoBOverT(b), b}, untilQuiet(b, 0.05)).swing, 2e-5) << b;
+  }
+  EXPECT_LT(run({0.8 * twoBOverT(0.1), 0.1}, untilQuiet(0.1, 0.2)).swing, 2e-5);
+}
+
+TEST(ClosedLoop, AQuantisedDeviceCyclesWithinThreeQuantaAndUnderControlWithinTwo) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    const double k = 0.95 * twoBOverT(b);
+    // 0.1 N·s/m would take minutes to come to its cycle.
+    if (b > 0.1) {
+      EXPECT_LE(0.5 * run({k, b, kQuantum}, untilQuiet(b, 0.05)).swing, 3.0 * kQuantum) << b;
+    }
+    EXPECT_LE(0.5 * run({k, b, kQuantum, true}, untilQuiet(b, 0.5)).swing, 2.0 * kQuantum) << b;
+  }
+}
+
+TEST(ClosedLoop, WithoutAControllerHalfAsStiffAgainNeverRests) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    EXPECT_GT(run({1.5 * twoBOverT(b), b}).swing, 5e-4) << b;
+    EXPECT_GT(run({1.5 * twoBOverT(b), b, kQuantum}).swing, 5e-4) << b;
+  }
+}
+
+TEST(ClosedLoop, ThePassivityControllerRestsAtThreeTimesTheStiffestStable) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    for (const double quantum : {0.0, kQuantum}) {
+      for (const double times : {0.95, 1.5, 2.0, 3.0}) {
+        const Outcome outcome = run({times * twoBOverT(b), b, quantum, true}, untilQuiet(b, 0.5));
+        EXPECT_LE(0.5 * outcome.swing, std::max(2.0 * quantum, 2e-5)) << b << ' ' << quantum << ' ' << times;
+        // No bursts: damping never exceeds what one tick of the way changes the spring by.
+        EXPECT_LT(outcome.control, times * twoBOverT(b) * 1e-3) << b << ' ' << quantum << ' ' << times;
+      }
+    }
+  }
+}
+
+TEST(ClosedLoop, ThePassivityControllerKeepsTheWallFromCreatingEnergy) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    const double k = 1.5 * twoBOverT(b);
+    const double ofAQuantum = 0.5 * k * kQuantum * kQuantum;
+    const Outcome with = run({k, b, kQuantum, true}), without = run({k, b, kQuantum, false});
+    EXPECT_GT(without.created, 10.0 * with.created) << b;
+    EXPECT_LT(with.created, 10.0 * ofAQuantum) << b;
+  }
+}
+
+TEST(ClosedLoop, ThePassivityControllerIsSilentWhereTheDeviceIsPassive) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    for (const double quantum : {0.0, kQuantum}) {
+      EXPECT_FALSE(run({0.45 * twoBOverT(b), b, quantum, true}, 3.0).acted) << b;
+      EXPECT_FALSE(run({0.95 * twoBOverT(b), b, quantum, true, 1.0}, 3.0).acted) << b;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test

@@ -1,0 +1,171 @@
+// Readings that are not there, stand still or jump: no force in that tick, none too strong after it, and a
+// flag that says why.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/device_defaults.h"
+#include "haptics/sample_guard.h"
+#include "haptics/virtual_coupling.h"
+#include "tests/haptics/hand_probe.h"
+
+namespace tandem::test {
+namespace {
+
+class SamplesAtScale : public testing::TestWithParam<double> {
+ protected:
+  double s() const { return GetParam(); }
+  HandProbe pressing() const {
+    haptics::TickParameters p = springOnly(1000.0 / s());
+    p.slewLimit = 400.0;
+    p.maxDeviceSpeed = 10.0 * s();
+    SceneBuilder b;
+    b.addPart(boxMesh(s() * glm::dvec3(0.1, 0.1, 0.1)));
+    return HandProbe(b.scene, p);
+  }
+  glm::dvec3 inside(double depth) const { return s() * glm::dvec3(0.0, 0.0, 0.05 - depth); }
+  void press(HandProbe& hand) const {
+    hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
+    hand.to(inside(0.003), s() * 1e-3);
+    ASSERT_NEAR(hand.out.toHand.force.z, 3.0, 1e-5);
+  }
+  /// From zero on, the force grows back to 3 N by 0.4 N a tick.
+  void expectRecovery(HandProbe& hand) const {
+    for (int i = 1; i <= 12; ++i) {
+      hand.at(inside(0.003));
+      EXPECT_NEAR(hand.out.toHand.force.z, std::min(3.0, 0.4 * i), 1e-5) << i;
+      EXPECT_EQ(hand.out.flags & (haptics::kFlagInvalidSample | haptics::kFlagFault), 0u);
+    }
+  }
+};
+
+TEST_P(SamplesAtScale, NanAndInfinityGiveNoForceAndTheNextGoodReadingRecovers) {
+  HandProbe hand = pressing();
+  press(hand);
+  for (const double bad :
+       {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+    hand.sample.worldFromDevice.position.x = bad;
+    EXPECT_EQ(hand.tick().toHand.force, glm::dvec3(0.0));
+    EXPECT_TRUE(hand.out.flags & haptics::kFlagInvalidSample);
+    hand.sample.worldFromDevice.position = inside(0.003);
+    expectRecovery(hand);
+  }
+}
+
+TEST_P(SamplesAtScale, ReadingsWhoseStampStandsStillGiveNoForce) {
+  HandProbe hand = pressing();
+  press(hand);
+  const double stamp = hand.sample.time;
+  int withForce = 0;
+  for (int i = 0; i < 100; ++i) {
+    hand.sample.time = stamp - hand.parameters.dt;  // tick() adds one period
+    hand.tick();
+    const bool force = hand.out.toHand.force.z > 0.0;
+    withForce += force ? 1 : 0;
+    EXPECT_EQ(force, (hand.out.flags & haptics::kFlagStaleSample) == 0u);
+    EXPECT_EQ(force, (hand.out.flags & haptics::kFlagInvalidSample) == 0u);
+  }
+  EXPECT_NEAR(withForce, 50, 1);
+  hand.sample.time = stamp;
+  expectRecovery(hand);
+}
+
+TEST_P(SamplesAtScale, AGlitchOfOneReadingIsRefused) {
+  HandProbe hand = pressing();
+  press(hand);
+  hand.at(s() * glm::dvec3(0.3, -0.2, -0.4));
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_TRUE(hand.out.flags & haptics::kFlagSampleJump);
+  EXPECT_TRUE(hand.out.flags & haptics::kFlagInvalidSample);
+  hand.sample.worldFromDevice.position = inside(0.003);
+  expectRecovery(hand);
+}
+
+TEST_P(SamplesAtScale, AHandThatStaysWhereItJumpedToIsFollowedThere) {
+  HandProbe hand = pressing();
+  press(hand);
+  const glm::dvec3 there = s() * glm::dvec3(0.0, 0.0, -0.3);  // beyond the box
+  for (int i = 1; i <= haptics::SampleGuard::kJumpTicks; ++i) {
+    EXPECT_TRUE(hand.at(there).flags & haptics::kFlagSampleJump) << i;
+    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  }
+  EXPECT_EQ(hand.at(there).flags & haptics::kFlagSampleJump, 0u);
+  EXPECT_TRUE(hand.out.flags & haptics::kFlagProxyReset);
+  EXPECT_EQ(hand.out.worldFromProxy.position, there);
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+}
+
+TEST_P(SamplesAtScale, ReadingsThatJumpAboutNeverGiveForce) {
+  HandProbe hand = pressing();
+  press(hand);
+  for (int i = 0; i < 50; ++i) {
+    hand.at(s() * glm::dvec3(0.3 * (i % 2 == 0 ? 1 : -1), 0.0, -0.4));
+    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  }
+}
+
+TEST_P(SamplesAtScale, AFastHandIsNoJump) {
+  HandProbe hand = pressing();
+  hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
+  hand.to(inside(0.03), s() * 9e-3);  // 9 m/s
+  EXPECT_NEAR(hand.out.toHand.force.z, 30.0, 1e-4);
+  EXPECT_EQ(hand.out.flags & haptics::kFlagInvalidSample, 0u);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scales, SamplesAtScale, testing::Values(1e-3, 1.0, 20.0));
+
+TEST(Fault, NamesWhatBrokeUntilItIsCleared) {
+  SceneBuilder b;
+  b.addPart(boxMesh({0.1, 0.1, 0.1}));
+  HandProbe hand(b.scene);
+  hand.at({0.0, 0.0, 0.06});
+  EXPECT_FALSE(hand.state.fault().raised());
+  hand.commands = {{haptics::PartCommand::Kind::own, 99, {}}};
+  EXPECT_TRUE(hand.tick().flags & haptics::kFlagFault);
+  EXPECT_STREQ(hand.state.fault().condition, "data_.world.has(command.part)");
+  EXPECT_GT(hand.state.fault().line, 0);
+  EXPECT_TRUE(hand.tick().flags & haptics::kFlagFault);
+  hand.state.resetFault();
+  EXPECT_EQ(hand.tick().flags & haptics::kFlagFault, 0u);
+  EXPECT_FALSE(hand.state.fault().raised());
+}
+
+TEST(DeviceDefaults, TakeTheLimitsAndTheStiffestContactOfADevice) {
+  haptics::DeviceLimits limits;
+  limits.maxForce = 5.0;
+  limits.damping = 0.25;
+  haptics::TickParameters p;
+  EXPECT_DOUBLE_EQ(haptics::fitToDevice(limits, 0.0, p), 500.0);
+  EXPECT_DOUBLE_EQ(p.forceLimit, 5.0);
+  EXPECT_DOUBLE_EQ(p.stiffness, 500.0);
+  EXPECT_DOUBLE_EQ(p.graspStiffness, 500.0);
+  EXPECT_DOUBLE_EQ(p.stiffnessLimit, 500.0);
+  EXPECT_TRUE(p.passivity);
+  limits.damping = 2.0;  // stiff enough for anything: the default stays
+  haptics::TickParameters stiff;
+  haptics::fitToDevice(limits, 0.0, stiff);
+  EXPECT_DOUBLE_EQ(stiff.stiffness, 800.0);
+  haptics::TickParameters input;
+  EXPECT_EQ(haptics::fitToDevice({}, 0.0, input), 0.0);
+  EXPECT_FALSE(input.passivity);
+  EXPECT_DOUBLE_EQ(input.stiffness, 800.0);
+}
+
+TEST(DeviceDefaults, HoldForMaterialsThatAreStifferThanTheDeviceCanRender) {
+  SceneBuilder b;
+  b.addPart(boxMesh({0.1, 0.1, 0.1}));
+  b.scene.materials[0].stiffness = 5000.0;
+  haptics::TickParameters p = springOnly();
+  p.stiffnessLimit = 500.0;
+  HandProbe hand(b.scene, p);
+  hand.at({0.0, 0.0, 0.06});
+  hand.to({0.0, 0.0, 0.048}, 1e-3);
+  EXPECT_NEAR(hand.out.toHand.force.z, 1.0, 1e-6);
+}
+
+}  // namespace
+}  // namespace tandem::test
