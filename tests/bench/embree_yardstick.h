@@ -68,8 +68,18 @@ class EmbreeYardstick {
 
   double buildSeconds() const { return buildSeconds_; }
 
+  /// The nearest point of the mesh, as far as single precision tells.
+  struct Nearest {
+    glm::vec3 point{0.0f};
+    std::uint32_t triangle = 0;
+    float distance = 0.0f;  // m
+  };
+
   /// Distance from p to the nearest triangle, m.
-  double closest(const glm::dvec3& p) {
+  double closest(const glm::dvec3& p) { return closestPoint(p).distance; }
+
+  Nearest closestPoint(const glm::dvec3& p) {
+    Search search{mesh_, {}};
     RTCPointQuery query{};
     query.x = static_cast<float>(p.x);
     query.y = static_cast<float>(p.y);
@@ -77,11 +87,17 @@ class EmbreeYardstick {
     query.radius = std::numeric_limits<float>::infinity();
     RTCPointQueryContext context;
     rtcInitPointQueryContext(&context);
-    rtcPointQuery(scene_, &query, &context, &EmbreeYardstick::visit, const_cast<WorldMesh*>(mesh_));
-    return query.radius;
+    rtcPointQuery(scene_, &query, &context, &EmbreeYardstick::visit, &search);
+    search.nearest.distance = query.radius;
+    return search.nearest;
   }
 
  private:
+  struct Search {
+    const WorldMesh* mesh;
+    Nearest nearest;
+  };
+
   static glm::vec3 corner(const WorldMesh& mesh, std::uint32_t triangle, std::uint32_t i) {
     const float* p = &mesh.positions[3 * mesh.corners[3 * triangle + i]];
     return {p[0], p[1], p[2]};
@@ -110,13 +126,16 @@ class EmbreeYardstick {
   }
 
   static bool visit(RTCPointQueryFunctionArguments* arguments) {
-    const WorldMesh& mesh = *static_cast<const WorldMesh*>(arguments->userPtr);
+    Search& search = *static_cast<Search*>(arguments->userPtr);
+    const WorldMesh& mesh = *search.mesh;
     const glm::vec3 p(arguments->query->x, arguments->query->y, arguments->query->z);
     const std::uint32_t t = arguments->primID;
-    const float distance =
-        glm::length(p - closestOnTriangle(p, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2)));
+    const glm::vec3 point = closestOnTriangle(p, corner(mesh, t, 0), corner(mesh, t, 1), corner(mesh, t, 2));
+    const float distance = glm::length(p - point);
     if (!(distance < arguments->query->radius)) return false;
     arguments->query->radius = distance;
+    search.nearest.point = point;
+    search.nearest.triangle = t;
     return true;
   }
 
