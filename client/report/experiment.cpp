@@ -7,16 +7,14 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/generate/bench_shapes.h"
-#include "assets/mesh_analysis.h"
+#include "assets/generate/bench_meshes.h"
 #include "client/report/exact_answers.h"
 
 namespace tandem::client::report {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kDt = 1e-3;           // s
-constexpr double kCrease = kPi / 6.0;  // rad, above which an edge of a gear counts as sharp
+constexpr double kDt = 1e-3;  // s
 constexpr double kMillimetre = 1e-3;
 constexpr double kGrooveHalfAngle = kPi / 6.0;
 constexpr int kApproach = 40;  // ticks in which the tool comes down
@@ -24,33 +22,22 @@ constexpr int kApproach = 40;  // ticks in which the tool comes down
 /// Ways to write a number of triangles in an id.
 struct Size {
   const char* name;
-  std::size_t triangles;
+  const char* title;
+  int triangles;
 };
-constexpr std::array<Size, 4> kSizes{{{"1k", 1000}, {"10k", 10'000}, {"100k", 100'000}, {"1m", 1'000'000}}};
+constexpr std::array<Size, 4> kSizes{
+    {{"1k", "1 k", 1000}, {"10k", "10 k", 10'000}, {"100k", "100 k", 100'000}, {"1m", "1 M", 1'000'000}}};
 
-std::size_t trianglesOf(const std::string& id) {
+int trianglesOf(const std::string& id) {
   for (const Size& size : kSizes)
     if (id.ends_with(std::string("-") + size.name)) return size.triangles;
   return 0;
 }
 
-std::uint32_t addMesh(assets::Scene& scene, assets::TriangleSoup soup) {
-  scene.meshes.push_back(assets::analyseMesh(std::move(soup), kCrease).mesh);
-  return static_cast<std::uint32_t>(scene.meshes.size() - 1);
-}
-
-void addPart(assets::Scene& scene, std::uint32_t mesh, const glm::dvec3& position) {
-  assets::Part part;
-  part.name = "part" + std::to_string(scene.parts.size());
-  part.mesh = mesh;
-  part.worldFromPart.position = position;
-  scene.parts.push_back(std::move(part));
-}
-
-Experiment onePart(assets::TriangleSoup soup, const glm::dvec3& position = glm::dvec3(0.0)) {
+Experiment onePart(assets::Mesh mesh, const glm::dvec3& position = glm::dvec3(0.0)) {
   Experiment e;
-  e.scene.materials.emplace_back();
-  addPart(e.scene, addMesh(e.scene, std::move(soup)), position);
+  e.scene = generate::sceneOf(std::move(mesh));
+  e.scene.parts[0].worldFromPart.position = position;
   return e;
 }
 
@@ -75,12 +62,9 @@ void strokeSphere(Experiment& e, double radius, double ball, const glm::dvec3& c
   }
 }
 
-Experiment sphere(const std::string& id, double radius, double ball, std::size_t triangles,
-                  const glm::dvec3& centre, int ticks) {
-  assets::TriangleSoup soup = generate::geodesicSphere(radius, triangles);
-  const double deepest = generate::deepestFacet(soup, radius);
-  Experiment e = onePart(std::move(soup), centre);
-  e.info.id = id;
+Experiment sphere(double radius, double ball, int triangles, const glm::dvec3& centre, int ticks) {
+  Experiment e = onePart(generate::sphereMesh(radius, triangles), centre);
+  const double deepest = generate::deepestFacet(e.scene.meshes[0], radius);
   e.facetDepth = deepest;
   e.facetTilt = std::acos(1.0 - deepest / radius);
   strokeSphere(e, radius, ball, centre, ticks);
@@ -91,11 +75,19 @@ Experiment sphere(const std::string& id, double radius, double ball, std::size_t
 /// the hand goes smoothly round corners which the surface has sharp.
 class InsetCurve {
  public:
-  explicit InsetCurve(const generate::Loop& profile) : profile_(profile) {
+  explicit InsetCurve(const std::vector<glm::dvec2>& profile) : profile_(profile) {
     for (std::size_t i = 0; i < profile.size(); ++i) {
       starts_.push_back(length_);
       length_ += glm::length(corner(i + 1) - corner(i));
     }
+  }
+
+  /// Where the outline is farthest out near the x axis: on a tooth's tip.
+  double wayOfOutermost() const {
+    double best = 0.0;
+    for (int i = 0; i < 1000; ++i)
+      if (sample(1e-3 * i * length_).first.x > sample(best).first.x) best = 1e-3 * i * length_;
+    return best;
   }
 
   glm::dvec2 at(double way, double depth) const {
@@ -121,35 +113,31 @@ class InsetCurve {
     return {corner(edge) + along * (way - starts_[edge]), {along.y, -along.x}};
   }
 
-  const generate::Loop& profile_;
+  const std::vector<glm::dvec2>& profile_;
   std::vector<double> starts_;
   double length_ = 0.0;
 };
 
-Experiment gear(const std::string& id, int ticks) {
-  const generate::Loop profile = generate::gearProfile();
-  Experiment e = onePart(generate::extrudeStar(profile, 0.02, trianglesOf(id)));
-  e.info.id = id;
+Experiment gear(int triangles, int ticks) {
+  const std::vector<glm::dvec2> profile = generate::gearProfile();
+  Experiment e = onePart(generate::gearMesh(triangles));
   const InsetCurve curve(profile);
   ProfileGodObject exact(profile);
+  // 0.1 m/s along the outline, begun over a tooth; no layer of the mesh is at this height.
+  const double start = curve.wayOfOutermost(), z = 0.50712 * generate::kGearHeight;
   for (int i = 0; i < ticks; ++i) {
-    // 0.1 m/s along the outline, begun on a tooth's land; the mesh's layers meet the tool at no special
-    // height.
-    const double way = 1e-4 * i + 0.1155;
-    const glm::dvec2 goal =
-        curve.at(way, 2.0 * kMillimetre * approach(i) - kMillimetre * (1.0 - approach(i)));
+    const double down = approach(i);
+    const glm::dvec2 goal = curve.at(start + 1e-4 * i, (2.0 * down - (1.0 - down)) * kMillimetre);
     if (i == 0) exact.place(goal);
     const glm::dvec2 proxy = exact.follow(goal);
-    const double z = 0.7123 * kMillimetre;
     e.path.push_back({{goal.x, goal.y, z}, {proxy.x, proxy.y, z}, 0.0});
   }
   return e;
 }
 
 /// Circles on the plane z = 0, 2 mm deep, from 0.02 to 0.5 m/s.
-Experiment plane(const std::string& id, int ticks) {
+Experiment plane(int ticks) {
   Experiment e = onePart(generate::flatSheet(0.2, 100));
-  e.info.id = id;
   double way = 0.0;
   for (int i = 0; i < ticks; ++i) {
     way += kDt * (0.02 + 0.48 * i / ticks);
@@ -162,9 +150,8 @@ Experiment plane(const std::string& id, int ticks) {
 }
 
 /// From wall to wall of a groove of 60 degrees, 3 times a second, while it is followed at 20 mm/s.
-Experiment groove(const std::string& id, int ticks) {
+Experiment groove(int ticks) {
   Experiment e = onePart(generate::vGroove(0.05, kGrooveHalfAngle, 70));
-  e.info.id = id;
   for (int i = 0; i < ticks; ++i) {
     const double x = 4.0 * kMillimetre * std::sin(2.0 * kPi * 3.0 * kDt * i);
     const double z = 6.0 * kMillimetre - approach(i) * 7.0 * kMillimetre;
@@ -176,15 +163,10 @@ Experiment groove(const std::string& id, int ticks) {
 
 /// 10,000 cubes of 5 mm side by side, their tops one plane; the tool crosses joints at a slant, 1 mm deep at
 /// 0.2 m/s.
-Experiment tiles(const std::string& id, bool moving, int ticks) {
+Experiment tiles(bool moving, int ticks) {
   Experiment e;
-  e.info.id = id;
   e.partsMove = moving;
-  e.scene.materials.emplace_back();
-  const double side = 5.0 * kMillimetre;
-  const std::uint32_t mesh = addMesh(e.scene, generate::plainBox(glm::dvec3(side)));
-  for (int y = 0; y < 100; ++y)
-    for (int x = 0; x < 100; ++x) addPart(e.scene, mesh, {side * (x - 49.5), side * (y - 49.5), -0.5 * side});
+  e.scene = generate::plateGrid(100, 5.0 * kMillimetre, 5.0 * kMillimetre);
   for (int i = 0; i < ticks; ++i) {
     const double angle = 0.2 * kDt * i / 0.1;
     const double lift = moving ? 0.5 * kMillimetre * std::sin(2.0 * kPi * kDt * i) : 0.0;
@@ -201,17 +183,18 @@ std::vector<ExperimentInfo> allExperiments() {
   std::vector<ExperimentInfo> all;
   for (const Size& size : kSizes)
     all.push_back(
-        {std::string("sphere-") + size.name, "sphere", std::string("Sphere, ") + size.name + " triangles",
+        {std::string("sphere-") + size.name, "sphere", std::string("Sphere, ") + size.title + " triangles",
          "A point strokes a sphere of 50 mm radius, 2 mm deep at 0.2 m/s.", size.triangles <= 10'000});
-  all.push_back({"sphere-far-100k", "sphere-far", "Sphere 10 m from the origin, 100k triangles",
+  all.push_back({"sphere-far-100k", "sphere-far", "Sphere, 10 m off, 100 k triangles",
                  "The same stroke on a part that stands at (10, 10, 10) m."});
   for (const Size& size : kSizes)
-    all.push_back({std::string("gear-") + size.name, "gear", std::string("Gear, ") + size.name + " triangles",
+    all.push_back({std::string("gear-") + size.name, "gear",
+                   std::string("Gear, ") + size.title + " triangles",
                    "A point follows the outline of a gear of 12 teeth, 2 mm inside of it at 0.1 m/s.",
                    size.triangles <= 10'000});
-  all.push_back({"plane", "plane", "Plane, 20k triangles",
+  all.push_back({"plane", "plane", "Plane, 20 k triangles",
                  "A point slides on a plane, 2 mm deep, at 0.02 to 0.5 m/s.", true});
-  all.push_back({"groove", "groove", "V-groove, 20k triangles",
+  all.push_back({"groove", "groove", "V-groove, 20 k triangles",
                  "A point goes from wall to wall of a groove of 60 degrees while it is drawn along it.",
                  true});
   all.push_back(
@@ -234,13 +217,13 @@ Experiment buildExperiment(const std::string& id, int ticks) {
   const auto info = std::find_if(all.begin(), all.end(), [&](const ExperimentInfo& i) { return i.id == id; });
   Experiment e;
   if (info == all.end()) return e;
-  if (info->family == "sphere") e = sphere(id, 0.05, 0.0, trianglesOf(id), glm::dvec3(0.0), ticks);
-  if (info->family == "sphere-far") e = sphere(id, 0.05, 0.0, trianglesOf(id), glm::dvec3(10.0), ticks);
-  if (info->family == "gear") e = gear(id, ticks);
-  if (info->family == "plane") e = plane(id, ticks);
-  if (info->family == "groove") e = groove(id, ticks);
-  if (info->family == "parts") e = tiles(id, id == "parts-moving", ticks);
-  if (info->family == "fine") e = sphere(id, 0.01, info->toolRadius, trianglesOf(id), glm::dvec3(0.0), ticks);
+  if (info->family == "sphere") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(0.0), ticks);
+  if (info->family == "sphere-far") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(10.0), ticks);
+  if (info->family == "gear") e = gear(trianglesOf(id), ticks);
+  if (info->family == "plane") e = plane(ticks);
+  if (info->family == "groove") e = groove(ticks);
+  if (info->family == "parts") e = tiles(id == "parts-moving", ticks);
+  if (info->family == "fine") e = sphere(0.01, info->toolRadius, trianglesOf(id), glm::dvec3(0.0), ticks);
   e.info = *info;
   return e;
 }

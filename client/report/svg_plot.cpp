@@ -86,7 +86,7 @@ class LogAxis {
 
 /// A number of an axis: plain where it is short, else as a power of ten.
 std::string axisNumber(double value) {
-  if (value > 0.9e-3 && value < 1.1e5) return format("%.3g", value);
+  if (value > 0.9e-3 && value < 1.1e5) return format(value < 999.0 ? "%.3g" : "%.0f", value);
   const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   const double exponent = std::floor(std::log10(value) + 1e-9), lead = value / std::pow(10.0, exponent);
   std::string text = lead > 1.5 ? format("%.0f·10", lead) : "10";
@@ -181,7 +181,7 @@ std::string scatterSvg(const ScatterPlot& plot) {
 }
 
 std::string rangeSvg(const RangePlot& plot) {
-  const double left = 250.0, right = 600.0, top = 14.0, perMark = 9.0, between = 13.0;
+  const double left = 280.0, right = 620.0, top = 14.0, perMark = 9.0, between = 13.0;
   double height = top;
   std::vector<double> values;
   for (const RangeRow& row : plot.rows) {
@@ -225,7 +225,7 @@ std::string rangeSvg(const RangePlot& plot) {
 }
 
 std::string barsSvg(const std::vector<Bar>& bars) {
-  const double left = 250.0, right = 780.0, row = 24.0;
+  const double left = 280.0, right = 790.0, row = 24.0;
   double most = 0.0;
   for (const Bar& bar : bars) most = std::max(most, bar.length);
   std::string svg = begin(row * static_cast<double>(bars.size()) + 12.0, "bars");

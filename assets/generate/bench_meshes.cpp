@@ -1,4 +1,4 @@
-#include "tests/support/bench_meshes.h"
+#include "assets/generate/bench_meshes.h"
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 
 #include "assets/mesh_analysis.h"
 
-namespace tandem::tests {
+namespace tandem::generate {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -228,6 +228,21 @@ assets::Mesh plateMesh(double edge, double thickness) {
   return finish(std::move(soup), Topology::always);
 }
 
+/// A grid of n x n quads over the parallelogram from `origin`; normal u x v.
+void addGrid(assets::TriangleSoup& soup, const glm::dvec3& origin, const glm::dvec3& u, const glm::dvec3& v,
+             int n) {
+  const auto first = static_cast<Index>(soup.positions.size());
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) soup.positions.push_back(origin + u * (1.0 * i / n) + v * (1.0 * j / n));
+  const auto at = [&](int i, int j) { return first + static_cast<Index>(j * (n + 1) + i); };
+  for (int j = 0; j < n; ++j) {
+    for (int i = 0; i < n; ++i) {
+      soup.triangles.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      soup.triangles.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  }
+}
+
 assets::Scene emptyScene() {
   assets::Scene scene;
   scene.materials.emplace_back();
@@ -286,6 +301,30 @@ assets::Mesh sphereMesh(double radius, int triangles, Topology topology) {
   return finish(std::move(soup), topology);
 }
 
+double deepestFacet(const assets::Mesh& sphere, double radius) {
+  double nearest = radius;
+  for (const auto& t : sphere.triangles) {
+    const glm::dvec3 &a = sphere.positions[t[0]], &b = sphere.positions[t[1]], &c = sphere.positions[t[2]];
+    nearest = std::min(nearest, glm::dot(a, glm::normalize(glm::cross(b - a, c - a))));
+  }
+  return radius - nearest;
+}
+
+assets::Mesh flatSheet(double size, int n) {
+  assets::TriangleSoup soup;
+  addGrid(soup, {-0.5 * size, -0.5 * size, 0.0}, {size, 0.0, 0.0}, {0.0, size, 0.0}, n);
+  return finish(std::move(soup), Topology::always);
+}
+
+assets::Mesh vGroove(double size, double halfAngle, int n) {
+  assets::TriangleSoup soup;
+  const glm::dvec3 apex(0.0, -size, 0.0), along(0.0, 2.0 * size, 0.0);
+  const double x = size * std::sin(halfAngle), z = size * std::cos(halfAngle);
+  addGrid(soup, apex, {x, 0.0, z}, along, n);
+  addGrid(soup, apex, along, {-x, 0.0, z}, n);
+  return finish(std::move(soup), Topology::always);
+}
+
 std::vector<glm::dvec2> gearProfile() {
   std::vector<glm::dvec2> profile;
   for (int tooth = 0; tooth < kGearTeeth; ++tooth) {
@@ -338,4 +377,4 @@ assets::Scene smallParts(int count) {
   return scene;
 }
 
-}  // namespace tandem::tests
+}  // namespace tandem::generate
