@@ -11,8 +11,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "assets/allocation_counter.h"
 #include "assets/percentiles.h"
-#include "client/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/device_class.h"
 #include "client/device_path.h"

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "client/allocation_counter.h"
+#include "assets/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/report/html.h"
 #include "client/report/peers.h"

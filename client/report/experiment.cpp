@@ -17,7 +17,8 @@ constexpr double kPi = std::numbers::pi;
 constexpr double kDt = 1e-3;  // s
 constexpr double kMillimetre = 1e-3;
 constexpr double kGrooveHalfAngle = kPi / 6.0;
-constexpr int kApproach = 40;  // ticks in which the tool comes down
+constexpr double kInset = 0.8 * kMillimetre;  // depth under the gear, whose teeth are 2 mm wide at their tips
+constexpr int kApproach = 40;                 // ticks in which the tool comes down
 
 /// Ways to write a number of triangles in an id.
 struct Size {
@@ -71,8 +72,8 @@ Experiment sphere(double radius, double ball, int triangles, const glm::dvec3& c
   return e;
 }
 
-/// A closed curve beside the profile, 2 mm inside of it. Its normal is the mean over 2 mm either way, so that
-/// the hand goes smoothly round corners which the surface has sharp.
+/// A closed curve beside the profile, inside or outside of it. Its normal is the mean over kInset either way,
+/// so that the hand goes smoothly round corners which the surface has sharp.
 class InsetCurve {
  public:
   explicit InsetCurve(const std::vector<glm::dvec2>& profile) : profile_(profile) {
@@ -91,7 +92,7 @@ class InsetCurve {
   }
 
   glm::dvec2 at(double way, double depth) const {
-    const double span = 2.0 * kMillimetre;
+    const double span = kInset;
     glm::dvec2 middle(0.0), normal(0.0);
     constexpr int kSamples = 33;
     for (int i = 0; i < kSamples; ++i) {
@@ -127,7 +128,7 @@ Experiment gear(int triangles, int ticks) {
   const double start = curve.wayOfOutermost(), z = 0.50712 * generate::kGearHeight;
   for (int i = 0; i < ticks; ++i) {
     const double down = approach(i);
-    const glm::dvec2 goal = curve.at(start + 1e-4 * i, (2.0 * down - (1.0 - down)) * kMillimetre);
+    const glm::dvec2 goal = curve.at(start + 1e-4 * i, (2.0 * down - 1.0) * kInset);
     if (i == 0) exact.place(goal);
     const glm::dvec2 proxy = exact.follow(goal);
     e.path.push_back({{goal.x, goal.y, z}, {proxy.x, proxy.y, z}, 0.0});
@@ -190,7 +191,7 @@ std::vector<ExperimentInfo> allExperiments() {
   for (const Size& size : kSizes)
     all.push_back({std::string("gear-") + size.name, "gear",
                    std::string("Gear, ") + size.title + " triangles",
-                   "A point follows the outline of a gear of 12 teeth, 2 mm inside of it at 0.1 m/s.",
+                   "A point follows the outline of a gear of 12 teeth, 0.8 mm inside of it at 0.1 m/s.",
                    size.triangles <= 10'000});
   all.push_back({"plane", "plane", "Plane, 20 k triangles",
                  "A point slides on a plane, 2 mm deep, at 0.02 to 0.5 m/s.", true});

@@ -117,7 +117,7 @@ TEST(ProfileGodObject, GoesWhereTinyStepsOfBruteForceGo) {
   // The way held what is hard: contact, free space, and a snap round a corner.
   EXPECT_GT(free, 3);
   EXPECT_LT(free, 37);
-  EXPECT_GT(longest, 1.5e-3);
+  EXPECT_GT(longest, 1e-3);  // the hand goes 0.8 mm a tick at most
 }
 
 TEST(ExactAnswers, LieOnTheSurfaceNearestToTheGoal) {

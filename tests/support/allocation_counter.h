@@ -1,14 +1,13 @@
 #pragma once
 
-// Counts heap allocations of this program: compile allocation_counter.cpp into the test or bench that wants
+// Heap allocations of a piece of code: compile assets/allocation_counter.cpp into the test or bench that wants
 // to know.
 
 #include <cstdint>
 
-namespace tandem::test {
+#include "assets/allocation_counter.h"
 
-/// Calls of operator new so far, by all threads.
-std::uint64_t allocationCount();
+namespace tandem::test {
 
 /// Allocations between construction and count().
 class AllocationScope {
