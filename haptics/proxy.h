@@ -40,13 +40,15 @@ struct Proxy {
   int sweeps = 0;        // of the last move: what it cost
 };
 
-/// Moves the proxy as near to the goal as the parts let it, without friction. Bounded work: at most 24
-/// sweeps.
+/// Moves the proxy as near to the goal as the parts let it, without friction: the path of constrained
+/// descent. Bounded work: at most 24 rounds of at most three sweeps; one sweep where a tool rests or slides
+/// on.
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// slideProxy() with the Coulomb friction of the touched materials (Harwin & Melder 2002, the friction cone:
 /// the proxy stays while the goal lies in the cone of the static coefficient, else it is drawn along at that
-/// of the dynamic one).
+/// of the dynamic one). A proxy that stays keeps its position to the bit and costs no sweep; one that is
+/// drawn over a curved surface may take up to four such moves.
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// Takes the proxy along with a part that has moved from `before` to its present pose: pushed where the part
