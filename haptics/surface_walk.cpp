@@ -9,7 +9,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kFlat = 0.98480775301220802;  // cos 10 degrees
-constexpr int kMaxTriangles = 64;
+constexpr int kMaxTriangles = 256;
 constexpr int kMaxSeams = 4;  // at which a query must find the triangle on the other side
 
 /// A contact point on its way over the triangles of one part, in that part's frame.

@@ -223,7 +223,7 @@ public:
         !wanted("gear outline ball 1 mm"))
       return;
     const Scene scene =
-        tests::sceneOf(tests::gearMesh(1'000'000, tests::Topology::never));
+        tests::sceneOf(tests::gearMesh(1'000'000, tests::Topology::always));
     const haptics::ContactScene contact(scene);
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);
@@ -239,7 +239,7 @@ public:
         !wanted("sphere ball 3 mm"))
       return;
     const Scene scene = tests::sceneOf(
-        tests::sphereMesh(0.010, 1'000'000, tests::Topology::never));
+        tests::sphereMesh(0.010, 1'000'000, tests::Topology::always));
     const haptics::ContactScene contact(scene);
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);

@@ -115,13 +115,30 @@ TEST(HardGear, AgreesWithAnExactPlanarGodObjectAtEveryTessellation) {
   }
 }
 
+TEST(HardGear, UsualTicksCostOneSweep) {
+  const assets::Scene scene = sceneOf(tests::gearMesh(100'000, tests::Topology::always));
+  for (const double ball : {0.0, 0.0005}) {
+    ScaledHand hand(scene, 1.0, ball);
+    hand.at({0.03, 0.001, 0.00487});
+    int usual = 0, most = 0;
+    for (int i = 0; i < 1300; ++i) {
+      hand.at({goalRoundGear(i), 0.00487});
+      const int sweeps = hand.probe.state.data().proxy.sweeps;
+      usual += sweeps <= 1 ? 1 : 0;
+      most = std::max(most, sweeps);
+    }
+    EXPECT_GE(usual, 1300 * 85 / 100) << "ball " << ball;
+    EXPECT_LE(most, 3 * 24 + 1);
+  }
+}
+
 TEST(HardPushes, NeverPopThrough) {
   const std::vector<glm::dvec2> outline = tests::gearProfile();
   SceneBuilder gear, sphere;
   gear.addPart(tests::gearMesh(4000, tests::Topology::always));
   sphere.addPart(tests::sphereMesh(0.02, 2000, tests::Topology::always));
   const double inner = 0.02 - sagitta(sphere.scene.meshes[0], 0.02);
-  const int pushes = atFullSize() ? 166'667 : 700;
+  const int pushes = atFullSize() ? 83'334 : 700;
   for (const double scale : kScales) {
     for (const double ball : {0.0, 0.0005}) {
       ScaledHand onGear(gear.scene, scale, ball), onSphere(sphere.scene, scale, ball);
