@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/friction_scale.h"
 #include "haptics/haptic_texture.h"
 #include "haptics/surface_scene.h"
 
@@ -156,6 +157,9 @@ class SurfaceTick {
     slot.anchor.set = false;
     slot.phase = 0.0;
     slot.velocity = glm::dvec3(0.0);
+    constexpr double kFarOut = -1e30;  // m: nothing touches it
+    if (slot.law.depth > 0.0)
+      viscoelasticForce(slot.stiffness, slot.stiffness2, slot.relaxation, kFarOut, parameters_.dt, slot.law);
   }
 
   glm::dvec3 forceOf(const Touch& touch) {
@@ -204,10 +208,97 @@ class SurfaceTick {
 
     SurfaceSlot& slot = slotOf(touch.part);
     slot.active = true;
-    force -= stiffness * depth * gradient;
-    const glm::dvec3 elastic = force;
-    force += dissipation(touch, patch, elastic, partFromWorld, slot);
+    const double pressing = contactLaw(touch, patch, depth, stiffness, gradient, slot);
+    if (surface.popThroughForce > 0.0 && pressing > surface.popThroughForce) {
+      state_.letGo = touch.part;
+      noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
+      return glm::dvec3(0.0);
+    }
+    force -= pressing * gradient;
+    force += dissipation(touch, patch, force, partFromWorld, slot);
+    force += shaking(touch, patch, glm::dot(force, patch.normal), partFromWorld, slot);
     noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, glm::dot(force, patch.normal));
+    return force;
+  }
+
+  /// Force along the depth's gradient, which plastic dents turn.
+  double contactLaw(const Touch& touch, const PatchPoint& patch, double depth, double stiffness,
+                    glm::dvec3& gradient, SurfaceSlot& slot) {
+    const Surface& surface = *touch.surface;
+    if (surface.law == Surface::Law::viscoelastic) {
+      slot.stiffness = stiffness;
+      slot.stiffness2 = surface.stiffness2;
+      slot.relaxation = surface.relaxation;
+      return viscoelasticForce(stiffness, surface.stiffness2, surface.relaxation, depth, parameters_.dt,
+                               slot.law);
+    }
+    if (surface.law == Surface::Law::elastic) return stiffness * depth;
+    glm::dvec3 slope(0.0);
+    const double before = dented(touch.part, patch.point, slope);
+    double set = before;
+    const double force = plasticForce(stiffness, surface.yieldForce, surface.hardening, depth, set);
+    const double natural = 4.0 * surface.yieldForce / stiffness + 2.0 * parameters_.toolRadius;
+    if (set > before) dent(touch.part, patch.point, set - before, natural > 0.0 ? natural : 4.0 * depth);
+    gradient -=
+        glm::dot(slope, patch.pointU) * patch.uGradient + glm::dot(slope, patch.pointV) * patch.vGradient;
+    return force;
+  }
+
+  /// Permanent set of a place, m, and its slope.
+  double dented(PartId part, const glm::dvec3& x, glm::dvec3& slope) const {
+    double set = 0.0;
+    for (int i = 0; i < state_.dentCount; ++i) {
+      const Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+      const double share = dent.part == part ? shareOf(dent, x) : 0.0;
+      if (!(share > 0.0)) continue;
+      set += dent.depth * share * share;
+      slope += (x - dent.point) * (-4.0 * dent.depth * share / (dent.width * dent.width));
+    }
+    return set;
+  }
+
+  static double shareOf(const Dent& dent, const glm::dvec3& x) {
+    const glm::dvec3 off = (x - dent.point) / dent.width;
+    return std::max(0.0, 1.0 - glm::dot(off, off));
+  }
+
+  /// Makes the set at x larger by `growth`: a dent near by grows, else there is a new one.
+  void dent(PartId part, const glm::dvec3& x, double growth, double width) {
+    constexpr double kNear = 0.94;  // (1 - 1/4^2): within a quarter of the width
+    double best = 0.0;
+    Dent* nearest = nullptr;
+    for (int i = 0; i < state_.dentCount; ++i) {
+      Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+      const double share = dent.part == part ? shareOf(dent, x) : 0.0;
+      if (share > best) best = share, nearest = &dent;
+    }
+    if (best > kNear) {
+      nearest->depth += growth / (best * best);
+      return;
+    }
+    if (state_.dentCount == kMaxDents) forgetOldest();
+    state_.dents[static_cast<std::size_t>(state_.dentCount++)] = {part, x, growth, width};
+  }
+
+  void forgetOldest() {
+    std::move(state_.dents.begin() + 1, state_.dents.end(), state_.dents.begin());
+    --state_.dentCount;
+  }
+
+  /// Buzz along the normal, and the spring across it.
+  glm::dvec3 shaking(const Touch& touch, const PatchPoint& patch, double pressing,
+                     const glm::dquat& partFromWorld, SurfaceSlot& slot) {
+    const Surface& surface = *touch.surface;
+    glm::dvec3 force(0.0);
+    if (surface.vibrationAmplitude > 0.0) {
+      force += patch.normal * vibration(surface.vibrationFrequency, surface.vibrationAmplitude, pressing,
+                                        parameters_.dt, slot.phase);
+    }
+    if (surface.stickSlipForce > 0.0) {
+      const glm::dvec3 tip =
+          partFromWorld * (device_.worldFromDevice.position - world_.pose(touch.part).position);
+      force += stickSlip(surface.stickSlipForce, surface.stickSlipStiffness, tip, patch.normal, slot.anchor);
+    }
     return force;
   }
 
@@ -284,6 +375,27 @@ glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, co
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out) {
   return SurfaceTick(world, proxy, device, parameters, state, out).run(force);
+}
+
+double textureFriction(const ContactWorld& world, const SurfacePoint& at) {
+  const assets::Scene& scene = world.scene();
+  const Material& material = world.material(at.part, at.triangle);
+  if (material.surface >= scene.surfaces.size()) return 1.0;
+  const SurfaceTexture& texture = scene.surfaces[material.surface].texture;
+  if (texture.frictionScale == 1.0 || texture.pattern == SurfaceTexture::Pattern::none) return 1.0;
+  const Pose& pose = world.pose(at.part);
+  const glm::dvec3 x = glm::conjugate(pose.orientation) * (at.point - pose.position);
+  if (texture.pattern != SurfaceTexture::Pattern::image)
+    return frictionShare(texture, patternHeight(texture.pattern, texture.wavelength, x).value);
+  const assets::Mesh& mesh = world.collider(at.part).tree->mesh();
+  PatchPoint place;
+  if (at.triangle >= mesh.triangleUv.size() ||
+      !projectOntoPatch(mesh, nullptr, at.triangle, x, x, 1.0, place))
+    return 1.0;
+  const auto& uv = mesh.triangleUv[at.triangle];
+  const glm::dvec2 there = (1.0 - place.u - place.v) * glm::dvec2(uv[0]) + place.u * glm::dvec2(uv[1]) +
+                           place.v * glm::dvec2(uv[2]);
+  return frictionShare(texture, imageHeight(scene.textures[texture.image], there).value);
 }
 
 }  // namespace tandem::haptics

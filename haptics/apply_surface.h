@@ -20,13 +20,17 @@
 namespace tandem::haptics {
 
 inline constexpr int kMaxSurfaceContacts = 4;  // that are remembered at once
-inline constexpr int kMaxDents = 32;           // of plastic surfaces
+inline constexpr int kMaxDents = 32;           // of plastic surfaces; the oldest makes room
+/// In TickOutput::flags: a surface gave way in this tick. Its part is passed through until the tool has left
+/// it.
+inline constexpr std::uint32_t kFlagPopThrough = 1u << 24;
 
 /// What one contact remembers.
 struct SurfaceSlot {
   PartId part = kNoPart;
   bool active = false;  // acted in the last tick
   ViscoelasticMemory law;
+  double stiffness = 0.0, stiffness2 = 0.0, relaxation = 0.0;  // N/m, N/m, s: with which it recovers
   StickAnchor anchor;
   double phase = 0.0;                  // turns, of vibration
   glm::dvec3 velocity{0.0, 0.0, 0.0};  // m/s, of the tool against the surface
@@ -53,7 +57,7 @@ glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, co
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out);
 
-/// The same for any scene: without surfaces it costs one comparison.
+/// applySurfaceEffects() for any scene: without surfaces it costs one comparison.
 inline glm::dvec3 applySurface(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out) {

@@ -6,8 +6,13 @@
 
 namespace tandem::haptics {
 
-/// Factor on both friction coefficients at one point of a surface, >= 0. Everywhere 1: no material has a
-/// friction map.
-inline double frictionScale(const ContactWorld& /*world*/, const SurfacePoint& /*at*/) { return 1.0; }
+/// What relief with a friction map makes of the coefficients at a place; 1 elsewhere. In apply_surface.cpp.
+double textureFriction(const ContactWorld& world, const SurfacePoint& at);
+
+/// Factor on both friction coefficients at one point of a surface, >= 0. Scenes without surfaces pay one
+/// comparison.
+inline double frictionScale(const ContactWorld& world, const SurfacePoint& at) {
+  return world.surfaces() == nullptr ? 1.0 : textureFriction(world, at);
+}
 
 }  // namespace tandem::haptics

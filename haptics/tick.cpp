@@ -47,9 +47,10 @@ class Tick {
     if (valid_) {
       moveTool();
       const glm::dvec3 force = contactForce(data_.world, data_.proxy, input_.device, parameters_, out_);
-      data_.contactWrench = {applySurface(data_.world, data_.proxy, input_.device, parameters_, force,
-                                          data_.surface, out_),
-                             glm::dvec3(0.0)};
+      data_.contactWrench = {
+          applySurface(data_.world, data_.proxy, input_.device, parameters_, force, data_.surface, out_),
+          glm::dvec3(0.0)};
+      if (data_.surface.letGo != kNoPart) popThrough(data_.surface.letGo);
     } else {
       data_.contactWrench = data_.couplingWrench = Wrench{};
     }
@@ -357,6 +358,14 @@ class Tick {
       }
     }
     data_.ignoredCount = kept;
+  }
+
+  /// A surface that gave way is passed through at once, so that it is left, and felt again, on its other
+  /// side.
+  void popThrough(PartId part) {
+    out_.flags |= kFlagPopThrough;
+    ignore(part);
+    moveTool();
   }
 
   void moveTool() {

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "haptics/apply_surface.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::test {
@@ -64,6 +66,119 @@ TEST(SurfaceEffects, ViscosityGivesNothingToAToolThatBuzzes) {
   }
   EXPECT_LE(given, 5.0 * 0.01 * 1e-5 * 1.001) << "more than the first tick, which has no history";
   EXPECT_GT(naive, 100.0 * 5.0 * 0.01 * 1e-5) << "plain drag at one tick's delay would have fed the buzz";
+}
+
+TEST(SurfaceEffects, VibrationStaysWithinItsAmplitudeAndStopsInFreeAir) {
+  Surface surface;
+  surface.vibrationFrequency = 50.0;
+  surface.vibrationAmplitude = 0.4;
+  HandProbe hand(sheetOf(surface), springOnly(1000.0));
+  hand.at({0.0, 0.0012, 0.005});
+  hand.to({0.0, 0.0012, -0.002}, 1e-4);
+  double low = 1e9, high = -1e9;
+  for (int i = 0; i < 200; ++i) {
+    const double f = hand.at({0.0, 0.0012, -0.002}).toHand.force.z - 2.0;
+    low = std::min(low, f), high = std::max(high, f);
+  }
+  EXPECT_NEAR(high, 0.4, 1e-3);
+  EXPECT_NEAR(low, -0.4, 1e-3);
+  hand.to({0.0, 0.0012, -0.0001}, 1e-4);
+  for (int i = 0; i < 50; ++i) EXPECT_GE(hand.at({0.0, 0.0012, -0.0001}).toHand.force.z, 0.0);
+  hand.to({0.0, 0.0012, 0.005}, 1e-3);
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+}
+
+TEST(SurfaceEffects, StickSlipHoldsThenLetsGo) {
+  Surface surface;
+  surface.stickSlipForce = 0.5;
+  surface.stickSlipStiffness = 500.0;
+  HandProbe hand(sheetOf(surface), springOnly(1000.0));
+  hand.at({0.0, 0.0012, 0.005});
+  hand.to({0.0, 0.0012, -0.002}, 1e-4);
+  double strongest = 0.0;
+  int slips = 0;
+  for (int i = 1; i <= 1000; ++i) {  // 10 mm: every 1 mm a slip
+    const double before = hand.out.toHand.force.x;
+    const double now = hand.at({1e-5 * i, 0.0012, -0.002}).toHand.force.x;
+    strongest = std::max(strongest, std::abs(now));
+    slips += now > before + 0.3 ? 1 : 0;
+  }
+  EXPECT_LE(strongest, 0.5 + 1e-9);
+  EXPECT_GT(strongest, 0.49);
+  EXPECT_NEAR(slips, 10, 1);
+}
+
+TEST(SurfaceEffects, MagnetPullsWithoutGainingEnergyAtEveryScale) {
+  for (const double scale : {1e-3, 1.0, 20.0}) {
+    Surface surface;
+    surface.magneticForce = 0.8;
+    surface.magneticDistance = 0.01 * scale;
+    HandProbe hand(sheetOf(surface, scale), springOnly(1000.0 / scale));
+    double strongest = 0.0, work = 0.0, before = 0.0;
+    for (int i = 0; i <= 2000; ++i) {
+      const double z = (0.006 + 0.008 * std::cos(2.0 * kPi * i / 2000.0)) * scale;
+      const double f = hand.at({0.0, 0.0012 * scale, z}).toHand.force.z;
+      if (z > 0.0) strongest = std::min(strongest, f);
+      EXPECT_TRUE(z <= 0.0101 * scale || f == 0.0);
+      if (i > 0) {
+        const double last = (0.006 + 0.008 * std::cos(2.0 * kPi * (i - 1) / 2000.0)) * scale;
+        work += 0.5 * (f + before) * (z - last);
+      }
+      before = f;
+    }
+    EXPECT_NEAR(strongest, -0.8, 1e-4) << scale;
+    EXPECT_NEAR(work, 0.0, 1e-5 * scale) << scale;
+  }
+}
+
+TEST(SurfaceEffects, PopsThroughBeyondTheForceAndIsFeltAgainFromTheOtherSide) {
+  Surface surface;
+  surface.popThroughForce = 2.0;
+  HandProbe hand(sheetOf(surface), springOnly(1000.0));
+  hand.at({0.0, 0.0012, 0.005});
+  hand.to({0.0, 0.0012, -0.0019}, 1e-4);
+  EXPECT_NEAR(hand.out.toHand.force.z, 1.9, 1e-6);
+  hand.at({0.0, 0.0012, -0.0021});
+  EXPECT_NE(hand.out.flags & haptics::kFlagPopThrough, 0u);
+  EXPECT_LT(glm::length(hand.out.toHand.force), 1e-9);
+  hand.to({0.0, 0.0012, -0.005}, 1e-3);
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  hand.to({0.0, 0.0012, 0.001}, 1e-4);
+  EXPECT_NEAR(hand.out.toHand.force.z, -1.0, 1e-6);
+}
+
+TEST(SurfaceEffects, ReliefIsThePotentialOfItsForce) {
+  Surface surface;
+  surface.texture.pattern = assets::SurfaceTexture::Pattern::sine;
+  surface.texture.amplitude = 0.0002;
+  surface.texture.wavelength = 0.004;
+  HandProbe hand(sheetOf(surface), springOnly(1000.0));
+  hand.at({-0.01, 0.0012, 0.005});
+  hand.to({-0.01, 0.0012, -0.001}, 1e-4);
+  for (int i = 1; i < 400; ++i) {
+    const double x = -0.01 + 5e-5 * i, turn = 2.0 * kPi * x / 0.004;
+    const double depth = 0.001 + 0.0002 * std::sin(turn);
+    hand.at({x, 0.0012, -0.001});
+    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * depth, 1e-6);
+    EXPECT_NEAR(hand.out.toHand.force.x, -1000.0 * depth * 0.0002 * std::cos(turn) * 2.0 * kPi / 0.004, 1e-6);
+  }
+}
+
+TEST(SurfaceEffects, PlasticSurfaceKeepsItsDentInPlace) {
+  Surface surface;
+  surface.law = Surface::Law::plastic;
+  surface.yieldForce = 1.0;
+  surface.hardening = 100.0;
+  HandProbe hand(sheetOf(surface), springOnly(1000.0));
+  const auto press = [&hand](double x, double depth) {
+    hand.to({x, 0.0012, 0.005}, 1e-4);
+    hand.to({x, 0.0012, -depth}, 1e-4);
+    return hand.out.toHand.force.z;
+  };
+  hand.at({0.0, 0.0012, 0.005});
+  EXPECT_NEAR(press(0.0, 0.003), 1.0 + 0.002 * 1000.0 * 100.0 / 1100.0, 1e-6);
+  EXPECT_NEAR(press(0.0, 0.001), 0.0, 1e-9) << "the dent is there";
+  EXPECT_NEAR(press(0.05, 0.001), 1.0, 1e-6) << "and nowhere else";
 }
 
 }  // namespace
