@@ -186,8 +186,12 @@ SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const 
   const Triangle t = data_->colliders[part].tree->triangle(triangle);
   const TrianglePoint closest = closestPointOnTriangle(local, t);
   const glm::dvec3 normal = contactNormal(local, t, closest);
-  return {part, triangle, transformPoint(pose, closest.point), transformVector(pose, normal),
-          glm::dot(local - closest.point, normal), closest.onFace};
+  return {part,
+          triangle,
+          transformPoint(pose, closest.point),
+          transformVector(pose, normal),
+          glm::dot(local - closest.point, normal),
+          closest.onFace};
 }
 
 bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const {

@@ -16,9 +16,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kLargeMesh =
-    16'384; // triangles from which a second thread pays
-constexpr std::size_t kSlabBlock = 4096; // nodes
+constexpr std::size_t kLargeMesh = 16'384;  // triangles from which a second thread pays
+constexpr std::size_t kSlabBlock = 4096;    // nodes
 constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
 
 float roundDown(double x) {
@@ -33,19 +32,16 @@ float roundUp(double x) {
 
 /// Calls work(begin, end, worker) for equal shares of `count`, one a thread.
 template <typename Work>
-void inParallel(std::size_t count, int workers, const Work &work) {
+void inParallel(std::size_t count, int workers, const Work& work) {
   std::vector<std::thread> helpers;
   const std::size_t share = count / static_cast<std::size_t>(workers) + 1;
   const auto run = [&](int worker) {
-    const std::size_t begin =
-        std::min(count, share * static_cast<std::size_t>(worker));
+    const std::size_t begin = std::min(count, share * static_cast<std::size_t>(worker));
     work(begin, std::min(count, begin + share), worker);
   };
-  for (int i = 1; i < workers; ++i)
-    helpers.emplace_back(run, i);
+  for (int i = 1; i < workers; ++i) helpers.emplace_back(run, i);
   run(0);
-  for (std::thread &helper : helpers)
-    helper.join();
+  for (std::thread& helper : helpers) helper.join();
 }
 
 /// A node (or leaf) still to be visited, with the lower bound of what it can
@@ -56,63 +52,52 @@ struct Pending {
 };
 
 class Stack {
-public:
-  bool pop(Pending &next) {
-    if (size_ == 0)
-      return false;
+ public:
+  bool pop(Pending& next) {
+    if (size_ == 0) return false;
     next = entries_[--size_];
     return true;
   }
   /// Pushes the children of `mask`, the one with the least bound last, so that
   /// it comes off first.
-  void pushOrdered(const std::uint32_t *child, const float *bound, int mask) {
+  void pushOrdered(const std::uint32_t* child, const float* bound, int mask) {
     const int first = size_;
     for (int i = 0; i < 4; ++i) {
-      if ((mask & (1 << i)) == 0 || child[i] == TriangleBvh::kEmptyChild)
-        continue;
+      if ((mask & (1 << i)) == 0 || child[i] == TriangleBvh::kEmptyChild) continue;
       int at = size_++;
-      for (; at > first && entries_[at - 1].bound < bound[i]; --at)
-        entries_[at] = entries_[at - 1];
+      for (; at > first && entries_[at - 1].bound < bound[i]; --at) entries_[at] = entries_[at - 1];
       entries_[at] = {child[i], bound[i]};
     }
   }
 
-private:
+ private:
   std::array<Pending, kStackSize> entries_;
   int size_ = 0;
 };
 
 /// A motion as four-wide slab tests see it.
 class Slabs {
-public:
+ public:
   /// Boxes are inflated by `radius` and by more than what the float arithmetic
   /// can lose: the roundings of the origin, of the differences and of t, each a
   /// few units in the last place of `largest`, the largest length in play.
-  Slabs(const glm::dvec3 &origin, const glm::dvec3 &motion, double radius,
-        double largest)
+  Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
       : inflate_(roundUp(radius + largest * 0x1p-20)) {
     for (int axis = 0; axis < 3; ++axis) {
       origin_[axis] = Float4(static_cast<float>(origin[axis]));
       const double least = largest * 0x1p-60;
-      const double step = std::abs(motion[axis]) > least
-                              ? motion[axis]
-                              : std::copysign(least, motion[axis]);
-      inverse_[axis] =
-          Float4(static_cast<float>(std::clamp(1.0 / step, -1e30, 1e30)));
+      const double step = std::abs(motion[axis]) > least ? motion[axis] : std::copysign(least, motion[axis]);
+      inverse_[axis] = Float4(static_cast<float>(std::clamp(1.0 / step, -1e30, 1e30)));
     }
   }
 
   /// Which children are met before `latest` (a share of the motion), and lower
   /// bounds of when.
-  int enter(const TriangleBvh::Node &node, float latest, float *bounds) const {
+  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
     Float4 enter, leave(latest);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float4 t0 =
-          (Float4::load(node.low[axis]) - inflate_ - origin_[axis]) *
-          inverse_[axis];
-      const Float4 t1 =
-          (Float4::load(node.high[axis]) + inflate_ - origin_[axis]) *
-          inverse_[axis];
+      const Float4 t0 = (Float4::load(node.low[axis]) - inflate_ - origin_[axis]) * inverse_[axis];
+      const Float4 t1 = (Float4::load(node.high[axis]) + inflate_ - origin_[axis]) * inverse_[axis];
       enter = max(enter, min(t0, t1));
       leave = min(leave, max(t0, t1));
     }
@@ -121,18 +106,16 @@ public:
     return lessEqualMask(enter, leave);
   }
 
-private:
+ private:
   Float4 origin_[3], inverse_[3], inflate_;
 };
 
-Vec4 lowOf(const TriangleBvh::Node &node) {
-  return {Float4::load(node.low[0]), Float4::load(node.low[1]),
-          Float4::load(node.low[2])};
+Vec4 lowOf(const TriangleBvh::Node& node) {
+  return {Float4::load(node.low[0]), Float4::load(node.low[1]), Float4::load(node.low[2])};
 }
 
-Vec4 highOf(const TriangleBvh::Node &node) {
-  return {Float4::load(node.high[0]), Float4::load(node.high[1]),
-          Float4::load(node.high[2])};
+Vec4 highOf(const TriangleBvh::Node& node) {
+  return {Float4::load(node.high[0]), Float4::load(node.high[1]), Float4::load(node.high[2])};
 }
 
 /// A moving ball as four-wide tests against boxes see it. Slabs of the inflated
@@ -143,14 +126,11 @@ Vec4 highOf(const TriangleBvh::Node &node) {
 /// centre. The maximum is bounded with the box and, where it is a leaf of
 /// nearly flat triangles, with its slab: u = a N + w, a >= 0.
 class MovingBall {
-public:
-  MovingBall(const glm::dvec3 &origin, const glm::dvec3 &motion, double radius,
-             double largest)
-      : slabs_(origin, motion, radius, largest),
-        reach_(roundUp(radius + largest * 0x1p-19)) {
-    const auto four = [](const glm::dvec3 &v) {
-      return Vec4{Float4(static_cast<float>(v.x)),
-                  Float4(static_cast<float>(v.y)),
+ public:
+  MovingBall(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
+      : slabs_(origin, motion, radius, largest), reach_(roundUp(radius + largest * 0x1p-19)) {
+    const auto four = [](const glm::dvec3& v) {
+      return Vec4{Float4(static_cast<float>(v.x)), Float4(static_cast<float>(v.y)),
                   Float4(static_cast<float>(v.z))};
     };
     origin_ = four(origin);
@@ -161,20 +141,16 @@ public:
   /// bounds of when; below 0 where the start is within reach already, the
   /// deepest first, for it most likely holds an early hit, which then shuts out
   /// the others.
-  int enter(const TriangleBvh::Node &node, float latest, float *bounds) const {
+  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
     const int mask = slabs_.enter(node, latest, bounds);
-    if (mask == 0)
-      return 0;
+    if (mask == 0) return 0;
     const Vec4 low = lowOf(node), high = highOf(node);
     const Float4 half(0.5f);
-    const Vec4 centre = (low + high) * half, extent = (high - low) * half,
-               d = origin_ - centre;
+    const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
     const Slab4 slab = unpackSlabs(node.slab, extent);
     // About the nearest point: the foot on the slab's face, within the box.
-    const Float4 least(1e-37f),
-        square = max(dot(slab.normal, slab.normal), least);
-    const Float4 height =
-        max(dot(slab.normal, d) - slab.offset, Float4()) / square;
+    const Float4 least(1e-37f), square = max(dot(slab.normal, slab.normal), least);
+    const Float4 height = max(dot(slab.normal, d) - slab.offset, Float4()) / square;
     const Vec4 foot = d - slab.normal * height;
     const Vec4 u = d - min(max(foot, Vec4{} - extent), extent);
     const Float4 along = max(dot(u, slab.normal), Float4()) / square;
@@ -182,18 +158,15 @@ public:
     const Float4 length = sqrt(dot(u, u));
     // All times |u|: the ball's gap at the start, and by how much of it a whole
     // motion nears.
-    const Float4 gap = dot(u, d) - along * slab.offset -
-                       dot(abs(rest), extent) - reach_ * length;
+    const Float4 gap = dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length;
     const Float4 nearing = Float4() - dot(u, motion_);
     const Float4 t = gap / max(nearing, least) * Float4(1.0f - 0x1p-18f);
-    const int met =
-        lessEqualMask(gap, Float4()) | lessEqualMask(t, Float4(latest));
-    selectLessEqual(gap, Float4(), gap, max(t, Float4::load(bounds)))
-        .store(bounds);
+    const int met = lessEqualMask(gap, Float4()) | lessEqualMask(t, Float4(latest));
+    selectLessEqual(gap, Float4(), gap, max(t, Float4::load(bounds))).store(bounds);
     return mask & met;
   }
 
-private:
+ private:
   Slabs slabs_;
   Vec4 origin_, motion_;
   Float4 reach_;
@@ -201,48 +174,40 @@ private:
 
 /// +1 where the segment leaves through the triangle's outside, -1 where it
 /// enters, 0 where it misses.
-int crossing(const glm::dvec3 &from, const glm::dvec3 &direction,
-             const Triangle &t) {
+int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
   const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
   // Signed volumes of the line with the three edges: one sign means that the
   // line passes through the triangle.
   const double u = glm::dot(direction, glm::cross(b, a));
   const double v = glm::dot(direction, glm::cross(c, b));
   const double w = glm::dot(direction, glm::cross(a, c));
-  const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0,
-             positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
-  if (negative == positive)
-    return 0;
+  const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
+  if (negative == positive) return 0;
   const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
-  const double height = glm::dot(normal, a),
-               slope = glm::dot(normal, direction);
-  if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0)
-    return 0;
+  const double height = glm::dot(normal, a), slope = glm::dot(normal, direction);
+  if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0) return 0;
   return slope > 0.0 ? 1 : -1;
 }
 
-} // namespace
+}  // namespace
 
-TriangleBvh::TriangleBvh(const assets::Mesh &mesh, int threads) : mesh_(&mesh) {
+TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   const std::size_t count = mesh.triangles.size();
   ASSERT(count <= kLeafFirstMask);
-  if (count == 0)
-    return;
-  const int cores =
-      std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  if (count == 0) return;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const int workers = count > kLargeMesh ? (threads > 0 ? threads : cores) : 1;
   std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
-  inParallel(count, workers,
-             [&](std::size_t begin, std::size_t end, int worker) {
-               assets::Bounds own;
-               for (std::size_t i = begin; i < end; ++i) {
-                 const Triangle t = triangle(static_cast<std::uint32_t>(i));
-                 own.min = glm::min(own.min, glm::min(t.a, glm::min(t.b, t.c)));
-                 own.max = glm::max(own.max, glm::max(t.a, glm::max(t.b, t.c)));
-               }
-               bounds[static_cast<std::size_t>(worker)] = own;
-             });
-  for (const assets::Bounds &own : bounds) {
+  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
+    assets::Bounds own;
+    for (std::size_t i = begin; i < end; ++i) {
+      const Triangle t = triangle(static_cast<std::uint32_t>(i));
+      own.min = glm::min(own.min, glm::min(t.a, glm::min(t.b, t.c)));
+      own.max = glm::max(own.max, glm::max(t.a, glm::max(t.b, t.c)));
+    }
+    bounds[static_cast<std::size_t>(worker)] = own;
+  });
+  for (const assets::Bounds& own : bounds) {
     bounds_.min = glm::min(bounds_.min, own.min);
     bounds_.max = glm::max(bounds_.max, own.max);
   }
@@ -265,63 +230,50 @@ TriangleBvh::TriangleBvh(const assets::Mesh &mesh, int threads) : mesh_(&mesh) {
   });
   nodes_ = buildNodes(primitives, workers);
   order_.resize(count);
-  for (std::size_t i = 0; i < count; ++i)
-    order_[i] = primitives[i].triangle();
+  for (std::size_t i = 0; i < count; ++i) order_[i] = primitives[i].triangle();
   ASSERT(depth() <= kMaxDepth);
   // In blocks of a fixed size, so that the slabs do not depend on the number of
   // threads.
-  inParallel(nodes_.size() / kSlabBlock + 1, workers,
-             [&](std::size_t begin, std::size_t end, int) {
-               for (std::size_t i = begin; i < end; ++i)
-                 fitSlabs(i * kSlabBlock,
-                          std::min(nodes_.size(), (i + 1) * kSlabBlock));
-             });
+  inParallel(nodes_.size() / kSlabBlock + 1, workers, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i)
+      fitSlabs(i * kSlabBlock, std::min(nodes_.size(), (i + 1) * kSlabBlock));
+  });
 }
 
 void TriangleBvh::fitSlabs(std::size_t begin, std::size_t end) {
   for (std::size_t i = end; i-- > begin;) {
-    Node &node = nodes_[i];
+    Node& node = nodes_[i];
     for (int k = 0; k < 4; ++k) {
       const std::uint32_t child = node.child[k];
       const FloatBox box{{node.low[0][k], node.low[1][k], node.low[2][k]},
                          {node.high[0][k], node.high[1][k], node.high[2][k]}};
       node.slab[k] = 0;
-      if (child == kEmptyChild)
-        continue;
+      if (child == kEmptyChild) continue;
       if ((child & kLeafBit) != 0) {
         std::array<Triangle, kMaxLeaf> triangles;
-        const std::uint32_t first = child & kLeafFirstMask,
-                            count = leafCount(child);
-        for (std::uint32_t j = 0; j < count; ++j)
-          triangles[j] = triangle(order_[first + j]);
-        node.slab[k] =
-            slabOfTriangles(std::span(triangles.data(), count), centre_, box);
+        const std::uint32_t first = child & kLeafFirstMask, count = leafCount(child);
+        for (std::uint32_t j = 0; j < count; ++j) triangles[j] = triangle(order_[first + j]);
+        node.slab[k] = slabOfTriangles(std::span(triangles.data(), count), centre_, box);
       } else if (child < end) {
-        const Node &inner = nodes_[child];
-        node.slab[k] =
-            slabOfNode(lowOf(inner), highOf(inner), inner.slab, extent_, box);
+        const Node& inner = nodes_[child];
+        node.slab[k] = slabOfNode(lowOf(inner), highOf(inner), inner.slab, extent_, box);
       }
     }
   }
 }
 
-Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count,
-                                const glm::dvec3 &origin) const {
-  const glm::dvec3 *corners[3][4];
+Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const {
+  const glm::dvec3* corners[3][4];
   for (std::uint32_t i = 0; i < 4; ++i) {
-    const auto &t = mesh_->triangles[order_[first + std::min(i, count - 1)]];
-    for (std::size_t k = 0; k < 3; ++k)
-      corners[k][i] = &mesh_->positions[t[k]];
+    const auto& t = mesh_->triangles[order_[first + std::min(i, count - 1)]];
+    for (std::size_t k = 0; k < 3; ++k) corners[k][i] = &mesh_->positions[t[k]];
   }
-  return {gatherRelative(corners[0], origin),
-          gatherRelative(corners[1], origin),
+  return {gatherRelative(corners[0], origin), gatherRelative(corners[1], origin),
           gatherRelative(corners[2], origin)};
 }
 
-bool TriangleBvh::closestPoint(const glm::dvec3 &p, double maxDistance,
-                               MeshPoint &nearest) const {
-  if (empty())
-    return false;
+bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
+  if (empty()) return false;
   // The query point is an interval of two floats around the true one, so that a
   // box's distance is never overestimated; the factor covers the roundings of
   // the sum of squares.
@@ -339,10 +291,9 @@ bool TriangleBvh::closestPoint(const glm::dvec3 &p, double maxDistance,
   Stack stack;
   Pending next{0, 0.0f};
   do {
-    if (next.bound > bound)
-      continue;
+    if (next.bound > bound) continue;
     if ((next.child & kLeafBit) == 0) {
-      const Node &node = nodes_[next.child];
+      const Node& node = nodes_[next.child];
       Float4 square;
       for (int axis = 0; axis < 3; ++axis) {
         const Float4 below = Float4::load(node.low[axis]) - pointHigh[axis];
@@ -353,28 +304,21 @@ bool TriangleBvh::closestPoint(const glm::dvec3 &p, double maxDistance,
       square = square * Float4(kBelow);
       alignas(16) float bounds[4];
       square.store(bounds);
-      stack.pushOrdered(node.child, bounds,
-                        lessEqualMask(square, Float4(bound)));
+      stack.pushOrdered(node.child, bounds, lessEqualMask(square, Float4(bound)));
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask,
-                        count = leafCount(next.child);
-    const DistanceBound4 least =
-        boundDistance(gather4(first, count, p), Vec4{});
-    const int far = lessMask(Float4(distanceBound) + rounding,
-                             least.distance - least.error);
+    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
+    const DistanceBound4 least = boundDistance(gather4(first, count, p), Vec4{});
+    const int far = lessMask(Float4(distanceBound) + rounding, least.distance - least.error);
     for (std::uint32_t i = 0; i < count; ++i) {
-      if ((far >> i & 1) != 0)
-        continue;
+      if ((far >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
       const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
       const glm::dvec3 offset = p - closest.point;
       const double square = glm::dot(offset, offset);
       // A tie goes to the lower index: the answer must not depend on the order
       // of visits.
-      if (square > bestSquare ||
-          (square == bestSquare && found && index > nearest.triangle))
-        continue;
+      if (square > bestSquare || (square == bestSquare && found && index > nearest.triangle)) continue;
       found = true;
       bestSquare = square;
       bound = roundUp(square);
@@ -384,22 +328,17 @@ bool TriangleBvh::closestPoint(const glm::dvec3 &p, double maxDistance,
       nearest.onFace = closest.onFace;
     }
   } while (stack.pop(next));
-  if (found)
-    nearest.distance = std::sqrt(bestSquare);
+  if (found) nearest.distance = std::sqrt(bestSquare);
   return found;
 }
 
-bool TriangleBvh::sweepBall(const glm::dvec3 &from, const glm::dvec3 &motion,
-                            double radius, double tolerance,
-                            MeshBallHit &hit) const {
-  if (empty())
-    return false;
+bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+                            MeshBallHit& hit) const {
+  if (empty()) return false;
   const glm::dvec3 origin = from - centre_;
-  const double largest =
-      extent_ + radius + glm::length(origin) + glm::length(motion);
+  const double largest = extent_ + radius + glm::length(origin) + glm::length(motion);
   const MovingBall ball(origin, motion, radius + tolerance, largest);
-  const Vec4 motion4{Float4(static_cast<float>(motion.x)),
-                     Float4(static_cast<float>(motion.y)),
+  const Vec4 motion4{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
                      Float4(static_cast<float>(motion.z))};
   const Float4 reach(roundUp(radius + tolerance + coordinateRounding(from)));
   bool found = false;
@@ -407,39 +346,30 @@ bool TriangleBvh::sweepBall(const glm::dvec3 &from, const glm::dvec3 &motion,
   Pending next{0, 0.0f};
   float latest = roundUp(hit.t * (1.0 + 0x1p-20));
   do {
-    if (next.bound > latest)
-      continue;
+    if (next.bound > latest) continue;
     if ((next.child & kLeafBit) == 0) {
-      const Node &node = nodes_[next.child];
+      const Node& node = nodes_[next.child];
       alignas(16) float bounds[4];
       const int mask = ball.enter(node, latest, bounds);
       stack.pushOrdered(node.child, bounds, mask);
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask,
-                        count = leafCount(next.child);
-    const DistanceBound4 bound =
-        boundDistance(gather4(first, count, from), motion4);
-    const Float4 least =
-        bound.distance + min(bound.slope * Float4(latest), Float4());
+    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
+    const DistanceBound4 bound = boundDistance(gather4(first, count, from), motion4);
+    const Float4 least = bound.distance + min(bound.slope * Float4(latest), Float4());
     const int missed = lessMask(reach, least - bound.error);
     for (std::uint32_t i = 0; i < count; ++i) {
-      if ((missed >> i & 1) != 0)
-        continue;
+      if ((missed >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
       BallHit candidate;
       candidate.t = hit.t;
-      if (!haptics::sweepBall(from, motion, radius, tolerance, triangle(index),
-                              candidate))
-        continue;
+      if (!haptics::sweepBall(from, motion, radius, tolerance, triangle(index), candidate)) continue;
       if (found && candidate.t == hit.t) {
-        const double now = glm::dot(candidate.normal, motion),
-                     best = glm::dot(hit.normal, motion);
-        if (now > best || (now == best && index > hit.triangle))
-          continue;
+        const double now = glm::dot(candidate.normal, motion), best = glm::dot(hit.normal, motion);
+        if (now > best || (now == best && index > hit.triangle)) continue;
       }
       found = true;
-      static_cast<BallHit &>(hit) = candidate;
+      static_cast<BallHit&>(hit) = candidate;
       hit.triangle = index;
       latest = roundUp(hit.t * (1.0 + 0x1p-20));
     }
@@ -448,9 +378,8 @@ bool TriangleBvh::sweepBall(const glm::dvec3 &from, const glm::dvec3 &motion,
 }
 
 template <typename Visit>
-void TriangleBvh::forEachInBox(const assets::Bounds &box, Visit &&visit) const {
-  if (empty())
-    return;
+void TriangleBvh::forEachInBox(const assets::Bounds& box, Visit&& visit) const {
+  if (empty()) return;
   Float4 low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
     low[axis] = Float4(roundDown(box.min[axis] - centre_[axis]));
@@ -460,7 +389,7 @@ void TriangleBvh::forEachInBox(const assets::Bounds &box, Visit &&visit) const {
   Pending next{0, 0.0f};
   do {
     if ((next.child & kLeafBit) == 0) {
-      const Node &node = nodes_[next.child];
+      const Node& node = nodes_[next.child];
       int mask = 15;
       for (int axis = 0; axis < 3; ++axis) {
         mask &= lessEqualMask(Float4::load(node.low[axis]), high[axis]);
@@ -471,24 +400,20 @@ void TriangleBvh::forEachInBox(const assets::Bounds &box, Visit &&visit) const {
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask;
-    for (std::uint32_t i = 0; i < leafCount(next.child); ++i)
-      visit(order_[first + i]);
+    for (std::uint32_t i = 0; i < leafCount(next.child); ++i) visit(order_[first + i]);
   } while (stack.pop(next));
 }
 
-int TriangleBvh::signedCrossings(const glm::dvec3 &from,
-                                 const glm::dvec3 &to) const {
-  if (empty())
-    return 0;
+int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const {
+  if (empty()) return 0;
   const glm::dvec3 direction = to - from, origin = from - centre_;
-  const Slabs slabs(origin, direction, 0.0,
-                    extent_ + glm::length(origin) + glm::length(direction));
+  const Slabs slabs(origin, direction, 0.0, extent_ + glm::length(origin) + glm::length(direction));
   int crossings = 0;
   Stack stack;
   Pending next{0, 0.0f};
   do {
     if ((next.child & kLeafBit) == 0) {
-      const Node &node = nodes_[next.child];
+      const Node& node = nodes_[next.child];
       alignas(16) float bounds[4];
       const int mask = slabs.enter(node, 1.0f, bounds);
       stack.pushOrdered(node.child, bounds, mask);
@@ -502,27 +427,23 @@ int TriangleBvh::signedCrossings(const glm::dvec3 &from,
   return crossings;
 }
 
-std::size_t TriangleBvh::gather(const assets::Bounds &box,
-                                std::span<std::uint32_t> found) const {
+std::size_t TriangleBvh::gather(const assets::Bounds& box, std::span<std::uint32_t> found) const {
   std::size_t count = 0;
   forEachInBox(box, [&](std::uint32_t index) {
-    if (count < found.size())
-      found[count] = index;
+    if (count < found.size()) found[count] = index;
     ++count;
   });
   return count;
 }
 
 int TriangleBvh::depth() const {
-  if (empty())
-    return 0;
+  if (empty()) return 0;
   // Children stand after their parents, so one pass from the front suffices.
   std::vector<int> levels(nodes_.size(), 1);
   int deepest = 1;
   for (std::size_t i = 0; i < nodes_.size(); ++i) {
     for (const std::uint32_t child : nodes_[i].child) {
-      if ((child & kLeafBit) != 0)
-        continue;
+      if ((child & kLeafBit) != 0) continue;
       levels[child] = levels[i] + 1;
       deepest = std::max(deepest, levels[child]);
     }
@@ -530,4 +451,4 @@ int TriangleBvh::depth() const {
   return deepest;
 }
 
-} // namespace tandem::haptics
+}  // namespace tandem::haptics

@@ -35,9 +35,9 @@ namespace bench = tandem::bench;
 namespace tests = tandem::tests;
 using tandem::assets::Scene;
 
-constexpr double kDepth = 0.002; // m
-constexpr double kSpeed = 0.1;   // m/s along the surface
-constexpr int kApproach = 100; // ticks from outside to full depth; not measured
+constexpr double kDepth = 0.002;  // m
+constexpr double kSpeed = 0.1;    // m/s along the surface
+constexpr int kApproach = 100;    // ticks from outside to full depth; not measured
 constexpr double kPi = 3.14159265358979323846;
 
 struct Options {
@@ -53,16 +53,13 @@ struct Stance {
 
 /// Device positions: from 3 mm outside to `depth` under the ball's rest
 /// position at the first stance, then along.
-std::vector<glm::dvec3> press(const std::vector<Stance> &stances,
-                              double radius) {
+std::vector<glm::dvec3> press(const std::vector<Stance>& stances, double radius) {
   std::vector<glm::dvec3> path;
   for (int i = 0; i < kApproach; ++i) {
     const double height = 0.003 - (0.003 + kDepth) * i / kApproach;
-    path.push_back(stances.front().point +
-                   stances.front().outward * (radius + height));
+    path.push_back(stances.front().point + stances.front().outward * (radius + height));
   }
-  for (const Stance &s : stances)
-    path.push_back(s.point + s.outward * (radius - kDepth));
+  for (const Stance& s : stances) path.push_back(s.point + s.outward * (radius - kDepth));
   return path;
 }
 
@@ -72,26 +69,21 @@ std::vector<Stance> gearOutline(int ticks) {
   const std::vector<glm::dvec2> profile = tests::gearProfile();
   const double step = kSpeed * 1e-3;
   std::vector<Stance> way;
-  const auto add = [&](const glm::dvec2 &p, double angle) {
-    const double z = 0.5 * tests::kGearHeight +
-                     0.003 * std::sin(1e-3 * static_cast<double>(way.size()));
+  const auto add = [&](const glm::dvec2& p, double angle) {
+    const double z = 0.5 * tests::kGearHeight + 0.003 * std::sin(1e-3 * static_cast<double>(way.size()));
     way.push_back({{p.x, p.y, z}, {std::cos(angle), std::sin(angle), 0.0}});
   };
   // The first edge is a tip, where the approach is free.
-  for (std::size_t i = 7; static_cast<int>(way.size()) < ticks;
-       i = (i + 1) % profile.size()) {
+  for (std::size_t i = 7; static_cast<int>(way.size()) < ticks; i = (i + 1) % profile.size()) {
     const glm::dvec2 &a = profile[i], &b = profile[(i + 1) % profile.size()],
                      &c = profile[(i + 2) % profile.size()];
     const glm::dvec2 ab = b - a, bc = c - b;
     const double angle = std::atan2(-ab.x, ab.y), length = glm::length(ab);
-    for (double s = 0.0; s < length; s += step)
-      add(a + ab * (s / length), angle);
+    for (double s = 0.0; s < length; s += step) add(a + ab * (s / length), angle);
     // About the corner the device swings at the same speed on its arc of 2 mm.
-    const double turn =
-        std::remainder(std::atan2(-bc.x, bc.y) - angle, 2.0 * kPi);
+    const double turn = std::remainder(std::atan2(-bc.x, bc.y) - angle, 2.0 * kPi);
     const int swing = static_cast<int>(std::abs(turn) * kDepth / step);
-    for (int k = 1; k <= swing; ++k)
-      add(b, angle + turn * k / (swing + 1));
+    for (int k = 1; k <= swing; ++k) add(b, angle + turn * k / (swing + 1));
   }
   way.resize(static_cast<std::size_t>(ticks));
   return way;
@@ -101,11 +93,8 @@ std::vector<Stance> gearOutline(int ticks) {
 std::vector<Stance> gearFace(int ticks) {
   std::vector<Stance> way;
   for (int i = 0; i < ticks; ++i) {
-    const double angle = 1e-3 * kSpeed / 0.012 * i,
-                 r = 0.012 + 0.002 * std::sin(3e-4 * i);
-    way.push_back(
-        {{r * std::cos(angle), r * std::sin(angle), tests::kGearHeight},
-         {0.0, 0.0, 1.0}});
+    const double angle = 1e-3 * kSpeed / 0.012 * i, r = 0.012 + 0.002 * std::sin(3e-4 * i);
+    way.push_back({{r * std::cos(angle), r * std::sin(angle), tests::kGearHeight}, {0.0, 0.0, 1.0}});
   }
   return way;
 }
@@ -114,8 +103,7 @@ std::vector<Stance> aroundSphere(double radius, int ticks) {
   std::vector<Stance> way;
   for (int i = 0; i < ticks; ++i) {
     const double a = 1e-3 * kSpeed / radius * i, b = 1e-4 * i;
-    const glm::dvec3 n(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b),
-                       std::sin(b));
+    const glm::dvec3 n(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b));
     way.push_back({n * radius, n});
   }
   return way;
@@ -126,8 +114,7 @@ std::vector<Stance> overFloor(double half, double top, int ticks) {
   std::vector<Stance> way;
   for (int i = 0; i < ticks; ++i) {
     const double s = kSpeed * 1e-3 * i;
-    const double x =
-        std::abs(std::remainder(s, 4.0 * half)) - half; // to and fro
+    const double x = std::abs(std::remainder(s, 4.0 * half)) - half;  // to and fro
     way.push_back({{x, 0.37 * x + 0.0013, top}, {0.0, 0.0, 1.0}});
   }
   return way;
@@ -135,19 +122,15 @@ std::vector<Stance> overFloor(double half, double top, int ticks) {
 
 /// All parts of a scene swing a little, each at its own phase; two frames of
 /// input, to be used in turn.
-std::vector<std::vector<haptics::PartMotion>> allMoving(const Scene &scene,
-                                                        int frames) {
-  std::vector<std::vector<haptics::PartMotion>> motions(
-      static_cast<std::size_t>(frames));
+std::vector<std::vector<haptics::PartMotion>> allMoving(const Scene& scene, int frames) {
+  std::vector<std::vector<haptics::PartMotion>> motions(static_cast<std::size_t>(frames));
   for (int f = 0; f < frames; ++f) {
     for (std::size_t i = 0; i < scene.parts.size(); ++i) {
       const double phase = 2.0 * kPi * f / frames + static_cast<double>(i);
       haptics::PartMotion m;
       m.part = static_cast<tandem::PartId>(i);
       m.worldFromPart = scene.parts[i].worldFromPart;
-      m.worldFromPart.position +=
-          1e-4 *
-          glm::dvec3(std::cos(phase), std::sin(phase), 0.3 * std::cos(phase));
+      m.worldFromPart.position += 1e-4 * glm::dvec3(std::cos(phase), std::sin(phase), 0.3 * std::cos(phase));
       m.twist.linear = glm::dvec3(1e-3 * std::sin(phase), 0.0, 0.0);
       motions[static_cast<std::size_t>(f)].push_back(m);
     }
@@ -157,27 +140,22 @@ std::vector<std::vector<haptics::PartMotion>> allMoving(const Scene &scene,
 
 struct Line {
   std::string name;
-  double p50 = 0.0, p99 = 0.0; // bounds, us; 0 = none
+  double p50 = 0.0, p99 = 0.0;  // bounds, us; 0 = none
 };
 
 class Bench {
-public:
-  Bench(const Options &options, bench::Report &report)
-      : options_(options), report_(report) {}
-  bool wanted(const std::string &name) const {
-    return name.find(options_.only) != std::string::npos;
-  }
+ public:
+  Bench(const Options& options, bench::Report& report) : options_(options), report_(report) {}
+  bool wanted(const std::string& name) const { return name.find(options_.only) != std::string::npos; }
   bool met() const { return met_; }
   int ticks() const { return options_.ticks; }
 
   /// Times a scene's tick along a way; `motions` are the frames of moving
   /// parts, used in turn.
-  void run(const Line &line, const haptics::ContactScene &contact,
-           bench::EmbreeYardstick &embree, const std::vector<Stance> &way,
-           double radius,
-           const std::vector<std::vector<haptics::PartMotion>> &motions = {}) {
-    if (!wanted(line.name))
-      return;
+  void run(const Line& line, const haptics::ContactScene& contact, bench::EmbreeYardstick& embree,
+           const std::vector<Stance>& way, double radius,
+           const std::vector<std::vector<haptics::PartMotion>>& motions = {}) {
+    if (!wanted(line.name)) return;
     const std::vector<glm::dvec3> path = press(way, radius);
     std::vector<double> ours(way.size(), 1e300), theirs(way.size(), 1e300), raw;
     std::uint64_t allocations = 0;
@@ -186,7 +164,7 @@ public:
       touching = 0;
       play(
           contact, path, radius, motions,
-          [&](std::size_t i, double us, const haptics::TickOutput &out) {
+          [&](std::size_t i, double us, const haptics::TickOutput& out) {
             ours[i] = std::min(ours[i], us);
             raw.push_back(us);
             touching += out.contactCount > 0 ? 1 : 0;
@@ -198,83 +176,60 @@ public:
         theirs[i] = std::min(theirs[i], 1e6 * watch.seconds());
       }
     }
-    const bench::Percentiles tick = bench::percentiles(ours),
-                             query = bench::percentiles(theirs);
+    const bench::Percentiles tick = bench::percentiles(ours), query = bench::percentiles(theirs);
     report_.row(line.name, "us", tick);
     report_.row("  of all repeats", "us", bench::percentiles(raw));
     report_.row("  Embree rtcPointQuery", "us", query);
     report_.value("  p50 / Embree p50", "", tick.p50 / query.p50);
     report_.value("  p99 / Embree p99", "", tick.p99 / query.p99);
-    report_.value("  in contact", "%",
-                  100.0 * touching / static_cast<double>(ours.size()));
-    if (line.p50 > 0.0)
-      met_ = report_.bound("  " + line.name + " p50, us", tick.p50, line.p50) &&
-             met_;
-    if (line.p99 > 0.0)
-      met_ = report_.bound("  " + line.name + " p99, us", tick.p99, line.p99) &&
-             met_;
-    met_ =
-        report_.bound("  allocations", static_cast<double>(allocations), 0.0) &&
-        met_;
+    report_.value("  in contact", "%", 100.0 * touching / static_cast<double>(ours.size()));
+    if (line.p50 > 0.0) met_ = report_.bound("  " + line.name + " p50, us", tick.p50, line.p50) && met_;
+    if (line.p99 > 0.0) met_ = report_.bound("  " + line.name + " p99, us", tick.p99, line.p99) && met_;
+    met_ = report_.bound("  allocations", static_cast<double>(allocations), 0.0) && met_;
   }
 
   void gear() {
-    if (!wanted("gear outline point") && !wanted("gear face point") &&
-        !wanted("gear outline ball 1 mm"))
+    if (!wanted("gear outline point") && !wanted("gear face point") && !wanted("gear outline ball 1 mm"))
       return;
-    const Scene scene =
-        tests::sceneOf(tests::gearMesh(1'000'000, tests::Topology::always));
+    const Scene scene = tests::sceneOf(tests::gearMesh(1'000'000, tests::Topology::always));
     const haptics::ContactScene contact(scene);
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);
-    run({"gear outline point", 2.0, 6.0}, contact, embree, gearOutline(ticks()),
-        0.0);
+    run({"gear outline point", 2.0, 6.0}, contact, embree, gearOutline(ticks()), 0.0);
     run({"gear face point", 2.0, 6.0}, contact, embree, gearFace(ticks()), 0.0);
-    run({"gear outline ball 1 mm", 8.0, 25.0}, contact, embree,
-        gearOutline(ticks()), 0.001);
+    run({"gear outline ball 1 mm", 8.0, 25.0}, contact, embree, gearOutline(ticks()), 0.001);
   }
 
   void sphere() {
-    if (!wanted("sphere ball 0 mm") && !wanted("sphere ball 1 mm") &&
-        !wanted("sphere ball 3 mm"))
-      return;
-    const Scene scene = tests::sceneOf(
-        tests::sphereMesh(0.010, 1'000'000, tests::Topology::always));
+    if (!wanted("sphere ball 0 mm") && !wanted("sphere ball 1 mm") && !wanted("sphere ball 3 mm")) return;
+    const Scene scene = tests::sceneOf(tests::sphereMesh(0.010, 1'000'000, tests::Topology::always));
     const haptics::ContactScene contact(scene);
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);
     for (const int mm : {0, 1, 3}) {
-      run({"sphere ball " + std::to_string(mm) + " mm", 0.0, 30.0}, contact,
-          embree, aroundSphere(0.010, ticks()), 1e-3 * mm);
+      run({"sphere ball " + std::to_string(mm) + " mm", 0.0, 30.0}, contact, embree,
+          aroundSphere(0.010, ticks()), 1e-3 * mm);
     }
   }
 
   void parts() {
-    if (!wanted("10k parts still") && !wanted("10k parts moving") &&
-        !wanted("10k plates"))
-      return;
+    if (!wanted("10k parts still") && !wanted("10k parts moving") && !wanted("10k plates")) return;
     for (const bool plates : {false, true}) {
-      const Scene scene = plates ? tests::plateGrid(100, 0.005, 0.002)
-                                 : tests::smallParts(10'000);
+      const Scene scene = plates ? tests::plateGrid(100, 0.005, 0.002) : tests::smallParts(10'000);
       const haptics::ContactScene contact(scene);
       const bench::WorldMesh world = bench::flatten(scene);
       bench::EmbreeYardstick embree(world);
       const std::string name = plates ? "10k plates" : "10k parts";
-      const std::vector<Stance> way =
-          overFloor(0.2, plates ? 0.0 : 0.002, ticks());
+      const std::vector<Stance> way = overFloor(0.2, plates ? 0.0 : 0.002, ticks());
       run({name + " still", 0.0, 5.0}, contact, embree, way, 0.0);
       // Plates that touch cannot swing without cutting into each other.
-      if (!plates)
-        run({name + " moving", 0.0, 20.0}, contact, embree, way, 0.0,
-            allMoving(scene, 8));
+      if (!plates) run({name + " moving", 0.0, 20.0}, contact, embree, way, 0.0, allMoving(scene, 8));
     }
   }
 
   void build() {
-    if (!wanted("build"))
-      return;
-    const tandem::assets::Mesh mesh =
-        tests::gearMesh(1'000'000, tests::Topology::never);
+    if (!wanted("build")) return;
+    const tandem::assets::Mesh mesh = tests::gearMesh(1'000'000, tests::Topology::never);
     std::vector<double> wall;
     double processor = 1e300;
     for (int i = 0; i < 7; ++i) {
@@ -282,29 +237,23 @@ public:
       const bench::Stopwatch watch;
       const haptics::TriangleBvh tree(mesh);
       wall.push_back(1e3 * watch.seconds());
-      processor =
-          std::min(processor, 1e3 * static_cast<double>(std::clock() - before) /
-                                  CLOCKS_PER_SEC);
+      processor = std::min(processor, 1e3 * static_cast<double>(std::clock() - before) / CLOCKS_PER_SEC);
     }
     report_.row("build 1 M", "ms", bench::percentiles(wall));
     report_.value("  processor time", "ms", processor);
     const Scene scene = tests::sceneOf(mesh);
     const bench::WorldMesh world = bench::flatten(scene);
-    report_.value("  rtcCommitScene", "ms",
-                  1e3 * bench::EmbreeYardstick(world).buildSeconds());
-    met_ = report_.bound("  build 1 M, best, ms",
-                         *std::min_element(wall.begin(), wall.end()), 150.0) &&
-           met_;
+    report_.value("  rtcCommitScene", "ms", 1e3 * bench::EmbreeYardstick(world).buildSeconds());
+    met_ = report_.bound("  build 1 M, best, ms", *std::min_element(wall.begin(), wall.end()), 150.0) && met_;
   }
 
-private:
+ private:
   /// Runs the path once from a fresh state; visit(i, us, out) for every tick
   /// after the approach.
   template <typename Visit>
-  void play(const haptics::ContactScene &contact,
-            const std::vector<glm::dvec3> &path, double radius,
-            const std::vector<std::vector<haptics::PartMotion>> &motions,
-            Visit &&visit, std::uint64_t &allocations) const {
+  void play(const haptics::ContactScene& contact, const std::vector<glm::dvec3>& path, double radius,
+            const std::vector<std::vector<haptics::PartMotion>>& motions, Visit&& visit,
+            std::uint64_t& allocations) const {
     haptics::TickState state(contact);
     haptics::TickParameters parameters;
     parameters.toolRadius = radius;
@@ -313,26 +262,23 @@ private:
     input.device.valid = true;
     for (std::size_t i = 0; i < path.size(); ++i) {
       input.device.worldFromDevice.position = path[i];
-      if (!motions.empty())
-        input.moved = motions[i % motions.size()];
+      if (!motions.empty()) input.moved = motions[i % motions.size()];
       const tandem::test::AllocationScope scope;
       const bench::Stopwatch watch;
-      const haptics::TickOutput out =
-          haptics::tick(input, contact, parameters, state);
+      const haptics::TickOutput out = haptics::tick(input, contact, parameters, state);
       const double us = 1e6 * watch.seconds();
       allocations += scope.count();
-      if (i >= kApproach)
-        visit(i - kApproach, us, out);
+      if (i >= kApproach) visit(i - kApproach, us, out);
     }
   }
 
-  const Options &options_;
-  double sum_ = 0.0; // keeps the queries from being optimised away
-  bench::Report &report_;
+  const Options& options_;
+  double sum_ = 0.0;  // keeps the queries from being optimised away
+  bench::Report& report_;
   bool met_ = true;
 };
 
-bool parse(int argc, char **argv, Options &options) {
+bool parse(int argc, char** argv, Options& options) {
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string argument = argv[i];
     if (argument == "--json") {
@@ -350,13 +296,14 @@ bool parse(int argc, char **argv, Options &options) {
   return argc % 2 == 1 && options.ticks > 0 && options.repeats > 0;
 }
 
-} // namespace
+}  // namespace
 
-int main(int argc, char **argv) {
+int main(int argc, char** argv) {
   Options options;
   if (!parse(argc, argv, options)) {
-    std::fprintf(stderr, "usage: bench_contact [--ticks N] [--repeats N] "
-                         "[--only NAME] [--json OUT]\n");
+    std::fprintf(stderr,
+                 "usage: bench_contact [--ticks N] [--repeats N] "
+                 "[--only NAME] [--json OUT]\n");
     return 2;
   }
   bench::Report report("bench_contact");

@@ -25,7 +25,7 @@ struct Loop {
 };
 
 struct Outcome {
-  double swing = 0.0;  // m, peak to peak, of the last second
+  double swing = 0.0;    // m, peak to peak, of the last second
   double created = 0.0;  // J: the most that wall and damping together gave out since any earlier moment
   double control = 0.0;  // N, the largest force that is not the wall's
   bool acted = false;
