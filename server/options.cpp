@@ -7,14 +7,17 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
-#include <functional>
 #include <sstream>
 #include <vector>
 
 #include <CLI/CLI.hpp>
 
+#include "assets/number_option.h"
+
 namespace tandem::server {
 namespace {
+
+using assets::numberFrom;
 
 constexpr const char* kExamples = R"(Examples:
   tandem-server assets/scenes/pump.glb
@@ -56,18 +59,6 @@ Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
     return {};
   }
   return wrong;
-}
-
-/// A number within bounds; never nan, which passes through CLI11's own check.
-std::function<std::string(const std::string&)> numberFrom(double least, double most) {
-  return [least, most](const std::string& text) -> std::string {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (!text.empty() && *end == '\0' && value >= least && value <= most) return "";
-    char message[96];
-    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", least, most);
-    return message + text;
-  };
 }
 
 /// Options as text, before they are understood.

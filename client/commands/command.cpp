@@ -61,17 +61,6 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments) {
   return scene;
 }
 
-std::function<std::string(const std::string&)> numberFrom(double least, double most) {
-  return [least, most](const std::string& text) -> std::string {
-    char* end = nullptr;
-    const double value = std::strtod(text.c_str(), &end);
-    if (!text.empty() && *end == '\0' && value >= least && value <= most) return "";
-    char message[96];
-    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", least, most);
-    return message + text;
-  };
-}
-
 Status writable(const std::string& path) {
   namespace fs = std::filesystem;
   if (path.empty()) return {};

@@ -4,10 +4,10 @@
 // when it is the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or
 // input.
 
-#include <functional>
 #include <string>
 
 #include "assets/load_gltf.h"
+#include "assets/number_option.h"
 #include "assets/result.h"
 
 namespace CLI {
@@ -41,8 +41,7 @@ Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);
 /// Loads the scene through the user's cache, with a progress bar if stderr is a terminal.
 Result<assets::Scene> loadScene(const SceneArguments& arguments);
 
-/// A check of an option: a number from `least` to `most`; never nan, which passes through CLI11's own checks.
-std::function<std::string(const std::string&)> numberFrom(double least, double most);
+using assets::numberFrom;
 
 /// Whether a file could be written there, asked before a run whose result would be lost. An empty path is
 /// fine.

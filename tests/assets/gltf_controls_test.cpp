@@ -8,6 +8,7 @@
 #include "assets/load_gltf.h"
 #include "assets/scene_check.h"
 #include "assets/scene_codec.h"
+#include "tests/assets/load_for_test.h"
 #include "tests/support/gltf_builder.h"
 
 namespace tandem::assets {
@@ -31,21 +32,6 @@ GltfBuilder withControl(const Json& control, Json node = Json::object()) {
   b.addNode({{"name", "frame"}, {"translation", {0, 0, 1}}});
   b.addNode({{"name", "shown"}, {"mesh", box}, {"translation", {5, 0, 0}}});
   return b;
-}
-
-Scene loaded(const GltfBuilder& builder, const LoadOptions& options = {}) {
-  Result<Scene> scene = loadGltfFromMemory("test.glb", builder.glb(), options);
-  EXPECT_TRUE(scene.ok()) << scene.error().message;
-  if (!scene) return {};
-  const Status status = checkScene(*scene);
-  EXPECT_TRUE(status.ok()) << status.error().message;
-  return std::move(scene).value();
-}
-
-void expectRefused(const GltfBuilder& builder, const std::string& part) {
-  const Result<Scene> scene = loadGltfFromMemory("test.glb", builder.glb(), {});
-  ASSERT_FALSE(scene.ok()) << part;
-  EXPECT_NE(scene.error().message.find(part), std::string::npos) << scene.error().message;
 }
 
 const Json kSlider = {{"kind", "slider"}, {"axis", {0, 2, 0}}, {"min", -0.01}, {"max", 0.03}};

@@ -9,6 +9,7 @@
 #include "assets/load_gltf.h"
 #include "assets/scene_check.h"
 #include "assets/scene_codec.h"
+#include "tests/assets/load_for_test.h"
 #include "tests/support/gltf_builder.h"
 
 namespace tandem::assets {
@@ -24,15 +25,6 @@ GltfBuilder boxAndField(const Json& field, Json node = Json::object()) {
   node["extras"]["haptic"]["field"] = field;
   b.addNode(node);
   return b;
-}
-
-Scene loaded(const GltfBuilder& builder, const LoadOptions& options = {}) {
-  Result<Scene> scene = loadGltfFromMemory("test.glb", builder.glb(), options);
-  EXPECT_TRUE(scene.ok()) << scene.error().message;
-  if (!scene) return {};
-  const Status status = checkScene(*scene);
-  EXPECT_TRUE(status.ok()) << status.error().message;
-  return std::move(scene).value();
 }
 
 ForceField fieldOf(const Json& field, const Json& node = Json::object(), const LoadOptions& options = {}) {

@@ -5,6 +5,7 @@
 
 #include "assets/load_gltf.h"
 #include "assets/scene_check.h"
+#include "tests/assets/load_for_test.h"
 #include "tests/support/gltf_builder.h"
 
 namespace tandem::assets {
@@ -14,21 +15,6 @@ using tests::GltfBuilder;
 using Json = nlohmann::json;
 
 constexpr const char* kBodies = "KHR_physics_rigid_bodies";
-
-Scene loaded(const GltfBuilder& builder, const LoadOptions& options = {}) {
-  Result<Scene> scene = loadGltfFromMemory("test.glb", builder.glb(), options);
-  EXPECT_TRUE(scene.ok()) << scene.error().message;
-  if (!scene) return {};
-  const Status status = checkScene(*scene);
-  EXPECT_TRUE(status.ok()) << status.error().message;
-  return std::move(scene).value();
-}
-
-void expectRefused(const GltfBuilder& builder, const std::string& part) {
-  const Result<Scene> scene = loadGltfFromMemory("test.glb", builder.glb(), {});
-  ASSERT_FALSE(scene.ok());
-  EXPECT_NE(scene.error().message.find(part), std::string::npos) << scene.error().message;
-}
 
 const Finding* findingOf(const Scene& scene, const std::string& code) {
   for (const Finding& finding : scene.findings)
