@@ -16,6 +16,7 @@ constexpr TickFlagName kNames[] = {{haptics::kFlagInvalidSample, "invalid_sample
                                    {haptics::kFlagStaleSample, "stale_sample"},
                                    {haptics::kFlagSampleJump, "sample_jump"},
                                    {haptics::kFlagPassivity, "passivity_control"},
+                                   {haptics::kFlagPopThrough, "pop_through"},
                                    {haptics::kFlagFieldLimited, "field_limited"}};
 
 }  // namespace

@@ -21,9 +21,6 @@ namespace tandem::haptics {
 
 inline constexpr int kMaxSurfaceContacts = 4;  // that are remembered at once
 inline constexpr int kMaxDents = 32;           // of plastic surfaces; the oldest makes room
-/// In TickOutput::flags: a surface gave way in this tick. Its part is passed through until the tool has left
-/// it.
-inline constexpr std::uint32_t kFlagPopThrough = 1u << 24;
 
 /// What one contact remembers.
 struct SurfaceSlot {

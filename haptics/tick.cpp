@@ -381,7 +381,7 @@ class Tick {
         data_.world, input_.device, time,
         {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
     data_.fieldWrench.force = felt.force;
-    out_.sourcePower = felt.sourcePower;
+    out_.sourcePower = felt.sourcePower * data_.sentShare;
     out_.flags |= felt.flags;
   }
 
@@ -434,6 +434,16 @@ class Tick {
     if (!cause_.byHand) cause_.explained = stiffnessInPlay() * (handWay_ + othersWay_);
     out_.toHand = limitOutput(wanted, valid_ ? &data_.device : nullptr, cause_, parameters_, data_.fault,
                               data_.output, out_.flags);
+    data_.sentShare = sentShare(wanted.force);
+  }
+
+  /// How much of the wanted force the limits let through, 0..1, along it: what fields do to the hand in this
+  /// tick, they do in this proportion.
+  double sentShare(const glm::dvec3& wanted) const {
+    if (!valid_ || parameters_.zeroForce) return 0.0;
+    const double square = glm::dot(wanted, wanted);
+    if (!(square > 0.0)) return std::clamp(parameters_.gain, 0.0, 1.0);
+    return std::clamp(glm::dot(data_.output.sent.force, wanted) / square, 0.0, 1.0);
   }
 
   double radius() const { return parameters_.toolRadius; }

@@ -104,6 +104,7 @@ enum TickFlag : std::uint32_t {
   kFlagStaleSample = 1u << 8,      // zero force: the reading's time stamp stands still
   kFlagSampleJump = 1u << 9,       // zero force: no hand moves this fast
   kFlagPassivity = 1u << 10,       // the passivity controller damps
+  kFlagPopThrough = 1u << 11,      // a surface gave way in this tick; it is passed through until the tool has left it
   kFlagFieldLimited = 1u << 12,    // a force field met its own maximum where that makes it inexact
 };
 
@@ -125,7 +126,7 @@ struct TickOutput {
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
-  double sourcePower = 0.0;      // W, what force fields gave the hand since the last tick, before limits
+  double sourcePower = 0.0;      // W, what force fields gave the hand since the last tick, of the force that was sent
   std::uint32_t flags = 0;
 };
 

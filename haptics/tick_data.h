@@ -54,7 +54,8 @@ struct TickState::Data {
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
   ForceFields fields;
-  Wrench fieldWrench;  // of this tick, before limits
+  Wrench fieldWrench;      // of this tick, before limits
+  double sentShare = 0.0;  // of the force that the last tick wanted, how much left for the hand
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
   bool started = false;                       // there has been a valid sample
