@@ -83,6 +83,21 @@ struct Hand {
   ScriptedDevice* scripted = nullptr;
 };
 
+/// Opens the device of --device, placed as --calibration says.
+Result<std::unique_ptr<haptics::Device>> openNamed(const std::string& name, const std::string& calibration,
+                                                   const std::optional<Pose>& start) {
+  std::optional<haptics::Colocation> placed;
+  if (!calibration.empty()) {
+    Result<haptics::Colocation> loaded = haptics::loadColocation(calibration);
+    if (!loaded) return loaded.error();
+    placed = *loaded;
+  }
+  Result<std::unique_ptr<haptics::Device>> device =
+      haptics::openDevice(name, start, placed ? &*placed : nullptr);
+  if (!device) return Error{"--device " + name + ": " + device.error().message};
+  return device;
+}
+
 Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window) {
   Hand hand;
   const Pose start = defaultHandStart(site.scene(), site.id());
@@ -102,15 +117,8 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
     hand.stylus = device.get();
     hand.device = std::move(device);
   } else {
-    std::optional<haptics::Colocation> calibration;
-    if (!arguments.calibration.empty()) {
-      Result<haptics::Colocation> loaded = haptics::loadColocation(arguments.calibration);
-      if (!loaded) return loaded.error();
-      calibration = *loaded;
-    }
-    Result<std::unique_ptr<haptics::Device>> device =
-        haptics::openDevice(name, start, calibration ? &*calibration : nullptr);
-    if (!device) return Error{"--device " + name + ": " + device.error().message};
+    Result<std::unique_ptr<haptics::Device>> device = openNamed(name, arguments.calibration, start);
+    if (!device) return device.error();
     hand.device = std::move(*device);
     hand.steered = dynamic_cast<haptics::SteeredHand*>(hand.device.get());
   }
@@ -328,13 +336,10 @@ int run(Arguments& arguments) {
   if (!arguments.hand.empty())
     if (Status script = checkHandScript(arguments.hand); !script) return badInput(script.error());
   if (!arguments.device.empty()) {
-    Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(arguments.device);
-    if (!device) return badInput(Error{"--device " + arguments.device + ": " + device.error().message});
+    auto device = openNamed(arguments.device, arguments.calibration, std::nullopt);
+    if (!device) return badInput(device.error());
     (*device)->close();
   }
-  if (!arguments.calibration.empty())
-    if (auto loaded = haptics::loadColocation(arguments.calibration); !loaded)
-      return badInput(loaded.error());
   JoinOptions options;
   options.link = *link;
   if (arguments.name.empty()) arguments.name = defaultName(*link);

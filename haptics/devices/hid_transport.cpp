@@ -1,9 +1,11 @@
 #include "haptics/devices/hid_transport.h"
 
+#include <fcntl.h>
 #include <hidapi.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <mutex>
 
@@ -95,6 +97,12 @@ class HidapiBus : public HidBus {
 
   Result<std::vector<std::uint8_t>> descriptor(const std::string& path) override {
     return descriptorOf(path);
+  }
+
+  bool forbids(const std::string& path) override {
+    const int file = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    if (file >= 0) ::close(file);
+    return file < 0 && (errno == EACCES || errno == EPERM);
   }
 
   bool present(const std::string& path) override { return access(path.c_str(), F_OK) == 0; }

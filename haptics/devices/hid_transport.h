@@ -52,6 +52,8 @@ class HidBus {
   virtual Result<std::vector<std::uint8_t>> descriptor(const std::string&) {
     return Error{"HID: no report descriptor here"};
   }
+  /// Whether an attempt to open the node now fails for want of permission.
+  virtual bool forbids(const std::string&) { return false; }
   /// Whether the node still exists: cheaper than enumerate().
   virtual bool present(const std::string& path) = 0;
 };

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <condition_variable>
+#include <cstdio>
 #include <mutex>
 #include <thread>
 
@@ -9,6 +10,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr auto kRetry = std::chrono::milliseconds(200);
+constexpr auto kSettling =
+    std::chrono::milliseconds(600);  // udev sets a new node's permissions after it is there
 constexpr auto kPresenceCheck = std::chrono::milliseconds(500);
 constexpr std::size_t kLongestReport = 4096;
 
@@ -20,6 +23,7 @@ struct HidWorker::State {
   void run();
   void work();
   Status connect();
+  Status reconnect();
   void lose();
 
   HidBus& bus;
@@ -28,6 +32,9 @@ struct HidWorker::State {
   std::string path;
   std::chrono::steady_clock::time_point lastSeen;
   std::array<std::uint8_t, kLongestReport> buffer{};
+  bool forbidden = false;  // the last attempt failed for want of permission
+  bool told = false;       // since the device was lost
+  std::chrono::steady_clock::time_point forbiddenSince;
 
   std::thread thread;
   std::mutex mutex;
@@ -39,11 +46,10 @@ void HidWorker::State::run() {
   for (;;) {
     {
       std::unique_lock lock(mutex);
-      // Reconnecting can fail for a moment after plugging in, until udev has set the permissions.
       if (!connection && !stopping) wake.wait_for(lock, kRetry, [this] { return stopping; });
       if (stopping) break;
     }
-    if (connection || connect().ok()) work();
+    if (connection || reconnect().ok()) work();
   }
   if (connection) client.end(*connection);
   lose();
@@ -66,11 +72,16 @@ void HidWorker::State::work() {
 
 Status HidWorker::State::connect() {
   Error why{std::string(client.what()) + ": none is connected"};
+  forbidden = false;
   for (const HidInfo& info : bus.enumerate()) {
     if (!client.serves(info)) continue;
     auto opened = bus.open(info.path);
     if (!opened) {
       why = {std::string(client.what()) + ": " + opened.error().message};
+      if (bus.forbids(info.path)) {
+        forbidden = true;
+        why.message += "; 'tandem devices --udev-rule' prints the rule that lets you open it";
+      }
       continue;
     }
     if (Status begun = client.begin(**opened, info); !begun) {
@@ -80,9 +91,24 @@ Status HidWorker::State::connect() {
     connection = std::move(opened).value();
     path = info.path;
     lastSeen = std::chrono::steady_clock::now();
+    told = false;
     return {};
   }
   return why;
+}
+
+/// An attempt of the thread's own, to find the device again. Nobody waits for its error: if it stays
+/// forbidden, standard error says so once.
+Status HidWorker::State::reconnect() {
+  const bool before = forbidden;
+  Status connected = connect();
+  const auto now = std::chrono::steady_clock::now();
+  if (!forbidden || !before) forbiddenSince = now;
+  if (forbidden && !told && now - forbiddenSince > kSettling) {
+    told = true;
+    std::fprintf(stderr, "tandem: %s; still trying\n", connected.error().message.c_str());
+  }
+  return connected;
 }
 
 void HidWorker::State::lose() {
@@ -97,7 +123,13 @@ HidWorker::~HidWorker() { close(); }
 Status HidWorker::open() {
   State& s = *state_;
   if (s.thread.joinable()) return {};
-  if (Status connected = s.connect(); !connected) return connected;
+  const auto start = std::chrono::steady_clock::now();
+  Status connected = s.connect();
+  while (!connected && s.forbidden && std::chrono::steady_clock::now() - start < kSettling) {
+    std::this_thread::sleep_for(kRetry);
+    connected = s.connect();
+  }
+  if (!connected) return connected;
   s.stopping = false;
   s.thread = std::thread([state = state_.get()] { state->run(); });
   return {};

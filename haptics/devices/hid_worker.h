@@ -39,6 +39,8 @@ class HidWorker {
   ~HidWorker();  // closes
 
   /// Opens the first device that the client serves and starts the thread; the error says what is missing.
+  /// A node that may not be opened is tried again for 0.6 s: udev sets the permissions of a device just
+  /// plugged in. The thread tries for ever, and says once on standard error when permission stays missing.
   Status open();
   /// Ends the thread. Idempotent.
   void close();

@@ -25,7 +25,7 @@ struct SpaceMouseReading {
   bool connected = false;
 };
 
-/// Owns the connection and its thread. open() and close() from one thread; reading() from one, the servo
+/// The driver on its HidWorker. open() and close() from one thread; reading() from one, the servo
 /// thread.
 class SpaceMouseReader {
  public:
@@ -39,12 +39,9 @@ class SpaceMouseReader {
   const SpaceMouseReading& reading();
 
  private:
-  struct State;
-  std::unique_ptr<State> state_;
+  struct Driver;
+  std::unique_ptr<Driver> driver_;
 };
-
-/// The first interface on the bus that reports SpaceMouse motion; empty path when there is none.
-HidInfo findSpaceMouse(HidBus& bus);
 
 /// Whether an interface is the motion interface of a known model (receivers carry a mouse and a keyboard
 /// besides).

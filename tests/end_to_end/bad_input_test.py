@@ -49,6 +49,12 @@ def cases(folder, binaries):
     yield ["tandem", "report", "--out", str(folder)], "directory"
     yield ["tandem", "report", "--quick", "--peers", str(folder / "path.csv")], "--peers"
     yield ["tandem", "join", "tandem://nonsense", "--duration", "nan"], "--duration"
+    # Refused before the link is used up: nobody listens there, and nobody is asked.
+    link = "tandem://127.0.0.1:1/participant?token=" + "ab" * 16 + "&pin=" + "cd" * 32
+    (folder / "desk.json").write_text(json.dumps({"view_from_device": {"position": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]},
+                                                  "scale": 1, "residual_rms_m": 0, "residual_worst_m": 0, "pairs": 4}))
+    yield ["tandem", "join", link, "--device", "simulated", "--calibration", str(folder / "desk.json")], "no workspace"
+    yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration", str(folder / "none.json")], "none.json"
     yield ["tandem-server", PUMP, "--lease-ms", "nan"], "--lease-ms"
     yield ["tandem-server", PUMP, "--duration", "nan"], "--duration"
     yield ["tandem-server", "a\nb.glb"], "a_b.glb"

@@ -29,8 +29,13 @@ class ScriptedBus : public HidBus {
   }
   Result<std::unique_ptr<HidConnection>> open(const std::string& path) override {
     const std::lock_guard lock(mutex_);
+    if (denied_ && ++attempts_ > allowedAfter_) denied_ = false;
     if (denied_) return Error{path + ": Permission denied"};
     return std::unique_ptr<HidConnection>(std::make_unique<Connection>(*this, path));
+  }
+  bool forbids(const std::string&) override {
+    const std::lock_guard lock(mutex_);
+    return denied_;
   }
   bool present(const std::string& path) override {
     const std::lock_guard lock(mutex_);
@@ -46,7 +51,17 @@ class ScriptedBus : public HidBus {
     plugged_ = plugged;
     path_ = path;
   }
-  void deny() { denied_ = true; }
+  /// The node may not be opened, but for the attempts after so many.
+  void deny(int attempts = 1 << 30) {
+    const std::lock_guard lock(mutex_);
+    denied_ = true;
+    attempts_ = 0;
+    allowedAfter_ = attempts;
+  }
+  int attempts() {
+    const std::lock_guard lock(mutex_);
+    return attempts_;
+  }
   std::vector<Bytes> written() {
     const std::lock_guard lock(mutex_);
     return written_;
@@ -84,6 +99,7 @@ class ScriptedBus : public HidBus {
   std::mutex mutex_;
   bool plugged_ = true;
   bool denied_ = false;
+  int attempts_ = 0, allowedAfter_ = 0;  // while denied
   std::string path_ = "/dev/hidraw1";
   std::deque<Bytes> reports_;
   std::vector<Bytes> written_;
@@ -240,6 +256,37 @@ TEST(SpaceMouse, SaysWhyItCannotBeOpened) {
             std::string::npos);
   bus.plug(false);
   EXPECT_NE(SpaceMouse(bus).open().error().message.find("none is connected"), std::string::npos);
+}
+
+TEST(SpaceMouse, OpensOnceUdevHasSetThePermissionsOfANewNode) {
+  ScriptedBus bus;
+  bus.deny(2);
+  SpaceMouse device(bus);
+  EXPECT_TRUE(device.open().ok());
+  EXPECT_EQ(bus.attempts(), 3);
+}
+
+TEST(SpaceMouse, NamesTheRuleThatIsMissing) {
+  ScriptedBus bus;
+  bus.deny();
+  EXPECT_NE(SpaceMouse(bus).open().error().message.find("tandem devices --udev-rule"), std::string::npos);
+  EXPECT_GT(bus.attempts(), 1);
+}
+
+TEST(SpaceMouse, PluggedInAgainWithoutPermissionItSaysSoOnceAndGoesOnTrying) {
+  ScriptedBus bus;
+  SpaceMouse device(bus);
+  ASSERT_TRUE(device.open().ok());
+  ::testing::internal::CaptureStderr();
+  bus.plug(false);
+  pollUntil(device, 0.01, [](const DeviceSample& s) { return !s.valid; });
+  bus.deny(8);
+  bus.plug(true, "/dev/hidraw5");
+  EXPECT_TRUE(pollUntil(device, 0.02, [](const DeviceSample& s) { return s.valid; }).valid);
+  device.close();
+  const std::string told = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::ranges::count(told, '\n'), 1) << told;
+  EXPECT_NE(told.find("/dev/hidraw5: Permission denied"), std::string::npos) << told;
 }
 
 TEST(SpaceMouse, IsListedOnceByItsMotionInterface) {
