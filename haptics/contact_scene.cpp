@@ -87,6 +87,15 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   data_->surfaces = makeSurfaceScene(scene, data_->colliders);
 }
 
+void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
+  ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
+  data_->trees[mesh]->refit(threads);
+  for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
+    const assets::Part& part = data_->scene->parts[i];
+    if (part.shapes.empty() && part.mesh == mesh) data_->colliders[i] = makeCollider(data_->trees[mesh].get());
+  }
+}
+
 ContactScene::~ContactScene() = default;
 ContactScene::ContactScene(ContactScene&&) noexcept = default;
 ContactScene& ContactScene::operator=(ContactScene&&) noexcept = default;

@@ -42,7 +42,6 @@ double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dv
 ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
   const std::vector<assets::Part>& parts = data_->scene->parts;
   std::vector<assets::Bounds> boxes(parts.size());
-  std::vector<double> reach(parts.size());
   parts_.resize(parts.size());
   poses_.resize(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
@@ -51,12 +50,22 @@ ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
     // The tool belongs to every system and collides with every system: only a part that shuts out all is
     // untouchable.
     parts_[i].solid = data_->colliders[i].tree != nullptr && filter.memberOf != 0 && filter.collidesWith != 0;
-    const Collider& collider = data_->colliders[i];
-    boxes[i] = worldBox(collider, poses_[i]);
-    reach[i] = collider.tree == nullptr ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius);
+    boxes[i] = worldBox(data_->colliders[i], poses_[i]);
   }
   broad_ = SceneBvh(boxes);
-  loose_ = LooseParts(std::move(reach));
+  loose_ = LooseParts(parts.size());
+  measure();
+}
+
+void ContactWorld::measure() {
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const auto part = static_cast<PartId>(i);
+    const Collider& collider = data_->colliders[i];
+    const bool empty = collider.tree == nullptr;
+    loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
+    loose_.drop(part);
+    if (!empty) broad_.update(part, worldBox(collider, poses_[part]));
+  }
 }
 
 void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {

@@ -48,6 +48,8 @@ class ContactWorld {
   /// Puts a part somewhere and into the scene tree: O(depth).
   void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
+  /// After meshes of the ContactScene have changed: measures all parts anew. O(parts).
+  void measure();
 
   // Many parts that move in one tick: beginMotions(); noteMotion() for each; endMotions(); then setNearPose()
   // for each that noteMotion() found near. Queries are right at every time, fastest within `region`.

@@ -1,13 +1,10 @@
 #include "haptics/loose_parts.h"
 
-#include <utility>
-
 namespace tandem::haptics {
 
-LooseParts::LooseParts(std::vector<double> reach)
-    : reach_(std::move(reach)), movedIn_(reach_.size(), 0), slot_(reach_.size(), 0) {
-  ids_.reserve(reach_.size());
-  near_.reserve(reach_.size());
+LooseParts::LooseParts(std::size_t parts) : reach_(parts, -1.0), movedIn_(parts, 0), slot_(parts, 0) {
+  ids_.reserve(parts);
+  near_.reserve(parts);
 }
 
 void LooseParts::loosen(PartId part) {

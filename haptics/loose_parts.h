@@ -10,6 +10,7 @@
 //    parts a tick once they stand still.
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -28,8 +29,9 @@ class LooseParts {
   };
 
   LooseParts() = default;
-  /// reach[part] is the largest distance of the part's geometry from its origin, m; below 0 without geometry.
-  explicit LooseParts(std::vector<double> reach);
+  explicit LooseParts(std::size_t parts);
+  /// The largest distance of a part's geometry from its origin, m; below 0 without geometry.
+  void setReach(PartId part, double reach) { reach_[part] = reach; }
 
   bool isLoose(PartId part) const { return movedIn_[part] != 0; }
   bool any() const { return !ids_.empty(); }

@@ -38,6 +38,7 @@ class Tick {
       : input_(input), parameters_(parameters), data_(data) {}
 
   TickOutput run() {
+    if (data_.meshesChanged) followMeshes();
     noteSample();
     runCommands();
     moveParts();
@@ -84,6 +85,22 @@ class Tick {
     }
     data_.started = true;
     data_.invalidTime = 0.0;
+  }
+
+  /// The triangles under the proxy have moved in their parts: it stays on the side of each where it was.
+  void followMeshes() {
+    data_.meshesChanged = false;
+    if (!data_.started) return;
+    Proxy& proxy = data_.proxy;
+    for (int i = 0; i < proxy.planeCount; ++i) {
+      const SurfacePoint& old = proxy.planes[static_cast<std::size_t>(i)].surface;
+      const SurfacePoint now = data_.world.surfaceAt(old.part, old.triangle, proxy.position);
+      const bool crossed = glm::dot(now.normal, old.normal) < 0.0;
+      const double rest = radius() + data_.world.skin(old.part, proxy.position);
+      const double distance = crossed ? -now.distance : now.distance;
+      if (distance < rest) proxy.position += (crossed ? -now.normal : now.normal) * (rest - distance);
+    }
+    ignoreOverlapping();
   }
 
   /// Puts the proxy onto the device. What the device is inside of cannot be felt until it has come out.
@@ -469,8 +486,13 @@ TickState::Data::Data(const ContactScene& contactScene)
   movedBefore.reserve(std::max(parts, kManyMoving));
   movedAt.resize(parts);
   near.reserve(parts);
-  for (std::size_t i = 0; i < parts; ++i) {
-    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(static_cast<PartId>(i)).radius);
+  measureReach();
+}
+
+void TickState::Data::measureReach() {
+  touchReach = 0.0;
+  for (PartId i = 0; world.has(i); ++i) {
+    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(i).radius);
   }
 }
 
@@ -482,6 +504,12 @@ TickState& TickState::operator=(TickState&&) noexcept = default;
 const Pose& TickState::worldFromPart(PartId part) const { return data_->world.pose(part); }
 
 const FaultLatch& TickState::fault() const { return data_->fault; }
+
+void TickState::meshesChanged() {
+  data_->world.measure();
+  data_->measureReach();
+  data_->meshesChanged = true;
+}
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }
 

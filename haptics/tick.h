@@ -144,7 +144,12 @@ class TickState {
 
   /// The latched fault, if any.
   const FaultLatch& fault() const;
-  /// Clears it.
+
+  /// After ContactScene::refitMesh(), before the next tick: measures the parts anew. A proxy that rests on a
+  /// triangle goes along with it; what it is inside of after that cannot be felt until it has come out.
+  void meshesChanged();
+
+  /// Clears a latched fault.
   void resetFault();
 
   struct Data;

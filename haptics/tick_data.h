@@ -40,6 +40,7 @@ inline constexpr int kMaxIgnored = 16;
 
 struct TickState::Data {
   explicit Data(const ContactScene& contactScene);
+  void measureReach();
 
   const ContactScene::Data* scene;
   ContactWorld world;
@@ -58,6 +59,7 @@ struct TickState::Data {
   double sentShare = 0.0;  // of the force that the last tick wanted, how much left for the hand
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
+  bool meshesChanged = false;                 // since the last tick
   bool started = false;                       // there has been a valid sample
   double touchReach = 0.0;                    // m, the largest of all parts
   std::vector<std::uint32_t> near;            // of the parts moved in this tick; capacity for all

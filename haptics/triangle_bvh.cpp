@@ -44,6 +44,11 @@ void inParallel(std::size_t count, int workers, const Work& work) {
   for (std::thread& helper : helpers) helper.join();
 }
 
+int workersFor(std::size_t triangles, int threads) {
+  if (triangles <= kLargeMesh) return 1;
+  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
 /// A node (or leaf) still to be visited, with the lower bound of what it can
 /// give.
 struct Pending {
@@ -195,8 +200,7 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   const std::size_t count = mesh.triangles.size();
   ASSERT(count <= kLeafFirstMask);
   if (count == 0) return;
-  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  const int workers = count > kLargeMesh ? (threads > 0 ? threads : cores) : 1;
+  const int workers = workersFor(count, threads);
   std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
   inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
     assets::Bounds own;
@@ -207,13 +211,7 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
     }
     bounds[static_cast<std::size_t>(worker)] = own;
   });
-  for (const assets::Bounds& own : bounds) {
-    bounds_.min = glm::min(bounds_.min, own.min);
-    bounds_.max = glm::max(bounds_.max, own.max);
-  }
-  centre_ = 0.5 * (bounds_.min + bounds_.max);
-  const glm::dvec3 half = bounds_.max - centre_;
-  extent_ = roundUp(std::max({half.x, half.y, half.z}));
+  setBounds(bounds);
 
   std::vector<BuildPrimitive> primitives(count);
   inParallel(count, workers, [&](std::size_t begin, std::size_t end, int) {
@@ -232,12 +230,78 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   order_.resize(count);
   for (std::size_t i = 0; i < count; ++i) order_[i] = primitives[i].triangle();
   ASSERT(depth() <= kMaxDepth);
-  // In blocks of a fixed size, so that the slabs do not depend on the number of
-  // threads.
+  fitAllSlabs(workers);
+}
+
+void TriangleBvh::fitAllSlabs(int workers) {
+  // In blocks of a fixed size, so that the slabs do not depend on the number of threads.
   inParallel(nodes_.size() / kSlabBlock + 1, workers, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i)
+    for (std::size_t i = begin; i < end; ++i) {
       fitSlabs(i * kSlabBlock, std::min(nodes_.size(), (i + 1) * kSlabBlock));
+    }
   });
+}
+
+void TriangleBvh::refit(int threads) {
+  if (empty()) return;
+  const int workers = workersFor(order_.size(), threads);
+  std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
+  inParallel(nodes_.size(), workers, [&](std::size_t begin, std::size_t end, int worker) {
+    bounds[static_cast<std::size_t>(worker)] = fitLeaves(begin, end);
+  });
+  setBounds(bounds);
+  fitInner();
+  fitAllSlabs(workers);
+}
+
+assets::Bounds TriangleBvh::fitLeaves(std::size_t begin, std::size_t end) {
+  assets::Bounds all;
+  for (std::size_t i = begin; i < end; ++i) {
+    Node& node = nodes_[i];
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t child = node.child[k];
+      if (child == kEmptyChild || (child & kLeafBit) == 0) continue;
+      assets::Bounds box;
+      for (std::uint32_t j = 0; j < leafCount(child); ++j) {
+        const Triangle t = triangle(order_[(child & kLeafFirstMask) + j]);
+        box.min = glm::min(box.min, glm::min(t.a, glm::min(t.b, t.c)));
+        box.max = glm::max(box.max, glm::max(t.a, glm::max(t.b, t.c)));
+      }
+      for (int axis = 0; axis < 3; ++axis) {
+        node.low[axis][k] = roundDown(box.min[axis] - centre_[axis]);
+        node.high[axis][k] = roundUp(box.max[axis] - centre_[axis]);
+      }
+      all.min = glm::min(all.min, box.min);
+      all.max = glm::max(all.max, box.max);
+    }
+  }
+  return all;
+}
+
+void TriangleBvh::fitInner() {
+  // Children stand after their parents.
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    Node& node = nodes_[i];
+    for (int k = 0; k < 4; ++k) {
+      if ((node.child[k] & kLeafBit) != 0) continue;
+      const Node& inner = nodes_[node.child[k]];
+      for (int axis = 0; axis < 3; ++axis) {
+        node.low[axis][k] = *std::min_element(inner.low[axis], inner.low[axis] + 4);
+        node.high[axis][k] = *std::max_element(inner.high[axis], inner.high[axis] + 4);
+      }
+    }
+  }
+}
+
+void TriangleBvh::setBounds(std::span<const assets::Bounds> shares) {
+  bounds_ = {};
+  for (const assets::Bounds& own : shares) {
+    bounds_.min = glm::min(bounds_.min, own.min);
+    bounds_.max = glm::max(bounds_.max, own.max);
+  }
+  if (nodes_.empty()) centre_ = 0.5 * (bounds_.min + bounds_.max);  // a refitted tree keeps its centre
+  const glm::dvec3 furthest = glm::max(glm::abs(bounds_.max - centre_), glm::abs(bounds_.min - centre_));
+  extent_ = roundUp(std::max({furthest.x, furthest.y, furthest.z}));
 }
 
 void TriangleBvh::fitSlabs(std::size_t begin, std::size_t end) {

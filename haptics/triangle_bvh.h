@@ -7,8 +7,8 @@
 // double.
 // 2. Four children a node, at most kMaxLeaf triangles a leaf, depth at most kMaxDepth: queries use a fixed
 // stack.
-// 3. Immutable after construction and safe in every thread. The tree does not depend on the number of
-// threads.
+// 3. Immutable between construction and refit(), and safe in every thread. The tree does not depend on the
+// number of threads.
 // 4. The mesh must outlive the tree.
 
 #include <cstddef>
@@ -46,6 +46,11 @@ class TriangleBvh {
   /// heuristic, here with four-way nodes made directly and subtrees built on up to `threads` threads (0 = all
   /// cores).
   explicit TriangleBvh(const assets::Mesh& mesh, int threads = 0);
+
+  /// After positions of the mesh have changed in place (the triangles must be the same): fits boxes and slabs
+  /// anew, in the shape that the tree has. Answers stay exact; queries slow down as triangles stray from
+  /// their old neighbours. Not while a query runs. Allocates and starts threads for large meshes.
+  void refit(int threads = 0);
 
   /// The nearest point within `maxDistance` of p; false if there is none.
   bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
@@ -98,6 +103,13 @@ class TriangleBvh {
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
   /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
   Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
+  /// Boxes of the leaves of nodes [begin, end), from the positions; returns their bounds.
+  assets::Bounds fitLeaves(std::size_t begin, std::size_t end);
+  /// Bounds of all from those of shares, the extent, and before there are nodes the centre.
+  void setBounds(std::span<const assets::Bounds> shares);
+  void fitAllSlabs(int workers);
+  /// Boxes of all children that are nodes.
+  void fitInner();
   /// Fills Node::slab of nodes [begin, end), the last one first; of children outside that range with 0.
   void fitSlabs(std::size_t begin, std::size_t end);
   /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
