@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cmath>
 #include <thread>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -26,12 +27,12 @@ double skinOf(const assets::Bounds& bounds) {
 }
 
 void buildTrees(const std::vector<const assets::Mesh*>& meshes,
-                std::vector<std::unique_ptr<TriangleBvh>>& trees, int threads) {
+                std::vector<std::shared_ptr<TriangleBvh>>& trees, int threads) {
   std::vector<std::size_t> small;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     if (meshes[i] == nullptr) continue;
     if (meshes[i]->triangles.size() > kLargeMesh) {
-      trees[i] = std::make_unique<TriangleBvh>(*meshes[i], threads);
+      trees[i] = std::make_shared<TriangleBvh>(*meshes[i], threads);
     } else {
       small.push_back(i);
     }
@@ -39,7 +40,7 @@ void buildTrees(const std::vector<const assets::Mesh*>& meshes,
   std::atomic<std::size_t> next{0};
   const auto work = [&] {
     for (std::size_t i = next++; i < small.size(); i = next++) {
-      trees[small[i]] = std::make_unique<TriangleBvh>(*meshes[small[i]], 1);
+      trees[small[i]] = std::make_shared<TriangleBvh>(*meshes[small[i]], 1);
     }
   };
   std::vector<std::thread> helpers;
@@ -70,7 +71,7 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   for (std::size_t i = 0; i < scene.parts.size(); ++i) {
     const assets::Part& part = scene.parts[i];
     if (!part.shapes.empty()) {
-      data_->shapeMeshes.push_back(std::make_unique<assets::Mesh>(meshOfShapes(part.shapes, reach)));
+      data_->shapeMeshes.push_back(std::make_shared<assets::Mesh>(meshOfShapes(part.shapes, reach)));
       treeOfPart[i] = meshes.size();
       meshes.push_back(data_->shapeMeshes.back().get());
     } else if (part.mesh != assets::kNone) {
@@ -80,6 +81,7 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
     }
   }
   data_->trees.resize(meshes.size());
+  data_->replacements.resize(scene.meshes.size());
   buildTrees(meshes, data_->trees, threads > 0 ? threads : cores);
   for (const std::size_t tree : treeOfPart) {
     data_->colliders.push_back(makeCollider(tree == assets::kNone ? nullptr : data_->trees[tree].get()));
@@ -87,15 +89,40 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   data_->surfaces = makeSurfaceScene(scene, data_->colliders);
 }
 
+void ContactScene::Data::measure(std::uint32_t mesh) {
+  bool shaded = false;
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
+    const assets::Part& part = scene->parts[i];
+    if (!part.shapes.empty() || part.mesh != mesh) continue;
+    colliders[i] = makeCollider(trees[mesh].get());
+    shaded = shaded || surfaces == nullptr || surfaces->parts[i].any;
+  }
+  if (shaded) surfaces = makeSurfaceScene(*scene, colliders);
+}
+
 void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
   ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
   data_->trees[mesh]->refit(threads);
-  for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
-    const assets::Part& part = data_->scene->parts[i];
-    if (part.shapes.empty() && part.mesh == mesh) data_->colliders[i] = makeCollider(data_->trees[mesh].get());
-  }
+  data_->measure(mesh);
 }
 
+ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const assets::Mesh> replacement,
+                                    int threads) const {
+  ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
+  ContactScene next;
+  next.data_ = std::make_unique<Data>();
+  next.data_->scene = data_->scene;
+  next.data_->shapeMeshes = data_->shapeMeshes;
+  next.data_->replacements = data_->replacements;
+  next.data_->trees = data_->trees;
+  next.data_->colliders = data_->colliders;
+  next.data_->trees[mesh] = std::make_shared<TriangleBvh>(*replacement, threads);
+  next.data_->replacements[mesh] = std::move(replacement);
+  next.data_->measure(mesh);
+  return next;
+}
+
+ContactScene::ContactScene() = default;
 ContactScene::~ContactScene() = default;
 ContactScene::ContactScene(ContactScene&&) noexcept = default;
 ContactScene& ContactScene::operator=(ContactScene&&) noexcept = default;

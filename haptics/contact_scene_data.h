@@ -24,12 +24,15 @@ struct SurfaceScene;  // surface_scene.h
 struct ContactScene::Data {
   Data();
   ~Data();
+  /// Colliders of the parts that use a mesh, and the surfaces.
+  void measure(std::uint32_t mesh);
 
   const assets::Scene* scene = nullptr;
-  std::vector<std::unique_ptr<assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
-  std::vector<std::unique_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
+  std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;   // tessellated implicit shapes
+  std::vector<std::shared_ptr<const assets::Mesh>> replacements;  // a scene mesh: what stands for it, or null
+  std::vector<std::shared_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
   std::vector<Collider> colliders;                  // one a part
-  std::unique_ptr<SurfaceScene> surfaces;           // null: no material asks for more than stiffness and friction
+  std::unique_ptr<SurfaceScene> surfaces;  // null: no material asks for more than stiffness and friction
 };
 
 }  // namespace tandem::haptics

@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "assets/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -46,10 +48,6 @@ ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
   poses_.resize(parts.size());
   for (std::size_t i = 0; i < parts.size(); ++i) {
     poses_[i] = parts[i].worldFromPart;
-    const assets::CollisionFilter& filter = parts[i].filter;
-    // The tool belongs to every system and collides with every system: only a part that shuts out all is
-    // untouchable.
-    parts_[i].solid = data_->colliders[i].tree != nullptr && filter.memberOf != 0 && filter.collidesWith != 0;
     boxes[i] = worldBox(data_->colliders[i], poses_[i]);
   }
   broad_ = SceneBvh(boxes);
@@ -57,11 +55,21 @@ ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
   measure();
 }
 
+void ContactWorld::adopt(const ContactScene& scene) {
+  ASSERT(scene.data().scene == data_->scene);
+  data_ = &scene.data();
+  measure();
+}
+
 void ContactWorld::measure() {
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const auto part = static_cast<PartId>(i);
     const Collider& collider = data_->colliders[i];
+    const assets::CollisionFilter& filter = data_->scene->parts[i].filter;
     const bool empty = collider.tree == nullptr;
+    // The tool belongs to every system and collides with every system: only a part that shuts out all is
+    // untouchable.
+    parts_[i].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
     loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
     loose_.drop(part);
     if (!empty) broad_.update(part, worldBox(collider, poses_[part]));
@@ -220,7 +228,12 @@ bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) con
   const double margin = radius + skin(part, p);
   if (glm::length(local - collider.centre) > collider.radius + margin) return false;
   MeshPoint near;
-  if (collider.tree->closestPoint(local, margin, near)) return true;
+  return collider.tree->closestPoint(local, margin, near) || encloses(part, p);
+}
+
+bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
+  const Collider& collider = data_->colliders[part];
+  const glm::dvec3 local = toPart(poses_[part], p);
   // Directions without zeros or equal components: CAD faces are axis-parallel, their edges often at 45
   // degrees. From inside a solid every ray leaves once more often than it enters; from before an open surface
   // those that meet it enter.

@@ -48,8 +48,10 @@ class ContactWorld {
   /// Puts a part somewhere and into the scene tree: O(depth).
   void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
-  /// After meshes of the ContactScene have changed: measures all parts anew. O(parts).
+  /// After meshes of the ContactScene have changed: measures all parts anew. O(parts), free of allocation.
   void measure();
+  /// Takes the geometry from another ContactScene of the same Scene, and measures.
+  void adopt(const ContactScene& scene);
 
   // Many parts that move in one tick: beginMotions(); noteMotion() for each; endMotions(); then setNearPose()
   // for each that noteMotion() found near. Queries are right at every time, fastest within `region`.
@@ -93,6 +95,10 @@ class ContactWorld {
   bool sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
              WorldHit& hit) const;
 
+  /// The same against one part, which has geometry, touchable or not.
+  bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
+                 WorldHit& hit) const;
+
   /// The same against one part that moves meanwhile from `before` to where it is now; the ball stands still
   /// in the world. hit.t is a share of the part's motion; point and normal are those at the part's present
   /// pose, and `carried` is where the ball's centre ends if it goes with the part from the touch on.
@@ -108,6 +114,8 @@ class ContactWorld {
   /// Whether p is inside the part's solid, or nearer than `radius` to its surface. Inside: at least five of
   /// six rays leave the solid, so that one ray through an edge or a small hole does not decide.
   bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
+  /// The second half of overlaps(): inside the solid of a part that has geometry.
+  bool encloses(PartId part, const glm::dvec3& p) const;
 
   /// Calls visit(part) for every part whose box meets `box`; visit must not move parts nor ask forEachNear().
   template <typename Visit>
@@ -131,9 +139,6 @@ class ContactWorld {
     bool ignored = false;
     bool hidden = false;
   };
-
-  bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
-                 WorldHit& hit) const;
 
   void noteNear(PartId part, const Pose& worldFromPart);
   void findNear(const assets::Bounds& box) const;

@@ -38,7 +38,7 @@ class Tick {
       : input_(input), parameters_(parameters), data_(data) {}
 
   TickOutput run() {
-    if (data_.meshesChanged) followMeshes();
+    if (data_.meshChange.pending) followNewMeshes();
     noteSample();
     runCommands();
     moveParts();
@@ -87,20 +87,19 @@ class Tick {
     data_.invalidTime = 0.0;
   }
 
-  /// The triangles under the proxy have moved in their parts: it stays on the side of each where it was.
-  void followMeshes() {
-    data_.meshesChanged = false;
-    if (!data_.started) return;
-    Proxy& proxy = data_.proxy;
-    for (int i = 0; i < proxy.planeCount; ++i) {
-      const SurfacePoint& old = proxy.planes[static_cast<std::size_t>(i)].surface;
-      const SurfacePoint now = data_.world.surfaceAt(old.part, old.triangle, proxy.position);
-      const bool crossed = glm::dot(now.normal, old.normal) < 0.0;
-      const double rest = radius() + data_.world.skin(old.part, proxy.position);
-      const double distance = crossed ? -now.distance : now.distance;
-      if (distance < rest) proxy.position += (crossed ? -now.normal : now.normal) * (rest - distance);
+  /// The triangles under the proxy are others than in the last tick.
+  void followNewMeshes() {
+    if (!data_.started) {
+      data_.meshChange.pending = false;
+      return;
     }
-    ignoreOverlapping();
+    const glm::dvec3 before = data_.proxy.position;
+    const bool touched = data_.proxy.planeCount > 0;
+    followMeshes(data_.world, radius(), data_.meshChange, data_.proxy, [&](PartId part) {
+      out_.flags |= kFlagSqueezed;
+      ignore(part);
+    });
+    if (touched || data_.proxy.position != before) noteOthers(0.0);
   }
 
   /// Puts the proxy onto the device. What the device is inside of cannot be felt until it has come out.
@@ -505,10 +504,22 @@ const Pose& TickState::worldFromPart(PartId part) const { return data_->world.po
 
 const FaultLatch& TickState::fault() const { return data_->fault; }
 
+void TickState::Data::noteMeshChange() {
+  if (!meshChange.pending) noteSides(world, proxy, meshChange);
+  meshChange.pending = true;
+}
+
 void TickState::meshesChanged() {
+  data_->noteMeshChange();
   data_->world.measure();
   data_->measureReach();
-  data_->meshesChanged = true;
+}
+
+void TickState::adopt(const ContactScene& next) {
+  data_->noteMeshChange();
+  data_->scene = &next.data();
+  data_->world.adopt(next);
+  data_->measureReach();
 }
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }

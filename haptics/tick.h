@@ -145,9 +145,14 @@ class TickState {
   /// The latched fault, if any.
   const FaultLatch& fault() const;
 
-  /// After ContactScene::refitMesh(), before the next tick: measures the parts anew. A proxy that rests on a
-  /// triangle goes along with it; what it is inside of after that cannot be felt until it has come out.
+  /// After ContactScene::refitMesh(), before the next tick: the proxy stays outside the parts as they are now,
+  /// on the side on which it touched them, and the change of force grows at the limited rate. By the thread
+  /// that ticks. O(parts), free of allocation.
   void meshesChanged();
+
+  /// The same for a ContactScene made by withMesh(): the next tick must be given `next`, and the one before
+  /// may end. A part that had no triangles when this state was made stays untouchable.
+  void adopt(const ContactScene& next);
 
   /// Clears a latched fault.
   void resetFault();

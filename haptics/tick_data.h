@@ -11,6 +11,7 @@
 #include "haptics/fault.h"
 #include "haptics/force_fields.h"
 #include "haptics/held_part.h"
+#include "haptics/mesh_change.h"
 #include "haptics/output_limits.h"
 #include "haptics/proxy.h"
 #include "haptics/sample_guard.h"
@@ -41,6 +42,7 @@ inline constexpr int kMaxIgnored = 16;
 struct TickState::Data {
   explicit Data(const ContactScene& contactScene);
   void measureReach();
+  void noteMeshChange();
 
   const ContactScene::Data* scene;
   ContactWorld world;
@@ -59,7 +61,7 @@ struct TickState::Data {
   double sentShare = 0.0;  // of the force that the last tick wanted, how much left for the hand
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
-  bool meshesChanged = false;                 // since the last tick
+  MeshChange meshChange;                      // since the last tick
   bool started = false;                       // there has been a valid sample
   double touchReach = 0.0;                    // m, the largest of all parts
   std::vector<std::uint32_t> near;            // of the parts moved in this tick; capacity for all
