@@ -163,6 +163,19 @@ bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double r
   return found;
 }
 
+double ContactWorld::sweepOne(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId part,
+                              std::uint32_t triangle) const {
+  if (!has(part) || !touchable(part)) return 1.0;
+  const TriangleBvh& tree = *data_->colliders[part].tree;
+  if (triangle >= tree.mesh().triangles.size()) return 1.0;
+  const Pose& pose = poses_[part];
+  const double off = skin(part, p);
+  BallHit hit;
+  haptics::sweepBall(toPart(pose, p), glm::conjugate(pose.orientation) * motion, radius + 0.5 * off,
+                     0.125 * off, tree.triangle(triangle), hit);
+  return hit.t;
+}
+
 bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius,
                                      WorldHit& hit, glm::dvec3& carried) const {
   const Collider& collider = data_->colliders[part];

@@ -16,6 +16,7 @@ constexpr int kMaxRounds = 24;
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
+constexpr double kMaxStretch = 2.0;
 constexpr double kSteepEnough = 1.0 / 64.0;
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
@@ -31,6 +32,10 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     ProxyPlane plane = proxy.planes[static_cast<std::size_t>(i)];
     const glm::dvec3 before = plane.surface.normal;
     if (!world.touchable(plane.surface.part)) continue;
+    if (presses(plane)) {
+      proxy.lastPart = plane.surface.part;
+      proxy.lastTriangle = plane.surface.triangle;
+    }
     plane.surface = world.surfaceAt(plane.surface.part, plane.surface.triangle, proxy.position);
     plane.skin = world.skin(plane.surface.part, proxy.position);
     const glm::dvec3 offset = proxy.position - plane.surface.point;
@@ -143,11 +148,23 @@ bool touches(const Proxy& proxy) {
   return std::any_of(proxy.planes.begin(), proxy.planes.begin() + proxy.planeCount, presses);
 }
 
+/// The first touch on a straight way. A way back to a surface that the tool has just lost is tried against
+/// the triangle touched last: nothing that is met later than that one needs a look.
+bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, const Proxy& proxy,
+              WorldHit& hit) {
+  if (proxy.planeCount == 0) {
+    hit.t = world.sweepOne(proxy.position, way, radius, proxy.lastPart, proxy.lastTriangle);
+    if (hit.t < 1.0 && world.sweep(proxy.position, way, radius, kNoPart, hit)) return true;
+    hit.t = 1.0;
+  }
+  return world.sweep(proxy.position, way, radius, kNoPart, hit);
+}
+
 /// Moves along a straight way until a part stops it; true if none did.
 bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
   WorldHit hit;
   ++proxy.sweeps;
-  if (!world.sweep(proxy.position, way, radius, kNoPart, hit)) {
+  if (!sweepWay(world, way, radius, proxy, hit)) {
     proxy.position += way;
     return true;
   }
@@ -197,10 +214,67 @@ double wayOver(const Crease& crease, const glm::dvec3& way) {
   return glm::length(square > 0.0 ? way - axis * (glm::dot(way, axis) / square) : way);
 }
 
+/// How far a ball that rests on a crease can roll before its contact leaves that crease.
+struct RollLimit {
+  double turn = kMaxRoll;                // rad
+  std::uint32_t triangle = kNoTriangle;  // on which the contact then lies
+};
+
+/// Calls visit(triangle) for the triangles that meet where a contact lies, as far as the mesh knows its
+/// neighbours.
+template <typename Visit>
+void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::dvec3& q, double skin,
+                   Visit&& visit) {
+  constexpr std::size_t kMaxAround = 24;
+  const auto& neighbours = tree.mesh().neighbours;
+  std::array<std::uint32_t, kMaxAround> around{triangle};
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triangle t = tree.triangle(around[i]);
+    visit(around[i], t);
+    if (around[i] >= neighbours.size()) continue;
+    const glm::dvec3 corners[3] = {t.a, t.b, t.c};
+    for (std::size_t e = 0; e < 3 && count < kMaxAround; ++e) {
+      const std::uint32_t next = neighbours[around[i]][e];
+      if (next == assets::kNone) continue;
+      const glm::dvec3 along = corners[(e + 1) % 3] - corners[e], off = q - corners[e];
+      const double square = glm::dot(along, along);
+      const double place = square > 0.0 ? std::clamp(glm::dot(off, along) / square, 0.0, 1.0) : 0.0;
+      if (glm::length(off - place * along) > 2.0 * skin) continue;
+      if (std::find(around.begin(), around.begin() + count, next) == around.begin() + count) {
+        around[count++] = next;
+      }
+    }
+  }
+}
+
+/// Around the crease under `plane`, from its normal towards `tangent`, a unit vector. A ball with the contact
+/// q and the normal m stays on q while m . (v - q) <= 0 for every corner v of the triangles that meet there.
+RollLimit rollLimit(const ContactWorld& world, const ProxyPlane& plane, const glm::dvec3& tangent) {
+  const Pose& pose = world.pose(plane.surface.part);
+  const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+  const glm::dvec3 normal = partFromWorld * plane.surface.normal, ahead = partFromWorld * tangent;
+  const glm::dvec3 q = partFromWorld * (plane.surface.point - pose.position);
+  RollLimit limit;
+  const TriangleBvh& tree = *world.collider(plane.surface.part).tree;
+  forEachAround(tree, plane.surface.triangle, q, plane.skin, [&](std::uint32_t triangle, const Triangle& t) {
+    for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
+      const glm::dvec3 d = corner - q;
+      const double forward = glm::dot(ahead, d);
+      // Along an edge the ball does not leave it.
+      if (glm::length(d) <= 2.0 * plane.skin || forward <= 1e-6 * glm::length(d)) continue;
+      const double turn = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
+      if (turn < limit.turn) limit = {turn, triangle};
+    }
+  });
+  return limit;
+}
+
 /// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
-/// goal: by at most kMaxRoll, along two tangents of the arc. False if it is there.
-bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const ProxyPlane& plane,
+/// goal: up to the face or edge ahead, or by kMaxRoll, along two tangents of the arc. False if it is there.
+bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, int index,
                     Proxy& proxy) {
+  const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
   const Crease crease = creaseUnder(world, plane);
   const glm::dvec3 axis = crease.b - crease.a;
   const double square = glm::dot(axis, axis);
@@ -213,19 +287,25 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const double cosine = std::clamp(glm::dot(normal, out) / length, -1.0, 1.0);
   const glm::dvec3 sideways = out / length - cosine * normal;
   const double sine = glm::length(sideways);
-  const glm::dvec3 shift = foot - plane.surface.point;
-  const double angle = std::atan2(sine, cosine);
-  if (angle * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
   // Right behind the crease: no side is nearer than the other.
   if (sine < 1e-6 && cosine < 0.0) return false;
   const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
-  const double turn = std::min(angle, kMaxRoll), share = angle > 0.0 ? turn / angle : 1.0;
+  const double angle = std::atan2(sine, cosine);
+  const RollLimit limit = sine > 0.0 ? rollLimit(world, plane, tangent) : RollLimit{};
+  const bool leaves = limit.triangle != kNoTriangle && limit.turn < angle;
+  // Over a crease whose other side is not known the ball would roll too far, if the goal is under it.
+  if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
+  const double turn = std::min(angle, limit.turn), share = angle > 0.0 ? turn / angle : 1.0;
+  const glm::dvec3 shift = (foot - plane.surface.point) * share;
+  if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
+  if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
   const auto over = [&](double part) {
     const double t = part * turn;
-    return plane.surface.point + shift * (share * part) +
+    return plane.surface.point + shift * part +
            reach * (std::cos(t) * normal + std::sin(t) * tangent) / std::cos(t == turn ? 0.0 : t);
   };
-  const glm::dvec3 end = over(1.0);
+  glm::dvec3 end = over(1.0);
+  if (leaves) end += 3.0 * plane.skin * (std::cos(turn) * tangent - std::sin(turn) * normal);
   if (reach * turn * turn > plane.skin && !advance(world, over(0.5) - proxy.position, radius, proxy))
     return true;
   if (advance(world, end - proxy.position, radius, proxy)) refreshPlanes(world, radius, proxy);
@@ -274,13 +354,13 @@ void arrive(const Walks& walks, Proxy& proxy) {
   }
 }
 
-const ProxyPlane* onlyPressing(const Proxy& proxy) {
-  const ProxyPlane* only = nullptr;
+/// The index of the plane that presses alone; -1 if none or several do.
+int onlyPressing(const Proxy& proxy) {
+  int only = -1;
   for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
-    if (!presses(plane)) continue;
-    if (only != nullptr) return nullptr;
-    only = &plane;
+    if (!presses(proxy.planes[static_cast<std::size_t>(i)])) continue;
+    if (only >= 0) return -1;
+    only = i;
   }
   return only;
 }
@@ -323,6 +403,22 @@ class Descent {
     for (int round = 0; round < kMaxRounds; ++round) {
       if (settled()) return;
     }
+    leaveOff();
+  }
+
+  /// As run(), the first of a tick: it begins as far along the tangent as the last one turned out to go.
+  void runAhead() {
+    const glm::dvec3 start = proxy_.position;
+    stretch_ = proxy_.stretch;
+    proxy_.stretch = 1.0;
+    run();
+    const double square = glm::dot(tangent_, tangent_);
+    if (!curved_ || !(square > 0.0)) return;
+    proxy_.stretch = std::clamp(glm::dot(proxy_.position - start, tangent_) / square, 1.0, kMaxStretch);
+  }
+
+ private:
+  void leaveOff() {
     // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
     // out.
     const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
@@ -331,7 +427,6 @@ class Descent {
     wayToGoal(world_, goal_, radius_, proxy_);
   }
 
- private:
   /// One round; true if the proxy has arrived.
   bool settled() {
     glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
@@ -339,10 +434,9 @@ class Descent {
     if (!touches(proxy_))
       return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
 
-    const ProxyPlane* alone = mayRoll_ ? onlyPressing(proxy_) : nullptr;
-    const bool stays = alone != nullptr && stillOnSameCrease(*alone);
-    if (stays && alone->multiplier < 0.8 * radius_ && roll(*alone)) return false;
-    if (stays) {
+    const int alone = mayRoll_ ? onlyPressing(proxy_) : -1;
+    if (alone >= 0 && !planeAt(alone).surface.onFace && roll(alone)) return false;
+    if (alone >= 0 && stillOnSameCrease(planeAt(alone))) {
       // The goal is under the crease itself: the ball leaves it, by steps that grow by themselves, but
       // slowly.
       boost_ *= 4.0;
@@ -350,14 +444,22 @@ class Descent {
     } else {
       boost_ = 1.0;
     }
+    const bool first = stretch_ > 0.0, stretched = stretch_ > 1.0;
+    if (first) {
+      tangent_ = way;
+      way *= stretch_;
+      stretch_ = 0.0;
+    }
     bool onCrease = false;
     Walks walks;
     const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
-    if (onCrease && alone != nullptr && mayRoll_ && roll(*alone)) return false;
+    if (onCrease && alone >= 0 && mayRoll_ && roll(alone)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, way, radius_, proxy_)) return false;
     if (!cut) arrive(walks, proxy_);
-    return !refreshPlanes(world_, radius_, proxy_) && !cut;
+    const bool changed = refreshPlanes(world_, radius_, proxy_);
+    curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
+    return !changed && !cut && !stretched;
   }
 
   /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
@@ -374,12 +476,14 @@ class Descent {
 
   /// True if the round is over: the ball has rolled on, or has met something that the next projection must
   /// know.
-  bool roll(const ProxyPlane& plane) {
+  bool roll(int index) {
     const int sweeps = proxy_.sweeps;
-    if (rollOverCrease(world_, goal_, radius_, ProxyPlane(plane), proxy_)) return true;
+    if (rollOverCrease(world_, goal_, radius_, index, proxy_)) return true;
     mayRoll_ = false;
     return proxy_.sweeps != sweeps;
   }
+
+  const ProxyPlane& planeAt(int index) const { return proxy_.planes[static_cast<std::size_t>(index)]; }
 
   const ContactWorld& world_;
   const glm::dvec3 goal_;
@@ -388,8 +492,15 @@ class Descent {
   bool mayRoll_;
   bool lastOnFace_ = true;
   double boost_ = 1.0;
+  double stretch_ = 0.0;     // of the first tangent; 0 = none
+  glm::dvec3 tangent_{0.0};  // m, the first one
+  bool curved_ = false;      // it ended above the surface
   glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
 };
+
+void descendAhead(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  Descent(world, goal, radius, proxy).runAhead();
+}
 
 void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   Descent(world, goal, radius, proxy).run();
@@ -400,7 +511,7 @@ void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, P
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
-  descend(world, goal, radius, proxy);
+  descendAhead(world, goal, radius, proxy);
 }
 
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
@@ -423,12 +534,12 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     const double reach = frictionReach(world, proxy, true), lag = glm::length(way);
     if (!(reach > 0.0) || !(lag > 0.0)) {
       proxy.sliding = false;
-      return descend(world, goal, radius, proxy);
+      return round == 0 ? descendAhead(world, goal, radius, proxy) : descend(world, goal, radius, proxy);
     }
     // On a plane the cone is reached exactly; on a curved surface the depth changes on the way.
     const double error = lag / reach - 1.0;
     if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
-    descend(world, goal - way * (reach / lag), radius, proxy);
+    (round == 0 ? descendAhead : descend)(world, goal - way * (reach / lag), radius, proxy);
     way = wayToGoal(world, goal, radius, proxy);
   }
   proxy.sliding = true;

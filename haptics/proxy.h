@@ -38,6 +38,13 @@ struct Proxy {
   int planeCount = 0;
   bool sliding = false;  // the friction cone was left, and not yet entered again
   int sweeps = 0;        // of the last move: what it cost
+  // How much further than its first tangent the last move went: over 1 on a convex curve, whose centre is
+  // further from the proxy than the goal is. The next move begins with as much.
+  double stretch = 1.0;
+  // Where the tool pressed last. A way to the surface that it has just lost is tried against this triangle
+  // first: what it cannot reach sooner needs no look.
+  PartId lastPart = kNoPart;
+  std::uint32_t lastTriangle = kNoTriangle;
 };
 
 /// Moves the proxy as near to the goal as the parts let it, without friction: the path of constrained

@@ -177,6 +177,30 @@ class MovingBall {
   Float4 reach_;
 };
 
+/// Four vectors one by one.
+class Directions {
+ public:
+  explicit Directions(const Vec4& v) {
+    v.x.store(x_);
+    v.y.store(y_);
+    v.z.store(z_);
+  }
+  glm::dvec3 operator[](std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
+
+ private:
+  alignas(16) float x_[4], y_[4], z_[4];
+};
+
+/// Whether a point that goes from `from` by `way` certainly stays further than `reach` from a triangle: the
+/// bound of triangle_filter.h in double, along `away`, which need not be of unit length.
+bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& way, double reach,
+              const Triangle& t) {
+  const double least =
+      std::min({glm::dot(away, from - t.a), glm::dot(away, from - t.b), glm::dot(away, from - t.c)}) +
+      std::min(0.0, glm::dot(away, way));
+  return least > 0.0 && least * least > reach * reach * glm::dot(away, away);
+}
+
 /// +1 where the segment leaves through the triangle's outside, -1 where it
 /// enters, 0 where it misses.
 int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
@@ -372,7 +396,8 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const DistanceBound4 least = boundDistance(gather4(first, count, p), Vec4{});
+    const Triangles4 corners = gather4(first, count, p);
+    const DistanceBound4 least = boundDistance(corners, awayFrom(corners), Vec4{});
     const int far = lessMask(Float4(distanceBound) + rounding, least.distance - least.error);
     for (std::uint32_t i = 0; i < count; ++i) {
       if ((far >> i & 1) != 0) continue;
@@ -404,7 +429,8 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
   const MovingBall ball(origin, motion, radius + tolerance, largest);
   const Vec4 motion4{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
                      Float4(static_cast<float>(motion.z))};
-  const Float4 reach(roundUp(radius + tolerance + coordinateRounding(from)));
+  const double closest = radius + tolerance + coordinateRounding(from);
+  const Float4 reach(roundUp(closest));
   bool found = false;
   Stack stack;
   Pending next{0, 0.0f};
@@ -419,12 +445,18 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const DistanceBound4 bound = boundDistance(gather4(first, count, from), motion4);
+    const Triangles4 corners = gather4(first, count, from);
+    const Vec4 away = awayFrom(corners);
+    const DistanceBound4 bound = boundDistance(corners, away, motion4);
     const Float4 least = bound.distance + min(bound.slope * Float4(latest), Float4());
     const int missed = lessMask(reach, least - bound.error);
+    if (missed == 15) continue;
+    const Directions passing(awayInPassing(corners, away, motion4, Float4(latest)));
     for (std::uint32_t i = 0; i < count; ++i) {
       if ((missed >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
+      if (passesBy(passing[i], from, motion * static_cast<double>(latest), closest, triangle(index)))
+        continue;
       BallHit candidate;
       candidate.t = hit.t;
       if (!haptics::sweepBall(from, motion, radius, tolerance, triangle(index), candidate)) continue;

@@ -53,19 +53,33 @@ inline Vec4 nearest(const Triangles4& t) {
 
 }  // namespace filter
 
-/// The bound of four triangles for a point that moves from the origin.
-inline DistanceBound4 boundDistance(const Triangles4& t, const Vec4& motion) {
+/// Unit vectors from about the nearest points of four triangles to the origin; 0 where the origin is on one.
+inline Vec4 awayFrom(const Triangles4& t) {
   const Vec4 q = filter::nearest(t);
   const Float4 square = dot(q, q);
   // Below 1e-15 m the direction is noise; u = 0 then bounds the distance by 0, which is always true.
   const Float4 least(1e-30f);
-  const Float4 inverse = selectLessEqual(least, square, Float4(1.0f) / sqrt(max(square, least)), Float4());
-  const Vec4 u = q * inverse;
+  const Float4 inverse = selectLessEqual(least, square, Float4(-1.0f) / sqrt(max(square, least)), Float4());
+  return q * inverse;
+}
+
+/// The bound of four triangles for a point that moves from the origin; `away` as awayFrom() gives it.
+inline DistanceBound4 boundDistance(const Triangles4& t, const Vec4& away, const Vec4& motion) {
   // u . v is off by at most 8 half units in the last place of |v|, counting the roundings of v and of |u|.
   const Float4 length =
       max(max(filter::largest(t.a), filter::largest(t.b)), filter::largest(t.c)) + filter::largest(motion);
-  return {min(min(dot(u, t.a), dot(u, t.b)), dot(u, t.c)), Float4() - dot(u, motion),
+  return {Float4() - max(max(dot(away, t.a), dot(away, t.b)), dot(away, t.c)), dot(away, motion),
           length * Float4(0x1p-19f)};
+}
+
+/// As awayFrom(), from where the point passes nearest to the triangles on its way up to `latest`: a bound
+/// along these falls short of the true distance least when the point glides along them.
+inline Vec4 awayInPassing(const Triangles4& t, const Vec4& away, const Vec4& motion, Float4 latest) {
+  const Float4 distance = Float4() - max(max(dot(away, t.a), dot(away, t.b)), dot(away, t.c));
+  const Float4 square = max(dot(motion, motion), Float4(1e-37f));
+  const Float4 when = min(max(Float4() - distance * dot(away, motion) / square, Float4()), latest);
+  const Vec4 passed = motion * when;
+  return awayFrom({t.a - passed, t.b - passed, t.c - passed});
 }
 
 }  // namespace tandem::haptics
