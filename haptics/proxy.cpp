@@ -354,6 +354,17 @@ void arrive(const Walks& walks, Proxy& proxy) {
   }
 }
 
+/// Puts a contact that has passed a crease onto the face behind it.
+void passCrease(const Walks& walks, Proxy& proxy) {
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    const std::uint32_t beyond = walks[static_cast<std::size_t>(i)].beyond;
+    if (!presses(plane) || beyond == kNoTriangle) continue;
+    plane.surface.triangle = beyond;
+    plane.arriving = true;
+  }
+}
+
 /// The index of the plane that presses alone; -1 if none or several do.
 int onlyPressing(const Proxy& proxy) {
   int only = -1;
@@ -456,7 +467,11 @@ class Descent {
     if (onCrease && alone >= 0 && mayRoll_ && roll(alone)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, way, radius_, proxy_)) return false;
-    if (!cut) arrive(walks, proxy_);
+    if (!cut) {
+      arrive(walks, proxy_);
+    } else if (alone >= 0 || radius_ == 0.0) {
+      passCrease(walks, proxy_);
+    }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
     curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
     return !changed && !cut && !stretched;

@@ -30,6 +30,9 @@ inline Float4 operator/(Float4 a, Float4 b) { return Float4(_mm_div_ps(a.v, b.v)
 inline Float4 min(Float4 a, Float4 b) { return Float4(_mm_min_ps(a.v, b.v)); }
 inline Float4 max(Float4 a, Float4 b) { return Float4(_mm_max_ps(a.v, b.v)); }
 inline Float4 sqrt(Float4 a) { return Float4(_mm_sqrt_ps(a.v)); }
+inline Float4 abs(Float4 a) { return Float4(_mm_andnot_ps(_mm_set1_ps(-0.0f), a.v)); }
+/// 1 / a, off by a share of up to 2^-11; what depends on it may differ from machine to machine.
+inline Float4 roughReciprocal(Float4 a) { return Float4(_mm_rcp_ps(a.v)); }
 /// Bit i is set where a[i] <= b[i]; not where either is NaN.
 inline int lessEqualMask(Float4 a, Float4 b) { return _mm_movemask_ps(_mm_cmple_ps(a.v, b.v)); }
 inline int lessMask(Float4 a, Float4 b) { return _mm_movemask_ps(_mm_cmplt_ps(a.v, b.v)); }
@@ -79,6 +82,10 @@ inline Float4 max(Float4 a, Float4 b) {
 inline Float4 sqrt(Float4 a) {
   return forEach(a, a, [](float x, float) { return std::sqrt(x); });
 }
+inline Float4 abs(Float4 a) {
+  return forEach(a, a, [](float x, float) { return std::abs(x); });
+}
+inline Float4 roughReciprocal(Float4 a) { return Float4(1.0f) / a; }
 inline int lessEqualMask(Float4 a, Float4 b) {
   int mask = 0;
   for (int i = 0; i < 4; ++i) mask |= (a.v[i] <= b.v[i] ? 1 : 0) << i;
@@ -105,7 +112,7 @@ inline Vec4 operator-(const Vec4& a, const Vec4& b) { return {a.x - b.x, a.y - b
 inline Vec4 operator*(const Vec4& a, Float4 s) { return {a.x * s, a.y * s, a.z * s}; }
 inline Vec4 min(const Vec4& a, const Vec4& b) { return {min(a.x, b.x), min(a.y, b.y), min(a.z, b.z)}; }
 inline Vec4 max(const Vec4& a, const Vec4& b) { return {max(a.x, b.x), max(a.y, b.y), max(a.z, b.z)}; }
-inline Vec4 abs(const Vec4& a) { return max(a, Vec4{} - a); }
+inline Vec4 abs(const Vec4& a) { return {abs(a.x), abs(a.y), abs(a.z)}; }
 inline Float4 dot(const Vec4& a, const Vec4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 inline Vec4 cross(const Vec4& a, const Vec4& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

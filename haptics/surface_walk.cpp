@@ -26,16 +26,20 @@ class Walker {
     for (int i = 0; i < kMaxTriangles && !walk.sharp; ++i) {
       const int edge = leave();
       if (edge < 0) return arrived(1.0);
-      const SurfaceWalk before = arrived(walked_);
-      if (!(cross(edge) && stand()) && !(seams_++ < kMaxSeams && crossSeam(before.arrival) && stand())) {
-        return before;
-      }
+      SurfaceWalk before = arrived(walked_);
+      const bool known = cross(edge);
+      if (known && stand()) continue;
+      if (known) before.beyond = triangle_;
+      if (!(seams_++ < kMaxSeams && crossSeam(before.arrival) && stand())) return before;
     }
-    return walk.sharp ? SurfaceWalk{0.0, {part_, triangle_, {}, {}, 0.0, false}, true} : arrived(walked_);
+    return walk.sharp ? SurfaceWalk{0.0, {part_, triangle_, {}, {}, 0.0, false}, kNoTriangle, true}
+                      : arrived(walked_);
   }
 
  private:
-  SurfaceWalk arrived(double share) const { return {share, {part_, triangle_, {}, {}, 0.0, false}, false}; }
+  SurfaceWalk arrived(double share) const {
+    return {share, {part_, triangle_, {}, {}, 0.0, false}, kNoTriangle, false};
+  }
 
   void enter(PartId part, std::uint32_t triangle, const glm::dvec3& worldPoint) {
     const Pose& pose = world_.pose(part);

@@ -9,9 +9,10 @@
 namespace tandem::haptics {
 
 struct SurfaceWalk {
-  double share = 1.0;    // of the way, 0..1, up to which there is ground under the contact
-  SurfacePoint arrival;  // part and triangle under the contact there; nothing else is filled
-  bool sharp = false;    // the contact is on a crease already: its normal is none of the triangle's
+  double share = 1.0;                  // of the way, 0..1, up to which there is ground under the contact
+  SurfacePoint arrival;                // part and triangle under the contact there; nothing else is filled
+  std::uint32_t beyond = kNoTriangle;  // of the same part, behind the crease at which the ground ends
+  bool sharp = false;  // the contact is on a crease already: its normal is none of the triangle's
 };
 
 /// Follows `way` (world, m) from a contact point. Faces turned by more than 10 degrees against the contact's

@@ -86,10 +86,12 @@ class Slabs {
   /// Boxes are inflated by `radius` and by more than what the float arithmetic
   /// can lose: the roundings of the origin, of the differences and of t, each a
   /// few units in the last place of `largest`, the largest length in play.
-  Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
-      : inflate_(roundUp(radius + largest * 0x1p-20)) {
+  Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest) {
+    const Float4 inflate(roundUp(radius + largest * 0x1p-20));
     for (int axis = 0; axis < 3; ++axis) {
-      origin_[axis] = Float4(static_cast<float>(origin[axis]));
+      const Float4 start(static_cast<float>(origin[axis]));
+      above_[axis] = start + inflate;
+      below_[axis] = start - inflate;
       const double least = largest * 0x1p-60;
       const double step = std::abs(motion[axis]) > least ? motion[axis] : std::copysign(least, motion[axis]);
       inverse_[axis] = Float4(static_cast<float>(std::clamp(1.0 / step, -1e30, 1e30)));
@@ -101,8 +103,8 @@ class Slabs {
   int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
     Float4 enter, leave(latest);
     for (int axis = 0; axis < 3; ++axis) {
-      const Float4 t0 = (Float4::load(node.low[axis]) - inflate_ - origin_[axis]) * inverse_[axis];
-      const Float4 t1 = (Float4::load(node.high[axis]) + inflate_ - origin_[axis]) * inverse_[axis];
+      const Float4 t0 = (Float4::load(node.low[axis]) - above_[axis]) * inverse_[axis];
+      const Float4 t1 = (Float4::load(node.high[axis]) - below_[axis]) * inverse_[axis];
       enter = max(enter, min(t0, t1));
       leave = min(leave, max(t0, t1));
     }
@@ -112,7 +114,7 @@ class Slabs {
   }
 
  private:
-  Float4 origin_[3], inverse_[3], inflate_;
+  Float4 above_[3], below_[3], inverse_[3];  // the start, further by the inflation; 1 / motion
 };
 
 Vec4 lowOf(const TriangleBvh::Node& node) {
@@ -133,7 +135,9 @@ Vec4 highOf(const TriangleBvh::Node& node) {
 class MovingBall {
  public:
   MovingBall(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
-      : slabs_(origin, motion, radius, largest), reach_(roundUp(radius + largest * 0x1p-19)) {
+      : slabs_(origin, motion, radius, largest),
+        reach_(roundUp(radius + largest * 0x1p-19)),
+        far_(glm::length(motion) > radius) {
     const auto four = [](const glm::dvec3& v) {
       return Vec4{Float4(static_cast<float>(v.x)), Float4(static_cast<float>(v.y)),
                   Float4(static_cast<float>(v.z))};
@@ -147,25 +151,30 @@ class MovingBall {
   /// deepest first, for it most likely holds an early hit, which then shuts out
   /// the others.
   int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
-    const int mask = slabs_.enter(node, latest, bounds);
-    if (mask == 0) return 0;
+    int mask = 15;
+    if (far_) {
+      mask = slabs_.enter(node, latest, bounds);
+      if (mask == 0) return 0;
+    } else {
+      Float4().store(bounds);
+    }
     const Vec4 low = lowOf(node), high = highOf(node);
     const Float4 half(0.5f);
     const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
     const Slab4 slab = unpackSlabs(node.slab, extent);
     // About the nearest point: the foot on the slab's face, within the box.
-    const Float4 least(1e-37f), square = max(dot(slab.normal, slab.normal), least);
-    const Float4 height = max(dot(slab.normal, d) - slab.offset, Float4()) / square;
+    const Float4 least(1e-37f), inverse = roughReciprocal(max(dot(slab.normal, slab.normal), least));
+    const Float4 height = max(dot(slab.normal, d) - slab.offset, Float4()) * inverse;
     const Vec4 foot = d - slab.normal * height;
     const Vec4 u = d - min(max(foot, Vec4{} - extent), extent);
-    const Float4 along = max(dot(u, slab.normal), Float4()) / square;
+    const Float4 along = max(dot(u, slab.normal), Float4()) * inverse;
     const Vec4 rest = u - slab.normal * along;
     const Float4 length = sqrt(dot(u, u));
     // All times |u|: the ball's gap at the start, and by how much of it a whole
     // motion nears.
     const Float4 gap = dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length;
     const Float4 nearing = Float4() - dot(u, motion_);
-    const Float4 t = gap / max(nearing, least) * Float4(1.0f - 0x1p-18f);
+    const Float4 t = gap * roughReciprocal(max(nearing, least)) * Float4(1.0f - 0x1p-10f);
     const int met = lessEqualMask(gap, Float4()) | lessEqualMask(t, Float4(latest));
     selectLessEqual(gap, Float4(), gap, max(t, Float4::load(bounds))).store(bounds);
     return mask & met;
@@ -175,6 +184,7 @@ class MovingBall {
   Slabs slabs_;
   Vec4 origin_, motion_;
   Float4 reach_;
+  bool far_;  // the slabs tell nothing new of a way shorter than the ball
 };
 
 /// Four vectors one by one.
@@ -199,6 +209,12 @@ bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& 
       std::min({glm::dot(away, from - t.a), glm::dot(away, from - t.b), glm::dot(away, from - t.c)}) +
       std::min(0.0, glm::dot(away, way));
   return least > 0.0 && least * least > reach * reach * glm::dot(away, away);
+}
+
+/// The same along the triangle's normal: it tells the neighbours in a plane along which a point glides.
+bool passesAbove(const glm::dvec3& from, const glm::dvec3& way, double reach, const Triangle& t) {
+  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, way, reach, t);
 }
 
 /// +1 where the segment leaves through the triangle's outside, -1 where it
@@ -455,11 +471,12 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
     for (std::uint32_t i = 0; i < count; ++i) {
       if ((missed >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
-      if (passesBy(passing[i], from, motion * static_cast<double>(latest), closest, triangle(index)))
-        continue;
+      const Triangle t = triangle(index);
+      const glm::dvec3 way = motion * double{latest};
+      if (passesBy(passing[i], from, way, closest, t) || passesAbove(from, way, closest, t)) continue;
       BallHit candidate;
       candidate.t = hit.t;
-      if (!haptics::sweepBall(from, motion, radius, tolerance, triangle(index), candidate)) continue;
+      if (!haptics::sweepBall(from, motion, radius, tolerance, t, candidate)) continue;
       if (found && candidate.t == hit.t) {
         const double now = glm::dot(candidate.normal, motion), best = glm::dot(hit.normal, motion);
         if (now > best || (now == best && index > hit.triangle)) continue;
