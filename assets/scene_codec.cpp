@@ -18,8 +18,6 @@ struct Truncated {
 
 class Writer {
  public:
-  static constexpr bool kReads = false;
-
   template <typename T>
   void number(const T& value) {
     static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
@@ -53,8 +51,6 @@ class Writer {
 
 class Reader {
  public:
-  static constexpr bool kReads = true;
-
   explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
@@ -180,6 +176,19 @@ void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
 // --- one function a type, for both directions: Writer takes const references, Reader mutable ones
 // --------------------------
 
+/// An array of things that are written one by one; each takes at least `minimum` bytes.
+template <typename Archive, typename List, typename Each>
+void list(Archive& a, List& values, std::size_t minimum, Each&& each) {
+  a.count(values, minimum);
+  for (auto& value : values) each(value);
+}
+
+/// An array of plain numbers.
+template <typename Archive, typename Numbers>
+void numbers(Archive& a, Numbers& values) {
+  list(a, values, sizeof(values[0]), [&a](auto& value) { a.number(value); });
+}
+
 template <typename Archive, typename Pose_>
 void pose(Archive& a, Pose_& p) {
   a.number(p.position);
@@ -227,7 +236,7 @@ void surface(Archive& a, Surface_& s) {
   a.number(s.hardening);
 }
 
-void putTexture(Writer& out, const TextureImage& image) {
+void texture(Writer& out, const TextureImage& image) {
   out.number(image.width);
   out.number(image.height);
   out.count(image.texels, 1);
@@ -235,7 +244,7 @@ void putTexture(Writer& out, const TextureImage& image) {
     std::memcpy(out.room(image.texels.size()), image.texels.data(), image.texels.size());
 }
 
-void getTexture(Reader& in, TextureImage& image) {
+void texture(Reader& in, TextureImage& image) {
   in.number(image.width);
   in.number(image.height);
   in.count(image.texels, 1);
@@ -259,8 +268,7 @@ void part(Archive& a, Part_& p) {
   a.text(p.name);
   a.number(p.treeNode);
   a.number(p.mesh);
-  a.count(p.shapes, 100);
-  for (auto& s : p.shapes) shape(a, s);
+  list(a, p.shapes, 100, [&a](auto& s) { shape(a, s); });
   pose(a, p.worldFromPart);
   a.flag(p.movable);
   a.flag(p.kinematic);
@@ -279,17 +287,15 @@ void joint(Archive& a, Joint_& j) {
   a.number(j.partB);
   pose(a, j.aFromJoint);
   pose(a, j.bFromJoint);
-  a.count(j.limits, 34);
-  for (auto& l : j.limits) {
+  list(a, j.limits, 34, [&a](auto& l) {
     a.flag(l.angular);
     a.number(l.axes);
     a.number(l.min);
     a.number(l.max);
     a.number(l.stiffness);
     a.number(l.damping);
-  }
-  a.count(j.drives, 43);
-  for (auto& d : j.drives) {
+  });
+  list(a, j.drives, 43, [&a](auto& d) {
     a.flag(d.angular);
     a.flag(d.acceleration);
     a.number(d.axis);
@@ -298,7 +304,7 @@ void joint(Archive& a, Joint_& j) {
     a.number(d.velocityTarget);
     a.number(d.stiffness);
     a.number(d.damping);
-  }
+  });
   a.flag(j.collide);
 }
 
@@ -335,8 +341,7 @@ void field(Archive& a, Field_& f) {
   a.number(f.anchor);
   a.number(f.axis);
   a.flag(f.oneSided);
-  a.count(f.points, 24);
-  for (auto& p : f.points) a.number(p);
+  numbers(a, f.points);
   a.flag(f.closed);
   a.flag(f.smooth);
   a.number(f.stiffness);
@@ -349,18 +354,10 @@ void field(Archive& a, Field_& f) {
   a.number(f.potential);
   a.number(f.depth);
   a.number(f.sigma);
-  a.count(f.terms, 11);
-  for (auto& t : f.terms) {
+  list(a, f.terms, 11, [&a](auto& t) {
     a.number(t.coefficient);
     a.number(t.powers);
-  }
-}
-
-/// A vector of plain numbers.
-template <typename Archive, typename Numbers>
-void numbers(Archive& a, Numbers& values) {
-  a.count(values, sizeof(values[0]));
-  for (auto& v : values) a.number(v);
+  });
 }
 
 template <typename Archive, typename Control_>
@@ -389,7 +386,7 @@ void meshHead(Archive& a, Mesh_& m) {
   a.number(m.bounds.max);
 }
 
-void putMesh(Writer& out, const Mesh& mesh) {
+void mesh(Writer& out, const Mesh& mesh) {
   meshHead(out, mesh);
   const bool asFloat = fitsFloat(mesh.positions);
   out.flag(asFloat);
@@ -413,7 +410,7 @@ void putMesh(Writer& out, const Mesh& mesh) {
   toPlanes(uv, mesh.triangleUv.size() * 6, out.room(mesh.triangleUv.size() * 24));
 }
 
-void getMesh(Reader& in, Mesh& mesh) {
+void mesh(Reader& in, Mesh& mesh) {
   meshHead(in, mesh);
   bool asFloat = false;
   in.flag(asFloat);
@@ -440,51 +437,34 @@ void getMesh(Reader& in, Mesh& mesh) {
   fromPlanes(in.take(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
 }
 
+template <typename Archive, typename Finding_>
+void finding(Archive& a, Finding_& f) {
+  a.number(f.severity);
+  a.text(f.code);
+  a.text(f.where);
+  a.number(f.count);
+  a.text(f.message);
+}
+
 template <typename Archive, typename Scene_>
 void sceneBody(Archive& a, Scene_& s) {
   a.text(s.name);
   a.number(s.gravity);
   a.number(s.bounds.min);
   a.number(s.bounds.max);
-  a.count(s.materials, 72);
-  for (auto& m : s.materials) material(a, m);
-  a.count(s.surfaces, 134);
-  for (auto& f : s.surfaces) surface(a, f);
-  a.count(s.textures, 12);
-  for (auto& t : s.textures) {
-    if constexpr (Archive::kReads)
-      getTexture(a, t);
-    else
-      putTexture(a, t);
-  }
-  a.count(s.meshes, 74);
-  for (auto& m : s.meshes) {
-    if constexpr (Archive::kReads)
-      getMesh(a, m);
-    else
-      putMesh(a, m);
-  }
-  a.count(s.tree, 8);
-  for (auto& n : s.tree) {
+  list(a, s.materials, 72, [&a](auto& m) { material(a, m); });
+  list(a, s.surfaces, 134, [&a](auto& f) { surface(a, f); });
+  list(a, s.textures, 12, [&a](auto& t) { texture(a, t); });
+  list(a, s.meshes, 74, [&a](auto& m) { mesh(a, m); });
+  list(a, s.tree, 8, [&a](auto& n) {
     a.text(n.name);
     a.number(n.parent);
-  }
-  a.count(s.parts, 200);
-  for (auto& p : s.parts) part(a, p);
-  a.count(s.joints, 129);
-  for (auto& j : s.joints) joint(a, j);
-  a.count(s.fields, 334);
-  for (auto& f : s.fields) field(a, f);
-  a.count(s.controls, 244);
-  for (auto& c : s.controls) control(a, c);
-  a.count(s.findings, 21);
-  for (auto& f : s.findings) {
-    a.number(f.severity);
-    a.text(f.code);
-    a.text(f.where);
-    a.number(f.count);
-    a.text(f.message);
-  }
+  });
+  list(a, s.parts, 200, [&a](auto& p) { part(a, p); });
+  list(a, s.joints, 129, [&a](auto& j) { joint(a, j); });
+  list(a, s.fields, 334, [&a](auto& f) { field(a, f); });
+  list(a, s.controls, 244, [&a](auto& c) { control(a, c); });
+  list(a, s.findings, 21, [&a](auto& f) { finding(a, f); });
 }
 
 }  // namespace

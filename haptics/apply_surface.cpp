@@ -16,7 +16,8 @@ using assets::Material;
 using assets::Surface;
 using assets::SurfaceTexture;
 
-constexpr int kMaxNear = 4;  // parts that may act before they are touched, a tick
+constexpr int kMaxNear = 4;    // parts that may act before they are touched, a tick
+constexpr int kMaxAsked = 16;  // parts whose nearest point is looked up for that
 
 /// One contact of the proxy with a surface: one pressing plane, or several of one smooth surface.
 struct Touch {
@@ -112,27 +113,67 @@ class SurfaceTick {
            glm::dot(touch.normal, at.normal) > std::cos(surface->creaseAngle);
   }
 
-  /// Surfaces that act before the facets are touched: patches and relief above them, magnets.
+  /// Surfaces that act before the facets are touched: patches and relief above them, magnets. Of those within
+  /// reach the nearest by their bounding spheres are asked first.
   void findNear() {
-    int queries = 0;
-    for (const PartId part : surfaces_.reaching) {
-      if (queries == kMaxNear || count_ == kMaxTouches) return;
-      if (!world_.touchable(part) || touches(part)) continue;
+    const double most = reachOf(surfaces_.reach, surfaces_.forceReach);
+    if (!(most > 0.0)) return;
+    NearList near;
+    const glm::dvec3 grow(parameters_.toolRadius + most);
+    world_.forEachNear({proxy_.position - grow, proxy_.position + grow},
+                       [&](PartId part) { considerNear(part, near); });
+    int acting = 0;
+    for (int i = 0; i < near.count; ++i) {
+      const PartId part = near.parts[static_cast<std::size_t>(i)].part;
       const PartSurface& special = surfaces_.parts[part];
-      const double reach = parameters_.toolRadius + special.reach +
-                           (special.forceReach > 0.0 ? special.forceReach / parameters_.stiffness : 0.0);
-      const Collider& collider = world_.collider(part);
-      const glm::dvec3 off = proxy_.position - transformPoint(world_.pose(part), collider.centre);
-      if (glm::dot(off, off) > (collider.radius + reach) * (collider.radius + reach)) continue;
-      ++queries;
       SurfacePoint at;
+      const double reach = parameters_.toolRadius + reachOf(special.reach, special.forceReach);
       if (!world_.nearest(part, proxy_.position, reach, at)) continue;
       const Material* material = nullptr;
       const Surface* surface = surfaceOf(part, at.triangle, material);
       if (surface == nullptr) continue;
+      if (acting == kMaxNear || count_ == kMaxTouches) {
+        out_.flags |= kFlagOverflow;
+        return;
+      }
+      ++acting;
       touches_[static_cast<std::size_t>(count_++)] =
           Touch{part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1};
     }
+  }
+
+  double reachOf(double length, double force) const { return length + force / parameters_.stiffness; }
+
+  /// Parts whose bounding spheres are within reach, nearest first.
+  struct NearPart {
+    double gap = 0.0;  // m, from the proxy to the sphere; 0 inside
+    PartId part = kNoPart;
+    bool before(const NearPart& other) const {
+      return gap < other.gap || (gap == other.gap && part < other.part);
+    }
+  };
+  struct NearList {
+    std::array<NearPart, kMaxAsked> parts;
+    int count = 0;
+  };
+
+  void considerNear(PartId part, NearList& near) {
+    const PartSurface& special = surfaces_.parts[part];
+    const double own = reachOf(special.reach, special.forceReach);
+    if (!(own > 0.0) || !world_.touchable(part) || touches(part)) return;
+    const Collider& collider = world_.collider(part);
+    const double away = glm::distance(proxy_.position, transformPoint(world_.pose(part), collider.centre));
+    const NearPart entry{std::max(0.0, away - collider.radius), part};
+    if (entry.gap > own + parameters_.toolRadius) return;
+    if (near.count == kMaxAsked) {
+      out_.flags |= kFlagOverflow;
+      if (!entry.before(near.parts.back())) return;
+      --near.count;
+    }
+    int at = near.count++;
+    for (; at > 0 && entry.before(near.parts[static_cast<std::size_t>(at) - 1]); --at)
+      near.parts[static_cast<std::size_t>(at)] = near.parts[static_cast<std::size_t>(at) - 1];
+    near.parts[static_cast<std::size_t>(at)] = entry;
   }
 
   bool touches(PartId part) const {
@@ -197,18 +238,19 @@ class SurfaceTick {
   glm::dvec3 respond(const Touch& touch, const assets::Mesh& mesh, const PatchPoint& patch,
                      const glm::dquat& partFromWorld) {
     const Surface& surface = *touch.surface;
-    const double stiffness =
-        touch.material->stiffness > 0.0 ? touch.material->stiffness : parameters_.stiffness;
+    const double stated = touch.material->stiffness > 0.0 ? touch.material->stiffness : parameters_.stiffness;
+    const double share = shareOfStiffness(surface, stated), stiffness = share * stated;
     const double flatDepth = patch.depth + parameters_.toolRadius;
     glm::dvec3 gradient = patch.depthGradient;
-    const double depth = flatDepth + relief(surface.texture, mesh, patch, stiffness, gradient);
+    const double depth = flatDepth + relief(surface.texture, mesh, patch, stated, gradient);
     glm::dvec3 force =
         patch.depthGradient * magneticPull(surface.magneticForce, surface.magneticDistance, -flatDepth);
     if (!(depth > 0.0)) return force;
 
     SurfaceSlot& slot = slotOf(touch.part);
     slot.active = true;
-    const double pressing = contactLaw(touch, patch, depth, stiffness, gradient, slot);
+    const double pressing =
+        contactLaw(touch, patch, depth, stiffness, share * surface.stiffness2, gradient, slot);
     if (surface.popThroughForce > 0.0 && pressing > surface.popThroughForce) {
       state_.letGo = touch.part;
       noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
@@ -221,16 +263,21 @@ class SurfaceTick {
     return force;
   }
 
+  /// What the device's limit leaves of all springs along the normal together.
+  double shareOfStiffness(const Surface& surface, double stated) const {
+    const double all = stated + (surface.law == Surface::Law::viscoelastic ? surface.stiffness2 : 0.0);
+    return parameters_.stiffnessLimit > 0.0 ? std::min(1.0, parameters_.stiffnessLimit / all) : 1.0;
+  }
+
   /// Force along the depth's gradient, which plastic dents turn.
   double contactLaw(const Touch& touch, const PatchPoint& patch, double depth, double stiffness,
-                    glm::dvec3& gradient, SurfaceSlot& slot) {
+                    double stiffness2, glm::dvec3& gradient, SurfaceSlot& slot) {
     const Surface& surface = *touch.surface;
     if (surface.law == Surface::Law::viscoelastic) {
       slot.stiffness = stiffness;
-      slot.stiffness2 = surface.stiffness2;
+      slot.stiffness2 = stiffness2;
       slot.relaxation = surface.relaxation;
-      return viscoelasticForce(stiffness, surface.stiffness2, surface.relaxation, depth, parameters_.dt,
-                               slot.law);
+      return viscoelasticForce(stiffness, stiffness2, surface.relaxation, depth, parameters_.dt, slot.law);
     }
     if (surface.law == Surface::Law::elastic) return stiffness * depth;
     glm::dvec3 slope(0.0);
@@ -297,7 +344,10 @@ class SurfaceTick {
     if (surface.stickSlipForce > 0.0) {
       const glm::dvec3 tip =
           partFromWorld * (device_.worldFromDevice.position - world_.pose(touch.part).position);
-      force += stickSlip(surface.stickSlipForce, surface.stickSlipStiffness, tip, patch.normal, slot.anchor);
+      const double most = parameters_.stiffnessLimit;
+      const double stiffness =
+          most > 0.0 ? std::min(most, surface.stickSlipStiffness) : surface.stickSlipStiffness;
+      force += stickSlip(surface.stickSlipForce, stiffness, tip, patch.normal, slot.anchor);
     }
     return force;
   }

@@ -12,7 +12,7 @@ double viscoelasticForce(double k, double k2, double tau, double depth, double d
     return std::max(0.0, k * depth);
   }
   const double decay = std::exp(-dt / tau);
-  const double arm = memory.arm * decay + k2 * (depth - memory.depth) * (tau / dt) * (1.0 - decay);
+  const double arm = memory.arm * decay - k2 * (depth - memory.depth) * (tau / dt) * std::expm1(-dt / tau);
   const double force = k * depth + arm;
   if (force >= 0.0) {
     memory = {depth, arm};

@@ -61,7 +61,8 @@ std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
     }
     out->parts[i] = part;
     any = any || part.any;
-    if (part.reach > 0.0 || part.forceReach > 0.0) out->reaching.push_back(static_cast<PartId>(i));
+    out->reach = std::max(out->reach, part.reach);
+    out->forceReach = std::max(out->forceReach, part.forceReach);
   }
   return any ? std::move(out) : nullptr;
 }

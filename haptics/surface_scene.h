@@ -21,8 +21,8 @@ struct PartSurface {
 
 struct SurfaceScene {
   std::vector<std::unique_ptr<ShadedMesh>> shaded;
-  std::vector<PartSurface> parts;  // one a part
-  std::vector<PartId> reaching;    // parts that act before they are touched
+  std::vector<PartSurface> parts;        // one a part
+  double reach = 0.0, forceReach = 0.0;  // the largest of all parts
 };
 
 /// Null if no part's material has a surface.

@@ -15,6 +15,21 @@ SampleShape benchTop(const glm::dvec2& size) {
   return shape;
 }
 
+SampleShape block(const std::string& name, const glm::dvec2& size, double height, LookId look,
+                  std::size_t feel) {
+  SampleShape shape{name, {}, {look}, feel};
+  const double bevel = 1.0 * kMillimetre, corner = 3.0 * kMillimetre;
+  Solid& s = shape.solid;
+  const Loop rim = roundedRectangle(size, corner, 6);
+  const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * bevel), corner - bevel, 6);
+  s.cap(inner, {}, 0.0, Facing::down);
+  s.band(inner, 0.0, rim, bevel);
+  s.band(rim, bevel, rim, height - bevel);
+  s.band(rim, height - bevel, inner, height);
+  s.cap(inner, {}, height, Facing::up);
+  return shape;
+}
+
 std::vector<SampleScene> makeAllScenes() {
   std::vector<SampleScene> scenes;
   scenes.push_back(makePump());
@@ -23,6 +38,7 @@ std::vector<SampleScene> makeAllScenes() {
   scenes.push_back(makeSolarSystem());
   scenes.push_back(makeGuidedPath());
   scenes.push_back(makeControlPanel());
+  scenes.push_back(makeSurfaces());
   return scenes;
 }
 

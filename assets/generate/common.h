@@ -49,6 +49,10 @@ inline std::vector<Feel> commonFeels() {
 /// on.
 SampleShape benchTop(const glm::dvec2& size);
 
+/// A block with rounded corners and bevelled edges (3 mm and 1 mm) on the plane y = 0.
+SampleShape block(const std::string& name, const glm::dvec2& size, double height, LookId look,
+                  std::size_t feel);
+
 /// What stands on the bench keeps this far from it, so that nothing touches at rest. m
 inline constexpr double kRestGap = 0.2 * kMillimetre;
 

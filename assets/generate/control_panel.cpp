@@ -22,21 +22,6 @@ SampleShape turned(const char* name, double radius, double height, double bevel,
   return shape;
 }
 
-/// A block with rounded corners and bevelled edges.
-SampleShape block(const char* name, const glm::dvec2& size, double height, LookId look, FeelId feel) {
-  SampleShape shape{name, {}, {look}, feel};
-  const double bevel = 1.0 * mm, corner = 3.0 * mm;
-  Solid& s = shape.solid;
-  const Loop rim = roundedRectangle(size, corner, 6);
-  const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * bevel), corner - bevel, 6);
-  s.cap(inner, {}, 0.0, Facing::down);
-  s.band(inner, 0.0, rim, bevel);
-  s.band(rim, bevel, rim, height - bevel);
-  s.band(rim, height - bevel, inner, height);
-  s.cap(inner, {}, height, Facing::up);
-  return shape;
-}
-
 /// A knob with twelve flutes, for a tool to turn it by.
 SampleShape knob() {
   SampleShape shape{"dial", {}, {kMachined}, kFeelAluminium};

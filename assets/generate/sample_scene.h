@@ -10,6 +10,7 @@
 
 #include "assets/force_field.h"
 #include "assets/generate/shapes.h"
+#include "assets/surface.h"
 
 namespace tandem::generate {
 
@@ -28,8 +29,9 @@ struct Feel {
   double staticFriction = 0.0;
   double dynamicFriction = 0.0;
   double restitution = 0.0;
-  double stiffness = 0.0;  // N/m
-  double damping = 0.0;    // N·s/m
+  double stiffness = 0.0;     // N/m
+  double damping = 0.0;       // N·s/m
+  assets::Surface surface{};  // its texture's image is into SampleScene::images
 };
 
 /// A solid, and the look of each material slot that it is painted with.
@@ -38,6 +40,7 @@ struct SampleShape {
   Solid solid;
   std::vector<std::size_t> looks;  // into SampleScene::looks
   std::size_t feel = 0;            // into SampleScene::feels
+  double repeat = 0.0;             // m of the x-z plane that texture coordinates cover; 0 = none
 };
 
 /// What makes a part a control; zero leaves a property out. Units: m and N; rad and N·m for a dial.
@@ -72,6 +75,7 @@ struct SampleScene {
   std::vector<Feel> feels;
   std::vector<SampleShape> shapes;
   std::vector<SamplePart> parts;
+  std::vector<assets::TextureImage> images{};
 };
 
 SampleScene makePump();
@@ -80,6 +84,7 @@ SampleScene makePegBoard();
 SampleScene makeSolarSystem();
 SampleScene makeGuidedPath();
 SampleScene makeControlPanel();
+SampleScene makeSurfaces();
 
 /// All of them, in the order of their files.
 std::vector<SampleScene> makeAllScenes();

@@ -6,6 +6,7 @@
 
 #include <tiny_gltf.h>
 
+#include "assets/generate/grey_png.h"
 #include "assets/generate/sample_scene.h"
 
 namespace tandem::generate {
@@ -42,9 +43,74 @@ int addAccessor(tinygltf::Model& model, const std::vector<T>& data, int componen
   accessor.bufferView = static_cast<int>(model.bufferViews.size()) - 1;
   accessor.componentType = componentType;
   accessor.type = type;
-  accessor.count = data.size() / (type == TINYGLTF_TYPE_VEC3 ? 3 : 1);
+  accessor.count =
+      data.size() / static_cast<std::size_t>(tinygltf::GetNumComponentsInType(static_cast<uint32_t>(type)));
   model.accessors.push_back(accessor);
   return static_cast<int>(model.accessors.size()) - 1;
+}
+
+void add(Object& object, const char* key, double value) {
+  if (value != 0.0) object[key] = number(value);
+}
+
+/// Of {"force": .., "distance": ..} and the like, if any is set.
+void addPair(Object& object, const char* key, const char* first, double a, const char* second, double b) {
+  if (a != 0.0 || b != 0.0) object[key] = tinygltf::Value(Object{{first, number(a)}, {second, number(b)}});
+}
+
+tinygltf::Value textureValue(const assets::SurfaceTexture& texture) {
+  static const char* const kFunctions[] = {"", "", "sine", "grid", "bumps", "noise"};
+  Object value;
+  if (texture.pattern == assets::SurfaceTexture::Pattern::image)
+    value["image"] = index(texture.image);
+  else
+    value["function"] = tinygltf::Value(std::string(kFunctions[static_cast<std::size_t>(texture.pattern)]));
+  add(value, "amplitude", texture.amplitude);
+  add(value, "wavelength", texture.wavelength);
+  if (texture.frictionScale != 1.0) value["frictionScale"] = number(texture.frictionScale);
+  return tinygltf::Value(value);
+}
+
+/// What extras.haptic of a physics material says beyond stiffness, damping and friction.
+void addSurface(Object& haptic, const assets::Surface& surface) {
+  add(haptic, "creaseAngle", surface.creaseAngle);
+  add(haptic, "viscosity", surface.viscosity);
+  if (surface.texture.pattern != assets::SurfaceTexture::Pattern::none)
+    haptic["texture"] = textureValue(surface.texture);
+  addPair(haptic, "vibration", "frequency", surface.vibrationFrequency, "amplitude",
+          surface.vibrationAmplitude);
+  addPair(haptic, "stickSlip", "force", surface.stickSlipForce, "stiffness", surface.stickSlipStiffness);
+  addPair(haptic, "magnetic", "force", surface.magneticForce, "distance", surface.magneticDistance);
+  if (surface.popThroughForce != 0.0)
+    haptic["popThrough"] = tinygltf::Value(Object{{"force", number(surface.popThroughForce)}});
+  if (surface.law == assets::Surface::Law::viscoelastic)
+    haptic["law"] = tinygltf::Value(Object{{"type", tinygltf::Value(std::string("viscoelastic"))},
+                                           {"stiffness2", number(surface.stiffness2)},
+                                           {"relaxation", number(surface.relaxation)}});
+  if (surface.law == assets::Surface::Law::plastic)
+    haptic["law"] = tinygltf::Value(Object{{"type", tinygltf::Value(std::string("plastic"))},
+                                           {"yield", number(surface.yieldForce)},
+                                           {"hardening", number(surface.hardening)}});
+}
+
+void addImages(tinygltf::Model& model, const SampleScene& scene) {
+  for (const assets::TextureImage& image : scene.images) {
+    std::vector<unsigned char> png = greyPng(image);
+    tinygltf::BufferView view;
+    view.buffer = 0;
+    view.byteOffset = model.buffers[0].data.size();
+    view.byteLength = png.size();
+    png.resize((png.size() + 3) / 4 * 4);  // what follows starts on a multiple of its own size
+    model.buffers[0].data.insert(model.buffers[0].data.end(), png.begin(), png.end());
+    tinygltf::Image entry;
+    entry.bufferView = static_cast<int>(model.bufferViews.size());
+    entry.mimeType = "image/png";
+    tinygltf::Texture texture;
+    texture.source = static_cast<int>(model.images.size());
+    model.bufferViews.push_back(view);
+    model.images.push_back(entry);
+    model.textures.push_back(texture);
+  }
 }
 
 void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
@@ -59,6 +125,7 @@ void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
   Array feels;
   for (const Feel& feel : scene.feels) {
     Object haptic{{"stiffness", number(feel.stiffness)}, {"damping", number(feel.damping)}};
+    addSurface(haptic, feel.surface);
     feels.emplace_back(Object{{"name", tinygltf::Value(feel.name)},
                               {"staticFriction", number(feel.staticFriction)},
                               {"dynamicFriction", number(feel.dynamicFriction)},
@@ -68,6 +135,17 @@ void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
   model.extensions["KHR_physics_rigid_bodies"] =
       tinygltf::Value(Object{{"physicsMaterials", tinygltf::Value(feels)}});
   model.extensionsUsed.push_back("KHR_physics_rigid_bodies");
+}
+
+/// Seen from above, the image's middle in the origin and its rows along x.
+int addTextureCoordinates(tinygltf::Model& model, double repeat, const assets::Mesh& welded) {
+  std::vector<float> uv;
+  for (const glm::dvec3& p : welded.positions) {
+    uv.push_back(static_cast<float>(0.5 + p.x / repeat));
+    uv.push_back(static_cast<float>(0.5 + p.z / repeat));
+  }
+  return addAccessor(model, uv, TINYGLTF_COMPONENT_TYPE_FLOAT, TINYGLTF_TYPE_VEC2,
+                     TINYGLTF_TARGET_ARRAY_BUFFER);
 }
 
 void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mesh& welded) {
@@ -80,6 +158,7 @@ void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mes
     model.accessors.back().minValues.push_back(static_cast<float>(welded.bounds.min[axis]));
     model.accessors.back().maxValues.push_back(static_cast<float>(welded.bounds.max[axis]));
   }
+  const int uvAccessor = shape.repeat > 0.0 ? addTextureCoordinates(model, shape.repeat, welded) : -1;
   tinygltf::Mesh mesh;
   mesh.name = shape.name;
   for (std::size_t slot = 0; slot < shape.looks.size(); ++slot) {
@@ -89,6 +168,7 @@ void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mes
         corners.insert(corners.end(), welded.triangles[t].begin(), welded.triangles[t].end());
     tinygltf::Primitive primitive;
     primitive.attributes["POSITION"] = positionAccessor;
+    if (uvAccessor >= 0) primitive.attributes["TEXCOORD_0"] = uvAccessor;
     primitive.indices = addAccessor(model, corners, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                                     TINYGLTF_TYPE_SCALAR, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
     primitive.material = static_cast<int>(shape.looks[slot]);
@@ -147,9 +227,6 @@ tinygltf::Value numbers(const std::vector<double>& values) {
 /// extras.haptic.control of a node.
 tinygltf::Value controlExtras(const SampleControl& c) {
   Object control{{"kind", tinygltf::Value(c.kind)}, {"axis", vector(c.axis)}};
-  const auto add = [](Object& object, const char* key, double value) {
-    if (value != 0.0) object[key] = number(value);
-  };
   if (c.min != c.max) {
     control["min"] = number(c.min);
     control["max"] = number(c.max);
@@ -190,6 +267,7 @@ std::string toGlb(const SampleScene& scene) {
   model.asset.generator = "tandem-scenes";
   model.buffers.emplace_back();
   addMaterials(model, scene);
+  addImages(model, scene);
   std::vector<assets::Mesh> meshes;
   for (const SampleShape& shape : scene.shapes) {
     meshes.push_back(assets::analyseMesh(shape.solid.soup(), 0.5).mesh);

@@ -10,6 +10,7 @@
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
 #include "client/device_class.h"
+#include "client/scene_features.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 
@@ -100,8 +101,27 @@ const char* severity(assets::Finding::Severity severity) {
   return "note";
 }
 
+/// Everything about how a scene feels beyond its shape.
+struct Features {
+  std::vector<Feature> surfaces, fields, controls;
+};
+
+nlohmann::ordered_json featureJson(const Feature& feature, const char* name, const char* kind) {
+  nlohmann::ordered_json json = {{name, feature.name}, {kind, feature.kind}};
+  nlohmann::ordered_json effects = nlohmann::ordered_json::object();
+  for (const Effect& effect : feature.effects) {
+    nlohmann::ordered_json& entry = effects[effect.name] = nlohmann::ordered_json::object();
+    if (!effect.text.empty()) entry["is"] = effect.text;
+    for (const Quantity& quantity : effect.quantities) entry[jsonKey(quantity)] = quantity.value;
+  }
+  json["effects"] = std::move(effects);
+  json["remarks"] = feature.remarks;
+  return json;
+}
+
 nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<PartModel>& models,
-                              const DeviceClass& device, const Arguments& arguments, double stiffest) {
+                              const Features& features, const DeviceClass& device, const Arguments& arguments,
+                              double stiffest) {
   nlohmann::ordered_json json;
   json["parts"] = nlohmann::ordered_json::array();
   for (const PartModel& m : models)
@@ -120,14 +140,25 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
                                 {"where", f.where},
                                 {"count", f.count},
                                 {"message", f.message}});
+  json["surfaces"] = nlohmann::ordered_json::array();
+  for (const Feature& feature : features.surfaces)
+    json["surfaces"].push_back(featureJson(feature, "part", "material"));
   json["fields"] = nlohmann::ordered_json::array();
-  for (const assets::ForceField& f : scene.fields)
+  for (std::size_t i = 0; i < scene.fields.size(); ++i) {
+    const assets::ForceField& f = scene.fields[i];
     json["fields"].push_back({{"name", f.name},
                               {"kind", assets::nameOf(f.kind)},
                               {"energy", assets::nameOf(assets::passivity(f))},
                               {"part", f.part == kNoPart ? "" : scene.parts[f.part].name},
                               {"max_force_n", f.maxForce},
-                              {"stiffness_n_per_m", assets::steepest(f)}});
+                              {"stiffness_n_per_m", assets::steepest(f)},
+                              {"remarks", features.fields[i].remarks}});
+  }
+  json["controls"] = nlohmann::ordered_json::array();
+  for (const Feature& feature : features.controls) {
+    json["controls"].push_back(featureJson(feature, "name", "kind"));
+    json["controls"].back()["part"] = feature.part;
+  }
   json["triangles"] = assets::triangleCount(scene);
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
@@ -135,8 +166,16 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
   return json;
 }
 
-void print(const assets::Scene& scene, const std::vector<PartModel>& models, const DeviceClass& device,
-           const Arguments& arguments, double stiffest) {
+void printFeatures(const char* what, const std::vector<Feature>& features) {
+  for (const Feature& feature : features) {
+    std::printf("%s %s\n", what, inOneLine(feature).c_str());
+    for (const std::string& remark : feature.remarks)
+      std::printf("remark          %s %s: %s\n", what, feature.name.c_str(), remark.c_str());
+  }
+}
+
+void print(const assets::Scene& scene, const std::vector<PartModel>& models, const Features& features,
+           const DeviceClass& device, const Arguments& arguments, double stiffest) {
   std::size_t width = 8;
   for (const PartModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
@@ -151,14 +190,9 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
       std::printf("-\n");
   }
   std::printf("\n%zu parts, %zu triangles\n", scene.parts.size(), assets::triangleCount(scene));
-  for (const assets::ForceField& f : scene.fields) {
-    const double slope = assets::steepest(f);
-    std::printf("field %s: %s, %s, at most %.3g N", f.name.c_str(), assets::nameOf(f.kind),
-                assets::nameOf(assets::passivity(f)), f.maxForce);
-    if (slope > 0.0) std::printf(", up to %.3g N/m", slope);
-    if (f.part != kNoPart) std::printf(", goes with %s", scene.parts[f.part].name.c_str());
-    std::printf("%s\n", slope > stiffest ? "; stiffer than is stable on this device" : "");
-  }
+  printFeatures("surface", features.surfaces);
+  printFeatures("field", features.fields);
+  printFeatures("control", features.controls);
   if (scene.findings.empty()) std::printf("no findings: a clean file\n");
   for (const assets::Finding& f : scene.findings)
     std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
@@ -180,10 +214,13 @@ int run(const Arguments& arguments) {
     models.push_back(modelOf(contact, static_cast<PartId>(i)));
   const double stiffest =
       haptics::stiffestContact(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
+  const FeatureLimits limits{stiffest, device->limits.maxForce, 1.0 / haptics::TickParameters{}.dt};
+  const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
+                          controlFeatures(*scene, limits)};
   if (arguments.json)
-    std::printf("%s\n", toJson(*scene, models, *device, arguments, stiffest).dump(2).c_str());
+    std::printf("%s\n", toJson(*scene, models, features, *device, arguments, stiffest).dump(2).c_str());
   else
-    print(*scene, models, *device, arguments, stiffest);
+    print(*scene, models, features, *device, arguments, stiffest);
   return kExitDone;
 }
 

@@ -164,6 +164,37 @@ TEST(SurfaceEffects, ReliefIsThePotentialOfItsForce) {
   }
 }
 
+TEST(SurfaceEffects, NoSpringOfASurfaceIsStifferThanTheDeviceBears) {
+  Surface surface;
+  surface.texture.pattern = assets::SurfaceTexture::Pattern::sine;  // so that it takes the surface's own way
+  surface.texture.amplitude = 1e-9;
+  surface.texture.wavelength = 0.004;
+  surface.stickSlipForce = 10.0;
+  surface.stickSlipStiffness = 3000.0;
+  haptics::TickParameters limited = springOnly(1000.0);
+  limited.stiffnessLimit = 250.0;
+  HandProbe hand(sheetOf(surface), limited);
+  const auto press = [](HandProbe& probe) {
+    probe.at({0.0, 0.0012, 0.005});
+    probe.to({0.0, 0.0012, -0.002}, 1e-4);
+  };
+  press(hand);
+  EXPECT_NEAR(hand.out.toHand.force.z, 250.0 * 0.002, 1e-5);
+  hand.at({0.001, 0.0012, -0.002});
+  EXPECT_NEAR(hand.out.toHand.force.x, -250.0 * 0.001, 1e-5);
+
+  surface = Surface{};
+  surface.law = Surface::Law::viscoelastic;
+  surface.stiffness2 = 3000.0;
+  surface.relaxation = 1e9;  // never: both springs act for good
+  HandProbe relaxing(sheetOf(surface), limited);
+  press(relaxing);
+  EXPECT_NEAR(relaxing.out.toHand.force.z, 250.0 * 0.002, 1e-5);
+  HandProbe free(sheetOf(surface), springOnly(1000.0));
+  press(free);
+  EXPECT_NEAR(free.out.toHand.force.z, 4000.0 * 0.002, 1e-5) << "without a limit it is as the file has it";
+}
+
 TEST(SurfaceEffects, PlasticSurfaceKeepsItsDentInPlace) {
   Surface surface;
   surface.law = Surface::Law::plastic;

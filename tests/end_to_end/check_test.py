@@ -1,0 +1,101 @@
+#!/usr/bin/env python3
+"""tandem check names what surfaces, fields and controls do, and refuses a bad value in one line.
+
+    python3 tests/end_to_end/check_test.py --bin build/release/bin
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+SCENES = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / "scenes"
+
+# Part of surfaces.glb to what makes it special.
+PLATES = {
+    "damping": ("damping", "damping_ns_per_m", 8.0), "friction": ("friction", "static", 0.8),
+    "friction map": ("texture", "friction_scale", 4.0), "image relief": ("texture", "amplitude_m", 0.0003),
+    "waves": ("texture", "wavelength_m", 0.004), "grid": ("texture", "is", "grid"),
+    "bumps": ("texture", "is", "bumps"), "noise": ("texture", "is", "noise"),
+    "viscosity": ("viscosity", "viscosity_ns_per_m", 6.0), "vibration": ("vibration", "frequency_hz", 80.0),
+    "stick-slip": ("stick-slip", "force_n", 0.6), "magnet": ("magnetic", "distance_m", 0.008),
+    "pop-through": ("pop-through", "force_n", 1.5), "viscoelastic": ("law", "relaxation_s", 0.25),
+    "plastic": ("law", "hardening_n_per_m", 120.0), "smooth dome": ("shading", "crease_angle_rad", 0.5),
+}
+BAD = {
+    "viscosity": -1, "vibration": {"frequency": "fast", "amplitude": 1}, "law": "jelly",
+    "texture": {"function": "wood", "amplitude": 1e-4, "wavelength": 1e-3}, "magnetic": [1, 2],
+}
+failed = []
+
+
+def expect(true, what):
+    if not true:
+        failed.append(what)
+
+
+def run(binaries, *arguments):
+    return subprocess.run([binaries / "tandem", "check", *arguments], capture_output=True, text=True)
+
+
+def one_box(haptic):
+    """A glTF file of one triangle whose node says how it feels."""
+    return json.dumps({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}],
+        "nodes": [{"name": "plate", "mesh": 0, "extras": {"haptic": haptic}}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+        "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "buffers": [{"byteLength": 36, "uri": "data:application/octet-stream;base64,"
+                     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}]})
+
+
+def check_samples(binaries):
+    result = run(binaries, SCENES / "surfaces.glb", "--json", "--device", "damped")
+    plates = {entry["part"]: entry for entry in json.loads(result.stdout)["surfaces"]}
+    for part, (effect, key, value) in PLATES.items():
+        is_ = plates.get(part, {}).get("effects", {}).get(effect, {}).get(key)
+        expect(is_ == value, f"{part}: {effect}.{key} is {is_}, not {value}")
+        expect(not plates.get(part, {}).get("remarks"), f"{part} has remarks")
+    text = run(binaries, SCENES / "surfaces.glb").stdout
+    expect("surface magnet, steel: stiffness 1000 N/m; magnetic force 0.8 N, distance 0.008 m" in text,
+           "the table does not name the magnet")
+    panel = json.loads(run(binaries, SCENES / "control_panel.glb", "--json").stdout)
+    controls = {entry["part"]: entry for entry in panel["controls"]}
+    expect(controls["start"]["kind"] == "button", "the button is not named")
+    expect(controls["start"]["effects"]["click"]["drop_n"] == 0.8, "the click is not named")
+    expect(controls["gauge layer"]["effects"]["roles"]["is"] == "instructor", "the layer's role is not named")
+    expect("control" in run(binaries, SCENES / "control_panel.glb").stdout, "the table names no control")
+    fields = json.loads(run(binaries, SCENES / "solar_system.glb", "--json").stdout)["fields"]
+    expect(len(fields) == 6 and all(f["kind"] == "gravity" for f in fields), "the fields are not named")
+
+
+def check_bad_values(binaries, folder):
+    scene = folder / "bad.gltf"
+    for key, value in BAD.items():
+        scene.write_text(one_box({key: value}))
+        result = run(binaries, scene)
+        lines = result.stderr.strip().splitlines()
+        expect(result.returncode == 2 and len(lines) == 1 and "bad.gltf" in lines[0] and key in lines[0],
+               f"{key}: {result.returncode} {result.stderr!r}")
+    scene.write_text(one_box({"vibration": {"frequency": 700, "amplitude": 0.2}}))
+    result = run(binaries, scene)
+    remarks = [line for line in result.stdout.splitlines() if line.startswith("remark")]
+    expect(result.returncode == 0 and len(remarks) == 1 and "700 Hz" in remarks[0], f"{remarks}")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--bin", type=pathlib.Path, required=True)
+    binaries = parser.parse_args().bin
+    check_samples(binaries)
+    with tempfile.TemporaryDirectory() as folder:
+        check_bad_values(binaries, pathlib.Path(folder))
+    for what in failed:
+        print("FAILED:", what)
+    return 1 if failed else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
