@@ -86,6 +86,18 @@ const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
   return nullptr;
 }
 
+/// Makes a contact on a triangle's edge or corner one with its plane; of a triangle of no area it stays what
+/// it is.
+void takeFacePlane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& position,
+                   SurfacePoint& at) {
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const double length = glm::length(normal);
+  if (!(length > 0.0)) return;
+  const double side = glm::dot(normal, position - at.point);
+  at.normal = side < 0.0 ? -normal / length : normal / length;
+  at.distance = std::abs(side) / length;
+}
+
 /// Settles what a covered edge means: nothing where its face goes on flat or downwards, which is then not
 /// felt from here; the face itself where that rises. False if it means nothing.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
@@ -99,12 +111,7 @@ bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::d
     return glm::dot(cover.surface.normal, p - cover.surface.point);
   };
   if (std::max({height(a), height(b), height(c)}) <= plane.skin) return false;
-  const glm::dvec3 normal = glm::cross(b - a, c - a);
-  const double length = glm::length(normal);
-  if (!(length > 0.0)) return true;
-  const double side = glm::dot(normal, position - at.point);
-  at.normal = side < 0.0 ? -normal / length : normal / length;
-  at.distance = std::abs(side) / length;
+  takeFacePlane(a, b, c, position, at);
   return true;
 }
 
@@ -312,6 +319,24 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   return true;
 }
 
+/// Lets a point that rests on a ridge rest on the face that its way leads onto. False if the mesh does not
+/// tell.
+bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& way,
+                  ProxyPlane& plane) {
+  SurfacePoint at = plane.surface;
+  const std::uint32_t ahead = rollLimit(world, plane, way / glm::length(way)).triangle;
+  if (ahead == kNoTriangle) return false;
+  const Pose& pose = world.pose(at.part);
+  const Triangle t = world.collider(at.part).tree->triangle(ahead);
+  at.triangle = ahead;
+  takeFacePlane(transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c), position,
+                at);
+  // Lower over that face, its sweep would meet the ridge.
+  if (at.distance < 0.75 * plane.skin) return false;
+  plane.surface = at;
+  return true;
+}
+
 using Walks = std::array<SurfaceWalk, kMaxPlanes>;
 
 /// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
@@ -445,9 +470,15 @@ class Descent {
     if (!touches(proxy_))
       return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
 
-    const int alone = mayRoll_ ? onlyPressing(proxy_) : -1;
-    if (alone >= 0 && !planeAt(alone).surface.onFace && roll(alone)) return false;
-    if (alone >= 0 && stillOnSameCrease(planeAt(alone))) {
+    const int alone = onlyPressing(proxy_);
+    if (alone >= 0 && !planeAt(alone).surface.onFace) {
+      ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(alone)];
+      if (mayRoll_ && roll(alone)) return false;
+      if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, way, plane)) {
+        way = wayToGoal(world_, goal_, radius_, proxy_);
+      }
+    }
+    if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) {
       // The goal is under the crease itself: the ball leaves it, by steps that grow by themselves, but
       // slowly.
       boost_ *= 4.0;
