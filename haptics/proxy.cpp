@@ -17,6 +17,7 @@ constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
 constexpr double kMaxStretch = 2.0;
+constexpr double kMaxLeap = 16.0;
 constexpr double kSteepEnough = 1.0 / 64.0;
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
@@ -492,6 +493,10 @@ class Descent {
       way *= stretch_;
       stretch_ = 0.0;
     }
+    const glm::dvec3 step = way;
+    glm::dvec3& before = freed_[static_cast<std::size_t>(pressing())];
+    if (alone < 0) way *= leap(way, before);
+    before = glm::dvec3(0.0);
     bool onCrease = false;
     Walks walks;
     const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
@@ -504,8 +509,25 @@ class Descent {
       passCrease(walks, proxy_);
     }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
-    curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
+    if (!cut && proxy_.planeCount == 0) {
+      curved_ = curved_ || first;
+      before = step;
+    }
     return !changed && !cut && !stretched;
+  }
+
+  /// Steps along a groove between curved surfaces become shorter, or longer, by the same share each: how much
+  /// longer this one must be to end where all would (Aitken's extrapolation).
+  static double leap(const glm::dvec3& way, const glm::dvec3& before) {
+    const double square = glm::dot(before, before), ahead = glm::dot(way, before);
+    if (!(square > 0.0) || ahead < 0.9 * std::sqrt(square) * glm::length(way)) return 1.0;
+    const double ratio = ahead / square;
+    return ratio < 1.0 ? std::min(kMaxLeap, 1.0 / (1.0 - ratio)) : kMaxLeap;
+  }
+
+  int pressing() const {
+    return static_cast<int>(
+        std::count_if(proxy_.planes.begin(), proxy_.planes.begin() + proxy_.planeCount, presses));
   }
 
   /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
@@ -538,9 +560,10 @@ class Descent {
   bool mayRoll_;
   bool lastOnFace_ = true;
   double boost_ = 1.0;
-  double stretch_ = 0.0;     // of the first tangent; 0 = none
-  glm::dvec3 tangent_{0.0};  // m, the first one
-  bool curved_ = false;      // it ended above the surface
+  std::array<glm::dvec3, kMaxPlanes + 1> freed_{};  // m, the last step that lost so many pressing contacts
+  double stretch_ = 0.0;                            // of the first tangent; 0 = none
+  glm::dvec3 tangent_{0.0};                         // m, the first one
+  bool curved_ = false;                             // it ended above the surface
   glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
 };
 
