@@ -11,6 +11,7 @@
 #include "client/commands/command.h"
 #include "client/device_class.h"
 #include "client/scene_features.h"
+#include "haptics/device_defaults.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 
@@ -163,6 +164,8 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
   json["stiffest_stable_n_per_m"] = stiffest;
+  json["stiffest_controlled_n_per_m"] =
+      haptics::stiffestControlled(device.limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
   return json;
 }
 
@@ -198,8 +201,10 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
     std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
                 f.message.c_str(), f.where.empty() ? "" : "  in ", f.where.c_str());
   std::printf(
-      "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms)\n",
-      stiffest, device.what, device.limits.damping, arguments.delay_ms);
+      "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms); "
+      "%.0f N/m under the passivity controller, as 'tandem join' has it\n",
+      stiffest, device.what, device.limits.damping, arguments.delay_ms,
+      haptics::stiffestControlled(device.limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3));
 }
 
 int run(const Arguments& arguments) {

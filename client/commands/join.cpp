@@ -34,12 +34,13 @@ struct Arguments {
   int width = 1440, height = 900;
 };
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
 
 /// Ownership and grabs over the run, for --json.
 struct Report {
   std::vector<OwnershipNote> ownership;
   std::vector<GrabNote> grabs;
+  int faultClears = 0;
   void collect(JoinedSite& site) {
     for (OwnershipNote& note : site.takeOwnershipNotes()) ownership.push_back(note);
     for (GrabNote& note : site.takeGrabNotes()) grabs.push_back(note);
@@ -171,6 +172,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
     if ((model.hand.flagsSeen & flag) != 0) json["flags_seen"].push_back(name);
   json["fault"] = nullptr;
   if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
+  json["fault_clears"] = report.faultClears;
   json["stiffest_contact_n_per_m"] = model.hand.stiffest;
   json["grabs"] = nlohmann::ordered_json::array();
   for (const GrabNote& grab : report.grabs)
@@ -250,6 +252,7 @@ class JoinRun {
     while (!interrupted && end_.empty()) {
       site_.update(model_);
       report_.collect(site_);
+      clearFaults();
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
       if (viewer_) {
         const ViewActions actions = viewer_->frame(model_);
@@ -270,6 +273,14 @@ class JoinRun {
       }
     }
     if (end_.empty()) end_ = "interrupted";
+  }
+
+  /// What SIGUSR1 asked for: there may be no window with a button for it.
+  void clearFaults() {
+    const int asked = faultClears;
+    if (asked == report_.faultClears) return;
+    report_.faultClears = asked;
+    site_.clearFault();
   }
 
   /// The tip follows the mouse. A mouse can jump to the other side of a part, where a hand could not go: a
@@ -356,6 +367,7 @@ int run(Arguments& arguments) {
   options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
   options.recordPath = arguments.record;
   std::signal(SIGINT, [](int) { interrupted = 1; });
+  std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
   const bool terminal = isatty(STDERR_FILENO) != 0;
   double shown = -1.0;
@@ -403,6 +415,7 @@ void addJoin(CLI::App& app, int& exitCode) {
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "In the window F1 shows all keys. Space stops all force.\n"
+      "A fault turns force off until C, its button or the signal USR1 clears it.\n"
       "Example: tandem join 'tandem://review.example:7480/participant?token=...&pin=...' --name Ada");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }

@@ -158,7 +158,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare) {
   device_ = std::move(device);
   const haptics::DeviceLimits limits = device_->limits();
-  haptics::fitToDevice(limits, 0.0, settings_.parameters);
+  stiffest_ = haptics::fitToDevice(limits, 0.0, settings_.parameters);
   exchange_->settings.write(settings_);
   link_->sceneReady(scene_, *exchange_);
   servo_ = std::make_unique<haptics::ServoLoop>(
@@ -322,7 +322,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.flags = output.tick.flags;
   hand.flagsSeen = output.flagsSeen;
   hand.fault = output.fault != nullptr ? output.fault : "";
-  hand.stiffest = settings_.parameters.stiffnessLimit;
+  hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();
   model.loop.compute_us_p50 = servo.compute_us_p50;
   model.loop.compute_us_p99 = servo.compute_us_p99;
@@ -346,6 +346,11 @@ void JoinedSite::updateHand(ViewModel& model) {
 
 void JoinedSite::reseat() {
   ++settings_.reseats;
+  exchange_->settings.write(settings_);
+}
+
+void JoinedSite::clearFault() {
+  ++settings_.faultResets;
   exchange_->settings.write(settings_);
 }
 

@@ -70,6 +70,8 @@ class JoinedSite {
   void update(ViewModel& model);
   /// Puts the tip of the stylus back onto the device: it is caught behind something.
   void reseat();
+  /// Lets force come back after a fault, for a site without a window; a ViewActions does the same.
+  void clearFault();
   /// Hands the person's actions on.
   void act(const ViewActions& actions);
 
@@ -110,6 +112,7 @@ class JoinedSite {
 
   // main thread
   HandSettingsInput settings_;
+  double stiffest_ = 0.0;  // N/m, of a contact on this device; 0 = any
   std::vector<Notice> notices_;
   std::vector<float> recentForces_;
   double lastUpdate_ = 0.0;

@@ -23,6 +23,11 @@ std::string ownedBy(const ViewModel& model, SiteId site) {
 
 }  // namespace
 
+std::string faultLine(const ViewModel& model) {
+  return "force is off: broken: " + model.hand.fault + "; kill -USR1 " + std::to_string(::getpid()) +
+         " clears it";
+}
+
 LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0) {}
 
 void LiveTable::show(const ViewModel& model, double elapsed) {
@@ -56,6 +61,10 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
               partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str());
   end();
+  if (!model.hand.fault.empty()) {
+    std::fputs(("  ! " + faultLine(model)).c_str(), stdout);
+    end();
+  }
   for (const SiteView& site : model.sites) {
     std::printf("  %s%-16s %-11s %-5s owns %s", site.self ? "*" : " ", site.info.name.c_str(),
                 sync::toString(site.info.role), site.info.connected ? "here" : "away",
@@ -79,6 +88,11 @@ void LiveTable::tellNews(const ViewModel& model, double elapsed) {
       std::fflush(stdout);
     }
   toldUpTo_ = elapsed;
+  if (model.hand.fault == toldFault_) return;
+  toldFault_ = model.hand.fault;
+  std::printf("%7.1f s  %s\n", elapsed,
+              toldFault_.empty() ? "the fault is cleared" : faultLine(model).c_str());
+  std::fflush(stdout);
 }
 
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {

@@ -22,6 +22,7 @@ class LiveTable {
   void tellNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
   double next_ = 0.0, toldUpTo_ = -1.0;  // s since the start
+  std::string toldFault_;
   int lines_ = 0;
 };
 

@@ -122,6 +122,10 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
     separatorDot();
     ImGui::TextColored(theme::kBad, "force is off");
   }
+  if (hasFault(model)) {
+    separatorDot();
+    ImGui::TextColored(theme::kBad, "fault: force is off  (C clears it)");
+  }
   char right[64];
   std::snprintf(right, sizeof right, "%.0f fps     F1 help", static_cast<double>(ImGui::GetIO().Framerate));
   ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right).x);
@@ -237,6 +241,7 @@ void drawHelp(const PanelContext& context) {
   static constexpr Key kKeys[] = {
       {nullptr, "Safety"},
       {"Space", "zero force, on and off (Ctrl + Space while typing)"},
+      {"C", "clear a fault: force comes back, rising slowly"},
       {nullptr, "Camera"},
       {"Right or middle drag", "turn about the point under the mouse"},
       {"Shift + drag", "shift"},

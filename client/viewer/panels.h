@@ -49,6 +49,11 @@ class PartTree {
   std::vector<bool> open_;
 };
 
+/// Whether a fault keeps force off.
+inline bool hasFault(const ViewModel& model) {
+  return (model.hand.flags & haptics::kFlagFault) != 0 || !model.hand.fault.empty();
+}
+
 /// Side panels and status bar; returns what they leave of the window for the scene.
 Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& window);
 

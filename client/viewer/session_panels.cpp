@@ -106,7 +106,7 @@ void drawFlags(const PanelContext& context) {
       ImGui::TextColored(entry.bad ? theme::kBad : theme::kWarning, "\xE2\x97\x8F %s", entry.text);
     }
   if (!context.model.hand.fault.empty()) ImGui::TextWrapped("broken: %s", context.model.hand.fault.c_str());
-  if ((context.model.hand.flags & haptics::kFlagFault) && ImGui::Button("Clear the fault"))
+  if (hasFault(context.model) && !context.model.replay && ImGui::Button("Clear the fault  (C)"))
     context.actions.resetFault = true;
 }
 
@@ -212,6 +212,11 @@ void drawSettings(const PanelContext& context) {
     slider("Gain", "##gain", settings.gain, 0.0f, 1.0f, "%.2f", 0);
     slider("Stiffness", "##stiffness", settings.stiffness, 50.0f, 5000.0f, "%.0f N/m",
            ImGuiSliderFlags_Logarithmic);
+    if (const double stiffest = context.model.hand.stiffest; stiffest > 0.0)
+      valueLine("Stable on this device",
+                settings.stiffness > stiffest ? format("only up to %.0f N/m", stiffest)
+                                              : format("up to %.0f N/m", stiffest),
+                settings.stiffness > stiffest ? theme::kWarning : theme::kGood);
     if (settings.forceLimit != before.forceLimit || settings.gain != before.gain ||
         settings.stiffness != before.stiffness)
       context.actions.settingsChanged = true;

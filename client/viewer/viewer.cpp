@@ -91,6 +91,7 @@ class SceneViewer final : public Viewer {
   ViewActions frame(const ViewModel& model) override;
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
+  void pressKey(int key) override { queuedKeys_.push_back(key); }
 
  private:
   enum class Drag { none, turn, shift };
@@ -128,6 +129,7 @@ class SceneViewer final : public Viewer {
   std::unique_ptr<Interface> interface_;
   PartTree tree_;
   UiState ui_;
+  std::vector<int> queuedKeys_;  // for the next frame
   StylusControl stylus_;
   Camera camera_;
   assets::Bounds sceneBounds_;
@@ -196,6 +198,9 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
       case GLFW_KEY_SPACE:
         actions.settings.zeroForce = !actions.settings.zeroForce;
         actions.settingsChanged = true;
+        break;
+      case GLFW_KEY_C:
+        actions.resetFault = hasFault(model);
         break;
       case GLFW_KEY_F:
         ui_.fit =
@@ -326,6 +331,8 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   surface_->makeCurrent();
   Input input;
   interface_->begin(input);
+  input.keysPressed.insert(input.keysPressed.end(), queuedKeys_.begin(), queuedKeys_.end());
+  queuedKeys_.clear();
   ViewActions actions;
   actions.settings = model.settings;
   actions.quit = surface_->closeRequested();

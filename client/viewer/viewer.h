@@ -31,6 +31,8 @@ class Viewer {
   /// Writes the last frame as a PNG.
   virtual Status screenshot(const std::string& path) = 0;
   virtual Camera& camera() = 0;
+  /// A key (GLFW's code) for the next frame, as if it had been pressed.
+  virtual void pressKey(int key) = 0;
 };
 
 /// Whether a display can be expected (DISPLAY or WAYLAND_DISPLAY is set).

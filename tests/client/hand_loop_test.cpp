@@ -233,6 +233,29 @@ TEST_F(HandLoopTest, ATipThatIsCaughtComesBackToTheDeviceWithoutForce) {
   EXPECT_EQ(glm::length(lastForce_), 0.0);
 }
 
+TEST_F(HandLoopTest, AFaultTakesTheForceUntilThePersonClearsIt) {
+  for (int i = 0; i < 20; ++i) {
+    device_.position.z -= 1e-4;
+    tick();
+  }
+  device_.position.z = 0.019;
+  tick(300);
+  const double pressed = glm::length(lastForce_);
+  ASSERT_GT(pressed, 0.3);
+  Pose broken;
+  broken.position.x = std::nan("");
+  tell(NetworkEvent::Kind::ownership, kSelf, 1, broken, 2);  // taken as it is after the blend
+  tick(600);
+  EXPECT_STREQ(hand_->output().fault, "isValid(command.pose)");
+  EXPECT_EQ(glm::length(lastForce_), 0.0);
+  HandSettingsInput settings;
+  settings.faultResets = 1;
+  exchange_->settings.write(settings);
+  tick(300);
+  EXPECT_EQ(hand_->output().fault, nullptr);
+  EXPECT_NEAR(glm::length(lastForce_), pressed, 1e-6);
+}
+
 TEST_F(HandLoopTest, PlaysOutWhatAnotherSiteMoves) {
   tell(NetworkEvent::Kind::ownership, kOther, 2, scene_.parts[1].worldFromPart, 1);
   std::uint32_t sequence = 0;

@@ -1,6 +1,8 @@
 #include "client/viewer/viewer.h"
 
 #include <epoxy/gl.h>
+
+#include <GLFW/glfw3.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -102,6 +104,17 @@ TEST_F(ViewerTest, MovedPartsAreDrawnWhereTheyAre) {
   const Picture picture = draw();
   EXPECT_TRUE(isGreen(picture.at(kWidth / 4 + 20, kHeight / 2)));
   EXPECT_TRUE(isRed(picture.at(3 * kWidth / 4 - 20, kHeight / 2)));
+}
+
+TEST_F(ViewerTest, AKeyClearsAFaultAndNothingElseDoes) {
+  viewer_->pressKey(GLFW_KEY_C);
+  EXPECT_FALSE(viewer_->frame(model_).resetFault) << "there is none";
+  model_.hand.flags = haptics::kFlagFault;
+  model_.hand.fault = "x > 0";
+  EXPECT_FALSE(viewer_->frame(model_).resetFault);
+  viewer_->pressKey(GLFW_KEY_C);
+  EXPECT_TRUE(viewer_->frame(model_).resetFault);
+  EXPECT_FALSE(viewer_->frame(model_).resetFault) << "once a press";
 }
 
 TEST_F(ViewerTest, TheSameModelGivesTheSamePicture) {

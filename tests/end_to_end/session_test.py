@@ -308,6 +308,20 @@ def test_scene_transfer(binaries, folder, figures):
         server.stop()
 
 
+def test_fault_signal(binaries, folder, figures):
+    """A site without a window: USR1 clears a fault, and does not end it."""
+    server = Server(binaries, folder)
+    try:
+        site = Site(binaries, folder, server.link("participant"), "ada", [], 4)
+        time.sleep(2.0)
+        site.process.send_signal(signal.SIGUSR1)
+        result = site.result()
+        check(result["end"] == "done" and result["fault_clears"] == 1, f"one signal, heard: {result['fault_clears']}")
+        check(result["fault"] is None, "no fault is left")
+    finally:
+        server.stop()
+
+
 def soak(binaries, folder, seconds):
     """People come, take parts, leave or are killed; the server is killed now and then; it must all go on."""
     server = Server(binaries, folder)
@@ -338,7 +352,8 @@ def soak(binaries, folder, seconds):
     print(f"soak: {rounds} rounds in {seconds:.0f} s")
 
 
-TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals, test_scene_transfer]
+TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals, test_scene_transfer,
+         test_fault_signal]
 
 
 def main():

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/device_defaults.h"
+#include "haptics/simulated_hand.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::test {
@@ -108,6 +110,73 @@ TEST(ClosedLoop, ThePassivityControllerRestsAtThreeTimesTheStiffestStable) {
         EXPECT_LT(outcome.control, times * twoBOverT(b) * 1e-3) << b << ' ' << quantum << ' ' << times;
       }
     }
+  }
+}
+
+/// A relaxed hand that holds the device presses it onto a wall; the last second at rest.
+struct Rest {
+  double way = 0.0, force = 0.0;  // peak to peak, m and N
+};
+
+Rest handAtRest(const haptics::TickParameters& parameters, const haptics::SimulatedDeviceParameters& device) {
+  SceneBuilder b;
+  b.addPart(sheetMesh(0.4, 1));
+  HandProbe probe(b.scene, parameters);
+  Pose start;
+  start.position.z = 0.005;
+  haptics::SimulatedHand hand({}, device, start);
+  haptics::HandTarget target;
+  double low = 1e9, high = -1e9, least = 1e9, most = -1e9;
+  for (int i = 0; i < 8000; ++i) {
+    target.worldFromTarget.position.z = std::max(-0.02, 0.005 - 2e-5 * i);
+    probe.sample = hand.sample(1e-3 * i);
+    const double force = probe.tick().toHand.force.z;
+    hand.step(target, probe.out.toHand.force, 1e-3);
+    if (i < 7000) continue;
+    low = std::min(low, hand.devicePose().position.z);
+    high = std::max(high, hand.devicePose().position.z);
+    least = std::min(least, force);
+    most = std::max(most, force);
+  }
+  return {high - low, most - least};
+}
+
+/// What `tandem join` makes of a device of this damping, contact damping left out.
+haptics::TickParameters defaultsFor(const haptics::SimulatedDeviceParameters& device) {
+  haptics::DeviceLimits limits;
+  limits.maxForce = device.forceMax;
+  limits.mass = device.mass;
+  limits.damping = device.damping;
+  limits.quantum = device.quantum;
+  haptics::TickParameters p;
+  p.damping = 0.0;
+  haptics::fitToDevice(limits, 0.0, p);
+  p.stiffness = p.stiffnessLimit;
+  return p;
+}
+
+TEST(ClosedLoop, AtTheDefaultsAHandRestsWithNoMoreThanTheQuantumOfTheSpring) {
+  for (const double friction : {0.0, 0.05}) {
+    for (const double damping : {0.1, 0.5, 1.0}) {
+      haptics::SimulatedDeviceParameters device;
+      device.damping = damping;
+      device.friction = friction;
+      haptics::TickParameters p = defaultsFor(device);
+      ASSERT_DOUBLE_EQ(p.stiffness, 1.5 * twoBOverT(damping));
+      const Rest rest = handAtRest(p, device);
+      EXPECT_LT(rest.way, 0.5 * kQuantum) << damping << ' ' << friction;
+      EXPECT_LE(rest.force, 1.001 * p.stiffness * kQuantum) << damping << ' ' << friction;
+    }
+  }
+}
+
+TEST(ClosedLoop, AtTheDefaultsABareDeviceStaysWithinAQuantumAndWithoutTheControllerNeverRests) {
+  for (const double b : {0.1, 0.5, 1.0, 2.0}) {
+    haptics::SimulatedDeviceParameters device;
+    device.damping = b;
+    const double k = defaultsFor(device).stiffness;
+    EXPECT_LE(0.5 * run({k, b, kQuantum, true}, untilQuiet(b, 0.5)).swing, kQuantum) << b;
+    EXPECT_GT(0.5 * run({k, b, kQuantum, false}).swing, 5.0 * kQuantum) << b;
   }
 }
 

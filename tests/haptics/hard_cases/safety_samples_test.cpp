@@ -139,12 +139,14 @@ TEST(DeviceDefaults, TakeTheLimitsAndTheStiffestContactOfADevice) {
   limits.maxForce = 5.0;
   limits.damping = 0.25;
   haptics::TickParameters p;
-  EXPECT_DOUBLE_EQ(haptics::fitToDevice(limits, 0.0, p), 500.0);
+  EXPECT_DOUBLE_EQ(haptics::fitToDevice(limits, 0.0, p), 750.0);  // 1.5 times 2 b / T
   EXPECT_DOUBLE_EQ(p.forceLimit, 5.0);
-  EXPECT_DOUBLE_EQ(p.stiffness, 500.0);
+  EXPECT_DOUBLE_EQ(p.stiffness, 750.0);
   EXPECT_DOUBLE_EQ(p.graspStiffness, 500.0);
-  EXPECT_DOUBLE_EQ(p.stiffnessLimit, 500.0);
+  EXPECT_DOUBLE_EQ(p.stiffnessLimit, 750.0);
   EXPECT_TRUE(p.passivity);
+  haptics::TickParameters delayed;
+  EXPECT_DOUBLE_EQ(haptics::fitToDevice(limits, 0.5e-3, delayed), 250.0) << "b / (T/2 + t_d), and no more";
   limits.damping = 2.0;  // stiff enough for anything: the default stays
   haptics::TickParameters stiff;
   haptics::fitToDevice(limits, 0.0, stiff);
