@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/crease.h"
 #include "haptics/friction_scale.h"
 #include "haptics/surface_walk.h"
 
@@ -187,103 +188,12 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
   return false;
 }
 
-/// The edge a-b, or the corner a = b, of a plane's triangle that the contact lies on; world frame.
-struct Crease {
-  glm::dvec3 a, b;
-};
-
-Crease creaseUnder(const ContactWorld& world, const ProxyPlane& plane) {
-  const Pose& pose = world.pose(plane.surface.part);
-  const Triangle t = world.collider(plane.surface.part).tree->triangle(plane.surface.triangle);
-  const glm::dvec3 corners[3] = {transformPoint(pose, t.a), transformPoint(pose, t.b),
-                                 transformPoint(pose, t.c)};
-  const glm::dvec3& q = plane.surface.point;
-  Crease nearest{corners[0], corners[0]};
-  double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % 3];
-    if (glm::length(q - a) <= plane.skin) return {a, a};
-    const glm::dvec3 along = b - a;
-    const double square = glm::dot(along, along);
-    if (!(square > 0.0)) continue;
-    const glm::dvec3 off = q - a - along * (glm::dot(q - a, along) / square);
-    if (glm::dot(off, off) < least) {
-      least = glm::dot(off, off);
-      nearest = {a, b};
-    }
-  }
-  return nearest;
-}
-
-/// How much of a way leads across a crease rather than along it, m.
-double wayOver(const Crease& crease, const glm::dvec3& way) {
-  const glm::dvec3 axis = crease.b - crease.a;
-  const double square = glm::dot(axis, axis);
-  return glm::length(square > 0.0 ? way - axis * (glm::dot(way, axis) / square) : way);
-}
-
-/// How far a ball that rests on a crease can roll before its contact leaves that crease.
-struct RollLimit {
-  double turn = kMaxRoll;                // rad
-  std::uint32_t triangle = kNoTriangle;  // on which the contact then lies
-};
-
-/// Calls visit(triangle) for the triangles that meet where a contact lies, as far as the mesh knows its
-/// neighbours.
-template <typename Visit>
-void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::dvec3& q, double skin,
-                   Visit&& visit) {
-  constexpr std::size_t kMaxAround = 24;
-  const auto& neighbours = tree.mesh().neighbours;
-  std::array<std::uint32_t, kMaxAround> around{triangle};
-  std::size_t count = 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Triangle t = tree.triangle(around[i]);
-    visit(around[i], t);
-    if (around[i] >= neighbours.size()) continue;
-    const glm::dvec3 corners[3] = {t.a, t.b, t.c};
-    for (std::size_t e = 0; e < 3 && count < kMaxAround; ++e) {
-      const std::uint32_t next = neighbours[around[i]][e];
-      if (next == assets::kNone) continue;
-      const glm::dvec3 along = corners[(e + 1) % 3] - corners[e], off = q - corners[e];
-      const double square = glm::dot(along, along);
-      const double place = square > 0.0 ? std::clamp(glm::dot(off, along) / square, 0.0, 1.0) : 0.0;
-      if (glm::length(off - place * along) > 2.0 * skin) continue;
-      if (std::find(around.begin(), around.begin() + count, next) == around.begin() + count) {
-        around[count++] = next;
-      }
-    }
-  }
-}
-
-/// Around the crease under `plane`, from its normal towards `tangent`, a unit vector. A ball with the contact
-/// q and the normal m stays on q while m . (v - q) <= 0 for every corner v of the triangles that meet there.
-RollLimit rollLimit(const ContactWorld& world, const ProxyPlane& plane, const glm::dvec3& tangent) {
-  const Pose& pose = world.pose(plane.surface.part);
-  const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
-  const glm::dvec3 normal = partFromWorld * plane.surface.normal, ahead = partFromWorld * tangent;
-  const glm::dvec3 q = partFromWorld * (plane.surface.point - pose.position);
-  RollLimit limit;
-  const TriangleBvh& tree = *world.collider(plane.surface.part).tree;
-  forEachAround(tree, plane.surface.triangle, q, plane.skin, [&](std::uint32_t triangle, const Triangle& t) {
-    for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
-      const glm::dvec3 d = corner - q;
-      const double forward = glm::dot(ahead, d);
-      // Along an edge the ball does not leave it.
-      if (glm::length(d) <= 2.0 * plane.skin || forward <= 1e-6 * glm::length(d)) continue;
-      const double turn = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
-      if (turn < limit.turn) limit = {turn, triangle};
-    }
-  });
-  return limit;
-}
-
 /// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
 /// goal: up to the face or edge ahead, or by kMaxRoll, along two tangents of the arc. False if it is there.
 bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, int index,
                     Proxy& proxy) {
   const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
-  const Crease crease = creaseUnder(world, plane);
+  const Crease crease = creaseUnder(world, plane.surface, plane.skin);
   const glm::dvec3 axis = crease.b - crease.a;
   const double square = glm::dot(axis, axis);
   const double place = square > 0.0 ? glm::dot(goal - crease.a, axis) / square : 0.0;
@@ -299,11 +209,12 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   if (sine < 1e-6 && cosine < 0.0) return false;
   const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
   const double angle = std::atan2(sine, cosine);
-  const RollLimit limit = sine > 0.0 ? rollLimit(world, plane, tangent) : RollLimit{};
-  const bool leaves = limit.triangle != kNoTriangle && limit.turn < angle;
+  RollLimit limit;
+  if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
+  const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
   // Over a crease whose other side is not known the ball would roll too far, if the goal is under it.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
-  const double turn = std::min(angle, limit.turn), share = angle > 0.0 ? turn / angle : 1.0;
+  const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
   const glm::dvec3 shift = (foot - plane.surface.point) * share;
   if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
   if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
@@ -325,7 +236,7 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
 bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& way,
                   ProxyPlane& plane) {
   SurfacePoint at = plane.surface;
-  const std::uint32_t ahead = rollLimit(world, plane, way / glm::length(way)).triangle;
+  const std::uint32_t ahead = rollLimit(world, plane.surface, plane.skin, way / glm::length(way)).triangle;
   if (ahead == kNoTriangle) return false;
   const Pose& pose = world.pose(at.part);
   const Triangle t = world.collider(at.part).tree->triangle(ahead);
@@ -355,7 +266,7 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     const double over = 3.0 * plane.skin / length;
     if (walk.sharp || walk.share < over) {
       onCrease = true;
-      const double leaves = wayOver(creaseUnder(world, plane), way);
+      const double leaves = wayOver(creaseUnder(world, plane.surface, plane.skin), way);
       walk.share = leaves > 0.0 ? (3.0 * plane.skin + 0.5 * radius) / leaves : 1.0;
     } else if (walk.share < 1.0) {
       walk.share += over;
