@@ -37,13 +37,13 @@ class PhysicsReader {
     addCounted("convex-hull", hulls_, "Colliders that ask for a convex hull are felt as their exact mesh.");
     addCounted("old-collider-form", oldForms_,
                "Colliders state their shape outside of 'geometry', an outdated form.");
-    addCounted("unused-haptic-property", unusedHaptics_,
-               "extras.haptic holds properties that are not known.");
+    addCounted("unused-haptic-property", unusedHaptics_.count,
+               "extras.haptic holds properties that are not known: " + unusedHaptics_.names + '.');
     return std::move(out_);
   }
 
  private:
-  void addCounted(const char* code, std::uint64_t count, const char* message) {
+  void addCounted(const char* code, std::uint64_t count, const std::string& message) {
     if (count > 0) out_.findings.push_back({Finding::Severity::note, code, "", count, message});
   }
 
@@ -114,7 +114,7 @@ class PhysicsReader {
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
     // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
-    unusedHaptics_ += readSurface(haptic, document_.json, surface.feel);
+    readSurface(haptic, document_.json, surface.feel, unusedHaptics_);
     return true;
   }
 
@@ -327,7 +327,8 @@ class PhysicsReader {
   Section khrShapes_, omiShapes_, khrMaterials_, omiMaterials_, khrFilters_, omiFilters_, khrJoints_,
       omiJoints_;
   std::map<std::string, std::size_t> systems_;
-  std::uint64_t triggers_ = 0, hulls_ = 0, oldForms_ = 0, unusedHaptics_ = 0;
+  std::uint64_t triggers_ = 0, hulls_ = 0, oldForms_ = 0;
+  UnknownProperties unusedHaptics_;
 };
 
 }  // namespace

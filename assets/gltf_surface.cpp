@@ -15,11 +15,10 @@ using nlohmann::json;
 
 constexpr double kLargestAngle = 3.14159265358979323846;
 
-std::uint64_t countUnknown(const JsonObject& object, std::initializer_list<std::string_view> known) {
-  std::uint64_t unknown = 0;
+void noteUnknown(const JsonObject& object, std::initializer_list<std::string_view> known,
+                 UnknownProperties& unknown) {
   for (const auto& [key, value] : object.raw().items())
-    if (std::find(known.begin(), known.end(), key) == known.end()) ++unknown;
-  return unknown;
+    if (std::find(known.begin(), known.end(), key) == known.end()) unknown.add(key);
 }
 
 SurfaceTexture::Pattern patternOf(const JsonObject& texture) {
@@ -33,7 +32,7 @@ SurfaceTexture::Pattern patternOf(const JsonObject& texture) {
 }
 
 void readTexture(const JsonObject& haptic, const json& document, SurfaceTexture& out,
-                 std::uint64_t& unknown) {
+                 UnknownProperties& unknown) {
   const auto texture = haptic.object("texture");
   if (!texture) return;
   const auto textures = document.find("textures");
@@ -49,7 +48,7 @@ void readTexture(const JsonObject& haptic, const json& document, SurfaceTexture&
   out.frictionScale = texture->sizeOr("frictionScale", 1.0);
   if (out.pattern != SurfaceTexture::Pattern::image && !(out.wavelength > 0.0))
     texture->fail("wavelength", "must be positive");
-  unknown += countUnknown(*texture, {"image", "function", "amplitude", "wavelength", "frictionScale"});
+  noteUnknown(*texture, {"image", "function", "amplitude", "wavelength", "frictionScale"}, unknown);
 }
 
 /// The short form: an amplitude in N over a wave of some wavelength.
@@ -65,16 +64,16 @@ void readFlatTexture(const JsonObject& haptic, SurfaceTexture& out) {
 
 /// Two numbers of one object, e.g. {"frequency": 80, "amplitude": 0.3}.
 void readPair(const JsonObject& haptic, const char* key, const char* first, double& a, const char* second,
-              double& b, std::uint64_t& unknown) {
+              double& b, UnknownProperties& unknown) {
   const auto object = haptic.object(key);
   if (!object) return;
   a = object->sizeOr(first, 0.0);
   b = object->sizeOr(second, 0.0);
-  unknown += countUnknown(*object, {first, second});
+  noteUnknown(*object, {first, second}, unknown);
 }
 
 /// "elastic", or an object: {"type": "plastic", "yield": 2, "hardening": 100}.
-void readLaw(const JsonObject& haptic, Surface& out, std::uint64_t& unknown) {
+void readLaw(const JsonObject& haptic, Surface& out, UnknownProperties& unknown) {
   if (!haptic.has("law")) return;
   const json& law = haptic.raw()["law"];
   const std::optional<JsonObject> object = law.is_object() ? haptic.object("law") : std::nullopt;
@@ -91,7 +90,7 @@ void readLaw(const JsonObject& haptic, Surface& out, std::uint64_t& unknown) {
   } else if (name != "elastic") {
     haptic.fail("law", "'" + name.substr(0, 40) + "' is not elastic, viscoelastic or plastic");
   }
-  if (object) unknown += countUnknown(*object, {"type", "stiffness2", "relaxation", "yield", "hardening"});
+  if (object) noteUnknown(*object, {"type", "stiffness2", "relaxation", "yield", "hardening"}, unknown);
 }
 
 /// The bytes of an image that lies in a buffer view or a data URI.
@@ -172,14 +171,21 @@ std::optional<TextureImage> decodeImage(const Bytes& bytes) {
 
 }  // namespace
 
-std::uint64_t readSurface(const JsonObject& haptic, const json& document, Surface& out) {
-  std::uint64_t unknown =
-      countUnknown(haptic, {"stiffness",      "damping",   "staticFriction",   "dynamicFriction",
-                            "field",          "control",   "creaseAngle",      "viscosity",
-                            "texture",        "vibration", "stickSlip",        "magnetic",
-                            "popThrough",     "law",       "stiffness2",       "relaxation",
-                            "yield",          "hardening", "textureAmplitude", "textureWavelength",
-                            "popThroughForce"});
+void UnknownProperties::add(const std::string& name) {
+  constexpr std::uint64_t kNamed = 4;
+  if (++count > kNamed) return;
+  if (!names.empty()) names += ", ";
+  for (const char c : name.substr(0, 40)) names += c >= ' ' && c <= '~' ? c : '?';
+}
+
+void readSurface(const JsonObject& haptic, const json& document, Surface& out, UnknownProperties& unknown) {
+  noteUnknown(haptic, {"stiffness",      "damping",   "staticFriction",   "dynamicFriction",
+                       "field",          "control",   "creaseAngle",      "viscosity",
+                       "texture",        "vibration", "stickSlip",        "magnetic",
+                       "popThrough",     "law",       "stiffness2",       "relaxation",
+                       "yield",          "hardening", "textureAmplitude", "textureWavelength",
+                       "popThroughForce"},
+              unknown);
   out.creaseAngle = std::min(haptic.sizeOr("creaseAngle", 0.0), kLargestAngle);
   out.viscosity = haptic.sizeOr("viscosity", 0.0);
   readTexture(haptic, document, out.texture, unknown);
@@ -191,10 +197,9 @@ std::uint64_t readSurface(const JsonObject& haptic, const json& document, Surfac
   out.popThroughForce = haptic.sizeOr("popThroughForce", 0.0);
   if (const auto popThrough = haptic.object("popThrough")) {
     out.popThroughForce = popThrough->sizeOr("force", out.popThroughForce);
-    unknown += countUnknown(*popThrough, {"force"});
+    noteUnknown(*popThrough, {"force"}, unknown);
   }
   readLaw(haptic, out, unknown);
-  return unknown;
 }
 
 std::vector<TextureImage> readTextures(const GltfDocument& document, std::vector<Surface>& surfaces,

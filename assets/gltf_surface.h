@@ -3,6 +3,7 @@
 // What extras.haptic says about a surface, and the images that it names. For the loader's sources only.
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "assets/gltf_document.h"
@@ -11,10 +12,18 @@
 
 namespace tandem::assets {
 
+/// Properties that nobody reads: misspelt, most likely.
+struct UnknownProperties {
+  std::uint64_t count = 0;
+  std::string names;  // of the first few, fit to be shown
+
+  void add(const std::string& name);
+};
+
 /// Reads the properties of `haptic` that make up a Surface; texture.image becomes a glTF texture index,
-/// checked. Throws GltfError where a known property has a wrong type or sign. Returns how many properties are
-/// unknown.
-std::uint64_t readSurface(const JsonObject& haptic, const nlohmann::json& document, Surface& surface);
+/// checked. Throws GltfError where a known property has a wrong type or sign.
+void readSurface(const JsonObject& haptic, const nlohmann::json& document, Surface& surface,
+                 UnknownProperties& unknown);
 
 /// Decodes the images of all surfaces and turns their texture indices into those of the result. A surface
 /// whose image cannot be read (not PNG or JPEG, a file of its own, too large) loses its texture; `unread`
