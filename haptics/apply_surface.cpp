@@ -49,14 +49,28 @@ class SurfaceTick {
 
   glm::dvec3 run(const glm::dvec3& force) {
     state_.letGo = kNoPart;
+    glm::dvec3 friction = force;
+    for (int i = 0; i < out_.contactCount; ++i) {
+      const Contact& contact = out_.contacts[static_cast<std::size_t>(i)];
+      friction -= contact.force * contact.normal;
+    }
     findTouches();
     findNear();
     for (SurfaceSlot& slot : state_.slots) slot.active = false;
     glm::dvec3 total = force;
+    double before = plainPressing_, now = plainPressing_;  // N, of all contacts together
     for (int i = 0; i < count_; ++i) {
       const Touch& touch = touches_[static_cast<std::size_t>(i)];
-      total += forceOf(touch) - touch.old;
+      const glm::dvec3 felt = forceOf(touch);
+      total += felt - touch.old;
+      const double old = glm::length(touch.old);
+      if (!(old > 0.0)) continue;
+      before += old;
+      now += glm::dot(felt, touch.old) / old;
     }
+    // What presses less holds less: friction stays within the cone. More pressing does not stiffen its
+    // spring.
+    if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
     for (SurfaceSlot& slot : state_.slots)
       if (!slot.active) rest(slot);
     return isFinite(total) ? total : force;
@@ -83,9 +97,13 @@ class SurfaceTick {
     const SurfacePoint& at = plane.surface;
     const Material* material = nullptr;
     const Surface* surface = surfaceOf(at.part, at.triangle, material);
-    if (surface == nullptr || contact < 0) return;
-    const glm::dvec3 push = plane.multiplier * at.normal;
+    if (contact < 0) return;
     const Contact& known = out_.contacts[static_cast<std::size_t>(contact)];
+    if (surface == nullptr) {
+      plainPressing_ += known.force;
+      return;
+    }
+    const glm::dvec3 push = plane.multiplier * at.normal;
     Touch* touch = nullptr;
     for (int i = 0; i < count_ && touch == nullptr; ++i) {
       Touch& other = touches_[static_cast<std::size_t>(i)];
@@ -216,9 +234,16 @@ class SurfaceTick {
     if (!projectOntoPatch(mesh, shaded, touch.triangle, toPart(touch.point), toPart(touch.goal), side,
                           patch) ||
         leavesCone(touch, partFromWorld * touch.normal, patch.normal)) {
-      return touch.old;
+      return touch.contact < 0 ? pullOf(touch) : touch.old;
     }
     return transformVector(pose, respond(touch, mesh, patch, partFromWorld));
+  }
+
+  /// What a magnet does beyond its edges and corners: its potential goes on with the distance.
+  glm::dvec3 pullOf(const Touch& touch) const {
+    const double height = glm::dot(touch.goal - touch.point, touch.normal) - parameters_.toolRadius;
+    return -touch.normal *
+           magneticPull(touch.surface->magneticForce, touch.surface->magneticDistance, height);
   }
 
   static glm::dvec3 facetDirection(const assets::Mesh& mesh, std::uint32_t t) {
@@ -417,6 +442,7 @@ class SurfaceTick {
   TickOutput& out_;
   std::array<Touch, kMaxTouches> touches_;
   int count_ = 0;
+  double plainPressing_ = 0.0;  // N, of contacts without a surface
 };
 
 }  // namespace

@@ -16,6 +16,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/apply_surface.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/embree_yardstick.h"
@@ -163,6 +164,26 @@ class Bench {
       row(k.name, sceneOf(plate(), &k.surface, k.friction), path, yardstick, bare);
   }
 
+  /// What is asked of every tick of a scene without surfaces.
+  void question() {
+    const Scene plain = sceneOf(plate(), nullptr);
+    const haptics::ContactScene contact(plain, 1);
+    const haptics::ContactWorld world(contact);
+    const haptics::Proxy proxy;
+    const haptics::DeviceSample device;
+    const haptics::TickParameters parameters;
+    haptics::SurfaceState state;
+    haptics::TickOutput out;
+    constexpr int kTimes = 10'000'000;
+    glm::dvec3 force(1.0, 0.0, 0.0);
+    const bench::Stopwatch watch;
+    for (int i = 0; i < kTimes; ++i) {
+      force = haptics::applySurface(world, proxy, device, parameters, force, state, out);
+      asm volatile("" : "+m"(force) : : "memory");
+    }
+    report_.value("without surfaces: the question", "ns", 1e9 * watch.seconds() / kTimes);
+  }
+
   void shading() {
     constexpr double kRadius = 0.05;
     const std::vector<glm::dvec3> path = aroundSphere(options_.ticks, kRadius);
@@ -301,6 +322,7 @@ int main(int argc, char** argv) {
   }
   bench::Report report("bench_surfaces");
   Bench all(options, report);
+  all.question();
   all.plates();
   all.shading();
   all.magnets();

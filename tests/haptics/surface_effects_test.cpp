@@ -164,6 +164,84 @@ TEST(SurfaceEffects, ReliefIsThePotentialOfItsForce) {
   }
 }
 
+TEST(SurfaceEffects, AMaterialThatAsksForNothingMakesNoSurfaceScene) {
+  SceneBuilder b;
+  b.scene.materials[0].stiffness = 700.0;
+  b.scene.materials[0].staticFriction = 0.4;
+  b.addPart(sheetMesh(0.2, 4));
+  EXPECT_EQ(haptics::ContactWorld(haptics::ContactScene(b.scene, 1)).surfaces(), nullptr);
+  b.scene.surfaces.emplace_back().viscosity = 1.0;
+  EXPECT_EQ(haptics::ContactWorld(haptics::ContactScene(b.scene, 1)).surfaces(), nullptr) << "nobody uses it";
+  b.scene.materials[0].surface = 0;
+  EXPECT_NE(haptics::ContactWorld(haptics::ContactScene(b.scene, 1)).surfaces(), nullptr);
+}
+
+TEST(SurfaceEffects, OfManyMagnetsTheNearestPull) {
+  // A row of balls, 5 mm apart; each pulls within 2 mm. The tool flies along above them.
+  SceneBuilder b;
+  b.scene.surfaces.emplace_back();
+  b.scene.surfaces[0].magneticForce = 0.5;
+  b.scene.surfaces[0].magneticDistance = 0.002;
+  b.scene.materials[0].surface = 0;
+  const std::uint32_t ball = b.addMesh(sphereMesh(0.002, 24));
+  for (int i = 0; i < 300; ++i) b.addPart(ball, {{0.005 * i, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}});
+  HandProbe hand(b.scene, springOnly(1000.0));
+  for (const int i : {3, 120, 299, 0}) {
+    hand.to({0.005 * i, 0.0, 0.02}, 0.01);
+    const haptics::TickOutput& out = hand.at({0.005 * i, 0.0, 0.003});
+    EXPECT_NEAR(out.toHand.force.z, -0.5, 1e-6) << i;  // half way up its reach
+    EXPECT_EQ(out.flags & haptics::kFlagOverflow, 0u);
+  }
+}
+
+TEST(SurfaceEffects, AMagnetGivesNoEnergyAroundItsEdgesAndCorners) {
+  for (const double scale : {1e-3, 1.0, 20.0}) {
+    SceneBuilder b;
+    b.scene.surfaces.emplace_back();
+    b.scene.surfaces[0].magneticForce = 0.8;
+    b.scene.surfaces[0].magneticDistance = 0.01 * scale;
+    b.scene.materials[0].surface = 0;
+    b.addPart(boxMesh(glm::dvec3(0.04 * scale)));
+    HandProbe hand(b.scene, springOnly(1000.0 / scale));
+    // Loops in and out of reach over the corner (0.02, 0.02, 0.02), an edge and both faces beside it.
+    constexpr int kSteps = 4000;
+    const auto place = [&](int i) {
+      const double a = 2.0 * kPi * i / kSteps;
+      return scale * glm::dvec3(0.021 + 0.006 * std::cos(a), 0.016 + 0.007 * std::sin(2.0 * a),
+                                0.0255 + 0.005 * std::sin(a));
+    };
+    double work = 0.0, facesOnly = 0.0, most = 0.0;
+    glm::dvec3 before = hand.at(place(0)).toHand.force;
+    for (int i = 1; i <= kSteps; ++i) {
+      const glm::dvec3 now = hand.at(place(i)).toHand.force, step = place(i) - place(i - 1);
+      work += glm::dot(0.5 * (before + now), step);
+      // Negative control: a pull that ends where the faces end.
+      if (place(i).x < 0.02 * scale && place(i).y < 0.02 * scale)
+        facesOnly += glm::dot(0.5 * (before + now), step);
+      most = std::max(most, glm::length(now));
+      before = now;
+    }
+    EXPECT_NEAR(most, 0.8, 1e-3) << scale;
+    EXPECT_NEAR(work, 0.0, 1e-7 * scale) << scale;
+    EXPECT_GT(std::abs(facesOnly), 1e-4 * scale) << scale;
+  }
+}
+
+TEST(SurfaceEffects, MoreMagnetsThanCanActAtOnceAreFlagged) {
+  SceneBuilder b;
+  b.scene.surfaces.emplace_back();
+  b.scene.surfaces[0].magneticForce = 0.1;
+  b.scene.surfaces[0].magneticDistance = 0.05;
+  b.scene.materials[0].surface = 0;
+  const std::uint32_t ball = b.addMesh(sphereMesh(0.002, 8));
+  for (int i = 0; i < 30; ++i)
+    b.addPart(ball, {{0.01 * std::cos(0.2 * i), 0.01 * std::sin(0.2 * i), 0.0}, {1.0, 0.0, 0.0, 0.0}});
+  HandProbe hand(b.scene, springOnly(1000.0));
+  const haptics::TickOutput& out = hand.at({0.0, 0.0, 0.01});
+  EXPECT_NE(out.flags & haptics::kFlagOverflow, 0u);
+  EXPECT_LT(out.toHand.force.z, 0.0) << "four of them pull all the same";
+}
+
 TEST(SurfaceEffects, NoSpringOfASurfaceIsStifferThanTheDeviceBears) {
   Surface surface;
   surface.texture.pattern = assets::SurfaceTexture::Pattern::sine;  // so that it takes the surface's own way
