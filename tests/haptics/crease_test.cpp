@@ -183,15 +183,15 @@ std::pair<double, double> ratiosOnSphere(double scale, int triangles) {
 }
 
 TEST(Creases, ShadedFrictionStaysWithinTheConeOfTheSmoothSurface) {
-  for (const double scale : kScales) {
-    const auto [most, sliding] = ratiosOnSphere(scale, 100'000);
-    EXPECT_LT(most, 0.4 * 1.001) << scale;
-    EXPECT_NEAR(sliding, 0.3, 0.3 * 0.005) << scale;
-  }
-  // Where the facets of a coarse mesh lie under the smooth surface, friction is that of the lesser depth.
-  const auto [most, sliding] = ratiosOnSphere(1.0, 10'000);
+  const auto [most, sliding] = ratiosOnSphere(1.0, 100'000);
   EXPECT_LT(most, 0.4 * 1.001);
-  EXPECT_LT(sliding, 0.3 * 0.98);
+  EXPECT_NEAR(sliding, 0.3, 0.3 * 0.005);
+  // Where the facets of a coarse mesh lie under the smooth surface, friction is that of the lesser depth.
+  for (const double scale : kScales) {
+    const auto [coarseMost, coarseSliding] = ratiosOnSphere(scale, 10'000);
+    EXPECT_LT(coarseMost, 0.4 * 1.001) << scale;
+    EXPECT_NEAR(coarseSliding, 0.29, 0.003) << scale;
+  }
 }
 
 TEST(Creases, FrictionBetweenBumpsIsThatOfWhatStillPresses) {
