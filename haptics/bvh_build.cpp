@@ -8,8 +8,13 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <span>
 #include <thread>
 
+#include <glm/common.hpp>
+
+#include "haptics/in_parallel.h"
+#include "haptics/outward.h"
 #include "haptics/simd4.h"
 
 namespace tandem::haptics {
@@ -37,29 +42,51 @@ float halfArea(const Box4& box) {
   return e[0] * e[1] + e[1] * e[2] + e[2] * e[0];
 }
 
-/// Primitives [begin, end), their box and the box of their (doubled) centres.
+/// Primitives [begin, end) and their box.
 struct Range {
   std::uint32_t begin = 0, end = 0;
-  Box4 box, centres;
+  Box4 box;
   int depth = 0;  // binary splits above
   std::uint32_t size() const { return end - begin; }
 };
 
 void grow(Range& range, const BuildPrimitive& p) {
-  const Float4 low = Float4::load(p.low), high = Float4::load(p.high);
-  range.box.grow(low, high);
-  const Float4 centre = low + high;
-  range.centres.grow(centre, centre);
+  range.box.grow(Float4::load(p.low), Float4::load(p.high));
 }
 
 struct Bin {
-  Box4 box, centres;
+  Box4 box;
   std::uint32_t count = 0;
+
+  void add(const BuildPrimitive& p) {
+    box.grow(Float4::load(p.low), Float4::load(p.high));
+    ++count;
+  }
+  void add(const Bin& other) {
+    box.grow(other.box);
+    count += other.count;
+  }
+};
+
+/// The bins of a range along one axis, over its box: the centres would fill theirs better, but cost as much
+/// again to keep track of, and queries do not notice.
+struct Binning {
+  int axis = 0, count = 0;
+  float low = 0.0f, scale = 0.0f;  // of doubled centres
+
+  int of(const BuildPrimitive& p) const {
+    return std::min(count - 1, static_cast<int>((p.low[axis] + p.high[axis] - low) * scale));
+  }
+};
+
+struct Bins {
+  Bin bin[kMaxBins];
+  Bins() {}  // filled as far as needed
 };
 
 class Builder {
  public:
-  explicit Builder(std::vector<BuildPrimitive>& primitives) : primitives_(primitives) {}
+  explicit Builder(std::span<BuildPrimitive> primitives) : primitives_(primitives) {}
 
   /// Splits a range into up to four and writes their boxes; children[i] is a leaf, or to be built from
   /// ranges[i].
@@ -117,8 +144,8 @@ class Builder {
 
   void split(const Range& whole, Range& left, Range& right) const {
     alignas(16) float low[4], high[4];
-    whole.centres.low.store(low);
-    whole.centres.high.store(high);
+    (whole.box.low + whole.box.low).store(low);
+    (whole.box.high + whole.box.high).store(high);
     int axis = 0;
     for (int i = 1; i < 3; ++i) {
       if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
@@ -127,41 +154,62 @@ class Builder {
     if (!(width > 0.0f) || whole.depth >= kMedianDepth) return splitAtMedian(whole, axis, left, right);
 
     const int binCount = std::min<int>(kMaxBins, 4 + static_cast<int>(whole.size() / 4));
-    std::array<Bin, kMaxBins> bins;
-    const float scale = static_cast<float>(binCount) * (1.0f - 1e-6f) / width;
-    const auto binOf = [&](const BuildPrimitive& p) {
-      return std::min(binCount - 1, static_cast<int>((p.low[axis] + p.high[axis] - low[axis]) * scale));
-    };
-    for (std::uint32_t i = whole.begin; i < whole.end; ++i) {
-      const BuildPrimitive& p = primitives_[i];
-      Bin& bin = bins[static_cast<std::size_t>(binOf(p))];
-      const Float4 l = Float4::load(p.low), h = Float4::load(p.high);
-      bin.box.grow(l, h);
-      const Float4 centre = l + h;
-      bin.centres.grow(centre, centre);
-      ++bin.count;
-    }
+    const Binning binning{axis, binCount, low[axis], static_cast<float>(binCount) * (1.0f - 1e-6f) / width};
+    Bins bins;
+    fill(whole, binning, bins);
     const int at = bestSplit(bins, binCount);
     if (at < 0) return splitAtMedian(whole, axis, left, right);
 
     left = right = Range{};
     for (int i = 0; i < binCount; ++i) {
       Range& side = i < at ? left : right;
-      side.box.grow(bins[static_cast<std::size_t>(i)].box);
-      side.centres.grow(bins[static_cast<std::size_t>(i)].centres);
+      side.box.grow(bins.bin[i].box);
     }
-    const auto middle = std::partition(primitives_.begin() + whole.begin, primitives_.begin() + whole.end,
-                                       [&](const BuildPrimitive& p) { return binOf(p) < at; });
-    finish(whole, static_cast<std::uint32_t>(middle - primitives_.begin()), left, right);
+    finish(whole, partition(whole, binning, at), left, right);
+  }
+
+  /// Neighbours in the list mostly fall into one bin: two sets of bins, taken in turn, halve the wait for the
+  /// one before.
+  void fill(const Range& whole, const Binning& binning, Bins& bins) const {
+    std::fill_n(bins.bin, binning.count, Bin{});
+    std::uint32_t i = whole.begin;
+    if (whole.size() >= 64) {
+      Bins odd;
+      std::fill_n(odd.bin, binning.count, Bin{});
+      for (; i + 1 < whole.end; i += 2) {
+        const BuildPrimitive &p = primitives_[i], &q = primitives_[i + 1];
+        bins.bin[binning.of(p)].add(p);
+        odd.bin[binning.of(q)].add(q);
+      }
+      for (int k = 0; k < binning.count; ++k) bins.bin[k].add(odd.bin[k]);
+    }
+    for (; i < whole.end; ++i) bins.bin[binning.of(primitives_[i])].add(primitives_[i]);
+  }
+
+  /// Puts the bins below `at` first; returns where the others begin. Which side a primitive belongs to cannot
+  /// be predicted: exchanging it in any case (Lomuto's partition) is faster than a branch.
+  std::uint32_t partition(const Range& whole, const Binning& binning, int at) const {
+    std::uint32_t middle = whole.begin;
+    for (std::uint32_t i = whole.begin; i < whole.end; ++i) {
+      BuildPrimitive &p = primitives_[i], &q = primitives_[middle];
+      middle += binning.of(p) < at ? 1u : 0u;
+      const Float4 pLow = Float4::load(p.low), pHigh = Float4::load(p.high);
+      const Float4 qLow = Float4::load(q.low), qHigh = Float4::load(q.high);
+      qLow.store(p.low);
+      qHigh.store(p.high);
+      pLow.store(q.low);
+      pHigh.store(q.high);
+    }
+    return middle;
   }
 
   /// The first bin of the right side with the least surface-area cost, or -1 if one side would be empty.
-  static int bestSplit(const std::array<Bin, kMaxBins>& bins, int binCount) {
-    std::array<float, kMaxBins> rightCost{};
+  static int bestSplit(const Bins& bins, int binCount) {
+    std::array<float, kMaxBins> rightCost;
     Box4 box;
     std::uint32_t count = 0;
     for (int i = binCount - 1; i > 0; --i) {
-      const Bin& bin = bins[static_cast<std::size_t>(i)];
+      const Bin& bin = bins.bin[i];
       if (bin.count > 0) box.grow(bin.box);
       count += bin.count;
       rightCost[static_cast<std::size_t>(i)] = count > 0 ? halfArea(box) * static_cast<float>(count) : -1.0f;
@@ -171,7 +219,7 @@ class Builder {
     box = Box4{};
     count = 0;
     for (int i = 1; i < binCount; ++i) {
-      const Bin& bin = bins[static_cast<std::size_t>(i - 1)];
+      const Bin& bin = bins.bin[i - 1];
       if (bin.count > 0) box.grow(bin.box);
       count += bin.count;
       const float right = rightCost[static_cast<std::size_t>(i)];
@@ -204,7 +252,7 @@ class Builder {
     left.depth = right.depth = whole.depth + 1;
   }
 
-  std::vector<BuildPrimitive>& primitives_;
+  std::span<BuildPrimitive> primitives_;
 };
 
 /// A subtree as one piece of work. Large ones become a node with four more; small ones are built whole.
@@ -213,6 +261,7 @@ struct Task {
   Node node;
   std::array<std::unique_ptr<Task>, 4> children;
   std::vector<Node> nodes;  // of a subtree built whole
+  std::uint32_t first = 0;  // where its nodes come to stand
 };
 
 class TaskPool {
@@ -270,39 +319,85 @@ class TaskPool {
   std::size_t open_;
 };
 
-/// Lays the tasks' nodes out depth first: an order that does not depend on who built what, when.
-std::uint32_t flatten(const Task& task, std::vector<Node>& nodes) {
-  const std::uint32_t index = static_cast<std::uint32_t>(nodes.size());
-  if (!task.nodes.empty()) {
-    for (Node node : task.nodes) {
-      for (std::uint32_t& child : node.child) {
-        if ((child & TriangleBvh::kLeafBit) == 0) child += index;
-      }
-      nodes.push_back(node);
-    }
-    return index;
-  }
-  nodes.push_back(task.node);
+/// Decides where the tasks' nodes come to stand, depth first: an order that does not depend on who built
+/// what, when.
+void place(Task& task, std::uint32_t& next, std::vector<Task*>& all) {
+  task.first = next;
+  all.push_back(&task);
+  next += task.nodes.empty() ? 1u : static_cast<std::uint32_t>(task.nodes.size());
   for (int i = 0; i < 4; ++i) {
     if (!task.children[i]) continue;
-    const std::uint32_t child = flatten(*task.children[i], nodes);
-    nodes[index].child[i] = child;
+    place(*task.children[i], next, all);
+    task.node.child[i] = task.children[i]->first;
   }
-  return index;
+}
+
+void copyOut(const Task& task, Node* nodes) {
+  if (task.nodes.empty()) {
+    nodes[task.first] = task.node;
+    return;
+  }
+  Node* out = nodes + task.first;
+  for (const Node& from : task.nodes) {
+    Node& node = *out++ = from;
+    for (std::uint32_t& child : node.child) {
+      if ((child & TriangleBvh::kLeafBit) == 0) child += task.first;
+    }
+  }
+}
+
+/// The primitives of triangles [begin, end), and their range's boxes.
+Range makePrimitives(const assets::Mesh& mesh, const glm::dvec3& centre, std::size_t begin, std::size_t end,
+                     BuildPrimitive* primitives) {
+  Range range;
+  for (std::size_t i = begin; i < end; ++i) {
+    const auto& t = mesh.triangles[i];
+    const glm::dvec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const glm::dvec3 low = glm::min(a, glm::min(b, c)) - centre, high = glm::max(a, glm::max(b, c)) - centre;
+    BuildPrimitive& p = primitives[i];
+    for (int axis = 0; axis < 3; ++axis) {
+      p.low[axis] = roundDown(low[axis]);
+      p.high[axis] = roundUp(high[axis]);
+    }
+    p.setTriangle(static_cast<std::uint32_t>(i));
+    p.unused = 1.0f;
+    grow(range, p);
+  }
+  return range;
 }
 
 }  // namespace
 
-std::vector<Node> buildNodes(std::vector<BuildPrimitive>& primitives, int threads) {
+BuiltTree buildTree(const assets::Mesh& mesh, const glm::dvec3& centre, int threads) {
+  const std::size_t count = mesh.triangles.size();
+  // Not filled with zeros first: pages are then touched by all threads.
+  const auto primitives = std::make_unique_for_overwrite<BuildPrimitive[]>(count);
+  std::vector<Range> shares(static_cast<std::size_t>(threads));
+  inParallel(count, threads, [&](std::size_t begin, std::size_t end, int worker) {
+    shares[static_cast<std::size_t>(worker)] = makePrimitives(mesh, centre, begin, end, primitives.get());
+  });
   Task root;
-  root.range.end = static_cast<std::uint32_t>(primitives.size());
-  for (const BuildPrimitive& p : primitives) grow(root.range, p);
-  const Builder builder(primitives);
+  root.range.end = static_cast<std::uint32_t>(count);
+  for (const Range& share : shares) {
+    root.range.box.grow(share.box);
+  }
+  const Builder builder(std::span(primitives.get(), count));
   TaskPool(builder, &root).run(threads);
-  std::vector<Node> nodes;
-  nodes.reserve(primitives.size() / 5 + 1);
-  flatten(root, nodes);
-  return nodes;
+
+  std::vector<Task*> tasks;
+  std::uint32_t nodeCount = 0;
+  place(root, nodeCount, tasks);
+  BuiltTree tree{std::make_unique_for_overwrite<Node[]>(nodeCount), nodeCount, {}};
+  tree.order.resize(count);
+  std::atomic<std::size_t> next{0};
+  inParallel(count, threads, [&](std::size_t begin, std::size_t end, int) {
+    for (std::size_t i = begin; i < end; ++i) tree.order[i] = primitives[i].triangle();
+    for (std::size_t i = next++; i < tasks.size(); i = next++) {
+      copyOut(*tasks[i], tree.nodes.get());
+      std::vector<Node>().swap(tasks[i]->nodes);
+    }
+  });
+  return tree;
 }
 
 }  // namespace tandem::haptics

@@ -3,6 +3,7 @@
 // The construction behind TriangleBvh; nobody else includes this.
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "haptics/triangle_bvh.h"
@@ -14,7 +15,7 @@ struct alignas(16) BuildPrimitive {
   float low[3];
   std::uint32_t tagged;
   float high[3];
-  float unused = 1.0f;
+  float unused;  // a normal number too
 
   // The index shares a register with floats: the tag makes its bits those of a normal number, never a slow
   // denormal.
@@ -23,7 +24,13 @@ struct alignas(16) BuildPrimitive {
   std::uint32_t triangle() const { return tagged & ~kTag; }
 };
 
-/// Nodes of a tree over `primitives`, which end in leaf order.
-std::vector<TriangleBvh::Node> buildNodes(std::vector<BuildPrimitive>& primitives, int threads);
+struct BuiltTree {
+  std::unique_ptr<TriangleBvh::Node[]> nodes;  // children stand after their parents; no slabs yet
+  std::uint32_t nodeCount = 0;
+  std::vector<std::uint32_t> order;  // triangles in leaf order
+};
+
+/// Boxes are relative to `centre`. The tree does not depend on the number of threads.
+BuiltTree buildTree(const assets::Mesh& mesh, const glm::dvec3& centre, int threads);
 
 }  // namespace tandem::haptics

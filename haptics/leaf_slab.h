@@ -4,12 +4,11 @@
 // a ball that slides over a surface of small ones would meet hundreds. See TriangleBvh::Node::slab.
 
 #include <cstdint>
-#include <span>
 
 #include <glm/vec3.hpp>
 
 #include "haptics/simd4.h"
-#include "haptics/triangle_math.h"
+#include "haptics/triangle_filter.h"
 
 namespace tandem::haptics {
 
@@ -20,9 +19,9 @@ struct FloatBox {
   glm::vec3 extent() const { return (high - low) * 0.5f; }
 };
 
-/// The slab of triangles whose box, relative to `origin`, is `box`; along their mean normal.
-std::uint32_t slabOfTriangles(std::span<const Triangle> triangles, const glm::dvec3& origin,
-                              const FloatBox& box);
+/// The slab of the first `count` of four triangles (the others repeat one of them) whose box is `box`, along
+/// their mean normal. Corners and box are relative to the same point, the corners rounded to float.
+std::uint32_t slabOfTriangles(const Triangles4& triangles, std::uint32_t count, const FloatBox& box);
 
 /// The slab of a node's four children, whose boxes and slabs are given (an empty child has low > high) and
 /// lie in `box`; `largest` is the largest coordinate, m.

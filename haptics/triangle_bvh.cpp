@@ -4,50 +4,17 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <thread>
 
 #include "assets/assert.h"
-#include "haptics/bvh_build.h"
 #include "haptics/leaf_slab.h"
+#include "haptics/outward.h"
 #include "haptics/simd4.h"
 #include "haptics/triangle_filter.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr float kInfinity = std::numeric_limits<float>::infinity();
-constexpr std::size_t kLargeMesh = 16'384;  // triangles from which a second thread pays
-constexpr std::size_t kSlabBlock = 4096;    // nodes
 constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
-
-float roundDown(double x) {
-  const float f = static_cast<float>(x);
-  return static_cast<double>(f) > x ? std::nextafter(f, -kInfinity) : f;
-}
-
-float roundUp(double x) {
-  const float f = static_cast<float>(x);
-  return static_cast<double>(f) < x ? std::nextafter(f, kInfinity) : f;
-}
-
-/// Calls work(begin, end, worker) for equal shares of `count`, one a thread.
-template <typename Work>
-void inParallel(std::size_t count, int workers, const Work& work) {
-  std::vector<std::thread> helpers;
-  const std::size_t share = count / static_cast<std::size_t>(workers) + 1;
-  const auto run = [&](int worker) {
-    const std::size_t begin = std::min(count, share * static_cast<std::size_t>(worker));
-    work(begin, std::min(count, begin + share), worker);
-  };
-  for (int i = 1; i < workers; ++i) helpers.emplace_back(run, i);
-  run(0);
-  for (std::thread& helper : helpers) helper.join();
-}
-
-int workersFor(std::size_t triangles, int threads) {
-  if (triangles <= kLargeMesh) return 1;
-  return threads > 0 ? threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
 
 /// A node (or leaf) still to be visited, with the lower bound of what it can
 /// give.
@@ -117,14 +84,6 @@ class Slabs {
   Float4 above_[3], below_[3], inverse_[3];  // the start, further by the inflation; 1 / motion
 };
 
-Vec4 lowOf(const TriangleBvh::Node& node) {
-  return {Float4::load(node.low[0]), Float4::load(node.low[1]), Float4::load(node.low[2])};
-}
-
-Vec4 highOf(const TriangleBvh::Node& node) {
-  return {Float4::load(node.high[0]), Float4::load(node.high[1]), Float4::load(node.high[2])};
-}
-
 /// A moving ball as four-wide tests against boxes see it. Slabs of the inflated
 /// box are tight for a ball smaller than the box. For a larger one: the
 /// distance to what a box holds is at least
@@ -158,7 +117,7 @@ class MovingBall {
     } else {
       Float4().store(bounds);
     }
-    const Vec4 low = lowOf(node), high = highOf(node);
+    const Vec4 low = node.lows(), high = node.highs();
     const Float4 half(0.5f);
     const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
     const Slab4 slab = unpackSlabs(node.slab, extent);
@@ -235,136 +194,6 @@ int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle
 }
 
 }  // namespace
-
-TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
-  const std::size_t count = mesh.triangles.size();
-  ASSERT(count <= kLeafFirstMask);
-  if (count == 0) return;
-  const int workers = workersFor(count, threads);
-  std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
-  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
-    assets::Bounds own;
-    for (std::size_t i = begin; i < end; ++i) {
-      const Triangle t = triangle(static_cast<std::uint32_t>(i));
-      own.min = glm::min(own.min, glm::min(t.a, glm::min(t.b, t.c)));
-      own.max = glm::max(own.max, glm::max(t.a, glm::max(t.b, t.c)));
-    }
-    bounds[static_cast<std::size_t>(worker)] = own;
-  });
-  setBounds(bounds);
-
-  std::vector<BuildPrimitive> primitives(count);
-  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Triangle t = triangle(static_cast<std::uint32_t>(i));
-      const glm::dvec3 low = glm::min(t.a, glm::min(t.b, t.c)) - centre_;
-      const glm::dvec3 high = glm::max(t.a, glm::max(t.b, t.c)) - centre_;
-      for (int axis = 0; axis < 3; ++axis) {
-        primitives[i].low[axis] = roundDown(low[axis]);
-        primitives[i].high[axis] = roundUp(high[axis]);
-      }
-      primitives[i].setTriangle(static_cast<std::uint32_t>(i));
-    }
-  });
-  nodes_ = buildNodes(primitives, workers);
-  order_.resize(count);
-  for (std::size_t i = 0; i < count; ++i) order_[i] = primitives[i].triangle();
-  ASSERT(depth() <= kMaxDepth);
-  fitAllSlabs(workers);
-}
-
-void TriangleBvh::fitAllSlabs(int workers) {
-  // In blocks of a fixed size, so that the slabs do not depend on the number of threads.
-  inParallel(nodes_.size() / kSlabBlock + 1, workers, [&](std::size_t begin, std::size_t end, int) {
-    for (std::size_t i = begin; i < end; ++i) {
-      fitSlabs(i * kSlabBlock, std::min(nodes_.size(), (i + 1) * kSlabBlock));
-    }
-  });
-}
-
-void TriangleBvh::refit(int threads) {
-  if (empty()) return;
-  const int workers = workersFor(order_.size(), threads);
-  std::vector<assets::Bounds> bounds(static_cast<std::size_t>(workers));
-  inParallel(nodes_.size(), workers, [&](std::size_t begin, std::size_t end, int worker) {
-    bounds[static_cast<std::size_t>(worker)] = fitLeaves(begin, end);
-  });
-  setBounds(bounds);
-  fitInner();
-  fitAllSlabs(workers);
-}
-
-assets::Bounds TriangleBvh::fitLeaves(std::size_t begin, std::size_t end) {
-  assets::Bounds all;
-  for (std::size_t i = begin; i < end; ++i) {
-    Node& node = nodes_[i];
-    for (int k = 0; k < 4; ++k) {
-      const std::uint32_t child = node.child[k];
-      if (child == kEmptyChild || (child & kLeafBit) == 0) continue;
-      assets::Bounds box;
-      for (std::uint32_t j = 0; j < leafCount(child); ++j) {
-        const Triangle t = triangle(order_[(child & kLeafFirstMask) + j]);
-        box.min = glm::min(box.min, glm::min(t.a, glm::min(t.b, t.c)));
-        box.max = glm::max(box.max, glm::max(t.a, glm::max(t.b, t.c)));
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis][k] = roundDown(box.min[axis] - centre_[axis]);
-        node.high[axis][k] = roundUp(box.max[axis] - centre_[axis]);
-      }
-      all.min = glm::min(all.min, box.min);
-      all.max = glm::max(all.max, box.max);
-    }
-  }
-  return all;
-}
-
-void TriangleBvh::fitInner() {
-  // Children stand after their parents.
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    Node& node = nodes_[i];
-    for (int k = 0; k < 4; ++k) {
-      if ((node.child[k] & kLeafBit) != 0) continue;
-      const Node& inner = nodes_[node.child[k]];
-      for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis][k] = *std::min_element(inner.low[axis], inner.low[axis] + 4);
-        node.high[axis][k] = *std::max_element(inner.high[axis], inner.high[axis] + 4);
-      }
-    }
-  }
-}
-
-void TriangleBvh::setBounds(std::span<const assets::Bounds> shares) {
-  bounds_ = {};
-  for (const assets::Bounds& own : shares) {
-    bounds_.min = glm::min(bounds_.min, own.min);
-    bounds_.max = glm::max(bounds_.max, own.max);
-  }
-  if (nodes_.empty()) centre_ = 0.5 * (bounds_.min + bounds_.max);  // a refitted tree keeps its centre
-  const glm::dvec3 furthest = glm::max(glm::abs(bounds_.max - centre_), glm::abs(bounds_.min - centre_));
-  extent_ = roundUp(std::max({furthest.x, furthest.y, furthest.z}));
-}
-
-void TriangleBvh::fitSlabs(std::size_t begin, std::size_t end) {
-  for (std::size_t i = end; i-- > begin;) {
-    Node& node = nodes_[i];
-    for (int k = 0; k < 4; ++k) {
-      const std::uint32_t child = node.child[k];
-      const FloatBox box{{node.low[0][k], node.low[1][k], node.low[2][k]},
-                         {node.high[0][k], node.high[1][k], node.high[2][k]}};
-      node.slab[k] = 0;
-      if (child == kEmptyChild) continue;
-      if ((child & kLeafBit) != 0) {
-        std::array<Triangle, kMaxLeaf> triangles;
-        const std::uint32_t first = child & kLeafFirstMask, count = leafCount(child);
-        for (std::uint32_t j = 0; j < count; ++j) triangles[j] = triangle(order_[first + j]);
-        node.slab[k] = slabOfTriangles(std::span(triangles.data(), count), centre_, box);
-      } else if (child < end) {
-        const Node& inner = nodes_[child];
-        node.slab[k] = slabOfNode(lowOf(inner), highOf(inner), inner.slab, extent_, box);
-      }
-    }
-  }
-}
 
 Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const {
   const glm::dvec3* corners[3][4];
@@ -552,9 +381,9 @@ std::size_t TriangleBvh::gather(const assets::Bounds& box, std::span<std::uint32
 int TriangleBvh::depth() const {
   if (empty()) return 0;
   // Children stand after their parents, so one pass from the front suffices.
-  std::vector<int> levels(nodes_.size(), 1);
+  std::vector<int> levels(nodeCount_, 1);
   int deepest = 1;
-  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+  for (std::size_t i = 0; i < nodeCount_; ++i) {
     for (const std::uint32_t child : nodes_[i].child) {
       if ((child & kLeafBit) != 0) continue;
       levels[child] = levels[i] + 1;

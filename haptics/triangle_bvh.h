@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -75,7 +76,7 @@ class TriangleBvh {
   const assets::Mesh& mesh() const { return *mesh_; }
   const assets::Bounds& bounds() const { return bounds_; }  // exact, of the triangles
   bool empty() const { return order_.empty(); }
-  std::size_t memory() const { return nodes_.size() * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
+  std::size_t memory() const { return nodeCount_ * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
   /// Levels of nodes; for tests.
   int depth() const;
 
@@ -91,6 +92,9 @@ class TriangleBvh {
     float high[3][4];
     std::uint32_t child[4];
     std::uint32_t slab[4];
+
+    Vec4 lows() const { return {Float4::load(low[0]), Float4::load(low[1]), Float4::load(low[2])}; }
+    Vec4 highs() const { return {Float4::load(high[0]), Float4::load(high[1]), Float4::load(high[2])}; }
   };
   static constexpr std::uint32_t kLeafBit = 0x80000000u;
   static constexpr std::uint32_t kEmptyChild = 0xffffffffu;
@@ -103,15 +107,20 @@ class TriangleBvh {
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
   /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
   Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
-  /// Boxes of the leaves of nodes [begin, end), from the positions; returns their bounds.
-  assets::Bounds fitLeaves(std::size_t begin, std::size_t end);
-  /// Bounds of all from those of shares, the extent, and before there are nodes the centre.
-  void setBounds(std::span<const assets::Bounds> shares);
-  void fitAllSlabs(int workers);
+  // bvh_fit.cpp
+  /// Slabs of all children, and before that their boxes if the triangles have moved.
+  void fit(int workers, bool haveMoved);
+  /// Slabs, and boxes if the triangles have moved, of the leaves of nodes [begin, end); of other children
+  /// slab 0.
+  void fitLeaves(std::size_t begin, std::size_t end, bool haveMoved);
+  /// Exact bounds of triangles [begin, end).
+  assets::Bounds boundsOf(std::size_t begin, std::size_t end) const;
   /// Boxes of all children that are nodes.
   void fitInner();
-  /// Fills Node::slab of nodes [begin, end), the last one first; of children outside that range with 0.
-  void fitSlabs(std::size_t begin, std::size_t end);
+  /// Slabs of children that are nodes of [begin, end), the last one first.
+  void fitInnerSlabs(std::size_t begin, std::size_t end);
+  /// Bounds of all from those of shares, the extent, and before there are nodes the centre.
+  void setBounds(std::span<const assets::Bounds> shares);
   /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
   /// error.
   double coordinateRounding(const glm::dvec3& p) const {
@@ -121,8 +130,9 @@ class TriangleBvh {
   const assets::Mesh* mesh_;
   glm::dvec3 centre_{0.0, 0.0, 0.0};
   assets::Bounds bounds_;
-  float extent_ = 0.0f;               // m, largest coordinate relative to the centre
-  std::vector<Node> nodes_;           // nodes_[0] is the root
+  float extent_ = 0.0f;            // m, largest coordinate relative to the centre
+  std::unique_ptr<Node[]> nodes_;  // nodes_[0] is the root
+  std::size_t nodeCount_ = 0;
   std::vector<std::uint32_t> order_;  // triangles in leaf order
 };
 

@@ -1,0 +1,164 @@
+// The construction of a TriangleBvh and its refit; the queries are in triangle_bvh.cpp.
+
+#include <algorithm>
+#include <array>
+#include <barrier>
+#include <cmath>
+#include <thread>
+
+#include <glm/common.hpp>
+
+#include "assets/assert.h"
+#include "haptics/bvh_build.h"
+#include "haptics/in_parallel.h"
+#include "haptics/leaf_slab.h"
+#include "haptics/outward.h"
+#include "haptics/triangle_bvh.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr std::size_t kLargeMesh = 16'384;  // triangles from which a second thread pays
+constexpr std::size_t kSlabBlock = 4096;    // nodes
+constexpr int kMaxWorkers = 64;
+
+int workersFor(std::size_t triangles, int threads) {
+  if (triangles <= kLargeMesh) return 1;
+  const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return std::min(threads > 0 ? threads : cores, kMaxWorkers);
+}
+
+void grow(assets::Bounds& box, const assets::Bounds& other) {
+  box.min = glm::min(box.min, other.min);
+  box.max = glm::max(box.max, other.max);
+}
+
+float leastOf(const float* f) { return std::min(std::min(f[0], f[1]), std::min(f[2], f[3])); }
+float greatestOf(const float* f) { return std::max(std::max(f[0], f[1]), std::max(f[2], f[3])); }
+
+/// The box of four triangles whose corners were rounded to the nearest float: one float further out.
+void setBox(const Triangles4& t, TriangleBvh::Node& node, int k) {
+  const Vec4 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
+  const Float4 lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+  for (int axis = 0; axis < 3; ++axis) {
+    alignas(16) float l[4], h[4];
+    lows[axis].store(l);
+    highs[axis].store(h);
+    node.low[axis][k] = below(leastOf(l));
+    node.high[axis][k] = -below(-greatestOf(h));
+  }
+}
+
+FloatBox boxOf(const TriangleBvh::Node& node, int k) {
+  return {{node.low[0][k], node.low[1][k], node.low[2][k]},
+          {node.high[0][k], node.high[1][k], node.high[2][k]}};
+}
+
+}  // namespace
+
+TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
+  const std::size_t count = mesh.triangles.size();
+  ASSERT(count <= kLeafFirstMask);
+  if (count == 0) return;
+  const int workers = workersFor(count, threads);
+  std::array<assets::Bounds, kMaxWorkers> bounds;
+  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
+    bounds[static_cast<std::size_t>(worker)] = boundsOf(begin, end);
+  });
+  setBounds(bounds);
+  BuiltTree built = buildTree(mesh, centre_, workers);
+  nodes_ = std::move(built.nodes);
+  nodeCount_ = built.nodeCount;
+  order_ = std::move(built.order);
+  ASSERT(depth() <= kMaxDepth);
+  fit(workers, false);
+}
+
+void TriangleBvh::refit(int threads) {
+  if (!empty()) fit(workersFor(order_.size(), threads), true);
+}
+
+void TriangleBvh::fit(int workers, bool haveMoved) {
+  std::array<assets::Bounds, kMaxWorkers> bounds;
+  std::barrier ready(workers);
+  // Shares that do not depend on the number of threads, so that the slabs do not either.
+  const std::size_t blocks = (nodeCount_ + kSlabBlock - 1) / kSlabBlock;
+  inParallel(static_cast<std::size_t>(workers), workers, [&](std::size_t, std::size_t, int worker) {
+    const auto w = static_cast<std::size_t>(worker), n = static_cast<std::size_t>(workers);
+    if (haveMoved) bounds[w] = boundsOf(order_.size() * w / n, order_.size() * (w + 1) / n);
+    fitLeaves(nodeCount_ * w / n, nodeCount_ * (w + 1) / n, haveMoved);
+    ready.arrive_and_wait();
+    if (haveMoved) {
+      if (worker == 0) {
+        setBounds(bounds);
+        fitInner();
+      }
+      ready.arrive_and_wait();
+    }
+    for (std::size_t i = blocks * w / n; i < blocks * (w + 1) / n; ++i) {
+      fitInnerSlabs(i * kSlabBlock, std::min(nodeCount_, (i + 1) * kSlabBlock));
+    }
+  });
+}
+
+void TriangleBvh::fitLeaves(std::size_t begin, std::size_t end, bool haveMoved) {
+  for (std::size_t i = begin; i < end; ++i) {
+    Node& node = nodes_[i];
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t child = node.child[k];
+      node.slab[k] = 0;
+      if (child == kEmptyChild || (child & kLeafBit) == 0) continue;
+      const std::uint32_t count = leafCount(child);
+      const Triangles4 triangles = gather4(child & kLeafFirstMask, count, centre_);
+      if (haveMoved) setBox(triangles, node, k);
+      node.slab[k] = slabOfTriangles(triangles, count, boxOf(node, k));
+    }
+  }
+}
+
+assets::Bounds TriangleBvh::boundsOf(std::size_t begin, std::size_t end) const {
+  assets::Bounds all;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Triangle t = triangle(static_cast<std::uint32_t>(i));
+    all.min = glm::min(all.min, glm::min(t.a, glm::min(t.b, t.c)));
+    all.max = glm::max(all.max, glm::max(t.a, glm::max(t.b, t.c)));
+  }
+  return all;
+}
+
+void TriangleBvh::fitInner() {
+  // Children stand after their parents.
+  for (std::size_t i = nodeCount_; i-- > 0;) {
+    Node& node = nodes_[i];
+    for (int k = 0; k < 4; ++k) {
+      if ((node.child[k] & kLeafBit) != 0) continue;
+      const Node& inner = nodes_[node.child[k]];
+      for (int axis = 0; axis < 3; ++axis) {
+        node.low[axis][k] = leastOf(inner.low[axis]);
+        node.high[axis][k] = greatestOf(inner.high[axis]);
+      }
+    }
+  }
+}
+
+void TriangleBvh::setBounds(std::span<const assets::Bounds> shares) {
+  bounds_ = {};
+  for (const assets::Bounds& own : shares) grow(bounds_, own);
+  if (nodeCount_ == 0) centre_ = 0.5 * (bounds_.min + bounds_.max);  // a refitted tree keeps its centre
+  const glm::dvec3 furthest = glm::max(glm::abs(bounds_.max - centre_), glm::abs(bounds_.min - centre_));
+  extent_ = roundUp(std::max({furthest.x, furthest.y, furthest.z}));
+}
+
+void TriangleBvh::fitInnerSlabs(std::size_t begin, std::size_t end) {
+  for (std::size_t i = end; i-- > begin;) {
+    Node& node = nodes_[i];
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t child = node.child[k];
+      if ((child & kLeafBit) != 0 || child >= end) continue;
+      const Node& inner = nodes_[child];
+      node.slab[k] = slabOfNode(inner.lows(), inner.highs(), inner.slab, extent_, boxOf(node, k));
+    }
+  }
+}
+
+}  // namespace tandem::haptics
