@@ -68,8 +68,9 @@ struct Bin {
   }
 };
 
-/// The bins of a range along one axis, over its box: the centres would fill theirs better, but cost as much
-/// again to keep track of, and queries do not notice.
+/// The bins of a range along one axis, over its box. Over the box of the centres they would be better filled,
+/// but that box costs an eighth of the build to keep track of, and saves a point 3 % of its tick, a ball
+/// nothing.
 struct Binning {
   int axis = 0, count = 0;
   float low = 0.0f, scale = 0.0f;  // of doubled centres

@@ -29,7 +29,7 @@ double frictionRatio(const ScaledHand& hand) {
   return pressed > 0.0 ? glm::length(rest) / pressed : 0.0;
 }
 
-constexpr double kSpeeds[] = {0.005, 0.05, 0.2};  // m/s
+constexpr double kSpeeds[] = {0.005, 0.02, 0.05, 0.1, 0.2};  // m/s
 
 TEST(HardFriction, SlidesOnAPlaneAtTheDynamicCoefficient) {
   for (const double ball : {0.0, 0.002}) {

@@ -12,7 +12,7 @@ double radians(double degrees) { return degrees * kPi / 180.0; }
 TEST(HardPlane, SlidingAtAnySpeedChangesNoForce) {
   for (const double radius : {0.0, 0.0015}) {
     atEveryScale(1e-5, [&](double scale, std::vector<glm::dvec3>& forces) {
-      for (const double speed : {0.02, 0.1, 0.5}) {  // m/s
+      for (const double speed : {0.02, 0.05, 0.1, 0.2, 0.5}) {  // m/s
         ScaledHand hand(sceneOf(sheetMesh(0.2, 40)), scale, radius);
         hand.at({-0.07, 0.0123, 0.01});
         hand.to({-0.07, 0.0123, radius - kDeep}, 1e-4);
