@@ -19,6 +19,9 @@ constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
 constexpr double kMaxStretch = 2.0;
 constexpr double kMaxLeap = 16.0;
+constexpr double kShort = 0.25;
+constexpr double kSkim = 8.0;           // arcs of a crease
+constexpr double kSmooth = 1.0 - 1e-9;  // cos 0.0026 degrees
 constexpr double kSteepEnough = 1.0 / 64.0;
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
@@ -190,8 +193,8 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
 
 /// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
 /// goal: up to the face or edge ahead, or by kMaxRoll, along two tangents of the arc. False if it is there.
-bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, int index,
-                    Proxy& proxy) {
+bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const glm::dvec3& way,
+                    int index, Proxy& proxy) {
   const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
   const Crease crease = creaseUnder(world, plane.surface, plane.skin);
   const glm::dvec3 axis = crease.b - crease.a;
@@ -212,6 +215,8 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   RollLimit limit;
   if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
   const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
+  // A way that is far longer than the arc skims over it, and the creases behind it.
+  if (leaves && glm::length(way) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
   // Over a crease whose other side is not known the ball would roll too far, if the goal is under it.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
   const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
@@ -253,15 +258,15 @@ using Walks = std::array<SurfaceWalk, kMaxPlanes>;
 
 /// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
 /// the contacts that stay on it arrive. True if the way was cut.
-bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
-                  bool& onCrease) {
+bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, double flat, glm::dvec3& way,
+                  Walks& walks, bool& onCrease) {
   const double length = glm::length(way);
   double share = 1.0;
   for (int i = 0; i < proxy.planeCount; ++i) {
     const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     if (!presses(plane)) continue;
     SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
-    walk = walkSurface(world, plane.surface, way, plane.skin);
+    walk = walkSurface(world, plane.surface, way, plane.skin, flat);
     // On a crease already: over it by a few skins for a point, by no more than it can roll for a ball.
     const double over = 3.0 * plane.skin / length;
     if (walk.sharp || walk.share < over) {
@@ -385,7 +390,7 @@ class Descent {
     const int alone = onlyPressing(proxy_);
     if (alone >= 0 && !planeAt(alone).surface.onFace) {
       ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(alone)];
-      if (mayRoll_ && roll(alone)) return false;
+      if (mayRoll_ && roll(alone, way)) return false;
       if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, way, plane)) {
         way = wayToGoal(world_, goal_, radius_, proxy_);
       }
@@ -410,8 +415,9 @@ class Descent {
     before = glm::dvec3(0.0);
     bool onCrease = false;
     Walks walks;
-    const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
-    if (onCrease && alone >= 0 && mayRoll_ && roll(alone)) return false;
+    const bool cut =
+        keepToGround(world_, radius_, proxy_, shortWay(way) ? kSmooth : kFlat, way, walks, onCrease);
+    if (onCrease && alone >= 0 && mayRoll_ && roll(alone, way)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, way, radius_, proxy_)) return false;
     if (!cut) {
@@ -425,6 +431,11 @@ class Descent {
       before = step;
     }
     return !changed && !cut && !stretched;
+  }
+
+  /// Whether a way of the ball is the rest of a longer one: then it is followed face by face.
+  bool shortWay(const glm::dvec3& way) const {
+    return radius_ > 0.0 && glm::length(way) < kShort * glm::length(tangent_);
   }
 
   /// Steps along a groove between curved surfaces become shorter, or longer, by the same share each: how much
@@ -455,9 +466,9 @@ class Descent {
 
   /// True if the round is over: the ball has rolled on, or has met something that the next projection must
   /// know.
-  bool roll(int index) {
+  bool roll(int index, const glm::dvec3& way) {
     const int sweeps = proxy_.sweeps;
-    if (rollOverCrease(world_, goal_, radius_, index, proxy_)) return true;
+    if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) return true;
     mayRoll_ = false;
     return proxy_.sweeps != sweeps;
   }
