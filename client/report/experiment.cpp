@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/generate/bench_meshes.h"
+#include "assets/generate/profile_god_object.h"
 #include "client/report/exact_answers.h"
 
 namespace tandem::client::report {
@@ -119,11 +120,14 @@ class InsetCurve {
   double length_ = 0.0;
 };
 
-Experiment gear(int triangles, int ticks) {
-  const std::vector<glm::dvec2> profile = generate::gearProfile();
+/// A ball is a point outside the gear grown by its radius; arcs in pieces of 30 urad are 0.1 pm off,
+/// and a goal near their centre rests up to some 0.1 um beside the place.
+Experiment gear(int triangles, double ball, int ticks) {
+  const std::vector<glm::dvec2> profile =
+      ball > 0.0 ? generate::grownProfile(generate::gearProfile(), ball, 3e-5) : generate::gearProfile();
   Experiment e = onePart(generate::gearMesh(triangles));
   const InsetCurve curve(profile);
-  ProfileGodObject exact(profile);
+  generate::ProfileGodObject exact(profile);
   // 0.1 m/s along the outline, begun over a tooth; no layer of the mesh is at this height.
   const double start = curve.wayOfOutermost(), z = 0.50712 * generate::kGearHeight;
   for (int i = 0; i < ticks; ++i) {
@@ -146,6 +150,34 @@ Experiment plane(int ticks) {
     const double height = kMillimetre - approach(i) * 3.0 * kMillimetre;
     const glm::dvec3 goal(0.04 * std::cos(angle) + 0.0013, 0.04 * std::sin(angle) + 0.0007, height);
     e.path.push_back({goal, abovePlane(goal, 0.0), 0.0});
+  }
+  return e;
+}
+
+/// The same plane with friction, 0.005 to 0.2 m/s. The proxy is drawn along once it lags by more than the
+/// coefficient times the depth, straight towards the hand: on a plane that is exact (Harwin & Melder 2002).
+Experiment roughPlane(double friction, int ticks) {
+  Experiment e = onePart(generate::flatSheet(0.2, 100));
+  for (assets::Material& m : e.scene.materials) m.staticFriction = m.dynamicFriction = friction;
+  double way = 0.0;
+  glm::dvec3 last(0.0), proxy(0.0);
+  bool touches = false;
+  for (int i = 0; i < ticks; ++i) {
+    way += kDt * (0.005 + 0.195 * i / ticks);
+    const double angle = way / 0.04;
+    const glm::dvec3 goal(0.04 * std::cos(angle) + 0.0013, 0.04 * std::sin(angle) + 0.0007,
+                          kMillimetre - approach(i) * 3.0 * kMillimetre);
+    if (goal.z >= 0.0) {
+      proxy = goal;
+    } else {
+      if (!touches) proxy = glm::mix(last, goal, last.z / (last.z - goal.z));
+      touches = true;
+      const glm::dvec3 lag(proxy.x - goal.x, proxy.y - goal.y, 0.0);
+      const double hold = -friction * goal.z, length = glm::length(lag);
+      proxy = glm::dvec3(goal.x, goal.y, 0.0) + (length > hold ? lag * (hold / length) : lag);
+    }
+    e.path.push_back({goal, proxy, 0.0});
+    last = goal;
   }
   return e;
 }
@@ -195,6 +227,12 @@ std::vector<ExperimentInfo> allExperiments() {
                    size.triangles <= 10'000});
   all.push_back({"plane", "plane", "Plane, 20 k triangles",
                  "A point slides on a plane, 2 mm deep, at 0.02 to 0.5 m/s.", true});
+  all.push_back(
+      {"gear-ball1-1m", "gear-ball", "Gear, 1 mm ball, 1 M triangles",
+       "A ball of 1 mm radius rolls along the same outline, its centre 0.8 mm inside of where it can go.",
+       false, 1e-3});
+  all.push_back({"friction", "friction", "Plane with friction 0.3",
+                 "A point slides on a rough plane, 2 mm deep, at 0.005 to 0.2 m/s.", true, 0.0, 0.3});
   all.push_back({"groove", "groove", "V-groove, 20 k triangles",
                  "A point goes from wall to wall of a groove of 60 degrees while it is drawn along it.",
                  true});
@@ -220,7 +258,9 @@ Experiment buildExperiment(const std::string& id, int ticks) {
   if (info == all.end()) return e;
   if (info->family == "sphere") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(0.0), ticks);
   if (info->family == "sphere-far") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(10.0), ticks);
-  if (info->family == "gear") e = gear(trianglesOf(id), ticks);
+  if (info->family == "gear") e = gear(trianglesOf(id), 0.0, ticks);
+  if (info->family == "gear-ball") e = gear(trianglesOf(id), info->toolRadius, ticks);
+  if (info->family == "friction") e = roughPlane(info->friction, ticks);
   if (info->family == "plane") e = plane(ticks);
   if (info->family == "groove") e = groove(ticks);
   if (info->family == "parts") e = tiles(id == "parts-moving", ticks);

@@ -19,6 +19,7 @@ struct ExperimentInfo {
   std::string about;        // one sentence: what moves where
   bool quick = false;       // part of --quick
   double toolRadius = 0.0;  // m
+  double friction = 0.0;    // static and dynamic; baselines and peers have none and are left out
 };
 
 /// One tick of the path.

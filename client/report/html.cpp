@@ -161,12 +161,17 @@ std::string boundsTable(const SweepResult& result) {
   std::string html =
       "<h2>Bounds</h2>\n<p>What the project has set itself, against this run.</p>\n<div "
       "class=\"wide\"><table>"
-      "<thead><tr><th>figure</th><th>measured</th><th>at most</th><th></th></tr></thead><tbody>\n";
+      "<thead><tr><th>figure</th><th>measured</th><th>asked</th><th></th></tr></thead><tbody>\n";
   for (const Bound& b : bounds)
     html += "<tr><td>" + escaped(b.name) + "</td><td>" + number(b.measured) + " " + b.unit + "</td><td>" +
-            number(b.target) + " " + b.unit + "</td><td class=\"" +
+            (b.atLeast ? "≥ " : "≤ ") + number(b.target) + " " + b.unit + "</td><td class=\"" +
             (b.met() ? "met\">met" : "missed\">not met") + "</td></tr>\n";
-  return html + "</tbody></table></div>\n";
+  html += "</tbody></table></div>\n";
+  for (const Figure& f : result.figures)
+    if (!(f.target > 0.0))
+      html += "<p class=\"quiet\">Beside these: " + escaped(f.name) + ": " + number(f.value) + " " + f.unit +
+              ".</p>\n";
+  return html;
 }
 
 /// What a family's plot shows, for a reader who has not seen the code.
@@ -177,7 +182,7 @@ std::string explanation(const std::string& family) {
        "pays for them, "
        "and more triangles make the error smaller along the line. What a method adds of its own shows as "
        "distance from "
-       "Tandem's line."},
+       "Tandem's line. Force shading bends the facets back to the surface that they stand for."},
       {"sphere-far",
        "The same part ten metres from the origin of the scene. Single precision resolves 1 µm there; what is "
        "computed or "
@@ -192,6 +197,12 @@ std::string explanation(const std::string& family) {
        "The simplest scene there is. A proxy that takes one plane a tick stands still every second tick "
        "while the hand moves "
        "on: a buzz of 500 Hz whose strength grows with speed."},
+      {"gear-ball",
+       "Each edge and corner of the mesh under a ball is an arc of its own. The exact answer is that of a "
+       "point outside the outline grown by the ball's radius."},
+      {"friction",
+       "The exact proxy lags by the coefficient times the depth, straight behind the hand. An error here is "
+       "that of the ratio of tangential to normal force, or of its direction."},
       {"groove", "Two walls hold the tool at once. The exact answer is the nearest point of a wedge."},
       {"parts",
        "Ten thousand parts, and joints between them that must not be felt. Where all parts move, each tick "
@@ -204,6 +215,21 @@ std::string explanation(const std::string& family) {
   return found != kTexts.end() ? found->second : "";
 }
 
+/// The methods that no other one beats in both cost and error, in words.
+std::string cornerOf(const ExperimentResult& e) {
+  std::string text;
+  for (const Measurement& m : e.settings) {
+    const bool beaten = std::any_of(e.settings.begin(), e.settings.end(), [&](const Measurement& other) {
+      return &other != &m && other.cost.p99 <= m.cost.p99 && other.error.p99 <= m.error.p99;
+    });
+    if (beaten) continue;
+    text += (text.empty() ? "" : "; ") + escaped(m.name) + " (" + microseconds(m.cost.p99) + ", " +
+            newtons(m.error.p99) + ", " + percent(m.error.relativeP99) + " of the force)";
+  }
+  return "<p><b>" + escaped(e.info.title) + ", best corner:</b> nothing is both faster and more exact than " +
+         text + ". Figures are 99th percentiles.</p>\n";
+}
+
 std::string familySection(const SweepResult& result, const std::string& family) {
   std::vector<const ExperimentResult*> members;
   for (const ExperimentResult& e : result.experiments)
@@ -213,7 +239,7 @@ std::string familySection(const SweepResult& result, const std::string& family) 
       members.size() > 1 ? first.title.substr(0, first.title.find(", ")) : first.title;
   std::string html = "<h2>" + escaped(heading) + "</h2>\n<p>" + escaped(first.about) + " " +
                      escaped(explanation(family)) + "</p>\n";
-  html += scatterOf(members) + "<details><summary>All figures</summary>\n";
+  html += scatterOf(members) + cornerOf(*members.back()) + "<details><summary>All figures</summary>\n";
   for (const ExperimentResult* e : members) html += tableOf(*e);
   return html + "</details>\n";
 }
@@ -287,6 +313,10 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, p99});
       };
       cost("gear-1m", 2.0, 6.0);
+      cost("gear-ball1-1m", 8.0, 25.0);
+      if (m.setting == "tandem" && e.info.id == "friction")
+        bounds.push_back(
+            {"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
       cost("fine-ball3-1m", 0.0, 30.0);
       cost("parts-still", 0.0, 5.0);
       cost("parts-moving", 0.0, 20.0);
@@ -296,6 +326,8 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
   if (exactSteps)
     bounds.push_back({"flat surfaces: change of force a tick against the ideal", "x", steps, 1.05});
+  for (const Figure& f : result.figures)
+    if (f.target > 0.0) bounds.push_back({f.name, f.unit, f.value, f.target, f.atLeast});
   if (counted) bounds.push_back({"heap allocations in Tandem's ticks", "", allocations, 0.0});
   return bounds;
 }

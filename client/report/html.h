@@ -12,7 +12,8 @@ namespace tandem::client::report {
 struct Bound {
   std::string name, unit;
   double measured = 0.0, target = 0.0;
-  bool met() const { return measured <= target; }
+  bool atLeast = false;
+  bool met() const { return atLeast ? measured >= target * (1.0 - 1e-9) : measured <= target; }
 };
 
 /// The bounds that this run can judge; those whose experiments were left out are not listed.

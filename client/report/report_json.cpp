@@ -87,6 +87,12 @@ std::string toJson(const SweepResult& result) {
     for (const Measurement& m : e.settings) entry["settings"].push_back(settingJson(m));
     json["experiments"].push_back(std::move(entry));
   }
+  json["figures"] = Json::array();
+  for (const Figure& f : result.figures) {
+    Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}};
+    if (f.target > 0.0) entry[f.atLeast ? "at_least" : "at_most"] = f.target;
+    json["figures"].push_back(std::move(entry));
+  }
   return json.dump(2) + "\n";
 }
 

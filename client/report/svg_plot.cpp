@@ -36,16 +36,19 @@ std::string lineFrom(double x0, double y0, double x1, double y1, const std::stri
          "\n";
 }
 
-std::string markerAt(double x, double y, const Look& look, const std::string& tooltip) {
+std::string markerAt(double x, double y, const Look& look, const std::string& tooltip, double scale = 1.0) {
+  const double r = 5.0 * scale, side = 9.0 * scale, tip = 6.0 * scale;
   const std::string style = format(R"(fill="%s" stroke="%s" stroke-width="1.8")",
                                    look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str());
   std::string shape;
   if (look.marker == Marker::circle)
-    shape = format(R"(<circle cx="%.1f" cy="%.1f" r="5" %s>)", x, y, style.c_str());
+    shape = format(R"(<circle cx="%.1f" cy="%.1f" r="%.1f" %s>)", x, y, r, style.c_str());
   if (look.marker == Marker::square)
-    shape = format(R"(<rect x="%.1f" y="%.1f" width="9" height="9" %s>)", x - 4.5, y - 4.5, style.c_str());
+    shape = format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="%.1f" %s>)", x - 0.5 * side,
+                   y - 0.5 * side, side, side, style.c_str());
   if (look.marker == Marker::diamond)
-    shape = format(R"(<path d="M%.1f %.1fl6 6l-6 6l-6 -6z" %s>)", x, y - 6.0, style.c_str());
+    shape = format(R"(<path d="M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz" %s>)", x, y - tip, tip, tip, -tip,
+                   tip, -tip, -tip, style.c_str());
   const char* end = look.marker == Marker::circle   ? "</circle>"
                     : look.marker == Marker::square ? "</rect>"
                                                     : "</path>";
@@ -84,9 +87,45 @@ class LogAxis {
   std::vector<double> lines_;
 };
 
-/// A number of an axis: plain where it is short, else as a power of ten.
-std::string axisNumber(double value) {
-  if (value > 0.9e-3 && value < 1.1e5) return format(value < 999.0 ? "%.3g" : "%.0f", value);
+/// Finds places for labels beside their points: clear of every marker and of each other, where there is room.
+class LabelPlaces {
+ public:
+  void avoid(double x, double y) { taken_.push_back({x - 6.0, y - 6.0, x + 6.0, y + 6.0}); }
+
+  /// The label's text element.
+  std::string place(double x, double y, const std::string& text) {
+    const double width = 6.4 * static_cast<double>(text.size()), height = 12.0;
+    Box best{};
+    double least = 1e300;
+    for (const double away : {9.0, 20.0, 31.0}) {
+      for (const auto& [right, down] : {std::pair{0.0, -1.0}, {0.0, 1.0}, {1.0, 0.0}, {-1.0, 0.0}}) {
+        const double cx = x + right * (away + 0.5 * width), cy = y + down * (away + 0.4 * height);
+        const Box box{cx - 0.5 * width, cy - 0.5 * height, cx + 0.5 * width, cy + 0.5 * height};
+        double covered = 0.1 * away;
+        for (const Box& other : taken_) covered += overlap(box, other);
+        if (covered < least) best = box, least = covered;
+      }
+    }
+    taken_.push_back(best);
+    return textAt(0.5 * (best.left + best.right), best.bottom - 2.0, "middle", kInk, 11.0, text);
+  }
+
+ private:
+  struct Box {
+    double left = 0.0, top = 0.0, right = 0.0, bottom = 0.0;
+  };
+  static double overlap(const Box& a, const Box& b) {
+    const double w = std::min(a.right, b.right) - std::max(a.left, b.left);
+    const double h = std::min(a.bottom, b.bottom) - std::max(a.top, b.top);
+    return w > 0.0 && h > 0.0 ? w * h : 0.0;
+  }
+  std::vector<Box> taken_;
+};
+
+/// A number of an axis: plain where it is short, else as a power of ten; `powers`: an axis that needs those.
+std::string axisNumber(double value, bool powers = false) {
+  if (powers ? value > 0.9 && value < 11.0 : value > 0.9e-3 && value < 1.1e5)
+    return format(value < 999.0 ? "%.3g" : "%.0f", value);
   const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
   const double exponent = std::floor(std::log10(value) + 1e-9), lead = value / std::pow(10.0, exponent);
   std::string text = lead > 1.5 ? format("%.0f·10", lead) : "10";
@@ -154,30 +193,32 @@ std::string scatterSvg(const ScatterPlot& plot) {
   for (const double v : y.lines()) {
     const double at = y.at(v);
     svg += lineFrom(left, at, right, at, kGrid, 1.0) +
-           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0, axisNumber(v));
+           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0, axisNumber(v, y.lines().front() < 0.9e-3));
   }
   svg += lineFrom(left, bottom, right, bottom, kQuiet, 1.0) + lineFrom(left, top, left, bottom, kQuiet, 1.0);
   svg += textAt(0.5 * (left + right), bottom + 46.0, "middle", kInk, 13.0, plot.xLabel);
   svg += format(R"svg(<g transform="translate(20 %.1f) rotate(-90)">)svg", 0.5 * (top + bottom)) +
          textAt(0.0, 0.0, "middle", kInk, 13.0, plot.yLabel) + "</g>\n";
-  std::string marks;
+  std::string marks, labels;
   std::vector<Look> looks;
+  LabelPlaces places;
+  for (const PlotSeries& series : plot.series)
+    for (const PlotPoint& p : series.points) places.avoid(x.at(p.x), y.at(std::max(p.y, plot.floorY)));
   for (const PlotSeries& series : plot.series) {
     looks.push_back(series.look);
-    std::string way;
+    std::string way, own;
     for (const PlotPoint& p : series.points) {
       const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
       way += format("%s%.1f %.1f", way.empty() ? "M" : "L", px, py);
-      marks += markerAt(px, py, series.look, p.tooltip);
-      // Points that lie close together take turns above and below.
-      const double up = (&p - series.points.data()) % 2 != 0 ? 17.0 : -9.0;
-      if (!p.label.empty()) marks += textAt(px + 2.0, py + up, "middle", kInk, 11.0, p.label);
+      own += markerAt(px, py, series.look, p.tooltip);
+      if (!p.label.empty()) labels += places.place(px, py, p.label);
     }
+    marks = own + marks;  // the first series lies on top
     if (series.points.size() > 1)
       svg += R"(<path fill="none" stroke-width="1.3" stroke-opacity="0.55" stroke=")" + series.look.colour +
              "\" d=\"" + way + "\"/>\n";
   }
-  return svg + marks + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
+  return svg + marks + labels + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
 }
 
 std::string rangeSvg(const RangePlot& plot) {
@@ -210,9 +251,7 @@ std::string rangeSvg(const RangePlot& plot) {
       marks += format(
           R"(<line x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f" stroke="%s" stroke-width="3" stroke-linecap="round" stroke-opacity="0.5"/>)",
           x.at(mark.low), y, x.at(mark.high), y, look.colour.c_str());
-      marks += format(R"(<circle cx="%.1f" cy="%.1f" r="3.4" fill="%s" stroke="%s" stroke-width="1.4">)",
-                      x.at(mark.low), y, look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str()) +
-               "<title>" + escaped(mark.tooltip) + "</title></circle>\n";
+      marks += markerAt(x.at(mark.low), y, look, mark.tooltip, 0.75);
       y += 0.5 * perMark;
       if (std::none_of(looks.begin(), looks.end(), [&](const Look& l) { return l.name == look.name; }))
         looks.push_back(look);

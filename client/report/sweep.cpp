@@ -18,6 +18,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr double kSmoothBelow = 0.6;  // rad: far above what facets of a sphere of 1000 triangles turn by
+
 double microseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::micro>(to - from).count();
 }
@@ -129,7 +131,9 @@ class ExperimentSweep {
     tandem("tandem", "Tandem", contact, {}).build_ms = build_ms;
     tandem("no-memory", "Tandem, contacts forgotten every tick", contact, {false, false}).build_ms = build_ms;
     if (experiment_.scene.parts.size() == 1) singlePrecisionData();
-    if (!experiment_.partsMove && !(experiment_.info.toolRadius > 0.0)) {
+    if (experiment_.facetDepth > 0.0) shaded();
+    if (!experiment_.partsMove && !(experiment_.info.toolRadius > 0.0) &&
+        !(experiment_.info.friction > 0.0)) {
       baselines<double>("double", "double");
       baselines<float>("float", "float");
     }
@@ -160,6 +164,16 @@ class ExperimentSweep {
     const haptics::ContactScene contact(rounded);
     const double build_ms = 1e-3 * microseconds(start, Clock::now());
     tandem("float-data", "Tandem, coordinates stored as float", contact, {true, true}).build_ms = build_ms;
+  }
+
+  void shaded() {
+    assets::Scene smooth = experiment_.scene;
+    smooth.surfaces.emplace_back().creaseAngle = kSmoothBelow;
+    for (assets::Material& material : smooth.materials) material.surface = 0;
+    const Clock::time_point start = Clock::now();
+    const haptics::ContactScene contact(smooth);
+    const double build_ms = 1e-3 * microseconds(start, Clock::now());
+    tandem("shading", "Tandem, force shading", contact, {}).build_ms = build_ms;
   }
 
   template <typename Real>
@@ -242,6 +256,7 @@ SweepResult sweep(const SweepOptions& options) {
           std::max(out.peakForce, glm::length(springForce(experiment.stiffness, p.exactProxy, p.device)));
     out.settings = ExperimentSweep(experiment, options).run();
   }
+  if (options.only.empty()) result.figures = measureFigures(options.quick);
   return result;
 }
 

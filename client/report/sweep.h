@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "client/report/experiment.h"
+#include "client/report/figures.h"
 #include "client/report/measurement.h"
 
 namespace tandem::client::report {
@@ -35,6 +36,7 @@ struct SweepResult {
   bool quick = false;
   std::string machine;
   std::vector<ExperimentResult> experiments;
+  std::vector<Figure> figures;     // empty where single experiments were asked for
   std::vector<std::string> peers;  // that were measured, with versions
 };
 

@@ -178,7 +178,8 @@ int main(int argc, char** argv) {
   result.peers = {"Embree " RTC_VERSION_STRING, "FCL " FCL_VERSION};
   for (const report::ExperimentInfo& info : report::chosenExperiments(options)) {
     const report::Experiment e = report::buildExperiment(info.id, report::ticksOf(options));
-    if (e.partsMove) continue;  // these trees stand for still triangles
+    if (e.partsMove) continue;            // these trees stand for still triangles
+    if (e.info.friction > 0.0) continue;  // a nearest point has none
     std::fprintf(stderr, "peers: %s\n", info.title.c_str());
     const Triangles triangles(e.scene);
     report::ExperimentResult& out = result.experiments.emplace_back();

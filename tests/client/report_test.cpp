@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/generate/bench_meshes.h"
+#include "assets/generate/profile_god_object.h"
 #include "client/report/exact_answers.h"
 #include "client/report/html.h"
 #include "client/report/report_json.h"
@@ -19,6 +20,8 @@ namespace tandem::test {
 namespace {
 
 using namespace client::report;
+using generate::insideProfile;
+using generate::ProfileGodObject;
 using Json = nlohmann::json;
 
 /// One small sweep, shared by the tests that look at its results.
@@ -43,15 +46,6 @@ const Measurement& setting(const std::string& experimentId, const std::string& i
   for (const Measurement& m : experiment(experimentId).settings)
     if (m.setting == id) return m;
   throw std::runtime_error("no setting " + id);
-}
-
-bool insideProfile(const std::vector<glm::dvec2>& loop, const glm::dvec2& p) {
-  bool inside = false;
-  for (std::size_t i = 0, j = loop.size() - 1; i < loop.size(); j = i++) {
-    if ((loop[i].y > p.y) == (loop[j].y > p.y)) continue;
-    inside ^= p.x < loop[i].x + (loop[j].x - loop[i].x) * (p.y - loop[i].y) / (loop[j].y - loop[i].y);
-  }
-  return inside;
 }
 
 TEST(ProfileGodObject, RestsOnTheSideOfAnOutlineFromWhichItCame) {
@@ -118,6 +112,14 @@ TEST(ProfileGodObject, GoesWhereTinyStepsOfBruteForceGo) {
   EXPECT_GT(free, 3);
   EXPECT_LT(free, 37);
   EXPECT_GT(longest, 1e-3);  // the hand goes 0.8 mm a tick at most
+}
+
+TEST(GrownProfile, LiesABallsRadiusOffTheOutline) {
+  const std::vector<glm::dvec2> profile = generate::gearProfile();
+  for (const glm::dvec2& p : generate::grownProfile(profile, 1e-3, 1e-2)) {
+    EXPECT_FALSE(insideProfile(profile, p));
+    EXPECT_NEAR(glm::length(nearestOnProfile(profile, p) - p), 1e-3, 1e-12) << p.x << ' ' << p.y;
+  }
 }
 
 TEST(ExactAnswers, LieOnTheSurfaceNearestToTheGoal) {

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <cstdlib>
 
+#include "assets/generate/profile_god_object.h"
 #include "tests/haptics/hard_cases/hard_case.h"
-#include "tests/haptics/hard_cases/polygon_god_object.h"
 #include "tests/support/bench_meshes.h"
 
 namespace tandem::test {
@@ -109,15 +109,15 @@ TEST(HardGear, AgreesWithAnExactPlanarGodObjectAtEveryTessellation) {
     atEveryScale(1e-4, [&](double scale, std::vector<glm::dvec3>& forces) {
       ScaledHand hand(sceneOf(mesh), scale);
       const glm::dvec2 start(0.03, 0.001);
-      PolygonGodObject exact(tests::gearProfile(), start);
+      generate::ProfileGodObject exact(tests::gearProfile());
+      exact.place(start);
       hand.at({start, 0.00487});
-      exact.moveTo(start);
+      exact.follow(start);
       std::vector<double> errors;
       for (int i = 0; i < 1300; ++i) {
         const glm::dvec2 goal = goalRoundGear(i);
         const glm::dvec3 force = hand.at({goal, 0.00487});
-        exact.moveTo(goal);
-        const glm::dvec2 ideal = kStiffness * (exact.position() - goal);
+        const glm::dvec2 ideal = kStiffness * (exact.follow(goal) - goal);
         errors.push_back(glm::length(force - glm::dvec3(ideal, 0.0)) / std::max(0.08, glm::length(ideal)));
         forces.push_back(force);
       }
@@ -172,7 +172,7 @@ TEST(HardPushes, NeverPopThrough) {
         onGear.at(goal);
         const glm::dvec3 p = onGear.proxy();
         const bool within = p.z > 0.0 && p.z < tests::kGearHeight;
-        ASSERT_FALSE(within && PolygonGodObject::contains(outline, {p.x, p.y})) << "gear, push " << i;
+        ASSERT_FALSE(within && generate::insideProfile(outline, {p.x, p.y})) << "gear, push " << i;
         onSphere.at(goal);
         ASSERT_GE(glm::length(onSphere.proxy()), inner + 0.999 * ball) << "sphere, push " << i;
       }
