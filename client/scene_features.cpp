@@ -77,8 +77,8 @@ void remark(Feature& feature, bool applies, std::string text) {
 bool half(double a, double b) { return (a == 0.0) != (b == 0.0); }
 
 void judgeMaterial(const assets::Material& m, const FeatureLimits& limits, Feature& feature) {
-  remark(feature, limits.stiffest > 0.0 && m.stiffness > limits.stiffest,
-         "stiffness is felt as " + number(limits.stiffest) + " N/m, the most that is stable on this device");
+  remark(feature, limits.contact > 0.0 && m.stiffness > limits.contact,
+         "stiffness is felt as " + number(limits.contact) + " N/m, the most on this device");
   remark(feature, m.dynamicFriction > m.staticFriction,
          "dynamic friction is more than static: what has begun to slide is held more firmly");
 }
@@ -109,10 +109,10 @@ void judgeSurface(const assets::Material& m, const Surface& s, const FeatureLimi
          "popThrough at " + number(s.popThroughForce) + " N is more than the " + number(limits.maxForce) +
              " N of this device: felt only as the tool goes deeper than that force shows");
   remark(feature,
-         s.law == Surface::Law::viscoelastic && limits.stiffest > 0.0 && m.stiffness <= limits.stiffest &&
-             m.stiffness + s.stiffness2 > limits.stiffest,
-         "stiffness and stiffness2 together are felt as " + number(limits.stiffest) +
-             " N/m, the most that is stable on this device");
+         s.law == Surface::Law::viscoelastic && limits.contact > 0.0 && m.stiffness <= limits.contact &&
+             m.stiffness + s.stiffness2 > limits.contact,
+         "stiffness and stiffness2 together are felt as " + number(limits.contact) +
+             " N/m, the most on this device");
 }
 
 std::vector<std::uint16_t> materialsOf(const assets::Scene& scene, const assets::Part& part) {

@@ -35,7 +35,8 @@ struct Feature {
 
 /// What values are judged by.
 struct FeatureLimits {
-  double stiffest = 0.0;  // N/m, that the device bears; 0 = not known
+  double stiffest = 0.0;  // N/m, that the device bears for good; 0 = not known
+  double contact = 0.0;   // N/m, to which a hand's contacts are held on it; 0 = not known
   double maxForce = 0.0;  // N; 0 = not known
   double tickRate = 1000.0;
 };

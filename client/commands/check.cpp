@@ -219,7 +219,10 @@ int run(const Arguments& arguments) {
     models.push_back(modelOf(contact, static_cast<PartId>(i)));
   const double stiffest =
       haptics::stiffestContact(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
-  const FeatureLimits limits{stiffest, device->limits.maxForce, 1.0 / haptics::TickParameters{}.dt};
+  const double contactLimit =
+      haptics::stiffestControlled(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
+  const FeatureLimits limits{stiffest, contactLimit, device->limits.maxForce,
+                             1.0 / haptics::TickParameters{}.dt};
   const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
                           controlFeatures(*scene, limits)};
   if (arguments.json)

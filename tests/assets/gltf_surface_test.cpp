@@ -1,6 +1,8 @@
 // What extras.haptic may say about a surface: every property, its range, and what is refused.
 
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
@@ -231,6 +233,27 @@ TEST(GltfSurface, AMeshWithoutTextureCoordinatesIsSmoothAndSaysSo) {
   const Json haptic = {{"texture", {{"image", 0}, {"amplitude", 1e-4}}}};
   const Scene scene = loaded(quadWith(haptic, generate::greyPng({1, 1, {7}}), false));
   EXPECT_NE(find(scene, "no-texture-coordinates"), nullptr);
+}
+
+TEST(FuzzSeeds, OfFeaturesAreScenesThatLoadWithAllOfThem) {
+  const auto seed = [](const std::string& name) {
+    std::ifstream file(TANDEM_SOURCE_DIR "/tests/fuzz/seeds/gltf/" + name, std::ios::binary);
+    const std::string text((std::istreambuf_iterator<char>(file)), std::istreambuf_iterator<char>());
+    const std::size_t end = text.find('\n');
+    if (text.empty() || end == std::string::npos) return Scene{};
+    // The first byte says how the fuzzer takes the rest: JSON, a line break, the binary chunk.
+    const std::vector<unsigned char> glb = GltfBuilder::wrapGlb(
+        text.substr(1, end - 1), {text.begin() + static_cast<std::ptrdiff_t>(end) + 1, text.end()});
+    const Result<Scene> scene = loadGltfFromMemory(name, glb, {});
+    EXPECT_TRUE(scene.ok()) << scene.error().message;
+    return scene ? *scene : Scene{};
+  };
+  const Scene surfaces = seed("surfaces"), fields = seed("fields"), controls = seed("controls");
+  EXPECT_EQ(surfaces.surfaces.size(), 4u);
+  EXPECT_EQ(surfaces.textures.size(), 1u);
+  EXPECT_EQ(fields.fields.size(), 11u);
+  EXPECT_EQ(controls.controls.size(), 4u);
+  for (const Scene* scene : {&surfaces, &fields, &controls}) EXPECT_TRUE(scene->findings.empty());
 }
 
 TEST(GltfSurface, SurvivesThePackage) {

@@ -12,7 +12,7 @@ namespace {
 using assets::Surface;
 using assets::SurfaceTexture;
 
-constexpr FeatureLimits kDesktop{200.0, 3.3, 1000.0};
+constexpr FeatureLimits kDesktop{200.0, 300.0, 3.3, 1000.0};
 
 /// One part of one material with this surface.
 assets::Scene sceneOf(const Surface& surface) {
@@ -97,16 +97,16 @@ TEST(SceneFeatures, SaysWhatWillNotBeFeltAsWritten) {
   s = Surface{};
   s.popThroughForce = 4.0;
   EXPECT_TRUE(remarks(sceneOf(s), "popThrough at 4 N"));
-  EXPECT_FALSE(remarks(sceneOf(s), "popThrough", {200.0, 8.0, 1000.0}));
+  EXPECT_FALSE(remarks(sceneOf(s), "popThrough", {200.0, 300.0, 8.0, 1000.0}));
 }
 
 TEST(SceneFeatures, JudgesStiffnessByTheDevice) {
   assets::Scene scene = sceneOf(Surface{});
-  scene.materials[0].stiffness = 201.0;
-  EXPECT_TRUE(remarks(scene, "felt as 200 N/m"));
-  EXPECT_FALSE(remarks(scene, "stable", {0.0, 3.3, 1000.0})) << "a device of which nothing is known";
-  scene.materials[0].stiffness = 199.0;
-  EXPECT_FALSE(remarks(scene, "stable"));
+  scene.materials[0].stiffness = 301.0;
+  EXPECT_TRUE(remarks(scene, "felt as 300 N/m"));
+  EXPECT_FALSE(remarks(scene, "felt as", {0.0, 0.0, 3.3, 1000.0})) << "a device of which nothing is known";
+  scene.materials[0].stiffness = 299.0;
+  EXPECT_FALSE(remarks(scene, "felt as"));
   scene.materials[0].staticFriction = 0.2;
   scene.materials[0].dynamicFriction = 0.3;
   EXPECT_TRUE(remarks(scene, "dynamic friction"));

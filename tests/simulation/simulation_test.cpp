@@ -140,6 +140,23 @@ TEST(Simulation, ControlsAreSetSeenAndKeptByThoseWhoMay) {
   EXPECT_EQ(result.denials, 2u) << describe(result);
 }
 
+TEST(Simulation, BodiesThatAttractGoWithTheirPartsAtEverySite) {
+  Loaded loaded = load("fields.json");
+  const SimulationResult result = run(loaded, 1);
+  EXPECT_TRUE(result.violations.empty()) << describe(result);
+  EXPECT_TRUE(result.stable);
+  ASSERT_EQ(result.finalPoses.count("earth"), 1u) << describe(result);
+  loaded.scene.fields.clear();
+  const SimulationResult without = run(loaded, 1);
+  // Measured: 1.7 mJ where the body is grasped, 0.2 mJ at the other site; the fields themselves hold 10 mJ
+  // and more.
+  EXPECT_LT(result.sites.at("a").energyCreated, 2.5e-3);
+  EXPECT_LT(result.sites.at("b").energyCreated, 5e-4);
+  EXPECT_GT(result.sites.at("b").rmsForce, 0.1) << "the sun is felt";
+  EXPECT_LT(without.sites.at("b").rmsForce, 0.01) << "and nothing without it";
+  EXPECT_NE(result.hash, without.hash);
+}
+
 TEST(Simulation, AMisspeltKeyIsRefused) {
   const Result<Scenario> scenario = loadScenario(kScenarios + "no_such_file.json");
   ASSERT_FALSE(scenario.ok());
