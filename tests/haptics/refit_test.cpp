@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <cmath>
+#include <memory>
 #include <random>
+#include <thread>
+#include <vector>
 
 #include <glm/geometric.hpp>
 
@@ -78,6 +82,63 @@ TEST(RefitMesh, ToolOnASurfaceThatRisesAndFallsFeelsItsNewDepth) {
     EXPECT_NEAR(out.worldFromProxy.position.z, height, 1e-8);
     EXPECT_NEAR(out.toHand.force.z, 1000.0 * (height + 0.001), 1e-4) << height;
   }
+}
+
+/// A slab whose upper face is at `height`.
+void lift(assets::Mesh& mesh, double height) {
+  for (glm::dvec3& p : mesh.positions) {
+    if (p.z > -0.01) p.z = height;
+  }
+}
+
+// One thread deforms and refits the scene that is not felt while another ticks on the other one; they swap.
+TEST(RefitMesh, SpareSceneIsRefittedByAnotherThreadWhileTheOtherIsFelt) {
+  const assets::Scene scene = tests::plateGrid(1, 0.1, 0.02);
+  const haptics::ContactScene first(scene, 1);
+  std::shared_ptr<assets::Mesh> meshes[2];
+  std::vector<haptics::ContactScene> scenes;
+  for (std::shared_ptr<assets::Mesh>& mesh : meshes) {
+    mesh = std::make_shared<assets::Mesh>(scene.meshes[0]);
+    scenes.push_back(first.withMesh(0, mesh, 1));
+  }
+  constexpr int kSwaps = 30;
+  const auto heightOf = [](int swap) { return 0.0005 * std::sin(0.2 * swap); };
+  std::atomic<int> ready{0}, taken{0};
+  std::thread deformer([&] {
+    for (int swap = 1; swap <= kSwaps; ++swap) {
+      while (taken.load(std::memory_order_acquire) != swap - 1) std::this_thread::yield();
+      const auto spare = static_cast<std::size_t>(swap % 2);
+      lift(*meshes[spare], heightOf(swap));
+      scenes[spare].refitMesh(0, 1);
+      ready.store(swap, std::memory_order_release);
+    }
+  });
+
+  haptics::TickState state(scenes[0]);
+  haptics::TickParameters parameters;
+  parameters.stiffness = 1000.0;
+  parameters.damping = 0.0;
+  parameters.slewLimit = 1e9;
+  haptics::TickInput input;
+  input.device.valid = true;
+  input.device.worldFromDevice.position = {0.001, 0.002, 0.001};
+  haptics::tick(input, scenes[0], parameters, state);
+  input.device.worldFromDevice.position.z = -0.001;
+  const haptics::ContactScene* felt = &scenes[0];
+  int now = 0;
+  while (now < kSwaps) {
+    const int newest = ready.load(std::memory_order_acquire);
+    if (newest != now) {
+      now = newest;
+      felt = &scenes[static_cast<std::size_t>(now % 2)];
+      state.adopt(*felt);
+      taken.store(now, std::memory_order_release);  // the other one is the spare from here on
+    }
+    const haptics::TickOutput out = haptics::tick(input, *felt, parameters, state);
+    EXPECT_NEAR(out.toHand.force.z, 1000.0 * (heightOf(now) + 0.001), 1e-4) << now;
+    std::this_thread::yield();
+  }
+  deformer.join();
 }
 
 }  // namespace
