@@ -33,19 +33,14 @@ void grow(assets::Bounds& box, const assets::Bounds& other) {
   box.max = glm::max(box.max, other.max);
 }
 
-float leastOf(const float* f) { return std::min(std::min(f[0], f[1]), std::min(f[2], f[3])); }
-float greatestOf(const float* f) { return std::max(std::max(f[0], f[1]), std::max(f[2], f[3])); }
-
-/// The box of four triangles whose corners were rounded to the nearest float: one float further out.
-void setBox(const Triangles4& t, TriangleBvh::Node& node, int k) {
-  const Vec4 low = min(t.a, min(t.b, t.c)), high = max(t.a, max(t.b, t.c));
-  const Float4 lows[3] = {low.x, low.y, low.z}, highs[3] = {high.x, high.y, high.z};
+/// Puts the least and greatest lanes of corners into a child's box, `outwards` by one float.
+void setBox(const Vec4& low, const Vec4& high, bool outwards, TriangleBvh::Node& node, int k) {
+  alignas(16) float least[4], negated[4];
+  leastLanes(low).store(least);
+  leastLanes(Vec4{} - high).store(negated);
   for (int axis = 0; axis < 3; ++axis) {
-    alignas(16) float l[4], h[4];
-    lows[axis].store(l);
-    highs[axis].store(h);
-    node.low[axis][k] = below(leastOf(l));
-    node.high[axis][k] = -below(-greatestOf(h));
+    node.low[axis][k] = outwards ? below(least[axis]) : least[axis];
+    node.high[axis][k] = outwards ? -below(negated[axis]) : -negated[axis];
   }
 }
 
@@ -79,19 +74,19 @@ void TriangleBvh::refit(int threads) {
 }
 
 void TriangleBvh::fit(int workers, bool haveMoved) {
-  std::array<assets::Bounds, kMaxWorkers> bounds;
   std::barrier ready(workers);
   // Shares that do not depend on the number of threads, so that the slabs do not either.
   const std::size_t blocks = (nodeCount_ + kSlabBlock - 1) / kSlabBlock;
   inParallel(static_cast<std::size_t>(workers), workers, [&](std::size_t, std::size_t, int worker) {
     const auto w = static_cast<std::size_t>(worker), n = static_cast<std::size_t>(workers);
-    if (haveMoved) bounds[w] = boundsOf(order_.size() * w / n, order_.size() * (w + 1) / n);
     fitLeaves(nodeCount_ * w / n, nodeCount_ * (w + 1) / n, haveMoved);
     ready.arrive_and_wait();
     if (haveMoved) {
-      if (worker == 0) {
-        setBounds(bounds);
-        fitInner();
+      // Two things that one thread does alone, at the same time.
+      if (worker == 0) fitInner();
+      if (worker == workers - 1) {
+        const assets::Bounds all[1] = {boundsOf(0, order_.size())};
+        setBounds(all);
       }
       ready.arrive_and_wait();
     }
@@ -110,20 +105,29 @@ void TriangleBvh::fitLeaves(std::size_t begin, std::size_t end, bool haveMoved) 
       if (child == kEmptyChild || (child & kLeafBit) == 0) continue;
       const std::uint32_t count = leafCount(child);
       const Triangles4 triangles = gather4(child & kLeafFirstMask, count, centre_);
-      if (haveMoved) setBox(triangles, node, k);
+      if (haveMoved) {
+        // The corners were rounded to the nearest float.
+        setBox(min(triangles.a, min(triangles.b, triangles.c)),
+               max(triangles.a, max(triangles.b, triangles.c)), true, node, k);
+      }
       node.slab[k] = slabOfTriangles(triangles, count, boxOf(node, k));
     }
   }
 }
 
 assets::Bounds TriangleBvh::boundsOf(std::size_t begin, std::size_t end) const {
-  assets::Bounds all;
+  // Each corner on its own: three chains of minima, none of which waits for another.
+  std::array<assets::Bounds, 3> own;
   for (std::size_t i = begin; i < end; ++i) {
-    const Triangle t = triangle(static_cast<std::uint32_t>(i));
-    all.min = glm::min(all.min, glm::min(t.a, glm::min(t.b, t.c)));
-    all.max = glm::max(all.max, glm::max(t.a, glm::max(t.b, t.c)));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const glm::dvec3& p = mesh_->positions[mesh_->triangles[i][k]];
+      own[k].min = glm::min(own[k].min, p);
+      own[k].max = glm::max(own[k].max, p);
+    }
   }
-  return all;
+  grow(own[0], own[1]);
+  grow(own[0], own[2]);
+  return own[0];
 }
 
 void TriangleBvh::fitInner() {
@@ -133,10 +137,7 @@ void TriangleBvh::fitInner() {
     for (int k = 0; k < 4; ++k) {
       if ((node.child[k] & kLeafBit) != 0) continue;
       const Node& inner = nodes_[node.child[k]];
-      for (int axis = 0; axis < 3; ++axis) {
-        node.low[axis][k] = leastOf(inner.low[axis]);
-        node.high[axis][k] = greatestOf(inner.high[axis]);
-      }
+      setBox(inner.lows(), inner.highs(), false, node, k);
     }
   }
 }

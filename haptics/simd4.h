@@ -122,6 +122,25 @@ inline Vec4 selectLessEqual(Float4 a, Float4 b, const Vec4& yes, const Vec4& no)
           selectLessEqual(a, b, yes.z, no.z)};
 }
 
+/// The least lane of each component: x, y, z, and z again.
+inline Float4 leastLanes(const Vec4& v) {
+#if defined(__SSE2__)
+  __m128 row[4] = {v.x.v, v.y.v, v.z.v, v.z.v};
+  _MM_TRANSPOSE4_PS(row[0], row[1], row[2], row[3]);
+  return Float4(_mm_min_ps(_mm_min_ps(row[0], row[1]), _mm_min_ps(row[2], row[3])));
+#else
+  const auto least = [](Float4 f) {
+    const float a = f.v[0] < f.v[1] ? f.v[0] : f.v[1], b = f.v[2] < f.v[3] ? f.v[2] : f.v[3];
+    return a < b ? a : b;
+  };
+  Float4 r;
+  r.v[0] = least(v.x);
+  r.v[1] = least(v.y);
+  r.v[2] = r.v[3] = least(v.z);
+  return r;
+#endif
+}
+
 /// Byte `index` (0 lowest) of four words, as signed numbers.
 inline Float4 signedBytes(const std::uint32_t* words, int index) {
 #if defined(__SSE2__)
