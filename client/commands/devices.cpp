@@ -12,6 +12,7 @@
 #include "client/commands/command.h"
 #include "haptics/colocation.h"
 #include "haptics/devices/device_list.h"
+#include "haptics/devices/hid_record.h"
 #include "haptics/devices/udev_rule.h"
 
 namespace tandem::client {
@@ -19,7 +20,7 @@ namespace tandem::client {
 namespace {
 
 struct Arguments {
-  std::string test, calibrate, out;
+  std::string test, calibrate, out, hidRecord;
   bool rigid = false;
   double seconds = 5.0;
   bool json = false;
@@ -62,7 +63,14 @@ int printUdevRule() {
 }
 
 int test(const Arguments& arguments) {
-  Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(arguments.test);
+  std::unique_ptr<haptics::RecordingHidBus> recorder;
+  if (!arguments.hidRecord.empty()) {
+    auto made = haptics::RecordingHidBus::create(haptics::systemHidBus(), arguments.hidRecord);
+    if (!made) return badInput(Error{"--hid-record " + made.error().message});
+    recorder = std::move(*made);
+  }
+  Result<std::unique_ptr<haptics::Device>> device = haptics::openDevice(
+      arguments.test, std::nullopt, nullptr, recorder ? *recorder : haptics::systemHidBus());
   if (!device) return badInput(device.error());
   const haptics::DeviceLimits limits = (*device)->limits();
   std::printf(
@@ -84,6 +92,12 @@ int test(const Arguments& arguments) {
   std::printf("%s%llu readings, %llu valid, %llu changed, %.0f a second\n", terminal ? "\r\033[K" : "",
               static_cast<unsigned long long>(state.ticks), static_cast<unsigned long long>(state.valid),
               static_cast<unsigned long long>(state.changes), state.tickRate);
+  if (recorder) {
+    const Result<std::uint64_t> recorded = recorder->finish();
+    if (!recorded) return badInput(Error{arguments.hidRecord + ": " + recorded.error().message});
+    std::printf("%llu input reports in %s\n", static_cast<unsigned long long>(*recorded),
+                arguments.hidRecord.c_str());
+  }
   return state.valid > 0 || arguments.test == "none" ? kExitDone : kExitFailed;
 }
 
@@ -119,6 +133,10 @@ void addDevices(CLI::App& app, int& exitCode) {
   CLI::App* command =
       app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
   command->add_option("--test", arguments->test, "Read this device for a while under zero force");
+  command
+      ->add_option("--hid-record", arguments->hidRecord,
+                   "Write what a HID device sends meanwhile to this file (text; without its serial number)")
+      ->needs("--test");
   command->add_option("--seconds", arguments->seconds, "Length of the test")->check(numberFrom(0.1, 3600.0));
   command->add_option(
       "--calibrate", arguments->calibrate,

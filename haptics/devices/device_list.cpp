@@ -65,15 +65,16 @@ bool hasOwnWorkspace(const std::string& name) {
 
 /// A device, not yet open. Hands that are modelled begin at the start; what has a workspace is placed by the
 /// caller.
-Result<std::unique_ptr<Device>> makeDevice(const std::string& name, const Pose& start, bool calibrated) {
+Result<std::unique_ptr<Device>> makeDevice(const std::string& name, const Pose& start, bool calibrated,
+                                           HidBus& bus) {
   using Made = std::unique_ptr<Device>;
   if (name == "stylus") return Made(std::make_unique<VirtualStylus>(start));
   if (name == "simulated") return Made(std::make_unique<SimulatedDevice>(start));
   if (name == "simulated-arm") return Made(std::make_unique<SimulatedArm>(calibrated ? Pose{} : start));
   if (name == "none") return Made(std::make_unique<NullDevice>());
-  if (name == "spacemouse") return Made(std::make_unique<SpaceMouse>(systemHidBus(), start));
-  if (name == "dualsense") return Made(std::make_unique<DualSense>(systemHidBus(), start));
-  if (name == "pid") return Made(std::make_unique<PidDevice>(systemHidBus()));
+  if (name == "spacemouse") return Made(std::make_unique<SpaceMouse>(bus, start));
+  if (name == "dualsense") return Made(std::make_unique<DualSense>(bus, start));
+  if (name == "pid") return Made(std::make_unique<PidDevice>(bus));
   if (name.starts_with("haply")) {
     Result<HaplySettings> settings = parseHaplyName(name);
     if (!settings) return settings.error();
@@ -156,9 +157,9 @@ std::vector<DeviceReport> listDevices(HidBus& bus) {
 std::vector<DeviceReport> listDevices() { return listDevices(systemHidBus()); }
 
 Result<std::unique_ptr<Device>> openDevice(const std::string& name, const std::optional<Pose>& worldFromStart,
-                                           const Colocation* calibration) {
+                                           const Colocation* calibration, HidBus& bus) {
   Result<std::unique_ptr<Device>> made =
-      makeDevice(name, worldFromStart.value_or(Pose{}), calibration != nullptr);
+      makeDevice(name, worldFromStart.value_or(Pose{}), calibration != nullptr, bus);
   if (!made) return made;
   std::unique_ptr<Device> device = std::move(made).value();
   const bool absolute = hasOwnWorkspace(name);

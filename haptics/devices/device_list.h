@@ -44,10 +44,11 @@ std::vector<DeviceReport> listDevices();
 ///
 /// A device with a workspace of its own (`haply`, `pid`, `simulated-arm`) is placed by its calibration if
 /// there is one, else so that where it is first read becomes the start, else (neither) its readings are in
-/// its own axes. The others take no calibration.
+/// its own axes. The others take no calibration. HID devices are sought on `bus`.
 Result<std::unique_ptr<Device>> openDevice(const std::string& name,
                                            const std::optional<Pose>& worldFromStart = std::nullopt,
-                                           const Colocation* calibration = nullptr);
+                                           const Colocation* calibration = nullptr,
+                                           HidBus& bus = systemHidBus());
 
 /// What a self-test has seen so far.
 struct DeviceTestState {

@@ -55,6 +55,7 @@ def cases(folder, binaries):
                                                   "scale": 1, "residual_rms_m": 0, "residual_worst_m": 0, "pairs": 4}))
     yield ["tandem", "join", link, "--device", "simulated", "--calibration", str(folder / "desk.json")], "no workspace"
     yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration", str(folder / "none.json")], "none.json"
+    yield ["tandem", "devices", "--test", "none", "--hid-record", str(folder / "no" / "r")], "--hid-record"
     yield ["tandem-server", PUMP, "--lease-ms", "nan"], "--lease-ms"
     yield ["tandem-server", PUMP, "--duration", "nan"], "--duration"
     yield ["tandem-server", "a\nb.glb"], "a_b.glb"
