@@ -61,6 +61,10 @@ def main():
         assert all(s["allocations"] in (0, None) for e in experiments.values() for s in e.values())
         assert experiments["plane"]["tandem"]["error_share"]["p99"] < 1e-6
         assert experiments["plane"]["one-plane-double"]["error_share"]["max"] > 0.2
+        assert experiments["sphere-10k"]["shading"]["error_share"]["p99"] < 1e-3
+        assert experiments["friction"]["tandem"]["error_share"]["p99"] < 5e-3
+        single = {f["id"]: f for f in figures["figures"]}
+        assert single["friction-sphere-mean"]["value"] < 0.5 and single["refit-100k"]["value"] > 0, single
         beside = (binaries / "bench_peers").exists()
         assert bool(figures["peers"]) == beside and ("embree" in experiments["plane"]) == beside
         failing = subprocess.run([*command, "--peers", "/bin/false"], capture_output=True, text=True, timeout=250)
