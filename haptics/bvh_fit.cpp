@@ -57,7 +57,7 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   if (count == 0) return;
   const int workers = workersFor(count, threads);
   std::array<assets::Bounds, kMaxWorkers> bounds;
-  inParallel(count, workers, [&](std::size_t begin, std::size_t end, int worker) {
+  inParallel(mesh.positions.size(), workers, [&](std::size_t begin, std::size_t end, int worker) {
     bounds[static_cast<std::size_t>(worker)] = boundsOf(begin, end);
   });
   setBounds(bounds);
@@ -85,7 +85,7 @@ void TriangleBvh::fit(int workers, bool haveMoved) {
       // Two things that one thread does alone, at the same time.
       if (worker == 0) fitInner();
       if (worker == workers - 1) {
-        const assets::Bounds all[1] = {boundsOf(0, order_.size())};
+        const assets::Bounds all[1] = {boundsOf(0, mesh_->positions.size())};
         setBounds(all);
       }
       ready.arrive_and_wait();
@@ -116,17 +116,14 @@ void TriangleBvh::fitLeaves(std::size_t begin, std::size_t end, bool haveMoved) 
 }
 
 assets::Bounds TriangleBvh::boundsOf(std::size_t begin, std::size_t end) const {
-  // Each corner on its own: three chains of minima, none of which waits for another.
-  std::array<assets::Bounds, 3> own;
+  // Two chains of minima, neither of which waits for the other.
+  std::array<assets::Bounds, 2> own;
   for (std::size_t i = begin; i < end; ++i) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const glm::dvec3& p = mesh_->positions[mesh_->triangles[i][k]];
-      own[k].min = glm::min(own[k].min, p);
-      own[k].max = glm::max(own[k].max, p);
-    }
+    const glm::dvec3& p = mesh_->positions[i];
+    own[i & 1].min = glm::min(own[i & 1].min, p);
+    own[i & 1].max = glm::max(own[i & 1].max, p);
   }
   grow(own[0], own[1]);
-  grow(own[0], own[2]);
   return own[0];
 }
 

@@ -74,7 +74,7 @@ class TriangleBvh {
     return {mesh_->positions[corners[0]], mesh_->positions[corners[1]], mesh_->positions[corners[2]]};
   }
   const assets::Mesh& mesh() const { return *mesh_; }
-  const assets::Bounds& bounds() const { return bounds_; }  // exact, of the triangles
+  const assets::Bounds& bounds() const { return bounds_; }  // exact, of the points of the mesh
   bool empty() const { return order_.empty(); }
   std::size_t memory() const { return nodeCount_ * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
   /// Levels of nodes; for tests.
@@ -113,7 +113,7 @@ class TriangleBvh {
   /// Slabs, and boxes if the triangles have moved, of the leaves of nodes [begin, end); of other children
   /// slab 0.
   void fitLeaves(std::size_t begin, std::size_t end, bool haveMoved);
-  /// Exact bounds of triangles [begin, end).
+  /// Exact bounds of points [begin, end) of the mesh; none is unused (assets/mesh_analysis.h).
   assets::Bounds boundsOf(std::size_t begin, std::size_t end) const;
   /// Boxes of all children that are nodes.
   void fitInner();
