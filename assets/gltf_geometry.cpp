@@ -8,15 +8,12 @@
 #include <glm/matrix.hpp>
 
 #include "assets/gltf_decode.h"
+#include "assets/scene_check.h"
 
 namespace tandem::assets {
 namespace {
 
 using nlohmann::json;
-
-// Beyond this a coordinate is a mistake in the file's units, and squares and products of it lose their
-// meaning.
-constexpr double kMaxCoordinate = 1e9;  // m
 
 constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
 

@@ -18,6 +18,11 @@ bool finite(std::initializer_list<double> values) {
 
 bool finite(const glm::dvec3& v) { return finite({v.x, v.y, v.z}); }
 
+/// Also false for what is not a number.
+bool near(const glm::dvec3& p) {
+  return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
+}
+
 bool finite(const Bounds& b) { return finite(b.min) && finite(b.max); }
 
 bool nonNegative(std::initializer_list<double> values) {
@@ -104,7 +109,7 @@ Status checkMesh(const Mesh& mesh, std::size_t materials, const std::string& pla
     for (const glm::vec2& uv : corners)
       if (!finite({uv.x, uv.y})) return broken(place, "a texture coordinate is not finite");
   for (const glm::dvec3& p : mesh.positions)
-    if (!finite(p)) return broken(place, "a position is not finite");
+    if (!near(p)) return broken(place, "a position lies farther than 1e9 m from its part's origin");
   if (!finite(mesh.bounds) || !std::isfinite(mesh.volume))
     return broken(place, "bounds or volume are not finite");
   return checkTriangles(mesh, materials, place);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <condition_variable>
 #include <deque>
 #include <limits>
@@ -26,7 +27,7 @@ constexpr int kMaxBins = 16;
 constexpr std::uint32_t kGrain = 8192;  // primitives below which one thread builds a subtree alone
 constexpr int kMedianDepth = 36;        // binary levels after which splits halve, so that depth stays bounded
 
-/// A box of four floats a side; the fourth lane carries the primitive's index bits and is never looked at.
+/// A box of four floats a side; the fourth lane may carry a primitive's index and is never looked at.
 struct Box4 {
   Float4 low{kInfinity}, high{-kInfinity};
   void grow(Float4 l, Float4 h) {
@@ -82,7 +83,6 @@ struct Binning {
 
 struct Bins {
   Bin bin[kMaxBins];
-  Bins() {}  // filled as far as needed
 };
 
 class Builder {
@@ -99,7 +99,8 @@ class Builder {
       float area = -1.0f;
       for (int i = 0; i < count; ++i) {
         const float a = halfArea(ranges[i].box);
-        if (ranges[i].size() > TriangleBvh::kMaxLeaf && a > area) {
+        // Boxes beyond what a float holds have no area to compare.
+        if (ranges[i].size() > TriangleBvh::kMaxLeaf && (widest < 0 || a > area)) {
           widest = i;
           area = a;
         }
@@ -152,7 +153,10 @@ class Builder {
       if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
     }
     const float width = high[axis] - low[axis];
-    if (!(width > 0.0f) || whole.depth >= kMedianDepth) return splitAtMedian(whole, axis, left, right);
+    // Where bins per metre, or a box, would be beyond a float, bins mean nothing.
+    if (!(width > 0x1p-100f && width < 0x1p100f) || whole.depth >= kMedianDepth) {
+      return splitAtMedian(whole, axis, left, right);
+    }
 
     const int binCount = std::min<int>(kMaxBins, 4 + static_cast<int>(whole.size() / 4));
     const Binning binning{axis, binCount, low[axis], static_cast<float>(binCount) * (1.0f - 1e-6f) / width};
@@ -172,11 +176,9 @@ class Builder {
   /// Neighbours in the list mostly fall into one bin: two sets of bins, taken in turn, halve the wait for the
   /// one before.
   void fill(const Range& whole, const Binning& binning, Bins& bins) const {
-    std::fill_n(bins.bin, binning.count, Bin{});
     std::uint32_t i = whole.begin;
     if (whole.size() >= 64) {
       Bins odd;
-      std::fill_n(odd.bin, binning.count, Bin{});
       for (; i + 1 < whole.end; i += 2) {
         const BuildPrimitive &p = primitives_[i], &q = primitives_[i + 1];
         bins.bin[binning.of(p)].add(p);
@@ -236,7 +238,10 @@ class Builder {
 
   void splitAtMedian(const Range& whole, int axis, Range& left, Range& right) const {
     const std::uint32_t middle = whole.begin + whole.size() / 2;
-    const auto key = [axis](const BuildPrimitive& p) { return p.low[axis] + p.high[axis]; };
+    const auto key = [axis](const BuildPrimitive& p) {
+      const float sum = p.low[axis] + p.high[axis];
+      return std::isnan(sum) ? 0.0f : sum;  // from minus to plus infinity; an order needs numbers
+    };
     std::nth_element(primitives_.begin() + whole.begin, primitives_.begin() + middle,
                      primitives_.begin() + whole.end, [&](const BuildPrimitive& a, const BuildPrimitive& b) {
                        return key(a) != key(b) ? key(a) < key(b) : a.triangle() < b.triangle();
@@ -361,7 +366,7 @@ Range makePrimitives(const assets::Mesh& mesh, const glm::dvec3& centre, std::si
       p.high[axis] = roundUp(high[axis]);
     }
     p.setTriangle(static_cast<std::uint32_t>(i));
-    p.unused = 1.0f;
+    p.high[3] = 1.0f;
     grow(range, p);
   }
   return range;

@@ -2,6 +2,7 @@
 
 // The construction behind TriangleBvh; nobody else includes this.
 
+#include <bit>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -12,16 +13,14 @@ namespace tandem::haptics {
 
 /// The box of one triangle, rounded outwards, relative to the mesh's centre. 32 bytes: two SSE loads.
 struct alignas(16) BuildPrimitive {
-  float low[3];
-  std::uint32_t tagged;
-  float high[3];
-  float unused;  // a normal number too
+  float low[4];   // the fourth: the bits of the triangle's index
+  float high[4];  // the fourth: a normal number too
 
   // The index shares a register with floats: the tag makes its bits those of a normal number, never a slow
-  // denormal.
+  // denormal. Indices are below 2^28, see TriangleBvh::kLeafFirstMask.
   static constexpr std::uint32_t kTag = 0x40000000u;
-  void setTriangle(std::uint32_t index) { tagged = index | kTag; }
-  std::uint32_t triangle() const { return tagged & ~kTag; }
+  void setTriangle(std::uint32_t index) { low[3] = std::bit_cast<float>(index | kTag); }
+  std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(low[3]) & ~kTag; }
 };
 
 struct BuiltTree {

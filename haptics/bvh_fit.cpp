@@ -70,6 +70,7 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
 }
 
 void TriangleBvh::refit(int threads) {
+  ASSERT(mesh_->triangles.size() == order_.size());
   if (!empty()) fit(workersFor(order_.size(), threads), true);
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 // Equal shares of a loop, one a thread. For construction, never for ticks.
+// An exception from the work, or a thread that cannot start, ends the program.
 
 #include <algorithm>
 #include <cstddef>

@@ -1,7 +1,10 @@
 #pragma once
 
 // Four floats at once. SSE2 belongs to every x86-64; elsewhere the same operations run one by one, with the
-// same results.
+// same results but for roughReciprocal().
+//
+// 1. Float4::load(), Float4::store() and signedBytes() want addresses that are multiples of 16, and so do
+// unpackSlabs() and slabOfNode(), which are made of them.
 
 #include <cmath>
 #include <cstdint>

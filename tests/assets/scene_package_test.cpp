@@ -199,6 +199,8 @@ TEST(SceneCodec, RefusesScenesThatBreakTheInvariants) {
   refuses("a part's node", [](Scene& s) { s.parts[1].treeNode = 99; });
   refuses("a taken name", [](Scene& s) { s.parts[1].name = s.parts[0].name; });
   refuses("a vertex", [](Scene& s) { s.meshes[0].positions[0].x = std::nan(""); });
+  refuses("a vertex too far", [](Scene& s) { s.meshes[0].positions[0].y = 1e9; });
+  refuses("a vertex beyond any float", [](Scene& s) { s.meshes[0].positions[0].z = -1e300; });
   refuses("a pose", [](Scene& s) { s.parts[0].worldFromPart.orientation.w = 7.0; });
   refuses("a tree's order", [](Scene& s) { s.tree[1].parent = 1; });
   refuses("a joint's part", [](Scene& s) { s.joints[0].partA = 77; });
