@@ -10,7 +10,6 @@
 #include <memory>
 #include <mutex>
 #include <span>
-#include <thread>
 
 #include <glm/common.hpp>
 
@@ -275,10 +274,7 @@ class TaskPool {
   TaskPool(const Builder& builder, Task* root) : builder_(builder), open_(1) { queue_.push_back(root); }
 
   void run(int threads) {
-    std::vector<std::thread> helpers;
-    for (int i = 1; i < threads; ++i) helpers.emplace_back([this] { work(); });
-    work();
-    for (std::thread& helper : helpers) helper.join();
+    onThreads(threads, [this](int) { work(); });
   }
 
  private:

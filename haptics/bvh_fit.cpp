@@ -18,12 +18,12 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::size_t kLargeMesh = 16'384;  // triangles from which a second thread pays
-constexpr std::size_t kSlabBlock = 4096;    // nodes
+constexpr std::size_t kThreadsPay = 16'384;  // triangles from which a second thread pays
+constexpr std::size_t kSlabBlock = 4096;     // nodes
 constexpr int kMaxWorkers = 64;
 
 int workersFor(std::size_t triangles, int threads) {
-  if (triangles <= kLargeMesh) return 1;
+  if (triangles <= kThreadsPay) return 1;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   return std::min(threads > 0 ? threads : cores, kMaxWorkers);
 }
@@ -78,7 +78,7 @@ void TriangleBvh::fit(int workers, bool haveMoved) {
   std::barrier ready(workers);
   // Shares that do not depend on the number of threads, so that the slabs do not either.
   const std::size_t blocks = (nodeCount_ + kSlabBlock - 1) / kSlabBlock;
-  inParallel(static_cast<std::size_t>(workers), workers, [&](std::size_t, std::size_t, int worker) {
+  onThreads(workers, [&](int worker) {
     const auto w = static_cast<std::size_t>(worker), n = static_cast<std::size_t>(workers);
     fitLeaves(nodeCount_ * w / n, nodeCount_ * (w + 1) / n, haveMoved);
     ready.arrive_and_wait();

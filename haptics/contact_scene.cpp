@@ -11,13 +11,14 @@
 #include "assets/assert.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/implicit_mesh.h"
+#include "haptics/in_parallel.h"
 #include "haptics/surface_scene.h"
 
 namespace tandem::haptics {
 namespace {
 
 // Meshes above this many triangles are built one after the other on all threads, smaller ones side by side.
-constexpr std::size_t kLargeMesh = 50'000;
+constexpr std::size_t kBuiltAlone = 50'000;
 
 /// The tool stays this far off a surface, so that rounding can never put it on the other side: 1e-9 of the
 /// part's size, plus what the coordinates themselves are worth where the part lies far from its own origin.
@@ -31,22 +32,25 @@ void buildTrees(const std::vector<const assets::Mesh*>& meshes,
   std::vector<std::size_t> small;
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     if (meshes[i] == nullptr) continue;
-    if (meshes[i]->triangles.size() > kLargeMesh) {
+    if (meshes[i]->triangles.size() > kBuiltAlone) {
       trees[i] = std::make_shared<TriangleBvh>(*meshes[i], threads);
     } else {
       small.push_back(i);
     }
   }
   std::atomic<std::size_t> next{0};
-  const auto work = [&] {
+  const int workers = std::clamp(static_cast<int>(small.size()), 1, threads);
+  onThreads(workers, [&](int) {
     for (std::size_t i = next++; i < small.size(); i = next++) {
       trees[small[i]] = std::make_shared<TriangleBvh>(*meshes[small[i]], 1);
     }
-  };
-  std::vector<std::thread> helpers;
-  for (int i = 1; i < std::min<int>(threads, static_cast<int>(small.size())); ++i) helpers.emplace_back(work);
-  work();
-  for (std::thread& helper : helpers) helper.join();
+  });
+}
+
+std::size_t bytesOf(const assets::Mesh& mesh) {
+  const auto bytes = [](const auto& list) { return list.size() * sizeof(list[0]); };
+  return bytes(mesh.positions) + bytes(mesh.triangles) + bytes(mesh.triangleMaterial) +
+         bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv);
 }
 
 Collider makeCollider(const TriangleBvh* tree) {
@@ -132,9 +136,8 @@ const assets::Scene& ContactScene::scene() const { return *data_->scene; }
 std::size_t ContactScene::memory() const {
   std::size_t bytes = 0;
   for (const auto& tree : data_->trees) bytes += tree ? tree->memory() : 0;
-  for (const auto& mesh : data_->shapeMeshes) {
-    bytes += mesh->positions.size() * sizeof(glm::dvec3) + mesh->triangles.size() * 14;
-  }
+  for (const auto& mesh : data_->shapeMeshes) bytes += bytesOf(*mesh);
+  for (const auto& mesh : data_->replacements) bytes += mesh ? bytesOf(*mesh) : 0;
   return bytes;
 }
 

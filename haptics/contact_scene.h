@@ -22,7 +22,7 @@ class ContactScene {
   ContactScene& operator=(ContactScene&&) noexcept;
 
   const assets::Scene& scene() const;
-  /// Bytes held for contact, of one part's mesh or in all.
+  /// Bytes held for contact: in all, with the meshes that are kept alive here, or of one scene mesh's tree.
   std::size_t memory() const;
   std::size_t memory(std::uint32_t mesh) const;
 
@@ -37,8 +37,8 @@ class ContactScene {
   /// the same: fits its tree and its parts anew, see TriangleBvh::refit(). While no tick of any hand runs on
   /// this scene or on another that shares the tree: either between ticks, then TickState::meshesChanged() for
   /// each hand; or on a spare made by withMesh(), which the hands adopt when it is ready while the other
-  /// becomes the spare. Not from within a tick: it takes a millisecond or more, and derives shading anew
-  /// where a part has any.
+  /// becomes the spare. Not from within a tick: it takes a millisecond or more, and if a part of this mesh
+  /// has a shaded or textured surface it derives those of the whole scene anew.
   void refitMesh(std::uint32_t mesh, int threads = 0);
 
   struct Data;

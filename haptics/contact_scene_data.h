@@ -17,6 +17,8 @@ struct Collider {
   glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
   double radius = 0.0;                // m, of the ball around that centre that holds the part
   double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
+
+  bool operator==(const Collider&) const = default;
 };
 
 struct SurfaceScene;  // surface_scene.h

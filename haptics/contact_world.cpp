@@ -52,28 +52,35 @@ ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
   }
   broad_ = SceneBvh(boxes);
   loose_ = LooseParts(parts.size());
-  measure();
+  for (PartId i = 0; has(i); ++i) measure(i);
 }
 
 void ContactWorld::adopt(const ContactScene& scene) {
   ASSERT(scene.data().scene == data_->scene);
+  const ContactScene::Data& before = *data_;
   data_ = &scene.data();
-  measure();
+  for (PartId i = 0; has(i); ++i) {
+    if (data_->colliders[i] != before.colliders[i]) measure(i);
+  }
 }
 
-void ContactWorld::measure() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const auto part = static_cast<PartId>(i);
-    const Collider& collider = data_->colliders[i];
-    const assets::CollisionFilter& filter = data_->scene->parts[i].filter;
-    const bool empty = collider.tree == nullptr;
-    // The tool belongs to every system and collides with every system: only a part that shuts out all is
-    // untouchable.
-    parts_[i].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
-    loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
-    loose_.drop(part);
-    if (!empty) broad_.update(part, worldBox(collider, poses_[part]));
+void ContactWorld::meshChanged(std::uint32_t mesh) {
+  const TriangleBvh* const changed = data_->trees[mesh].get();
+  for (PartId i = 0; has(i); ++i) {
+    if (changed != nullptr && data_->colliders[i].tree == changed) measure(i);
   }
+}
+
+void ContactWorld::measure(PartId part) {
+  const Collider& collider = data_->colliders[part];
+  const assets::CollisionFilter& filter = data_->scene->parts[part].filter;
+  const bool empty = collider.tree == nullptr;
+  // The tool belongs to every system and collides with every system: only a part that shuts out all is
+  // untouchable.
+  parts_[part].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
+  loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
+  loose_.drop(part);
+  if (!empty && broad_.contains(part)) broad_.update(part, worldBox(collider, poses_[part]));
 }
 
 void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {

@@ -48,9 +48,11 @@ class ContactWorld {
   /// Puts a part somewhere and into the scene tree: O(depth).
   void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
-  /// After meshes of the ContactScene have changed: measures all parts anew. O(parts), free of allocation.
-  void measure();
-  /// Takes the geometry from another ContactScene of the same Scene, and measures.
+  /// After a mesh of the ContactScene has changed in place: measures the parts that use it anew. Free of
+  /// allocation; a comparison for each part of the scene, a refit of the scene tree for each of those parts.
+  void meshChanged(std::uint32_t mesh);
+  /// Takes the geometry from another ContactScene of the same Scene, measuring the parts that differ; the one
+  /// before must still be there. Costs the same.
   void adopt(const ContactScene& scene);
 
   // Many parts that move in one tick: beginMotions(); noteMotion() for each; endMotions(); then setNearPose()
@@ -144,6 +146,7 @@ class ContactWorld {
     bool hidden = false;
   };
 
+  void measure(PartId part);
   void noteNear(PartId part, const Pose& worldFromPart);
   void findNear(const assets::Bounds& box) const;
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Equal shares of a loop, one a thread. For construction, never for ticks.
+// Work on several threads at once. For construction, never for ticks.
 // An exception from the work, or a thread that cannot start, ends the program.
 
 #include <algorithm>
@@ -10,18 +10,24 @@
 
 namespace tandem::haptics {
 
+/// Calls work(worker) on `workers` threads, at least one, of which the caller is number 0; returns when all
+/// are done.
+template <typename Work>
+void onThreads(int workers, const Work& work) {
+  std::vector<std::thread> helpers;
+  for (int i = 1; i < workers; ++i) helpers.emplace_back([&work, i] { work(i); });
+  work(0);
+  for (std::thread& helper : helpers) helper.join();
+}
+
 /// Calls work(begin, end, worker) for equal shares of `count`; returns when all are done.
 template <typename Work>
 void inParallel(std::size_t count, int workers, const Work& work) {
-  std::vector<std::thread> helpers;
   const std::size_t share = count / static_cast<std::size_t>(workers) + 1;
-  const auto run = [&](int worker) {
+  onThreads(workers, [&](int worker) {
     const std::size_t begin = std::min(count, share * static_cast<std::size_t>(worker));
     work(begin, std::min(count, begin + share), worker);
-  };
-  for (int i = 1; i < workers; ++i) helpers.emplace_back(run, i);
-  run(0);
-  for (std::thread& helper : helpers) helper.join();
+  });
 }
 
 }  // namespace tandem::haptics

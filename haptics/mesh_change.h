@@ -5,10 +5,11 @@
 //
 // 1. noteSides() while the triangles that the contacts name still exist; followMeshes() before anything else
 // uses them.
-// 2. Neither allocates; both are bounded: at most kMaxPlanes rays and some forty nearest-point queries a near
-// part.
+// 2. Neither allocates; both are bounded: at most 2 rays, 2 sweeps and 65 nearest-point queries a contact; 6
+// rays, a sweep and 33 queries for each of at most kMaxNearParts other parts.
 
 #include <array>
+#include <span>
 
 #include "haptics/proxy.h"
 
@@ -24,48 +25,21 @@ struct MeshChange {
 /// Notes from which side the proxy touches its triangles.
 void noteSides(const ContactWorld& world, const Proxy& proxy, MeshChange& change);
 
+inline constexpr int kMaxNearParts = 16;  // beside those that the proxy touches
+
+/// Parts that the proxy could not be kept out of.
+struct FollowedMeshes {
+  std::array<PartId, kMaxPlanes + kMaxNearParts> parts{};
+  int count = 0;
+  bool overflow = false;  // more parts were near; the proxy may be inside of others
+
+  std::span<const PartId> squeezed() const { return {parts.data(), static_cast<std::size_t>(count)}; }
+};
+
 /// Puts the proxy outside the parts as they are now, on the side of each on which it was: out of a surface
 /// that has come over it along the way in which its old contacts held it, or along the normal of one of them,
-/// else by the nearest way; it stays where it is free. Its contacts then name triangles that exist.
-/// `squeezed(part)` is called for a part that it could not be kept out of.
-template <typename Squeezed>
-void followMeshes(const ContactWorld& world, double radius, MeshChange& change, Proxy& proxy,
-                  Squeezed&& squeezed);
-
-/// The way in which the contacts together hold the proxy off the device, unit; zero if none presses.
-glm::dvec3 heldAlong(const Proxy& proxy);
-
-/// Moves the proxy out of one part, by preference along `normal`, which may be zero. False if another part is
-/// in the way or the tool fits nowhere near.
-bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double radius,
-               Proxy& proxy);
-
-/// Finds the triangles that stand for the old contacts and drops contacts that are gone.
-void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy);
-
-template <typename Squeezed>
-void followMeshes(const ContactWorld& world, double radius, MeshChange& change, Proxy& proxy,
-                  Squeezed&& squeezed) {
-  change.pending = false;
-  const glm::dvec3 held = heldAlong(proxy);
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const SurfacePoint& old = proxy.planes[index].surface;
-    if (!world.touchable(old.part)) continue;
-    const bool free =
-        (held == glm::dvec3(0.0) || leavePart(world, old.part, held, change.front[index], radius, proxy)) &&
-        leavePart(world, old.part, old.normal, change.front[index], radius, proxy);
-    if (!free) squeezed(old.part);
-  }
-  const glm::dvec3 p = proxy.position, grow(radius);
-  world.forEachNear({p - grow, p + grow}, [&](PartId part) {
-    for (int i = 0; i < proxy.planeCount; ++i) {
-      if (proxy.planes[static_cast<std::size_t>(i)].surface.part == part) return;
-    }
-    if (world.touchable(part) && !leavePart(world, part, glm::dvec3(0.0), true, radius, proxy))
-      squeezed(part);
-  });
-  renewPlanes(world, radius, proxy);
-}
+/// else by the nearest way; it stays where it is free. Its contacts then name triangles that exist. A part
+/// that it could not be kept out of is ignored from then on (ContactWorld::setIgnored()) and returned.
+FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& change, Proxy& proxy);
 
 }  // namespace tandem::haptics

@@ -95,10 +95,13 @@ class Tick {
     }
     const glm::dvec3 before = data_.proxy.position;
     const bool touched = data_.proxy.planeCount > 0;
-    followMeshes(data_.world, radius(), data_.meshChange, data_.proxy, [&](PartId part) {
+    const FollowedMeshes followed = followMeshes(data_.world, radius(), data_.meshChange, data_.proxy);
+    if (followed.overflow) out_.flags |= kFlagOverflow;
+    for (const PartId part : followed.squeezed()) {
       out_.flags |= kFlagSqueezed;
+      data_.world.setIgnored(part, false);  // until it is on the list of those ignored
       ignore(part);
-    });
+    }
     if (touched || data_.proxy.position != before) noteOthers(0.0);
   }
 
@@ -509,9 +512,9 @@ void TickState::Data::noteMeshChange() {
   meshChange.pending = true;
 }
 
-void TickState::meshesChanged() {
+void TickState::meshesChanged(std::uint32_t mesh) {
   data_->noteMeshChange();
-  data_->world.measure();
+  data_->world.meshChanged(mesh);
   data_->measureReach();
 }
 

@@ -77,7 +77,7 @@ TEST(RefitMesh, ToolOnASurfaceThatRisesAndFallsFeelsItsNewDepth) {
     };
     for (glm::dvec3& p : scene.meshes[0].positions) moved(p);
     contact.refitMesh(0, 1);
-    state.meshesChanged();
+    state.meshesChanged(0);
     for (int i = 0; i < 50; ++i) press(-0.001);  // the force may be ramped
     EXPECT_NEAR(out.worldFromProxy.position.z, height, 1e-8);
     EXPECT_NEAR(out.toHand.force.z, 1000.0 * (height + 0.001), 1e-4) << height;

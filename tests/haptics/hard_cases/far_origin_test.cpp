@@ -12,23 +12,27 @@ const glm::dvec3 kFar(1e5, -1e5, 1e5);  // m, whatever the scale
 /// A hand at a box of 0.2 x 0.2 x 0.1, scaled, around `origin`; it thinks in unscaled lengths from there.
 class FarHand {
  public:
-  FarHand(double by, const glm::dvec3& at, double ball, bool bakedIn)
-      : scale(by), origin(at), probe(sceneAt(by, at, bakedIn)) {
+  FarHand(double by, const glm::dvec3& at, double ball, bool bakedIn, bool asFloat = false)
+      : scale(by), origin(at), inFloat(asFloat), probe(sceneAt(by, at, bakedIn, asFloat)) {
     probe.parameters.toolRadius = ball * by;
   }
-  glm::dvec3 at(const glm::dvec3& p) { return probe.at(scale * p + origin).toHand.force / scale; }
+  glm::dvec3 at(const glm::dvec3& p) {
+    return probe.at(kept(scale * p + origin, inFloat)).toHand.force / scale;
+  }
   double skin() { return probe.state.data().world.skin(0, probe.out.worldFromProxy.position) / scale; }
 
   double scale;
   glm::dvec3 origin;
+  bool inFloat;
   HandProbe probe;
 
  private:
+  static glm::dvec3 kept(const glm::dvec3& p, bool inFloat) { return inFloat ? glm::dvec3(glm::vec3(p)) : p; }
   /// Far away by the pose of the part, or by the coordinates of its mesh.
-  static assets::Scene sceneAt(double scale, const glm::dvec3& origin, bool bakedIn) {
+  static assets::Scene sceneAt(double scale, const glm::dvec3& origin, bool bakedIn, bool inFloat) {
     assets::Mesh mesh = scaledMesh(boxMesh({0.2, 0.2, 0.1}), scale);
     if (bakedIn) {
-      for (glm::dvec3& p : mesh.positions) p += origin;
+      for (glm::dvec3& p : mesh.positions) p = kept(p + origin, inFloat);
       mesh.bounds.min += origin;
       mesh.bounds.max += origin;
     }
@@ -92,11 +96,23 @@ TEST(HardOrigin, ScaledScenesAgreeThereWithinWhatTheirCoordinatesAreWorth) {
   }
 }
 
-/// The negative control: in float, the same coordinates do not even tell the surface from the tool.
-TEST(HardOrigin, FloatCoordinatesCouldNotKeepIt) {
-  const float top = static_cast<float>(kFar.z + 0.05), tool = static_cast<float>(kFar.z + 0.048);
-  const double depth = static_cast<double>(top) - static_cast<double>(tool);
-  EXPECT_GT(std::abs(depth - 0.002), 0.001);
+/// How far the force at 2 mm is off on a stroke over a box out there, N.
+double worstOnAStroke(bool inFloat) {
+  FarHand hand(1.0, kFar, 0.0, true, inFloat);
+  hand.at({0.011, 0.007, 0.053});
+  double worst = 0.0;
+  for (int i = 0; i <= 300; ++i) {
+    const glm::dvec3 force = hand.at({0.011 + 2e-4 * i, 0.007 + 1e-4 * i, 0.048});
+    worst = std::max(worst, std::abs(force.z - kStiffness * 0.002));
+  }
+  return worst;
+}
+
+/// The negative control: the same box and hand with coordinates rounded to float, which out there are 7.8 mm
+/// apart.
+TEST(HardOrigin, FloatCoordinatesDoNotKeepIt) {
+  EXPECT_LE(worstOnAStroke(false), 1e-4 * kStiffness * 0.002);
+  EXPECT_GT(worstOnAStroke(true), 0.5 * kStiffness * 0.002);
 }
 
 }  // namespace
