@@ -173,8 +173,7 @@ void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
   }
 }
 
-// --- one function a type, for both directions: Writer takes const references, Reader mutable ones
-// --------------------------
+// --- one function a type, for both directions: Writer takes const references, Reader mutable ones ---
 
 /// An array of things that are written one by one; each takes at least `minimum` bytes.
 template <typename Archive, typename List, typename Each>

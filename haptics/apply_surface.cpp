@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/finite.h"
 #include "haptics/friction_scale.h"
 #include "haptics/haptic_texture.h"
 #include "haptics/surface_scene.h"
@@ -32,8 +33,6 @@ struct Touch {
   double strongest = 0.0;            // m, largest depth of its planes
   int contact = -1;                  // into TickOutput::contacts; -1 = not touched, only near
 };
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 class SurfaceTick {
  public:
@@ -451,27 +450,6 @@ glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, co
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out) {
   return SurfaceTick(world, proxy, device, parameters, state, out).run(force);
-}
-
-double textureFriction(const ContactWorld& world, const SurfacePoint& at) {
-  const assets::Scene& scene = world.scene();
-  const Material& material = world.material(at.part, at.triangle);
-  if (material.surface >= scene.surfaces.size()) return 1.0;
-  const SurfaceTexture& texture = scene.surfaces[material.surface].texture;
-  if (texture.frictionScale == 1.0 || texture.pattern == SurfaceTexture::Pattern::none) return 1.0;
-  const Pose& pose = world.pose(at.part);
-  const glm::dvec3 x = glm::conjugate(pose.orientation) * (at.point - pose.position);
-  if (texture.pattern != SurfaceTexture::Pattern::image)
-    return frictionShare(texture, patternHeight(texture.pattern, texture.wavelength, x).value);
-  const assets::Mesh& mesh = world.collider(at.part).tree->mesh();
-  PatchPoint place;
-  if (at.triangle >= mesh.triangleUv.size() ||
-      !projectOntoPatch(mesh, nullptr, at.triangle, x, x, 1.0, place))
-    return 1.0;
-  const auto& uv = mesh.triangleUv[at.triangle];
-  const glm::dvec2 there = (1.0 - place.u - place.v) * glm::dvec2(uv[0]) + place.u * glm::dvec2(uv[1]) +
-                           place.v * glm::dvec2(uv[2]);
-  return frictionShare(texture, imageHeight(scene.textures[texture.image], there).value);
 }
 
 }  // namespace tandem::haptics

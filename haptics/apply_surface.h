@@ -4,9 +4,9 @@
 // buzz, stick-slip, magnets, pop-through.
 //
 // Per contact with a surface, in the part's frame, with g the device less the lag of friction:
-//   d(g), n  depth under the curved patch and its normal (force_shading.h); flat facets without a crease
-//   angle D = d + r + h    r the tool's radius, h the relief (haptic_texture.h) F = f(D) grad(-D) + the
-//   effects; f by the contact law (contact_law.h), k D where it is elastic
+//   d(g), n          depth under the curved patch and its normal (force_shading.h); the facet's if not shaded
+//   D = d + r + h    r the tool's radius, h the relief (haptic_texture.h)
+//   F = f(D) grad(-D) + the effects; f by the contact law (contact_law.h), k D where it is elastic
 // F is the gradient of a potential of g for the elastic law, so that no closed path gains energy.
 
 #include <array>

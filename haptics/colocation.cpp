@@ -11,6 +11,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "assets/finite.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -114,8 +116,6 @@ void measure(std::span<const PointPair> pairs, Colocation& result) {
   result.pairs = pairs.size();
   result.rms = std::sqrt(sum / static_cast<double>(pairs.size()));
 }
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 Result<std::string> readAll(const std::string& path) {
   std::ifstream file(path, std::ios::binary);

@@ -28,7 +28,7 @@ struct RollLimit {
 
 /// Around the crease under a contact, from its normal towards `tangent`, a unit vector. A ball with the
 /// contact q and the normal m stays on q while m . (v - q) <= 0 for every corner v of the triangles that meet
-/// there.
+/// there. Sees at most 24 triangles: of a corner with more, as the fan of a cap has, only the first.
 RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, double skin,
                     const glm::dvec3& tangent);
 

@@ -11,8 +11,8 @@
 //
 // 1. Depth is continuous wherever patches meet across smooth edges: they share the corner normals.
 // 2. Corner normals do not mix across an edge above the crease angle, between materials of which one is not
-// smooth, or
-//    at open and many-faced edges.
+//    smooth, or at open and many-faced edges.
+//
 
 #include <array>
 #include <cstdint>

@@ -6,7 +6,7 @@
 
 namespace tandem::haptics {
 
-/// What relief with a friction map makes of the coefficients at a place; 1 elsewhere. In apply_surface.cpp.
+/// What relief with a friction map makes of the coefficients at a place; 1 elsewhere.
 double textureFriction(const ContactWorld& world, const SurfacePoint& at);
 
 /// Factor on both friction coefficients at one point of a surface, >= 0. Scenes without surfaces pay one

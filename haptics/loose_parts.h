@@ -5,9 +5,9 @@
 // it costs a comparison and the storing of its pose.
 //
 // 1. Free of allocation after construction. One a ContactWorld.
+//
 // 2. A part is loose from the tick in which it moves until it has been put back into the tree, which happens
-// a few
-//    parts a tick once they stand still.
+//    a few parts a tick once they stand still.
 
 #include <cmath>
 #include <cstddef>

@@ -1,14 +1,13 @@
 #include "haptics/output_limits.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <glm/geometric.hpp>
 
+#include "assets/finite.h"
+
 namespace tandem::haptics {
 namespace {
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 glm::dvec3 clampLength(const glm::dvec3& v, double limit, bool& clamped) {
   const double length = glm::length(v);

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include <glm/geometric.hpp>
 
@@ -17,11 +16,12 @@ constexpr int kMaxRounds = 24;
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
-constexpr double kMaxStretch = 2.0;
-constexpr double kMaxLeap = 16.0;
-constexpr double kShort = 0.25;
-constexpr double kSkim = 8.0;           // arcs of a crease
+constexpr double kMaxStretch = 2.0;  // times the first tangent: more would guess past the goal
+constexpr double kMaxLeap = 16.0;  // times a step: rounds of a series that shrinks by less than 1/16 a round
+constexpr double kShort = 0.25;    // of the first tangent: a ball's way that is followed along smooth ground
+constexpr double kSkim = 8.0;      // arcs of a crease
 constexpr double kSmooth = 1.0 - 1e-9;  // cos 0.0026 degrees
+// Sine of the angle between a way and a face: below it half a skin of clearance is a long way back.
 constexpr double kSteepEnough = 1.0 / 64.0;
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
@@ -416,7 +416,7 @@ class Descent {
     bool onCrease = false;
     Walks walks;
     const bool cut =
-        keepToGround(world_, radius_, proxy_, shortWay(way) ? kSmooth : kFlat, way, walks, onCrease);
+        keepToGround(world_, radius_, proxy_, shortWay(way) ? kSmooth : kGroundTurn, way, walks, onCrease);
     if (onCrease && alone >= 0 && mayRoll_ && roll(alone, way)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, way, radius_, proxy_)) return false;

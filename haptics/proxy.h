@@ -7,12 +7,12 @@
 // in the same tick.
 //
 // 1. The proxy moves only along segments that a swept test has found free, so it cannot pass an edge, a
-// corner or a thin
-//    plate, whatever the speed. A point is a ball of radius 0.
+//    corner or a thin plate, whatever the speed. A point is a ball of radius 0.
+//
 // 2. It rests at radius + skin from a surface and is stopped at radius + skin/2; the skin is some 1e-9 of the
-// part's
-//    size (ContactWorld::skin). Every tolerance here is a share of the skin: there are no lengths in the
-//    code.
+//    part's size (ContactWorld::skin). Every tolerance here is a share of the skin: there are no lengths in
+//    the code.
+//
 // 3. Both sides of every triangle are solid; orientation is never asked.
 
 #include <array>
@@ -48,8 +48,8 @@ struct Proxy {
 };
 
 /// Moves the proxy as near to the goal as the parts let it, without friction: the path of constrained
-/// descent. Bounded work: at most 24 rounds of at most three sweeps; one sweep where a tool rests or slides
-/// on.
+/// descent. Bounded work: at most 24 rounds of at most three sweeps; one sweep where a tool slides on,
+/// none where it rests.
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// slideProxy() with the Coulomb friction of the touched materials (Harwin & Melder 2002, the friction cone:

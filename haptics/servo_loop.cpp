@@ -8,7 +8,6 @@
 
 #include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <cstring>
 #include <utility>
 #if defined(__x86_64__) || defined(__i386__)
@@ -16,6 +15,7 @@
 #endif
 
 #include "assets/assert.h"
+#include "assets/finite.h"
 #include "haptics/servo_schedule.h"
 #include "haptics/simulated_hand.h"
 
@@ -68,8 +68,6 @@ int lockMemory() {
   if (!unlimited) return ENOMEM;
   return mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 ? 0 : errno;
 }
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 /// The last door before the device: whatever the callback returned, the device gets a finite wrench within
 /// its limits.

@@ -8,7 +8,8 @@
 
 namespace tandem::haptics {
 
-inline constexpr double kFlat = 0.98480775301220802;  // cos 10 degrees
+// cos 10 degrees: what turns by more ends the ground.
+inline constexpr double kGroundTurn = 0.98480775301220802;
 
 struct SurfaceWalk {
   double share = 1.0;                  // of the way, 0..1, up to which there is ground under the contact
@@ -22,6 +23,6 @@ struct SurfaceWalk {
 /// triangle where the mesh knows its neighbours, a query where it does not (seams between parts, faces that
 /// share no vertices).
 SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way,
-                        double skin, double flat = kFlat);
+                        double skin, double flat = kGroundTurn);
 
 }  // namespace tandem::haptics

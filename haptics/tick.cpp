@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/finite.h"
 #include "haptics/contact_force.h"
 #include "haptics/tick_data.h"
 
@@ -22,8 +23,6 @@ constexpr double kTouchShare = 0.02;
 constexpr int kMaxTouchQueries = 32;
 // More parts than this that move at once are kept out of the scene tree.
 constexpr std::size_t kManyMoving = 32;
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 bool samePose(const Pose& a, const Pose& b) {
   return a.position == b.position && a.orientation == b.orientation;

@@ -2,13 +2,13 @@
 
 // One haptic tick: from the pose of a hand to the wrench on it. A pure function of its arguments, 1 kHz.
 //
-// 1. Fixed, bounded work: no allocation, lock, system call, log or throw. Capacities are fixed; what does not fit sets a
-//    flag.
-// 2. The force sent is finite and within the limit; what the hand did not cause itself grows at a limited rate.
+// 1. Fixed, bounded work: no allocation, lock, system call, log or throw. Capacities are fixed; what does not
+//    fit sets a flag.
+// 2. The force sent is finite and within the limit; what the hand did not cause grows at a limited rate.
 // 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
 // 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
 //
-// Roles of parts. A part is simulated here (owned), or moved by others (its pose arrives in TickInput::moved), or still.
+// Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still.
 
 #include <array>
 #include <cstdint>
@@ -25,7 +25,7 @@
 namespace tandem::haptics {
 
 inline constexpr int kMaxContacts = 3;     // simultaneous constraints of the proxy
-inline constexpr int kMaxOwnedParts = 8;   // parts that one hand simulates at once: held, or settling after release
+inline constexpr int kMaxOwnedParts = 8;   // that one hand simulates at once: held, or settling after release
 inline constexpr int kMaxPartCommands = 8;
 
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
@@ -97,14 +97,14 @@ enum TickFlag : std::uint32_t {
   kFlagForceLimited = 1u << 1,
   kFlagSlewLimited = 1u << 2,
   kFlagOverflow = 1u << 3,         // something did not fit a fixed capacity and was dropped
-  kFlagFault = 1u << 4,            // a broken invariant inside the tick: force ramps to zero until resetFault()
+  kFlagFault = 1u << 4,            // a broken invariant in the tick: force ramps to zero until resetFault()
   kFlagSqueezed = 1u << 5,         // the proxy could not stay outside everything
   kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
   kFlagProxyReset = 1u << 7,       // the proxy was put back onto the device (start, recovery)
   kFlagStaleSample = 1u << 8,      // zero force: the reading's time stamp stands still
   kFlagSampleJump = 1u << 9,       // zero force: no hand moves this fast
   kFlagPassivity = 1u << 10,       // the passivity controller damps
-  kFlagPopThrough = 1u << 11,      // a surface gave way in this tick; it is passed through until the tool has left it
+  kFlagPopThrough = 1u << 11,      // a surface gave way in this tick; passed through until the tool has left it
   kFlagFieldLimited = 1u << 12,    // a force field met its own maximum where that makes it inexact
 };
 
@@ -122,11 +122,11 @@ struct TickOutput {
   Pose worldFromProxy;           // where the tool is seen: on the surface
   std::array<Contact, kMaxContacts> contacts;
   int contactCount = 0;
-  PartId touched = kNoPart;      // the part under the tool: first contact, else the nearest within reach of a grasp
+  PartId touched = kNoPart;      // the part under the tool: first contact, else the nearest to be grasped
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
-  double sourcePower = 0.0;      // W, what force fields gave the hand since the last tick, of the force that was sent
+  double sourcePower = 0.0;      // W, what fields gave the hand since the last tick, of the force sent
   std::uint32_t flags = 0;
 };
 
@@ -166,7 +166,8 @@ class TickState {
   std::unique_ptr<Data> data_;
 };
 
-/// One tick. `state` must have been made for `scene`.
-TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters, TickState& state);
+/// One tick. `state` must have been made for `scene`, or have adopted it.
+TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters,
+                TickState& state);
 
 }  // namespace tandem::haptics

@@ -1,6 +1,6 @@
 #pragma once
 
-// What TickState holds. For tick.cpp and the tests that look inside.
+// What TickState holds. For tick.cpp, the report and the tests that look inside.
 
 #include <array>
 #include <vector>

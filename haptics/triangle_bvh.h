@@ -84,9 +84,9 @@ class TriangleBvh {
   /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild where there is
   /// none. `slab` says how flat a child is: a direction N of three signed bytes (x lowest), and in the top
   /// byte h with
-  ///     N . (x - c) <= h / 128 * (|N_x|, |N_y|, |N_z|) . e      for all points x of its triangles; c, e the
-  ///     box's centre and
-  /// half extents; 0 where that would say nothing. See leaf_slab.h.
+  ///     N . (x - c) <= h / 128 * (|N_x|, |N_y|, |N_z|) . e
+  /// for all points x of its triangles; c, e the box's centre and half extents; 0 where that would say
+  /// nothing. See leaf_slab.h.
   struct alignas(64) Node {
     float low[3][4];
     float high[3][4];

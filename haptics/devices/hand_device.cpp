@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/finite.h"
+
 namespace tandem::haptics {
 namespace {
 
 constexpr double kLongestInterval = 0.02;  // s
 constexpr double kLongestStep = 2e-3;      // s: the grip's fastest mode is then still resolved
-
-bool isFinite(const glm::dvec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
 
 }  // namespace
 

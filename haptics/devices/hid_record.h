@@ -50,7 +50,7 @@ struct HidRecording {
   HidInfo info;
   std::vector<std::uint8_t> descriptor;             // empty: there was none
   std::vector<std::vector<std::uint8_t>> features;  // as they were given
-  std::vector<Report> reports;                      // in the order of their times
+  std::vector<Report> reports;                      // in the order of the file
 };
 
 /// Reads a recording's text; an error names `source`, the line and the reason.

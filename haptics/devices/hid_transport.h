@@ -5,6 +5,7 @@
 // Threads: a HidBus from any thread. A HidConnection from one thread at a time, never the servo thread: reads
 // wait.
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -14,6 +15,8 @@
 #include "assets/result.h"
 
 namespace tandem::haptics {
+
+inline constexpr std::size_t kLongestReport = 4096;  // bytes, its id included
 
 /// One HID interface as the bus reports it.
 struct HidInfo {

@@ -13,7 +13,6 @@ constexpr auto kRetry = std::chrono::milliseconds(200);
 constexpr auto kSettling =
     std::chrono::milliseconds(600);  // udev sets a new node's permissions after it is there
 constexpr auto kPresenceCheck = std::chrono::milliseconds(500);
-constexpr std::size_t kLongestReport = 4096;
 
 }  // namespace
 

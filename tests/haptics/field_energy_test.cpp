@@ -349,8 +349,8 @@ TEST(FieldInTheLoop, DampersAreHeldToWhatAFreeDeviceBears) {
 // ---- the account ----
 
 /// A hand among fields of every law, with what limits the force sent. Fails where the account leaves the
-/// work.
-void followTheAccount(double gain, double forceLimit) {
+/// work, or where the fields gave less than `atLeast`, J.
+void followTheAccount(double gain, double forceLimit, double atLeast) {
   assets::Scene scene = sceneWith(storedFields());
   ForceField wave;
   wave.kind = Kind::waveform;
@@ -385,15 +385,15 @@ void followTheAccount(double gain, double forceLimit) {
     before = x;
     ASSERT_NEAR(given, accounted, 0.01 * largest + 1e-4) << t;
   }
-  EXPECT_GT(largest, 0.02);
+  EXPECT_GT(largest, atLeast);
 }
 
-TEST(FieldEnergy, SourcePowerAccountsForWhatFieldsGive) { followTheAccount(1.0, 1e6); }
+TEST(FieldEnergy, SourcePowerAccountsForWhatFieldsGive) { followTheAccount(1.0, 1e6, 0.05); }
 
 TEST(FieldEnergy, SourcePowerCountsOnlyWhatTheLimitsLetThrough) {
-  followTheAccount(0.25, 1e6);
+  followTheAccount(0.25, 1e6, 0.02);
   // A potential whose force is cut short gives less than it loses, in the same proportion in both sums.
-  followTheAccount(1.0, 1.0);
+  followTheAccount(1.0, 1.0, 0.02);
 }
 
 TEST(FieldEnergy, NothingIsCountedWhileNoForceIsSent) {

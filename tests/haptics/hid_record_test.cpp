@@ -3,10 +3,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <cstdio>
 #include <fstream>
 #include <iterator>
 #include <random>
+#include <thread>
 
 #include "haptics/devices/spacemouse.h"
 #include "tests/support/scripted_hid.h"
@@ -20,12 +22,17 @@ const HidInfo kSpaceMouse{"/dev/hidraw1",        0x256f,   0xc635, "3Dconnexion"
                           "SpaceMouse\nCompact", "secret", 1,      8};
 const std::vector<Bytes> kStroke{{1, 0x5e, 0x01, 0, 0, 0, 0}, {3, 1, 0}, {9, 9}};
 
-/// Reads until the driver has taken `count` reports, known or not.
+/// Reads until the driver has taken `count` reports, known or not; the last reading if it does not in 10 s.
 template <typename Reader>
 SpaceMouseReading after(Reader& reader, std::uint64_t count) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
   for (;;) {
     const SpaceMouseReading reading = reader.reading();
-    if (reading.reports + reading.rejected == count) return reading;
+    const std::uint64_t taken = reading.reports + reading.rejected;
+    if (taken >= count || std::chrono::steady_clock::now() > deadline) {
+      EXPECT_EQ(taken, count);
+      return reading;
+    }
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
 }
