@@ -122,7 +122,7 @@ nlohmann::ordered_json featureJson(const Feature& feature, const char* name, con
 
 nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<PartModel>& models,
                               const Features& features, const DeviceClass& device, const Arguments& arguments,
-                              double stiffest) {
+                              const FeatureLimits& limits) {
   nlohmann::ordered_json json;
   json["parts"] = nlohmann::ordered_json::array();
   for (const PartModel& m : models)
@@ -163,9 +163,8 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
   json["triangles"] = assets::triangleCount(scene);
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
-  json["stiffest_stable_n_per_m"] = stiffest;
-  json["stiffest_controlled_n_per_m"] =
-      haptics::stiffestControlled(device.limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
+  json["stiffest_stable_n_per_m"] = limits.stiffest;
+  json["stiffest_controlled_n_per_m"] = limits.contact;
   return json;
 }
 
@@ -178,7 +177,7 @@ void printFeatures(const char* what, const std::vector<Feature>& features) {
 }
 
 void print(const assets::Scene& scene, const std::vector<PartModel>& models, const Features& features,
-           const DeviceClass& device, const Arguments& arguments, double stiffest) {
+           const DeviceClass& device, const Arguments& arguments, const FeatureLimits& limits) {
   std::size_t width = 8;
   for (const PartModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
@@ -203,8 +202,7 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
   std::printf(
       "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms); "
       "%.0f N/m under the passivity controller, as 'tandem join' has it\n",
-      stiffest, device.what, device.limits.damping, arguments.delay_ms,
-      haptics::stiffestControlled(device.limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3));
+      limits.stiffest, device.what, device.limits.damping, arguments.delay_ms, limits.contact);
 }
 
 int run(const Arguments& arguments) {
@@ -226,9 +224,9 @@ int run(const Arguments& arguments) {
   const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
                           controlFeatures(*scene, limits)};
   if (arguments.json)
-    std::printf("%s\n", toJson(*scene, models, features, *device, arguments, stiffest).dump(2).c_str());
+    std::printf("%s\n", toJson(*scene, models, features, *device, arguments, limits).dump(2).c_str());
   else
-    print(*scene, models, features, *device, arguments, stiffest);
+    print(*scene, models, features, *device, arguments, limits);
   return kExitDone;
 }
 

@@ -21,12 +21,12 @@ std::string ownedBy(const ViewModel& model, SiteId site) {
   return names.empty() ? "-" : names;
 }
 
-}  // namespace
-
 std::string faultLine(const ViewModel& model) {
   return "force is off: broken: " + model.hand.fault + "; kill -USR1 " + std::to_string(::getpid()) +
          " clears it";
 }
+
+}  // namespace
 
 LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO) != 0) {}
 

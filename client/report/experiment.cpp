@@ -140,15 +140,21 @@ Experiment gear(int triangles, double ball, int ticks) {
   return e;
 }
 
+/// A place on a circle that meets no vertex of the sheet: `way` m along it, and down to 2 mm under z = 0.
+glm::dvec3 circleAt(double way, int tick) {
+  constexpr double kCircle = 0.04;  // m
+  const double angle = way / kCircle;
+  return {kCircle * std::cos(angle) + 0.0013, kCircle * std::sin(angle) + 0.0007,
+          kMillimetre - approach(tick) * 3.0 * kMillimetre};
+}
+
 /// Circles on the plane z = 0, 2 mm deep, from 0.02 to 0.5 m/s.
 Experiment plane(int ticks) {
   Experiment e = onePart(generate::flatSheet(0.2, 100));
   double way = 0.0;
   for (int i = 0; i < ticks; ++i) {
     way += kDt * (0.02 + 0.48 * i / ticks);
-    const double angle = way / 0.04;
-    const double height = kMillimetre - approach(i) * 3.0 * kMillimetre;
-    const glm::dvec3 goal(0.04 * std::cos(angle) + 0.0013, 0.04 * std::sin(angle) + 0.0007, height);
+    const glm::dvec3 goal = circleAt(way, i);
     e.path.push_back({goal, abovePlane(goal, 0.0), 0.0});
   }
   return e;
@@ -164,9 +170,7 @@ Experiment roughPlane(double friction, int ticks) {
   bool touches = false;
   for (int i = 0; i < ticks; ++i) {
     way += kDt * (0.005 + 0.195 * i / ticks);
-    const double angle = way / 0.04;
-    const glm::dvec3 goal(0.04 * std::cos(angle) + 0.0013, 0.04 * std::sin(angle) + 0.0007,
-                          kMillimetre - approach(i) * 3.0 * kMillimetre);
+    const glm::dvec3 goal = circleAt(way, i);
     if (goal.z >= 0.0) {
       proxy = goal;
     } else {

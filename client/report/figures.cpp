@@ -9,23 +9,18 @@
 
 #include "assets/generate/bench_meshes.h"
 #include "assets/percentiles.h"
+#include "client/report/bare_spring.h"
 #include "haptics/contact_scene.h"
+#include "haptics/simulated_hand.h"
 #include "haptics/tick.h"
 #include "haptics/triangle_bvh.h"
 
 namespace tandem::client::report {
 namespace {
 
-constexpr double kTick = 1e-3, kMass = 0.045, kPush = 1.0, kQuantum = 0.055e-3;
-
-haptics::TickParameters bareSpring(double stiffness) {
-  haptics::TickParameters p;
-  p.stiffness = stiffness;
-  p.damping = 0.0;
-  p.forceLimit = 1e9;
-  p.slewLimit = 1e12;
-  return p;
-}
+constexpr double kTick = 1e-3, kPush = 1.0;  // s, N
+constexpr haptics::SimulatedDeviceParameters kDevice{};
+constexpr double kMass = kDevice.mass, kQuantum = kDevice.quantum;
 
 /// One hand on one scene, by its position alone.
 class Hand {
@@ -123,7 +118,7 @@ bool staysBounded(const Loop& loop) {
 
 /// The largest share of 2 b / T up to which every damping stays bounded, in steps of 0.05; at most 3.
 double boundedUpTo(bool quantised, bool controlled) {
-  double share = 0.5;
+  double share = 0.0;
   for (; share < 3.0 - 1e-9; share += 0.05)
     for (const double damping : {0.1, 0.5, 1.0, 2.0})
       if (!staysBounded({damping, share + 0.05, quantised, controlled})) return share;

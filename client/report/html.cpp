@@ -334,7 +334,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
       };
       cost("gear-1m", 2.0, 6.0);
       cost("gear-ball1-1m", 8.0, 25.0);
-      if (m.setting == "tandem" && e.info.id == "friction")
+      if (e.info.id == "friction")
         bounds.push_back(
             {"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
       cost("fine-ball3-1m", 0.0, 30.0);

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <fstream>
-#include <memory>
 #include <thread>
 
 #include <glm/geometric.hpp>
 
+#include "client/report/bare_spring.h"
 #include "client/report/baseline_proxy.h"
 #include "haptics/contact_scene.h"
 #include "haptics/tick.h"
@@ -30,17 +30,6 @@ struct Knobs {
   bool floatData = false;  // the device's position is rounded to single precision
 };
 
-/// The pure spring: no damping, no limits, so that the force is stiffness times depth and can be compared.
-haptics::TickParameters springOnly(const Experiment& experiment) {
-  haptics::TickParameters p;
-  p.toolRadius = experiment.info.toolRadius;
-  p.stiffness = experiment.stiffness;
-  p.damping = 0.0;
-  p.forceLimit = 1e9;
-  p.slewLimit = 1e12;
-  return p;
-}
-
 /// Runs Tandem's tick over a path.
 class TandemRun {
  public:
@@ -50,7 +39,7 @@ class TandemRun {
         contact_(contact),
         knobs_(knobs),
         allocations_(counter),
-        parameters_(springOnly(experiment)),
+        parameters_(bareSpring(experiment.stiffness, experiment.info.toolRadius)),
         state_(contact) {
     if (!experiment.partsMove) return;
     for (std::size_t i = 0; i < experiment.scene.parts.size(); ++i)
@@ -83,13 +72,21 @@ class TandemRun {
     }
   }
 
+  /// Leaves the proxy what friction and the path depend on: where it is, and whether it slides.
+  static void forget(haptics::Proxy& proxy) {
+    haptics::Proxy fresh;
+    fresh.position = proxy.position;
+    fresh.sliding = proxy.sliding;
+    proxy = fresh;
+  }
+
   void step(const glm::dvec3& device, Samples& samples) {
     haptics::TickInput input;
     input.device.worldFromDevice.position = device;
     input.device.time = parameters_.dt * static_cast<double>(samples.us.size());
     input.device.valid = true;
     input.moved = moved_;
-    if (!knobs_.remember) state_.data().proxy.planeCount = 0;
+    if (!knobs_.remember) forget(state_.data().proxy);
     const std::uint64_t before = allocations_ ? allocations_() : 0;
     const Clock::time_point start = Clock::now();
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
