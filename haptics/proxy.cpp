@@ -16,10 +16,11 @@ constexpr int kMaxRounds = 24;
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
 constexpr double kMaxRoll = 0.7;     // rad a round
-constexpr double kMaxStretch = 2.0;  // times the first tangent: more would guess past the goal
-constexpr double kMaxLeap = 16.0;  // times a step: rounds of a series that shrinks by less than 1/16 a round
-constexpr double kShort = 0.25;    // of the first tangent: a ball's way that is followed along smooth ground
-constexpr double kSkim = 8.0;      // arcs of a crease
+// By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
+// if the surface is not curved as expected it ends nearer than it began.
+constexpr double kMaxStretch = 1.5;
+constexpr double kShort = 0.25;  // of the first tangent: what is shorter is followed face by face
+constexpr double kSkim = 8.0;           // arcs of a crease
 constexpr double kSmooth = 1.0 - 1e-9;  // cos 0.0026 degrees
 // Sine of the angle between a way and a face: below it half a skin of clearance is a long way back.
 constexpr double kSteepEnough = 1.0 / 64.0;
@@ -395,24 +396,14 @@ class Descent {
         way = wayToGoal(world_, goal_, radius_, proxy_);
       }
     }
-    if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) {
-      // The goal is under the crease itself: the ball leaves it, by steps that grow by themselves, but
-      // slowly.
-      boost_ *= 4.0;
-      way *= std::max(1.0, std::min(boost_, 0.5 * radius_ / glm::length(way)));
-    } else {
-      boost_ = 1.0;
-    }
+    // The goal is under the crease itself, whose other side is not known: the ball creeps off it.
+    if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) way *= kMaxStretch;
     const bool first = stretch_ > 0.0, stretched = stretch_ > 1.0;
     if (first) {
       tangent_ = way;
       way *= stretch_;
       stretch_ = 0.0;
     }
-    const glm::dvec3 step = way;
-    glm::dvec3& before = freed_[static_cast<std::size_t>(pressing())];
-    if (alone < 0) way *= leap(way, before);
-    before = glm::dvec3(0.0);
     bool onCrease = false;
     Walks walks;
     const bool cut =
@@ -426,30 +417,13 @@ class Descent {
       passCrease(walks, proxy_);
     }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
-    if (!cut && proxy_.planeCount == 0) {
-      curved_ = curved_ || first;
-      before = step;
-    }
+    curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
     return !changed && !cut && !stretched;
   }
 
   /// Whether a way of the ball is the rest of a longer one: then it is followed face by face.
   bool shortWay(const glm::dvec3& way) const {
     return radius_ > 0.0 && glm::length(way) < kShort * glm::length(tangent_);
-  }
-
-  /// Steps along a groove between curved surfaces become shorter, or longer, by the same share each: how much
-  /// longer this one must be to end where all would (Aitken's extrapolation).
-  static double leap(const glm::dvec3& way, const glm::dvec3& before) {
-    const double square = glm::dot(before, before), ahead = glm::dot(way, before);
-    if (!(square > 0.0) || ahead < 0.9 * std::sqrt(square) * glm::length(way)) return 1.0;
-    const double ratio = ahead / square;
-    return ratio < 1.0 ? std::min(kMaxLeap, 1.0 / (1.0 - ratio)) : kMaxLeap;
-  }
-
-  int pressing() const {
-    return static_cast<int>(
-        std::count_if(proxy_.planes.begin(), proxy_.planes.begin() + proxy_.planeCount, presses));
   }
 
   /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
@@ -468,7 +442,12 @@ class Descent {
   /// know.
   bool roll(int index, const glm::dvec3& way) {
     const int sweeps = proxy_.sweeps;
-    if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) return true;
+    const glm::dvec3 from = proxy_.position;
+    if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) {
+      // Stopped at once by another plane: the projection knows it, the arc does not.
+      mayRoll_ = glm::length(proxy_.position - from) > 2.0 * smallestSkin(proxy_);
+      return true;
+    }
     mayRoll_ = false;
     return proxy_.sweeps != sweeps;
   }
@@ -481,11 +460,9 @@ class Descent {
   Proxy& proxy_;
   bool mayRoll_;
   bool lastOnFace_ = true;
-  double boost_ = 1.0;
-  std::array<glm::dvec3, kMaxPlanes + 1> freed_{};  // m, the last step that lost so many pressing contacts
-  double stretch_ = 0.0;                            // of the first tangent; 0 = none
-  glm::dvec3 tangent_{0.0};                         // m, the first one
-  bool curved_ = false;                             // it ended above the surface
+  double stretch_ = 0.0;     // of the first tangent; 0 = none
+  glm::dvec3 tangent_{0.0};  // m, the first one
+  bool curved_ = false;      // it ended above the surface
   glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
 };
 

@@ -90,25 +90,59 @@ namespace {
 struct Tangent {
   double t = 0.0;
   double gap = 0.0, slope = 0.0;  // m, m per motion
+  double noise = 0.0;             // m per motion: what rounding may have done to the slope
+  double rounding = 0.0;          // m: of the coordinates
   TrianglePoint closest;
   glm::dvec3 normal{0.0, 0.0, 0.0};
 
-  double at(double when) const { return gap + slope * (when - t); }
-  /// Newton's next guess of when the gap closes; the slope must be negative.
-  double next() const { return t - gap / slope; }
+  /// A bound from below of the gap at another time.
+  double at(double when) const { return gap + slope * (when - t) - noise * std::abs(when - t); }
+  /// Newton's next guess of when the gap closes, none too late; the slope must be negative.
+  double next() const { return t - gap / (slope - noise); }
+
+  /// The slope of a convex function only grows: it is no less than that of the way here from an earlier
+  /// instant.
+  void narrow(const Tangent& before) {
+    const double span = t - before.t, error = 2.0 * std::max(rounding, before.rounding);
+    const double highest = slope + noise, least = std::min(highest, (gap - before.gap - error) / span);
+    if (least <= slope - noise) return;
+    slope = 0.5 * (highest + least);
+    noise = 0.5 * (highest - least);
+  }
 };
 
-Tangent tangentAt(double t, const glm::dvec3& from, const glm::dvec3& motion, double radius,
-                  const Triangle& triangle) {
-  const glm::dvec3 p = from + motion * t;
-  Tangent tangent;
-  tangent.t = t;
-  tangent.closest = closestPointOnTriangle(p, triangle);
-  tangent.normal = contactNormal(p, triangle, tangent.closest);
-  tangent.gap = glm::dot(p - tangent.closest.point, tangent.normal) - radius;
-  tangent.slope = glm::dot(motion, tangent.normal);
-  return tangent;
-}
+/// A ball that moves past a triangle.
+struct Passage {
+  const glm::dvec3 &from, &motion;
+  const double radius, length;
+  const Triangle& triangle;
+
+  Tangent tangentAt(double t) const {
+    const glm::dvec3 p = from + motion * t;
+    Tangent tangent;
+    tangent.t = t;
+    tangent.closest = closestPointOnTriangle(p, triangle);
+    tangent.normal = contactNormal(p, triangle, tangent.closest);
+    const double distance = glm::dot(p - tangent.closest.point, tangent.normal);
+    tangent.gap = distance - radius;
+    tangent.slope = glm::dot(motion, tangent.normal);
+    if (!tangent.closest.onFace) {
+      // The direction from an edge or corner, over a distance that is not much more than a rounding.
+      const glm::dvec3 size = glm::abs(p) + glm::abs(tangent.closest.point);
+      tangent.rounding = 0x1p-50 * (size.x + size.y + size.z);
+      tangent.noise = length * tangent.rounding / std::max(distance, tangent.rounding);
+    }
+    return tangent;
+  }
+
+  /// A share of the motion in which a gap whose slope is noise certainly stays open: it closes by a few
+  /// roundings, or by at most half. `last`: the one before this, from which the slope was narrowed.
+  double shortStep(const Tangent& tangent, double last) const {
+    const double afar = 16.0 * std::max(tangent.gap + radius, tangent.rounding) / length;
+    const double fall = tangent.noise - tangent.slope;
+    return std::max(afar, fall > 0.0 ? std::min(16.0 * last, 0.5 * tangent.gap / fall) : 16.0 * last);
+  }
+};
 
 }  // namespace
 
@@ -118,32 +152,47 @@ bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, 
   // is the safe side.
   constexpr int kMaxRounds = 40;
   const double clear = 0.5 * tolerance;
-  Tangent left = tangentAt(0.0, from, motion, radius, triangle), right;
-  bool bracketed = false;  // the gap is open at `right` and grows there: has it closed in between?
+  const Passage passage{from, motion, radius, glm::length(motion), triangle};
+  Tangent left = passage.tangentAt(0.0), right;
+  double step = 0.0;
+  bool looked = false,
+       bracketed = false;  // the gap is open at `right` and grows there: has it closed before?
   for (int round = 0;; ++round) {
-    if (!(left.slope < 0.0)) return false;
+    if (!(left.slope < left.noise)) return false;
+    if (left.slope >= -left.noise && round < kMaxRounds) {
+      // Beside an edge or corner: on until it is seen from afar, or the gap tells which way it goes.
+      step = passage.shortStep(left, step);
+      if (!(left.t + step < hit.t)) return false;
+      Tangent later = passage.tangentAt(left.t + step);
+      later.narrow(left);
+      left = later;
+      continue;
+    }
+    step = 0.0;
     if (left.gap <= tolerance || round >= kMaxRounds) {
       hit = {left.t, left.closest.point, left.normal, left.closest.onFace};
       return true;
     }
     if (left.next() > hit.t) return false;
-    if (round == 0) {
-      right = tangentAt(1.0, from, motion, radius, triangle);
+    if (!looked) {
+      looked = true;
+      right = passage.tangentAt(1.0);
       bracketed = right.gap > clear;
       if (bracketed && right.slope <= 0.0) return false;
     }
     // A graze, such as a ball that slides along its neighbours' plane: Newton's iteration would creep towards
     // a double root. Where the two tangents meet is the least that the gap can be, and where to look next.
     while (bracketed) {
-      const double meet = (right.at(0.0) - left.at(0.0)) / (left.slope - right.slope);
-      if (!(left.at(meet) <= clear)) return false;
+      const double meet =
+          (right.gap - right.slope * right.t - left.gap + left.slope * left.t) / (left.slope - right.slope);
+      if (!(std::max(left.at(meet), right.at(meet)) <= clear)) return false;
       if (++round >= kMaxRounds || !(meet > left.t && meet < right.t)) break;
-      const Tangent middle = tangentAt(meet, from, motion, radius, triangle);
+      const Tangent middle = passage.tangentAt(meet);
       bracketed = middle.gap > clear;
       if (bracketed) (middle.slope < 0.0 ? left : right) = middle;
     }
     if (left.next() > hit.t) return false;
-    left = tangentAt(left.next(), from, motion, radius, triangle);
+    left = passage.tangentAt(left.next());
   }
 }
 
