@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstdlib>
+#include <random>
 
 #include "assets/generate/profile_god_object.h"
 #include "tests/haptics/hard_cases/hard_case.h"
@@ -176,6 +177,59 @@ TEST(HardPushes, NeverPopThrough) {
         onSphere.at(goal);
         ASSERT_GE(glm::length(onSphere.proxy()), inner + 0.999 * ball) << "sphere, push " << i;
       }
+    }
+  }
+}
+
+/// A sphere whose corners stand at random heights: spikes, saddles and narrow valleys. It is visible whole
+/// from its centre.
+assets::Mesh spikyStar(double radius, std::uint32_t seed) {
+  assets::Mesh mesh = tests::sphereMesh(radius, 120, tests::Topology::always);
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> height(0.35, 1.6);
+  for (glm::dvec3& p : mesh.positions) p *= height(random);
+  mesh.bounds = {};
+  for (const glm::dvec3& p : mesh.positions) {
+    mesh.bounds.min = glm::min(mesh.bounds.min, p);
+    mesh.bounds.max = glm::max(mesh.bounds.max, p);
+  }
+  return mesh;
+}
+
+/// Where p lies between the centre of a star and its surface: above 1 outside.
+double heightOverStar(const assets::Mesh& mesh, const glm::dvec3& p) {
+  double least = 1e300;
+  for (const auto& t : mesh.triangles) {
+    const glm::dvec3 &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    const double volume = glm::dot(a, glm::cross(b, c));
+    const double u = glm::dot(p, glm::cross(b, c)) / volume, v = glm::dot(a, glm::cross(p, c)) / volume,
+                 w = glm::dot(a, glm::cross(b, p)) / volume;
+    if (u >= -1e-12 && v >= -1e-12 && w >= -1e-12) least = std::min(least, u + v + w);
+  }
+  return least;
+}
+
+TEST(HardPushes, ASpikyStarIsNeitherEnteredNorACauseOfUnrest) {
+  const int stars = atFullSize() ? 400 : 12;
+  for (const double ball : {0.0, 0.006, 0.02}) {
+    for (int star = 0; star < stars; ++star) {
+      const assets::Mesh mesh = spikyStar(0.02, static_cast<std::uint32_t>(star));
+      ScaledHand hand(sceneOf(mesh), 1.0, ball);
+      hand.at({0.08, 0.0, 0.0});
+      std::mt19937 random(static_cast<std::uint32_t>(star) + 1000);
+      std::normal_distribution<double> step(0.0, 0.002);
+      glm::dvec3 goal(0.08, 0.0, 0.0);
+      for (int i = 0; i < 200; ++i) {
+        goal += glm::dvec3(step(random), step(random), step(random)) - 0.02 * goal;
+        hand.at(goal);
+        ASSERT_GE(heightOverStar(mesh, hand.proxy()), 1.0)
+            << "ball " << ball << " star " << star << " tick " << i;
+      }
+      for (int i = 0; i < 60; ++i) hand.at(goal);
+      const glm::dvec3 rest = hand.proxy();
+      hand.at(goal);
+      EXPECT_LE(glm::length(hand.proxy() - rest), 1e-6 * 0.02) << "ball " << ball << " star " << star;
+      EXPECT_LT(hand.probe.state.data().proxy.sweeps, 24) << "ball " << ball << " star " << star;
     }
   }
 }
