@@ -36,7 +36,7 @@ struct ScenePlan {
   std::vector<std::vector<MeshPiece>> geometries;  // distinct piece lists; instances share one
   std::vector<std::uint32_t> partOfNode;  // a flat node: its part or that of its nearest ancestor, else kNone
   std::vector<Material> materials;
-  std::vector<Surface> surfaces;           // texture.image is still a glTF texture
+  std::vector<Surface> surfaces;  // texture.image is still a glTF texture
   std::vector<Finding> findings;
 };
 

@@ -18,7 +18,8 @@ glm::dquat fromRotationVector(const glm::dvec3& rotation) {
   const double half = 0.5 * angle;
   // sin(a/2)/a by its series where the quotient would be 0/0.
   const double scale = angle > 1e-6 ? std::sin(half) / angle : 0.5 - angle * angle / 48.0;
-  return glm::normalize(glm::dquat(std::cos(half), rotation.x * scale, rotation.y * scale, rotation.z * scale));
+  return glm::normalize(
+      glm::dquat(std::cos(half), rotation.x * scale, rotation.y * scale, rotation.z * scale));
 }
 
 Pose integrate(const Pose& worldFromBody, const Twist& twist, double dt) {

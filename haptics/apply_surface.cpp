@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/finite.h"
+#include "haptics/contact_force.h"
 #include "haptics/friction_scale.h"
 #include "haptics/haptic_texture.h"
 #include "haptics/surface_scene.h"
@@ -408,8 +409,10 @@ class SurfaceTick {
     const glm::dvec3 surfaceVelocity =
         velocityAt(world_.pose(touch.part), world_.twist(touch.part), touch.point);
     const glm::dvec3 velocity = partFromWorld * (device_.twist.linear - surfaceVelocity);
-    const double damping = touch.material->damping > 0.0 ? touch.material->damping : parameters_.damping;
-    glm::dvec3 drag = viscousDrag(touch.surface->viscosity, velocity, slot.velocity);
+    const double damping = limitedDamping(
+        touch.material->damping > 0.0 ? touch.material->damping : parameters_.damping, parameters_);
+    glm::dvec3 drag =
+        viscousDrag(limitedDamping(touch.surface->viscosity, parameters_), velocity, slot.velocity);
     slot.velocity = velocity;
     drag -= damping * glm::dot(velocity, patch.normal) * patch.normal;
     const double along = glm::dot(drag, patch.normal);

@@ -2,6 +2,7 @@
 
 // From where the proxy is to the force of its contacts on the hand.
 
+#include <algorithm>
 #include <array>
 
 #include "haptics/contact_world.h"
@@ -29,5 +30,10 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
 /// mean stiffness. Writes the contacts to `out`.
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                         const TickParameters& parameters, TickOutput& out);
+
+/// A surface's damping or viscosity, N·s/m, as the device bears it.
+inline double limitedDamping(double damping, const TickParameters& parameters) {
+  return parameters.dampingLimit > 0.0 ? std::min(damping, parameters.dampingLimit) : damping;
+}
 
 }  // namespace tandem::haptics

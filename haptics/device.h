@@ -16,10 +16,10 @@ namespace tandem::haptics {
 /// One reading of a device, already in world axes (see DeviceMapping for how a workspace is placed in the scene).
 struct DeviceSample {
   Pose worldFromDevice;
-  Twist twist;                 // estimated by the driver from its own samples
-  std::uint32_t buttons = 0;   // bit i = button i; button 0 grasps, button 1 is the clutch
-  double time = 0.0;           // s, the servo loop's clock, when the reading was taken
-  bool valid = false;          // false: lost, stale or not finite; the tick answers with zero force
+  Twist twist;                // estimated by the driver from its own samples
+  std::uint32_t buttons = 0;  // bit i = button i; button 0 grasps, button 1 is the clutch
+  double time = 0.0;          // s, the servo loop's clock, when the reading was taken
+  bool valid = false;         // false: lost, stale or not finite; the tick answers with zero force
 };
 
 /// What a device can do, SI. Zero maxForce: input only.

@@ -36,6 +36,8 @@ double fitToDevice(const DeviceLimits& limits, double delay, TickParameters& par
     parameters.passivity = true;
     parameters.deviceDamping = kCountedDamping * limits.damping;
   }
+  // A hand with some tens of grams of device on it throbs against more, however soft the surface.
+  parameters.dampingLimit = parameters.fieldDampingLimit;
   parameters.maxDeviceSpeed = std::max(kHandSpeed, kWorkspacesPerSecond * limits.workspaceRadius);
   if (limits.rate > 0.0) parameters.staleAfter = std::max(parameters.staleAfter, 5.0 / limits.rate);
   return controlled;

@@ -19,7 +19,7 @@ constexpr double kMaxRoll = 0.7;     // rad a round
 // By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
 // if the surface is not curved as expected it ends nearer than it began.
 constexpr double kMaxStretch = 1.5;
-constexpr double kShort = 0.25;  // of the first tangent: what is shorter is followed face by face
+constexpr double kShort = 0.25;         // of the first tangent: what is shorter is followed face by face
 constexpr double kSkim = 8.0;           // arcs of a crease
 constexpr double kSmooth = 1.0 - 1e-9;  // cos 0.0026 degrees
 // Sine of the angle between a way and a face: below it half a skin of clearance is a long way back.

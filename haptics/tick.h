@@ -24,34 +24,35 @@
 
 namespace tandem::haptics {
 
-inline constexpr int kMaxContacts = 3;     // simultaneous constraints of the proxy
-inline constexpr int kMaxOwnedParts = 8;   // that one hand simulates at once: held, or settling after release
+inline constexpr int kMaxContacts = 3;    // simultaneous constraints of the proxy
+inline constexpr int kMaxOwnedParts = 8;  // that one hand simulates at once: held, or settling after release
 inline constexpr int kMaxPartCommands = 8;
 
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
 struct TickParameters {
-  double dt = 1e-3;                 // s
-  double toolRadius = 0.0;          // m; 0 = point tool
-  double stiffness = 800.0;         // N/m, proxy coupling where the material states none
-  double damping = 1.0;             // N·s/m
-  double graspStiffness = 800.0;    // N/m, virtual coupling to the held part
-  double graspDamping = 4.0;        // N·s/m
-  double graspRotStiffness = 4.0;   // N·m/rad
-  double graspRotDamping = 0.02;    // N·m·s/rad
-  double forceLimit = 3.3;          // N
-  double torqueLimit = 0.2;         // N·m
-  double fieldDampingLimit = 10.0;  // N·s/m, of all damping force fields together
-  double slewLimit = 400.0;         // N/s: how fast a change grows that the hand did not make
-  double torqueSlewLimit = 24.0;    // N·m/s: the same for the torque
-  double deviceSlewLimit = 0.0;     // N/s: what the device can follow, whatever the cause; 0 = any
-  double stiffnessLimit = 0.0;      // N/m, of any contact, whatever its material states; 0 = any
-  double maxDeviceSpeed = 0.0;      // m/s: a reading that would need more is a jump; 0 = any
-  double staleAfter = 0.05;         // s that a reading's time stamp may stand still; 0 = for ever
-  bool passivity = false;           // passivity_controller.h
-  double deviceDamping = 0.0;       // N·s/m of the device that it may count on
-  double fadeTime = 0.3;            // s, over which the force of a coupling that ends fades away
-  double gain = 1.0;                // 0..1, of the wrench sent
-  bool zeroForce = false;           // the user's emergency key
+  double dt = 1e-3;                   // s
+  double toolRadius = 0.0;            // m; 0 = point tool
+  double stiffness = 800.0;           // N/m, proxy coupling where the material states none
+  double damping = 1.0;               // N·s/m
+  double graspStiffness = 800.0;      // N/m, virtual coupling to the held part
+  double graspDamping = 4.0;          // N·s/m
+  double graspRotStiffness = 4.0;     // N·m/rad
+  double graspRotDamping = 0.02;      // N·m·s/rad
+  double forceLimit = 3.3;            // N
+  double torqueLimit = 0.2;           // N·m
+  double fieldDampingLimit = 10.0;    // N·s/m, of all damping force fields together
+  double slewLimit = 400.0;           // N/s: how fast a change grows that the hand did not make
+  double torqueSlewLimit = 24.0;      // N·m/s: the same for the torque
+  double deviceSlewLimit = 0.0;       // N/s: what the device can follow, whatever the cause; 0 = any
+  double stiffnessLimit = 0.0;        // N/m, of any contact, whatever its material states; 0 = any
+  double dampingLimit = 0.0;          // N·s/m, of a surface, as damping or viscosity; 0 = any
+  double maxDeviceSpeed = 0.0;        // m/s: a reading that would need more is a jump; 0 = any
+  double staleAfter = 0.05;           // s that a reading's time stamp may stand still; 0 = for ever
+  bool passivity = false;             // passivity_controller.h
+  double deviceDamping = 0.0;         // N·s/m of the device that it may count on
+  double fadeTime = 0.3;              // s, over which the force of a coupling that ends fades away
+  double gain = 1.0;                  // 0..1, of the wrench sent
+  bool zeroForce = false;             // the user's emergency key
   glm::dvec3 gravity{0.0, 0.0, 0.0};  // m/s^2, felt as the weight of the held part
 };
 
@@ -78,8 +79,8 @@ struct PartCommand {
 
 struct TickInput {
   DeviceSample device;
-  std::span<const PartMotion> moved;       // at most one entry a part
-  std::span<const PartCommand> commands;   // at most kMaxPartCommands
+  std::span<const PartMotion> moved;      // at most one entry a part
+  std::span<const PartCommand> commands;  // at most kMaxPartCommands
   // s, the session's clock, for fields that change with time; not finite: the reading's own time
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
 };
@@ -87,25 +88,25 @@ struct TickInput {
 /// One constraint that the proxy rests on.
 struct Contact {
   PartId part = kNoPart;
-  glm::dvec3 point{0.0, 0.0, 0.0};    // world
-  glm::dvec3 normal{0.0, 0.0, 0.0};   // world, unit, away from the part
-  double force = 0.0;                 // N along the normal, before limits
+  glm::dvec3 point{0.0, 0.0, 0.0};   // world
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, unit, away from the part
+  double force = 0.0;                // N along the normal, before limits
 };
 
 enum TickFlag : std::uint32_t {
-  kFlagInvalidSample = 1u << 0,    // zero force this tick
+  kFlagInvalidSample = 1u << 0,  // zero force this tick
   kFlagForceLimited = 1u << 1,
   kFlagSlewLimited = 1u << 2,
-  kFlagOverflow = 1u << 3,         // something did not fit a fixed capacity and was dropped
-  kFlagFault = 1u << 4,            // a broken invariant in the tick: force ramps to zero until resetFault()
-  kFlagSqueezed = 1u << 5,         // the proxy could not stay outside everything
+  kFlagOverflow = 1u << 3,  // something did not fit a fixed capacity and was dropped
+  kFlagFault = 1u << 4,     // a broken invariant in the tick: force ramps to zero until resetFault()
+  kFlagSqueezed = 1u << 5,  // the proxy could not stay outside everything
   kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
-  kFlagProxyReset = 1u << 7,       // the proxy was put back onto the device (start, recovery)
-  kFlagStaleSample = 1u << 8,      // zero force: the reading's time stamp stands still
-  kFlagSampleJump = 1u << 9,       // zero force: no hand moves this fast
-  kFlagPassivity = 1u << 10,       // the passivity controller damps
-  kFlagPopThrough = 1u << 11,      // a surface gave way in this tick; passed through until the tool has left it
-  kFlagFieldLimited = 1u << 12,    // a force field met its own maximum where that makes it inexact
+  kFlagProxyReset = 1u << 7,          // the proxy was put back onto the device (start, recovery)
+  kFlagStaleSample = 1u << 8,         // zero force: the reading's time stamp stands still
+  kFlagSampleJump = 1u << 9,          // zero force: no hand moves this fast
+  kFlagPassivity = 1u << 10,          // the passivity controller damps
+  kFlagPopThrough = 1u << 11,    // a surface gave way in this tick; passed through until the tool has left it
+  kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
 };
 
 /// A part simulated in this tick.
@@ -114,19 +115,19 @@ struct OwnedPart {
   Pose worldFromPart;
   Twist twist;
   bool held = false;
-  bool atRest = false;   // nothing moves it: its owner may release it
+  bool atRest = false;  // nothing moves it: its owner may release it
 };
 
 struct TickOutput {
-  Wrench toHand;                 // at the device's tip, limited: what the device gets
-  Pose worldFromProxy;           // where the tool is seen: on the surface
+  Wrench toHand;        // at the device's tip, limited: what the device gets
+  Pose worldFromProxy;  // where the tool is seen: on the surface
   std::array<Contact, kMaxContacts> contacts;
   int contactCount = 0;
-  PartId touched = kNoPart;      // the part under the tool: first contact, else the nearest to be grasped
+  PartId touched = kNoPart;  // the part under the tool: first contact, else the nearest to be grasped
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
-  double sourcePower = 0.0;      // W, what fields gave the hand since the last tick, of the force sent
+  double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent
   std::uint32_t flags = 0;
 };
 
@@ -147,7 +148,7 @@ class TickState {
 
   /// After ContactScene::refitMesh(mesh), before the next tick: the proxy stays outside the parts as they are now,
   /// on the side on which it touched them, and the change of force grows at the limited rate. By the thread
-  /// that ticks. Free of allocation; some nanoseconds a part of the scene, 150 ns a part that uses the mesh.
+  /// that ticks. Free of allocation; some nanoseconds a part of the scene, some 50 ns a part that uses the mesh.
   /// Limit: which side it touches is taken from the facets as they now are, so that the proxy comes out on the
   /// other side of one that has turned by over 90 degrees meanwhile; adopt() knows the facets before.
   void meshesChanged(std::uint32_t mesh);

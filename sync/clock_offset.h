@@ -28,8 +28,8 @@ class ClockOffset {
   Micros bestRoundTrip() const { return bestRoundTrip_; }
   Micros lastRoundTrip() const { return lastRoundTrip_; }
 
-  static constexpr double kSlew = 0.02;         // session time runs at 1 -+ this against local time
-  static constexpr double kDriftPpm = 100.0;    // two quartz clocks
+  static constexpr double kSlew = 0.02;       // session time runs at 1 -+ this against local time
+  static constexpr double kDriftPpm = 100.0;  // two quartz clocks
 
  private:
   static constexpr std::size_t kWindow = 16;

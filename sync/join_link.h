@@ -18,7 +18,7 @@ struct JoinLink {
   std::uint16_t port = 0;
   Role role = Role::participant;
   std::string token;
-  std::string pin;   // 64 hexadecimal digits
+  std::string pin;  // 64 hexadecimal digits
 };
 
 std::string toString(const JoinLink& link);

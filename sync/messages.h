@@ -20,14 +20,15 @@
 namespace tandem::sync {
 
 inline constexpr std::uint16_t kProtocolVersion = 1;
-inline constexpr std::size_t kMaxNameLength = 64;        // bytes, UTF-8
-inline constexpr std::size_t kMaxTextLength = 512;       // bytes, UTF-8: reasons
-inline constexpr std::size_t kMaxCredentialLength = 512; // bytes, ASCII
-inline constexpr std::size_t kMaxStateBytes = 1200;      // a whole datagram
+inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
+inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
+inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
+inline constexpr std::size_t kMaxStateBytes = 1200;       // a whole datagram
 inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;
-inline constexpr std::size_t kMaxControlBytes = (1 << 20) + (1 << 16);  // a Welcome with kMaxParts records fits
+inline constexpr std::size_t kMaxControlBytes =
+    (1 << 20) + (1 << 16);  // a Welcome with kMaxParts records fits
 inline constexpr std::size_t kMaxSites = 64;
-inline constexpr std::size_t kMaxStateParts = 255;       // in one StateUpdate; fewer fit as a rule
+inline constexpr std::size_t kMaxStateParts = 255;           // in one StateUpdate; fewer fit as a rule
 inline constexpr Micros kMaxMicros = (Micros{1} << 55) - 1;  // +- 1141 years: sums of a few never overflow
 
 enum class Role : std::uint8_t { observer = 0, participant = 1, instructor = 2 };
@@ -107,26 +108,32 @@ struct Goodbye {};
 struct Welcome {
   SiteId site = kNoSite;
   Role role = Role::observer;
-  std::string resumeTicket;                    // credential for a later Hello with resume = true
-  std::array<std::uint8_t, 32> sceneHash{};    // assets::ContentHash of the scene package
+  std::string resumeTicket;                  // credential for a later Hello with resume = true
+  std::array<std::uint8_t, 32> sceneHash{};  // assets::ContentHash of the scene package
   std::uint64_t sceneBytes = 0;
-  Micros sessionTime = 0;                      // when this was sent
-  Micros lease = 0;                            // length of a lease
-  std::vector<SiteInfo> sites;                 // everybody, this site included
-  std::vector<PartRecord> parts;               // those that were ever granted or moved
+  Micros sessionTime = 0;         // when this was sent
+  Micros lease = 0;               // length of a lease
+  std::vector<SiteInfo> sites;    // everybody, this site included
+  std::vector<PartRecord> parts;  // those that were ever granted or moved
 };
 enum class Refusal : std::uint8_t {
-  protocolVersion, badCredential, expired, alreadyUsed, sessionFull, unexpectedMessage, malformed
+  protocolVersion,
+  badCredential,
+  expired,
+  alreadyUsed,
+  sessionFull,
+  unexpectedMessage,
+  malformed
 };
 const char* toString(Refusal refusal);
 /// The last message before the server closes a connection.
 struct Refused {
   Refusal refusal = Refusal::malformed;
-  std::string reason;   // one line for a person
+  std::string reason;  // one line for a person
 };
 struct SceneChunk {
   std::uint64_t offset = 0;
-  std::vector<std::uint8_t> bytes;   // 1..kMaxChunkBytes
+  std::vector<std::uint8_t> bytes;  // 1..kMaxChunkBytes
 };
 /// A site joined, or its record changed (connected, name, role).
 struct SiteChanged {
@@ -136,24 +143,24 @@ struct SiteLeft {
   SiteId site = kNoSite;
 };
 enum class Denial : std::uint8_t {
-  none,            // granted
+  none,  // granted
   ownedByOther,
   roleForbids,
   notMovable,
   unknownPart,
-  recovering,      // a restarted server waits for earlier owners to come back (S8)
-  stale,           // a Reclaim or Release of an epoch that is over
+  recovering,  // a restarted server waits for earlier owners to come back (S8)
+  stale,       // a Reclaim or Release of an epoch that is over
 };
 const char* toString(Denial denial);
 /// The answer to Grab or Reclaim, repeated unchanged if the request is repeated (S7).
 struct GrabReply {
   RequestId request = 0;
   Denial denial = Denial::none;
-  PartRecord part;         // as it is now: the owner is the asking site if granted
+  PartRecord part;  // as it is now: the owner is the asking site if granted
 };
 struct ReleaseReply {
   RequestId request = 0;
-  Denial denial = Denial::none;   // none: the pose is kept for good
+  Denial denial = Denial::none;  // none: the pose is kept for good
   PartRecord part;
 };
 struct CommandReply {
@@ -167,9 +174,9 @@ struct OwnershipChanged {
   PartRecord part;
 };
 
-using ControlMessage =
-    std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome, Refused,
-                 SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply, OwnershipChanged>;
+using ControlMessage = std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts,
+                                    Goodbye, Welcome, Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply,
+                                    ReleaseReply, CommandReply, OwnershipChanged>;
 
 // ---- state datagrams ----
 
@@ -177,15 +184,15 @@ using ControlMessage =
 struct PartState {
   PartId part = kNoPart;
   Epoch epoch = 0;
-  std::uint32_t sequence = 0;   // grows within (part, epoch)
+  std::uint32_t sequence = 0;  // grows within (part, epoch)
   Pose worldFromPart;
   Twist twist;
 };
 
 /// Where a site's hand and eyes are, for the others to see.
 struct Presence {
-  SiteId site = kNoSite;       // filled in by the server on the way out
-  Pose worldFromTool;          // proxy of the stylus
+  SiteId site = kNoSite;  // filled in by the server on the way out
+  Pose worldFromTool;     // proxy of the stylus
   Pose worldFromCamera;
   glm::dvec3 force{0.0, 0.0, 0.0};  // N on the hand
   PartId touched = kNoPart;
@@ -193,23 +200,24 @@ struct Presence {
 
 /// The states of one site at one instant. Site to server, and relayed by the server to each other site.
 struct StateUpdate {
-  SiteId site = kNoSite;        // whose states; filled in by the server
-  std::uint32_t sequence = 0;   // of the datagrams from this sender to this receiver: gaps are losses
-  Micros time = 0;              // session time at which these states held, by the owning site's estimate
+  SiteId site = kNoSite;       // whose states; filled in by the server
+  std::uint32_t sequence = 0;  // of the datagrams from this sender to this receiver: gaps are losses
+  Micros time = 0;             // session time at which these states held, by the owning site's estimate
   Presence presence;
-  std::vector<PartState> parts; // what fits into kMaxStateBytes; a part in it appears once
+  std::vector<PartState> parts;  // what fits into kMaxStateBytes; a part in it appears once
 };
 
 /// Site to server, a few times a second: clock, round trip, lease renewal.
 struct Ping {
   std::uint32_t sequence = 0;
-  Micros siteTime = 0;      // local time when sent
+  Micros siteTime = 0;  // local time when sent
 };
 struct Pong {
   std::uint32_t sequence = 0;
-  Micros siteTime = 0;      // copied from the Ping
-  Micros serverTime = 0;    // session time when the Pong was sent
-  std::uint32_t received = 0;  // state datagrams received from this site so far: the site computes its uplink loss
+  Micros siteTime = 0;    // copied from the Ping
+  Micros serverTime = 0;  // session time when the Pong was sent
+  std::uint32_t received =
+      0;  // state datagrams received from this site so far: the site computes its uplink loss
 };
 
 using StateMessage = std::variant<StateUpdate, Ping, Pong>;

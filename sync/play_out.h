@@ -22,7 +22,7 @@ class PlayOutDelay {
   /// at 0.5 to 1.05 times its speed and never backwards. 0 before the first state.
   Micros delay(Micros now);
 
-  static constexpr Micros kReserve = 2 * kMillisecond;   // above the quantile of the delays
+  static constexpr Micros kReserve = 2 * kMillisecond;  // above the quantile of the delays
 
  private:
   static constexpr std::size_t kWindow = 128;
@@ -46,7 +46,7 @@ class PlayOut {
     Pose worldFromPart;
     Twist twist;
     bool extrapolated = false;
-    bool still = true;   // nothing newer, not moving
+    bool still = true;  // nothing newer, not moving
   };
   /// What to show at session time `now`, playing at `now - delay`.
   Shown at(Micros now, Micros delay);
@@ -68,16 +68,16 @@ class PlayOut {
   void blendStep(const Pose& from, const Pose& to, double rate);
   void decay(double dt);
 
-  std::array<Entry, kCapacity> entries_{};   // sorted by time
+  std::array<Entry, kCapacity> entries_{};  // sorted by time
   std::size_t count_ = 0;
-  bool changed_ = false;                     // since the last at()
+  bool changed_ = false;  // since the last at()
   bool shownBefore_ = false;
-  Micros shownAt_ = 0, playedAt_ = 0;        // arguments of the last at(): session time, and play time
-  Pose raw_;                                 // what it found without the blend
+  Micros shownAt_ = 0, playedAt_ = 0;  // arguments of the last at(): session time, and play time
+  Pose raw_;                           // what it found without the blend
   // The blend: an offset (position, rotation vector) and its rate of change, critically damped toward zero.
   glm::dvec3 offset_{0.0, 0.0, 0.0}, offsetRate_{0.0, 0.0, 0.0};
   glm::dvec3 turn_{0.0, 0.0, 0.0}, turnRate_{0.0, 0.0, 0.0};
-  double blendRate_ = 0.0;                   // 1/s; 0 = nothing to blend
+  double blendRate_ = 0.0;  // 1/s; 0 = nothing to blend
   double largestOffset_ = 0.0, largestTurn_ = 0.0;
 };
 

@@ -18,8 +18,8 @@ struct TransportEvent {
   enum class Kind : std::uint8_t { connected, control, state, closed };
   Kind kind = Kind::closed;
   ConnectionId connection = 0;
-  std::span<const std::byte> bytes;   // a whole message; valid until the next poll()
-  std::string reason;                 // closed: why, in one line; empty when this side closed it
+  std::span<const std::byte> bytes;  // a whole message; valid until the next poll()
+  std::string reason;                // closed: why, in one line; empty when this side closed it
 };
 
 /// Counts since the start, for tables and tests.
@@ -27,9 +27,9 @@ struct TransportCounters {
   std::uint64_t controlBytesIn = 0, controlBytesOut = 0;
   std::uint64_t stateBytesIn = 0, stateBytesOut = 0;
   std::uint64_t statePacketsIn = 0, statePacketsOut = 0;
-  std::uint64_t droppedUnknown = 0;    // datagrams of no known connection
-  std::uint64_t droppedForged = 0;     // authentication failed
-  std::uint64_t droppedReplayed = 0;   // counter already seen or too old
+  std::uint64_t droppedUnknown = 0;   // datagrams of no known connection
+  std::uint64_t droppedForged = 0;    // authentication failed
+  std::uint64_t droppedReplayed = 0;  // counter already seen or too old
   std::uint64_t droppedOversized = 0;
   std::uint64_t droppedFull = 0;       // a send or receive queue was full
   std::uint64_t failedHandshakes = 0;  // TCP connections that never became a connection here

@@ -21,11 +21,11 @@ namespace tandem::sync {
 
 /// Probabilities and delays of the whole way site to site.
 struct NetworkConditions {
-  Micros oneWay = 0;         // through the server; half on each leg
-  double jitter = 0.0;       // share of the delay, uniform, plus and minus
-  double loss = 0.0;         // probability a datagram on the whole way; control is delayed by a resend instead
+  Micros oneWay = 0;    // through the server; half on each leg
+  double jitter = 0.0;  // share of the delay, uniform, plus and minus
+  double loss = 0.0;    // probability a datagram on the whole way; control is delayed by a resend instead
   double duplicate = 0.0;
-  double reorder = 0.0;      // probability that a datagram is held back by one more delay
+  double reorder = 0.0;  // probability that a datagram is held back by one more delay
 };
 
 class VirtualNetwork {

@@ -113,7 +113,10 @@ haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceCla
     p.stiffness = p.graspStiffness = arguments.stiffness;
     p.stiffnessLimit = 0.0;
   }
-  if (arguments.damping >= 0.0) p.damping = p.graspDamping = arguments.damping;
+  if (arguments.damping >= 0.0) {
+    p.damping = p.graspDamping = arguments.damping;
+    p.dampingLimit = 0.0;
+  }
   if (arguments.forceLimit > 0.0) p.forceLimit = arguments.forceLimit;
   if (arguments.slewLimit > 0.0) p.deviceSlewLimit = arguments.slewLimit;
   return p;

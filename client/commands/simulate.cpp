@@ -58,7 +58,8 @@ void addSimulate(CLI::App& app, int& exitCode) {
   CLI::App* command = app.add_subcommand(
       "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
   command
-      ->add_option("scenario", arguments->scenario, "Scenario file (JSON; see tests/simulation/scenarios for examples)")
+      ->add_option("scenario", arguments->scenario,
+                   "Scenario file (JSON; see tests/simulation/scenarios for examples)")
       ->required();
   command->add_option("--seed", arguments->options.seed, "Seed of network and clocks")->capture_default_str();
   command->add_option("--json", arguments->json, "Write the measures to this file");

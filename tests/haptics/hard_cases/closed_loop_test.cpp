@@ -170,6 +170,19 @@ TEST(ClosedLoop, AtTheDefaultsAHandRestsWithNoMoreThanTheQuantumOfTheSpring) {
   }
 }
 
+TEST(ClosedLoop, ASurfaceThatStatesMoreDampingThanADeviceBearsComesToRestAndUnlimitedItHammers) {
+  const haptics::SimulatedDeviceParameters device;
+  haptics::TickParameters p = defaultsFor(device);
+  p.damping = 200.0;
+  const Rest limited = handAtRest(p, device);
+  p.dampingLimit = 0.0;
+  const Rest unlimited = handAtRest(p, device);
+  EXPECT_LT(limited.way, 0.5 * kQuantum);
+  EXPECT_LT(limited.force, 0.3);
+  EXPECT_GT(unlimited.way, 2.0 * kQuantum);
+  EXPECT_GT(unlimited.force, 3.0);
+}
+
 TEST(ClosedLoop, AtTheDefaultsABareDeviceStaysWithinAQuantumAndWithoutTheControllerNeverRests) {
   for (const double b : {0.1, 0.5, 1.0, 2.0}) {
     haptics::SimulatedDeviceParameters device;
