@@ -248,8 +248,7 @@ class SurfaceTick {
 
   static glm::dvec3 facetDirection(const assets::Mesh& mesh, std::uint32_t t) {
     const auto& c = mesh.triangles[t];
-    return glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]],
-                      mesh.positions[c[2]] - mesh.positions[c[0]]);
+    return areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
   }
 
   /// Whether the tool rests on an edge or corner that is not smooth: there the plain contact is right.

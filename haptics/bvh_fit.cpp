@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <barrier>
-#include <cmath>
 #include <thread>
+#include <utility>
 
 #include <glm/common.hpp>
 

@@ -5,7 +5,6 @@
 // ContactScene.
 
 #include <cstddef>
-#include <functional>
 #include <memory>
 
 #include "assets/scene.h"

@@ -6,7 +6,6 @@
 // 1. setPose() and every query are free of allocation; the constructor allocates.
 // 2. Not shared between threads: each TickState owns one.
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -123,7 +122,8 @@ class ContactWorld {
   /// The second half of overlaps(): inside the solid of a part that has geometry.
   bool encloses(PartId part, const glm::dvec3& p) const;
 
-  /// Calls visit(part) for every part whose box meets `box`; visit must not move parts nor ask forEachNear().
+  /// Calls visit(part) for every part whose box meets `box`; visit must not move parts nor ask forEachNear(),
+  /// as sweep() does: beyond the region of the tick that draws up the list anew, and parts come twice.
   template <typename Visit>
   void forEachNear(const assets::Bounds& box, Visit&& visit) const {
     if (!loose_.any()) return broad_.forEach(box, visit);
@@ -131,8 +131,9 @@ class ContactWorld {
       if (!loose_.isLoose(part)) visit(part);
     });
     if (!loose_.covers(box)) findNear(box);
-    for (const LooseParts::Near& near : loose_.near()) {
-      if (SceneBvh::meet(near.box, box) && loose_.isLoose(near.part)) visit(near.part);
+    for (std::size_t i = 0; i < loose_.near().size(); ++i) {
+      const PartId part = loose_.near()[i].part;
+      if (SceneBvh::meet(loose_.near()[i].box, box) && loose_.isLoose(part)) visit(part);
     }
   }
 

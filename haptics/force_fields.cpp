@@ -1,7 +1,6 @@
 #include "haptics/force_fields.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <glm/geometric.hpp>
 

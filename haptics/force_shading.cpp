@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/triangle_math.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -47,8 +49,7 @@ Across findNeighbours(const Mesh& mesh) {
 
 glm::dvec3 facetNormal(const Mesh& mesh, std::uint32_t t) {
   const auto& c = mesh.triangles[t];
-  const glm::dvec3 n =
-      glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]], mesh.positions[c[2]] - mesh.positions[c[0]]);
+  const glm::dvec3 n = areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
   const double length = glm::length(n);
   return length > 0.0 ? n / length : glm::dvec3(0.0);
 }

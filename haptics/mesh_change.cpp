@@ -9,8 +9,7 @@ constexpr int kMaxSteps = 32;  // out of corners; flat and convex surfaces take 
 
 /// Unit normal of a triangle's front, world; zero where it has no area.
 glm::dvec3 frontOf(const ContactWorld& world, PartId part, std::uint32_t triangle) {
-  const Triangle t = world.collider(part).tree->triangle(triangle);
-  const glm::dvec3 n = glm::cross(t.b - t.a, t.c - t.a);
+  const glm::dvec3 n = areaVector(world.collider(part).tree->triangle(triangle));
   const double length = glm::length(n);
   return length > 0.0 ? transformVector(world.pose(part), n / length) : glm::dvec3(0.0);
 }

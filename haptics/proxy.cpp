@@ -15,14 +15,21 @@ namespace {
 constexpr int kMaxRounds = 24;
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
-constexpr double kMaxRoll = 0.7;     // rad a round
+constexpr double kMaxRoll = 0.7;  // rad a round: where two tangents of the arc meet, 6.5 % of its radius off
 // By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
 // if the surface is not curved as expected it ends nearer than it began.
 constexpr double kMaxStretch = 1.5;
-constexpr double kShort = 0.25;         // of the first tangent: what is shorter is followed face by face
-constexpr double kSkim = 8.0;           // arcs of a crease
-constexpr double kSmooth = 1.0 - 1e-9;  // cos 0.0026 degrees
-// Sine of the angle between a way and a face: below it half a skin of clearance is a long way back.
+// A share of the first tangent of a tick. A ball's way that is shorter is the rest of it: followed face by
+// face, for a tangent across several facets would end above them and leave the same rest again.
+constexpr double kShort = 0.25;
+// Arcs of a crease: a way longer than that leads over the creases behind it too. Along the tangent it skims
+// over all of them at once, and the next round comes down.
+constexpr double kSkim = 8.0;
+// cos 0.0026 degrees: what turns by less is one plane to the force (5e-5 of it across), more is a facet of its
+// own for the rest of a way.
+constexpr double kSmooth = 1.0 - 1e-9;
+// Sine of the angle between a way and a face. To step back to its full height the ball goes half a skin / sine
+// along its way: on flatter ways, more than 32 skins, it stays where it was stopped.
 constexpr double kSteepEnough = 1.0 / 64.0;
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a

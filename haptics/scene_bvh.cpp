@@ -1,5 +1,7 @@
 #include "haptics/scene_bvh.h"
 
+#include <algorithm>
+
 namespace tandem::haptics {
 namespace {
 

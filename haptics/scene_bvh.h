@@ -6,7 +6,6 @@
 // 2. The tree's shape stays that of the parts' first poses: queries stay right, and slow down, as parts stray
 // far.
 
-#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <span>

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "assets/assert.h"
 #include "haptics/leaf_slab.h"
 #include "haptics/outward.h"
 #include "haptics/simd4.h"
@@ -172,22 +171,20 @@ bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& 
 
 /// The same along the triangle's normal: it tells the neighbours in a plane along which a point glides.
 bool passesAbove(const glm::dvec3& from, const glm::dvec3& way, double reach, const Triangle& t) {
-  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const glm::dvec3 normal = areaVector(t);
   return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, way, reach, t);
 }
 
-/// +1 where the segment leaves through the triangle's outside, -1 where it
-/// enters, 0 where it misses.
+/// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
 int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
   const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
-  // Signed volumes of the line with the three edges: one sign means that the
-  // line passes through the triangle.
+  // Signed volumes of the line with the three edges: one sign means that the line passes through the triangle.
   const double u = glm::dot(direction, glm::cross(b, a));
   const double v = glm::dot(direction, glm::cross(c, b));
   const double w = glm::dot(direction, glm::cross(a, c));
   const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
   if (negative == positive) return 0;
-  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const glm::dvec3 normal = areaVector(t);
   const double height = glm::dot(normal, a), slope = glm::dot(normal, direction);
   if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0) return 0;
   return slope > 0.0 ? 1 : -1;

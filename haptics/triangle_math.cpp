@@ -77,7 +77,7 @@ glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& t, const TriangleP
   const glm::dvec3 offset = p - closest.point;
   const double distance = glm::length(offset);
   if (!closest.onFace && distance > 0.0) return offset / distance;
-  const glm::dvec3 normal = glm::cross(t.b - t.a, t.c - t.a);
+  const glm::dvec3 normal = areaVector(t);
   const double length = glm::length(normal);
   if (!(length > 0.0)) return distance > 0.0 ? offset / distance : glm::dvec3(0.0, 0.0, 1.0);
   return glm::dot(normal, offset) < 0.0 ? -normal / length : normal / length;

@@ -12,6 +12,9 @@ struct Triangle {
   glm::dvec3 a, b, c;
 };
 
+/// Along the outward normal, as long as twice the triangle's area, m^2.
+inline glm::dvec3 areaVector(const Triangle& t) { return glm::cross(t.b - t.a, t.c - t.a); }
+
 /// The point of a triangle that is closest to another one.
 struct TrianglePoint {
   glm::dvec3 point{0.0, 0.0, 0.0};

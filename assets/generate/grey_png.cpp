@@ -1,7 +1,6 @@
 #include "assets/generate/grey_png.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <cstdint>
 

@@ -3,7 +3,6 @@
 // The experiments of the report: a scene, a device path a tick long each row, and where an ideal god object
 // is in every tick. The same experiments are given to Tandem, to the baselines and to the peers.
 
-#include <functional>
 #include <string>
 #include <vector>
 

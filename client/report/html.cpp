@@ -1,10 +1,10 @@
 #include "client/report/html.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <map>
 
+#include "client/report/asked.h"
 #include "client/report/svg_plot.h"
 
 namespace tandem::client::report {
@@ -327,20 +327,21 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         gears = true;
         gear = std::max(gear, m.error.relativeP99);
       }
-      const auto cost = [&](const char* id, double p50, double p99) {
+      const auto cost = [&](const char* id, const AskedCost& asked) {
         if (e.info.id != id) return;
-        if (p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, p50});
-        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, p99});
+        if (asked.p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, asked.p50});
+        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, asked.p99});
       };
-      cost("gear-1m", 2.0, 6.0);
-      cost("gear-ball1-1m", 8.0, 25.0);
+      cost("gear-1m", kAskedOfGear);
+      cost("gear-ball1-1m", kAskedOfGearBall);
       if (e.info.id == "friction")
         bounds.push_back(
             {"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
-      cost("fine-ball3-1m", 0.0, 30.0);
-      cost("parts-still", 0.0, 5.0);
-      cost("parts-moving", 0.0, 20.0);
-      if (e.info.id == "gear-1m") bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, 150.0});
+      cost("fine-ball3-1m", kAskedOfFineSphere);
+      cost("parts-still", kAskedOfStillParts);
+      cost("parts-moving", kAskedOfMovingParts);
+      if (e.info.id == "gear-1m")
+        bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kAskedBuild_ms});
     }
   }
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});

@@ -80,7 +80,7 @@ TEST(HardSphere, FortyMillimetresDeepIsStillRight) {
   // of two scales may stand on its own one.
   const double sag = sagitta(mesh, 0.05), turn = std::sqrt(2.1 * sag * 0.05) / 0.010;
   atEveryScale(2.0 * kStiffness * (sag + 0.040 * turn), [&](double scale, std::vector<glm::dvec3>& forces) {
-    const Sweeps sweeps = strokeSphere(mesh, 0.05, 0.0, 0.040, 2e-5, 400, scale, forces);
+    const Sweeps sweeps = strokeSphere(mesh, 0.05, 0.0, 0.040, 2e-5, 800, scale, forces);
     // A tick draws the proxy 0.1 mm along, over a facet or two; at full size a tick takes 1.8 sweeps.
     EXPECT_LE(sweeps.most, 4);
     EXPECT_LE(sweeps.mean, 2.0);

@@ -1,0 +1,20 @@
+#pragma once
+
+// What the project asks of its own speed, for the report's page and the bench.
+
+namespace tandem::client::report {
+
+/// Of a tick, us; 0 = not asked.
+struct AskedCost {
+  double p50 = 0.0, p99 = 0.0;
+};
+
+inline constexpr AskedCost kAskedOfGear{2.0, 6.0};          // a point, a million triangles
+inline constexpr AskedCost kAskedOfGearBall{8.0, 25.0};     // a ball of 1 mm, the same
+inline constexpr AskedCost kAskedOfFineSphere{0.0, 30.0};   // balls up to 3 mm over edges of 40 um
+inline constexpr AskedCost kAskedOfStillParts{0.0, 5.0};    // ten thousand
+inline constexpr AskedCost kAskedOfMovingParts{0.0, 20.0};  // all of ten thousand
+inline constexpr double kAskedBuild_ms = 150.0;             // a tree of a million triangles
+inline constexpr double kAskedRefit_ms = 2.0;               // a tree of a hundred thousand
+
+}  // namespace tandem::client::report
