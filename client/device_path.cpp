@@ -1,9 +1,11 @@
 #include "client/device_path.h"
 
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 namespace tandem::client {
@@ -25,6 +27,12 @@ bool parseCells(const std::string& line, std::vector<double>& cells) {
   return true;
 }
 
+std::string cell(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", value);
+  return text;
+}
+
 }  // namespace
 
 Result<std::vector<PathRow>> loadDevicePath(const std::string& path) {
@@ -41,6 +49,7 @@ Result<std::vector<PathRow>> loadDevicePath(const std::string& path) {
   const std::size_t columns = turns ? 8 : 4;
   std::vector<PathRow> rows;
   std::vector<double> cells;
+  double latest = -std::numeric_limits<double>::infinity();  // s
   for (std::size_t number = 2; std::getline(file, line); ++number) {
     if (line.empty() || line == "\r") continue;
     const std::string where = path + ": line " + std::to_string(number) + ": ";
@@ -50,12 +59,18 @@ Result<std::vector<PathRow>> loadDevicePath(const std::string& path) {
     row.time = cells[0];
     row.pose.position = {cells[1], cells[2], cells[3]};
     bool finite = true;
-    for (const double cell : cells) finite = finite && std::isfinite(cell);
+    for (const double value : cells) finite = finite && std::isfinite(value);
     if (turns && finite) {
       const glm::dquat q(cells[4], cells[5], cells[6], cells[7]);
       const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
       if (std::abs(norm - 1.0) > 1e-2) return Error{where + "the quaternion is not a unit one"};
       row.pose.orientation = glm::normalize(q);
+    }
+    // A time that is no number belongs to a reading that is not valid, and says nothing of the order.
+    if (std::isfinite(row.time)) {
+      if (row.time < latest)
+        return Error{where + "the time goes backwards: " + cell(row.time) + " after " + cell(latest)};
+      latest = row.time;
     }
     row.valid = finite;
     rows.push_back(row);

@@ -1,7 +1,8 @@
 #pragma once
 
 // A scripted device path: one pose a millisecond, from CSV with the header t,x,y,z or t,x,y,z,qw,qx,qy,qz. A
-// cell may be `nan`: that reading is not valid.
+// cell may be `nan`: that reading is not valid. Time may stand still (a device that has stopped sending), but
+// not go backwards.
 
 #include <string>
 #include <vector>

@@ -69,20 +69,23 @@ glm::dvec3 axis(const json& step) {
   return glm::normalize(value);
 }
 
-PartId part(const json& step, const assets::Scene& scene) {
+/// Without a scene (null) any name will do: it is looked up once the scene is there.
+PartId part(const json& step, const assets::Scene* scene) {
   if (!step.contains("part") || !step["part"].is_string()) throw std::string("needs \"part\": \"NAME\"");
+  if (scene == nullptr) return kNoPart;
   const std::string name = step["part"].get<std::string>();
-  const PartId id = assets::findPart(scene, name);
+  const PartId id = assets::findPart(*scene, name);
   if (id == kNoPart) throw "no part is named \"" + name + "\"";
   return id;
 }
 
-PartId controlPart(const json& step, const assets::Scene& scene) {
+PartId controlPart(const json& step, const assets::Scene* scene) {
   if (!step.contains("control") || !step["control"].is_string())
     throw std::string("needs \"control\": \"NAME\"");
+  if (scene == nullptr) return kNoPart;
   const std::string name = step["control"].get<std::string>();
-  for (const assets::Control& control : scene.controls)
-    if (control.name == name || scene.parts[control.part].name == name) return control.part;
+  for (const assets::Control& control : scene->controls)
+    if (control.name == name || scene->parts[control.part].name == name) return control.part;
   throw "no control is named \"" + name + "\"";
 }
 
@@ -95,7 +98,7 @@ void refuseUnknown(const json& step) {
       throw "does not know \"" + key + "\"";
 }
 
-ScriptStep parseStep(const json& entry, const assets::Scene& scene) {
+ScriptStep parseStep(const json& entry, const assets::Scene* scene) {
   using Verb = ScriptStep::Verb;
   if (!entry.is_object()) throw std::string("must be an object");
   refuseUnknown(entry);
@@ -190,17 +193,8 @@ Result<json> parseSteps(const std::string& text, const std::string& source) {
   return steps;
 }
 
-}  // namespace
-
-Status checkHandScript(const std::string& path) {
-  const Result<std::string> text = readTextFile(path);
-  if (!text) return text.error();
-  const Result<json> steps = parseSteps(*text, path);
-  return steps ? Status{} : Status{steps.error()};
-}
-
-Result<HandScript> parseHandScript(const std::string& text, const std::string& source,
-                                   const assets::Scene& scene) {
+Result<HandScript> parseScript(const std::string& text, const std::string& source,
+                               const assets::Scene* scene) {
   const Result<json> parsed = parseSteps(text, source);
   if (!parsed) return parsed.error();
   const json& steps = *parsed;
@@ -215,6 +209,20 @@ Result<HandScript> parseHandScript(const std::string& text, const std::string& s
   std::stable_sort(script.steps.begin(), script.steps.end(),
                    [](const ScriptStep& a, const ScriptStep& b) { return a.at < b.at; });
   return script;
+}
+
+}  // namespace
+
+Status checkHandScript(const std::string& path) {
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  const Result<HandScript> script = parseScript(*text, path, nullptr);
+  return script ? Status{} : Status{script.error()};
+}
+
+Result<HandScript> parseHandScript(const std::string& text, const std::string& source,
+                                   const assets::Scene& scene) {
+  return parseScript(text, source, &scene);
 }
 
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene) {

@@ -50,7 +50,8 @@ struct HandScript {
 /// Reads the JSON text of a script. An error names `source`, the step and the reason.
 Result<HandScript> parseHandScript(const std::string& json, const std::string& source,
                                    const assets::Scene& scene);
-/// What can be said of a script before its scene is known: whether it can be read, and is a list.
+/// All that can be said of a script before its scene is known: everything but whether its parts and controls
+/// are there.
 Status checkHandScript(const std::string& path);
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
 

@@ -19,6 +19,7 @@
 #include "sync/ownership.h"
 #include "sync/play_out.h"
 #include "sync/recording.h"
+#include "sync/site_colours.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
 
@@ -26,7 +27,7 @@ namespace tandem::client {
 
 struct SiteLinkOptions {
   std::string name = "site";
-  std::array<std::uint8_t, 3> colour{90, 160, 250};
+  sync::SiteColour colour = sync::kAnyColour;
   std::string token;         // of the join link
   double packetHz = 250.0;   // while a part of this site moves
   double presenceHz = 60.0;  // otherwise

@@ -99,9 +99,23 @@ void Session::State::resume(Peer& peer, const sync::Hello& hello, const Ticket& 
   admit(peer, at->second, hello);
 }
 
+/// The first colour that the fewest of the listed sites have.
+sync::SiteColour Session::State::freeColour(SiteId except) const {
+  const auto uses = [&](const sync::SiteColour& colour) {
+    return std::count_if(known.begin(), known.end(), [&](const auto& entry) {
+      return entry.first != except && entry.second.listed && entry.second.info.colour == colour;
+    });
+  };
+  return *std::min_element(sync::kSiteColours.begin(), sync::kSiteColours.end(),
+                           [&](const auto& a, const auto& b) { return uses(a) < uses(b); });
+}
+
 void Session::State::admit(Peer& peer, KnownSite& site, const sync::Hello& hello) {
   site.info.name = shownName(hello.name, site.info.site);
-  site.info.colour = hello.colour;
+  if (hello.colour != sync::kAnyColour)
+    site.info.colour = hello.colour;
+  else if (!hello.resume)
+    site.info.colour = freeColour(site.info.site);  // who comes back keeps the one that they had
   site.info.connected = true;
   site.listed = true;
   keep(SiteRecord{site.info, false});

@@ -13,6 +13,7 @@
 
 #include "server/outbox.h"
 #include "server/session.h"
+#include "sync/site_colours.h"
 #include "sync/wire.h"
 
 namespace tandem::server {
@@ -119,6 +120,7 @@ struct Session::State {
   void resume(Peer& peer, const sync::Hello& hello, const Ticket& ticket);
   void admit(Peer& peer, KnownSite& site, const sync::Hello& hello);
   bool full() const;
+  sync::SiteColour freeColour(SiteId except) const;
   sync::Welcome welcomeFor(const KnownSite& site, std::vector<sync::PartRecord>& parts) const;
   void refuse(Peer& peer, sync::Refusal refusal, const std::string& reason);
   void onGoodbye(Peer& peer);

@@ -28,7 +28,7 @@ void addSceneOptions(CLI::App& command, SceneArguments& arguments) {
       ->capture_default_str();
   command.add_option(
       "--movable", arguments.movable,
-      "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable");
+      "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable [none]");
   command.add_flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
 }
 
@@ -59,6 +59,12 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments) {
       assets::loadScene(arguments.path, *options, arguments.noCache ? "" : assets::defaultCacheDirectory());
   if (terminal) std::fputs("\r\033[K", stderr);
   return scene;
+}
+
+std::string inShort(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", value);
+  return text;
 }
 
 Status writable(const std::string& path) {

@@ -43,6 +43,9 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments);
 
 using assets::numberFrom;
 
+/// A number as help and tables show it: up to six digits, no trailing zeros.
+std::string inShort(double value);
+
 /// Whether a file could be written there, asked before a run whose result would be lost. An empty path is
 /// fine.
 Status writable(const std::string& path);

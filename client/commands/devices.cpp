@@ -62,6 +62,19 @@ int printUdevRule() {
   return written && std::fflush(stdout) == 0 ? kExitDone : kExitFailed;
 }
 
+/// What to do with a device, or why it will not move here.
+std::string whatToDo(const std::string& name) {
+  if (name == "stylus")
+    return "This is the pen that mouse and keyboard move in the window of 'tandem join'. There is no window "
+           "here, "
+           "so nobody moves it: it stays where it is. Readings show that it runs.";
+  if (name == "simulated")
+    return "A modelled hand that programs and scripts move: here it stays where it is.";
+  if (name == "simulated-arm") return "A model: it stays where it is, but for what its encoders round.";
+  if (name == "none") return "There is nothing to read.";
+  return "Move it and press its buttons.";
+}
+
 int test(const Arguments& arguments) {
   std::unique_ptr<haptics::RecordingHidBus> recorder;
   if (!arguments.hidRecord.empty()) {
@@ -74,9 +87,9 @@ int test(const Arguments& arguments) {
   if (!device) return badInput(device.error());
   const haptics::DeviceLimits limits = (*device)->limits();
   std::printf(
-      "%s: senses %d axes, drives %d; at most %.1f N; reading every %.3f mm; move it and press its buttons\n",
+      "%s: senses %d axes, drives %d; at most %.1f N; reads to %.3f mm; read for %g s under zero force\n%s\n",
       (*device)->name().c_str(), limits.sensedAxes, limits.actuatedAxes, limits.maxForce,
-      limits.quantum * 1e3);
+      limits.quantum * 1e3, arguments.seconds, whatToDo(arguments.test).c_str());
   const bool terminal = isatty(STDOUT_FILENO) != 0;
   const haptics::DeviceTestState state =
       haptics::testDevice(**device, arguments.seconds, [&](const haptics::DeviceTestState& now) {
@@ -132,17 +145,22 @@ void addDevices(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
   CLI::App* command =
       app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
-  command->add_option("--test", arguments->test, "Read this device for a while under zero force");
+  command->add_option(
+      "--test", arguments->test,
+      "Read this device (its name in the list) for a while under zero force; stylus and simulated "
+      "move in a session only");
   command
       ->add_option("--hid-record", arguments->hidRecord,
                    "Write what a HID device sends meanwhile to this file (text; without its serial number)")
       ->needs("--test");
-  command->add_option("--seconds", arguments->seconds, "Length of the test")->check(numberFrom(0.1, 3600.0));
+  command->add_option("--seconds", arguments->seconds, "Length of the test, s")
+      ->check(numberFrom(0.1, 3600.0))
+      ->capture_default_str();
   command->add_option(
       "--calibrate", arguments->calibrate,
       "Find where a device's workspace lies in the view from this CSV of touched points "
       "(header dx,dy,dz,vx,vy,vz: in the device's axes, as --test shows them, and in the scene; m)");
-  command->add_option("--out", arguments->out, "File for the calibration (JSON); without it: stdout");
+  command->add_option("--out", arguments->out, "File for the calibration (JSON) [standard output]");
   command->add_flag("--rigid", arguments->rigid, "Keep the scale at 1");
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
   command->add_flag(

@@ -47,28 +47,14 @@ struct Report {
   }
 };
 
-Result<std::array<std::uint8_t, 3>> parseColour(const std::string& text) {
+Result<sync::SiteColour> parseColour(const std::string& text) {
   unsigned value = 0;
   char rest = 0;
   if (text.size() != 7 || std::sscanf(text.c_str(), "#%6x%c", &value, &rest) != 1)
     return Error{"--colour " + text + ": must be #RRGGBB"};
-  return std::array<std::uint8_t, 3>{static_cast<std::uint8_t>(value >> 16),
-                                     static_cast<std::uint8_t>(value >> 8), static_cast<std::uint8_t>(value)};
-}
-
-/// A colour that tells sites apart when nobody chose one: from the name, on a wheel of well-separated hues.
-std::array<std::uint8_t, 3> colourOf(const std::string& name) {
-  static constexpr std::array<std::array<std::uint8_t, 3>, 8> kWheel{{{230, 120, 60},
-                                                                      {70, 150, 230},
-                                                                      {110, 190, 90},
-                                                                      {200, 90, 200},
-                                                                      {230, 190, 60},
-                                                                      {70, 195, 190},
-                                                                      {225, 95, 115},
-                                                                      {140, 120, 235}}};
-  unsigned sum = 0;
-  for (const char c : name) sum = sum * 31 + static_cast<unsigned char>(c);
-  return kWheel[sum % kWheel.size()];
+  if (value == 0) value = 0x010101;  // zero leaves the choice to the server
+  return sync::SiteColour{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                          static_cast<std::uint8_t>(value)};
 }
 
 std::string defaultName(const sync::JoinLink& link) {
@@ -357,9 +343,8 @@ int run(Arguments& arguments) {
   if (arguments.name.size() > sync::kMaxNameLength)
     return badInput(Error{"--name: at most " + std::to_string(sync::kMaxNameLength) + " bytes"});
   options.name = arguments.name;
-  options.colour = colourOf(options.name);
   if (!arguments.colour.empty()) {
-    Result<std::array<std::uint8_t, 3>> colour = parseColour(arguments.colour);
+    Result<sync::SiteColour> colour = parseColour(arguments.colour);
     if (!colour) return badInput(colour.error());
     options.colour = *colour;
   }
@@ -388,18 +373,18 @@ void addJoin(CLI::App& app, int& exitCode) {
   CLI::App* command = app.add_subcommand("join", "Enter a session: see, touch and move its parts");
   command->add_option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)")
       ->required();
-  command->add_option("--name", arguments->name, "Your name, as the others see it");
-  command->add_option("--colour", arguments->colour, "Your colour, #RRGGBB");
+  command->add_option("--name", arguments->name, "Your name, as the others see it [$USER, else the role]");
+  command->add_option("--colour", arguments->colour, "Your colour, #RRGGBB [one that nobody else has]");
   command->add_flag("--headless", arguments->headless, "No window: a table in the terminal");
-  command->add_option(
-      "--device", arguments->device,
-      "Device in your hand; see 'tandem devices' (default: stylus, moved by mouse and keyboard)");
+  command->add_option("--device", arguments->device,
+                      "Device in your hand; see 'tandem devices' [stylus, moved by mouse and keyboard; "
+                      "without a window: none]");
   command
       ->add_option("--calibration", arguments->calibration,
                    "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
       ->needs("--device");
   command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
-  command->add_option("--duration", arguments->duration, "Leave after this many seconds")
+  command->add_option("--duration", arguments->duration, "Leave after this many seconds [stay]")
       ->check(numberFrom(1e-3, 1e9));
   command->add_option("--screenshot", arguments->screenshot,
                       "Write a picture (PNG) at the end, with or without a display");
@@ -407,11 +392,16 @@ void addJoin(CLI::App& app, int& exitCode) {
   command->add_option("--json", arguments->json, "Write what happened to this file");
   command->add_option("--trace", arguments->trace,
                       "Write every pose of moving parts, as this site had it, to this CSV file");
-  command->add_option("--cache", arguments->cache, "Folder for fetched scenes (default: the user's cache)");
+  command->add_option("--cache", arguments->cache,
+                      "Folder for fetched scenes [" + assets::defaultCacheDirectory() + "]");
   command->add_option("--width", arguments->width, "Of window and picture, pixels")
-      ->check(CLI::Range(200, 7680));
-  command->add_option("--height", arguments->height)->check(CLI::Range(200, 4320));
-  command->add_flag("--tcp", arguments->tcp, "State over TLS, not UDP");
+      ->check(CLI::Range(200, 7680))
+      ->capture_default_str();
+  command->add_option("--height", arguments->height, "The same")
+      ->check(CLI::Range(200, 4320))
+      ->capture_default_str();
+  command->add_flag("--tcp", arguments->tcp,
+                    "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "In the window F1 shows all keys. Space stops all force.\n"

@@ -26,9 +26,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+constexpr const char* kNoDevice = "none";
+
 struct Arguments {
   SceneArguments scene;
-  std::string path, tool = "point", ticks, json, device;
+  std::string path, tool = "point", ticks, json, device = kNoDevice;
   std::vector<std::string> moves;
   double stiffness = 0.0, damping = -1.0, forceLimit = 0.0, slewLimit = 0.0;
 };
@@ -50,6 +52,7 @@ struct Row {
   double time = 0.0;
   Pose hand, proxy;
   haptics::TickOutput tick;
+  std::vector<double> controls;  // m or rad, of the scene's controls in their order, after the tick
   double compute_ns = 0.0;
 };
 
@@ -218,6 +221,8 @@ class Probe {
     result.proxy = output.worldFromProxy;
     if (tool_.part != kNoPart && output.ownedCount > 0) result.proxy = output.owned[0].worldFromPart;
     result.tick = output;
+    for (const assets::Control& control : scene_.controls)
+      result.controls.push_back(assets::controlValue(control, state_.worldFromPart(control.part)));
     result.compute_ns = std::chrono::duration<double, std::nano>(end - start).count();
     rows_.push_back(result);
   }
@@ -242,7 +247,9 @@ std::string csvCell(const std::string& name) {
 Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene,
                   bool part) {
   std::string text = "t,hx,hy,hz,px,py,pz,fx,fy,fz,tx,ty,tz,contacts,part,flags,compute_ns";
-  text += part ? ",pqw,pqx,pqy,pqz,depth\n" : "\n";
+  if (part) text += ",pqw,pqx,pqy,pqz,depth";
+  for (const assets::Control& control : scene.controls) text += ',' + csvCell("control:" + control.name);
+  text += '\n';
   char line[640];
   for (const Row& row : rows) {
     const glm::dvec3 &h = row.hand.position, &p = row.proxy.position;
@@ -261,6 +268,10 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
       length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,nan", q.w, q.x, q.y, q.z);
       text.append(line, static_cast<std::size_t>(length));
     }
+    for (const double value : row.controls) {
+      length = std::snprintf(line, sizeof line, ",%.9g", value);
+      text.append(line, static_cast<std::size_t>(length));
+    }
     text += '\n';
   }
   return writeFile(path, text);
@@ -274,6 +285,23 @@ nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
     if (count > 0) counts[name] = count;
   }
   return counts;
+}
+
+/// Where each control ended and between which values it was, m or rad.
+nlohmann::ordered_json controlValues(const std::vector<Row>& rows, const assets::Scene& scene) {
+  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+  for (std::size_t i = 0; i < scene.controls.size(); ++i) {
+    double least = rows.front().controls[i], most = least;
+    for (const Row& row : rows) {
+      least = std::min(least, row.controls[i]);
+      most = std::max(most, row.controls[i]);
+    }
+    values[scene.controls[i].name] = {{"unit", assets::turns(scene.controls[i]) ? "rad" : "m"},
+                                      {"last", rows.back().controls[i]},
+                                      {"least", least},
+                                      {"most", most}};
+  }
+  return values;
 }
 
 /// What was felt, under which limits.
@@ -306,9 +334,9 @@ double milliseconds(Clock::time_point from) {
 int run(const Arguments& arguments) {
   for (const std::string& out : {arguments.ticks, arguments.json})
     if (Status free = writable(out); !free) return badInput(free.error());
-  const DeviceClass* device = arguments.device.empty() ? nullptr : findDeviceClass(arguments.device);
-  if (device == nullptr && !arguments.device.empty())
-    return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
+  const DeviceClass* device = findDeviceClass(arguments.device);
+  if (device == nullptr && arguments.device != kNoDevice)
+    return badInput(Error{"--device " + arguments.device + ": must be none, " + deviceClassNames()});
   Result<std::vector<PathRow>> path = loadDevicePath(arguments.path);
   if (!path) return badInput(path.error());
   const Clock::time_point loadStart = Clock::now();
@@ -346,6 +374,7 @@ int run(const Arguments& arguments) {
       {"compute_ns", {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}}},
       {"allocations", probe.allocations()},
       {"flags", flagCounts(probe.rows())}};
+  if (!scene->controls.empty()) json["controls"] = controlValues(probe.rows(), *scene);
   if (!arguments.json.empty())
     if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written)
       return badInput(written.error());
@@ -369,22 +398,36 @@ void addProbe(CLI::App& app, int& exitCode) {
                    "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
       ->required();
   command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
-  command->add_option("--stiffness", arguments->stiffness, "N/m, where the material states none")
+  const haptics::TickParameters defaults;
+  const auto stated = [](double value, const char* unit) { return "[" + inShort(value) + " " + unit + "]"; };
+  command
+      ->add_option("--stiffness", arguments->stiffness,
+                   "N/m, where the material states none " + stated(defaults.stiffness, "N/m") +
+                       "; a device's limit on stiffness is then off")
       ->check(numberFrom(1e-3, 1e6));
-  command->add_option("--damping", arguments->damping, "N*s/m")->check(numberFrom(0.0, 1e4));
-  command->add_option(
-      "--device", arguments->device,
-      "Limits and stiffness as on a device: " + deviceClassNames() + "; none: no force limit");
-  command->add_option("--force-limit", arguments->forceLimit, "N, of the device")
+  command
+      ->add_option("--damping", arguments->damping,
+                   "N*s/m of surfaces " + stated(defaults.damping, "N*s/m") +
+                       "; a device's limit on damping is then off")
+      ->check(numberFrom(0.0, 1e4));
+  command
+      ->add_option("--device", arguments->device,
+                   "Limits and stiffness as on a device: " + deviceClassNames() +
+                       "; none: no limit on force or stiffness, no passivity control")
+      ->capture_default_str();
+  command->add_option("--force-limit", arguments->forceLimit, "N [the device's; without one: none]")
       ->check(numberFrom(1e-3, 1e4));
   command
-      ->add_option(
-          "--slew-limit", arguments->slewLimit,
-          "N/s that the device can follow, whatever the cause; what the hand did not do itself (a part "
-          "that jumps onto it, recovery) is always limited to 400 N/s")
+      ->add_option("--slew-limit", arguments->slewLimit,
+                   "N/s that the device can follow, whatever the cause [none]; what the hand did not do "
+                   "itself (a part "
+                   "that jumps onto it, recovery) is always limited to " +
+                       inShort(defaults.slewLimit) + " N/s")
       ->check(numberFrom(1e-3, 1e9));
-  command->add_option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable");
-  command->add_option("--ticks", arguments->ticks, "Write every tick to this CSV file");
+  command->add_option("--move", arguments->moves,
+                      "NAME=PATH.csv: move a part along a path; repeatable [none]");
+  command->add_option("--ticks", arguments->ticks,
+                      "Write every tick to this CSV file; columns: client/README.md");
   command->add_option("--json", arguments->json,
                       "Write load time, tick times, allocations and flags to this file");
   command->footer(

@@ -13,6 +13,7 @@
 #include "client/viewer/viewer.h"
 #include "sync/ownership.h"
 #include "sync/recording.h"
+#include "sync/site_colours.h"
 
 namespace tandem::client {
 
@@ -107,12 +108,10 @@ class Playback {
   SiteView& siteOf(SiteId id) {
     for (SiteView& site : model_.sites)
       if (site.info.site == id) return site;
-    static constexpr std::array<std::array<std::uint8_t, 3>, 4> kColours{
-        {{230, 120, 60}, {70, 150, 230}, {110, 190, 90}, {200, 90, 200}}};
     SiteView site;
     site.info.site = id;
     site.info.name = "site " + std::to_string(id);
-    site.info.colour = kColours[id % kColours.size()];
+    site.info.colour = sync::siteColour(id - std::size_t{1});
     model_.sites.push_back(site);
     return model_.sites.back();
   }
@@ -179,9 +178,10 @@ int playInWindow(Playback& playback) {
     const auto now = std::chrono::steady_clock::now();
     const double elapsed = std::chrono::duration<double>(now - last).count();
     last = now;
-    if (playback.model().playing) playback.seek(playback.model().time + elapsed);
+    if (playback.model().playing) playback.seek(playback.model().time + elapsed * playback.model().speed);
     const ViewActions actions = (*viewer)->frame(playback.model());
     if (actions.seek) playback.seek(actions.seekTo);
+    if (actions.setSpeed > 0.0) playback.model().speed = actions.setSpeed;
     if (actions.togglePlay) playback.model().playing = !playback.model().playing;
     if (actions.quit) return kExitDone;
   }
@@ -225,15 +225,17 @@ void addReplay(CLI::App& app, int& exitCode) {
       ->add_option("recording", arguments->recording,
                    "File of 'tandem join --record' or 'tandem-server --record'")
       ->required();
-  command->add_option("--scene", arguments->scenePath, "Scene file, if this user never joined that session");
+  command->add_option("--scene", arguments->scenePath,
+                      "Scene file, if this user never joined that session [from --cache]");
   command->add_option("--units", arguments->units, "Unit of the scene file")->capture_default_str();
-  command->add_option("--movable", arguments->movable, "As given to the server");
+  command->add_option("--movable", arguments->movable, "As given to the server, with --scene [none]");
   command->add_flag("--headless", arguments->headless, "No window: print a summary");
   command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
-  command->add_option("--at", arguments->at, "Seconds from the beginning (default: the end)")
+  command->add_option("--at", arguments->at, "Seconds from the beginning [the end]")
       ->check(numberFrom(0.0, 1e9));
   command->add_option("--json", arguments->json, "Write a summary to this file");
-  command->add_option("--cache", arguments->cache, "Folder of fetched scenes");
+  command->add_option("--cache", arguments->cache,
+                      "Folder of fetched scenes [" + assets::defaultCacheDirectory() + "]");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

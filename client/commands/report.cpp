@@ -100,10 +100,10 @@ void addReport(CLI::App& app, int& exitCode) {
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the figures to this file too");
   command->add_option("--scenes", arguments->scenes,
-                      "Only these scenes, by id (sphere-1k, gear-100k, plane, ...)");
+                      "Only these scenes, by id (sphere-1k, gear-100k, plane, ...) [all]");
   command->add_option("--peers", arguments->peers,
-                      "Program that measures other libraries on the same scenes; else bench_peers beside "
-                      "this one, if it is there");
+                      "Program that measures other libraries on the same scenes [bench_peers beside this "
+                      "program, if it is there]");
   command->add_flag("--no-peers", arguments->noPeers, "Measure no other libraries");
   command->add_flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
   std::string scenes;

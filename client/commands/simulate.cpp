@@ -67,6 +67,10 @@ void addSimulate(CLI::App& app, int& exitCode) {
                       "Write hands and forces every 10 ms to this CSV file");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
+      "A site's hand runs on the plain defaults (800 N/m, no passivity control) whatever its device; "
+      "\"fit\": true in\n"
+      "the scenario's site takes those of 'tandem join' instead, \"stiffness\": K states one. See "
+      "client/README.md.\n"
       "The same scenario and seed give the same result, to the bit.\n"
       "Exit code 1: the run was not stable, or a rule of the protocol (S1-S8, L1-L5) was broken.\n"
       "Example: tandem simulate tests/simulation/scenarios/hand_over.json --seed 7 --json out.json");

@@ -19,6 +19,7 @@
 #include "client/view_model.h"
 #include "haptics/servo_loop.h"
 #include "sync/join_link.h"
+#include "sync/site_colours.h"
 #include "sync/socket_transport.h"
 
 namespace tandem::client {
@@ -26,7 +27,7 @@ namespace tandem::client {
 struct JoinOptions {
   sync::JoinLink link;
   std::string name = "site";
-  std::array<std::uint8_t, 3> colour{90, 160, 250};
+  sync::SiteColour colour = sync::kAnyColour;
   bool udp = true;
   std::string cacheDirectory;
   std::string recordPath;        // empty: no recording

@@ -109,6 +109,11 @@ ScenarioSite parseSite(const json& entry, const std::string& where) {
     site.device.forceMax = device.number("force_max", site.device.forceMax, 0.0, 1e3);
     device.refuseUnknown();
   }
+  if (fields.has("fit")) {
+    if (!fields["fit"].is_boolean()) throw where + ": \"fit\" must be true or false";
+    site.fit = fields["fit"].get<bool>();
+  }
+  site.stiffness = fields.number("stiffness", 0.0, 0.0, 1e6);
   if (fields.has("start")) {
     const json& start = fields["start"];
     if (!start.is_array() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";

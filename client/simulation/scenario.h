@@ -17,6 +17,8 @@ struct ScenarioSite {
   std::string name;
   haptics::ArmParameters arm;
   haptics::SimulatedDeviceParameters device;
+  bool fit = false;  // limits, stiffnesses and passivity control as `tandem join` has them on such a device
+  double stiffness = 0.0;  // N/m, of contacts and grasps, whatever fits; 0: not stated
   std::string role = "participant";
   bool hasStart = false;
   glm::dvec3 start{0.0, 0.0, 0.0};  // m, world

@@ -15,6 +15,7 @@
 #include "client/scripted_device.h"
 #include "client/simulation/measures.h"
 #include "client/site_link.h"
+#include "haptics/device_defaults.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
 
@@ -94,6 +95,7 @@ class SimulatedSite : public LinkObserver {
   std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
 
  private:
+  HandSettingsInput settings() const;
   void tickHand(Micros now);
   void addSources(const haptics::TickOutput& tick);
   void countTransport();
@@ -165,10 +167,22 @@ SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const Scena
              [this](PartId part) { return hand->worldFromPart(part); }) {
   lastTarget = start.position;
   for (const assets::Part& part : sim.scene.parts) lastPoses.push_back(part.worldFromPart);
+  exchange->settings.write(settings());
+}
+
+/// What this site's ticks are given: the plain defaults, so that scenarios compare whatever the device, or on
+/// request what a device of this kind gets in a real session.
+HandSettingsInput SimulatedSite::settings() const {
   HandSettingsInput settings;
-  settings.parameters.forceLimit = description.device.forceMax;
-  settings.parameters.gravity = sim.scene.gravity;
-  exchange->settings.write(settings);
+  haptics::TickParameters& parameters = settings.parameters;
+  if (description.fit) haptics::fitToDevice(device.limits(), 0.0, parameters);
+  parameters.forceLimit = description.device.forceMax;
+  parameters.gravity = simulation.scene.gravity;
+  if (description.stiffness > 0.0) {
+    parameters.stiffness = parameters.graspStiffness = description.stiffness;
+    parameters.stiffnessLimit = 0.0;
+  }
+  return settings;
 }
 
 void SimulatedSite::start() {
@@ -200,10 +214,7 @@ void SimulatedSite::crash() {
   id = kNoSite;
   // The process is gone with all that it knew; arm and device stay in the world.
   exchange = std::make_unique<Exchange>();
-  HandSettingsInput settings;
-  settings.parameters.forceLimit = description.device.forceMax;
-  settings.parameters.gravity = simulation.scene.gravity;
-  exchange->settings.write(settings);
+  exchange->settings.write(settings());
   hand = std::make_unique<HandLoop>(simulation.contact, *exchange);
 }
 

@@ -38,13 +38,20 @@ TEST_F(DevicePath, ANanCellMakesTheReadingInvalid) {
   EXPECT_TRUE((*rows)[3].valid);
 }
 
+TEST_F(DevicePath, LetsTimeStandStill) {
+  EXPECT_TRUE(loadDevicePath(write("t,x,y,z\n0,1,2,3\n0,1,2,3\nnan,1,2,3\n0,1,2,3\n0.001,1,2,3\n")).ok());
+}
+
 TEST_F(DevicePath, RefusesOtherFilesAndNamesTheLine) {
-  const std::pair<const char*, const char*> cases[] = {{"", "header"},
-                                                       {"x,y,z\n", "header"},
-                                                       {"t,x,y,z\n", "no rows"},
-                                                       {"t,x,y,z\n0,1,2,3\n0,1,two,3\n", "line 3"},
-                                                       {"t,x,y,z\n0,1,2\n", "line 2"},
-                                                       {"t,x,y,z,qw,qx,qy,qz\n0,1,2,3,3,0,0,0\n", "unit"}};
+  const std::pair<const char*, const char*> cases[] = {
+      {"", "header"},
+      {"x,y,z\n", "header"},
+      {"t,x,y,z\n", "no rows"},
+      {"t,x,y,z\n0,1,2,3\n0,1,two,3\n", "line 3"},
+      {"t,x,y,z\n0,1,2\n", "line 2"},
+      {"t,x,y,z\n1,0,0,0\n2,0,0,0\n1.5,0,0,0\n", "line 4"},
+      {"t,x,y,z\n1,0,0,0\nnan,0,0,0\n0,0,0,0\n", "backwards"},
+      {"t,x,y,z,qw,qx,qy,qz\n0,1,2,3,3,0,0,0\n", "unit"}};
   for (const auto& [text, word] : cases) {
     const auto rows = loadDevicePath(write(text));
     ASSERT_FALSE(rows.ok()) << text;

@@ -1,8 +1,11 @@
 #include "client/hand_script.h"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
 #include <glm/geometric.hpp>
 
 #include "client/scripted_device.h"
@@ -116,6 +119,27 @@ TEST(HandScript, SetsAControlByItsNameOrItsPartsOncePerStep) {
   EXPECT_EQ(p.at(1.9, at(0, 0, 0.1), kStill).control.count, 1u);
   EXPECT_EQ(p.at(2.1, at(0, 0, 0.1), kStill).control.value, 0.03);
   EXPECT_EQ(p.at(2.2, at(0, 0, 0.1), kStill).control.count, 2u);
+}
+
+TEST(HandScript, IsCheckedBeforeItsSceneIsThereButForNames) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("tandem-script-" + std::to_string(::getpid()))).string();
+  const auto check = [&](const std::string& json) {
+    std::ofstream(path) << json;
+    const Status status = checkHandScript(path);
+    return status.ok() ? std::string() : status.error().message;
+  };
+  EXPECT_EQ(check(R"([{"t":0,"do":"grasp","part":"?"},{"t":1,"do":"set","control":"?","value":0}])"), "");
+  const auto refuses = [&](const std::string& json, const std::string& word) {
+    const std::string message = check(json);
+    EXPECT_NE(message.find(word), std::string::npos) << json << ": " << message;
+  };
+  refuses(R"([{"t":0,"do":"hold"},{"t":0,"do":"jump"}])", "step 2");
+  refuses(R"([{"t":0,"do":"grasp"}])", "\"part\"");
+  refuses(R"([{"t":0,"do":"press","part":"?"}])", "\"depth\"");
+  refuses(R"([{"t":0,"do":"move","to":[0,0],"over_s":1}])", "\"to\"");
+  refuses(R"({"script":3})", "list");
+  std::filesystem::remove(path);
 }
 
 TEST(HandScript, RefusesWhatItDoesNotKnowAndNamesTheStep) {

@@ -34,6 +34,10 @@ def cases(folder, binaries):
     yield probe + ["--ticks", str(folder)], "directory"
     yield probe + ["--movable", "a\nb"], "movable"
     yield ["tandem", "probe", PUMP, "--path", str(folder)], "directory"
+    (folder / "back.csv").write_text("t,x,y,z\n0,0,0,0.2\n0.001,0,0,0.2\n0.0005,0,0,0.2\n")
+    yield ["tandem", "probe", PUMP, "--path", str(folder / "back.csv")], "line 4"
+    yield probe + ["--device", "omni"], "none"
+    yield probe + ["--move", "impeller=" + str(folder / "back.csv")], "line 4"
     yield ["tandem", "simulate", str(folder)], "directory"
     yield ["tandem", "simulate", str(folder / "deep.json")], "deeper"
     site = lambda **fields: lambda document: document["sites"][0].update(fields)
@@ -53,6 +57,8 @@ def cases(folder, binaries):
     link = "tandem://127.0.0.1:1/participant?token=" + "ab" * 16 + "&pin=" + "cd" * 32
     (folder / "desk.json").write_text(json.dumps({"view_from_device": {"position": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]},
                                                   "scale": 1, "residual_rms_m": 0, "residual_worst_m": 0, "pairs": 4}))
+    (folder / "jump.json").write_text(json.dumps([{"t": 0, "do": "jump"}]))
+    yield ["tandem", "join", link, "--hand", str(folder / "jump.json")], "step 1"
     yield ["tandem", "join", link, "--device", "simulated", "--calibration", str(folder / "desk.json")], "no workspace"
     yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration", str(folder / "none.json")], "none.json"
     yield ["tandem", "devices", "--test", "none", "--hid-record", str(folder / "no" / "r")], "--hid-record"

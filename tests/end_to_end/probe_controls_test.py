@@ -62,6 +62,8 @@ def main():
             worst = max(worst, abs(float(row["fy"]) - force))
             drop = max(drop, last - force)
             last = force
+    values = [float(row["control:start"]) for row in rows]
+    known = summary["controls"]["start"]
     parts = {row["part"] for row in rows[20:] if row["part"]}
     print(f"largest error {worst:.4f} N, click {drop:.3f} N, parts touched {sorted(parts)}")
     failed = []
@@ -71,6 +73,12 @@ def main():
         failed.append("there is no click")
     if parts != {"start"}:
         failed.append("the tool touched something else")
+    # Pressed to its stop at 2.5 mm, which is compared with the proxy: the cap stands where the tool rests on it.
+    gap = max(abs(TOP - float(row["py"]) - value) for row, value in zip(rows[20:], values[20:]))
+    if not 0.0024 < max(values) < 0.0026 or gap > 20e-6:
+        failed.append(f"the value of the button is not told: at most {max(values)}, {gap} from the proxy")
+    if known["unit"] != "m" or abs(known["last"] - values[-1]) > 1e-11 or known["most"] < max(values) - 1e-11:
+        failed.append(f"the summary tells another value: {known}")
     if summary["allocations"] != 0:
         failed.append("ticks used the heap")
     for what in failed:

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <random>
 
 #include "server/memory_journal.h"
+#include "sync/site_colours.h"
 #include "sync/virtual_network.h"
 #include "tests/support/fake_site.h"
 
@@ -75,18 +77,18 @@ struct Rig {
     return *sites.back();
   }
   std::string token(Role role) { return session->makeToken(role, kUnix + 3600); }
-  FakeSite& join(const std::string& name, Role role = Role::participant) {
+  FakeSite& join(const std::string& name, Role role = Role::participant, SiteColour colour = {1, 2, 3}) {
     FakeSite& site = connect(name);
-    site.say(Hello{kProtocolVersion, false, token(role), name, {1, 2, 3}});
+    site.say(Hello{kProtocolVersion, false, token(role), name, colour});
     run(40 * kMillisecond);
     EXPECT_NE(site.last<Welcome>(), nullptr);
     site.say(Ready{});
     run(20 * kMillisecond);
     return site;
   }
-  FakeSite& resume(const std::string& name, const std::string& ticket) {
+  FakeSite& resume(const std::string& name, const std::string& ticket, SiteColour colour = {1, 2, 3}) {
     FakeSite& site = connect(name);
-    site.say(Hello{kProtocolVersion, true, ticket, name, {1, 2, 3}});
+    site.say(Hello{kProtocolVersion, true, ticket, name, colour});
     run(40 * kMillisecond);
     EXPECT_NE(site.last<Welcome>(), nullptr);
     site.say(Ready{});
@@ -278,6 +280,39 @@ TEST(Session, FreesPartsAtOnceOnGoodbyeAndVoidsTheTicket) {
   EXPECT_EQ(b.last<OwnershipChanged>()->part.owner, kNoSite);
   EXPECT_EQ(b.count<SiteLeft>(), 1u);
   EXPECT_EQ(rig.refusalOf({kProtocolVersion, true, ticket, "a", {}}), Refusal::badCredential);
+}
+
+TEST(Session, GivesEachSiteThatChoseNoColourOneThatNobodyHas) {
+  Rig rig;
+  FakeSite& a = rig.join("a", Role::participant, kAnyColour);
+  rig.join("b", Role::participant, kSiteColours[1]);
+  FakeSite& c = rig.join("c", Role::participant, kAnyColour);
+  FakeSite& d = rig.join("d", Role::participant, {9, 8, 7});
+  const auto colours = [](FakeSite& site) {
+    std::vector<SiteColour> all;
+    for (const SiteInfo& info : site.last<Welcome>()->sites) all.push_back(info.colour);
+    return all;
+  };
+  EXPECT_EQ(colours(d),
+            (std::vector<SiteColour>{kSiteColours[0], kSiteColours[1], kSiteColours[2], {9, 8, 7}}));
+  // Who leaves frees a colour; who comes back has the one that they had.
+  const std::string ticket = c.last<Welcome>()->resumeTicket;
+  a.say(Goodbye{});
+  rig.run(50 * kMillisecond);
+  FakeSite& back = rig.resume("c", ticket, kAnyColour);
+  EXPECT_EQ(colours(back), (std::vector<SiteColour>{kSiteColours[1], kSiteColours[2], {9, 8, 7}}));
+  FakeSite& e = rig.join("e", Role::participant, kAnyColour);
+  EXPECT_EQ(colours(e).back(), kSiteColours[0]);
+}
+
+TEST(Session, ColoursRepeatOnlyWhenAllAreTaken) {
+  Rig rig;
+  for (std::size_t i = 0; i < kSiteColours.size() + 2; ++i)
+    rig.join("s" + std::to_string(i), Role::participant, kAnyColour);
+  std::map<SiteColour, int> uses;
+  for (const SiteInfo& info : rig.sites.back()->last<Welcome>()->sites) ++uses[info.colour];
+  ASSERT_EQ(uses.size(), kSiteColours.size());
+  for (const auto& [colour, count] : uses) EXPECT_LE(count, 2);
 }
 
 TEST(Session, ResumesTheSameSiteAndReplacesItsOldConnection) {

@@ -157,6 +157,29 @@ TEST(Simulation, BodiesThatAttractGoWithTheirPartsAtEverySite) {
   EXPECT_NE(result.hash, without.hash);
 }
 
+/// Stiffness that a hand feels which presses a fixed plate, N/m.
+double feltOnAPlate(bool fit, double stiffness, double deviceDamping) {
+  Loaded loaded = load("hand_over.json");
+  loaded.scenario.duration = 3.0;
+  loaded.scenario.faults.clear();
+  loaded.scenario.sites.resize(1);
+  ScenarioSite& site = loaded.scenario.sites[0];
+  site.fit = fit;
+  site.stiffness = stiffness;
+  site.device.damping = deviceDamping;
+  site.script = R"([{"t":0.2,"do":"press","part":"board","depth":0.02,"over_s":0.8}])";
+  // Surfaces that state a stiffness of their own would hide what the site's is.
+  for (assets::Material& material : loaded.scene.materials) material.stiffness = 0.0;
+  return run(loaded, 1).sites.at("a").feltStiffness;
+}
+
+TEST(Simulation, ASiteThatIsFittedFeelsTheStiffnessThatItsDeviceBears) {
+  EXPECT_NEAR(feltOnAPlate(false, 0.0, 0.1), 800.0, 40.0);  // whatever the device
+  EXPECT_NEAR(feltOnAPlate(true, 0.0, 0.1), 300.0, 15.0);   // 1.5 x 2 b / T
+  EXPECT_NEAR(feltOnAPlate(true, 0.0, 0.05), 150.0, 8.0);
+  EXPECT_NEAR(feltOnAPlate(true, 500.0, 0.1), 500.0, 25.0);  // stated beats fitted
+}
+
 TEST(Simulation, AMisspeltKeyIsRefused) {
   const Result<Scenario> scenario = loadScenario(kScenarios + "no_such_file.json");
   ASSERT_FALSE(scenario.ok());

@@ -1,0 +1,30 @@
+#pragma once
+
+// Colours that tell people apart. The server gives them out, so that no two people get the same one while
+// there are enough.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+namespace tandem::sync {
+
+using SiteColour = std::array<std::uint8_t, 3>;  // sRGB
+
+/// The colour of a Hello that leaves the choice to the server. A site that wants black says {1, 1, 1}.
+inline constexpr SiteColour kAnyColour{0, 0, 0};
+
+/// Told apart with every common colour blindness (Okabe & Ito 2008); their black is left out, for it is the
+/// colour of edges, and olive (Tol 2021) stands for their yellow, on which white letters cannot be read.
+inline constexpr std::array<SiteColour, 7> kSiteColours{{{0, 114, 178},
+                                                         {230, 159, 0},
+                                                         {0, 158, 115},
+                                                         {204, 121, 167},
+                                                         {86, 180, 233},
+                                                         {213, 94, 0},
+                                                         {153, 153, 51}}};
+
+/// The n-th person's colour, where nobody gives them out.
+inline constexpr SiteColour siteColour(std::size_t n) { return kSiteColours[n % kSiteColours.size()]; }
+
+}  // namespace tandem::sync
