@@ -9,6 +9,7 @@
 
 #include "assets/affine.h"
 #include "assets/gltf_json.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -58,6 +59,7 @@ class ControlReader {
     readFeel(object, scale, control);
     readRoles(object, control);
     readShows(object, scale, control);
+    refuseFault(outOfRange(control), object.place());
     return control;
   }
 
@@ -236,7 +238,7 @@ class ControlReader {
     for (const std::string& name : object.texts("roles")) {
       const std::size_t at =
           static_cast<std::size_t>(std::find(std::begin(kRoles), std::end(kRoles), name) - kRoles);
-      if (at == std::size(kRoles)) object.fail("roles", "'" + cleanText(name) + "' is not a role");
+      if (at == std::size(kRoles)) object.fail("roles", '\'' + cleanText(name) + "' is not a role");
       if (at == 0) object.fail("roles", "an observer sets nothing");
       control.roles |= 1u << at;
     }

@@ -10,6 +10,7 @@
 
 #include "assets/affine.h"
 #include "assets/gltf_json.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -32,7 +33,7 @@ class FieldReader {
     known_ = {"kind", "name", "maxForce", "region", "position", "rotation"};
     field_.name = cleanText(json_.text("name", ""));
     field_.kind = readKind();
-    field_.maxForce = positive(json_, "maxForce", 3.0, 1.0, 1e4);
+    field_.maxForce = positive(json_, "maxForce", 3.0, 1.0);
     if (json_.has("region")) readRegion();
     readLaw();
     refuseUnknown(json_, known_);
@@ -40,13 +41,6 @@ class FieldReader {
   }
 
  private:
-  static double bounded(const JsonObject& object, const char* key, double fallback, double low, double high) {
-    const double value = object.numberOr(key, fallback);
-    if (value < low || value > high)
-      object.fail(key, "must lie between " + number(low) + " and " + number(high));
-    return value;
-  }
-
   static std::string number(double value) {
     char text[32];
     std::snprintf(text, sizeof text, "%g", value);
@@ -54,12 +48,10 @@ class FieldReader {
   }
 
   /// > 0, times `scale`; without a fallback (0) the property is required.
-  static double positive(const JsonObject& object, const char* key, double fallback, double scale,
-                         double high = 1e9) {
+  static double positive(const JsonObject& object, const char* key, double fallback, double scale) {
     if (!object.has(key) && fallback == 0.0) object.fail(key, "is missing");
     const double value = object.numberOr(key, fallback) * scale;
-    if (!(value > 0.0 && value <= high))
-      object.fail(key, "must be positive and at most " + number(high / scale));
+    if (!(value > 0.0)) object.fail(key, "must be positive");
     return value;
   }
 
@@ -174,25 +166,27 @@ class FieldReader {
     FieldWaveform& out = field_.waveform;
     const std::string shape = w.text("shape", "sine");
     std::vector<std::string> known{"shape", "frequency", "phase", "start", "stop"};
-    out.frequency = positive(w, "frequency", 0.0, 1.0, kMaxFieldFrequency);
-    out.phase = bounded(w, "phase", 0.0, -1e3, 1e3);
-    out.start = bounded(w, "start", 0.0, 0.0, 1e12);
+    out.frequency = positive(w, "frequency", 0.0, 1.0);
+    out.phase = w.numberOr("phase", 0.0);
+    out.start = w.numberOr("start", 0.0);
     out.stop = w.numberOr("stop", 1e300);
     if (!(out.stop > out.start)) w.fail("stop", "must be later than start");
     if (shape == "sine") {
       out.kind = FieldWaveform::Kind::sine;
     } else if (shape == "square") {
       out.kind = FieldWaveform::Kind::square;
-      out.width = bounded(w, "edge", 0.05 / out.frequency, 0.0, 0.5 / out.frequency);
+      out.width = w.sizeOr("edge", 0.05 / out.frequency);
+      if (out.width > 0.5 / out.frequency) w.fail("edge", "is longer than half a period");
       known.push_back("edge");
     } else if (shape == "chirp") {
       out.kind = FieldWaveform::Kind::chirp;
-      out.endFrequency = positive(w, "endFrequency", 0.0, 1.0, kMaxFieldFrequency);
-      out.sweep = positive(w, "sweep", 1.0, 1.0, 1e6);
+      out.endFrequency = positive(w, "endFrequency", 0.0, 1.0);
+      out.sweep = positive(w, "sweep", 1.0, 1.0);
       known.insert(known.end(), {"endFrequency", "sweep"});
     } else if (shape == "pulses") {
       out.kind = FieldWaveform::Kind::pulses;
-      out.width = positive(w, "width", 0.0, 1.0, 1.0 / out.frequency);
+      out.width = positive(w, "width", 0.0, 1.0);
+      if (out.width > 1.0 / out.frequency) w.fail("width", "is longer than a period");
       known.push_back("width");
     } else {
       w.fail("shape", "must be sine, square, chirp or pulses");
@@ -206,9 +200,6 @@ class FieldReader {
       field_.damping = *json_.vector("damping");
     else
       field_.damping = glm::dvec3(json_.sizeOr("damping", 0.0));
-    for (int i = 0; i < 3; ++i)
-      if (!(field_.damping[i] >= 0.0 && field_.damping[i] <= 1e3))
-        json_.fail("damping", "must lie between 0 and 1000");
     if (field_.kind == Kind::viscosity && field_.region.kind == FieldRegion::Kind::everywhere)
       json_.fail("region", "is missing: a viscosity fills a volume");
   }
@@ -238,8 +229,8 @@ class FieldReader {
       field_.anchor = Anchor::path;
     else
       json_.fail("to", "must be point, line, plane or path");
-    field_.stiffness = positive(json_, "stiffness", 0.0, 1.0, 1e6);
-    field_.damping.x = bounded(json_, "damping", 0.0, 0.0, 1e3);
+    field_.stiffness = positive(json_, "stiffness", 0.0, 1.0);
+    field_.damping.x = json_.sizeOr("damping", 0.0);
     field_.radius = json_.sizeOr("radius", 0.0) * scale_;
     field_.oneSided = json_.flag("oneSided", false);
     if (field_.oneSided && field_.anchor != Anchor::plane) json_.fail("oneSided", "is for planes only");
@@ -268,7 +259,7 @@ class FieldReader {
       glm::dvec3 p;
       for (int i = 0; i < 3; ++i) {
         const json& value = entry[static_cast<std::size_t>(i)];
-        if (!value.is_number() || !(std::abs(value.get<double>()) < 1e9)) json_.fail("points", reason);
+        if (!value.is_number() || !std::isfinite(value.get<double>())) json_.fail("points", reason);
         p[i] = value.get<double>() * scale_ * turn_;
       }
       if (!field_.points.empty() && field_.points.back() == p)
@@ -290,7 +281,6 @@ class FieldReader {
     field_.strength = json_.has("strength")
                           ? json_.numberOr("strength", 0.0)
                           : json_.numberOr("surfaceForce", 0.0) * field_.radius * field_.radius;
-    if (!(std::abs(field_.strength) <= 1e12)) json_.fail("strength", "is larger than 1e12 N*m^2");
     readRange();
   }
 
@@ -325,7 +315,7 @@ class FieldReader {
 
   void readDepth() {
     if (!json_.has("depth")) json_.fail("depth", "is missing");
-    field_.depth = bounded(json_, "depth", 0.0, -1e6, 1e6);
+    field_.depth = json_.numberOr("depth", 0.0);
   }
 
   void readTerms() {
@@ -334,7 +324,7 @@ class FieldReader {
       json_.fail("terms", "must be 1 to " + std::to_string(kMaxPotentialTerms) + " objects");
     for (const JsonObject& entry : terms) {
       PotentialTerm term;
-      term.coefficient = bounded(entry, "coefficient", 0.0, -1e12, 1e12);
+      term.coefficient = entry.numberOr("coefficient", 0.0);
       const auto powers = entry.numbers("powers", 3);
       if (!powers) entry.fail("powers", "is missing");
       int sum = 0;
@@ -426,9 +416,7 @@ class FieldsReader {
     placed.place = object.place();
     if (placed.field.name.empty()) placed.field.name = cleanText(name);
     if (placed.field.name.empty()) placed.field.name = "field " + std::to_string(out_.size() + 1);
-    const glm::dvec3& at = placed.field.partFromField.position;
-    if (!(std::abs(at.x) < 1e12 && std::abs(at.y) < 1e12 && std::abs(at.z) < 1e12))
-      throw GltfError(object.place(), "lies farther than 1e12 m from the origin");
+    refuseFault(outOfRange(placed.field), placed.place);
     out_.push_back(std::move(placed));
   }
 

@@ -8,7 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include "assets/gltf_decode.h"
-#include "assets/scene_check.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -130,8 +130,7 @@ class SoupBuilder {
     const glm::dvec3 offset(partFromMesh[3]);
     for (std::size_t i = 0; i < positions.size(); ++i) {
       const glm::dvec3 p = linear * positions[i] + offset;
-      if (!(std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate &&
-            std::abs(p.z) < kMaxCoordinate))
+      if (!nearOrigin(p))
         throw GltfError(place,
                         "position " + std::to_string(i) + " lies farther than 1e9 m from its part's origin");
       soup_.positions.push_back(p);

@@ -108,6 +108,10 @@ std::size_t JsonObject::requiredIndex(const char* key, std::size_t size, const c
   return *value;
 }
 
+void refuseFault(const std::optional<RangeFault>& fault, const std::string& place) {
+  if (fault) throw GltfError(place + '.' + fault->property, fault->reason);
+}
+
 std::optional<JsonObject> extensionOf(const json& value, const char* name, const std::string& place) {
   const json* extension = findExtension(value, name);
   if (extension == nullptr) return std::nullopt;

@@ -8,6 +8,7 @@
 #include <glm/vec3.hpp>
 
 #include "assets/gltf_document.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 
@@ -47,6 +48,9 @@ class JsonObject {
   const nlohmann::json* value_;
   std::string place_;
 };
+
+/// Throws what a check of value ranges has found, if anything, as a fault of `place`.
+void refuseFault(const std::optional<RangeFault>& fault, const std::string& place);
 
 /// value.extensions[name] as a checked object.
 std::optional<JsonObject> extensionOf(const nlohmann::json& value, const char* name,

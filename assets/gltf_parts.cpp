@@ -5,6 +5,7 @@
 #include <set>
 
 #include "assets/affine.h"
+#include "assets/gltf_json.h"
 
 namespace tandem::assets {
 namespace {
@@ -307,6 +308,7 @@ class Planner {
     }
     shape.partFromShape = split->rigid;
     scaleShape(shape, split->residual);
+    refuseFault(outOfRange(shape), placeName("nodes", plan_.nodes[flat].gltfNode, "collider"));
     shape.material = table_.index(-1, surfaceOf_[flat]);
     part.shapes.push_back(shape);
   }

@@ -6,6 +6,7 @@
 
 #include "assets/gltf_json.h"
 #include "assets/gltf_surface.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -102,6 +103,17 @@ class PhysicsReader {
   // --- materials and filters
   // -------------------------------------------------------------------------------------
 
+  /// The numbers of a contact, by the ranges of the material that they become.
+  static void checkContact(const PhysicsSurface& surface, const std::string& place) {
+    Material material;
+    material.stiffness = surface.stiffness;
+    material.damping = surface.damping;
+    material.staticFriction = surface.staticFriction;
+    material.dynamicFriction = surface.dynamicFriction;
+    material.restitution = surface.restitution;
+    refuseFault(outOfRange(material), place);
+  }
+
   /// Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
   bool readHaptic(const json& holder, const std::string& place, PhysicsSurface& surface) {
     const auto extras = holder.find("extras");
@@ -114,6 +126,7 @@ class PhysicsReader {
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
     // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
+    checkContact(surface, haptic.place());
     readSurface(haptic, document_.json, surface.feel, unusedHaptics_);
     return true;
   }
@@ -149,6 +162,7 @@ class PhysicsReader {
         surface.staticFriction = material.sizeOr("staticFriction", 0.6);
         surface.dynamicFriction = material.sizeOr("dynamicFriction", 0.6);
         surface.restitution = std::min(1.0, material.sizeOr("restitution", 0.0));
+        checkContact(surface, material.place());
         readHaptic(material.raw(), material.place(), surface);
         out_.surfaces.push_back(surface);
       }

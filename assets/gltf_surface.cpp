@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "assets/gltf_decode.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -186,7 +187,7 @@ void readSurface(const JsonObject& haptic, const json& document, Surface& out, U
                        "yield",          "hardening", "textureAmplitude", "textureWavelength",
                        "popThroughForce"},
               unknown);
-  out.creaseAngle = std::min(haptic.sizeOr("creaseAngle", 0.0), kLargestAngle);
+  out.creaseAngle = haptic.sizeOr("creaseAngle", 0.0);
   out.viscosity = haptic.sizeOr("viscosity", 0.0);
   readTexture(haptic, document, out.texture, unknown);
   readFlatTexture(haptic, out.texture);
@@ -200,6 +201,8 @@ void readSurface(const JsonObject& haptic, const json& document, Surface& out, U
     noteUnknown(*popThrough, {"force"}, unknown);
   }
   readLaw(haptic, out, unknown);
+  refuseFault(outOfRange(out), haptic.place());
+  out.creaseAngle = std::min(out.creaseAngle, kLargestAngle);
 }
 
 std::vector<TextureImage> readTextures(const GltfDocument& document, std::vector<Surface>& surfaces,

@@ -21,7 +21,7 @@ struct UnknownProperties {
 };
 
 /// Reads the properties of `haptic` that make up a Surface; texture.image becomes a glTF texture index,
-/// checked. Throws GltfError where a known property has a wrong type or sign.
+/// checked. Throws GltfError where a known property has a wrong type or sign, or is outside of its range.
 void readSurface(const JsonObject& haptic, const nlohmann::json& document, Surface& surface,
                  UnknownProperties& unknown);
 

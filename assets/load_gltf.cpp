@@ -17,6 +17,7 @@
 #include "assets/mesh_analysis.h"
 #include "assets/parallel.h"
 #include "assets/part_mass.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -189,12 +190,14 @@ class SceneBuilder {
                                (corner & 2) != 0 ? box.max.y : box.min.y,
                                (corner & 4) != 0 ? box.max.z : box.min.z);
         const glm::dvec3 inWorld = transformPoint(part.worldFromPart, point);
-        if (!(std::abs(inWorld.x) < 1e12 && std::abs(inWorld.y) < 1e12 && std::abs(inWorld.z) < 1e12))
-          throw GltfError("nodes", "part '" + part.name + "' lies farther than 1e12 m from the origin");
+        if (!nearOrigin(inWorld))
+          throw GltfError("nodes", "part '" + part.name + "' lies farther than 1e9 m from the origin");
         scene_.bounds.min = glm::min(scene_.bounds.min, inWorld);
         scene_.bounds.max = glm::max(scene_.bounds.max, inWorld);
       }
     };
+    if (!nearOrigin(part.worldFromPart.position))
+      throw GltfError("nodes", "part '" + part.name + "' lies farther than 1e9 m from the origin");
     if (part.mesh != kNone) grow(scene_.meshes[part.mesh].bounds);
     for (const ImplicitShape& shape : part.shapes) grow(shapeBounds(shape));
   }

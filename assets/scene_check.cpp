@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/field_check.h"
+#include "assets/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
@@ -17,11 +18,6 @@ bool finite(std::initializer_list<double> values) {
 }
 
 bool finite(const glm::dvec3& v) { return finite({v.x, v.y, v.z}); }
-
-/// Also false for what is not a number.
-bool near(const glm::dvec3& p) {
-  return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
-}
 
 bool finite(const Bounds& b) { return finite(b.min) && finite(b.max); }
 
@@ -36,6 +32,12 @@ bool printable(const std::string& text) {
 
 Error broken(const std::string& place, const std::string& reason) { return Error{place + ": " + reason}; }
 
+template <typename T>
+Status inRange(const T& value, const std::string& place) {
+  if (const auto fault = outOfRange(value)) return broken(place + "." + fault->property, fault->reason);
+  return {};
+}
+
 std::string numbered(const char* what, std::size_t i) {
   return std::string(what) + "[" + std::to_string(i) + "]";
 }
@@ -45,8 +47,7 @@ Status checkMaterial(const Material& m, std::size_t surfaces, const std::string&
     if (!(c >= 0.0f && c <= 1.0f)) return broken(place, "a colour is not in 0..1");
   if (!(m.metallic >= 0.0f && m.metallic <= 1.0f && m.roughness >= 0.0f && m.roughness <= 1.0f))
     return broken(place, "metallic or roughness is not in 0..1");
-  if (!nonNegative({m.stiffness, m.damping, m.staticFriction, m.dynamicFriction, m.restitution}))
-    return broken(place, "a property of the surface is negative or not finite");
+  if (Status s = inRange(m, place); !s) return s;
   if (m.surface != kNone && m.surface >= surfaces) return broken(place, "its surface is out of range");
   if (!printable(m.name)) return broken(place, "the name is not printable");
   return {};
@@ -54,11 +55,7 @@ Status checkMaterial(const Material& m, std::size_t surfaces, const std::string&
 
 Status checkSurface(const Surface& s, std::size_t textures, const std::string& place) {
   const SurfaceTexture& t = s.texture;
-  if (!nonNegative({s.creaseAngle, s.viscosity, s.vibrationFrequency, s.vibrationAmplitude, s.stickSlipForce,
-                    s.stickSlipStiffness, s.magneticForce, s.magneticDistance, s.popThroughForce,
-                    s.stiffness2, s.relaxation, s.yieldForce, s.hardening, t.amplitude, t.amplitudeForce,
-                    t.wavelength, t.frictionScale}))
-    return broken(place, "a property is negative or not finite");
+  if (Status status = inRange(s, place); !status) return status;
   if (s.law > Surface::Law::plastic || t.pattern > SurfaceTexture::Pattern::noise)
     return broken(place, "an unknown law or pattern");
   const bool isImage = t.pattern == SurfaceTexture::Pattern::image;
@@ -78,14 +75,14 @@ Status checkTexture(const TextureImage& image, const std::string& place) {
   return {};
 }
 
-bool inRange(const std::array<std::uint32_t, 3>& corners, std::size_t size) {
+bool cornersFit(const std::array<std::uint32_t, 3>& corners, std::size_t size) {
   return corners[0] < size && corners[1] < size && corners[2] < size;
 }
 
 Status checkTriangles(const Mesh& mesh, std::size_t materials, const std::string& place) {
   const std::size_t count = mesh.triangles.size();
   for (std::size_t t = 0; t < count; ++t) {
-    if (!inRange(mesh.triangles[t], mesh.positions.size()))
+    if (!cornersFit(mesh.triangles[t], mesh.positions.size()))
       return broken(place, "a vertex index is out of range");
     if (mesh.triangleMaterial[t] >= materials) return broken(place, "a material index is out of range");
     if (mesh.triangleShell[t] >= mesh.shellCount) return broken(place, "a shell index is out of range");
@@ -109,7 +106,7 @@ Status checkMesh(const Mesh& mesh, std::size_t materials, const std::string& pla
     for (const glm::vec2& uv : corners)
       if (!finite({uv.x, uv.y})) return broken(place, "a texture coordinate is not finite");
   for (const glm::dvec3& p : mesh.positions)
-    if (!near(p)) return broken(place, "a position lies farther than 1e9 m from its part's origin");
+    if (!nearOrigin(p)) return broken(place, "a position lies farther than 1e9 m from its part's origin");
   if (!finite(mesh.bounds) || !std::isfinite(mesh.volume))
     return broken(place, "bounds or volume are not finite");
   return checkTriangles(mesh, materials, place);
@@ -118,9 +115,7 @@ Status checkMesh(const Mesh& mesh, std::size_t materials, const std::string& pla
 Status checkShape(const ImplicitShape& shape, std::size_t materials, const std::string& place) {
   if (shape.kind > ImplicitShape::Kind::plane) return broken(place, "a shape of unknown kind");
   if (!isValid(shape.partFromShape)) return broken(place, "a shape's pose is not rigid");
-  if (!nonNegative(
-          {shape.size.x, shape.size.y, shape.size.z, shape.height, shape.radiusTop, shape.radiusBottom}))
-    return broken(place, "a shape's size is negative or not finite");
+  if (Status s = inRange(shape, place); !s) return s;
   if (shape.material >= materials) return broken(place, "a shape's material is out of range");
   return {};
 }
@@ -131,6 +126,8 @@ Status checkPart(const Scene& scene, const Part& part, const std::string& place)
     return broken(place, "treeNode is out of range");
   if (part.mesh != kNone && part.mesh >= scene.meshes.size()) return broken(place, "mesh is out of range");
   if (!isValid(part.worldFromPart)) return broken(place, "the pose is not rigid");
+  if (!nearOrigin(part.worldFromPart.position))
+    return broken(place, "lies farther than 1e9 m from the origin");
   const MassProperties& m = part.massProperties;
   if (!nonNegative({m.mass}) || !finite(m.centreOfMass) || !finite(m.inertia[0]) || !finite(m.inertia[1]) ||
       !finite(m.inertia[2]) || !std::isfinite(part.gravityFactor))
@@ -157,13 +154,10 @@ Status checkJoint(const Scene& scene, const Joint& joint, const std::string& pla
 }
 
 Status checkFeel(const Control& c, const std::string& place) {
-  if (!finite({c.min, c.max, c.initial, c.springRest, c.click.at, c.threshold}) || !(c.min < c.max) ||
-      c.initial < c.min || c.initial > c.max)
+  if (Status s = inRange(c, place); !s) return s;
+  if (!(c.min < c.max) || c.initial < c.min || c.initial > c.max)
     return broken(place, "its range is not valid");
-  if (!nonNegative({c.inertia, c.springStiffness, c.damping, c.friction, c.detents.force, c.detents.width,
-                    c.click.drop, c.click.width}) ||
-      c.inertia == 0.0 || (c.click.drop > 0.0 && c.click.width == 0.0))
-    return broken(place, "what is felt along its axis is negative or not finite");
+  if (c.click.drop > 0.0 && c.click.width == 0.0) return broken(place, "its click has no width");
   const std::vector<double>& wells = c.detents.places;
   for (std::size_t i = 0; i < wells.size(); ++i)
     if (!(wells[i] >= c.min && wells[i] <= c.max) || (i > 0 && !(wells[i] > wells[i - 1])))

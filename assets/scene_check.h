@@ -8,13 +8,9 @@
 
 namespace tandem::assets {
 
-/// m, of any coordinate of a mesh. Beyond, it is a mistake in the file's units, and squares and products of
-/// it lose their meaning.
-inline constexpr double kMaxCoordinate = 1e9;
-
-/// Whether every index is in range, every number finite, every position
-/// of a mesh nearer than kMaxCoordinate, every array of its shape, every name printable; an
-/// error names the first thing that is not. O(size of the scene).
+/// Whether every index is in range, every number finite and within what value_ranges.h allows, every position
+/// nearer than kMaxCoordinate, every array of its shape, every name printable; an error names the first thing
+/// that is not. O(size of the scene).
 Status checkScene(const Scene& scene);
 
 }  // namespace tandem::assets

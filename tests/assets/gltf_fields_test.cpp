@@ -172,7 +172,7 @@ TEST(GltfFields, RefusesBadValuesNamingThePropertyAndTheReason) {
   expectRefused({{"kind", "guide"}, {"stiffness", 1}, {"points", {{0, 0, 0}, {0, 0, 0}}}}, "the same");
   const Json fast = {{"shape", "sine"}, {"frequency", 600}};
   expectRefused({{"kind", "waveform"}, {"force", {1, 0, 0}}, {"waveform", fast}},
-                "field.waveform.frequency: must be positive and at most 500");
+                "field.waveform.frequency: is 600 Hz; it must lie between 1e-06 and 500 Hz");
   expectRefused({{"kind", "potential"}, {"function", "gaussian"}, {"depth", 10}, {"sigma", 0.1}},
                 "field.depth: gives up to");
   expectRefused(kSpring, "scaled unevenly", {{"scale", {1, 2, 1}}});

@@ -68,9 +68,25 @@ TEST(GltfPhysics, GivesTrianglesTheFeelOfTheirPhysicsMaterial) {
 TEST(GltfPhysics, KeepsLargeWholeNumbers) {
   // tinygltf's own values cut whole numbers to 32 bits.
   GltfBuilder b = bodyWithBox();
-  b.json["extensions"][kBodies]["physicsMaterials"][0]["extras"]["haptic"]["stiffness"] = 10000000000ll;
+  for (nlohmann::json& node : b.json["nodes"])
+    if (node.contains("extensions")) node["extensions"][kBodies]["motion"]["mass"] = 10000000000ll;
   const Scene scene = loaded(b);
-  EXPECT_DOUBLE_EQ(scene.materials[scene.meshes[0].triangleMaterial[0]].stiffness, 1e10);
+  EXPECT_DOUBLE_EQ(scene.parts[0].massProperties.mass, 1e10);
+}
+
+TEST(GltfPhysics, OneCoefficientOfFrictionStatedAloneLeavesTheOtherAtItsDefault) {
+  GltfBuilder b = bodyWithBox();
+  b.json["extensions"][kBodies]["physicsMaterials"][0] = {{"staticFriction", 0.9}};
+  const Scene khr = loaded(b);
+  const Material& physics = khr.materials[khr.meshes[0].triangleMaterial[0]];
+  EXPECT_DOUBLE_EQ(physics.staticFriction, 0.9);
+  EXPECT_DOUBLE_EQ(physics.dynamicFriction, 0.6);
+  GltfBuilder plain;
+  plain.addNode({{"mesh", plain.addBox(1, 1, 1)}, {"extras", {{"haptic", {{"staticFriction", 0.9}}}}}});
+  const Scene own = loaded(plain);
+  const Material& material = own.materials[own.meshes[0].triangleMaterial[0]];
+  EXPECT_DOUBLE_EQ(material.staticFriction, 0.9);
+  EXPECT_DOUBLE_EQ(material.dynamicFriction, 0.0);
 }
 
 TEST(GltfPhysics, FallsBackToTheNodesOwnHapticExtras) {

@@ -68,7 +68,7 @@ std::vector<Case> everyProperty() {
   };
   return {
       {{{"creaseAngle", 0.4}}, [](Surface& s) { s.creaseAngle = 0.4; }},
-      {{{"creaseAngle", 100.0}}, [](Surface& s) { s.creaseAngle = 3.14159265358979323846; }},
+      {{{"creaseAngle", 4.0}}, [](Surface& s) { s.creaseAngle = 3.14159265358979323846; }},
       {{{"viscosity", 3}}, [](Surface& s) { s.viscosity = 3.0; }},
       {{{"vibration", {{"frequency", 80}, {"amplitude", 0.3}}}},
        [](Surface& s) { s.vibrationFrequency = 80.0, s.vibrationAmplitude = 0.3; }},

@@ -22,7 +22,7 @@ class Random {
   std::uint32_t below(std::uint32_t limit) { return static_cast<std::uint32_t>(engine_() % limit); }
   bool flag() { return below(2) == 1; }
   /// Not negative, over many magnitudes, now and then 0.
-  double size() { return below(5) == 0 ? 0.0 : std::pow(10.0, number(-6.0, 6.0)); }
+  double size() { return below(5) == 0 ? 0.0 : std::pow(10.0, number(-6.0, 3.0)); }
   double any() { return flag() ? size() : -size(); }
   double number(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(engine_);
@@ -42,7 +42,9 @@ Surface randomSurface(Random& random, std::uint32_t textures) {
                         &s.popThroughForce, &s.stiffness2, &s.relaxation, &s.yieldForce, &s.hardening,
                         &s.texture.amplitude, &s.texture.amplitudeForce, &s.texture.frictionScale})
     *value = random.size();
-  s.texture.wavelength = random.size() + 1e-9;
+  s.creaseAngle = random.number(0.0, 3.0);
+  s.texture.amplitude = random.number(0.0, 1.0);
+  s.texture.wavelength = random.number(1e-5, 1.0);
   s.texture.pattern = static_cast<SurfaceTexture::Pattern>(random.below(6));
   if (s.texture.pattern == SurfaceTexture::Pattern::image) s.texture.image = random.below(textures);
   s.law = static_cast<Surface::Law>(random.below(3));

@@ -1,0 +1,37 @@
+#pragma once
+
+// The range of every number that says how a scene feels: the one place that both the loader and the check of
+// scenes that came over a network go by. README.md lists them.
+//
+// The ranges are far wider than anything a hand can feel and far narrower than what arithmetic can bear: they
+// catch wrong units and hostile files, not taste.
+
+#include <optional>
+#include <string>
+
+#include "assets/scene.h"
+
+namespace tandem::assets {
+
+/// m, of any coordinate of a mesh, a shape or a pose. Beyond, it is a mistake in the file's units, and squares
+/// and products of it lose their meaning.
+inline constexpr double kMaxCoordinate = 1e9;
+
+/// Whether all coordinates are nearer to the origin than kMaxCoordinate; false for what is not a number.
+bool nearOrigin(const glm::dvec3& p);
+
+/// A number that lies outside of its range.
+struct RangeFault {
+  std::string property;  // as the glTF property, from the object that holds it: "stickSlip.force"
+  std::string reason;    // "is 1e+308 N; it must lie between 0 and 10000 N"
+};
+
+/// The first number that is outside of its range or not a number; nothing if all are good.
+std::optional<RangeFault> outOfRange(const Material& material);
+std::optional<RangeFault> outOfRange(const Surface& surface);
+std::optional<RangeFault> outOfRange(const ForceField& field);
+std::optional<RangeFault> outOfRange(const Control& control);
+/// Sizes and place of a primitive, m.
+std::optional<RangeFault> outOfRange(const ImplicitShape& shape);
+
+}  // namespace tandem::assets
