@@ -71,10 +71,12 @@ class Tick {
       data_.invalidTime += parameters_.dt;
       return;
     }
-    handWay_ =
-        data_.started
-            ? glm::length(input_.device.worldFromDevice.position - data_.device.worldFromDevice.position)
-            : 0.0;
+    if (data_.started) {
+      const Pose &now = input_.device.worldFromDevice, &last = data_.device.worldFromDevice;
+      handMove_ = now.position - last.position;
+      handWay_ = glm::length(handMove_);
+      if (data_.fade.active()) handTurn_ = rotationVector(now.orientation * glm::conjugate(last.orientation));
+    }
     data_.device = input_.device;
     const bool elsewhere = verdict == SampleGuard::Verdict::elsewhere;
     if (!data_.started || elsewhere || data_.invalidTime > kProxyResetAfter) resetProxy();
@@ -174,14 +176,15 @@ class Tick {
     noteOthers(0.0);
     data_.held.grasp(part, data_.device.worldFromDevice);
     // The tool no longer touches what it holds. The force of that contact must not vanish at once.
-    data_.fade.start(forceOfContactsWith(part), parameters_.fadeTime);
+    fadeContactsWith(part);
     ignore(part);
   }
 
   void letGo() {
     noteOthers(0.0);
     data_.held.letGo();
-    data_.fade.start(data_.couplingWrench, parameters_.fadeTime);
+    data_.fade.start(data_.couplingWrench, {parameters_.graspStiffness, parameters_.graspRotStiffness},
+                     parameters_.fadeTime);
     data_.couplingWrench = Wrench{};
   }
 
@@ -195,6 +198,19 @@ class Tick {
     }
     const double share = all > 0.0 ? his / all : 0.0;
     return {data_.contactWrench.force * share, data_.contactWrench.torque * share};
+  }
+
+  /// As a spring that is as deep as those contacts were.
+  void fadeContactsWith(PartId part) {
+    glm::dvec3 depth(0.0);
+    for (int i = 0; i < data_.proxy.planeCount; ++i) {
+      const ProxyPlane& plane = data_.proxy.planes[static_cast<std::size_t>(i)];
+      if (plane.surface.part == part) depth += plane.multiplier * plane.surface.normal;
+    }
+    const Wrench ended = forceOfContactsWith(part);
+    const double length = glm::length(depth);
+    const double stiffness = length > 0.0 ? glm::length(ended.force) / length : 0.0;
+    data_.fade.start(ended, {stiffness, 0.0}, parameters_.fadeTime);
   }
 
   void moveParts() {
@@ -340,7 +356,7 @@ class Tick {
       if (!data_.started) return;
       if (hide) {
         noteOthers(0.0);
-        return data_.fade.start(forceOfContactsWith(part), parameters_.fadeTime);
+        return fadeContactsWith(part);
       }
       if (data_.world.overlaps(part, data_.device.worldFromDevice.position, radius()) ||
           data_.world.overlaps(part, data_.proxy.position, radius()))
@@ -446,7 +462,7 @@ class Tick {
   }
 
   void sendWrench() {
-    data_.fade.advance(parameters_.dt);
+    if (data_.fade.active()) data_.fade.advance(handMove_, handTurn_, parameters_.dt);
     const Wrench felt = sum(data_.contactWrench, data_.fieldWrench);
     const Wrench wanted = sum(sum(felt, data_.couplingWrench), data_.fade.now());
     if (!cause_.byHand) cause_.explained = stiffnessInPlay() * (handWay_ + othersWay_);
@@ -471,7 +487,8 @@ class Tick {
   Data& data_;
   bool valid_ = false;
   ForceCause cause_;
-  double handWay_ = 0.0, othersWay_ = 0.0;  // m, that the hand and what it touches went in this tick
+  glm::dvec3 handMove_{0.0}, handTurn_{0.0};  // m and rad, that the hand went since the last tick
+  double handWay_ = 0.0, othersWay_ = 0.0;    // m, that the hand and what it touches went in this tick
   TickOutput out_;
 };
 

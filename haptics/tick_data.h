@@ -8,6 +8,7 @@
 #include "haptics/apply_surface.h"
 #include "haptics/contact_world.h"
 #include "haptics/controls.h"
+#include "haptics/fade.h"
 #include "haptics/fault.h"
 #include "haptics/force_fields.h"
 #include "haptics/held_part.h"
@@ -18,24 +19,6 @@
 #include "haptics/tick.h"
 
 namespace tandem::haptics {
-
-/// Forces of contacts and couplings that have ended, on their way to zero in a straight line.
-struct Fade {
-  Wrench from;
-  double left = 0.0, total = 0.0;  // s
-
-  Wrench now() const {
-    const double share = total > 0.0 ? left / total : 0.0;
-    return {from.force * share, from.torque * share};
-  }
-  /// Adds a wrench that has just ended; what still fades starts anew with it.
-  void start(const Wrench& ended, double time) {
-    const Wrench still = now();
-    from = {still.force + ended.force, still.torque + ended.torque};
-    left = total = time;
-  }
-  void advance(double dt) { left = left > dt ? left - dt : 0.0; }
-};
 
 inline constexpr int kMaxIgnored = 16;
 

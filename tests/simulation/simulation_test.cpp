@@ -148,9 +148,9 @@ TEST(Simulation, BodiesThatAttractGoWithTheirPartsAtEverySite) {
   ASSERT_EQ(result.finalPoses.count("earth"), 1u) << describe(result);
   loaded.scene.fields.clear();
   const SimulationResult without = run(loaded, 1);
-  // Measured: 1.7 mJ where the body is grasped, 0.2 mJ at the other site; the fields themselves hold 10 mJ
-  // and more.
-  EXPECT_LT(result.sites.at("a").energyCreated, 2.5e-3);
+  // Measured: 0.06 mJ where the body is grasped, 0.26 mJ at the other site; the fields themselves hold 10 mJ
+  // and more. Were the force of the contact that the grasp ends faded by time alone, it would be 1.7 mJ.
+  EXPECT_LT(result.sites.at("a").energyCreated, 2e-4);
   EXPECT_LT(result.sites.at("b").energyCreated, 5e-4);
   EXPECT_GT(result.sites.at("b").rmsForce, 0.1) << "the sun is felt";
   EXPECT_LT(without.sites.at("b").rmsForce, 0.01) << "and nothing without it";
