@@ -211,33 +211,41 @@ TEST(FieldForce, IsFiniteAndWithinItsMaximumWhateverThePlace) {
   }
 }
 
-/// A field with numbers from all over what doubles can hold; most are none that a scene may have.
+/// A field with numbers from all over their ranges; of one in eight some lie beyond.
 ForceField wildField(std::mt19937& random) {
-  std::uniform_real_distribution<double> exponent(-10.0, 12.0);
-  const auto size = [&] { return random() % 6 == 0 ? 0.0 : std::pow(10.0, exponent(random)); };
-  const auto any = [&] { return random() % 2 == 0 ? size() : -size(); };
+  const double beyond = random() % 8 == 0 ? 1.0 : 0.0;
+  const auto upTo = [&](double top) {  // of a power of ten
+    std::uniform_real_distribution<double> exponent(-10.0, top + beyond);
+    return random() % 6 == 0 ? 0.0 : std::pow(10.0, exponent(random));
+  };
+  const auto either = [&](double x) { return random() % 2 == 0 ? x : -x; };
+  const auto length = [&] { return upTo(8.9); };
+  const auto size = [&] { return upTo(2.9); };
+  const auto any = [&] { return either(size()); };
+  const auto place = [&] { return either(length()); };
   ForceField f;
   f.kind = static_cast<Kind>(random() % 8);
   f.anchor = static_cast<ForceField::Anchor>(random() % (f.kind == Kind::spring ? 4 : 3));
   if (f.kind == Kind::guide) f.anchor = ForceField::Anchor::path;
   f.potential = static_cast<ForceField::Potential>(random() % 3);
   f.maxForce = size();
-  f.region = {static_cast<FieldRegion::Kind>(random() % 3), {size(), size(), size()}, size(), size()};
+  f.region = {
+      static_cast<FieldRegion::Kind>(random() % 3), {length(), length(), length()}, length(), length()};
   f.force = {any(), any(), any()};
   f.waveform.kind = static_cast<assets::FieldWaveform::Kind>(random() % 4);
   f.waveform.width = size();
-  f.stiffness = size();
-  f.radius = size();
-  f.range = size();
-  f.fade = size();
+  f.stiffness = upTo(5.9);
+  f.radius = length();
+  f.range = length();
+  f.fade = length();
   f.drive = any();
   f.damping = {size(), size(), size()};
-  f.strength = any();
-  f.depth = any();
-  f.sigma = {size(), size(), size()};
-  f.terms = {{any(), {4, 4, 4}}, {any(), {1, 0, 3}}};
+  f.strength = either(upTo(11.9));
+  f.depth = either(upTo(5.9));
+  f.sigma = {length(), length(), length()};
+  f.terms = {{either(upTo(11.9)), {4, 4, 4}}, {either(upTo(11.9)), {1, 0, 3}}};
   if (f.anchor == ForceField::Anchor::path)
-    for (int i = 0; i < 4; ++i) f.points.emplace_back(any(), any(), any());
+    for (int i = 0; i < 4; ++i) f.points.emplace_back(place(), place(), place());
   f.closed = random() % 2 == 0;
   f.smooth = random() % 2 == 0;
   return f;
