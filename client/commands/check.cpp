@@ -1,15 +1,14 @@
-#include <chrono>
-#include <cmath>
 #include <cstdio>
 #include <memory>
+#include <utility>
 
 #include <CLI/CLI.hpp>
-#include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
 #include "client/device_class.h"
+#include "client/part_stroke.h"
 #include "client/scene_features.h"
 #include "haptics/device_defaults.h"
 #include "haptics/tick.h"
@@ -18,8 +17,6 @@
 namespace tandem::client {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct Arguments {
   SceneArguments scene;
@@ -32,47 +29,15 @@ struct Arguments {
 struct PartModel {
   std::string name, model;
   std::size_t triangles = 0, bytes = 0;
-  double error = 0.0;  // m, against the file's geometry
+  double error = 0.0;        // m, PartStroke::error: tessellation of the file's own surfaces is not in it
+  std::size_t touching = 0;  // ticks of which that is the most; 0: nothing can touch the part
   double cost_us_p50 = 0.0, cost_us_p99 = 0.0;
   bool movable = false;
   double mass = 0.0;
 };
 
-/// Ticks of a stylus that strokes the part alone, measured here: on this machine, now.
-Percentiles strokeCost(const haptics::ContactScene& contact, PartId id) {
-  const assets::Scene& scene = contact.scene();
-  const assets::Part& part = scene.parts[id];
-  if (part.mesh == assets::kNone) return {};
-  const assets::Mesh& mesh = scene.meshes[part.mesh];
-  if (mesh.triangles.empty()) return {};
-  haptics::TickState state(contact);
-  haptics::TickParameters parameters;
-  const double depth = 1e-3 * glm::length(mesh.bounds.max - mesh.bounds.min);
-  std::vector<double> times;
-  constexpr int kPlaces = 40, kTicks = 8;
-  for (int place = 0; place < kPlaces; ++place) {
-    const std::size_t index = mesh.triangles.size() * static_cast<std::size_t>(place) / kPlaces;
-    const auto& corners = mesh.triangles[index];
-    const glm::dvec3 &a = mesh.positions[corners[0]], &b = mesh.positions[corners[1]],
-                     &c = mesh.positions[corners[2]];
-    const glm::dvec3 normal = glm::cross(b - a, c - a);
-    const double area = glm::length(normal);
-    if (!(area > 0.0)) continue;
-    for (int step = 0; step < kTicks; ++step) {
-      const double height = depth * (1.0 - 2.0 * step / (kTicks - 1));
-      haptics::TickInput input;
-      input.device.valid = true;
-      input.device.worldFromDevice.position =
-          transformPoint(part.worldFromPart, (a + b + c) / 3.0 + normal / area * height);
-      const Clock::time_point start = Clock::now();
-      static_cast<void>(haptics::tick(input, contact, parameters, state));
-      times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
-    }
-  }
-  return percentiles(times);
-}
-
-PartModel modelOf(const haptics::ContactScene& contact, PartId id) {
+PartModel modelOf(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
+                  haptics::TickState& state, PartId id) {
   const assets::Scene& scene = contact.scene();
   const assets::Part& part = scene.parts[id];
   PartModel model;
@@ -81,10 +46,11 @@ PartModel modelOf(const haptics::ContactScene& contact, PartId id) {
   model.bytes = part.mesh == assets::kNone ? 0 : contact.memory(part.mesh);
   model.movable = part.movable;
   model.mass = part.massProperties.mass;
-  // Every triangle of the file takes part in contact, so the model has no error of its own; tessellation is
-  // the file's.
   model.model = part.shapes.empty() ? (part.mesh == assets::kNone ? "none" : "triangles") : "shapes";
-  const Percentiles cost = strokeCost(contact, id);
+  PartStroke stroke = strokePart(contact, world, state, id);
+  model.error = stroke.error;
+  model.touching = stroke.touching;
+  const Percentiles cost = percentiles(std::move(stroke.tick_us));
   model.cost_us_p50 = cost.p50;
   model.cost_us_p99 = cost.p99;
   return model;
@@ -107,16 +73,26 @@ struct Features {
   std::vector<Feature> surfaces, fields, controls;
 };
 
-nlohmann::ordered_json featureJson(const Feature& feature, const char* name, const char* kind) {
-  nlohmann::ordered_json json = {{name, feature.name}, {kind, feature.kind}};
+nlohmann::ordered_json remarksJson(const Feature& feature) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const Remark& remark : feature.remarks) list.push_back(remark.text);
+  return list;
+}
+
+nlohmann::ordered_json effectsJson(const Feature& feature) {
   nlohmann::ordered_json effects = nlohmann::ordered_json::object();
   for (const Effect& effect : feature.effects) {
     nlohmann::ordered_json& entry = effects[effect.name] = nlohmann::ordered_json::object();
     if (!effect.text.empty()) entry["is"] = effect.text;
     for (const Quantity& quantity : effect.quantities) entry[jsonKey(quantity)] = quantity.value;
   }
-  json["effects"] = std::move(effects);
-  json["remarks"] = feature.remarks;
+  return effects;
+}
+
+nlohmann::ordered_json featureJson(const Feature& feature, const char* name, const char* kind) {
+  nlohmann::ordered_json json = {{name, feature.name}, {kind, feature.kind}};
+  json["effects"] = effectsJson(feature);
+  json["remarks"] = remarksJson(feature);
   return json;
 }
 
@@ -130,6 +106,7 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
                              {"model", m.model},
                              {"triangles", m.triangles},
                              {"error_m", m.error},
+                             {"ticks_touching", m.touching},
                              {"cost_us", {{"p50", m.cost_us_p50}, {"p99", m.cost_us_p99}}},
                              {"memory_bytes", m.bytes},
                              {"movable", m.movable},
@@ -153,7 +130,8 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
                               {"part", f.part == kNoPart ? "" : scene.parts[f.part].name},
                               {"max_force_n", f.maxForce},
                               {"stiffness_n_per_m", assets::steepest(f)},
-                              {"remarks", features.fields[i].remarks}});
+                              {"effects", effectsJson(features.fields[i])},
+                              {"remarks", remarksJson(features.fields[i])}});
   }
   json["controls"] = nlohmann::ordered_json::array();
   for (const Feature& feature : features.controls) {
@@ -169,10 +147,16 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
 }
 
 void printFeatures(const char* what, const std::vector<Feature>& features) {
-  for (const Feature& feature : features) {
-    std::printf("%s %s\n", what, inOneLine(feature).c_str());
-    for (const std::string& remark : feature.remarks)
-      std::printf("remark          %s %s: %s\n", what, feature.name.c_str(), remark.c_str());
+  for (const Feature& feature : features) std::printf("%s %s\n", what, inOneLine(feature).c_str());
+}
+
+/// One line for each kind of remark, with the first that it is true of.
+void printRemarks(const char* what, const std::vector<Feature>& features) {
+  for (const RemarkGroup& group : groupRemarks(features)) {
+    std::string where = group.example;
+    if (group.features > 1) where += " and " + std::to_string(group.features - 1) + " more";
+    if (group.materials > 1) where += " (" + std::to_string(group.materials) + " materials)";
+    std::printf("remark          %s %s: %s\n", what, where.c_str(), group.text.c_str());
   }
 }
 
@@ -184,17 +168,21 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
   std::printf("%-*s %-9s %9s %8s %15s %9s %s\n", w, "part", "model", "triangles", "error um",
               "tick us p50/p99", "memory kB", "movable");
   for (const PartModel& m : models) {
-    std::printf("%-*.40s %-9s %9zu %8.2f %7.2f/%7.2f %9.1f ", w, m.name.c_str(), m.model.c_str(), m.triangles,
-                m.error * 1e6, m.cost_us_p50, m.cost_us_p99, static_cast<double>(m.bytes) / 1e3);
+    std::printf("%-*.40s %-9s %9zu ", w, m.name.c_str(), m.model.c_str(), m.triangles);
+    m.touching > 0 ? std::printf("%8.2g", m.error * 1e6) : std::printf("%8s", "-");
+    std::printf(" %7.2f/%7.2f %9.1f ", m.cost_us_p50, m.cost_us_p99, static_cast<double>(m.bytes) / 1e3);
     if (m.movable)
       std::printf("%.3g kg\n", m.mass);
     else
       std::printf("-\n");
   }
   std::printf("\n%zu parts, %zu triangles\n", scene.parts.size(), assets::triangleCount(scene));
-  printFeatures("surface", features.surfaces);
+  printFeatures("surface", oneEachMaterial(features.surfaces));
   printFeatures("field", features.fields);
   printFeatures("control", features.controls);
+  printRemarks("surface", features.surfaces);
+  printRemarks("field", features.fields);
+  printRemarks("control", features.controls);
   if (scene.findings.empty()) std::printf("no findings: a clean file\n");
   for (const assets::Finding& f : scene.findings)
     std::printf("%-8s %6llu  %s%s%s\n", severity(f.severity), static_cast<unsigned long long>(f.count),
@@ -212,15 +200,19 @@ int run(const Arguments& arguments) {
   Result<assets::Scene> scene = loadScene(arguments.scene);
   if (!scene) return badInput(scene.error());
   const haptics::ContactScene contact(*scene);
+  const haptics::ContactWorld world(contact);
+  haptics::TickState state(contact);
   std::vector<PartModel> models;
   for (std::size_t i = 0; i < scene->parts.size(); ++i)
-    models.push_back(modelOf(contact, static_cast<PartId>(i)));
+    models.push_back(modelOf(contact, world, state, static_cast<PartId>(i)));
   const double stiffest =
       haptics::stiffestContact(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
   const double contactLimit =
       haptics::stiffestControlled(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
+  haptics::TickParameters fitted;
+  haptics::fitToDevice(device->limits, arguments.delay_ms * 1e-3, fitted);
   const FeatureLimits limits{stiffest, contactLimit, device->limits.maxForce,
-                             1.0 / haptics::TickParameters{}.dt};
+                             1.0 / haptics::TickParameters{}.dt, fitted.dampingLimit};
   const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
                           controlFeatures(*scene, limits)};
   if (arguments.json)

@@ -26,6 +26,7 @@ PLATES = {
 BAD = {
     "viscosity": -1, "vibration": {"frequency": "fast", "amplitude": 1}, "law": "jelly",
     "texture": {"function": "wood", "amplitude": 1e-4, "wavelength": 1e-3}, "magnetic": [1, 2],
+    "stiffness": 1e308, "stickSlip": {"force": 1e308, "stiffness": 1},
 }
 failed = []
 
@@ -71,6 +72,32 @@ def check_samples(binaries):
     expect(len(fields) == 6 and all(f["kind"] == "gravity" for f in fields), "the fields are not named")
 
 
+def check_parts(binaries):
+    parts = json.loads(run(binaries, SCENES / "control_panel.glb", "--json").stdout)["parts"]
+    diagonal_bound = 1e-8  # m: a share of a panel of decimetres
+    for part in parts:
+        if part["name"] == "gauge":
+            expect(part["ticks_touching"] == 0, "a hidden part is touched")
+            continue
+        expect(part["ticks_touching"] > 100, f"{part['name']} is hardly touched")
+        expect(0 < part["error_m"] < diagonal_bound, f"{part['name']}: error {part['error_m']} m")
+
+
+def check_remarks(binaries):
+    """Once a kind in the table, all of them in JSON."""
+    scene = SCENES / "surfaces.glb"
+    lines = [line for line in run(binaries, scene).stdout.splitlines() if line.startswith("remark")]
+    stiff = [line for line in lines if ": stiffness is felt as" in line]
+    expect(len(stiff) == 1 and "and 17 more" in stiff[0], f"remarks on stiffness: {stiff}")
+    expect(any("magnetic pull changes by 400 N/m" in line for line in lines), "the steep magnet has no remark")
+    surfaces = json.loads(run(binaries, scene, "--json").stdout)["surfaces"]
+    count = sum("stiffness is felt as" in text and "stick-slip" not in text
+                for surface in surfaces for text in surface["remarks"])
+    expect(count == 18, f"JSON has {count} remarks on stiffness")
+    fields = json.loads(run(binaries, SCENES / "guided_path.glb", "--json").stdout)["fields"]
+    expect(fields[0]["effects"]["spring"]["stiffness_n_per_m"] == 180.0, "the guide's stiffness is not named")
+
+
 def check_bad_values(binaries, folder):
     scene = folder / "bad.gltf"
     for key, value in BAD.items():
@@ -90,6 +117,8 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     binaries = parser.parse_args().bin
     check_samples(binaries)
+    check_parts(binaries)
+    check_remarks(binaries)
     with tempfile.TemporaryDirectory() as folder:
         check_bad_values(binaries, pathlib.Path(folder))
     for what in failed:
