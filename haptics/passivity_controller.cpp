@@ -6,19 +6,12 @@
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
-namespace {
-
-constexpr double kResting =
-    0.02;  // s: longer than the slowest swing that a wall at its limit makes of a quantum
-
-}  // namespace
-
 glm::dvec3 PassivityController::step(const glm::dvec3& position, const glm::dvec3& force, double damping,
                                      double dt) {
   const glm::dvec3 way = started_ ? position - position_ : glm::dvec3(0.0);
   const glm::dvec3 change = force - rendered_;
   const double square = glm::dot(way, way);
-  const bool flickers = noteReading(position, dt);
+  const bool flickers = reading_.note(position, dt);
   started_ = true;
   position_ = position;
   if (flickers) {
@@ -40,18 +33,6 @@ glm::dvec3 PassivityController::step(const glm::dvec3& position, const glm::dvec
   if (pull > press) share *= press / pull;
   // Rounding of the force is not energy.
   return share * size > 0x1p-32 * std::sqrt(press) ? against * share : glm::dvec3(0.0);
-}
-
-bool PassivityController::noteReading(const glm::dvec3& position, double dt) {
-  bool returned = started_;
-  for (int axis = 0; axis < 3; ++axis) {
-    if (!started_) before_[axis] = position[axis];
-    if (!started_ || position[axis] == position_[axis]) continue;
-    returned = returned && position[axis] == before_[axis];
-    before_[axis] = position_[axis];
-  }
-  resting_ = returned ? resting_ + dt : 0.0;
-  return resting_ >= kResting;
 }
 
 }  // namespace tandem::haptics

@@ -5,6 +5,8 @@
 
 #include <glm/vec3.hpp>
 
+#include "haptics/resting_reading.h"
+
 namespace tandem::haptics {
 
 /// Passivity controller of Hannaford & Ryu 2002, with the energy that the rendered world should have
@@ -22,9 +24,8 @@ namespace tandem::haptics {
 /// and is taken back by a force -deficit d / d^2 against the way, at most as large as the last change of the
 /// force: a device's quantum is never amplified beyond what the spring itself makes of it. It never pulls.
 ///
-/// A reading that goes back exactly to its last other value is an encoder between two marks: the hand went
-/// far less than the quantum that the reading shows. It counts as no way, so a hand at rest feels the
-/// spring's own flicker of one quantum and nothing on top.
+/// An encoder at a mark (RestingReading) counts as no way, so a hand at rest feels the spring's own flicker of
+/// one quantum and nothing on top.
 class PassivityController {
  public:
   /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `damping`
@@ -41,16 +42,11 @@ class PassivityController {
   void restart() { *this = PassivityController{}; }
 
  private:
-  /// Whether each axis has for some time done nothing but stay and go back exactly to where it was before
-  /// it last moved.
-  bool noteReading(const glm::dvec3& position, double dt);
-
   bool started_ = false;
-  glm::dvec3 position_{0.0, 0.0, 0.0},
-      before_{0.0, 0.0, 0.0};  // the reading, and the last other one of each axis
+  RestingReading reading_;
+  glm::dvec3 position_{0.0, 0.0, 0.0};  // the reading
   glm::dvec3 rendered_{0.0, 0.0, 0.0}, sent_{0.0, 0.0, 0.0};
   double deficit_ = 0.0;  // J
-  double resting_ = 0.0;  // s
 };
 
 }  // namespace tandem::haptics

@@ -46,7 +46,8 @@ class Tick {
     forgetIgnored();
     if (valid_) {
       moveTool();
-      const glm::dvec3 force = contactForce(data_.world, data_.proxy, input_.device, parameters_, out_);
+      const glm::dvec3 force =
+          contactForce(data_.world, data_.proxy, input_.device, atRest_, parameters_, out_);
       data_.contactWrench = {
           applySurface(data_.world, data_.proxy, input_.device, parameters_, force, data_.surface, out_),
           glm::dvec3(0.0)};
@@ -78,6 +79,7 @@ class Tick {
       if (data_.fade.active()) handTurn_ = rotationVector(now.orientation * glm::conjugate(last.orientation));
     }
     data_.device = input_.device;
+    atRest_ = data_.reading.note(input_.device.worldFromDevice.position, parameters_.dt);
     const bool elsewhere = verdict == SampleGuard::Verdict::elsewhere;
     if (!data_.started || elsewhere || data_.invalidTime > kProxyResetAfter) resetProxy();
     // A hand that is somewhere else holds its part where it now is: it did not draw it there.
@@ -485,7 +487,7 @@ class Tick {
   const TickInput& input_;
   const TickParameters& parameters_;
   Data& data_;
-  bool valid_ = false;
+  bool valid_ = false, atRest_ = false;
   ForceCause cause_;
   glm::dvec3 handMove_{0.0}, handTurn_{0.0};  // m and rad, that the hand went since the last tick
   double handWay_ = 0.0, othersWay_ = 0.0;    // m, that the hand and what it touches went in this tick

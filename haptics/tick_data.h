@@ -15,6 +15,7 @@
 #include "haptics/mesh_change.h"
 #include "haptics/output_limits.h"
 #include "haptics/proxy.h"
+#include "haptics/resting_reading.h"
 #include "haptics/sample_guard.h"
 #include "haptics/tick.h"
 
@@ -37,6 +38,7 @@ struct TickState::Data {
   Fade fade;
   OutputLimits output;
   SampleGuard guard;
+  RestingReading reading;
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
   ForceFields fields;
