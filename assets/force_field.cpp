@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace tandem::assets {
 
@@ -32,7 +33,7 @@ Passivity passivity(const ForceField& field) {
 }
 
 double steepest(const ForceField& field) {
-  constexpr double kPi = 3.14159265358979323846;
+  constexpr double kPi = std::numbers::pi;
   switch (field.kind) {
     case ForceField::Kind::spring:
     case ForceField::Kind::guide:

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <optional>
 
 #include <glm/geometric.hpp>
@@ -14,7 +15,7 @@
 namespace tandem::assets {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
+constexpr double kPi = std::numbers::pi;
 constexpr std::size_t kMaxDetents = 4096;
 
 /// A rotation that takes X to a unit direction: the shortest one.

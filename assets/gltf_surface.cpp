@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <initializer_list>
 #include <map>
+#include <numbers>
 #include <optional>
 #include <string_view>
 
@@ -14,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kLargestAngle = 3.14159265358979323846;
+constexpr double kLargestAngle = std::numbers::pi;
 
 void noteUnknown(const JsonObject& object, std::initializer_list<std::string_view> known,
                  UnknownProperties& unknown) {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/gtx/norm.hpp>
@@ -10,7 +11,7 @@
 namespace tandem::assets {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kInfiniteInertiaRatio = 1e6;
 
 struct Solid {

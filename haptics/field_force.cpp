@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -13,7 +14,7 @@ using assets::FieldWaveform;
 using assets::ForceField;
 using Kind = ForceField::Kind;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 /// 0 below 0, 1 above 1, between them a cubic whose slope is continuous.
 double smoothStep(double u) {

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -10,7 +11,7 @@ namespace {
 
 using Pattern = assets::SurfaceTexture::Pattern;
 
-constexpr double kTurn = 2.0 * 3.14159265358979323846;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 
 Height grid(const glm::dvec3& turns, double wavelength) {
   Height h;

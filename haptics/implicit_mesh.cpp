@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -12,7 +13,7 @@ namespace {
 
 using assets::ImplicitShape;
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 // A chord over the angle a lies r (1 - cos(a/2)) below its arc: 1e-4 r at 1.62 degrees, 222 segments a turn.
 constexpr int kSegments = 224;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -16,7 +17,7 @@ double vibration(double frequency, double amplitude, double pressing, double dt,
   if (!(frequency * dt < 0.5)) return 0.0;
   phase += frequency * dt;
   phase -= std::floor(phase);
-  const double force = amplitude * std::sin(2.0 * 3.14159265358979323846 * phase);
+  const double force = amplitude * std::sin(2.0 * std::numbers::pi * phase);
   return std::clamp(force, -std::max(pressing, 0.0), std::max(pressing, 0.0));
 }
 

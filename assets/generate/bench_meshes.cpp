@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <string>
 #include <utility>
 
@@ -14,7 +15,7 @@
 namespace tandem::generate {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kPressureAngle = kPi / 9.0;
 constexpr double kModule = 2.0 * kGearPitchRadius / kGearTeeth;
 constexpr double kTipRadius = kGearPitchRadius + kModule;

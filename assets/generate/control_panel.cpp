@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include "assets/generate/common.h"
@@ -29,7 +30,7 @@ SampleShape knob() {
   Loop rim, inner;
   constexpr int kCorners = 240;
   for (int i = 0; i < kCorners; ++i) {
-    const double angle = 2.0 * 3.141592653589793 * i / kCorners;
+    const double angle = 2.0 * std::numbers::pi * i / kCorners;
     const double radius = (24.0 - 2.0 * (0.5 + 0.5 * std::cos(12.0 * angle))) * mm;
     rim.emplace_back(radius * std::cos(angle), radius * std::sin(angle));
     inner.push_back(rim.back() * (1.0 - 1.0 * mm / radius));

@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -10,7 +11,7 @@ namespace tandem::generate {
 namespace {
 
 constexpr double mm = kMillimetre;
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 SampleShape ball(const std::string& name, double radius, LookId look, FeelId feel) {
   SampleShape shape{name, {}, {look}, feel};

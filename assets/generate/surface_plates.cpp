@@ -1,4 +1,5 @@
 #include <cmath>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,7 +17,7 @@ using Pattern = assets::SurfaceTexture::Pattern;
 constexpr double mm = kMillimetre;
 constexpr double kSide = 36.0 * mm, kHeight = 6.0 * mm, kPitch = 48.0 * mm;
 constexpr int kColumns = 6;
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 /// One plate or dome.
 struct Sample {
