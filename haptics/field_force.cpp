@@ -293,6 +293,7 @@ FieldAction FieldForce::raw(const FieldQuery& query, double at) const {
       return out;
     case Kind::waveform:
       out.source = f.force * waveformValue(f.waveform, query.time);
+      out.sourceChange = out.source - f.force * waveformValue(f.waveform, query.timeBefore);
       return out;
     case Kind::gravity:
       return gravityAction(query.position);
@@ -313,12 +314,14 @@ FieldAction FieldForce::act(const FieldQuery& query, double at) const {
     out.stored = weight * out.stored - out.potential * gradient;
     out.potential *= weight;
     out.source *= weight;
+    out.sourceChange *= weight;
     out.damping *= weight;
     out.dampingRate *= weight;
   }
   bool cut = false;  // of forces without a potential: no loss of exactness
   out.stored = shortened(out.stored, field_->maxForce, out.limited);
   out.source = shortened(out.source, field_->maxForce, cut);
+  out.sourceChange = shortened(out.sourceChange, 2.0 * field_->maxForce, cut);
   out.damping = shortened(out.damping, field_->maxForce, cut);
   return out;
 }

@@ -13,12 +13,13 @@ namespace tandem::haptics {
 
 /// What a field does at one place, in its own axes, before any weight of the hand's own.
 struct FieldAction {
-  glm::dvec3 stored{0.0, 0.0, 0.0};   // N, minus the gradient of `potential`
-  glm::dvec3 source{0.0, 0.0, 0.0};   // N, of what can give energy without end
-  glm::dvec3 damping{0.0, 0.0, 0.0};  // N, against the velocity
-  double potential = 0.0;             // J; beyond the region or range it is constant
-  double dampingRate = 0.0;           // N·s/m, the most along any direction
-  bool limited = false;               // maxForce cut the gradient short: what is stored is then not exact
+  glm::dvec3 stored{0.0, 0.0, 0.0};        // N, minus the gradient of `potential`
+  glm::dvec3 source{0.0, 0.0, 0.0};        // N, of what can give energy without end
+  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, by which time alone has changed `source` since `timeBefore`
+  glm::dvec3 damping{0.0, 0.0, 0.0};       // N, against the velocity
+  double potential = 0.0;                  // J; beyond the region or range it is constant
+  double dampingRate = 0.0;                // N·s/m, the most along any direction
+  bool limited = false;  // maxForce cut the gradient short: what is stored is then not exact
 };
 
 /// Where the hand is and what it does, in the field's frame.
@@ -26,6 +27,7 @@ struct FieldQuery {
   glm::dvec3 position{0.0, 0.0, 0.0};  // m
   glm::dvec3 velocity{0.0, 0.0, 0.0};  // m/s, relative to the field
   double time = 0.0;                   // s
+  double timeBefore = 0.0;             // s, of the last tick
 };
 
 /// One field made ready. Only the constructor allocates; the field must outlive this.

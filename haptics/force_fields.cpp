@@ -9,9 +9,9 @@
 namespace tandem::haptics {
 
 struct ForceFields::Sum {
-  glm::dvec3 force{0.0}, damping{0.0};  // N, world
-  double dampingRate = 0.0;             // N·s/m
-  double work = 0.0;                    // J
+  glm::dvec3 force{0.0}, sourceChange{0.0}, damping{0.0};  // N, world
+  double dampingRate = 0.0;                                // N·s/m
+  double work = 0.0;                                       // J
   bool limited = false;
 };
 
@@ -57,12 +57,14 @@ void ForceFields::addEntry(Entry& entry, const ContactWorld& world, const Device
   query.position = fieldFromWorld * (tip - worldFromField.position);
   query.velocity = fieldFromWorld * (device.twist.linear - carried);
   query.time = time;
+  query.timeBefore = entry.known ? lastTime_ : time;
   if (entry.law.path() != nullptr) findPlace(entry, query.position);
   const FieldAction action = entry.law.act(query, entry.at);
 
   const glm::dvec3 stored = worldFromField.orientation * action.stored * entry.weight;
   const glm::dvec3 source = worldFromField.orientation * action.source * entry.weight;
   sum.force += stored + source;
+  sum.sourceChange += worldFromField.orientation * action.sourceChange * entry.weight;
   sum.damping += worldFromField.orientation * action.damping * entry.weight;
   sum.dampingRate += action.dampingRate * entry.weight;
   sum.limited = sum.limited || action.limited;
@@ -78,10 +80,12 @@ FieldForces ForceFields::step(const ContactWorld& world, const DeviceSample& dev
   Sum sum;
   for (Entry& entry : entries_) addEntry(entry, world, device, time, settings, sum);
   started_ = true;
+  lastTime_ = time;
   FieldForces out;
   const double share =
       sum.dampingRate > settings.dampingLimit ? settings.dampingLimit / sum.dampingRate : 1.0;
   out.force = sum.force + sum.damping * share;
+  out.sourceChange = sum.sourceChange;
   out.sourcePower = sum.work / settings.dt;
   if (overflow_) out.flags |= kFlagOverflow;
   if (sum.limited) out.flags |= kFlagFieldLimited;

@@ -16,9 +16,10 @@ namespace tandem::haptics {
 
 /// What all fields together do to the hand in one tick.
 struct FieldForces {
-  glm::dvec3 force{0.0, 0.0, 0.0};  // N, world axes, at the device's tip, before the output's limits
-  double sourcePower = 0.0;         // W, what the fields by their laws gave the hand since the last tick
-  std::uint32_t flags = 0;          // kFlagOverflow, kFlagFieldLimited
+  glm::dvec3 force{0.0, 0.0, 0.0};         // N, world axes, at the device's tip, before the output's limits
+  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, by which time alone has changed the force since the last tick
+  double sourcePower = 0.0;  // W, what the fields by their laws gave the hand since the last tick
+  std::uint32_t flags = 0;   // kFlagOverflow, kFlagFieldLimited
 };
 
 /// What holds for all fields.
@@ -58,6 +59,7 @@ class ForceFields {
   static void findPlace(Entry& entry, const glm::dvec3& x);
 
   std::vector<Entry> entries_;
+  double lastTime_ = 0.0;  // s, of the last step
   bool started_ = false;
   bool overflow_ = false;
 };

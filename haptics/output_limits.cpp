@@ -45,12 +45,12 @@ std::array<double, 10> settingsOf(const TickParameters& p) {
 }
 
 /// Damping for what the sampling of the force has created, and the sum within the limit.
-glm::dvec3 withPassivity(const glm::dvec3& force, const DeviceSample& device,
+glm::dvec3 withPassivity(const glm::dvec3& force, const glm::dvec3& byTime, const DeviceSample& device,
                          const TickParameters& parameters, PassivityController& controller,
                          std::uint32_t& flags) {
   bool limited = false;
-  const glm::dvec3 added =
-      controller.step(device.worldFromDevice.position, force, parameters.deviceDamping, parameters.dt);
+  const glm::dvec3 added = controller.step(device.worldFromDevice.position, force, byTime,
+                                           parameters.deviceDamping, parameters.dt);
   if (added != glm::dvec3(0.0)) flags |= kFlagPassivity;
   const glm::dvec3 sent = clampLength(force + added, parameters.forceLimit, limited);
   controller.sent(sent);
@@ -100,7 +100,9 @@ Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const Force
   if (limited) flags |= kFlagForceLimited;
   if (slewed) flags |= kFlagSlewLimited;
   if (parameters.passivity) {
-    now.force = withPassivity(now.force, *device, parameters, limits.passivity, flags);
+    const double asked = glm::length(wanted.force);
+    const double share = asked > 0.0 ? std::min(glm::length(within.force) / asked, 1.0) : gain;
+    now.force = withPassivity(now.force, cause.byTime * share, *device, parameters, limits.passivity, flags);
   }
   return now;
 }

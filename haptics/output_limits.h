@@ -26,8 +26,9 @@ namespace tandem::haptics {
 
 /// Why the wanted force changed in this tick.
 struct ForceCause {
-  bool byHand = true;      // nothing but the hand's own motion, and what follows from it
-  double explained = 0.0;  // N: of a change that others made, as much as may pass beyond the cap
+  bool byHand = true;                // nothing but the hand's own motion, and what follows from it
+  double explained = 0.0;            // N: of a change that others made, as much as may pass beyond the cap
+  glm::dvec3 byTime{0.0, 0.0, 0.0};  // N: of the change, what force fields gave by their laws as time went on
 };
 
 /// What the limits remember from one tick to the next.

@@ -6,10 +6,10 @@
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
-glm::dvec3 PassivityController::step(const glm::dvec3& position, const glm::dvec3& force, double damping,
-                                     double dt) {
+glm::dvec3 PassivityController::step(const glm::dvec3& position, const glm::dvec3& force,
+                                     const glm::dvec3& byTime, double damping, double dt) {
   const glm::dvec3 way = started_ ? position - position_ : glm::dvec3(0.0);
-  const glm::dvec3 change = force - rendered_;
+  const glm::dvec3 change = force - rendered_ - byTime;
   const double square = glm::dot(way, way);
   const bool flickers = reading_.note(position, dt);
   started_ = true;

@@ -19,18 +19,22 @@ namespace tandem::haptics {
 /// law the force follows otherwise. The difference, less what the device's own damping b takes (b d^2 / T;
 /// Colgate & Schenkel 1994: K T / 2 <= b), is the deficit, never below zero:
 ///
-///     deficit += F_sent . d - (F_last + F_now) . d / 2 - b d^2 / T
+///     deficit += F_sent . d - (F_last + F_now - F_time) . d / 2 - b d^2 / T
 ///
 /// and is taken back by a force -deficit d / d^2 against the way, at most as large as the last change of the
 /// force: a device's quantum is never amplified beyond what the spring itself makes of it. It never pulls.
+///
+/// What a source does as time goes on (a waveform) is not the sampling's: its held force is what the world
+/// renders. That part of the change stands in neither sum.
 ///
 /// An encoder at a mark (RestingReading) counts as no way, so a hand at rest feels the spring's own flicker of
 /// one quantum and nothing on top.
 class PassivityController {
  public:
-  /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `damping`
-  /// what of the device's physical damping may be counted on (N·s/m), `dt` in s. sent() must follow.
-  glm::dvec3 step(const glm::dvec3& position, const glm::dvec3& force, double damping, double dt);
+  /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `byTime` what of
+  /// its change since the last step would have come had the hand stood still (N), `damping` what of the device's physical damping may be counted on (N·s/m), `dt` in s. sent() must follow.
+  glm::dvec3 step(const glm::dvec3& position, const glm::dvec3& force, const glm::dvec3& byTime,
+                  double damping, double dt);
 
   /// What was sent in the end, N: held until the next step().
   void sent(const glm::dvec3& force) { sent_ = force; }

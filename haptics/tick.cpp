@@ -417,6 +417,7 @@ class Tick {
         data_.world, input_.device, time,
         {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
     data_.fieldWrench.force = felt.force;
+    cause_.byTime = felt.sourceChange;
     out_.sourcePower = felt.sourcePower * data_.sentShare;
     out_.flags |= felt.flags;
   }

@@ -215,35 +215,36 @@ std::string explanation(const std::string& family) {
   return found != kTexts.end() ? found->second : "";
 }
 
-/// Whether `a` is the better choice: of two errors that nobody feels the faster one's does not matter.
-bool moreExact(const Measurement& a, const Measurement& b) {
-  constexpr double kUnfelt = 1e-6;  // of the force
-  const double ea = std::max(a.error.relativeP99, kUnfelt), eb = std::max(b.error.relativeP99, kUnfelt);
-  return ea < eb || (ea == eb && a.cost.p99 < b.cost.p99);
+/// The fastest method whose error is within a share of the force; null if there is none.
+const Measurement* fastestWithin(const ExperimentResult& e, double share) {
+  const Measurement* fast = nullptr;
+  for (const Measurement& m : e.settings)
+    if (m.error.relativeP99 < share && (fast == nullptr || m.cost.p99 < fast->cost.p99)) fast = &m;
+  return fast;
 }
 
-/// The best corner of a plot in words: the most exact method, and the fastest one that is good enough.
+/// The best corner of a plot in words: the smallest error, and the fastest that are near enough for a hand.
 std::string cornerOf(const ExperimentResult& e) {
-  constexpr double kGoodEnough = 0.01;  // of the force
-  const Measurement *exact = nullptr, *fast = nullptr;
-  for (const Measurement& m : e.settings) {
-    if (exact == nullptr || moreExact(m, *exact)) exact = &m;
-    if (m.error.relativeP99 < kGoodEnough && (fast == nullptr || m.cost.p99 < fast->cost.p99)) fast = &m;
-  }
-  if (exact == nullptr) return "";
+  if (e.settings.empty()) return "";
+  const Measurement& least =
+      *std::min_element(e.settings.begin(), e.settings.end(),
+                        [](const Measurement& a, const Measurement& b) { return a.error.p99 < b.error.p99; });
   const auto inWords = [](const Measurement& m) {
     return "<b>" + escaped(m.name) + "</b> (" + microseconds(m.cost.p99) + ", " + newtons(m.error.p99) +
            ", " + percent(m.error.relativeP99) + " of the force)";
   };
   std::string text = "<p>" + escaped(e.info.title) +
-                     ", the best corner, by 99th percentiles. Most exact: " + inWords(*exact) +
-                     ", errors below a millionth of the force counted as equal. ";
-  if (fast == nullptr)
-    text += "No method is within 1 % of the force.";
-  else if (fast == exact)
-    text += "It is also the fastest of those within 1 % of the force.";
-  else
-    text += "Fastest of those within 1 % of the force: " + inWords(*fast) + ".";
+                     ", the best corner, by 99th percentiles. Smallest error: " + inWords(least) + ".";
+  const Measurement* before = &least;
+  for (const auto& [share, words] : {std::pair{1e-6, "a millionth"}, {0.01, "1 %"}}) {
+    const Measurement* fast = fastestWithin(e, share);
+    text += std::string(" Fastest within ") + words + " of the force: " +
+            (fast == nullptr  ? std::string("none is")
+             : fast == before ? "the same"
+                              : inWords(*fast)) +
+            ".";
+    if (fast != nullptr) before = fast;
+  }
   return text + "</p>\n";
 }
 
@@ -271,7 +272,8 @@ std::string introduction(const SweepResult& result) {
       "times the way "
       "from the hand to where an ideal god object would be. <b>Left is faster, down is more exact.</b> Both "
       "axes are "
-      "logarithmic.</p>\n<p>A tick gives the same bits each time, so its cost is taken as the least of "
+      "logarithmic; an error of at most 1 nN is drawn at 1 nN, with an arrow down.</p>\n<p>A tick gives the "
+      "same bits each time, so its cost is taken as the least of "
       "several runs of the "
       "whole path; that leaves out what other programs on the machine took. The baselines are a textbook "
       "proxy written for "

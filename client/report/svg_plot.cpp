@@ -58,7 +58,9 @@ std::string markerAt(double x, double y, const Look& look, const std::string& to
 /// A logarithmic axis around some positive values, with lines at 1, 2, 5 or at powers of ten.
 class LogAxis {
  public:
-  LogAxis(const std::vector<double>& values, double from, double to) : from_(from), to_(to) {
+  /// Nothing is drawn below `floor`.
+  LogAxis(const std::vector<double>& values, double from, double to, double floor = 0.0)
+      : from_(from), to_(to) {
     double low = 1e300, high = 0.0;
     for (const double v : values) {
       if (!(v > 0.0) || !std::isfinite(v)) continue;
@@ -71,6 +73,7 @@ class LogAxis {
       for (const double digit : {1.0, 2.0, 5.0})
         if (!wide || digit == 1.0) lines_.push_back(digit * std::pow(10.0, e));
     while (lines_.size() > 2 && lines_[1] < 0.9 * low) lines_.erase(lines_.begin());
+    while (lines_.size() > 2 && lines_[0] < 0.9 * floor) lines_.erase(lines_.begin());
     while (lines_.size() > 2 && lines_[lines_.size() - 2] > 1.1 * high) lines_.pop_back();
     low_ = std::log10(lines_.front());
     high_ = std::log10(lines_.back());
@@ -90,7 +93,17 @@ class LogAxis {
 /// Finds places for labels beside their points: clear of every marker and of each other, where there is room.
 class LabelPlaces {
  public:
-  void avoid(double x, double y) { taken_.push_back({x - 6.0, y - 6.0, x + 6.0, y + 6.0}); }
+  void avoid(double x, double y, double half = 6.0) {
+    taken_.push_back({x - half, y - half, x + half, y + half});
+  }
+  /// Keeps off a line, less strictly than off a marker: small boxes along it.
+  void avoidLine(double x0, double y0, double x1, double y1) {
+    const int pieces = 1 + static_cast<int>(std::hypot(x1 - x0, y1 - y0) / 4.0);
+    for (int i = 1; i < pieces; ++i) {
+      const double s = static_cast<double>(i) / pieces;
+      avoid(x0 + s * (x1 - x0), y0 + s * (y1 - y0), 1.5);
+    }
+  }
 
   /// The label's text element.
   std::string place(double x, double y, const std::string& text) {
@@ -98,7 +111,14 @@ class LabelPlaces {
     Box best{};
     double least = 1e300;
     for (const double away : {9.0, 20.0, 31.0}) {
-      for (const auto& [right, down] : {std::pair{0.0, -1.0}, {0.0, 1.0}, {1.0, 0.0}, {-1.0, 0.0}}) {
+      for (const auto& [right, down] : {std::pair{0.0, -1.0},
+                                        {0.0, 1.0},
+                                        {1.0, 0.0},
+                                        {-1.0, 0.0},
+                                        {0.8, -0.8},
+                                        {-0.8, -0.8},
+                                        {0.8, 0.8},
+                                        {-0.8, 0.8}}) {
         const double cx = x + right * (away + 0.5 * width), cy = y + down * (away + 0.4 * height);
         const Box box{cx - 0.5 * width, cy - 0.5 * height, cx + 0.5 * width, cy + 0.5 * height};
         double covered = 0.1 * away;
@@ -183,17 +203,19 @@ std::string scatterSvg(const ScatterPlot& plot) {
       xs.push_back(p.x);
       ys.push_back(std::max(p.y, plot.floorY));
     }
-  const LogAxis x(xs, left, right), y(ys, bottom, top);
+  const LogAxis x(xs, left, right), y(ys, bottom, top, plot.floorY);
+  const bool floored = std::any_of(ys.begin(), ys.end(), [&](double v) { return v <= plot.floorY; });
   std::string svg = begin(height, plot.yLabel + " against " + plot.xLabel);
   for (const double v : x.lines()) {
     const double at = x.at(v);
     svg += lineFrom(at, top, at, bottom, kGrid, 1.0) +
-           textAt(at, bottom + 20.0, "middle", kQuiet, 12.0, axisNumber(v));
+           textAt(at, bottom + 25.0, "middle", kQuiet, 12.0, axisNumber(v));
   }
   for (const double v : y.lines()) {
     const double at = y.at(v);
     svg += lineFrom(left, at, right, at, kGrid, 1.0) +
-           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0, axisNumber(v, y.lines().front() < 0.9e-3));
+           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0,
+                  (floored && v < 1.1 * plot.floorY ? "≤ " : "") + axisNumber(v, y.lines().front() < 0.9e-3));
   }
   svg += lineFrom(left, bottom, right, bottom, kQuiet, 1.0) + lineFrom(left, top, left, bottom, kQuiet, 1.0);
   svg += textAt(0.5 * (left + right), bottom + 46.0, "middle", kInk, 13.0, plot.xLabel);
@@ -203,13 +225,25 @@ std::string scatterSvg(const ScatterPlot& plot) {
   std::vector<Look> looks;
   LabelPlaces places;
   for (const PlotSeries& series : plot.series)
-    for (const PlotPoint& p : series.points) places.avoid(x.at(p.x), y.at(std::max(p.y, plot.floorY)));
+    for (std::size_t i = 0; i < series.points.size(); ++i) {
+      const PlotPoint& p = series.points[i];
+      const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
+      places.avoid(px, py);
+      if (i == 0) continue;
+      const PlotPoint& last = series.points[i - 1];
+      places.avoidLine(x.at(last.x), y.at(std::max(last.y, plot.floorY)), px, py);
+    }
   for (const PlotSeries& series : plot.series) {
     looks.push_back(series.look);
     std::string way, own;
     for (const PlotPoint& p : series.points) {
       const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
       way += format("%s%.1f %.1f", way.empty() ? "M" : "L", px, py);
+      if (p.y <= plot.floorY)  // less than can be shown: an arrow down from where it is drawn
+        own +=
+            format(R"(<path class="below" d="M%.1f %.1fv12m-3.5 -4l3.5 4l3.5 -4" fill="none" stroke="%s" )",
+                   px, py, series.look.colour.c_str()) +
+            "stroke-width=\"1.6\"/>\n";
       own += markerAt(px, py, series.look, p.tooltip);
       if (!p.label.empty()) labels += places.place(px, py, p.label);
     }

@@ -29,7 +29,8 @@ struct PlotSeries {
   std::vector<PlotPoint> points;  // joined in this order
 };
 
-/// A scatter on two logarithmic axes. Values below `floorY` are drawn on it, and the axis says so.
+/// A scatter on two logarithmic axes. Values of at most `floorY` are drawn on it with an arrow down, and the
+/// axis says so.
 struct ScatterPlot {
   std::string xLabel, yLabel;
   std::vector<PlotSeries> series;

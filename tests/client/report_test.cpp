@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <random>
 
 #include <glm/geometric.hpp>
@@ -273,6 +275,51 @@ TEST(Report, TakesPeersFromAnotherProgramAndRefusesWhatIsNoMeasure) {
   for (const std::string& text :
        {bad.dump(), std::string("[]"), std::string("{"), std::string("{\"peers\":3}")})
     EXPECT_FALSE(peersFromJson(text)) << text;
+}
+
+/// How often a text stands in another.
+std::size_t countOf(const std::string& text, const std::string& word) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
+  return count;
+}
+
+TEST(SvgPlot, MarksWhatIsTooSmallToBeDrawnWhereItIs) {
+  ScatterPlot plot;
+  plot.series = {{{"a", "#112233"}, {{1.0, 1e-12, "", ""}, {2.0, 1e-9, "", ""}, {3.0, 2e-9, "", ""}}}};
+  const std::string svg = scatterSvg(plot);
+  EXPECT_EQ(countOf(svg, "class=\"below\""), 2u);
+  EXPECT_EQ(countOf(svg, ">≤ 10⁻⁹<") + countOf(svg, ">≤ 1·10⁻⁹<"), 1u);
+  plot.series[0].points = {{1.0, 1e-6, "", ""}, {3.0, 2e-9, "", ""}};
+  EXPECT_EQ(countOf(scatterSvg(plot), "≤"), 0u);
+  EXPECT_EQ(countOf(scatterSvg(plot), "class=\"below\""), 0u);
+}
+
+TEST(SvgPlot, NoLabelLiesOnAMarkerOrAnotherLabel) {
+  // Points of three sizes all but on one another, with lines through them.
+  ScatterPlot plot;
+  plot.series = {
+      {{"a", "#112233"}, {{1.0, 1e-3, "1 k", ""}, {1.02, 1e-3, "10 k", ""}, {1.3, 1e-3, "100 k", ""}}},
+      {{"b", "#332211"}, {{1.0, 1.2e-3, "", ""}, {1.2, 0.8e-3, "", ""}, {100.0, 1.0, "", ""}}}};
+  const std::string svg = scatterSvg(plot);
+  std::vector<std::array<double, 4>> boxes;  // left, top, right, bottom
+  for (std::size_t at = svg.find("<circle"); at != std::string::npos; at = svg.find("<circle", at + 1)) {
+    double x = 0.0, y = 0.0;
+    ASSERT_EQ(std::sscanf(svg.c_str() + at, "<circle cx=\"%lf\" cy=\"%lf\"", &x, &y), 2);
+    boxes.push_back({x - 5.0, y - 5.0, x + 5.0, y + 5.0});
+  }
+  for (const char* label : {"1 k", "10 k", "100 k"}) {
+    const std::size_t end = svg.find(std::string(">") + label + "<");
+    ASSERT_NE(end, std::string::npos);
+    double x = 0.0, y = 0.0;
+    ASSERT_EQ(std::sscanf(svg.c_str() + svg.rfind("<text", end), "<text x=\"%lf\" y=\"%lf\"", &x, &y), 2);
+    const double half = 3.0 * static_cast<double>(std::string(label).size());
+    const std::array<double, 4> box{x - half, y - 8.0, x + half, y};
+    for (const std::array<double, 4>& other : boxes)
+      EXPECT_FALSE(box[0] < other[2] && other[0] < box[2] && box[1] < other[3] && other[1] < box[3])
+          << label << " at " << x << ' ' << y;
+    boxes.push_back(box);
+  }
 }
 
 }  // namespace

@@ -308,7 +308,7 @@ TEST(Session, GivesEachSiteThatChoseNoColourOneThatNobodyHas) {
 TEST(Session, ColoursRepeatOnlyWhenAllAreTaken) {
   Rig rig;
   for (std::size_t i = 0; i < kSiteColours.size() + 2; ++i)
-    rig.join("s" + std::to_string(i), Role::participant, kAnyColour);
+    rig.join(std::to_string(i), Role::participant, kAnyColour);
   std::map<SiteColour, int> uses;
   for (const SiteInfo& info : rig.sites.back()->last<Welcome>()->sites) ++uses[info.colour];
   ASSERT_EQ(uses.size(), kSiteColours.size());
