@@ -274,6 +274,10 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   output_.time = now;
   output_.device = sample;
   output_.flagsSeen |= output_.tick.flags;
+  // It lasts for one tick: nobody would see it.
+  constexpr sync::Micros kShown = sync::kSecond;
+  if (output_.tick.flags & haptics::kFlagPopThrough) gaveWayUntil_ = now + kShown;
+  output_.gaveWay = now < gaveWayUntil_;
   output_.fault = state_.fault().condition;
   output_.grabPending = stage_ == Stage::asked || stage_ == Stage::taking;
   for (int i = 0; i < output_.tick.ownedCount; ++i) {

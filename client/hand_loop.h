@@ -111,7 +111,8 @@ class HandLoop {
 
   ControlHand controls_;
   Stage stage_ = Stage::idle;
-  PartId graspPart_ = kNoPart;  // asked, taking or holding
+  sync::Micros gaveWayUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
+  PartId graspPart_ = kNoPart;     // asked, taking or holding
   sync::PartRecord taking_;
   sync::Micros takingUntil_ = 0;
   bool wantedBefore_ = false;

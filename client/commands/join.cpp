@@ -191,6 +191,8 @@ Status offscreenPicture(const Arguments& arguments, const ViewModel& model) {
   if (!viewer) return viewer.error();
   for (int i = 0; i < 3; ++i)
     static_cast<void>((*viewer)->frame(model));  // panels find their sizes in the first frames
+  (*viewer)->fitAll();                           // parts and hands may be far from where the scene began
+  static_cast<void>((*viewer)->frame(model));
   return (*viewer)->screenshot(arguments.screenshot);
 }
 

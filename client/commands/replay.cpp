@@ -207,6 +207,8 @@ int run(const Arguments& arguments) {
     Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*scene, {});
     if (!viewer) return badInput(viewer.error());
     for (int i = 0; i < 3; ++i) static_cast<void>((*viewer)->frame(playback.model()));
+    (*viewer)->fitAll();
+    static_cast<void>((*viewer)->frame(playback.model()));
     if (Status saved = (*viewer)->screenshot(arguments.screenshot); !saved) return badInput(saved.error());
   }
   if (arguments.headless || !displayPresent()) {

@@ -320,6 +320,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.held = output.tick.held;
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
+  if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;
   hand.flagsSeen = output.flagsSeen;
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;

@@ -98,6 +98,8 @@ constexpr FlagText kFlagTexts[] = {
     {haptics::kFlagSqueezed, "squeezed: no way out of everything", false},
     {haptics::kFlagHeldWithoutContact, "the held part passes through others", false},
     {haptics::kFlagProxyReset, "the tool was put back onto the hand", false},
+    {haptics::kFlagPopThrough, "a surface gave way: the tool is through", false},
+    {haptics::kFlagFieldLimited, "a force field is at its maximum", false},
 };
 
 void drawFlags(const PanelContext& context) {

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "assets/assert.h"
+#include "client/viewer/field_glyphs.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
 #include "client/viewer/panels.h"
@@ -92,6 +93,7 @@ class SceneViewer final : public Viewer {
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
   void pressKey(int key) override { queuedKeys_.push_back(key); }
+  void fitAll() override { ui_.fit = std::vector<PartId>{}; }
 
  private:
   enum class Drag { none, turn, shift };
@@ -166,14 +168,33 @@ View SceneViewer::currentView(const ViewModel& model) const {
   return makeView(camera_, viewport_.size(), content);
 }
 
+/// Tips of styli belong to everything, unless somebody has strayed far from all parts.
+void includePeople(const ViewModel& model, assets::Bounds& bounds) {
+  if (!(bounds.min.x <= bounds.max.x)) return;
+  const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
+  const double reach = glm::length(bounds.max - bounds.min);
+  const auto include = [&](const glm::dvec3& tip) {
+    if (!(glm::length(tip - centre) < reach)) return;
+    bounds.min = glm::min(bounds.min, tip);
+    bounds.max = glm::max(bounds.max, tip);
+  };
+  if (model.hand.present && model.hand.valid) include(model.hand.worldFromProxy.position);
+  for (const SiteView& site : model.sites)
+    if (site.seen && !site.self && site.info.connected && site.info.role != sync::Role::observer)
+      include(site.presence.worldFromTool.position);
+}
+
 void SceneViewer::fit(const ViewModel& model) {
   std::vector<PartId> parts = *ui_.fit;
   ui_.fit.reset();
-  if (parts.empty())
+  const bool everything = parts.empty();
+  if (everything)
     for (std::size_t p = 0; p < model.worldFromPart.size(); ++p)
       if (ui_.parts.visible(static_cast<PartId>(p))) parts.push_back(static_cast<PartId>(p));
   const glm::dvec2 size = viewport_.size();
-  camera_ = fitFrom(camera_, renderer_->bounds(model.worldFromPart, parts), size.x / std::max(size.y, 1.0));
+  assets::Bounds bounds = renderer_->bounds(model.worldFromPart, parts);
+  if (everything) includePeople(model, bounds);
+  camera_ = fitFrom(camera_, bounds, size.x / std::max(size.y, 1.0));
   ui_.following = kNoSite;
 }
 
@@ -370,6 +391,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
   std::vector<Label> labels;
+  addFields(model, batch);
   addPeople(model, batch, labels);
   drawLabels(view, viewport_, labels, context);
   if (options_.panels) {

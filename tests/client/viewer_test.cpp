@@ -8,6 +8,7 @@
 
 #include <filesystem>
 
+#include "client/viewer/camera.h"
 #include "tests/client/picture.h"
 
 namespace tandem::client {
@@ -120,6 +121,62 @@ TEST_F(ViewerTest, AKeyClearsAFaultAndNothingElseDoes) {
 TEST_F(ViewerTest, TheSameModelGivesTheSamePicture) {
   const Picture first = draw(), second = draw();
   EXPECT_EQ(countDifferent(first, second, 0), 0);
+}
+
+TEST_F(ViewerTest, FitsPartsAndHandsWhereTheyAreButNobodyWhoStrayed) {
+  SiteView site;
+  site.info.site = 7;
+  site.info.role = sync::Role::participant;
+  site.seen = true;
+  site.presence.worldFromTool.position = {0.0, 0.25, 0.0};
+  const auto inView = [&](const glm::dvec3& point) {
+    const View view = makeView(viewer_->camera(), {kWidth, kHeight}, {point, 0.1});
+    const auto at = view.project(point);
+    return at && at->x > 0.0 && at->y > 0.0 && at->x < kWidth && at->y < kHeight;
+  };
+  model_.worldFromPart[1].position.x = 0.4;
+  draw();
+  EXPECT_FALSE(inView({0.4, 0.0, 0.0}));
+  viewer_->fitAll();
+  draw();
+  EXPECT_TRUE(inView({0.4, 0.0, 0.0}));
+  EXPECT_FALSE(inView({0.0, 0.25, 0.0}));
+  model_.sites.push_back(site);
+  viewer_->fitAll();
+  draw();
+  EXPECT_TRUE(inView({0.0, 0.25, 0.0}));
+  const double distance = viewer_->camera().distance;
+  model_.sites[0].presence.worldFromTool.position = {0.0, 100.0, 0.0};
+  viewer_->fitAll();
+  draw();
+  EXPECT_LE(viewer_->camera().distance, distance);
+}
+
+TEST_F(ViewerTest, EveryKindOfFieldIsDrawnWhereItIs) {
+  const Picture without = draw();
+  assets::Scene scene = scene_;
+  scene.fields.resize(1);
+  model_.scene = &scene;
+  assets::ForceField& field = scene.fields[0];
+  field.force = {0.0, 1.0, 0.0};
+  field.points = {{-0.02, 0.0, 0.0}, {0.02, 0.02, 0.0}};
+  field.anchor = assets::ForceField::Anchor::path;
+  field.partFromField.position = {0.0, 0.0, 0.1};  // between the boxes, before them
+  using Kind = assets::ForceField::Kind;
+  for (const Kind kind : {Kind::constant, Kind::spring, Kind::guide, Kind::damper, Kind::viscosity,
+                          Kind::waveform, Kind::gravity, Kind::potential}) {
+    field.kind = kind;
+    field.part = kNoPart;
+    const Picture with = draw();
+    EXPECT_GT(countDifferent(without, with, 8), 15) << assets::nameOf(kind);
+    field.part = 0;  // goes with the left box
+    EXPECT_GT(countDifferent(with, draw(), 8), 15) << assets::nameOf(kind);
+  }
+  field.region.kind = assets::FieldRegion::Kind::sphere;
+  field.region.radius = 0.05;
+  const Picture round = draw();
+  field.region.kind = assets::FieldRegion::Kind::everywhere;
+  EXPECT_GT(countDifferent(round, draw(), 8), 100);
 }
 
 TEST_F(ViewerTest, AnOwnedPartTakesItsOwnersColour) {
