@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
+
 glm::dvec3 PassivityController::step(const glm::dvec3& position, const glm::dvec3& force,
                                      const glm::dvec3& byTime, double damping, double dt) {
   const glm::dvec3 way = started_ ? position - position_ : glm::dvec3(0.0);

@@ -31,8 +31,9 @@ namespace tandem::haptics {
 /// one quantum and nothing on top.
 class PassivityController {
  public:
-  /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `byTime` what of
-  /// its change since the last step would have come had the hand stood still (N), `damping` what of the device's physical damping may be counted on (N·s/m), `dt` in s. sent() must follow.
+  /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `byTime` what
+  /// of its change since the last step would have come had the hand stood still (N), `damping` what of the
+  /// device's physical damping may be counted on (N·s/m), `dt` in s. sent() must follow.
   glm::dvec3 step(const glm::dvec3& position, const glm::dvec3& force, const glm::dvec3& byTime,
                   double damping, double dt);
 
