@@ -1,6 +1,7 @@
 // Sources among a scene's fields under the passivity controller: what they give is theirs, not the sampling's.
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
@@ -84,7 +85,7 @@ double mostUnder(bool told) {
   SimulatedHand hand({}, device, {});
   double most = 0.0, before = 0.0;
   for (int i = 0; i < 1500; ++i) {
-    const double force = std::sin(2.0 * kPi * 200.0 * 1e-3 * i + 0.3);
+    const double force = std::sin(2.0 * std::numbers::pi * 200.0 * 1e-3 * i + 0.3);
     const glm::dvec3 felt(force, 0.0, 0.0), byTime(told ? force - before : 0.0, 0.0, 0.0);
     const glm::dvec3 sent = felt + controller.step(hand.sample(1e-3 * i).worldFromDevice.position, felt,
                                                    byTime, 0.5 * device.damping, 1e-3);
