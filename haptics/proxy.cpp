@@ -22,6 +22,9 @@ constexpr double kMaxStretch = 1.5;
 // A share of the first tangent of a tick. A ball's way that is shorter is the rest of it: followed face by
 // face, for a tangent across several facets would end above them and leave the same rest again.
 constexpr double kShort = 0.25;
+// Of the arc between where a roll is free and where it is stopped: to the last digit.
+constexpr int kBisections = 40;
+constexpr int kEdgeRounds = 4;
 // Arcs of a crease: a way longer than that leads over the creases behind it too. Along the tangent it skims
 // over all of them at once, and the next round comes down.
 constexpr double kSkim = 8.0;
@@ -31,6 +34,7 @@ constexpr double kSmooth = 1.0 - 1e-9;
 // Sine of the angle between a way and a face. To step back to its full height the ball goes half a skin / sine
 // along its way: on flatter ways, more than 32 skins, it stays where it was stopped.
 constexpr double kSteepEnough = 1.0 / 64.0;
+constexpr double kWellPast = 8.0;     // skins, from an edge: what holds the proxy there is no longer near
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 // 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
 // force error of as little, yet above the noise of a direction measured over one skin.
@@ -50,6 +54,7 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
       proxy.lastTriangle = plane.surface.triangle;
     }
     plane.surface = world.surfaceAt(plane.surface.part, plane.surface.triangle, proxy.position);
+    plane.beyondEdge = false;
     plane.skin = world.skin(plane.surface.part, proxy.position);
     const glm::dvec3 offset = proxy.position - plane.surface.point;
     if (glm::length(offset) > radius + 2.0 * plane.skin) {
@@ -82,6 +87,7 @@ void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
       hit.onFace};
   plane.skin = world.skin(hit.part, proxy.position);
   plane.multiplier = 0.0;
+  plane.beyondEdge = false;
 }
 
 /// The contact that covers this one on an edge or corner: it lies on or under the other's plane, and further
@@ -114,8 +120,7 @@ void takeFacePlane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c
 /// Settles what a covered edge means: nothing where its face goes on flat or downwards, which is then not
 /// felt from here; the face itself where that rises. False if it means nothing.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
-                ProxyPlane& plane) {
-  SurfacePoint& at = plane.surface;
+                SurfacePoint& at, double skin) {
   const Pose& pose = world.pose(at.part);
   const Triangle t = world.collider(at.part).tree->triangle(at.triangle);
   const glm::dvec3 a = transformPoint(pose, t.a), b = transformPoint(pose, t.b),
@@ -123,14 +128,19 @@ bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::d
   const auto height = [&](const glm::dvec3& p) {
     return glm::dot(cover.surface.normal, p - cover.surface.point);
   };
-  if (std::max({height(a), height(b), height(c)}) <= plane.skin) return false;
+  if (std::max({height(a), height(b), height(c)}) <= skin) return false;
   takeFacePlane(a, b, c, position, at);
   return true;
 }
 
+/// What a contact on an edge counts as whose face rises out of another contact's: that face's whole plane,
+/// which is right before an inner edge, or the edge alone.
+enum class Covered { asFace, asEdge };
+
 /// The way from the proxy to the point nearest to the goal that the known planes allow. Notes the
-/// multipliers.
-glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+/// multipliers, and whether a face presses beyond its edge.
+glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
+                     Covered covered = Covered::asFace) {
   std::array<HalfSpace, kMaxPlanes> planes;
   std::array<int, kMaxPlanes> source{};
   std::size_t count = 0;
@@ -139,7 +149,12 @@ glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double r
     ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     plane.multiplier = 0.0;
     const ProxyPlane* cover = proxy.planeCount > 1 ? coverOf(proxy, radius, i) : nullptr;
-    if (cover != nullptr && !facesProxy(world, *cover, proxy.position, plane)) continue;
+    if (cover != nullptr) {
+      SurfacePoint face = plane.surface;
+      if (!facesProxy(world, *cover, proxy.position, face, plane.skin)) continue;
+      plane.beyondEdge = covered == Covered::asFace;
+      if (plane.beyondEdge) plane.surface = face;
+    }
     tolerance = count == 0 ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
     source[count] = i;
     planes[count++] = {plane.surface.normal, radius + plane.skin - plane.surface.distance};
@@ -180,9 +195,9 @@ bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, c
   return world.sweep(proxy.position, way, radius, kNoPart, hit);
 }
 
-/// Moves along a straight way until a part stops it; true if none did.
-bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
-  WorldHit hit;
+/// Moves along a straight way until a part stops it, and where; true if none did.
+bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy, WorldHit& hit) {
+  hit = {};
   ++proxy.sweeps;
   if (!sweepWay(world, way, radius, proxy, hit)) {
     proxy.position += way;
@@ -197,6 +212,11 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
   refreshPlanes(world, radius, proxy);
   addPlane(world, hit, proxy);
   return false;
+}
+
+bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
+  WorldHit hit;
+  return advance(world, way, radius, proxy, hit);
 }
 
 /// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
@@ -231,16 +251,42 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const glm::dvec3 shift = (foot - plane.surface.point) * share;
   if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
   if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
-  const auto over = [&](double part) {
+  // Of the way over the crease, and that far from it.
+  const auto over = [&](double part, double distance) {
     const double t = part * turn;
-    return plane.surface.point + shift * part +
-           reach * (std::cos(t) * normal + std::sin(t) * tangent) / std::cos(t == turn ? 0.0 : t);
+    return plane.surface.point + shift * part + distance * (std::cos(t) * normal + std::sin(t) * tangent);
   };
-  glm::dvec3 end = over(1.0);
+  WorldHit stop;
+  const auto rollTo = [&](double part, const glm::dvec3& end) {
+    const double t = part * turn;
+    const glm::dvec3 middle = over(0.5 * part, reach / std::cos(0.5 * t));
+    return (reach * t * t <= plane.skin || advance(world, middle - proxy.position, radius, proxy, stop)) &&
+           advance(world, end - proxy.position, radius, proxy, stop);
+  };
+  const Proxy before = proxy;
+  glm::dvec3 end = over(1.0, reach);
   if (leaves) end += 3.0 * plane.skin * (std::cos(turn) * tangent - std::sin(turn) * normal);
-  if (reach * turn * turn > plane.skin && !advance(world, over(0.5) - proxy.position, radius, proxy))
+  if (rollTo(1.0, end)) {
+    refreshPlanes(world, radius, proxy);
     return true;
-  if (advance(world, end - proxy.position, radius, proxy)) refreshPlanes(world, radius, proxy);
+  }
+  // Stopped above the arc, on a tangent of it: where the arc itself touches what was met, both hold the ball.
+  const WorldHit met = stop;
+  const double contact = radius + world.skin(met.part, proxy.position);
+  const auto isFree = [&](double part) { return glm::length(over(part, reach) - met.point) > contact; };
+  if (!isFree(0.0) || isFree(1.0)) return true;
+  double free = 0.0, blocked = 1.0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (free + blocked);
+    (isFree(middle) ? free : blocked) = middle;
+  }
+  const int sweeps = proxy.sweeps;
+  proxy = before;
+  proxy.sweeps = sweeps;
+  if (rollTo(free, over(free, reach))) {
+    addPlane(world, met, proxy);
+    refreshPlanes(world, radius, proxy);
+  }
   return true;
 }
 
@@ -391,7 +437,7 @@ class Descent {
   /// One round; true if the proxy has arrived.
   bool settled() {
     glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
-    if (glm::length(way) <= closeEnough(proxy_, radius_)) return true;
+    if (glm::length(way) <= closeEnough(proxy_, radius_)) return !passEdge();
     if (!touches(proxy_))
       return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
 
@@ -426,6 +472,28 @@ class Descent {
     const bool changed = refreshPlanes(world_, radius_, proxy_);
     curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
     return !changed && !cut && !stretched;
+  }
+
+  /// Where a face that presses beyond its edge holds the proxy: tries whether the edge alone lets it pass. True
+  /// if it has.
+  bool passEdge() {
+    const auto end = proxy_.planes.begin() + proxy_.planeCount;
+    const auto isBeyond = [](const ProxyPlane& plane) { return plane.beyondEdge && presses(plane); };
+    if (triedEdge_ || std::none_of(proxy_.planes.begin(), end, isBeyond)) return false;
+    triedEdge_ = true;
+    const Proxy before = proxy_;
+    refreshPlanes(world_, radius_, proxy_);
+    const double far = kWellPast * smallestSkin(proxy_);
+    for (int i = 0; i < kEdgeRounds; ++i) {
+      const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_, Covered::asEdge);
+      if (glm::length(way) <= far) break;
+      if (advance(world_, way, radius_, proxy_)) refreshPlanes(world_, radius_, proxy_);
+      if (glm::length(proxy_.position - before.position) > far) return true;
+    }
+    const int sweeps = proxy_.sweeps;
+    proxy_ = before;
+    proxy_.sweeps = sweeps;
+    return false;
   }
 
   /// Whether a way of the ball is the rest of a longer one: then it is followed face by face.
@@ -466,6 +534,7 @@ class Descent {
   const double radius_;
   Proxy& proxy_;
   bool mayRoll_;
+  bool triedEdge_ = false;
   bool lastOnFace_ = true;
   double stretch_ = 0.0;     // of the first tangent; 0 = none
   glm::dvec3 tangent_{0.0};  // m, the first one

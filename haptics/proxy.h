@@ -29,6 +29,7 @@ struct ProxyPlane {
   double skin = 0.0;        // m
   double multiplier = 0.0;  // m: how far this plane holds the proxy off the goal, along its normal
   bool arriving = false;    // not touched yet: the ground that the proxy is being dragged onto
+  bool beyondEdge = false;  // the plane of a face, counted where the tool is still on its edge
 };
 
 /// What the proxy remembers from tick to tick.

@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <random>
+#include <vector>
 
 #include "assets/generate/profile_god_object.h"
 #include "tests/haptics/hard_cases/hard_case.h"
@@ -230,6 +232,75 @@ TEST(HardPushes, ASpikyStarIsNeitherEnteredNorACauseOfUnrest) {
       hand.at(goal);
       EXPECT_LE(glm::length(hand.proxy() - rest), 1e-6 * 0.02) << "ball " << ball << " star " << star;
       EXPECT_LT(hand.probe.state.data().proxy.sweeps, 24) << "ball " << ball << " star " << star;
+    }
+  }
+}
+
+/// How much a free straight step from p shortens the way to the goal at best, as a share of the step: 0 where p
+/// is the nearest place there is nearby. Tries steps of 1e-5 to 1e-1 of the way, along what touches the ball there.
+double bestStep(const assets::Mesh& mesh, double skin, const glm::dvec3& p, const glm::dvec3& goal,
+                double radius) {
+  std::vector<haptics::Triangle> near;
+  std::vector<glm::dvec3> normals;
+  const double way = glm::length(goal - p);
+  for (const auto& t : mesh.triangles) {
+    const haptics::Triangle triangle{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+    const glm::dvec3 out = p - haptics::closestPointOnTriangle(p, triangle).point;
+    const double distance = glm::length(out);
+    if (distance < radius + 0.2 * way) near.push_back(triangle);
+    if (distance < radius + 1.6 * skin) normals.push_back(out / distance);
+  }
+  const auto isFree = [&](const glm::dvec3& x) {
+    return std::all_of(near.begin(), near.end(), [&](const haptics::Triangle& t) {
+      return glm::length(x - haptics::closestPointOnTriangle(x, t).point) >= radius + 0.9 * skin;
+    });
+  };
+  std::mt19937 random(1);
+  std::normal_distribution<double> some(0.0, 0.3);
+  double best = 0.0;
+  for (double step = 1e-5 * way; step < 0.2 * way; step *= 10.0) {
+    for (int i = 0; i < 40; ++i) {
+      glm::dvec3 along = (goal - p) / way + glm::dvec3(some(random), some(random), some(random));
+      for (int pass = 0; pass < 20; ++pass) {
+        for (const glm::dvec3& n : normals) along -= n * std::min(0.0, glm::dot(n, along) - 1e-12);
+      }
+      if (!(glm::length(along) > 1e-9)) continue;
+      along = glm::normalize(along);
+      const double gain = (way - glm::length(goal - p - step * along)) / step;
+      bool passes = gain > best;
+      for (int part = 1; part <= 6 && passes; ++part) {
+        const glm::dvec3 x = p + along * (step * part / 6.0);
+        passes = isFree(x) && (radius > 0.0 || heightOverStar(mesh, x) >= 1.0);
+      }
+      if (passes) best = gain;
+    }
+  }
+  return best;
+}
+
+// A point in a corner where a rising face ends at a ridge, and a ball that lies in the valley between two spikes
+// that are far thinner than it, were held where the way on was free.
+TEST(HardPushes, OnASpikyStarNoFreeStepLeadsOn) {
+  const int stars = atFullSize() ? 2000 : 60;
+  for (const double ball : {0.0, 0.2}) {
+    for (int star = 0; star < stars; ++star) {
+      const assets::Mesh mesh = spikyStar(0.02, static_cast<std::uint32_t>(star));
+      ScaledHand hand(sceneOf(mesh), 1.0, ball);
+      std::mt19937 random(static_cast<std::uint32_t>(star) + 5000);
+      std::normal_distribution<double> some(0.0, 0.01);
+      glm::dvec3 goal(0.06 + ball, 0.0, 0.0);
+      hand.at(goal);
+      for (int press = 0; press < 4; ++press) {
+        const glm::dvec3 from = goal;
+        goal = {some(random), some(random), some(random)};
+        for (int i = 1; i <= 20; ++i) hand.at(from + (goal - from) * (i / 20.0));
+        for (int i = 0; i < 40; ++i) hand.at(goal);
+        const auto& data = hand.probe.state.data();
+        const double skin = data.world.skin(0, hand.proxy());
+        if (glm::length(hand.proxy() - goal) < 1e-5) continue;
+        EXPECT_LT(bestStep(mesh, skin, hand.proxy(), goal, ball), 3e-3)
+            << "ball " << ball << " star " << star << " press " << press << " sweeps " << data.proxy.sweeps;
+      }
     }
   }
 }
