@@ -22,6 +22,9 @@ constexpr double kMaxStretch = 1.5;
 // A share of the first tangent of a tick. A ball's way that is shorter is the rest of it: followed face by
 // face, for a tangent across several facets would end above them and leave the same rest again.
 constexpr double kShort = 0.25;
+// Of a ball's radius: a step that is cut because the ground turns is no shorter. Along a tangent of that length
+// the ball rises by half a hundredth of its radius.
+constexpr double kLeastStep = 0.1;
 // Of the arc between where a roll is free and where it is stopped: to the last digit.
 constexpr int kBisections = 40;
 constexpr int kEdgeRounds = 4;
@@ -330,7 +333,8 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     } else if (walk.share < 1.0) {
       walk.share += over;
     }
-    share = std::min(share, walk.share);
+    // Features far smaller than the ball are no creases of its way.
+    share = std::min(share, std::max(walk.share, std::min(1.0, kLeastStep * radius / length)));
   }
   if (share >= 1.0) return false;
   way *= share;

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -303,6 +304,43 @@ TEST(HardPushes, OnASpikyStarNoFreeStepLeadsOn) {
       }
     }
   }
+}
+
+/// A prism of n sides about z.
+assets::Mesh needleMesh(double radius, double halfLength, int n) {
+  std::vector<glm::dvec3> corners;
+  const auto at = [&](int i, double z) {
+    const double angle = 2.0 * std::numbers::pi * i / n;
+    return glm::dvec3(radius * std::cos(angle), radius * std::sin(angle), z);
+  };
+  const double h = halfLength;
+  for (int i = 0; i < n; ++i) {
+    corners.insert(corners.end(), {at(i, -h), at(i + 1, -h), at(i + 1, h)});
+    corners.insert(corners.end(), {at(i, -h), at(i + 1, h), at(i, h)});
+    corners.insert(corners.end(), {glm::dvec3(0.0, 0.0, h), at(i, h), at(i + 1, h)});
+    corners.insert(corners.end(), {glm::dvec3(0.0, 0.0, -h), at(i + 1, -h), at(i, -h)});
+  }
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+  for (std::uint32_t i = 0; i < corners.size(); i += 3) triangles.push_back({i, i + 1, i + 2});
+  return soupMesh(corners, triangles);
+}
+
+// Cutting the ball's way where the ground turns, as a point's is, takes it 300 ticks and more.
+TEST(HardConvex, ABallIsRoundANeedleFarThinnerThanItInTheTickThatPushesItBehind) {
+  atEveryScale(1e-6, [&](double scale, std::vector<glm::dvec3>& forces) {
+    for (const double thin : {1e-6, 1e-5, 1e-4}) {
+      for (const double depth : {0.003, 0.006, 0.01}) {
+        ScaledHand hand(sceneOf(needleMesh(thin, 0.02, 64)), scale, 0.002);
+        hand.at({-0.01, 1e-4, 0.0});
+        const glm::dvec3 goal(depth, 1e-4, 0.0);
+        hand.to({0.0, 1e-4, 0.0}, 5e-4);
+        EXPECT_GT(glm::length(hand.force()), 1.0) << thin;
+        hand.to(goal, 5e-4);
+        forces.push_back(hand.at(goal));
+        EXPECT_LT(glm::length(hand.proxy() - goal), 1e-8) << "thin " << thin << " depth " << depth;
+      }
+    }
+  });
 }
 
 }  // namespace
