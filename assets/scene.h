@@ -42,7 +42,7 @@ struct Material {
   float roughness = 0.7f;                                    // 0..1
   double stiffness = 0.0;                                    // N/m; 0 = the tool's default
   double damping = 0.0;                                      // N·s/m
-  double staticFriction = 0.0;    // Coulomb coefficient; 0 unless the file states one
+  double staticFriction = 0.0;    // Coulomb coefficient; what it is where the file states none: README.md
   double dynamicFriction = 0.0;   // Coulomb coefficient
   double restitution = 0.0;       // 0..1
   std::uint32_t surface = kNone;  // into Scene::surfaces; kNone: nothing but the above

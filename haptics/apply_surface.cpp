@@ -275,6 +275,13 @@ class SurfaceTick {
     slot.active = true;
     const double pressing =
         contactLaw(touch, patch, depth, stiffness, share * surface.stiffness2, gradient, slot);
+    if (!(pressing > 0.0)) {
+      // In a dent that it has left, or that has not come back yet: nothing is touched there.
+      slot.velocity = glm::dvec3(0.0);
+      slot.anchor.set = false;
+      noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
+      return force;
+    }
     if (surface.popThroughForce > 0.0 && pressing > surface.popThroughForce) {
       state_.letGo = touch.part;
       noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);

@@ -290,5 +290,34 @@ TEST(SurfaceEffects, PlasticSurfaceKeepsItsDentInPlace) {
   EXPECT_NEAR(press(0.05, 0.001), 1.0, 1e-6) << "and nowhere else";
 }
 
+TEST(SurfaceEffects, AnEmptyDentNeitherDampsNorDragsNorHolds) {
+  for (const double viscosity : {0.0, 10.0}) {
+    for (const double stickSlip : {0.0, 0.5}) {
+      Surface surface;
+      surface.law = Surface::Law::plastic;
+      surface.yieldForce = 0.5;
+      surface.viscosity = viscosity;
+      surface.stickSlipForce = stickSlip;
+      surface.stickSlipStiffness = stickSlip > 0.0 ? 200.0 : 0.0;
+      haptics::TickParameters damped = springOnly(1000.0);
+      damped.damping = 10.0;
+      HandProbe hand(sheetOf(surface), damped);
+      hand.at({0.0, 0.0012, 0.005});
+      hand.to({0.0, 0.0012, -0.004}, 1e-4);
+      EXPECT_GT(hand.out.toHand.force.z, 1.0) << "damped while it yields";
+      hand.to({0.0, 0.0012, 0.005}, 1e-4);
+      double deepest = 0.0, most = 0.0;
+      for (double z = 0.005; z > -0.0045; z -= 1e-4) {
+        hand.at({0.0, 0.0012, z});
+        const double force = glm::length(hand.out.toHand.force);
+        if (z > -0.0033) deepest = std::max(deepest, force);
+        most = std::max(most, force);
+      }
+      EXPECT_NEAR(deepest, 0.0, 1e-9) << viscosity << ' ' << stickSlip;
+      EXPECT_GT(most, 1.0) << "at its ground it is felt";
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tandem::test
