@@ -252,11 +252,20 @@ void HandLoop::playOutFollowed(sync::Micros sessionNow) {
   movedCount_ = 0;
   for (Followed& slot : followed_) {
     if (slot.part == kNoPart) continue;
-    const sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
+    sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
+    if (slot.control != nullptr) keepToStops(*slot.control, shown);
     moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
     show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart});
     if (!slot.owned && shown.still) slot.part = kNoPart;
   }
+}
+
+/// Between two states, and beyond the last one, playing out knows nothing of the axis and the stops of a control.
+void HandLoop::keepToStops(const assets::Control& control, sync::PlayOut::Shown& shown) {
+  const double value = assets::controlValue(control, shown.worldFromPart);
+  const double possible = assets::admissible(control, value);
+  if (possible != value) shown.twist = {};
+  shown.worldFromPart = assets::poseAt(control, possible);
 }
 
 void HandLoop::releaseRested(sync::Micros sessionNow) {
@@ -315,6 +324,7 @@ HandLoop::Followed* HandLoop::slotFor(PartId part, sync::Micros sessionNow) {
   if (!slot) return nullptr;
   slot->part = part;
   slot->owned = true;
+  slot->control = assets::controlOf(scene_.scene(), part);
   slot->playOut.restart(state_.worldFromPart(part), sessionNow, 0);
   return slot;
 }

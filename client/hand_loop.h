@@ -59,6 +59,7 @@ class HandLoop {
   struct Followed {
     PartId part = kNoPart;
     bool owned = false;  // by somebody: keep the slot
+    const assets::Control* control = nullptr;
     sync::PlayOut playOut;
   };
   struct Owned {
@@ -77,6 +78,7 @@ class HandLoop {
   void followGrasp(bool wanted);
   void finishTaking(sync::Micros sessionNow);
   void playOutFollowed(sync::Micros sessionNow);
+  static void keepToStops(const assets::Control& control, sync::PlayOut::Shown& shown);
   void askForControls();
   bool takeControl(const sync::PartRecord& record);
   void releaseRested(sync::Micros sessionNow);

@@ -120,6 +120,38 @@ TEST_F(ControlHandTest, AfterALostConnectionItAsksAgain) {
   EXPECT_TRUE(intent().has_value());
 }
 
+TEST_F(ControlHandTest, WhatOthersPressHardAgainstItsStopIsShownAtItsStop) {
+  const assets::Control& button = scene_.controls[0];
+  at(5e-3, 5);
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::ownership;
+  event.record = {kButton, kOther, 1, hand_->worldFromPart(kButton)};
+  ASSERT_TRUE(exchange_->events.push(event));
+  const double speed = 0.2;  // m/s, up to the stop; then nothing arrives for a while
+  double deepest = 0.0;
+  for (int i = 0; i * 1e-3 * speed < button.max; ++i) {
+    NetworkEvent moved;
+    moved.kind = NetworkEvent::Kind::state;
+    moved.time = now_ + 1000000;
+    moved.state.part = kButton;
+    moved.state.epoch = 1;
+    moved.state.sequence = static_cast<std::uint32_t>(i + 1);
+    moved.state.worldFromPart = assets::poseAt(button, i * 1e-3 * speed);
+    moved.state.twist = assets::twistAt(button, moved.state.worldFromPart, speed);
+    ASSERT_TRUE(exchange_->events.push(moved));
+    at(5e-3);
+    deepest = std::max(deepest, value());
+  }
+  for (int i = 0; i < 100; ++i) {
+    at(5e-3);
+    deepest = std::max(deepest, value());
+    EXPECT_NEAR(
+        glm::length(hand_->worldFromPart(kButton).position - assets::poseAt(button, value()).position), 0.0,
+        1e-12);
+  }
+  EXPECT_NEAR(deepest, button.max, 1e-12);
+}
+
 TEST_F(ControlHandTest, AWishedValueIsOwnedSetAndGivenBack) {
   assets::Scene scene = test::buttonScene(1.0).scene;
   scene.controls[0].springStiffness = scene.controls[0].click.drop = 0.0;
