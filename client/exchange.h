@@ -57,6 +57,7 @@ struct HandOutput {
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned
   bool grabPending = false;
   std::uint32_t flagsSeen = 0;  // of all ticks so far
+  std::uint32_t stalls = 0;     // times that the loop stood still for over HandLoop::kStall
   bool gaveWay = false;         // a surface was passed through within the last second
   const char* fault = nullptr;  // why force is off: the broken condition, while kFlagFault is set
 };

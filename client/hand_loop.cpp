@@ -83,6 +83,7 @@ haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, sync::M
   if (stalled) {
     sample.valid = false;
     graspAnew_ = true;
+    ++output_.stalls;
   } else if (graspAnew_ && sample.valid) {
     graspAnew_ = false;
     if (stage_ == Stage::holding) {

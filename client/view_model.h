@@ -28,6 +28,7 @@ struct HandView {
   bool grabPending = false;     // asked for, not answered yet
   std::uint32_t flags = 0;      // haptics::TickFlag
   std::uint32_t flagsSeen = 0;  // of all ticks so far
+  std::uint32_t stalls = 0;     // times that its loop stood still, and the hand was without force
   std::string fault;            // why force is off; empty without a fault
   double stiffest = 0.0;        // N/m that a contact on this device may have; 0 = any
 };

@@ -143,6 +143,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   const haptics::ServoStatistics servo = site.servoStatistics();
   json["ticks"] = servo.ticks;
   json["late"] = servo.late;
+  json["stalls"] = model.hand.stalls;
   json["compute_us"] = {
       {"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
   const LinkStatistics link = site.linkStatistics();

@@ -322,6 +322,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.flags = output.tick.flags;
   if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;
   hand.flagsSeen = output.flagsSeen;
+  hand.stalls = output.stalls;
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();

@@ -208,6 +208,7 @@ TEST_F(HandLoopTest, AfterAStallTheGraspBeginsAnewWithoutForce) {
   tick(500);
   EXPECT_EQ(hand_->output().tick.held, kBox);
   EXPECT_LT(largestStep_, 1e-3);
+  EXPECT_EQ(hand_->output().stalls, 1u);
 }
 
 TEST_F(HandLoopTest, WithoutTheStallRuleThatHandWouldFeelAPull) {

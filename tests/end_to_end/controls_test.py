@@ -15,10 +15,13 @@ from session_test import Failed, Server, Site, check, poses_of
 
 session.SCENE = session.ROOT / "assets" / "scenes" / "control_panel.glb"
 BUTTON = (-0.09, 0.023, -0.04)  # m, of the part at rest
+MOST_STALLED = 3  # runs that do not count
 TOP = 0.031  # m, where the button is touched
 
 
-def test_panel(binaries, folder):
+def press_and_set(binaries, folder):
+    """What three sites report and trace of one press of the button and one of the slider."""
+    folder.mkdir()
     server = Server(binaries, folder)
     try:
         above = [BUTTON[0], TOP + 0.01, BUTTON[2]]
@@ -30,9 +33,21 @@ def test_panel(binaries, folder):
         ada = Site(binaries, folder, server.link("participant"), "ada", press, 6.5, trace=True)
         ben = Site(binaries, folder, server.link("participant"), "ben", wishes, 6.5, trace=True)
         eve = Site(binaries, folder, server.link("observer"), "eve", None, 6.5, trace=True)
-        results = {site.name: site.result() for site in (ada, ben, eve)}
+        return {site.name: site.result() for site in (ada, ben, eve)}
     finally:
         server.stop()
+
+
+def test_panel(binaries, folder):
+    # A machine that stops the pressing hand's loop takes its force away, and its tool is put where the hand is by then:
+    # inside the button, which is then not felt. That says nothing about buttons, so it is tried again.
+    for attempt in range(MOST_STALLED + 1):
+        run = folder / str(attempt)
+        results = press_and_set(binaries, run)
+        if results["ada"]["stalls"] == 0:
+            break
+        print("the pressing hand's loop stood still", results["ada"]["stalls"], "times")
+    folder = run
     deepest = {}
     for name in ("ada", "ben", "eve"):
         rows = poses_of(folder / f"{name}.csv", "start", name == "ada")
