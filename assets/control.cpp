@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
@@ -10,7 +11,7 @@
 namespace tandem::assets {
 namespace {
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 
 /// `angle` plus whole turns, within half a turn of `middle`.
 double wrapped(double angle, double middle) { return middle + std::remainder(angle - middle, kTurn); }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <numbers>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -18,7 +19,7 @@ namespace {
 using nlohmann::json;
 using Kind = ForceField::Kind;
 
-constexpr double kTwoPi = 6.283185307179586;
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // How far a node's scale may be from even: single-precision matrices are not better.
 constexpr double kEvenScale = 1e-5;
 

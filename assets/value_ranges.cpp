@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <initializer_list>
+#include <numbers>
 
 namespace tandem::assets {
 namespace {
@@ -18,7 +19,7 @@ constexpr Range kStiffness{0.0, 1e6, "N/m"};
 constexpr Range kDamping{0.0, 1e3, "N*s/m"};
 constexpr Range kCoefficient{0.0, 1e3, ""};  // of friction: files write large ones for what never slides
 constexpr Range kShare{0.0, 1.0, ""};
-constexpr Range kAngle{0.0, 6.283185307179586, "rad"};
+constexpr Range kAngle{0.0, 2.0 * std::numbers::pi, "rad"};
 constexpr Range kFrequency{0.0, 1e4, "Hz"};
 constexpr Range kReliefHeight{0.0, 1.0, "m"};
 constexpr Range kWavelength{1e-6, 1e3, "m"};
@@ -148,6 +149,7 @@ std::optional<RangeFault> outOfRange(const Control& c) {
   for (const double well : c.detents.places)
     if (auto fault = firstOutside({{"detents.positions", well, place}})) return fault;
   if (auto fault = firstOutside("origin", c.worldFromAxis.position, kPlace)) return fault;
+  // From one place to another: further than each may lie from the origin.
   if (auto fault = firstOutside("origin", c.axisFromPart.position, {-1e10, 1e10, "m"})) return fault;
   return firstOutside({{"min", c.min, place},
                        {"max", c.max, place},

@@ -1,6 +1,6 @@
 #pragma once
 
-// The range of every number that says how a scene feels: the one place that both the loader and the check of
+// The range of every number of a surface, field, control or shape: the one place that both the loader and the check of
 // scenes that came over a network go by. README.md lists them.
 //
 // The ranges are far wider than anything a hand can feel and far narrower than what arithmetic can bear: they

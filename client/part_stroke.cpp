@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/triangle_math.h"
+
 namespace tandem::client {
 namespace {
 
@@ -41,7 +43,7 @@ class Stroker {
   void strokeFrom(std::size_t triangle) {
     const auto& c = mesh_.triangles[triangle];
     const glm::dvec3 &a = mesh_.positions[c[0]], &b = mesh_.positions[c[1]], &d = mesh_.positions[c[2]];
-    const glm::dvec3 area = glm::cross(b - a, d - a);
+    const glm::dvec3 area = haptics::areaVector({a, b, d});
     if (!(glm::length(area) > 0.0)) return;
     const Pose& pose = world_.pose(part_);
     normal_ = transformVector(pose, glm::normalize(area));

@@ -2,13 +2,17 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cmath>
 #include <cstdio>
 #include <initializer_list>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 
 #include <glm/geometric.hpp>
+
+#include "haptics/triangle_math.h"
 
 namespace tandem::client {
 namespace {
@@ -17,7 +21,7 @@ using assets::ForceField;
 using assets::Surface;
 using assets::SurfaceTexture;
 
-constexpr double kTurn = 6.283185307179586;
+constexpr double kTurn = 2.0 * std::numbers::pi;
 
 std::string number(double value) {
   char text[32];
@@ -162,9 +166,9 @@ struct EdgeTurns {
   double least = kTurn, most = 0.0;
 };
 
-glm::dvec3 areaVector(const assets::Mesh& mesh, std::size_t t) {
+glm::dvec3 areaOf(const assets::Mesh& mesh, std::size_t t) {
   const auto& c = mesh.triangles[t];
-  return glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]], mesh.positions[c[2]] - mesh.positions[c[0]]);
+  return haptics::areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
 }
 
 EdgeTurns edgeTurns(const assets::Mesh& mesh, std::uint16_t material, double crease) {
@@ -175,7 +179,7 @@ EdgeTurns edgeTurns(const assets::Mesh& mesh, std::uint16_t material, double cre
     for (std::size_t e = 0; e < 3; ++e) {
       const std::uint32_t n = mesh.neighbours[t][e];
       if (n == assets::kNone || n < t || mesh.triangleMaterial[n] != material) continue;
-      const glm::dvec3 a = areaVector(mesh, t), b = areaVector(mesh, n);
+      const glm::dvec3 a = areaOf(mesh, t), b = areaOf(mesh, n);
       const double angle = std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
       if (!(angle > kFlat)) continue;
       ++turns.turning;
@@ -189,7 +193,7 @@ EdgeTurns edgeTurns(const assets::Mesh& mesh, std::uint16_t material, double cre
 
 /// A crease angle in degrees, or one that misses all edges, is a likely mistake.
 void judgeCrease(const assets::Mesh& mesh, std::uint16_t material, double crease, Feature& feature) {
-  constexpr double kCorner = 0.7853981633974483;  // rad: what turns by more is meant to be an edge
+  constexpr double kCorner = 0.25 * std::numbers::pi;  // rad: what turns by more is meant to be an edge
   const EdgeTurns turns = edgeTurns(mesh, material, crease);
   const std::string is = "creaseAngle of " + number(crease) + " rad ";
   remark(feature, "crease shades nothing", turns.below == 0,

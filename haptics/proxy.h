@@ -49,8 +49,8 @@ struct Proxy {
 };
 
 /// Moves the proxy as near to the goal as the parts let it, without friction: the path of constrained
-/// descent. Bounded work: at most 24 rounds of at most three sweeps; one sweep where a tool slides on,
-/// none where it rests.
+/// descent. Bounded work: at most 24 rounds of at most four sweeps; one sweep where a tool slides on, none
+/// where it rests, a few where a face holds it beyond its own edge, which is tried anew each tick.
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// slideProxy() with the Coulomb friction of the touched materials (Harwin & Melder 2002, the friction cone:

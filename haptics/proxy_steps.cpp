@@ -15,7 +15,7 @@ constexpr double kMaxRoll = 0.7;  // rad a round: where two tangents of the arc 
 // Arcs of a crease: a way longer than that leads over the creases behind it too. Along the tangent it skims
 // over all of them at once, and the next round comes down.
 constexpr double kSkim = 8.0;
-// Of the arc between where a roll is free and where it is stopped: to the last digit.
+// Of the arc between where a roll is free and where it is stopped: to 2^-40 of it.
 constexpr int kBisections = 40;
 // Sine of the angle between a way and a face. To step back to its full height the ball goes half a skin / sine
 // along its way: on flatter ways, more than 32 skins, it stays where it was stopped.

@@ -136,11 +136,12 @@ struct Passage {
   }
 
   /// A share of the motion in which a gap whose slope is noise certainly stays open: it closes by a few
-  /// roundings, or by at most half. `last`: the one before this, from which the slope was narrowed.
+  /// roundings, or by at most half. `last`: the one before this, from which the slope was narrowed. The slope must
+  /// be less than its noise.
   double shortStep(const Tangent& tangent, double last) const {
     const double afar = 16.0 * std::max(tangent.gap + radius, tangent.rounding) / length;
     const double fall = tangent.noise - tangent.slope;
-    return std::max(afar, fall > 0.0 ? std::min(16.0 * last, 0.5 * tangent.gap / fall) : 16.0 * last);
+    return std::max(afar, std::min(16.0 * last, 0.5 * tangent.gap / fall));
   }
 };
 
@@ -155,8 +156,8 @@ bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, 
   const Passage passage{from, motion, radius, glm::length(motion), triangle};
   Tangent left = passage.tangentAt(0.0), right;
   double step = 0.0;
-  bool looked = false,
-       bracketed = false;  // the gap is open at `right` and grows there: has it closed before?
+  bool looked = false;     // at the end of the way
+  bool bracketed = false;  // the gap is open at `right` and grows there: has it closed before?
   for (int round = 0;; ++round) {
     if (!(left.slope < left.noise)) return false;
     if (left.slope >= -left.noise && round < kMaxRounds) {
