@@ -279,7 +279,7 @@ class SurfaceTick {
       // In a dent that it has left, or that has not come back yet: nothing is touched there.
       slot.velocity = glm::dvec3(0.0);
       slot.anchor.set = false;
-      noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
+      if (touch.contact >= 0) noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
       return force;
     }
     if (surface.popThroughForce > 0.0 && pressing > surface.popThroughForce) {

@@ -83,7 +83,7 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
 }
 
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
-                        bool atRest, const TickParameters& parameters, TickOutput& out) {
+                        const TickParameters& parameters, TickOutput& out) {
   std::array<glm::dvec3, 3> normals{};
   std::array<double, 3> depths{}, stiffnesses{}, dampings{};
   std::array<const SurfacePoint*, 3> surfaces{};
@@ -104,7 +104,6 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
   }
   if (count == 0) return glm::dvec3(0.0);
 
-  const glm::dvec3 speed = atRest ? glm::dvec3(0.0) : device.twist.linear;
   const NormalForces springs = normalForces(normals, depths, stiffnesses, count);
   glm::dvec3 force(0.0);
   glm::dvec3 rest = proxy.position - device.worldFromDevice.position;
@@ -113,7 +112,7 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     const SurfacePoint& surface = *surfaces[i];
     const glm::dvec3 surfaceVelocity =
         velocityAt(world.pose(surface.part), world.twist(surface.part), surface.point);
-    const double leaving = glm::dot(speed - surfaceVelocity, surface.normal);
+    const double leaving = glm::dot(device.twist.linear - surfaceVelocity, surface.normal);
     const double spring = springs.along[i];
     // Damping alone must not pull; a share of the gradient may point inwards.
     const double along = std::max(std::min(0.0, spring), spring - dampings[i] * leaving);

@@ -27,10 +27,9 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
 
 /// Force of the proxy's contacts on the hand, N, world axes, before any limit: normalForces() less the
 /// damping of each contact (normal speed only, never pulling), and what lag is left (friction) with their
-/// mean stiffness. Of a hand at rest (RestingReading) the damping sees no speed, for what the device tells is
-/// the flicker of a quantum. Writes the contacts to `out`.
+/// mean stiffness. Writes the contacts to `out`.
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
-                        bool atRest, const TickParameters& parameters, TickOutput& out);
+                        const TickParameters& parameters, TickOutput& out);
 
 /// A surface's damping or viscosity, N·s/m, as the device bears it.
 inline double limitedDamping(double damping, const TickParameters& parameters) {

@@ -21,16 +21,10 @@ constexpr double kConeError = 1e-3;  // of the friction ratio
 // By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
 // if the surface is not curved as expected it ends nearer than it began.
 constexpr double kMaxStretch = 1.5;
-// A share of the first tangent of a tick. A ball's way that is shorter is the rest of it: followed face by
-// face, for a tangent across several facets would end above them and leave the same rest again.
-constexpr double kShort = 0.25;
 // Of a ball's radius: a step that is cut because the ground turns is no shorter. Along a tangent of that length
 // the ball rises by half a hundredth of its radius.
 constexpr double kLeastStep = 0.1;
 constexpr int kEdgeRounds = 4;
-// cos 0.0026 degrees: what turns by less is one plane to the force (5e-5 of it across), more is a facet of its
-// own for the rest of a way.
-constexpr double kSmooth = 1.0 - 1e-9;
 constexpr double kWellPast = 8.0;     // skins, from an edge: what holds the proxy there is no longer near
 constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
 
@@ -38,15 +32,15 @@ using Walks = std::array<SurfaceWalk, kMaxPlanes>;
 
 /// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
 /// the contacts that stay on it arrive. True if the way was cut.
-bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, double flat, glm::dvec3& way,
-                  Walks& walks, bool& onCrease) {
+bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
+                  bool& onCrease) {
   const double length = glm::length(way);
   double share = 1.0;
   for (int i = 0; i < proxy.planeCount; ++i) {
     const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
     if (!presses(plane)) continue;
     SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
-    walk = walkSurface(world, plane.surface, way, plane.skin, flat);
+    walk = walkSurface(world, plane.surface, way, plane.skin);
     // On a crease already: over it by a few skins for a point, by no more than it can roll for a ball.
     const double over = 3.0 * plane.skin / length;
     if (walk.sharp || walk.share < over) {
@@ -175,8 +169,7 @@ class Descent {
     }
     bool onCrease = false;
     Walks walks;
-    const bool cut =
-        keepToGround(world_, radius_, proxy_, shortWay(way) ? kSmooth : kGroundTurn, way, walks, onCrease);
+    const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
     if (onCrease && alone >= 0 && mayRoll_ && roll(alone, way)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, way, radius_, proxy_)) return false;
@@ -210,11 +203,6 @@ class Descent {
     proxy_ = before;
     proxy_.sweeps = sweeps;
     return false;
-  }
-
-  /// Whether a way of the ball is the rest of a longer one: then it is followed face by face.
-  bool shortWay(const glm::dvec3& way) const {
-    return radius_ > 0.0 && glm::length(way) < kShort * glm::length(tangent_);
   }
 
   /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact

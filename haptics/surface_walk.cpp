@@ -8,14 +8,15 @@
 namespace tandem::haptics {
 namespace {
 
+constexpr double kGroundTurn = 0.98480775301220802;  // cos 10 degrees: what turns by more ends the ground
 constexpr int kMaxTriangles = 256;
 constexpr int kMaxSeams = 4;  // at which a query must find the triangle on the other side
 
 /// A contact point on its way over the triangles of one part, in that part's frame.
 class Walker {
  public:
-  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way, double skin, double flat)
-      : world_(world), way_(way), upright_(from.normal), length_(glm::length(way)), skin_(skin), flat_(flat) {
+  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way, double skin)
+      : world_(world), way_(way), upright_(from.normal), length_(glm::length(way)), skin_(skin) {
     enter(from.part, from.triangle, from.point);
   }
 
@@ -61,7 +62,7 @@ class Walker {
     normal_ /= std::sqrt(square);
     const double cosine = glm::dot(normal_, localUpright_);
     step_ = localWay_ - normal_ * glm::dot(normal_, localWay_);
-    return std::abs(cosine) >= flat_;
+    return std::abs(cosine) >= kGroundTurn;
   }
 
   /// Goes to the edge through which the way leaves the triangle and returns it; -1 if the way ends before
@@ -124,7 +125,7 @@ class Walker {
 
   const ContactWorld& world_;
   const glm::dvec3 way_, upright_;
-  const double length_, skin_, flat_;
+  const double length_, skin_;
   PartId part_ = kNoPart;
   std::uint32_t triangle_ = kNoTriangle;
   const assets::Mesh* mesh_ = nullptr;
@@ -137,8 +138,8 @@ class Walker {
 }  // namespace
 
 SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way,
-                        double skin, double flat) {
-  return Walker(world, from, way, skin, flat).run();
+                        double skin) {
+  return Walker(world, from, way, skin).run();
 }
 
 }  // namespace tandem::haptics

@@ -8,9 +8,6 @@
 
 namespace tandem::haptics {
 
-// cos 10 degrees: what turns by more ends the ground.
-inline constexpr double kGroundTurn = 0.98480775301220802;
-
 struct SurfaceWalk {
   double share = 1.0;                  // of the way, 0..1, up to which there is ground under the contact
   SurfacePoint arrival;                // part and triangle under the contact there; nothing else is filled
@@ -18,11 +15,11 @@ struct SurfaceWalk {
   bool sharp = false;  // the contact is on a crease already: its normal is none of the triangle's
 };
 
-/// Follows `way` (world, m) from a contact point. Faces turned by more than acos(flat) against the contact's
+/// Follows `way` (world, m) from a contact point. Faces turned by more than 10 degrees against the contact's
 /// normal end the ground; so do gaps wider than `skin` and a fixed number of triangles. Costs some 20 ns a
 /// triangle where the mesh knows its neighbours, a query where it does not (seams between parts, faces that
 /// share no vertices).
 SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way,
-                        double skin, double flat = kGroundTurn);
+                        double skin);
 
 }  // namespace tandem::haptics

@@ -46,10 +46,12 @@ class Tick {
     forgetIgnored();
     if (valid_) {
       moveTool();
-      const glm::dvec3 force =
-          contactForce(data_.world, data_.proxy, input_.device, atRest_, parameters_, out_);
+      // What a device tells of the speed of a hand at rest is the flicker of a quantum: nothing damps it.
+      DeviceSample felt = input_.device;
+      if (atRest_) felt.twist.linear = glm::dvec3(0.0);
+      const glm::dvec3 force = contactForce(data_.world, data_.proxy, felt, parameters_, out_);
       data_.contactWrench = {
-          applySurface(data_.world, data_.proxy, input_.device, parameters_, force, data_.surface, out_),
+          applySurface(data_.world, data_.proxy, felt, parameters_, force, data_.surface, out_),
           glm::dvec3(0.0)};
       if (data_.surface.letGo != kNoPart) popThrough(data_.surface.letGo);
     } else {

@@ -5,6 +5,8 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "haptics/field_path.h"
+
 namespace tandem::client {
 namespace {
 
@@ -32,10 +34,17 @@ struct Mark {
     batch.line(at({}), at(neck), 2.2, kFieldColour);
     batch.cone(at(neck), at(tip), kHeadRadius * px, 0.0, kFieldColour);
   }
-  void polyline(const std::vector<glm::dvec3>& points, bool closed, const GlyphColour& colour) const {
+  void polyline(const std::vector<glm::dvec3>& points, const GlyphColour& colour) const {
     for (std::size_t i = 0; i + 1 < points.size(); ++i)
       batch.line(at(points[i]), at(points[i + 1]), 1.6, colour);
-    if (closed && points.size() > 2) batch.line(at(points.back()), at(points.front()), 1.6, colour);
+  }
+  /// The curve that is felt, by short lines.
+  void path() const {
+    const haptics::FieldPath curve(field.points, field.smooth, field.closed);
+    const int pieces = static_cast<int>(curve.pieces()), steps = field.smooth ? 8 : 1;
+    std::vector<glm::dvec3> points;
+    for (int i = 0; i <= pieces * steps; ++i) points.push_back(curve.point(static_cast<double>(i) / steps));
+    polyline(points, kFieldColour);
   }
   /// With its axis, so that it is seen from the side too.
   void ring(const glm::dvec3& axis) const {
@@ -70,13 +79,13 @@ struct Mark {
   void circles(double radius) const {
     for (int axis = 0; axis < 3; ++axis) {
       std::vector<glm::dvec3> points;
-      for (int i = 0; i < 48; ++i) {
+      for (int i = 0; i <= 48; ++i) {
         glm::dvec3 x(0.0);
         x[(axis + 1) % 3] = radius * std::cos(glm::two_pi<double>() * i / 48);
         x[(axis + 2) % 3] = radius * std::sin(glm::two_pi<double>() * i / 48);
         points.push_back(x);
       }
-      polyline(points, true, kRegionColour);
+      polyline(points, kRegionColour);
     }
   }
 };
@@ -93,7 +102,7 @@ void addMark(const Mark& mark) {
     case ForceField::Kind::spring:
     case ForceField::Kind::guide:
       if (field.anchor == ForceField::Anchor::path)
-        mark.polyline(field.points, field.closed, kFieldColour);
+        mark.path();
       else if (field.anchor == ForceField::Anchor::point)
         mark.centre();
       else

@@ -179,6 +179,21 @@ TEST_F(ViewerTest, EveryKindOfFieldIsDrawnWhereItIs) {
   EXPECT_GT(countDifferent(round, draw(), 8), 100);
 }
 
+TEST_F(ViewerTest, APathIsDrawnAsTheCurveThatIsFelt) {
+  assets::Scene scene = scene_;
+  scene.fields.resize(1);
+  model_.scene = &scene;
+  assets::ForceField& field = scene.fields[0];
+  field.kind = assets::ForceField::Kind::guide;
+  field.anchor = assets::ForceField::Anchor::path;
+  field.partFromField.position = {0.0, 0.0, 0.1};
+  field.points = {{-0.03, 0.0, 0.0}, {0.0, 0.03, 0.0}, {0.03, 0.0, 0.0}, {0.0, -0.03, 0.0}};
+  field.closed = true;
+  const Picture round = draw();
+  field.smooth = false;
+  EXPECT_GT(countDifferent(round, draw(), 8), 100) << "a circle's curve leaves its square";
+}
+
 TEST_F(ViewerTest, AnOwnedPartTakesItsOwnersColour) {
   SiteView site;
   site.info.site = 7;

@@ -118,10 +118,16 @@ struct Rest {
   double way = 0.0, force = 0.0;  // peak to peak, m and N
 };
 
-/// With `drift`, m a tick, the reading creeps by as little: no encoder at a mark is to be seen in it.
+/// With `drift`, m a tick, the reading creeps by as little: no encoder at a mark is to be seen in it. With a
+/// `viscosity`, N·s/m, the wall is one of more than a spring.
 Rest handAtRest(const haptics::TickParameters& parameters, const haptics::SimulatedDeviceParameters& device,
-                double drift = 0.0) {
+                double drift = 0.0, double viscosity = 0.0) {
   SceneBuilder b;
+  if (viscosity > 0.0) {
+    b.scene.surfaces.push_back({});
+    b.scene.surfaces[0].viscosity = viscosity;
+    b.scene.materials[0].surface = 0;
+  }
   b.addPart(sheetMesh(0.4, 1));
   HandProbe probe(b.scene, parameters);
   Pose start;
@@ -190,6 +196,18 @@ TEST(ClosedLoop, TheDampingOfASurfaceAddsNothingToWhatAHandAtRestFeels) {
       // The negative control: what the filtered difference makes of a quantum, damped.
       EXPECT_GT(handAtRest(p, device, 1e-12).force, p.stiffness * kQuantum + 0.01) << damping;
     }
+  }
+}
+
+TEST(ClosedLoop, NorDoTheDampingAndViscosityOfASurfaceOfMoreThanASpring) {
+  const haptics::SimulatedDeviceParameters device;
+  haptics::TickParameters p = defaultsFor(device);
+  for (const double damping : {0.0, 1.0, 10.0}) {
+    p.damping = damping;
+    const Rest rest = handAtRest(p, device, 0.0, 10.0);
+    EXPECT_LT(rest.way, 0.5 * kQuantum) << damping;
+    EXPECT_LE(rest.force, 1.001 * p.stiffness * kQuantum) << damping;
+    EXPECT_GT(handAtRest(p, device, 1e-12, 10.0).force, 5.0 * p.stiffness * kQuantum) << damping;
   }
 }
 

@@ -100,6 +100,16 @@ TEST(HardSphere, MicroMeshKeepsContactWithBallsOfEverySize) {
   }
 }
 
+TEST(HardSphere, ASmallBallThatIsDrawnFastOverManyFacetsIsThereInTheSameTick) {
+  const assets::Mesh mesh = tests::sphereMesh(0.01, 200'000, tests::Topology::always);
+  for (const double ball : {2e-5, 2e-4, 1e-3}) {
+    std::vector<glm::dvec3> forces;
+    const Sweeps sweeps = strokeSphere(mesh, 0.01, ball, 0.0015, 2e-3, 200, 1.0, forces);
+    EXPECT_LE(sweeps.most, 12) << ball;
+    EXPECT_LE(sweeps.mean, 7.0) << ball;
+  }
+}
+
 /// Goals around the gear: 1 mm in, in and out of every gap, on a path that no edge is parallel to.
 glm::dvec2 goalRoundGear(int i) {
   const double angle = 0.005 * i, radius = 0.0185 + 0.0012 * std::sin(17.3 * angle);
