@@ -11,17 +11,16 @@ import sys
 import tempfile
 
 import session_test as session
-from session_test import Failed, Server, Site, check, poses_of
+from session_test import FAILURES, Server, Site, check, poses_of
+from steady import STEADY
 
 session.SCENE = session.ROOT / "assets" / "scenes" / "control_panel.glb"
 BUTTON = (-0.09, 0.023, -0.04)  # m, of the part at rest
-MOST_STALLED = 3  # runs that do not count
 TOP = 0.031  # m, where the button is touched
 
 
 def press_and_set(binaries, folder):
     """What three sites report and trace of one press of the button and one of the slider."""
-    folder.mkdir()
     server = Server(binaries, folder)
     try:
         above = [BUTTON[0], TOP + 0.01, BUTTON[2]]
@@ -39,15 +38,7 @@ def press_and_set(binaries, folder):
 
 
 def test_panel(binaries, folder):
-    # A machine that stops the pressing hand's loop takes its force away, and its tool is put where the hand is by then:
-    # inside the button, which is then not felt. That says nothing about buttons, so it is tried again.
-    for attempt in range(MOST_STALLED + 1):
-        run = folder / str(attempt)
-        results = press_and_set(binaries, run)
-        if results["ada"]["stalls"] == 0:
-            break
-        print("the pressing hand's loop stood still", results["ada"]["stalls"], "times")
-    folder = run
+    results = press_and_set(binaries, folder)
     deepest = {}
     for name in ("ada", "ben", "eve"):
         rows = poses_of(folder / f"{name}.csv", "start", name == "ada")
@@ -71,12 +62,16 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     binaries = parser.parse_args().bin.resolve()
-    with tempfile.TemporaryDirectory() as folder:
-        try:
+
+    def attempt():
+        with tempfile.TemporaryDirectory() as folder:
             test_panel(binaries, pathlib.Path(folder))
-        except Failed as failure:
-            print("FAILED:", failure)
-            return 1
+
+    try:
+        STEADY.judge(attempt, FAILURES)
+    except FAILURES as failure:
+        print("FAILED:", failure)
+        return 1
     return 0
 
 

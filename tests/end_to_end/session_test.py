@@ -19,6 +19,8 @@ import sys
 import tempfile
 import time
 
+from steady import STEADY
+
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 SCENE = ROOT / "assets" / "scenes" / "peg_board.glb"
 PEG = "peg_0.5"
@@ -116,7 +118,9 @@ class Site:
             self.process.kill()
             raise Failed(f"{self.name} did not end")
         check(code == 0, f"{self.name} ended with {code}: {self.err_path.read_text()}")
-        return json.loads(self.json_path.read_text())
+        result = json.loads(self.json_path.read_text())
+        STEADY.stalls += result["stalls"]
+        return result
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
@@ -352,6 +356,7 @@ def soak(binaries, folder, seconds):
     print(f"soak: {rounds} rounds in {seconds:.0f} s")
 
 
+FAILURES = (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError)
 TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals, test_scene_transfer,
          test_fault_signal]
 
@@ -373,17 +378,23 @@ def main():
     for test in TESTS:
         if arguments.only and arguments.only not in test.__name__:
             continue
-        with tempfile.TemporaryDirectory(prefix="tandem-e2e-") as directory:
-            try:
-                test(binaries, pathlib.Path(directory), figures)
-                print(f"passed  {test.__name__}")
-            except (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError) as error:
-                failures += 1
-                print(f"FAILED  {test.__name__}: {error}")
-                for log in sorted(pathlib.Path(directory).glob("*.err")):
-                    text = log.read_text().strip()
-                    if text:
-                        print(f"  {log.name}: " + text[-600:].replace("\n", "\n    "))
+        def attempt():
+            with tempfile.TemporaryDirectory(prefix="tandem-e2e-") as directory:
+                try:
+                    test(binaries, pathlib.Path(directory), figures)
+                except FAILURES:
+                    for log in sorted(pathlib.Path(directory).glob("*.err")):
+                        text = log.read_text().strip()
+                        if text:
+                            print(f"  {log.name}: " + text[-600:].replace("\n", "\n    "))
+                    raise
+
+        try:
+            STEADY.judge(attempt, FAILURES)
+            print(f"passed  {test.__name__}")
+        except FAILURES as error:
+            failures += 1
+            print(f"FAILED  {test.__name__}: {error}")
     print(json.dumps(figures, indent=2))
     if arguments.json:
         arguments.json.write_text(json.dumps(figures, indent=2))
