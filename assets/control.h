@@ -26,7 +26,9 @@ enum class ControlKind : std::uint8_t {
   layer,   // a slider that shows parts while its value is above a threshold
 };
 
-/// Places where a control likes to be: wells of a potential.
+inline constexpr std::size_t kMaxDetents = 4096;
+
+/// Places where a control or a joint likes to be: wells of a potential.
 struct Detents {
   std::vector<double> places;  // m or rad, ascending, within min..max
   double force = 0.0;          // N or N·m: the most that has to be overcome to leave one

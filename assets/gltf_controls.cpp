@@ -16,7 +16,6 @@ namespace tandem::assets {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::size_t kMaxDetents = 4096;
 
 /// A rotation that takes X to a unit direction: the shortest one.
 glm::dquat fromX(const glm::dvec3& direction) {

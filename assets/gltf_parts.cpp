@@ -174,7 +174,14 @@ class Planner {
       const bool touchable = nodeOf(i).mesh >= 0 || physics.collider.has_value();
       const bool isPart = physics.motion.has_value() || (touchable && !inBody(above));
       plan_.partOfNode[i] = isPart ? addPart(i, above) : above;
+      const std::uint32_t own = plan_.partOfNode[i];
+      if (physics.contactTolerance > 0.0 && own != kNone && (isPart || inBody(own)))
+        keepStrictest(plan_.parts[own].contactTolerance, physics.contactTolerance);
     }
+  }
+
+  static void keepStrictest(double& tolerance, double other) {
+    tolerance = tolerance > 0.0 ? std::min(tolerance, other) : other;
   }
 
   std::uint32_t addPart(std::uint32_t node, std::uint32_t above) {

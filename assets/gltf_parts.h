@@ -26,6 +26,7 @@ struct PartPlan {
   std::vector<ImplicitShape> shapes;    // m
   std::optional<PhysicsMotion> motion;  // file units
   std::optional<std::size_t> filter;    // into GltfPhysics::filters
+  double contactTolerance = 0.0;        // m, the strictest of its nodes'; 0: none states one
   std::uint32_t geometry = kNone;       // into ScenePlan::geometries
 };
 

@@ -114,13 +114,14 @@ class PhysicsReader {
     refuseFault(outOfRange(material), place);
   }
 
-  /// Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
-  bool readHaptic(const json& holder, const std::string& place, PhysicsSurface& surface) {
+  /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
+  bool readHaptic(const json& holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
     const auto extras = holder.find("extras");
     if (extras == holder.end() || !extras->is_object() || !extras->contains("haptic")) return false;
     const JsonObject haptic((*extras)["haptic"], place + ".extras.haptic");
-    // A force field that a node carries says nothing about its surface (gltf_fields.h).
-    if (haptic.raw().size() == 1 && haptic.has("field")) return false;
+    // A force field that a node carries (gltf_fields.h) and a tolerance say nothing about its surface.
+    const std::size_t others = (haptic.has("field") ? 1u : 0u) + (haptic.has("tolerance") ? 1u : 0u);
+    if (others > 0 && haptic.raw().size() == others) return false;
     surface.stiffness = haptic.sizeOr("stiffness", surface.stiffness);
     surface.damping = haptic.sizeOr("damping", surface.damping);
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
@@ -128,6 +129,7 @@ class PhysicsReader {
     // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
     checkContact(surface, haptic.place());
     readSurface(haptic, document_.json, surface.feel, unusedHaptics_);
+    if (!ofNode && haptic.has("tolerance")) unusedHaptics_.add("tolerance");
     return true;
   }
 
@@ -163,7 +165,7 @@ class PhysicsReader {
         surface.dynamicFriction = material.sizeOr("dynamicFriction", 0.6);
         surface.restitution = std::min(1.0, material.sizeOr("restitution", 0.0));
         checkContact(surface, material.place());
-        readHaptic(material.raw(), material.place(), surface);
+        readHaptic(material.raw(), material.place(), surface, false);
         out_.surfaces.push_back(surface);
       }
       for (const JsonObject& filter : object->objects("collisionFilters"))
@@ -217,6 +219,28 @@ class PhysicsReader {
     return drive;
   }
 
+  /// What the extensions have no words for: a thread, and places where a joint snaps.
+  void readHaptic(const JsonObject& entry, PhysicsJoint& joint) {
+    const auto extras = entry.object("extras");
+    const auto haptic = extras ? extras->object("haptic") : std::nullopt;
+    if (!haptic) return;
+    joint.pitch = haptic->numberOr("pitch", 0.0);
+    const auto detents = haptic->object("detents");
+    if (!detents) return;
+    const std::string type = detents->text("type", "");
+    if (type != "linear" && type != "angular") detents->fail("type", "must be linear or angular");
+    joint.detentsTurn = type == "angular";
+    const std::size_t size = detents->has("positions") ? detents->raw()["positions"].size() : 0;
+    if (size == 0 || size > kMaxDetents) detents->fail("positions", "must be one to 4096 numbers");
+    joint.detents.places = detents->numbers("positions", size).value();
+    joint.detents.force = detents->sizeOr("force", 0.0);
+    joint.detents.width = detents->sizeOr("width", 0.0);
+    for (std::size_t i = 1; i < size; ++i)
+      if (!(joint.detents.places[i] > joint.detents.places[i - 1])) detents->fail("positions", "must ascend");
+    if (size == 1 && !(joint.detents.width > 0.0))
+      detents->fail("width", "is missing: a single detent has no neighbour to take it from");
+  }
+
   void readJoints(const char* extension, Section& section) {
     section.first = out_.joints.size();
     if (const auto object = extensionOf(json_, extension, "extensions"))
@@ -224,6 +248,7 @@ class PhysicsReader {
         PhysicsJoint joint;
         for (const JsonObject& limit : entry.objects("limits")) joint.limits.push_back(readLimit(limit));
         for (const JsonObject& drive : entry.objects("drives")) joint.drives.push_back(readDrive(drive));
+        readHaptic(entry, joint);
         out_.joints.push_back(std::move(joint));
       }
     section.count = out_.joints.size() - section.first;
@@ -306,11 +331,22 @@ class PhysicsReader {
     return use;
   }
 
+  /// extras.haptic.tolerance of a node, m; 0 where it states none.
+  static double readTolerance(const json& node, const std::string& place) {
+    const auto extras = node.find("extras");
+    if (extras == node.end() || !extras->is_object() || !extras->contains("haptic")) return 0.0;
+    const JsonObject haptic((*extras)["haptic"], place + ".extras.haptic");
+    const std::optional<double> tolerance = haptic.number("tolerance");
+    if (tolerance) refuseFault(toleranceFault(*tolerance), haptic.place());
+    return tolerance.value_or(0.0);
+  }
+
   void readNode(const json& value, std::size_t index) {
     PhysicsNode& node = out_.nodes[index];
     const std::string place = placeName("nodes", index);
+    node.contactTolerance = readTolerance(value, place);
     PhysicsSurface surface;
-    if (readHaptic(value, place, surface)) {
+    if (readHaptic(value, place, surface, true)) {
       node.hapticSurface = out_.surfaces.size();
       out_.surfaces.push_back(surface);
     }

@@ -57,6 +57,7 @@ struct PhysicsNode {
   std::optional<PhysicsCollider> collider;
   std::optional<PhysicsJointUse> joint;
   std::optional<std::size_t> hapticSurface;  // extras.haptic of the node itself, into GltfPhysics::surfaces
+  double contactTolerance = 0.0;             // m, extras.haptic.tolerance; 0: none stated
 };
 
 /// A primitive shape, or the mesh that an OMI shape stands for.
@@ -68,6 +69,9 @@ struct PhysicsShape {
 struct PhysicsJoint {
   std::vector<JointLimit> limits;  // file units
   std::vector<JointDrive> drives;
+  double pitch = 0.0;  // file units a turn
+  Detents detents;
+  bool detentsTurn = false;
 };
 
 struct GltfPhysics {

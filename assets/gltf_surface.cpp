@@ -181,12 +181,12 @@ void UnknownProperties::add(const std::string& name) {
 }
 
 void readSurface(const JsonObject& haptic, const json& document, Surface& out, UnknownProperties& unknown) {
-  noteUnknown(haptic, {"stiffness",      "damping",   "staticFriction",   "dynamicFriction",
-                       "field",          "control",   "creaseAngle",      "viscosity",
-                       "texture",        "vibration", "stickSlip",        "magnetic",
-                       "popThrough",     "law",       "stiffness2",       "relaxation",
-                       "yield",          "hardening", "textureAmplitude", "textureWavelength",
-                       "popThroughForce"},
+  noteUnknown(haptic, {"stiffness",       "damping",   "staticFriction",   "dynamicFriction",
+                       "field",           "control",   "creaseAngle",      "viscosity",
+                       "texture",         "vibration", "stickSlip",        "magnetic",
+                       "popThrough",      "law",       "stiffness2",       "relaxation",
+                       "yield",           "hardening", "textureAmplitude", "textureWavelength",
+                       "popThroughForce", "tolerance"},
               unknown);
   out.creaseAngle = haptic.sizeOr("creaseAngle", 0.0);
   out.viscosity = haptic.sizeOr("viscosity", 0.0);

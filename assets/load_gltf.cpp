@@ -151,6 +151,7 @@ class SceneBuilder {
       part.shapes = plan.shapes;
       part.worldFromPart = plan.worldFromPart;
       if (plan.filter) part.filter = physics_.filters[*plan.filter];
+      part.contactTolerance = plan.contactTolerance;
       if (hasMesh) part.mesh = placeMesh(plan.geometry, meshOf);
       setMass(plan, part);
       growBounds(part);
@@ -235,8 +236,12 @@ class SceneBuilder {
       }
       joint.limits = physics_.joints[use->joint].limits;
       joint.drives = physics_.joints[use->joint].drives;
+      joint.pitch = physics_.joints[use->joint].pitch;
+      joint.detents = physics_.joints[use->joint].detents;
+      joint.detentsTurn = physics_.joints[use->joint].detentsTurn;
       joint.collide = use->collide;
       scaleJoint(joint);
+      refuseFault(outOfRange(joint), place);
       scene_.joints.push_back(std::move(joint));
     }
   }
@@ -260,6 +265,10 @@ class SceneBuilder {
       drive.positionTarget *= scale;
       drive.velocityTarget *= scale;
     }
+    joint.pitch *= scale;
+    if (joint.detentsTurn) return;
+    for (double& place : joint.detents.places) place *= scale;
+    joint.detents.width *= scale;
   }
 
   /// A field goes with the part of its node if that can move.

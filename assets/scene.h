@@ -97,6 +97,10 @@ struct CollisionFilter {
   std::uint64_t collidesWith = ~std::uint64_t{0};
 };
 
+inline bool mayCollide(const CollisionFilter& a, const CollisionFilter& b) {
+  return (a.collidesWith & b.memberOf) != 0 && (b.collidesWith & a.memberOf) != 0;
+}
+
 /// One rigid thing. Static unless movable; a movable part can be taken by a hand.
 struct Part {
   std::string name;                   // unique within the scene
@@ -109,6 +113,7 @@ struct Part {
   MassProperties massProperties;
   double gravityFactor = 1.0;
   CollisionFilter filter;
+  double contactTolerance = 0.0;  // m, how far contact with other parts may be off; 0: what suits the scene
 };
 
 /// One limit of a joint (KHR_physics_rigid_bodies), in the joint frame's axes.
@@ -137,7 +142,10 @@ struct Joint {
   Pose aFromJoint, bFromJoint;  // joint frame in each part's frame (world's where the part is kNoPart)
   std::vector<JointLimit> limits;
   std::vector<JointDrive> drives;
-  bool collide = false;  // whether the two joined parts still touch each other
+  double pitch = 0.0;        // m that B goes along the joint's X axis in a turn about it; 0 = not a screw
+  Detents detents;           // along the X axis, or about it
+  bool detentsTurn = false;  // about it: their places are angles
+  bool collide = false;      // whether the two joined parts still touch each other
 };
 
 /// A node of the file's hierarchy, for the part tree.

@@ -1,9 +1,8 @@
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 #include <optional>
-#include <random>
 
+#include "assets/cache_file.h"
 #include "assets/gltf_loader.h"
 #include "assets/scene_package.h"
 
@@ -11,7 +10,7 @@ namespace tandem::assets {
 namespace {
 
 // Raised whenever the loader makes something else of the same file.
-constexpr std::uint32_t kLoaderVersion = 4;
+constexpr std::uint32_t kLoaderVersion = 5;
 
 /// Everything that the scene depends on, hashed.
 class KeyBuilder {
@@ -56,40 +55,11 @@ std::string cacheKey(const std::string& name, const GltfDocument& document, cons
 }
 
 std::optional<Scene> readCached(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return std::nullopt;
-  std::ifstream in(path, std::ios::binary);
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (!in || error) return std::nullopt;
-  std::vector<std::byte> package(size);
-  in.read(reinterpret_cast<char*>(package.data()), static_cast<std::streamsize>(size));
-  if (!in) return std::nullopt;
-  Result<Scene> scene = unpackScene(package);
+  const std::optional<std::vector<std::byte>> package = readCacheFile(path);
+  if (!package) return std::nullopt;
+  Result<Scene> scene = unpackScene(*package);
   if (!scene) return std::nullopt;
   return std::move(scene).value();
-}
-
-/// Under a name of its own, then renamed, so that nobody ever reads half a file. A cache that cannot be
-/// written costs time only, so that failures pass in silence.
-void writeCached(const std::filesystem::path& path, const Scene& scene) {
-  std::error_code error;
-  std::filesystem::create_directories(path.parent_path(), error);
-  std::random_device random;
-  std::filesystem::path temporary = path;
-  temporary += ".tmp";
-  temporary += std::to_string(random());
-  const std::vector<std::byte> package = packScene(scene);
-  {
-    std::ofstream out(temporary, std::ios::binary);
-    out.write(reinterpret_cast<const char*>(package.data()), static_cast<std::streamsize>(package.size()));
-    out.close();
-    if (!out) {
-      std::filesystem::remove(temporary, error);
-      return;
-    }
-  }
-  std::filesystem::rename(temporary, path, error);
-  if (error) std::filesystem::remove(temporary, error);
 }
 
 }  // namespace
@@ -108,7 +78,7 @@ Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
       return std::move(*scene);
     }
     Scene scene = buildScene(name, document, options);
-    writeCached(cached, scene);
+    writeCacheFile(cached, packScene(scene));
     return scene;
   } catch (...) {
     return describeError(path);

@@ -132,6 +132,9 @@ Status checkPart(const Scene& scene, const Part& part, const std::string& place)
   if (!nonNegative({m.mass}) || !finite(m.centreOfMass) || !finite(m.inertia[0]) || !finite(m.inertia[1]) ||
       !finite(m.inertia[2]) || !std::isfinite(part.gravityFactor))
     return broken(place, "mass properties are not finite");
+  if (part.contactTolerance != 0.0)
+    if (const auto fault = toleranceFault(part.contactTolerance))
+      return broken(place + "." + fault->property, fault->reason);
   for (const ImplicitShape& shape : part.shapes)
     if (Status s = checkShape(shape, scene.materials.size(), place); !s) return s;
   return {};
@@ -141,6 +144,7 @@ Status checkJoint(const Scene& scene, const Joint& joint, const std::string& pla
   if (!printable(joint.name)) return broken(place, "the name is not printable");
   for (const PartId part : {joint.partA, joint.partB})
     if (part != kNoPart && part >= scene.parts.size()) return broken(place, "a part is out of range");
+  if (Status s = inRange(joint, place); !s) return s;
   if (!isValid(joint.aFromJoint) || !isValid(joint.bFromJoint)) return broken(place, "a frame is not rigid");
   for (const JointLimit& l : joint.limits)
     if (l.axes == 0 || l.axes > 7 || !finite({l.min, l.max}) || l.min > l.max ||
@@ -150,6 +154,10 @@ Status checkJoint(const Scene& scene, const Joint& joint, const std::string& pla
     if (d.axis > 2 || !nonNegative({d.maxForce, d.stiffness, d.damping}) ||
         !finite({d.positionTarget, d.velocityTarget}))
       return broken(place, "a drive is not valid");
+  const std::vector<double>& wells = joint.detents.places;
+  for (std::size_t i = 1; i < wells.size(); ++i)
+    if (!(wells[i] > wells[i - 1])) return broken(place, "its detents do not ascend");
+  if (wells.size() == 1 && joint.detents.width == 0.0) return broken(place, "its detent has no width");
   return {};
 }
 

@@ -277,6 +277,7 @@ void part(Archive& a, Part_& p) {
   a.number(p.gravityFactor);
   a.number(p.filter.memberOf);
   a.number(p.filter.collidesWith);
+  a.number(p.contactTolerance);
 }
 
 template <typename Archive, typename Joint_>
@@ -304,6 +305,11 @@ void joint(Archive& a, Joint_& j) {
     a.number(d.stiffness);
     a.number(d.damping);
   });
+  a.number(j.pitch);
+  numbers(a, j.detents.places);
+  a.number(j.detents.force);
+  a.number(j.detents.width);
+  a.flag(j.detentsTurn);
   a.flag(j.collide);
 }
 
@@ -460,7 +466,7 @@ void sceneBody(Archive& a, Scene_& s) {
     a.number(n.parent);
   });
   list(a, s.parts, 200, [&a](auto& p) { part(a, p); });
-  list(a, s.joints, 129, [&a](auto& j) { joint(a, j); });
+  list(a, s.joints, 158, [&a](auto& j) { joint(a, j); });
   list(a, s.fields, 334, [&a](auto& f) { field(a, f); });
   list(a, s.controls, 244, [&a](auto& c) { control(a, c); });
   list(a, s.findings, 21, [&a](auto& f) { finding(a, f); });

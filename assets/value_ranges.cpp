@@ -83,6 +83,11 @@ bool nearOrigin(const glm::dvec3& p) {
   return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
 }
 
+std::optional<RangeFault> toleranceFault(double tolerance) {
+  constexpr Range kTolerance{1e-9, 1e3, "m"};
+  return firstOutside({{"tolerance", tolerance, kTolerance}});
+}
+
 std::optional<RangeFault> outOfRange(const Material& m) {
   return firstOutside({{"stiffness", m.stiffness, kStiffness},
                        {"damping", m.damping, kDamping},
@@ -165,6 +170,33 @@ std::optional<RangeFault> outOfRange(const Control& c) {
                        {"click.drop", c.click.drop, force},
                        {"click.width", c.click.width, width},
                        {"threshold", c.threshold, place}});
+}
+
+std::optional<RangeFault> outOfRange(const Joint& j) {
+  const auto unbounded = [](double bound) { return std::abs(bound) >= 1e299; };
+  for (const JointLimit& l : j.limits) {
+    const Range place = l.angular ? kTurn : kPlace;
+    if (auto fault = firstOutside({{"limits.min", unbounded(l.min) ? 0.0 : l.min, place},
+                                   {"limits.max", unbounded(l.max) ? 0.0 : l.max, place},
+                                   {"limits.stiffness", l.stiffness, l.angular ? kTurnStiffness : kStiffness},
+                                   {"limits.damping", l.damping, l.angular ? kTurnDamping : kDamping}}))
+      return fault;
+  }
+  for (const JointDrive& d : j.drives) {
+    const Range speed{-1e6, 1e6, d.angular ? "rad/s" : "m/s"};
+    if (auto fault = firstOutside({{"drives.positionTarget", d.positionTarget, d.angular ? kTurn : kPlace},
+                                   {"drives.velocityTarget", d.velocityTarget, speed},
+                                   {"drives.maxForce", unbounded(d.maxForce) ? 0.0 : d.maxForce, kForce},
+                                   {"drives.stiffness", d.stiffness, d.angular ? kTurnStiffness : kStiffness},
+                                   {"drives.damping", d.damping, d.angular ? kTurnDamping : kDamping}}))
+      return fault;
+  }
+  const Range place = j.detentsTurn ? kTurn : kPlace;
+  for (const double well : j.detents.places)
+    if (auto fault = firstOutside({{"detents.positions", well, place}})) return fault;
+  return firstOutside({{"pitch", j.pitch, kPlace},
+                       {"detents.force", j.detents.force, j.detentsTurn ? kTorque : kForce},
+                       {"detents.width", j.detents.width, j.detentsTurn ? kTurnWidth : kLength}});
 }
 
 std::optional<RangeFault> outOfRange(const ImplicitShape& s) {

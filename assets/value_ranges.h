@@ -31,6 +31,9 @@ std::optional<RangeFault> outOfRange(const Material& material);
 std::optional<RangeFault> outOfRange(const Surface& surface);
 std::optional<RangeFault> outOfRange(const ForceField& field);
 std::optional<RangeFault> outOfRange(const Control& control);
+std::optional<RangeFault> outOfRange(const Joint& joint);
+/// A tolerance that somebody stated for contact of a part, m.
+std::optional<RangeFault> toleranceFault(double tolerance);
 /// Sizes and place of a primitive, m.
 std::optional<RangeFault> outOfRange(const ImplicitShape& shape);
 

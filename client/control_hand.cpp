@@ -26,9 +26,8 @@ bool ControlHand::asked(PartId part) const {
 }
 
 void ControlHand::denied(PartId part) {
-  if (assets::controlOf(scene_, part) == nullptr) return;
   Entry* entry = find(part);
-  if (entry == nullptr) entry = add(part);
+  if (entry == nullptr && assets::controlOf(scene_, part) != nullptr) entry = add(part);
   if (entry != nullptr) *entry = {part, Stage::denied, false, 0.0};
 }
 
@@ -43,13 +42,19 @@ std::optional<Pose> ControlHand::granted(PartId part) {
   return assets::poseAt(*assets::controlOf(scene_, part), was.value);
 }
 
-std::array<PartId, haptics::kMaxContacts> ControlHand::pressed(const haptics::TickOutput& last) const {
-  std::array<PartId, haptics::kMaxContacts> parts;
+bool ControlHand::any() const {
+  return std::any_of(entries_.begin(), entries_.end(), [](const Entry& e) { return e.part != kNoPart; });
+}
+
+ControlHand::Pressed ControlHand::pressed(const haptics::TickOutput& last) const {
+  Pressed parts;
   parts.fill(kNoPart);
   for (std::size_t i = 0; i < static_cast<std::size_t>(last.contactCount); ++i) {
     const haptics::Contact& contact = last.contacts[i];
     if (contact.force > 0.0 && assets::controlOf(scene_, contact.part) != nullptr) parts[i] = contact.part;
   }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(last.pushedCount); ++i)
+    parts[haptics::kMaxContacts + i] = last.pushed[i];
   return parts;
 }
 

@@ -1,7 +1,8 @@
 #pragma once
 
-// Which controls of the scene this hand asks for on its own: those that the tool presses on, and those that
-// are to be set to a value. They are owned without a grasp, and released like every part once they rest.
+// Which parts of the scene this hand asks for on its own: controls that the tool presses on or that are to be set to
+// a value, and parts that would give way to what it pushes. They are owned without a grasp, and released like every
+// part once they rest.
 //
 // Runs in the haptic thread; allocates nothing.
 
@@ -23,12 +24,12 @@ class ControlHand {
   /// effect.
   void set(PartId part, double value);
 
-  /// What to ask the server for now, one part a call: a control that the last tick pressed on or that is to
-  /// be set, that is neither owned here nor asked for. One that was denied is asked for again when the tool
+  /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set, that is
+  /// neither owned here nor asked for. One that was denied is asked for again when the tool
   /// comes back to it. `owned(part)` tells whether this site owns it.
   template <typename Owned>
   PartId wanted(const haptics::TickOutput& last, const Owned& owned) {
-    if (scene_.controls.empty()) return kNoPart;
+    if (scene_.controls.empty() && last.pushedCount == 0 && !any()) return kNoPart;
     forgetUntouched(last);
     for (Entry& entry : entries_)
       if (entry.part != kNoPart && entry.stage == Stage::wanted && !owned(entry.part)) return ask(entry);
@@ -67,7 +68,9 @@ class ControlHand {
   };
   static constexpr std::size_t kAtOnce = 8;
 
-  std::array<PartId, haptics::kMaxContacts> pressed(const haptics::TickOutput& last) const;
+  using Pressed = std::array<PartId, haptics::kMaxContacts + haptics::kMaxPushed>;
+  bool any() const;
+  Pressed pressed(const haptics::TickOutput& last) const;
   void forgetUntouched(const haptics::TickOutput& last);
   PartId ask(Entry& entry);
   Entry* find(PartId part);

@@ -56,10 +56,13 @@ struct HandOutput {
   haptics::TickOutput tick;
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned
   bool grabPending = false;
-  std::uint32_t flagsSeen = 0;  // of all ticks so far
-  std::uint32_t stalls = 0;     // times that the loop stood still for over HandLoop::kStall
-  bool gaveWay = false;         // a surface was passed through within the last second
-  const char* fault = nullptr;  // why force is off: the broken condition, while kFlagFault is set
+  std::uint32_t flagsSeen = 0;        // of all ticks so far
+  std::uint32_t stalls = 0;           // times that the loop stood still for over HandLoop::kStall
+  bool gaveWay = false;               // a surface was passed through within the last second
+  haptics::DeviceSample second;       // the second hand's reading, where there is one
+  std::uint32_t secondFlagsSeen = 0;  // of all ticks so far
+  double secondMost = 0.0;            // N, the largest force that it got
+  const char* fault = nullptr;        // why force is off: the broken condition, while kFlagFault is set
 };
 
 /// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.
@@ -71,7 +74,7 @@ struct ControlWish {
 
 /// What the person set, and a part to grasp whatever the stylus touches (kNoPart: the touched one).
 struct HandSettingsInput {
-  haptics::TickParameters parameters;
+  haptics::TickParameters parameters, second;  // of the two hands
   PartId wish = kNoPart;
   bool graspButton = false;       // of the window or a script, besides the device's own button 0
   std::uint32_t faultResets = 0;  // counts up

@@ -1,5 +1,6 @@
 #include "client/hand_loop.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -24,18 +25,22 @@ HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
       commands_(2 * scene.scene().parts.size() + 64),
       controls_(scene.scene()) {}
 
-void HandLoop::setControl(const ControlWish& wish) {
-  if (wish.count == scriptedWishesSeen_) return;
-  scriptedWishesSeen_ = wish.count;
+void HandLoop::setControl(const ControlWish& wish, std::size_t hand) {
+  if (wish.count == scriptedWishesSeen_[hand]) return;
+  scriptedWishesSeen_[hand] = wish.count;
   controls_.set(wish.part, wish.value);
 }
 
-Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
+void HandLoop::addSecondHand() { secondTool_ = std::make_unique<SecondTool>(scene_); }
+
+void HandLoop::readSettings() {
   settings_ = exchange_.settings.latest();
   timeBase_ = exchange_.timeBase.latest();
+  settings_.parameters.effort = effort_.limited(settings_.parameters.effort);
   if (settings_.faultResets != faultResetsSeen_) {
     faultResetsSeen_ = settings_.faultResets;
     state_.resetFault();
+    if (secondTool_) secondTool_->resetFault();
   }
   if (settings_.reseats != reseatsSeen_) {
     reseatsSeen_ = settings_.reseats;
@@ -45,24 +50,37 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
     wishesSeen_ = settings_.control.count;
     controls_.set(settings_.control.part, settings_.control.value);
   }
+}
+
+Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
+                      const haptics::DeviceSample* second) {
+  readSettings();
   const sync::Micros sessionNow = now + timeBase_.offset;
-  const haptics::DeviceSample sample = afterStall(reading, now);
+  const bool stalled = noteStall(now), both = second != nullptr && secondTool_ != nullptr;
+  const haptics::DeviceSample sample = afterStall(reading, stalled, 0);
+  if (both) second_ = {afterStall(*second, stalled, 1), &settings_.second, {}};
   takeEvents(sessionNow);
   playOutFollowed(sessionNow);
-  finishTaking(sessionNow);
+  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand) finishTaking(hand, sessionNow);
   askForControls();
-  followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0));
+  followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0), 0, output_.tick.touched);
+  if (both)
+    followGrasp(second_.device.valid && (second_.device.buttons & 1u) != 0, 1, secondTool_->touched());
 
   std::size_t batch = 0;
   for (; batch < haptics::kMaxPartCommands && commandCount_ > 0; ++batch, --commandCount_) {
     commandBatch_[batch] = commands_[commandHead_];
     commandHead_ = (commandHead_ + 1) % commands_.size();
   }
+  if (both) second_.tool = feelSecondTool(batch, sessionNow);
   const haptics::TickInput input{sample,
                                  {moved_.data(), movedCount_},
                                  {commandBatch_.data(), batch},
-                                 static_cast<double>(sessionNow) * 1e-6};
+                                 static_cast<double>(sessionNow) * 1e-6,
+                                 both ? &second_ : nullptr};
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
+  if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
+  if (both) noteSecond();
   for (std::size_t i = 0; i < batch; ++i)
     show({commandBatch_[i].part, false, sessionNow, state_.worldFromPart(commandBatch_[i].part)});
   releaseRested(sessionNow);
@@ -70,25 +88,44 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now) {
   return output_.tick.toHand;
 }
 
-/// A loop that stood still has lost its hold on the world: the hand is elsewhere, and the device's own
-/// watchdog has let go. One tick without a reading sets the force to zero; then the held part is grasped anew
-/// where both now are.
-haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, sync::Micros now) {
+Wrench HandLoop::feelSecondTool(std::size_t batch, sync::Micros sessionNow) {
+  return secondTool_->tick(second_.device, {moved_.data(), movedCount_}, output_.tick,
+                           {commandBatch_.data(), batch}, settings_.second,
+                           static_cast<double>(sessionNow) * 1e-6, grasps_[1].stage == Stage::holding);
+}
+
+void HandLoop::noteSecond() {
+  output_.second = second_.device;
+  if (secondTool_->fault().raised()) output_.tick.second.flags |= haptics::kFlagFault;
+  output_.secondFlagsSeen |= output_.tick.second.flags;
+  output_.secondMost = std::max(output_.secondMost, glm::length(output_.tick.second.toHand.force));
+  // A grasp that the tick refused: the first hand holds that control.
+  if (grasps_[1].stage == Stage::holding && commandCount_ == 0 && output_.tick.second.held == kNoPart)
+    grasps_[1].stage = Stage::idle;
+}
+
+bool HandLoop::noteStall(sync::Micros now) {
   const bool stalled = lastTick_ != 0 && now - lastTick_ > kStall;
   lastTick_ = now;
-  if (reseatTicks_ > 0) {
+  output_.stalls += stalled ? 1 : 0;
+  return stalled;
+}
+
+/// A loop that stood still has lost its hold on the world: the hands are elsewhere, and the devices' own watchdogs have
+/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are.
+haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand) {
+  if (hand == 0 && reseatTicks_ > 0) {
     --reseatTicks_;
     sample.valid = false;
   }
   if (stalled) {
     sample.valid = false;
-    graspAnew_ = true;
-    ++output_.stalls;
-  } else if (graspAnew_ && sample.valid) {
-    graspAnew_ = false;
-    if (stage_ == Stage::holding) {
-      command(PartCommand::Kind::letGo, graspPart_);
-      command(PartCommand::Kind::grasp, graspPart_);
+    graspAnew_[hand] = true;
+  } else if (graspAnew_[hand] && sample.valid) {
+    graspAnew_[hand] = false;
+    if (grasps_[hand].stage == Stage::holding) {
+      command(PartCommand::Kind::letGo, grasps_[hand].part, {}, hand);
+      command(PartCommand::Kind::grasp, grasps_[hand].part, {}, hand);
     }
   }
   return sample;
@@ -110,11 +147,13 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         takeOwnership(event.record, sessionNow);
         break;
       case NetworkEvent::Kind::denied:
-        if (stage_ == Stage::asked && graspPart_ == event.record.part) stage_ = Stage::idle;
+        for (Grasp& grasp : grasps_)
+          if (grasp.has(Stage::asked, event.record.part)) grasp.stage = Stage::idle;
         controls_.denied(event.record.part);
         break;
       case NetworkEvent::Kind::lost:
-        if (stage_ == Stage::asked) stage_ = Stage::idle;
+        for (Grasp& grasp : grasps_)
+          if (grasp.stage == Stage::asked) grasp.stage = Stage::idle;
         controls_.lost();
         for (Owned& owned : owned_) owned.releasing = false;  // asked again once there is a server again
         break;
@@ -144,7 +183,8 @@ void HandLoop::askForControls() {
   if (part != kNoPart && !exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}}))
     controls_.askLater(part);
   const std::optional<PartId> set = controls_.toSet(owned);
-  if (!set || output_.tick.held == *set || ownedEntry(*set)->releasing) return;
+  if (!set || output_.tick.held == *set || output_.tick.second.held == *set || ownedEntry(*set)->releasing)
+    return;
   if (const std::optional<Pose> pose = controls_.granted(*set)) {
     command(PartCommand::Kind::disown, *set);
     command(PartCommand::Kind::own, *set, *pose);
@@ -161,16 +201,24 @@ bool HandLoop::takeControl(const sync::PartRecord& record) {
   if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, record.part,
           controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
-  if (stage_ != Stage::asked || graspPart_ != record.part) return true;
-  stage_ = Stage::idle;  // the button went down on it meanwhile
-  if (!wantedBefore_) return true;
-  command(PartCommand::Kind::grasp, record.part);
-  stage_ = Stage::holding;
+  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
+    if (grasps_[hand].has(Stage::asked, record.part)) hold(hand);  // the button went down on it meanwhile
   return true;
 }
 
+/// The part that a hand asked for is simulated here now.
+void HandLoop::hold(std::uint8_t hand) {
+  Grasp& grasp = grasps_[hand];
+  grasp.stage = grasp.wantedBefore ? Stage::holding : Stage::idle;
+  if (grasp.wantedBefore) command(PartCommand::Kind::grasp, grasp.part, {}, hand);
+}
+
 void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionNow) {
-  if (stage_ == Stage::taking || stage_ == Stage::holding) {
+  // For the hand that asked; what nobody waits for any more is the first hand's, if that is free.
+  Grasp& grasp = grasps_[1].has(Stage::asked, record.part) && !grasps_[0].has(Stage::asked, record.part)
+                     ? grasps_[1]
+                     : grasps_[0];
+  if (grasp.stage == Stage::taking || grasp.stage == Stage::holding) {
     // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
     if (Owned* free = ownedEntry(kNoPart)) {
       *free = {record.part, record.epoch, false};
@@ -181,32 +229,34 @@ void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionN
   }
   follow(record, sessionNow,
          near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance) ? 0 : kBlend);
-  taking_ = record;
-  takingUntil_ = sessionNow + kBlend;
-  stage_ = Stage::taking;
-  graspPart_ = record.part;
+  grasp.taking = record;
+  grasp.takingUntil = sessionNow + kBlend;
+  grasp.stage = Stage::taking;
+  grasp.part = record.part;
 }
 
-void HandLoop::finishTaking(sync::Micros sessionNow) {
-  if (stage_ != Stage::taking) return;
-  const bool there = near(state_.worldFromPart(taking_.part), taking_.worldFromPart, kTakeTolerance);
-  if (!there && sessionNow < takingUntil_) return;
+void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
+  Grasp& grasp = grasps_[hand];
+  if (grasp.stage == Stage::asked) {
+    const Owned* mine = ownedEntry(grasp.part);  // the other hand has it meanwhile
+    if (mine && !mine->releasing) hold(hand);
+  }
+  if (grasp.stage != Stage::taking) return;
+  const sync::PartRecord& taking = grasp.taking;
+  const bool there = near(state_.worldFromPart(taking.part), taking.worldFromPart, kTakeTolerance);
+  if (!there && sessionNow < grasp.takingUntil) return;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return;  // eight parts still settle: wait for one to rest
-  *entry = {taking_.part, taking_.epoch, false};
-  if (Followed* slot = slotOf(taking_.part)) slot->part = kNoPart;
-  command(PartCommand::Kind::own, taking_.part, taking_.worldFromPart);
-  if (wantedBefore_) {
-    command(PartCommand::Kind::grasp, taking_.part);
-    stage_ = Stage::holding;
-  } else {
-    stage_ = Stage::idle;  // let go while the answer was on its way: rests, and is released
-  }
+  *entry = {taking.part, taking.epoch, false};
+  if (Followed* slot = slotOf(taking.part)) slot->part = kNoPart;
+  command(PartCommand::Kind::own, taking.part, taking.worldFromPart);
+  hold(hand);  // unless it was let go while the answer was on its way: then it rests, and is released
 }
 
 void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
   command(PartCommand::Kind::disown, owned.part);
-  if (graspPart_ == owned.part && stage_ == Stage::holding) stage_ = Stage::idle;
+  for (Grasp& grasp : grasps_)
+    if (grasp.has(Stage::holding, owned.part)) grasp.stage = Stage::idle;
   if (!owned.releasing) controls_.denied(record.part);  // taken away, not given back
   owned = {};
   const bool still = near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance);
@@ -214,8 +264,8 @@ void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Mic
 }
 
 void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend) {
-  if (stage_ == Stage::taking && taking_.part == record.part && record.owner != timeBase_.self)
-    stage_ = Stage::idle;
+  for (Grasp& grasp : grasps_)
+    if (grasp.has(Stage::taking, record.part) && record.owner != timeBase_.self) grasp.stage = Stage::idle;
   if (Followed* slot = slotFor(record.part, sessionNow)) {
     slot->owned = record.owner != kNoSite;
     slot->playOut.restart(record.worldFromPart, sessionNow, blend);
@@ -224,28 +274,29 @@ void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, s
   }
 }
 
-void HandLoop::followGrasp(bool wanted) {
-  const bool pressed = wanted && !wantedBefore_;
-  const bool lifted = !wanted && wantedBefore_;
-  wantedBefore_ = wanted;
-  if (pressed && stage_ == Stage::idle) {
-    const PartId wish = wish_ != kNoPart ? wish_ : settings_.wish;
-    const PartId part = wish != kNoPart ? wish : output_.tick.touched;
+void HandLoop::followGrasp(bool wanted, std::uint8_t hand, PartId touched) {
+  Grasp& grasp = grasps_[hand];
+  const Grasp& other = grasps_[1 - hand];
+  const bool pressed = wanted && !grasp.wantedBefore;
+  const bool lifted = !wanted && grasp.wantedBefore;
+  grasp.wantedBefore = wanted;
+  if (pressed && grasp.stage == Stage::idle) {
+    const PartId wish = grasp.wish != kNoPart ? grasp.wish : hand == 0 ? settings_.wish : kNoPart;
+    const PartId part = wish != kNoPart ? wish : touched;
     if (part >= scene_.scene().parts.size() || !scene_.scene().parts[part].movable) return;
-    graspPart_ = part;
+    grasp.part = part;
     Owned* mine = ownedEntry(part);
-    if (mine && !mine->releasing) {  // still settling in this hand's care
-      command(PartCommand::Kind::grasp, part);
-      stage_ = Stage::holding;
-    } else if (controls_.asked(part)) {
-      stage_ = Stage::asked;
+    if (mine && !mine->releasing) {  // still settling in this hand's care, or in the other hand
+      hold(hand);
+    } else if (controls_.asked(part) || other.has(Stage::asked, part) || other.has(Stage::taking, part)) {
+      grasp.stage = Stage::asked;
     } else if (exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}})) {
-      stage_ = Stage::asked;
+      grasp.stage = Stage::asked;
     }
   }
-  if (lifted && stage_ == Stage::holding) {
-    command(PartCommand::Kind::letGo, graspPart_);
-    stage_ = Stage::idle;
+  if (lifted && grasp.stage == Stage::holding) {
+    command(PartCommand::Kind::letGo, grasp.part, {}, hand);
+    grasp.stage = Stage::idle;
   }
 }
 
@@ -289,7 +340,9 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   if (output_.tick.flags & haptics::kFlagPopThrough) gaveWayUntil_ = now + kShown;
   output_.gaveWay = now < gaveWayUntil_;
   output_.fault = state_.fault().condition;
-  output_.grabPending = stage_ == Stage::asked || stage_ == Stage::taking;
+  output_.grabPending = false;
+  for (const Grasp& grasp : grasps_)
+    output_.grabPending = output_.grabPending || grasp.stage == Stage::asked || grasp.stage == Stage::taking;
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const Owned* mine = ownedEntry(output_.tick.owned[index].part);
@@ -336,9 +389,9 @@ HandLoop::Owned* HandLoop::ownedEntry(PartId part) {
   return nullptr;
 }
 
-void HandLoop::command(PartCommand::Kind kind, PartId part, const Pose& pose) {
+void HandLoop::command(PartCommand::Kind kind, PartId part, const Pose& pose, std::uint8_t hand) {
   ASSERT(commandCount_ < commands_.size());  // takeEvents() keeps room
-  commands_[(commandHead_ + commandCount_) % commands_.size()] = {kind, part, pose};
+  commands_[(commandHead_ + commandCount_) % commands_.size()] = {kind, part, pose, hand};
   ++commandCount_;
 }
 

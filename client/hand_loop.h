@@ -8,6 +8,9 @@
 //   settling -rest-> releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back
 //   to idle; forces fade.
 //
+// A second hand of the same person, on a device of its own, goes the same way; both hold parts of one tick, so that what
+// they do to each other stays here. What it touches with its bare tool is felt, but gives way to the first hand only.
+//
 // Controls are asked for without the button, when the tool presses on one, and are not grasped
 // (control_hand.h).
 
@@ -19,7 +22,9 @@
 #include "assets/pose.h"
 #include "client/control_hand.h"
 #include "client/exchange.h"
+#include "client/second_tool.h"
 #include "haptics/contact_scene.h"
+#include "haptics/servo_schedule.h"
 #include "haptics/tick.h"
 #include "sync/play_out.h"
 
@@ -30,15 +35,25 @@ class HandLoop {
   /// The scene and the exchange must outlive this.
   HandLoop(const haptics::ContactScene& scene, Exchange& exchange);
 
-  /// One tick at local time `now`. The wrench is what the device gets.
-  Wrench tick(const haptics::DeviceSample& reading, sync::Micros now);
+  /// The same person's other hand is on a device too: tick() is given its reading from now on. Allocates; before the
+  /// first tick.
+  void addSecondHand();
 
-  /// A part to grasp whatever the stylus touches; kNoPart: the touched one. Haptic thread, before tick().
-  void setWish(PartId part) { wish_ = part; }
+  /// One tick at local time `now`. The wrench is what the device gets. `second`: the reading of the second hand, whose
+  /// device gets output().tick.second.toHand; null: there is none.
+  Wrench tick(const haptics::DeviceSample& reading, sync::Micros now,
+              const haptics::DeviceSample* second = nullptr);
+
+  /// What the last tick() took, as a share of its period: ticks that run short give held parts less effort. Haptic
+  /// thread, after tick(), where ticks run in real time.
+  void took(double share) { effort_.note(share); }
+
+  /// A part to grasp whatever the stylus of a hand touches; kNoPart: the touched one. Haptic thread, before tick().
+  void setWish(PartId part, std::size_t hand = 0) { grasps_[hand].wish = part; }
 
   /// Sets a control as soon as the server lets this site have it, once for each new count. Haptic thread,
   /// before tick().
-  void setControl(const ControlWish& wish);
+  void setControl(const ControlWish& wish, std::size_t hand = 0);
 
   const HandOutput& output() const { return output_; }
   const Pose& worldFromPart(PartId part) const { return state_.worldFromPart(part); }
@@ -68,15 +83,30 @@ class HandLoop {
     bool releasing = false;
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };
+  /// A hand on its way to a part.
+  struct Grasp {
+    Stage stage = Stage::idle;
+    PartId part = kNoPart;    // asked, taking or holding
+    sync::PartRecord taking;  // while taking
+    sync::Micros takingUntil = 0;
+    bool wantedBefore = false;
+    PartId wish = kNoPart;
+    bool has(Stage of, PartId which) const { return stage == of && part == which; }
+  };
 
-  haptics::DeviceSample afterStall(haptics::DeviceSample sample, sync::Micros now);
+  bool noteStall(sync::Micros now);
+  haptics::DeviceSample afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand);
+  void readSettings();
   void takeEvents(sync::Micros sessionNow);
   void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
   void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
   void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
   void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);
-  void followGrasp(bool wanted);
-  void finishTaking(sync::Micros sessionNow);
+  void followGrasp(bool wanted, std::uint8_t hand, PartId touched);
+  void finishTaking(std::uint8_t hand, sync::Micros sessionNow);
+  void hold(std::uint8_t hand);
+  Wrench feelSecondTool(std::size_t batch, sync::Micros sessionNow);
+  void noteSecond();
   void playOutFollowed(sync::Micros sessionNow);
   static void keepToStops(const assets::Control& control, sync::PlayOut::Shown& shown);
   void askForControls();
@@ -89,7 +119,7 @@ class HandLoop {
   Followed* slotOf(PartId part);
   Followed* slotFor(PartId part, sync::Micros sessionNow);
   Owned* ownedEntry(PartId part);
-  void command(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {});
+  void command(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {}, std::uint8_t hand = 0);
 
   const haptics::ContactScene& scene_;
   Exchange& exchange_;
@@ -97,8 +127,10 @@ class HandLoop {
   HandOutput output_;
   HandSettingsInput settings_;
   TimeBase timeBase_;
+  haptics::EffortGuard effort_;
   std::uint32_t faultResetsSeen_ = 0, reseatsSeen_ = 0;
-  std::uint32_t wishesSeen_ = 0, scriptedWishesSeen_ = 0;  // of controls
+  std::uint32_t wishesSeen_ = 0;                                     // of controls
+  std::array<std::uint32_t, haptics::kHands> scriptedWishesSeen_{};  // the same
   int reseatTicks_ = 0;  // ticks without a reading that are left until the tip is back on the device
 
   std::array<Followed, kMaxFollowed> followed_;
@@ -112,15 +144,14 @@ class HandLoop {
   std::array<haptics::PartCommand, haptics::kMaxPartCommands> commandBatch_;
 
   ControlHand controls_;
-  Stage stage_ = Stage::idle;
+  std::array<Grasp, haptics::kHands> grasps_;
+  std::unique_ptr<SecondTool> secondTool_;  // null: there is no second hand
+  haptics::SecondHand second_;
+  static_assert(SecondTool::kMostMoved >= kMaxFollowed + haptics::kMaxOwnedParts);
   sync::Micros gaveWayUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
-  PartId graspPart_ = kNoPart;     // asked, taking or holding
-  sync::PartRecord taking_;
-  sync::Micros takingUntil_ = 0;
-  bool wantedBefore_ = false;
-  PartId wish_ = kNoPart;
   sync::Micros lastTick_ = 0;
-  bool graspAnew_ = false;  // the loop stood still: the coupling begins again at the next good reading
+  // The loop stood still: the coupling of a hand begins again at its next good reading.
+  std::array<bool, haptics::kHands> graspAnew_{};
 
   std::uint64_t shownDropped_ = 0;  // once a pose was dropped, one part a tick is shown again
   PartId refresh_ = 0;

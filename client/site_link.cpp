@@ -232,7 +232,21 @@ void SiteLink::applyOwnership(const PartRecord& record) {
   pushEvent(event);
 }
 
+/// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
+void SiteLink::rememberOwnership(const PartRecord& record) {
+  const auto known = std::find_if(welcome_.parts.begin(), welcome_.parts.end(),
+                                  [&](const PartRecord& part) { return part.part == record.part; });
+  if (known != welcome_.parts.end())
+    *known = record;
+  else if (welcome_.parts.size() < kMaxParts)
+    welcome_.parts.push_back(record);
+}
+
 void SiteLink::take(OwnershipChanged& message) {
+  if (!scene_ && stage_ >= Stage::needScene && stage_ <= Stage::haveScene) {
+    rememberOwnership(message.part);
+    return;
+  }
   if (!scene_ || message.part.part >= scene_->parts.size()) {
     ++statistics_.malformed;
     return;

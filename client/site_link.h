@@ -127,6 +127,7 @@ class SiteLink {
   void take(Unexpected& message);  // messages that only a site sends
 
   void tellDenial(const sync::GrabReply& reply, bool reclaim);
+  void rememberOwnership(const sync::PartRecord& record);
   void applyOwnership(const sync::PartRecord& record);
   void enterReady();
   void recordBeginning();

@@ -17,7 +17,8 @@ constexpr TickFlagName kNames[] = {{haptics::kFlagInvalidSample, "invalid_sample
                                    {haptics::kFlagSampleJump, "sample_jump"},
                                    {haptics::kFlagPassivity, "passivity_control"},
                                    {haptics::kFlagPopThrough, "pop_through"},
-                                   {haptics::kFlagFieldLimited, "field_limited"}};
+                                   {haptics::kFlagFieldLimited, "field_limited"},
+                                   {haptics::kFlagLessEffort, "less_effort"}};
 
 }  // namespace
 

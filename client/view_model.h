@@ -5,14 +5,31 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "assets/scene.h"
+#include "client/clash_view.h"
 #include "haptics/tick.h"
 #include "sync/messages.h"
 
 namespace tandem::client {
+
+/// What the held part is nearest to, as measured a moment ago (clearance_watch.h).
+struct NearestView {
+  PartId part = kNoPart;                                     // kNoPart: nothing is held, or not known yet
+  double clearance = 0.0;                                    // m; below 0: as deep as they overlap
+  glm::dvec3 onHeld{0.0, 0.0, 0.0}, onOther{0.0, 0.0, 0.0};  // m, world: that far apart
+};
+
+/// The same person's other hand.
+struct SecondHandView {
+  std::string deviceName;  // empty: there is none
+  PartId held = kNoPart;
+  double mostForce = 0.0;       // N, so far
+  std::uint32_t flagsSeen = 0;  // of all ticks so far
+};
 
 /// The hand at this site, from the haptic loop.
 struct HandView {
@@ -25,12 +42,14 @@ struct HandView {
   std::array<haptics::Contact, haptics::kMaxContacts> contacts;
   int contactCount = 0;
   PartId touched = kNoPart, held = kNoPart;
+  NearestView nearest;
   bool grabPending = false;     // asked for, not answered yet
   std::uint32_t flags = 0;      // haptics::TickFlag
   std::uint32_t flagsSeen = 0;  // of all ticks so far
   std::uint32_t stalls = 0;     // times that its loop stood still, and the hand was without force
   std::string fault;            // why force is off; empty without a fault
   double stiffest = 0.0;        // N/m that a contact on this device may have; 0 = any
+  SecondHandView second;
 };
 
 /// The 1 kHz loop.
@@ -85,6 +104,7 @@ struct ViewModel {
   HandView hand;
   LoopView loop;
   LinkView link;
+  ClashSearchView clashes;
   std::vector<Notice> notices;  // newest last
   HandSettings settings;
   sync::Role role = sync::Role::observer;
@@ -120,6 +140,8 @@ struct ViewActions {
   PartId revoke = kNoPart;      // instructor
   bool resetParts = false;      // instructor
   bool resetFault = false;
+  std::optional<ClashQuestion> findClashes;  // look for them now
+  bool stopClashes = false;
   Pose worldFromCamera;
   // replay only
   bool seek = false;

@@ -415,8 +415,7 @@ class SurfaceTick {
     const glm::dvec3 surfaceVelocity =
         velocityAt(world_.pose(touch.part), world_.twist(touch.part), touch.point);
     const glm::dvec3 velocity = partFromWorld * (device_.twist.linear - surfaceVelocity);
-    const double damping = limitedDamping(
-        touch.material->damping > 0.0 ? touch.material->damping : parameters_.damping, parameters_);
+    const double damping = contactDamping(*touch.material, parameters_);
     glm::dvec3 drag =
         viscousDrag(limitedDamping(touch.surface->viscosity, parameters_), velocity, slot.velocity);
     slot.velocity = velocity;

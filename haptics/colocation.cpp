@@ -226,7 +226,10 @@ Result<Colocation> parseColocation(const std::string& text, const std::string& n
     c.scale = json.at("scale").get<double>();
     c.rms = json.value("residual_rms_m", 0.0);
     c.worst = json.value("residual_worst_m", 0.0);
-    c.pairs = json.value("pairs", std::size_t{0});
+    const auto pairs = json.find("pairs");
+    if (pairs != json.end() && !pairs->is_number_unsigned())
+      return Error{name + ": pairs must be a whole number, not negative"};
+    c.pairs = pairs != json.end() ? pairs->get<std::size_t>() : 0;
     if (!isValid(c.viewFromDevice)) return Error{name + ": the pose is not finite or not a unit quaternion"};
     if (!(c.scale >= 1e-6 && c.scale <= 1e6)) return Error{name + ": scale must be between 1e-6 and 1e6"};
     return c;

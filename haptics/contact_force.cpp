@@ -100,7 +100,7 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     if (parameters.stiffnessLimit > 0.0) {
       stiffnesses[at] = std::min(stiffnesses[at], parameters.stiffnessLimit);
     }
-    dampings[at] = limitedDamping(material.damping > 0.0 ? material.damping : parameters.damping, parameters);
+    dampings[at] = contactDamping(material, parameters);
   }
   if (count == 0) return glm::dvec3(0.0);
 

@@ -31,9 +31,14 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                         const TickParameters& parameters, TickOutput& out);
 
-/// A surface's damping or viscosity, N·s/m, as the device bears it.
+/// A damping or viscosity that a surface states, N·s/m, as the device bears it.
 inline double limitedDamping(double damping, const TickParameters& parameters) {
   return parameters.dampingLimit > 0.0 ? std::min(damping, parameters.dampingLimit) : damping;
+}
+
+/// Damping of a contact with this material, N·s/m: the parameters' where it states none.
+inline double contactDamping(const assets::Material& material, const TickParameters& parameters) {
+  return limitedDamping(material.damping > 0.0 ? material.damping : parameters.damping, parameters);
 }
 
 }  // namespace tandem::haptics

@@ -2,15 +2,21 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
 #include <thread>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
 #include "assets/assert.h"
+#include "assets/control.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/implicit_mesh.h"
 #include "haptics/in_parallel.h"
+#include "haptics/model_bake.h"
+#include "haptics/part_tolerance.h"
 #include "haptics/surface_scene.h"
 
 namespace tandem::haptics {
@@ -103,10 +109,46 @@ void ContactScene::Data::measure(std::uint32_t mesh) {
   if (shaded) surfaces = makeSurfaceScene(*scene, colliders);
 }
 
+bool ContactScene::modelParts(const ModelOptions& options) {
+  ASSERT(data_->models.empty());
+  double held = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
+    const Collider& collider = data_->colliders[i];
+    // A control in the hand moves along its axis alone, whatever stands there.
+    const bool free =
+        data_->scene->parts[i].movable && assets::controlOf(*data_->scene, static_cast<PartId>(i)) == nullptr;
+    if (free && collider.radius > 0.0) held = std::min(held, 2.0 * collider.radius);
+  }
+  if (!std::isfinite(held)) return true;
+  data_->tolerances = partTolerances(*data_->scene, data_->colliders, held, options.threads);
+  // Parts that share a mesh share its model: the strictest of them decides.
+  std::map<const TriangleBvh*, double> toleranceOf;
+  for (std::size_t i = 0; i < data_->colliders.size(); ++i)
+    if (const TriangleBvh* tree = data_->colliders[i].tree; tree != nullptr) {
+      const double own = data_->tolerances[i].tolerance;
+      const auto [it, isNew] = toleranceOf.emplace(tree, own);
+      if (!isNew) it->second = std::min(it->second, own);
+    }
+  std::vector<double> tolerances;
+  for (const auto& tree : data_->trees) {
+    const auto it = toleranceOf.find(tree.get());
+    tolerances.push_back(it == toleranceOf.end() ? 0.0 : it->second);
+  }
+  data_->models = bakeModels(data_->trees, tolerances, held, options);
+  if (data_->models.empty()) return false;
+  std::map<const TriangleBvh*, const PartModel*> modelOf;
+  for (std::size_t i = 0; i < data_->trees.size(); ++i)
+    modelOf[data_->trees[i].get()] = data_->models[i].get();
+  for (Collider& collider : data_->colliders)
+    if (collider.tree != nullptr) collider.model = modelOf[collider.tree];
+  return true;
+}
+
 void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
   ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
   data_->trees[mesh]->refit(threads);
   data_->measure(mesh);
+  if (!data_->models.empty()) data_->models[mesh] = nullptr;
 }
 
 ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const assets::Mesh> replacement,
@@ -118,7 +160,10 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
   next.data_->shapeMeshes = data_->shapeMeshes;
   next.data_->replacements = data_->replacements;
   next.data_->trees = data_->trees;
+  next.data_->models = data_->models;
+  if (!next.data_->models.empty()) next.data_->models[mesh] = nullptr;
   next.data_->colliders = data_->colliders;
+  next.data_->tolerances = data_->tolerances;
   next.data_->trees[mesh] = std::make_shared<TriangleBvh>(*replacement, threads);
   next.data_->replacements[mesh] = std::move(replacement);
   next.data_->measure(mesh);
@@ -135,6 +180,7 @@ const assets::Scene& ContactScene::scene() const { return *data_->scene; }
 std::size_t ContactScene::memory() const {
   std::size_t bytes = 0;
   for (const auto& tree : data_->trees) bytes += tree ? tree->memory() : 0;
+  for (const auto& model : data_->models) bytes += model ? model->memory() : 0;
   for (const auto& mesh : data_->shapeMeshes) bytes += bytesOf(*mesh);
   for (const auto& mesh : data_->replacements) bytes += mesh ? bytesOf(*mesh) : 0;
   return bytes;
@@ -142,7 +188,8 @@ std::size_t ContactScene::memory() const {
 
 std::size_t ContactScene::memory(std::uint32_t mesh) const {
   ASSERT(mesh < data_->scene->meshes.size());
-  return data_->trees[mesh] ? data_->trees[mesh]->memory() : 0;
+  const std::size_t tree = data_->trees[mesh] ? data_->trees[mesh]->memory() : 0;
+  return tree + (mesh < data_->models.size() && data_->models[mesh] ? data_->models[mesh]->memory() : 0);
 }
 
 }  // namespace tandem::haptics

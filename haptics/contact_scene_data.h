@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "haptics/contact_scene.h"
+#include "haptics/part_model.h"
+#include "haptics/part_tolerance.h"
 #include "haptics/triangle_bvh.h"
 
 namespace tandem::haptics {
@@ -17,6 +19,7 @@ struct Collider {
   glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
   double radius = 0.0;                // m, of the ball around that centre that holds the part
   double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
+  const PartModel* model = nullptr;   // null: parts in the hand pass through it
 
   bool operator==(const Collider&) const = default;
 };
@@ -33,7 +36,10 @@ struct ContactScene::Data {
   std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;   // tessellated implicit shapes
   std::vector<std::shared_ptr<const assets::Mesh>> replacements;  // a scene mesh: what stands for it, or null
   std::vector<std::shared_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
-  std::vector<Collider> colliders;                  // one a part
+  /// One a tree, or none at all; null for a mesh that was exchanged or refitted.
+  std::vector<std::shared_ptr<const PartModel>> models;
+  std::vector<Collider> colliders;         // one a part
+  std::vector<PartTolerance> tolerances;   // one a part once models were asked for, else none
   std::unique_ptr<SurfaceScene> surfaces;  // null: no material asks for more than stiffness and friction
 };
 

@@ -121,9 +121,7 @@ void ContactWorld::endMotions() {
 }
 
 bool ContactWorld::mayCollide(PartId a, PartId b) const {
-  const assets::CollisionFilter& fa = scene().parts[a].filter;
-  const assets::CollisionFilter& fb = scene().parts[b].filter;
-  return (fa.collidesWith & fb.memberOf) != 0 && (fb.collidesWith & fa.memberOf) != 0;
+  return assets::mayCollide(scene().parts[a].filter, scene().parts[b].filter);
 }
 
 double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
@@ -214,6 +212,12 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
     from = to;
   }
   return false;
+}
+
+Triangle ContactWorld::triangle(PartId part, std::uint32_t triangle) const {
+  const Pose& pose = poses_[part];
+  const Triangle t = data_->colliders[part].tree->triangle(triangle);
+  return {transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c)};
 }
 
 SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {

@@ -40,6 +40,8 @@ class ContactWorld {
   /// Null where no material has a surface of its own kind.
   const SurfaceScene* surfaces() const { return data_->surfaces.get(); }
   const Collider& collider(PartId part) const { return data_->colliders[part]; }
+  /// Null where parts in the hand pass through it.
+  const PartModel* model(PartId part) const { return data_->colliders[part].model; }
   const Pose& pose(PartId part) const { return poses_[part]; }
   const Twist& twist(PartId part) const { return parts_[part].twist; }
   bool has(PartId part) const { return part < parts_.size(); }
@@ -109,6 +111,9 @@ class ContactWorld {
   /// pose, and `carried` is where the ball's centre ends if it goes with the part from the touch on.
   bool sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius, WorldHit& hit,
                          glm::dvec3& carried) const;
+
+  /// One triangle where it is now, world.
+  Triangle triangle(PartId part, std::uint32_t triangle) const;
 
   /// Where one triangle is nearest to p, now.
   SurfacePoint surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const;

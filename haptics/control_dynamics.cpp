@@ -19,36 +19,52 @@ double widthIn(const assets::Detents& detents, double gap) {
   return detents.width > 0.0 ? std::min(detents.width, gap) : gap;
 }
 
-/// Distance between the last place of an endless dial and the first, one turn on.
+/// Distance between the last place of an endless dial and the first, one turn on; 0 of others.
 double closingGap(const assets::Control& control) {
   const std::vector<double>& places = control.detents.places;
+  if (!control.endless || places.empty()) return 0.0;
   return control.max - control.min - (places.back() - places.front());
 }
 
 /// Outside of all wells: those of the ends are as wide there as inside.
-Well endWell(const assets::Control& control, double value, bool last) {
-  const std::vector<double>& places = control.detents.places;
+Well endWell(const assets::Detents& detents, double closing, double value, bool last) {
+  const std::vector<double>& places = detents.places;
   const std::size_t n = places.size();
-  if (control.endless) {
-    const double gap = closingGap(control);
+  if (closing > 0.0) {
     double offset = value - (last ? places.back() : places.front());
-    if (std::abs(offset) > 0.5 * gap) offset += last ? -gap : gap;
-    return {offset, widthIn(control.detents, gap)};
+    if (std::abs(offset) > 0.5 * closing) offset += last ? -closing : closing;
+    return {offset, widthIn(detents, closing)};
   }
   const double width =
-      n == 1 ? control.detents.width
-             : widthIn(control.detents, last ? places[n - 1] - places[n - 2] : places[1] - places[0]);
+      n == 1 ? detents.width : widthIn(detents, last ? places[n - 1] - places[n - 2] : places[1] - places[0]);
   return {value - (last ? places.back() : places.front()), width};
 }
 
-Well nearestWell(const assets::Control& control, double value) {
-  const std::vector<double>& places = control.detents.places;
-  if (places.empty() || control.detents.force == 0.0) return {};
+/// `closing`: as of closingGap().
+Well nearestWell(const assets::Detents& detents, double closing, double value) {
+  const std::vector<double>& places = detents.places;
+  if (places.empty() || detents.force == 0.0) return {};
   const auto above = std::upper_bound(places.begin(), places.end(), value);
-  if (above == places.begin()) return endWell(control, value, false);
-  if (above == places.end()) return endWell(control, value, true);
+  if (above == places.begin()) return endWell(detents, closing, value, false);
+  if (above == places.end()) return endWell(detents, closing, value, true);
   const double low = *(above - 1), high = *above;
-  return {value - low < high - value ? value - low : value - high, widthIn(control.detents, high - low)};
+  return {value - low < high - value ? value - low : value - high, widthIn(detents, high - low)};
+}
+
+double resistanceOf(const assets::Detents& detents, const Well& well) {
+  return std::abs(well.offset) < 0.5 * well.width
+             ? detents.force * std::sin(2.0 * kPi * well.offset / well.width)
+             : 0.0;
+}
+
+double steepestOf(const assets::Detents& detents, double closing) {
+  const std::vector<double>& places = detents.places;
+  if (places.empty() || !(detents.force > 0.0)) return 0.0;
+  double narrowest = places.size() == 1 && !(closing > 0.0) ? detents.width : 1e300;
+  for (std::size_t i = 1; i < places.size(); ++i)
+    narrowest = std::min(narrowest, widthIn(detents, places[i] - places[i - 1]));
+  if (closing > 0.0) narrowest = std::min(narrowest, widthIn(detents, closing));
+  return 2.0 * kPi * detents.force / narrowest;
 }
 
 double wrapped(const assets::Control& control, double value) {
@@ -60,8 +76,7 @@ double wrapped(const assets::Control& control, double value) {
 double resistance(const assets::Control& control, double value) {
   const double q = wrapped(control, value);
   double force = control.springStiffness * (q - control.springRest);
-  if (const Well well = nearestWell(control, q); std::abs(well.offset) < 0.5 * well.width)
-    force += control.detents.force * std::sin(2.0 * kPi * well.offset / well.width);
+  force += resistanceOf(control.detents, nearestWell(control.detents, closingGap(control), q));
   const assets::Click& click = control.click;
   if (const double x = q - click.at; click.drop > 0.0 && std::abs(x) < click.width)
     force += 0.5 * click.drop * (1.0 + std::cos(kPi * x / click.width));
@@ -72,7 +87,7 @@ double storedEnergy(const assets::Control& control, double value) {
   const auto absolute = [&](double q) {
     const double x = q - control.springRest;
     double energy = 0.5 * control.springStiffness * x * x;
-    if (const Well well = nearestWell(control, q); well.width > 0.0) {
+    if (const Well well = nearestWell(control.detents, closingGap(control), q); well.width > 0.0) {
       const double s = std::min(std::abs(well.offset), 0.5 * well.width);
       energy +=
           control.detents.force * well.width / (2.0 * kPi) * (1.0 - std::cos(2.0 * kPi * s / well.width));
@@ -88,18 +103,16 @@ double storedEnergy(const assets::Control& control, double value) {
 }
 
 double steepestResistance(const assets::Control& control) {
-  double steepest = 0.0;
-  const std::vector<double>& places = control.detents.places;
-  if (!places.empty() && control.detents.force > 0.0) {
-    double narrowest = places.size() == 1 && !control.endless ? control.detents.width : 1e300;
-    for (std::size_t i = 1; i < places.size(); ++i)
-      narrowest = std::min(narrowest, widthIn(control.detents, places[i] - places[i - 1]));
-    if (control.endless) narrowest = std::min(narrowest, widthIn(control.detents, closingGap(control)));
-    steepest += 2.0 * kPi * control.detents.force / narrowest;
-  }
+  double steepest = steepestOf(control.detents, closingGap(control));
   if (control.click.drop > 0.0) steepest += 0.5 * kPi * control.click.drop / control.click.width;
   return steepest;
 }
+
+double detentResistance(const assets::Detents& detents, double value) {
+  return resistanceOf(detents, nearestWell(detents, 0.0, value));
+}
+
+double steepestDetent(const assets::Detents& detents) { return steepestOf(detents, 0.0); }
 
 void stepControl(const assets::Control& control, double steepest, const AxisLoad& load, double dt,
                  ControlState& state) {

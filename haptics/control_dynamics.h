@@ -36,6 +36,10 @@ double storedEnergy(const assets::Control& control, double value);
 /// An upper bound of |U''| but for the spring, N/m or N·m/rad. Walks the detents: computed once, then kept.
 double steepestResistance(const assets::Control& control);
 
+/// The part of detents alone in resistance(), and in its slope; between stops, not endless.
+double detentResistance(const assets::Detents& detents, double value);
+double steepestDetent(const assets::Detents& detents);
+
 /// Steps in a tick. What L below costs is a drag of up to L dt: an eighth of it is less than a hand can tell.
 inline constexpr int kControlSubsteps = 8;
 

@@ -41,10 +41,8 @@ void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::d
 }  // namespace
 
 Crease creaseUnder(const ContactWorld& world, const SurfacePoint& contact, double skin) {
-  const Pose& pose = world.pose(contact.part);
-  const Triangle t = world.collider(contact.part).tree->triangle(contact.triangle);
-  const glm::dvec3 corners[3] = {transformPoint(pose, t.a), transformPoint(pose, t.b),
-                                 transformPoint(pose, t.c)};
+  const Triangle t = world.triangle(contact.part, contact.triangle);
+  const glm::dvec3 corners[3] = {t.a, t.b, t.c};
   const glm::dvec3& q = contact.point;
   Crease nearest{corners[0], corners[0]};
   double least = std::numeric_limits<double>::infinity();

@@ -33,6 +33,8 @@ struct DeviceLimits {
   double quantum = 0.0;          // m, of the position reading
   double workspaceRadius = 0.1;  // m
   double rate = 1000.0;          // Hz at which poll() has something new
+  double inertia = 0.0;          // kg·m^2, apparent about the tip
+  double rotDamping = 0.0;       // N·m·s/rad, physical, about the tip
 };
 
 class Device {

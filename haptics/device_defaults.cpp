@@ -18,6 +18,11 @@ constexpr double kControlledShare = 1.5;
 constexpr double kHandSpeed = 10.0;             // m/s
 constexpr double kWorkspacesPerSecond = 100.0;  // radii a second: 10 m/s for 0.1 m
 
+/// 0: there is no limit.
+void keepTo(double most, double& gain) {
+  if (most > 0.0) gain = std::min(gain, most);
+}
+
 }  // namespace
 
 double stiffestControlled(const DeviceLimits& limits, double dt, double delay) {
@@ -32,10 +37,14 @@ double fitToDevice(const DeviceLimits& limits, double delay, TickParameters& par
   if (stiffest > 0.0) {
     parameters.stiffnessLimit = controlled;
     parameters.stiffness = std::min(parameters.stiffness, controlled);
-    parameters.graspStiffness = std::min(parameters.graspStiffness, stiffest);
     parameters.passivity = true;
     parameters.deviceDamping = kCountedDamping * limits.damping;
   }
+  const CouplingGains most = stiffestGrasp(limits, parameters.dt, delay);
+  keepTo(most.stiffness, parameters.graspStiffness);
+  keepTo(most.damping, parameters.graspDamping);
+  keepTo(most.rotStiffness, parameters.graspRotStiffness);
+  keepTo(most.rotDamping, parameters.graspRotDamping);
   // A hand with some tens of grams of device on it throbs against more, however soft the surface.
   parameters.dampingLimit = parameters.fieldDampingLimit;
   parameters.maxDeviceSpeed = std::max(kHandSpeed, kWorkspacesPerSecond * limits.workspaceRadius);

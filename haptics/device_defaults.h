@@ -14,7 +14,7 @@ double stiffestControlled(const DeviceLimits& limits, double dt, double delay);
 
 /// Limits and stiffnesses of `parameters` as `limits` allow, `delay` s being that between device and loop:
 /// force and torque limits where the device states any; contact no stiffer than stiffestControlled(),
-/// whatever a material states, with that controller on; grasp no stiffer than stiffestContact(); readings
+/// whatever a material states, with that controller on; the gains of a grasp within stiffestGrasp(); readings
 /// that jump faster than a hand, or stand still, refused. Returns stiffestControlled(), N/m; 0 for a device
 /// that drives nothing or states no damping: then stiffnesses stay as they are.
 double fitToDevice(const DeviceLimits& limits, double delay, TickParameters& parameters);

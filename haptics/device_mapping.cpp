@@ -38,7 +38,7 @@ DeviceSample DeviceMapping::toWorld(const DeviceSample& device) {
 
 Wrench DeviceMapping::toDevice(const Wrench& world) const {
   const glm::dquat baseFromWorld = glm::conjugate(worldFromBase_.orientation);
-  return {baseFromWorld * world.force, baseFromWorld * world.torque};
+  return {baseFromWorld * world.force, baseFromWorld * world.torque / scale_};
 }
 
 void DeviceMapping::recentre(const DeviceSample& device, const glm::dvec3& world) {
@@ -53,6 +53,9 @@ DeviceLimits DeviceMapping::inWorld(const DeviceLimits& device) const {
   world.workspaceRadius *= scale_;
   world.mass /= scale_;
   world.damping /= scale_;
+  world.maxTorque *= scale_;
+  world.inertia *= scale_;
+  world.rotDamping *= scale_;
   return world;
 }
 

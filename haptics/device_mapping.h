@@ -4,9 +4,9 @@
 // device off the scene so that a small workspace reaches all of a large one. Pure, no clock; one thread.
 //
 // 1. Taking or leaving the clutch never moves the world pose: no force step.
-// 2. Forces pass unscaled, turned only: seen from the hand, stiffness is scaled by `scale`, and so are device
-// limits
-//    (see inWorld()).
+// 2. Forces pass unscaled, turned only: seen from the hand, stiffness is scaled by `scale`. Torques are divided by it, as
+//    the levers that make them are: so forces and torques give the hand the same share of the world's work, and what is
+//    passive in the world is passive at the device. Device limits are scaled to match (see inWorld()).
 
 #include "haptics/device.h"
 
@@ -28,7 +28,7 @@ class DeviceMapping {
   void recentre(const DeviceSample& device, const glm::dvec3& world);
 
   /// The device's limits as the scene sees them: lengths times scale; mass and damping, at equal force,
-  /// divided by it.
+  /// divided by it; torque, inertia and damping of turning, at equal angles, times scale.
   DeviceLimits inWorld(const DeviceLimits& device) const;
 
  private:

@@ -1,5 +1,6 @@
 #include "haptics/held_part.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -29,30 +30,71 @@ RigidBody bodyOf(const ContactWorld& world, PartId part) {
 
 Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 
-/// One step of a part that is a control; the wrench on the hand if that holds it.
-Wrench stepControlled(SimulatedPart& entry, const DeviceSample* device, const CouplingGains& gains,
-                      double dt) {
-  Wrench onHand;
-  if (entry.held && device != nullptr) {
-    onHand = stepHeld(entry.moved, entry.bodyFromGrip, *device, gains, dt, entry.body.worldFromBody,
-                      entry.body.twist);
-  } else {
-    stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
+/// One step of a part that is a control; adds what the hand that holds it feels.
+void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
+                    std::array<Wrench, kHands>& onHands) {
+  bool drawn = false;
+  for (std::size_t h = 0; h < kHands && !drawn; ++h) {
+    Grip& grip = entry.grips[h];
+    drawn = grip.holds && hands[h].device != nullptr;
+    if (!drawn) continue;
+    grip.onHand = stepHeld(entry.moved, grip.bodyFromGrip, *hands[h].device, hands[h].gains, dt,
+                           entry.body.worldFromBody, entry.body.twist);
+    onHands[h] = sum(onHands[h], grip.onHand);
   }
-  entry.sinceLetGo = !entry.held && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
-  return onHand;
+  if (!drawn) stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
+  entry.sinceLetGo = !entry.held() && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
+}
+
+/// What pulls a part down, m/s^2.
+glm::dvec3 gravityOn(PartId part, const TickParameters& parameters, const assets::Scene& scene) {
+  return parameters.gravity * scene.parts[part].gravityFactor;
+}
+
+/// What fades of the pull of a hand that has let go, about the centre of mass.
+Wrench endedPull(SimulatedPart& entry, double dt) {
+  if (!entry.ended.active()) return {};
+  const RigidBody& body = entry.body;
+  const glm::dvec3 at = transformPoint(body.worldFromBody, entry.endedAt);
+  entry.ended.advance(dt * velocityAt(body.worldFromBody, body.twist, at), dt * body.twist.angular, dt);
+  const Wrench now = entry.ended.now();
+  const glm::dvec3 arm = at - transformPoint(body.worldFromBody, body.centreOfMass);
+  return {now.force, now.torque + glm::cross(arm, now.force)};
+}
+
+/// The tool's spring, as if it held the part where it presses: so it is implicit, and any mass is stable.
+Coupling couplingOf(const ToolPush& tool, const Pose& worldFromBody) {
+  const Pose grip{tool.point, worldFromBody.orientation};
+  return {inverse(worldFromBody) * grip,
+          {grip.position + tool.force / tool.stiffness, grip.orientation},
+          {},
+          {tool.stiffness, 0.0, 0.0, 0.0}};
+}
+
+/// Radius of gyration, m: the size of a body to itself.
+double sizeOf(const RigidBody& body) {
+  const glm::dmat3& i = body.inertia;
+  return std::sqrt((i[0][0] + i[1][1] + i[2][2]) / (2.0 * body.mass));
+}
+
+/// Whether a part has fallen out of its scene.
+bool isLost(const RigidBody& body, const assets::Scene& scene) {
+  const glm::dvec3 size = scene.bounds.max - scene.bounds.min,
+                   middle = 0.5 * (scene.bounds.max + scene.bounds.min);
+  return glm::length(body.worldFromBody.position - middle) > 10.0 * glm::length(size);
 }
 
 }  // namespace
 
-bool HeldParts::own(const ContactWorld& world, PartId part) {
+bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
   if (owns(part)) return true;
   if (count_ == kMaxOwnedParts) return false;
   SimulatedPart& entry = parts_[static_cast<std::size_t>(count_++)];
   entry = SimulatedPart{};
   entry.part = part;
   entry.body = bodyOf(world, part);
-  entry.sinceLetGo = kSettleTime;
+  entry.sinceLetGo = awake ? 0.0 : kSettleTime;
+  entry.restPose = entry.body.worldFromBody;
   entry.moved = takeControl(world, part);
   if (entry.moved.control != nullptr) entry.sinceLetGo = 0.0;  // its springs may move it from here
   return true;
@@ -66,61 +108,181 @@ void HeldParts::disown(PartId part) {
   --count_;
 }
 
-bool HeldParts::grasp(PartId part, const Pose& worldFromDevice) {
+bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand) {
   SimulatedPart* entry = find(part);
   if (entry == nullptr) return false;
-  letGo();
-  entry->held = true;
-  entry->bodyFromGrip = inverse(entry->body.worldFromBody) * worldFromDevice;
+  const auto index = static_cast<std::size_t>(hand);
+  if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
+  letGo(parameters, hand);
+  if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
+  entry->grips[index] = {true, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
   return true;
 }
 
-void HeldParts::letGo() {
-  for (SimulatedPart& entry : parts_) {
-    if (entry.held) entry.sinceLetGo = 0.0;
-    entry.held = false;
+bool HeldParts::letGo(const TickParameters& parameters, int hand) {
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    Grip& grip = entry.grips[static_cast<std::size_t>(hand)];
+    if (!grip.holds) continue;
+    grip.holds = false;
+    entry.tool = ToolPush{};
+    if (entry.held()) {
+      // Half of what the spring held goes to the part, half to the hand: as two springs of twice the stiffness.
+      entry.ended.start({-grip.onHand.force, -grip.onHand.torque},
+                        {2.0 * parameters.graspStiffness, 2.0 * parameters.graspRotStiffness},
+                        parameters.fadeTime);
+      entry.endedAt = grip.bodyFromGrip.position;
+      return true;
+    }
+    entry.ended = Fade{};
+    entry.sinceLetGo = 0.0;
+    entry.restPose = entry.body.worldFromBody;
+    return false;
   }
+  return false;
 }
 
 void HeldParts::load(PartId part, const AxisLoad& tool) {
   if (SimulatedPart* entry = find(part)) entry->moved.tool = tool;
 }
 
-Wrench HeldParts::step(const DeviceSample* device, const TickParameters& parameters,
-                       const assets::Scene& scene) {
-  Wrench onHand;
-  for (int i = 0; i < count_; ++i) {
-    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
-    const CouplingGains gains{parameters.graspStiffness, parameters.graspDamping,
-                              parameters.graspRotStiffness, parameters.graspRotDamping};
-    if (entry.moved.control != nullptr) {
-      onHand = sum(onHand, stepControlled(entry, device, gains, parameters.dt));
-      continue;
-    }
-    if (entry.held && device != nullptr) {
-      const glm::dvec3 gravity = parameters.gravity * scene.parts[entry.part].gravityFactor;
-      onHand = stepCoupledBody(entry.body, entry.bodyFromGrip, device->worldFromDevice, device->twist, gains,
-                               gravity, parameters.dt);
-      continue;
-    }
-    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is.
-    const double decay = std::exp(-parameters.dt / kSettleDecay);
-    entry.body.twist.linear *= decay;
-    entry.body.twist.angular *= decay;
-    if (!entry.held) entry.sinceLetGo += parameters.dt;
-    if (atRest(entry)) entry.body.twist = Twist{};
-    if (entry.body.twist.linear != glm::dvec3(0.0) || entry.body.twist.angular != glm::dvec3(0.0)) {
-      entry.body.worldFromBody = integrate(entry.body.worldFromBody, entry.body.twist, parameters.dt);
-    }
-  }
-  return onHand;
+bool HeldParts::isFree(PartId part, const glm::dvec3& gravity, const PartContact* contact) {
+  if (contact == nullptr) return false;
+  return contact->joined(part) || (contact->collides(part) && gravity != glm::dvec3(0.0));
 }
 
-PartId HeldParts::held() const {
-  for (const SimulatedPart& entry : parts()) {
-    if (entry.held) return entry.part;
+void HeldParts::noteRest(SimulatedPart& entry, double dt) {
+  const double size = sizeOf(entry.body);
+  const Pose &now = entry.body.worldFromBody, &then = entry.restPose;
+  const double way = glm::length(now.position - then.position) +
+                     size * glm::length(rotationVector(now.orientation * glm::conjugate(then.orientation)));
+  entry.sinceLetGo += dt;
+  if (way < 1e-3 * size) return;
+  entry.sinceLetGo = 0.0;
+  entry.restPose = now;
+}
+
+bool HeldParts::drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
+                      const assets::Scene& scene, CoupledStep& step) {
+  const bool free = isFree(entry.part, gravity, contact);
+  if (free) {
+    if (atRest(entry) && contact->disturbed(entry.part)) entry.sinceLetGo = 0.0;
+    if (isLost(entry.body, scene)) entry.sinceLetGo = kSettleTime;
+  } else if (!entry.held()) {
+    entry.sinceLetGo += dt;
   }
-  return kNoPart;
+  if (atRest(entry)) entry.body.twist = Twist{};
+  if (free && entry.tool.stiffness > 0.0) {
+    entry.sinceLetGo = 0.0;
+    const Coupling tool = couplingOf(entry.tool, entry.body.worldFromBody);
+    step = coupleBody(entry.body, {&tool, 1}, {}, gravity, dt);
+    return true;
+  }
+  const bool awake = free && !atRest(entry);
+  if (!awake && entry.body.twist.linear == glm::dvec3(0.0) && entry.body.twist.angular == glm::dvec3(0.0))
+    return false;
+  const bool falls = free && gravity != glm::dvec3(0.0);
+  step = coast(entry.body, falls ? 1.0 : std::exp(-dt / kSettleDecay));
+  if (awake) step.freeVelocity += dt * gravity;
+  return true;
+}
+
+void HeldParts::push(PartId part, const ToolPush& tool) {
+  if (SimulatedPart* entry = find(part)) entry->tool = tool;
+}
+
+bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
+                     CoupledStep& step) {
+  std::array<Coupling, kMostCouplings> couplings;
+  std::size_t count = 0;
+  for (std::size_t h = 0; h < kHands; ++h) {
+    Grip& grip = entry.grips[h];
+    grip.onHand = Wrench{};
+    if (!grip.holds || hands[h].device == nullptr) continue;
+    const DeviceSample& device = *hands[h].device;
+    couplings[count++] = {grip.bodyFromGrip, device.worldFromDevice, device.twist, hands[h].gains};
+  }
+  if (count == 0) return false;
+  if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
+  step = coupleBody(entry.body, {couplings.data(), count}, endedPull(entry, dt), gravity, dt);
+  return true;
+}
+
+void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
+                      const glm::dvec3& velocity, const glm::dvec3& spin,
+                      std::array<Wrench, kHands>& onHands) {
+  std::size_t coupling = 0;
+  for (std::size_t h = 0; h < kHands; ++h) {
+    Grip& grip = entry.grips[h];
+    if (!grip.holds || hands[h].device == nullptr) continue;
+    grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
+    onHands[h] = sum(onHands[h], grip.onHand);
+  }
+}
+
+std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
+                                           const assets::Scene& scene, PartContact* contact) {
+  std::array<Wrench, kHands> onHands;
+  std::array<MovingPart, kMaxOwnedParts> moving;
+  std::array<SimulatedPart*, kMaxOwnedParts> entries;
+  std::size_t count = 0;
+  const double dt = parameters.dt;
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    if (entry.moved.control != nullptr) {
+      stepControlled(entry, hands, dt, onHands);
+      continue;
+    }
+    const glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
+    CoupledStep step;
+    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is.
+    if (!draw(entry, hands, gravity, dt, step) &&
+        !drift(entry, entry.held() ? glm::dvec3(0.0) : gravity, dt, contact, scene, step))
+      continue;
+    if (contact != nullptr && contact->constrains(entry.part)) {
+      entries[count] = &entry;
+      moving[count++] = {entry.part, step, &entry.body, {}};
+      continue;
+    }
+    moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
+    react(entry, hands, step, step.freeVelocity, step.freeSpin, onHands);
+  }
+  if (count == 0) return onHands;
+  contact->move({moving.data(), count}, dt, parameters.effort);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Displacement& way = moving[i].way;
+    SimulatedPart& entry = *entries[i];
+    react(entry, hands, moving[i].step, way.linear / dt, way.angular / dt, onHands);
+    if (!entry.held() && isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
+      noteRest(entry, dt);
+  }
+  if (count > 1) wakeTouched(*contact, parameters, scene);
+  return onHands;
+}
+
+void HeldParts::wakeTouched(const PartContact& contact, const TickParameters& parameters,
+                            const assets::Scene& scene) {
+  for (const PartTouch& touch : contact.touches()) {
+    SimulatedPart *of = find(touch.of), *on = find(touch.part);
+    if (of == nullptr || on == nullptr || !(touch.force > 0.0)) continue;
+    const double since = std::min(of->held() ? 0.0 : of->sinceLetGo, on->held() ? 0.0 : on->sinceLetGo);
+    for (SimulatedPart* entry : {of, on}) {
+      if (isFree(entry->part, gravityOn(entry->part, parameters, scene), &contact))
+        entry->sinceLetGo = std::min(entry->sinceLetGo, since);
+    }
+  }
+}
+
+PartId HeldParts::held(int hand) const {
+  const SimulatedPart* const entry = heldPart(hand);
+  return entry != nullptr ? entry->part : kNoPart;
+}
+
+const SimulatedPart* HeldParts::heldPart(int hand) const {
+  for (const SimulatedPart& entry : parts()) {
+    if (entry.grips[static_cast<std::size_t>(hand)].holds) return &entry;
+  }
+  return nullptr;
 }
 
 bool HeldParts::owns(PartId part) const {

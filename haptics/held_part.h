@@ -1,31 +1,67 @@
 #pragma once
 
-// The parts that one hand simulates: the one it holds, and those that settle after it let go.
+// The parts that one person's hands simulate: those they hold, and those that settle after they let go.
 //
-// 1. In this version they do not collide with other parts, and do not fall: a released part loses its
-// velocity within
-//    kSettleTime and stays where it is left. Gravity is felt as the weight of the held part only.
-// 2. Nothing here allocates.
+// 1. They collide where the scene has part models, and joints hold them (part_contact.h).
+// 2. A part is *free* if gravity pulls it and it has a model, or if a joint holds it: nobody holding it, it falls, is
+//    pushed and pushes. Any other loses its velocity within kSettleTime and stays where it is left.
+// 3. A free part that has not gone further than a thousandth of its size within kSettleTime is at rest and costs
+//    nothing, until something touches it or moves beside it.
+// 4. A part that both hands hold is drawn by both couplings in one implicit step, and each hand feels its own. Where one
+//    of them lets go, what it put on the part fades.
+// 5. Nothing here allocates.
 
 #include <array>
 #include <span>
 
 #include "haptics/contact_world.h"
 #include "haptics/controls.h"
+#include "haptics/fade.h"
+#include "haptics/part_contact.h"
 #include "haptics/tick.h"
 #include "haptics/virtual_coupling.h"
 
 namespace tandem::haptics {
 
+/// What the tool puts on a free part.
+struct ToolPush {
+  glm::dvec3 force{0.0, 0.0, 0.0};  // N, world
+  glm::dvec3 point{0.0, 0.0, 0.0};  // m, world: where
+  double stiffness = 0.0;           // N/m, by which the force falls as the part gives way; 0 = there is none
+};
+
+/// A hand's hold of a part.
+struct Grip {
+  bool holds = false;
+  Pose bodyFromGrip;
+  Wrench onHand;  // of the last step
+};
+
 /// A part simulated here.
 struct SimulatedPart {
   PartId part = kNoPart;
   RigidBody body;
-  Pose bodyFromGrip;  // where the hand holds it, while held
-  bool held = false;
-  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control: since it was last moved
+  std::array<Grip, kHands> grips;
+  Fade ended;  // on the part: what a hand put on it that let go while the other one held on
+  glm::dvec3 endedAt{0.0, 0.0, 0.0};  // m, body frame: where
+  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
+  Pose restPose;            // of a free part, where it was then
+  ToolPush tool;            // of the last tick
   MovedControl moved;       // a control moves along its axis only
+
+  bool held() const { return grips[0].holds || grips[1].holds; }
 };
+
+/// What draws at the parts that a hand holds.
+struct HandPull {
+  const DeviceSample* device = nullptr;  // null: no valid reading, or no such hand: nothing
+  CouplingGains gains;
+
+  static CouplingGains gainsOf(const TickParameters& p) {
+    return {p.graspStiffness, p.graspDamping, p.graspRotStiffness, p.graspRotDamping};
+  }
+};
+using HandPulls = std::array<HandPull, kHands>;
 
 class HeldParts {
  public:
@@ -34,28 +70,50 @@ class HeldParts {
   static constexpr double kSettleDecay = 0.03;
   static constexpr double kSettleTime = 0.3;
 
-  /// Begins to simulate a part, at rest at its pose in `world`; false if there is no room. Again: no effect.
-  bool own(const ContactWorld& world, PartId part);
+  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it. False if
+  /// there is no room. Again: no effect.
+  bool own(const ContactWorld& world, PartId part, bool awake = false);
   void disown(PartId part);
-  /// Takes an owned part at the device's pose; false if it is not owned.
-  bool grasp(PartId part, const Pose& worldFromDevice);
-  /// Lets go of what is held, if anything.
-  void letGo();
+  /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not owned, or is
+  /// a control that the other hand holds. `parameters` are the hand's.
+  bool grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand = 0);
+  /// A hand lets go of what it holds, if anything. Whether the other one still holds that.
+  bool letGo(const TickParameters& parameters, int hand = 0);
 
   /// What the tool puts on an owned control in the next step.
   void load(PartId part, const AxisLoad& tool);
+  /// What the tool puts on an owned free part in the next step.
+  void push(PartId part, const ToolPush& tool);
 
-  /// Advances all parts by parameters.dt; `device` is null in a tick without a valid sample: then nothing
-  /// pulls. Returns the coupling's wrench on the hand.
-  Wrench step(const DeviceSample* device, const TickParameters& parameters, const assets::Scene& scene);
+  /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on each hand.
+  /// `contact`: what keeps the parts off their neighbours, or null.
+  std::array<Wrench, kHands> step(const HandPulls& hands, const TickParameters& parameters,
+                                  const assets::Scene& scene, PartContact* contact);
 
   std::span<const SimulatedPart> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
-  PartId held() const;
+  PartId held(int hand = 0) const;
+  /// What a hand holds, or null.
+  const SimulatedPart* heldPart(int hand = 0) const;
   bool owns(PartId part) const;
-  static bool atRest(const SimulatedPart& part) { return !part.held && part.sinceLetGo >= kSettleTime; }
+  static bool atRest(const SimulatedPart& part) { return !part.held() && part.sinceLetGo >= kSettleTime; }
+
+  /// Whether a part that nobody holds moves by itself, under this gravity.
+  static bool isFree(PartId part, const glm::dvec3& gravity, const PartContact* contact);
 
  private:
   SimulatedPart* find(PartId part);
+  /// The step of a part that hands draw at; false if none does.
+  static bool draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
+                   CoupledStep& step);
+  /// Notes what the couplings put on the hands when the part has moved so, and adds it up.
+  static void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
+                    const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
+  /// The step of a part that nobody holds; false if it stays where it is.
+  static bool drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
+                    const assets::Scene& scene, CoupledStep& step);
+  static void noteRest(SimulatedPart& entry, double dt);
+  /// Parts that press on each other rest together or not at all.
+  void wakeTouched(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
 
   std::array<SimulatedPart, kMaxOwnedParts> parts_;
   int count_ = 0;

@@ -32,23 +32,19 @@ const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
 /// felt from here; the face itself where that rises. False if it means nothing.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
                 SurfacePoint& at, double skin) {
-  const Pose& pose = world.pose(at.part);
-  const Triangle t = world.collider(at.part).tree->triangle(at.triangle);
-  const glm::dvec3 a = transformPoint(pose, t.a), b = transformPoint(pose, t.b),
-                   c = transformPoint(pose, t.c);
+  const Triangle face = world.triangle(at.part, at.triangle);
   const auto height = [&](const glm::dvec3& p) {
     return glm::dot(cover.surface.normal, p - cover.surface.point);
   };
-  if (std::max({height(a), height(b), height(c)}) <= skin) return false;
-  takeFacePlane(a, b, c, position, at);
+  if (std::max({height(face.a), height(face.b), height(face.c)}) <= skin) return false;
+  takeFacePlane(face, position, at);
   return true;
 }
 
 }  // namespace
 
-void takeFacePlane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& position,
-                   SurfacePoint& at) {
-  const glm::dvec3 normal = glm::cross(b - a, c - a);
+void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoint& at) {
+  const glm::dvec3 normal = areaVector(face);
   const double length = glm::length(normal);
   if (!(length > 0.0)) return;
   const double side = glm::dot(normal, position - at.point);

@@ -17,10 +17,9 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy);
 /// press.
 void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy);
 
-/// Makes a contact on a triangle's edge or corner one with its plane; of a triangle of no area it stays what
-/// it is.
-void takeFacePlane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& position,
-                   SurfacePoint& at);
+/// Makes a contact on the edge or corner of a triangle (world) one with its plane; of a triangle of no area it
+/// stays what it is.
+void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoint& at);
 
 /// What a contact on an edge counts as whose face rises out of another contact's: that face's whole plane,
 /// which is right before an inner edge, or the edge alone.

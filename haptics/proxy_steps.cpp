@@ -133,11 +133,8 @@ bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const g
   SurfacePoint at = plane.surface;
   const std::uint32_t ahead = rollLimit(world, plane.surface, plane.skin, way / glm::length(way)).triangle;
   if (ahead == kNoTriangle) return false;
-  const Pose& pose = world.pose(at.part);
-  const Triangle t = world.collider(at.part).tree->triangle(ahead);
   at.triangle = ahead;
-  takeFacePlane(transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c), position,
-                at);
+  takeFacePlane(world.triangle(at.part, ahead), position, at);
   // Lower over that face, its sweep would meet the ridge.
   if (at.distance < 0.75 * plane.skin) return false;
   plane.surface = at;

@@ -81,16 +81,16 @@ constexpr int kUnset = -1;
 }  // namespace
 
 struct ServoLoop::State {
-  State(Device& d, Callback c, double rate)
-      : device(d),
+  State(Device& d, Device* other, PairCallback c, double rate)
+      : devices{&d, other},
         callback(std::move(c)),
         period_ns(static_cast<std::int64_t>(static_cast<double>(kNanosecondsPerSecond) / rate)) {}
 
   void run();
-  Wrench call(const DeviceSample& sample, double time);
+  std::array<Wrench, 2> call(const std::array<DeviceSample, 2>& samples, double time);
 
-  Device& device;
-  Callback callback;
+  const std::array<Device*, 2> devices;  // the second is null where there is none
+  PairCallback callback;
   const std::int64_t period_ns;
   std::thread thread;
 
@@ -102,9 +102,9 @@ struct ServoLoop::State {
   std::atomic<std::uint32_t> recentNext{0};
 };
 
-Wrench ServoLoop::State::call(const DeviceSample& sample, double time) {
+std::array<Wrench, 2> ServoLoop::State::call(const std::array<DeviceSample, 2>& samples, double time) {
   try {
-    return callback(sample, time);
+    return callback(samples, time);
   } catch (...) {  // an exception must not end the program with a force left on a hand
     exceptions.fetch_add(1, std::memory_order_relaxed);
     return {};
@@ -115,7 +115,9 @@ void ServoLoop::State::run() {
   flushDenormals();
   realtimeError.store(becomeRealtime());
   lockError.store(lockMemory());
-  const DeviceLimits limits = device.limits();
+  std::array<DeviceLimits, 2> limits;
+  for (std::size_t i = 0; i < 2; ++i)
+    if (devices[i] != nullptr) limits[i] = devices[i]->limits();
   ServoSchedule schedule(now_ns(), period_ns);
   OverrunGuard guard;
   std::int64_t lastWoken = 0;
@@ -127,13 +129,16 @@ void ServoLoop::State::run() {
     lastWoken = woken;
 
     const double time = 1e-9 * static_cast<double>(woken);
-    const DeviceSample sample = device.poll(time);
+    std::array<DeviceSample, 2> samples;
+    for (std::size_t i = 0; i < 2; ++i)
+      if (devices[i] != nullptr) samples[i] = devices[i]->poll(time);
     const std::int64_t before = now_ns();
-    const Wrench wrench = call(sample, time);
+    const std::array<Wrench, 2> wrenches = call(samples, time);
     const std::int64_t spent = now_ns() - before;
     const bool zero = guard.note(spent > period_ns);
     if (zero) zeroed.fetch_add(1, std::memory_order_relaxed);
-    device.apply(zero ? Wrench{} : safeWrench(wrench, limits));
+    for (std::size_t i = 0; i < 2; ++i)
+      if (devices[i] != nullptr) devices[i]->apply(zero ? Wrench{} : safeWrench(wrenches[i], limits[i]));
 
     compute.record(spent);
     const std::uint32_t slot = recentNext.load(std::memory_order_relaxed);
@@ -142,11 +147,22 @@ void ServoLoop::State::run() {
     skipped.fetch_add(static_cast<std::uint64_t>(schedule.advance(now_ns())), std::memory_order_relaxed);
     ticks.fetch_add(1, std::memory_order_release);
   }
-  device.apply(Wrench{});
+  for (Device* device : devices)
+    if (device != nullptr) device->apply(Wrench{});
 }
 
 ServoLoop::ServoLoop(Device& device, Callback callback, double rate)
-    : state_(std::make_unique<State>(device, std::move(callback), rate)) {
+    : state_(std::make_unique<State>(
+          device, nullptr,
+          [callback = std::move(callback)](const std::array<DeviceSample, 2>& samples, double now) {
+            return std::array<Wrench, 2>{callback(samples[0], now), {}};
+          },
+          rate)) {
+  ASSERT(rate > 0.0);
+}
+
+ServoLoop::ServoLoop(Device& device, Device& second, PairCallback callback, double rate)
+    : state_(std::make_unique<State>(device, &second, std::move(callback), rate)) {
   ASSERT(rate > 0.0);
 }
 

@@ -37,11 +37,16 @@ struct ServoStatistics {
 
 class ServoLoop {
  public:
+  static constexpr double kUsualRate = 1000.0;  // Hz
   /// Given a reading, the wrench to apply. `now` is seconds on the loop's monotonic clock
   /// (std::chrono::steady_clock).
   using Callback = std::function<Wrench(const DeviceSample& sample, double now)>;
 
-  ServoLoop(Device& device, Callback callback, double rate = 1000.0);
+  /// The same for two devices of one person, polled and driven in one thread.
+  using PairCallback = std::function<std::array<Wrench, 2>(const std::array<DeviceSample, 2>&, double now)>;
+
+  ServoLoop(Device& device, Callback callback, double rate = kUsualRate);
+  ServoLoop(Device& device, Device& second, PairCallback callback, double rate = kUsualRate);
   ~ServoLoop();  // stops
 
   /// Starts the thread; nothing happens when it runs already. The device must be open.

@@ -1,6 +1,7 @@
 #include "haptics/servo_schedule.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 
 #include "assets/assert.h"
@@ -27,6 +28,24 @@ bool OverrunGuard::note(bool overran) {
   if (std::popcount(history_) >= kLimit) tripped_ = true;
   if (history_ == 0) tripped_ = false;
   return tripped_;
+}
+
+void EffortGuard::note(double share) {
+  history_ = (history_ << 1) | (share > kShort ? 1u : 0u);
+  calm_ = share < kEasy ? calm_ + 1 : 0;
+  if (std::popcount(history_) >= kLimit) {
+    stage_ = std::min(stage_ + 1, kMostStages);
+    history_ = 0;  // the next stage is judged by its own ticks
+    calm_ = 0;
+  } else if (calm_ >= kCalm) {
+    stage_ = std::max(stage_ - 1, 0);
+    calm_ = 0;
+  }
+}
+
+ContactEffort EffortGuard::limited(ContactEffort set) const {
+  constexpr std::array<int, kMostStages + 1> kMostSteps = {4, 4, 2, 1};
+  return {std::min(set.steps, kMostSteps[static_cast<std::size_t>(stage_)]), set.looks >> stage_, set.exact};
 }
 
 int DurationHistogram::bucketOf(std::int64_t duration_ns) {

@@ -7,6 +7,8 @@
 #include <atomic>
 #include <cstdint>
 
+#include "haptics/contact_effort.h"
+
 namespace tandem::haptics {
 
 /// When to wake. Deadlines stay on the grid start + n * period; periods that have already passed are skipped.
@@ -42,6 +44,25 @@ class OverrunGuard {
  private:
   std::uint64_t history_ = 0;  // bit i: i ticks ago
   bool tripped_ = false;
+};
+
+/// Takes contact between parts less effort while ticks run short of their period, in this order: half the looks, a
+/// quarter of them and two steps, an eighth and one step. Parts then go less far in a tick than they could; what they
+/// touch stays exact. Effort is given back a stage at a time, once ticks have been short for kCalm of them.
+class EffortGuard {
+ public:
+  static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMostStages = 3;
+  static constexpr double kShort = 0.7, kEasy = 0.35;  // of a period
+
+  /// Notes the share of its period that a tick took.
+  void note(double share);
+  /// What the next tick may spend, of what is set.
+  ContactEffort limited(ContactEffort set) const;
+  int stage() const { return stage_; }
+
+ private:
+  std::uint64_t history_ = 0;  // bit i: i ticks ago
+  int stage_ = 0, calm_ = 0;
 };
 
 /// Durations from 0 to about 1 s in buckets of 1/16 of an octave (6 % wide): one thread records, any thread

@@ -56,7 +56,7 @@ class Walker {
   bool stand() {
     const Triangle t = world_.collider(part_).tree->triangle(triangle_);
     corners_[0] = t.a, corners_[1] = t.b, corners_[2] = t.c;
-    normal_ = glm::cross(t.b - t.a, t.c - t.a);
+    normal_ = areaVector(t);
     const double square = glm::dot(normal_, normal_);
     if (!(square > 0.0)) return false;
     normal_ /= std::sqrt(square);

@@ -39,12 +39,15 @@ class Tick {
   TickOutput run() {
     if (data_.meshChange.pending) followNewMeshes();
     noteSample();
+    if (input_.second != nullptr) data_.second.note(*input_.second, parameters_, data_.held, data_.fault);
     runCommands();
     moveParts();
     simulateOwned();
     updateLayers();
     forgetIgnored();
-    if (valid_) {
+    if (valid_ && holdsSolid()) {
+      carryTool();
+    } else if (valid_) {
       moveTool();
       // What a device tells of the speed of a hand at rest is the flicker of a quantum: nothing damps it.
       DeviceSample felt = input_.device;
@@ -59,8 +62,10 @@ class Tick {
     }
     if (!data_.fields.empty()) feelFields();
     findTouched();
+    findPushed();
     report();
     sendWrench();
+    if (input_.second != nullptr) out_.second = data_.second.send(secondCoupling_, data_.held, data_.fault);
     return out_;
   }
 
@@ -86,7 +91,7 @@ class Tick {
     if (!data_.started || elsewhere || data_.invalidTime > kProxyResetAfter) resetProxy();
     // A hand that is somewhere else holds its part where it now is: it did not draw it there.
     if (elsewhere && data_.held.held() != kNoPart) {
-      data_.held.grasp(data_.held.held(), data_.device.worldFromDevice);
+      data_.held.grasp(data_.held.held(), data_.device.worldFromDevice, parameters_);
     }
     data_.started = true;
     data_.invalidTime = 0.0;
@@ -152,16 +157,21 @@ class Tick {
       case PartCommand::Kind::own:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
         movePart(command.part, command.pose, Twist{});
-        if (!data_.held.own(data_.world, command.part)) out_.flags |= kFlagOverflow;
+        own(command.part);
         return;
       case PartCommand::Kind::grasp:
-        grasp(command.part);
+        if (command.hand == 0)
+          grasp(command.part);
+        else
+          graspBySecond(command.part);
         return;
       case PartCommand::Kind::letGo:
-        if (data_.held.held() == command.part) letGo();
+        if (command.hand != 0 && data_.held.held(1) == command.part) data_.second.letGo(data_.held);
+        if (command.hand == 0 && data_.held.held() == command.part) letGo();
         return;
       case PartCommand::Kind::disown:
         if (data_.held.held() == command.part) letGo();
+        if (data_.held.held(1) == command.part) data_.second.letGo(data_.held);
         data_.held.disown(command.part);
         return;
       case PartCommand::Kind::setPose:
@@ -174,20 +184,49 @@ class Tick {
     }
   }
 
+  void own(PartId part) {
+    const bool free = isFree(part);
+    if (!data_.held.own(data_.world, part, free)) out_.flags |= kFlagOverflow;
+    if (free) take(part);
+  }
+
   void grasp(PartId part) {
     if (!data_.started || !data_.held.owns(part) || data_.held.held() == part) return;
     if (data_.held.held() != kNoPart) letGo();
+    const bool alone = data_.held.held(1) != part;
+    if (!data_.held.grasp(part, data_.device.worldFromDevice, parameters_)) return;
     noteOthers(0.0);
-    data_.held.grasp(part, data_.device.worldFromDevice);
-    // The tool no longer touches what it holds. The force of that contact must not vanish at once.
-    fadeContactsWith(part);
+    if (alone) take(part);
+    // The tool no longer touches what it holds, nor with a solid part anything. The force of those contacts must
+    // not vanish at once.
+    if (holdsSolid()) {
+      data_.fade.start(data_.contactWrench, {stiffnessInPlay(), 0.0}, parameters_.fadeTime);
+    } else {
+      fadeContactsWith(part);
+    }
     ignore(part);
+  }
+
+  void graspBySecond(PartId part) {
+    const bool alone = data_.held.held() != part && data_.held.held(1) != part;
+    if (data_.second.grasp(part, data_.held) && alone) take(part);
+  }
+
+  /// From the first hand that holds it on.
+  void take(PartId part) {
+    if (data_.partContact == nullptr) return;
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      if (entry.part == part) data_.partContact->take(part, entry.body.centreOfMass);
+    }
   }
 
   void letGo() {
     noteOthers(0.0);
-    data_.held.letGo();
-    data_.fade.start(data_.couplingWrench, {parameters_.graspStiffness, parameters_.graspRotStiffness},
+    const bool solid = holdsSolid();
+    const double springs = data_.held.letGo(parameters_) ? 2.0 : 1.0;
+    if (solid) resetProxy();
+    data_.fade.start(data_.couplingWrench,
+                     {springs * parameters_.graspStiffness, springs * parameters_.graspRotStiffness},
                      parameters_.fadeTime);
     data_.couplingWrench = Wrench{};
   }
@@ -346,10 +385,57 @@ class Tick {
     for (const SimulatedPart& entry : data_.held.parts()) {
       const assets::Control* control = entry.moved.control;
       if (control == nullptr) continue;
-      const bool touches = valid_ && data_.started && !entry.held;
+      const bool touches = valid_ && data_.started && !entry.held();
       data_.held.load(entry.part, touches ? toolLoad(data_.world, data_.proxy, *control,
                                                      forceOfContactsWith(entry.part).force, parameters_)
                                           : AxisLoad{});
+    }
+  }
+
+  bool isFree(PartId part) const {
+    const glm::dvec3 gravity = parameters_.gravity * data_.world.scene().parts[part].gravityFactor;
+    return HeldParts::isFree(part, gravity, data_.partContact.get());
+  }
+
+  /// Whether a part would move by itself if it were owned here.
+  bool givesWay(PartId part) const {
+    const assets::Part& given = data_.world.scene().parts[part];
+    return given.movable && !given.kinematic && isFree(part) &&
+           assets::controlOf(data_.world.scene(), part) == nullptr;
+  }
+
+  /// What the tool did to the parts simulated here that are free or in the other hand, as its contacts were in the last
+  /// tick.
+  void loadFreeParts() {
+    if (data_.partContact == nullptr && data_.held.held(1) == kNoPart) return;
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      if (entry.grips[0].holds || entry.moved.control != nullptr) continue;
+      const bool touches =
+          valid_ && data_.started && pressesOn(entry.part) && (entry.grips[1].holds || givesWay(entry.part));
+      if (!touches) {
+        data_.held.push(entry.part, {});
+        continue;
+      }
+      data_.held.push(entry.part,
+                      {-forceOfContactsWith(entry.part).force, data_.proxy.position, stiffnessInPlay()});
+    }
+  }
+
+  void notePushed(PartId part) {
+    if (data_.held.owns(part) || !givesWay(part)) return;
+    for (int i = 0; i < out_.pushedCount; ++i) {
+      if (out_.pushed[static_cast<std::size_t>(i)] == part) return;
+    }
+    if (out_.pushedCount < kMaxPushed) out_.pushed[static_cast<std::size_t>(out_.pushedCount++)] = part;
+  }
+
+  void findPushed() {
+    if (data_.partContact == nullptr) return;
+    for (const PartTouch& touch : data_.partContact->touches()) notePushed(touch.part);
+    if (holdsSolid()) return;
+    for (int i = 0; i < out_.contactCount; ++i) {
+      const Contact& contact = out_.contacts[static_cast<std::size_t>(i)];
+      if (contact.force > 0.0) notePushed(contact.part);
     }
   }
 
@@ -370,13 +456,25 @@ class Tick {
 
   void simulateOwned() {
     loadControls();
-    data_.couplingWrench =
-        data_.held.step(valid_ ? &input_.device : nullptr, parameters_, data_.world.scene());
+    loadFreeParts();
+    // The flicker of an encoder's quantum is no speed of the hand: no damper shall follow it.
+    DeviceSample felt = input_.device;
+    if (atRest_) felt.twist.linear = glm::dvec3(0.0);
+    HandPulls hands;
+    hands[0] = {valid_ ? &felt : nullptr, HandPull::gainsOf(parameters_)};
+    if (input_.second != nullptr) hands[1] = data_.second.pull();
+    const std::array<Wrench, kHands> onHands =
+        data_.held.step(hands, parameters_, data_.world.scene(), data_.partContact.get());
+    data_.couplingWrench = onHands[0], secondCoupling_ = onHands[1];
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
-      movePart(entry.part, entry.body.worldFromBody, entry.body.twist, entry.moved.control != nullptr);
+      movePart(entry.part, entry.body.worldFromBody, entry.body.twist,
+               entry.moved.control != nullptr || entry.tool.stiffness > 0.0);
     }
-    if (data_.held.held() != kNoPart) out_.flags |= kFlagHeldWithoutContact;
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      if (entry.held() && (data_.partContact == nullptr || !data_.partContact->collides(entry.part)))
+        out_.flags |= kFlagHeldWithoutContact;
+    }
   }
 
   /// The tool may touch a part again once both the device and the proxy are out of it: then there is no
@@ -404,6 +502,31 @@ class Tick {
     out_.flags |= kFlagPopThrough;
     ignore(part);
     moveTool();
+  }
+
+  /// Whether the hand holds a part that touches others: then that is what it feels, and not its tool.
+  bool holdsSolid() const {
+    const SimulatedPart* const held = data_.held.heldPart();
+    return held != nullptr && held->moved.control == nullptr && data_.partContact != nullptr &&
+           data_.partContact->constrains(held->part);
+  }
+
+  /// The tool goes with the part in the hand; the part's contacts are what is touched.
+  void carryTool() {
+    const SimulatedPart& held = *data_.held.heldPart();
+    data_.proxy = Proxy{};
+    data_.proxy.position = transformPoint(held.body.worldFromBody, held.grips[0].bodyFromGrip.position);
+    data_.contactWrench = Wrench{};
+    for (const PartTouch& touch : data_.partContact->touches()) {
+      if (out_.contactCount == kMaxContacts) break;
+      if (touch.of != held.part && touch.part != held.part) continue;
+      const bool first = touch.of == held.part;
+      out_.contacts[static_cast<std::size_t>(out_.contactCount++)] = {
+          first ? touch.part : touch.of, touch.point, first ? touch.normal : -touch.normal, touch.force};
+    }
+    const PartContact::Work& work = data_.partContact->work();
+    if (work.overflow || work.exhausted) out_.flags |= kFlagOverflow;
+    if (work.infeasible > 0) out_.flags |= kFlagSqueezed;
   }
 
   void moveTool() {
@@ -462,7 +585,7 @@ class Tick {
     out_.held = data_.held.held();
     for (const SimulatedPart& entry : data_.held.parts()) {
       out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {
-          entry.part, entry.body.worldFromBody, entry.body.twist, entry.held, HeldParts::atRest(entry)};
+          entry.part, entry.body.worldFromBody, entry.body.twist, entry.held(), HeldParts::atRest(entry)};
     }
   }
 
@@ -494,6 +617,7 @@ class Tick {
   ForceCause cause_;
   glm::dvec3 handMove_{0.0}, handTurn_{0.0};  // m and rad, that the hand went since the last tick
   double handWay_ = 0.0, othersWay_ = 0.0;    // m, that the hand and what it touches went in this tick
+  Wrench secondCoupling_;                     // what the second hand's coupling puts on it
   TickOutput out_;
 };
 
@@ -510,6 +634,8 @@ TickState::Data::Data(const ContactScene& contactScene)
   movedAt.resize(parts);
   near.reserve(parts);
   measureReach();
+  if (!scene->models.empty() || !contactScene.scene().joints.empty())
+    partContact = std::make_unique<PartContact>(world);
 }
 
 void TickState::Data::measureReach() {

@@ -18,6 +18,7 @@
 
 #include "assets/ids.h"
 #include "assets/pose.h"
+#include "haptics/contact_effort.h"
 #include "haptics/contact_scene.h"
 #include "haptics/device.h"
 #include "haptics/fault.h"
@@ -27,6 +28,8 @@ namespace tandem::haptics {
 inline constexpr int kMaxContacts = 3;    // simultaneous constraints of the proxy
 inline constexpr int kMaxOwnedParts = 8;  // that one hand simulates at once: held, or settling after release
 inline constexpr int kMaxPartCommands = 8;
+inline constexpr int kMaxPushed = 4;
+inline constexpr int kHands = 2;  // of one person, that one tick lets hold parts
 
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
 struct TickParameters {
@@ -54,6 +57,7 @@ struct TickParameters {
   double gain = 1.0;                  // 0..1, of the wrench sent
   bool zeroForce = false;             // the user's emergency key
   glm::dvec3 gravity{0.0, 0.0, 0.0};  // m/s^2, felt as the weight of the held part
+  ContactEffort effort;               // of parts that move here
 };
 
 /// A part that others move: its pose and velocity for this tick.
@@ -66,7 +70,7 @@ struct PartMotion {
 /// What the owner's side decides about parts; carried out in order at the start of a tick.
 struct PartCommand {
   enum class Kind : std::uint8_t {
-    own,      // this tick simulates the part from now on, from `pose`
+    own,  // this tick simulates the part from now on, from `pose`; held_part.h tells which ones move by themselves
     grasp,    // couple the device to an owned part, at the relative pose they have now: no force at first
     letGo,    // end the coupling; the force fades; the part settles and stays where it is left
     disown,   // others move the part from now on; a coupling to it ends as in letGo
@@ -75,6 +79,16 @@ struct PartCommand {
   Kind kind = Kind::own;
   PartId part = kNoPart;
   Pose pose;
+  std::uint8_t hand = 0;  // of grasp and letGo: which hand; 1 = TickInput::second
+};
+
+/// The other hand of the same person, on a device of its own. It holds parts that this tick simulates: the same one as
+/// the first hand, or another. What its bare tool feels is for a TickState of its own.
+struct SecondHand {
+  DeviceSample device;
+  // Of its device, with the same dt; null: those of the first hand.
+  const TickParameters* parameters = nullptr;
+  Wrench tool;  // what its bare tool feels, while it holds nothing; fades when it takes a part
 };
 
 struct TickInput {
@@ -83,6 +97,7 @@ struct TickInput {
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
   // s, the session's clock, for fields that change with time; not finite: the reading's own time
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
+  const SecondHand* second = nullptr;  // null: there is none, or it holds nothing
 };
 
 /// One constraint that the proxy rests on.
@@ -100,13 +115,14 @@ enum TickFlag : std::uint32_t {
   kFlagOverflow = 1u << 3,  // something did not fit a fixed capacity and was dropped
   kFlagFault = 1u << 4,     // a broken invariant in the tick: force ramps to zero until resetFault()
   kFlagSqueezed = 1u << 5,  // the proxy could not stay outside everything
-  kFlagHeldWithoutContact = 1u << 6,  // a held part does not collide with others in this version
+  kFlagHeldWithoutContact = 1u << 6,  // nothing tells what the held part touches: it passes through others
   kFlagProxyReset = 1u << 7,          // the proxy was put back onto the device (start, recovery)
   kFlagStaleSample = 1u << 8,         // zero force: the reading's time stamp stands still
   kFlagSampleJump = 1u << 9,          // zero force: no hand moves this fast
   kFlagPassivity = 1u << 10,          // the passivity controller damps
   kFlagPopThrough = 1u << 11,    // a surface gave way in this tick; passed through until the tool has left it
   kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
+  kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
 };
 
 /// A part simulated in this tick.
@@ -114,8 +130,16 @@ struct OwnedPart {
   PartId part = kNoPart;
   Pose worldFromPart;
   Twist twist;
-  bool held = false;
+  bool held = false;    // by either hand
   bool atRest = false;  // nothing moves it: its owner may release it
+};
+
+/// What a second hand gets from the part that it holds.
+struct SecondHandOutput {
+  Wrench toHand;       // at its device's tip, limited
+  Pose worldFromGrip;  // where it is seen: at the part that it holds, else at its device
+  PartId held = kNoPart;
+  std::uint32_t flags = 0;  // those of its readings and limits
 };
 
 struct TickOutput {
@@ -127,8 +151,13 @@ struct TickOutput {
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
+  // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on: `own`
+  // lets them.
+  std::array<PartId, kMaxPushed> pushed;
+  int pushedCount = 0;
   double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent
   std::uint32_t flags = 0;
+  SecondHandOutput second;  // with TickInput::second
 };
 
 /// Everything that a tick remembers from one to the next. Allocated once, for one scene.

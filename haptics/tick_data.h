@@ -3,6 +3,7 @@
 // What TickState holds. For tick.cpp, the report and the tests that look inside.
 
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "haptics/apply_surface.h"
@@ -14,9 +15,11 @@
 #include "haptics/held_part.h"
 #include "haptics/mesh_change.h"
 #include "haptics/output_limits.h"
+#include "haptics/part_contact.h"
 #include "haptics/proxy.h"
 #include "haptics/resting_reading.h"
 #include "haptics/sample_guard.h"
+#include "haptics/second_hand.h"
 #include "haptics/tick.h"
 
 namespace tandem::haptics {
@@ -31,6 +34,7 @@ struct TickState::Data {
   const ContactScene::Data* scene;
   ContactWorld world;
   HeldParts held;
+  std::unique_ptr<PartContact> partContact;  // null: the scene has no part models
   Layers layers;
   Proxy proxy;
   SurfaceState surface;
@@ -42,18 +46,19 @@ struct TickState::Data {
   Wrench contactWrench;  // of the last tick, before limits
   Wrench couplingWrench;
   ForceFields fields;
-  Wrench fieldWrench;                  // of this tick, before limits
-  double sentShare = 0.0;              // of the force that the last tick wanted, how much left for the hand
-  DeviceSample device;                 // the last valid one
-  double invalidTime = 0.0;            // s since the last valid sample
-  MeshChange meshChange;               // since the last tick
-  bool started = false;                // there has been a valid sample
-  double touchReach = 0.0;             // m, the largest of all parts
-  std::vector<std::uint32_t> near;     // of the parts moved in this tick; capacity for all
-  std::vector<PartId> moving;          // parts with a twist from this tick; capacity for all
-  std::vector<PartId> movedBefore;     // those of the last tick
-  std::vector<std::uint32_t> movedAt;  // per part: the last tick in which others moved it
-  std::uint32_t tickNumber = 0;        // wraps: only equality with movedAt is asked
+  Wrench fieldWrench;      // of this tick, before limits
+  double sentShare = 0.0;  // of the force that the last tick wanted, how much left for the hand
+  SecondHandPort second;
+  DeviceSample device;                        // the last valid one
+  double invalidTime = 0.0;                   // s since the last valid sample
+  MeshChange meshChange;                      // since the last tick
+  bool started = false;                       // there has been a valid sample
+  double touchReach = 0.0;                    // m, the largest of all parts
+  std::vector<std::uint32_t> near;            // of the parts moved in this tick; capacity for all
+  std::vector<PartId> moving;                 // parts with a twist from this tick; capacity for all
+  std::vector<PartId> movedBefore;            // those of the last tick
+  std::vector<std::uint32_t> movedAt;         // per part: the last tick in which others moved it
+  std::uint32_t tickNumber = 0;               // wraps: only equality with movedAt is asked
   std::array<PartId, kMaxIgnored> ignored{};  // parts that the tool passes through until it has left them
   int ignoredCount = 0;
 };

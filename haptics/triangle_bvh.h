@@ -102,6 +102,12 @@ class TriangleBvh {
 
   static std::uint32_t leafCount(std::uint32_t child) { return (child >> 28) & 7u; }
 
+  /// For walks over two trees at once: nodes()[0] is the root (none where empty()); boxes are relative to
+  /// centre(); leafTriangle(i) is the triangle at place i of the leaves' order.
+  std::span<const Node> nodes() const { return {nodes_.get(), nodeCount_}; }
+  const glm::dvec3& centre() const { return centre_; }  // m, mesh frame
+  std::uint32_t leafTriangle(std::uint32_t place) const { return order_[place]; }
+
  private:
   template <typename Visit>
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;

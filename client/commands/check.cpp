@@ -5,7 +5,10 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
+#include "assets/fit_findings.h"
 #include "assets/percentiles.h"
+#include "client/commands/check_clashes.h"
+#include "client/commands/check_contact.h"
 #include "client/commands/command.h"
 #include "client/device_class.h"
 #include "client/part_stroke.h"
@@ -22,11 +25,29 @@ struct Arguments {
   SceneArguments scene;
   std::string device = "desktop";
   double delay_ms = 0.0;
-  bool json = false;
+  bool json = false, models = false;
+  ClashArguments clashes;
 };
 
-/// How a part is modelled for contact, and what that costs.
-struct PartModel {
+/// The coupling to a held part on a device.
+struct GraspFit {
+  haptics::CouplingGains most, used;
+  bool kept = false;  // the defaults are within what is stable
+};
+
+GraspFit fitGrasp(const haptics::DeviceLimits& limits, double delay) {
+  const haptics::TickParameters defaults;
+  haptics::TickParameters fitted;
+  haptics::fitToDevice(limits, delay, fitted);
+  return {haptics::stiffestGrasp(limits, defaults.dt, delay),
+          {fitted.graspStiffness, fitted.graspDamping, fitted.graspRotStiffness, fitted.graspRotDamping},
+          fitted.graspStiffness == defaults.graspStiffness && fitted.graspDamping == defaults.graspDamping &&
+              fitted.graspRotStiffness == defaults.graspRotStiffness &&
+              fitted.graspRotDamping == defaults.graspRotDamping};
+}
+
+/// How a part is modelled for the stylus, and what that costs.
+struct StylusModel {
   std::string name, model;
   std::size_t triangles = 0, bytes = 0;
   double error = 0.0;        // m, PartStroke::error: tessellation of the file's own surfaces is not in it
@@ -36,11 +57,11 @@ struct PartModel {
   double mass = 0.0;
 };
 
-PartModel modelOf(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
-                  haptics::TickState& state, PartId id) {
+StylusModel modelOf(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
+                    haptics::TickState& state, PartId id) {
   const assets::Scene& scene = contact.scene();
   const assets::Part& part = scene.parts[id];
-  PartModel model;
+  StylusModel model;
   model.name = part.name;
   model.triangles = assets::triangleCount(scene, part);
   model.bytes = part.mesh == assets::kNone ? 0 : contact.memory(part.mesh);
@@ -96,12 +117,35 @@ nlohmann::ordered_json featureJson(const Feature& feature, const char* name, con
   return json;
 }
 
-nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<PartModel>& models,
-                              const Features& features, const DeviceClass& device, const Arguments& arguments,
+void printGrasp(const DeviceClass& device, const Arguments& arguments) {
+  const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
+  std::printf("stiffest stable grasp: %.0f N/m", fit.most.stiffness);
+  if (fit.most.rotStiffness > 0.0)
+    std::printf(" and %.3g N*m/rad (damping %.2g N*m*s/rad)", fit.most.rotStiffness,
+                device.limits.rotDamping);
+  else
+    std::printf("; the device drives no torque, so turning has no limit of its own");
+  std::printf("; %.0f N/m and %.3g N*m/rad in use, %s\n", fit.used.stiffness, fit.used.rotStiffness,
+              fit.kept ? "the defaults" : "lowered from the defaults");
+}
+
+nlohmann::ordered_json graspJson(const DeviceClass& device, const Arguments& arguments) {
+  const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
+  const bool turns = fit.most.rotStiffness > 0.0;
+  return {{"stiffest_n_per_m", fit.most.stiffness},
+          {"stiffest_n_m_per_rad", turns ? nlohmann::ordered_json(fit.most.rotStiffness) : nullptr},
+          {"used_n_per_m", fit.used.stiffness},
+          {"used_n_m_per_rad", fit.used.rotStiffness},
+          {"defaults_kept", fit.kept}};
+}
+
+nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
+                              const std::vector<ContactModel>& contact, const Features& features,
+                              const DeviceClass& device, const Arguments& arguments,
                               const FeatureLimits& limits) {
   nlohmann::ordered_json json;
   json["parts"] = nlohmann::ordered_json::array();
-  for (const PartModel& m : models)
+  for (const StylusModel& m : models)
     json["parts"].push_back({{"name", m.name},
                              {"model", m.model},
                              {"triangles", m.triangles},
@@ -111,6 +155,7 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
                              {"memory_bytes", m.bytes},
                              {"movable", m.movable},
                              {"mass_kg", m.mass}});
+  json["contact"] = contactJson(scene, contact);
   json["findings"] = nlohmann::ordered_json::array();
   for (const assets::Finding& f : scene.findings)
     json["findings"].push_back({{"severity", severity(f.severity)},
@@ -143,6 +188,7 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Part
   json["delay_ms"] = arguments.delay_ms;
   json["stiffest_stable_n_per_m"] = limits.stiffest;
   json["stiffest_controlled_n_per_m"] = limits.contact;
+  json["grasp"] = graspJson(device, arguments);
   return json;
 }
 
@@ -160,14 +206,15 @@ void printRemarks(const char* what, const std::vector<Feature>& features) {
   }
 }
 
-void print(const assets::Scene& scene, const std::vector<PartModel>& models, const Features& features,
-           const DeviceClass& device, const Arguments& arguments, const FeatureLimits& limits) {
+void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
+           const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
+           const Arguments& arguments, const FeatureLimits& limits) {
   std::size_t width = 8;
-  for (const PartModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
+  for (const StylusModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
   std::printf("%-*s %-9s %9s %8s %15s %9s %s\n", w, "part", "model", "triangles", "error um",
               "tick us p50/p99", "memory kB", "movable");
-  for (const PartModel& m : models) {
+  for (const StylusModel& m : models) {
     std::printf("%-*.40s %-9s %9zu ", w, m.name.c_str(), m.model.c_str(), m.triangles);
     m.touching > 0 ? std::printf("%8.2g", m.error * 1e6) : std::printf("%8s", "-");
     std::printf(" %7.2f/%7.2f %9.1f ", m.cost_us_p50, m.cost_us_p99, static_cast<double>(m.bytes) / 1e3);
@@ -176,6 +223,7 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
     else
       std::printf("-\n");
   }
+  printContact(scene, contact);
   std::printf("\n%zu parts, %zu triangles\n", scene.parts.size(), assets::triangleCount(scene));
   printFeatures("surface", oneEachMaterial(features.surfaces));
   printFeatures("field", features.fields);
@@ -191,6 +239,19 @@ void print(const assets::Scene& scene, const std::vector<PartModel>& models, con
       "\nstiffest stable contact: %.0f N/m on %s (damping %.2f N*s/m, 1 kHz, delay in the loop %.1f ms); "
       "%.0f N/m under the passivity controller, as 'tandem join' has it\n",
       limits.stiffest, device.what, device.limits.damping, arguments.delay_ms, limits.contact);
+  printGrasp(device, arguments);
+}
+
+/// Without --models only what is there already.
+void makeModels(haptics::ContactScene& contact, const Arguments& arguments) {
+  if (arguments.models) {
+    modelParts(contact, arguments.scene.noCache);
+  } else if (!arguments.scene.noCache) {
+    haptics::ModelOptions options;
+    options.cacheDirectory = assets::defaultCacheDirectory();
+    options.onlyCached = true;
+    static_cast<void>(contact.modelParts(options));
+  }
 }
 
 int run(const Arguments& arguments) {
@@ -199,12 +260,16 @@ int run(const Arguments& arguments) {
     return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
   Result<assets::Scene> scene = loadScene(arguments.scene);
   if (!scene) return badInput(scene.error());
-  const haptics::ContactScene contact(*scene);
+  if (arguments.clashes.asked()) return runClashes(*scene, arguments.clashes);
+  for (assets::Finding& finding : assets::fitFindings(*scene)) scene->findings.push_back(std::move(finding));
+  haptics::ContactScene contact(*scene);
+  makeModels(contact, arguments);
   const haptics::ContactWorld world(contact);
   haptics::TickState state(contact);
-  std::vector<PartModel> models;
+  std::vector<StylusModel> models;
   for (std::size_t i = 0; i < scene->parts.size(); ++i)
     models.push_back(modelOf(contact, world, state, static_cast<PartId>(i)));
+  const std::vector<ContactModel> held = contactModels(contact, arguments.models);
   const double stiffest =
       haptics::stiffestContact(device->limits, haptics::TickParameters{}.dt, arguments.delay_ms * 1e-3);
   const double contactLimit =
@@ -216,9 +281,9 @@ int run(const Arguments& arguments) {
   const Features features{surfaceFeatures(*scene, limits), fieldFeatures(*scene, limits),
                           controlFeatures(*scene, limits)};
   if (arguments.json)
-    std::printf("%s\n", toJson(*scene, models, features, *device, arguments, limits).dump(2).c_str());
+    std::printf("%s\n", toJson(*scene, models, held, features, *device, arguments, limits).dump(2).c_str());
   else
-    print(*scene, models, features, *device, arguments, limits);
+    print(*scene, models, held, features, *device, arguments, limits);
   return kExitDone;
 }
 
@@ -234,7 +299,33 @@ void addCheck(CLI::App& app, int& exitCode) {
   command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")
       ->check(numberFrom(0.0, 1e6));
   command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command->add_flag(
+      "--models", arguments->models,
+      "Make what parts in the hand need to collide, where the cache does not have it (large scenes: "
+      "minutes), and try each part; without it, what the cache has is shown");
+  CLI::Option* clash = command->add_flag(
+      "--clash", arguments->clashes.all,
+      "Instead of the above: which parts overlap and how deep, which touch, standing as in the file");
+  command
+      ->add_option("--clearance", arguments->clashes.clearance,
+                   "With --clash: also pairs of parts nearer to each other than this, m")
+      ->check(numberFrom(0.0, 1e6))
+      ->needs(clash);
+  command
+      ->add_option(
+          "--tolerance", arguments->clashes.tolerance,
+          "With --clash: overlaps no deeper than this are touches, m [a millionth of the larger part]")
+      ->check(numberFrom(0.0, 1e6))
+      ->needs(clash);
+  command
+      ->add_option("--distance", arguments->clashes.distance,
+                   "Instead of the above: how far two parts are from each other, or how deep they overlap")
+      ->expected(2)
+      ->type_name("PART PART");
+  command->callback([arguments, &exitCode] {
+    arguments->clashes.json = arguments->json;
+    exitCode = run(*arguments);
+  });
 }
 
 }  // namespace tandem::client

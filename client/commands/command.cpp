@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -10,6 +11,8 @@
 #include <fstream>
 
 #include <CLI/CLI.hpp>
+
+#include "haptics/contact_scene.h"
 
 namespace tandem::client {
 
@@ -59,6 +62,36 @@ Result<assets::Scene> loadScene(const SceneArguments& arguments) {
       assets::loadScene(arguments.path, *options, arguments.noCache ? "" : assets::defaultCacheDirectory());
   if (terminal) std::fputs("\r\033[K", stderr);
   return scene;
+}
+
+void modelParts(haptics::ContactScene& contact, bool noCache) {
+  haptics::ModelOptions options;
+  if (!noCache) options.cacheDirectory = assets::defaultCacheDirectory();
+  ProgressLine line;
+  options.progress = [&](double done, const char* what) {
+    line.show(done, what);
+    return true;
+  };
+  static_cast<void>(contact.modelParts(options));  // nobody stops it
+}
+
+ProgressLine::ProgressLine(bool named) : named_(named), start_(std::chrono::steady_clock::now()) {}
+
+ProgressLine::~ProgressLine() {
+  if (!what_.empty() && isatty(STDERR_FILENO) != 0) std::fputs("\r\033[K", stderr);
+}
+
+void ProgressLine::show(double done, const char* what) {
+  constexpr std::chrono::milliseconds kLong(500);
+  if (std::chrono::steady_clock::now() - start_ < kLong) return;
+  const bool terminal = isatty(STDERR_FILENO) != 0, other = what_ != what;
+  if (terminal && (other || std::abs(done - done_) >= 0.01)) {
+    std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * done, what);
+    done_ = done;
+  } else if (!terminal && other && named_) {
+    std::fprintf(stderr, "tandem: %s\n", what);
+  }
+  what_ = what;
 }
 
 std::string inShort(double value) {

@@ -4,6 +4,7 @@
 // when it is the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or
 // input.
 
+#include <chrono>
 #include <string>
 
 #include "assets/load_gltf.h"
@@ -12,6 +13,10 @@
 
 namespace CLI {
 class App;
+}
+
+namespace tandem::haptics {
+class ContactScene;
 }
 
 namespace tandem::client {
@@ -40,6 +45,26 @@ void addSceneOptions(CLI::App& command, SceneArguments& arguments);
 Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);
 /// Loads the scene through the user's cache, with a progress bar if stderr is a terminal.
 Result<assets::Scene> loadScene(const SceneArguments& arguments);
+
+/// What takes longer than half a second says on stderr how far it is: a line that is drawn anew on a terminal;
+/// elsewhere nothing, or one line that names it.
+class ProgressLine {
+ public:
+  explicit ProgressLine(bool named = false);
+  ~ProgressLine();  // clears a terminal's line
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+  void show(double done, const char* what);  // done: 0..1
+
+ private:
+  bool named_;
+  std::chrono::steady_clock::time_point start_;
+  std::string what_;    // as last shown; empty: nothing was
+  double done_ = -1.0;  // as last shown
+};
+
+/// Makes the models by which a part in the hand collides, through the user's cache, with a ProgressLine.
+void modelParts(haptics::ContactScene& contact, bool noCache);
 
 using assets::numberFrom;
 

@@ -14,6 +14,8 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/clash_search.h"
+#include "client/clearance_watch.h"
 #include "client/commands/command.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
@@ -28,9 +30,10 @@ namespace tandem::client {
 namespace {
 
 struct Arguments {
-  std::string link, device, calibration, hand, screenshot, record, json, trace, name, colour, cache;
-  bool headless = false, tcp = false, quiet = false;
-  double duration = 0.0;
+  std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
+      record, json, trace, name, colour, cache;
+  bool headless = false, tcp = false, quiet = false, noPartContact = false;
+  double duration = 0.0, clashes = -1.0;  // s; m, below 0: the list of clashes stays shut
   int width = 1440, height = 900;
 };
 
@@ -41,6 +44,7 @@ struct Report {
   std::vector<OwnershipNote> ownership;
   std::vector<GrabNote> grabs;
   int faultClears = 0;
+  double modelSeconds = 0.0;  // until parts in the hand could collide
   void collect(JoinedSite& site) {
     for (OwnershipNote& note : site.takeOwnershipNotes()) ownership.push_back(note);
     for (GrabNote& note : site.takeGrabNotes()) grabs.push_back(note);
@@ -70,9 +74,10 @@ struct Hand {
   ScriptedDevice* scripted = nullptr;
 };
 
-/// Opens the device of --device, placed as --calibration says.
+/// Opens the device of `option` (--device), placed as its calibration says.
 Result<std::unique_ptr<haptics::Device>> openNamed(const std::string& name, const std::string& calibration,
-                                                   const std::optional<Pose>& start) {
+                                                   const std::optional<Pose>& start,
+                                                   const char* option = "--device") {
   std::optional<haptics::Colocation> placed;
   if (!calibration.empty()) {
     Result<haptics::Colocation> loaded = haptics::loadColocation(calibration);
@@ -81,23 +86,61 @@ Result<std::unique_ptr<haptics::Device>> openNamed(const std::string& name, cons
   }
   Result<std::unique_ptr<haptics::Device>> device =
       haptics::openDevice(name, start, placed ? &*placed : nullptr);
-  if (!device) return Error{"--device " + name + ": " + device.error().message};
+  if (!device) return Error{std::string(option) + ' ' + name + ": " + device.error().message};
   return device;
+}
+
+Result<Hand> scriptedHand(const std::string& path, JoinedSite& site, const Pose& start) {
+  Result<HandScript> script = loadHandScript(path, site.scene());
+  if (!script) return script.error();
+  Hand hand;
+  auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
+                                                 haptics::SimulatedDeviceParameters{}, start,
+                                                 [&site](PartId part) { return site.worldFromPart(part); });
+  hand.scripted = device.get();
+  hand.device = std::move(device);
+  return hand;
+}
+
+bool hasSecondHand(const Arguments& arguments) {
+  return (!arguments.secondDevice.empty() && arguments.secondDevice != "none") ||
+         !arguments.secondHand.empty();
+}
+
+/// The same person's other hand; without a device if there is none.
+Result<Hand> makeSecondHand(const Arguments& arguments, JoinedSite& site) {
+  if (!hasSecondHand(arguments)) return Hand{};
+  // On the other side of the scene, where no other site's hand begins.
+  Pose start = defaultHandStart(site.scene(), site.id() + 1u);
+  start.position.y += 0.1 * glm::length(site.scene().bounds.max - site.scene().bounds.min);
+  if (!arguments.secondHand.empty()) return scriptedHand(arguments.secondHand, site, start);
+  Result<std::unique_ptr<haptics::Device>> device =
+      openNamed(arguments.secondDevice, arguments.secondCalibration, start, "--second-device");
+  if (!device) return device.error();
+  Hand hand;
+  hand.device = std::move(*device);
+  return hand;
+}
+
+/// What can be said of the second hand before there is a session.
+Status checkSecondHand(const Arguments& arguments) {
+  if (!arguments.secondHand.empty()) return checkHandScript(arguments.secondHand);
+  const std::string& name = arguments.secondDevice;
+  if (name.empty()) return {};
+  const Error refused{"--second-device " + name + ": "};
+  if (name == "stylus") return Error{refused.message + "the mouse is for the first hand"};
+  if (name == arguments.device && name != "none")
+    return Error{refused.message + "the first hand has it; two of one kind are not told apart"};
+  auto device = openNamed(name, arguments.secondCalibration, std::nullopt, "--second-device");
+  if (!device) return device.error();
+  (*device)->close();
+  return {};
 }
 
 Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window) {
   Hand hand;
   const Pose start = defaultHandStart(site.scene(), site.id());
-  if (!arguments.hand.empty()) {
-    Result<HandScript> script = loadHandScript(arguments.hand, site.scene());
-    if (!script) return script.error();
-    auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
-                                                   haptics::SimulatedDeviceParameters{}, start,
-                                                   [&site](PartId part) { return site.worldFromPart(part); });
-    hand.scripted = device.get();
-    hand.device = std::move(device);
-    return hand;
-  }
+  if (!arguments.hand.empty()) return scriptedHand(arguments.hand, site, start);
   const std::string name = !arguments.device.empty() ? arguments.device : window ? "stylus" : "none";
   if (name == "stylus") {
     auto device = std::make_unique<haptics::VirtualStylus>(start);
@@ -134,6 +177,13 @@ class PoseTrace {
   std::ofstream file_;
 };
 
+nlohmann::ordered_json flagNames(std::uint32_t flags) {
+  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  for (const auto& [flag, name] : tickFlagNames())
+    if ((flags & flag) != 0) names.push_back(name);
+  return names;
+}
+
 std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& report,
                        const std::string& end) {
   nlohmann::ordered_json json;
@@ -154,13 +204,19 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["reconnects"] = link.reconnects;
   json["dropped_states"] = link.droppedStates;
   json["state_over_udp"] = model.link.stateOverUdp;
-  json["flags_seen"] = nlohmann::ordered_json::array();
-  for (const auto& [flag, name] : tickFlagNames())
-    if ((model.hand.flagsSeen & flag) != 0) json["flags_seen"].push_back(name);
+  json["flags_seen"] = flagNames(model.hand.flagsSeen);
   json["fault"] = nullptr;
   if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
   json["fault_clears"] = report.faultClears;
   json["stiffest_contact_n_per_m"] = model.hand.stiffest;
+  json["models_s"] = report.modelSeconds;
+  if (const SecondHandView& second = model.hand.second; !second.deviceName.empty()) {
+    json["second_hand"] = {{"device", second.deviceName},
+                           {"held", nullptr},
+                           {"largest_force_n", second.mostForce},
+                           {"flags_seen", flagNames(second.flagsSeen)}};
+    if (second.held != kNoPart) json["second_hand"]["held"] = site.scene().parts[second.held].name;
+  }
   json["grabs"] = nlohmann::ordered_json::array();
   for (const GrabNote& grab : report.grabs)
     json["grabs"].push_back({{"t", grab.time},
@@ -184,19 +240,6 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   return json.dump(2);
 }
 
-Status offscreenPicture(const Arguments& arguments, const ViewModel& model) {
-  ViewerOptions options;
-  options.width = arguments.width;
-  options.height = arguments.height;
-  Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*model.scene, options);
-  if (!viewer) return viewer.error();
-  for (int i = 0; i < 3; ++i)
-    static_cast<void>((*viewer)->frame(model));  // panels find their sizes in the first frames
-  (*viewer)->fitAll();                           // parts and hands may be far from where the scene began
-  static_cast<void>((*viewer)->frame(model));
-  return (*viewer)->screenshot(arguments.screenshot);
-}
-
 class JoinRun {
  public:
   JoinRun(const Arguments& arguments, JoinedSite& site) : arguments_(arguments), site_(site) {}
@@ -212,8 +255,13 @@ class JoinRun {
       if (!viewer) return badInput(viewer.error());
       viewer_ = std::move(*viewer);
     }
+    if (Status ready = modelParts(); !ready) return badInput(ready.error());
+    if (window || !arguments_.screenshot.empty())
+      clearance_ = std::make_unique<ClearanceWatch>(site_.contact());
     Result<Hand> hand = makeHand(arguments_, site_, window);
     if (!hand) return badInput(hand.error());
+    Result<Hand> second = makeSecondHand(arguments_, site_);
+    if (!second) return badInput(second.error());
     if (!arguments_.trace.empty()) {
       trace_ = std::make_unique<PoseTrace>(arguments_.trace);
       if (!trace_->good()) return badInput(Error{arguments_.trace + ": cannot be written"});
@@ -221,12 +269,17 @@ class JoinRun {
     }
     haptics::VirtualStylus* stylus = hand->stylus;
     haptics::SteeredHand* steered = hand->steered;
-    ScriptedDevice* scripted = hand->scripted;
-    site_.start(std::move(hand->device),
-                scripted ? [scripted](HandLoop& loop) {
-                  loop.setWish(scripted->wish());
-                  loop.setControl(scripted->control());
-                } : std::function<void(HandLoop&)>());
+    const auto prepare = [first = hand->scripted, other = second->scripted](HandLoop& loop) {
+      if (first) {
+        loop.setWish(first->wish());
+        loop.setControl(first->control());
+      }
+      if (other) {
+        loop.setWish(other->wish(), 1);
+        loop.setControl(other->control(), 1);
+      }
+    };
+    site_.start(std::move(hand->device), prepare, std::move(second->device));
     loop(stylus, steered);
     return finish();
   }
@@ -234,12 +287,47 @@ class JoinRun {
  private:
   using Clock = std::chrono::steady_clock;
 
+  /// Nothing can be taken before it can collide: meanwhile the window shows the scene and how far it is, and
+  /// without a window a line does.
+  Status modelParts() {
+    const Clock::time_point start = Clock::now();
+    ProgressLine line(!arguments_.quiet);
+    Status made = site_.modelParts([&](double done, const char* what) {
+      if (viewer_)
+        showWaiting(done, what);
+      else
+        line.show(done, what);
+      return interrupted == 0 && !waiting_.quit;
+    });
+    report_.modelSeconds = std::chrono::duration<double>(Clock::now() - start).count();
+    return made;
+  }
+
+  void showWaiting(double done, const char* what) {
+    site_.update(model_);
+    char text[80];
+    std::snprintf(text, sizeof text, "%s: %.0f %%", what, 100.0 * done);
+    model_.link.status = text;
+    model_.notices = {{Notice::Level::info, 0.0, text}};
+    ViewActions actions = viewer_->frame(model_);
+    actions.stylusMoved = actions.stylusMoved || waiting_.stylusMoved;
+    actions.settingsChanged = actions.settingsChanged || waiting_.settingsChanged;
+    model_.settings = actions.settings;
+    actions.grasp = false;
+    site_.act(actions);
+    waiting_ = actions;
+  }
+
   void loop(haptics::VirtualStylus* stylus, haptics::SteeredHand* steered) {
     const Clock::time_point start = Clock::now();
     if (!viewer_) lookAtAll();
+    if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
+    if (viewer_ && arguments_.clashes >= 0.0) viewer_->openClashes({arguments_.clashes, false});
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
       site_.update(model_);
+      showClearance();
+      showClashes();
       report_.collect(site_);
       clearFaults();
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
@@ -250,6 +338,7 @@ class JoinRun {
         // in four seconds.
         if (steered) steered->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
+        searchClashes(actions);
         if (actions.quit) end_ = "window closed";
       } else {
         table.show(model_, elapsed);
@@ -262,6 +351,54 @@ class JoinRun {
       }
     }
     if (end_.empty()) end_ = "interrupted";
+  }
+
+  /// What the held part is nearest to, for the window and the picture.
+  void showClearance() {
+    model_.hand.nearest = {};
+    if (!clearance_) return;
+    const std::optional<Clash> found = clearance_->update(model_.hand.held, model_.worldFromPart);
+    if (found) model_.hand.nearest = {found->b, found->distance - found->depth, found->onA, found->onB};
+  }
+
+  /// What the list of clashes asks for, in a thread of its own; nothing before it does.
+  void searchClashes(const ViewActions& actions) {
+    if (actions.findClashes) {
+      if (!clashes_) clashes_ = std::make_unique<ClashSearch>(site_.contact());
+      clashes_->start(*actions.findClashes, model_.worldFromPart);
+    }
+    if (actions.stopClashes && clashes_) clashes_->stop();
+  }
+
+  void showClashes() {
+    if (clashes_) model_.clashes = clashes_->view();
+    model_.clashes.possible = true;
+  }
+
+  Status offscreenPicture() {
+    ViewerOptions options;
+    options.width = arguments_.width;
+    options.height = arguments_.height;
+    Result<std::unique_ptr<Viewer>> opened = Viewer::openOffscreen(*model_.scene, options);
+    if (!opened) return opened.error();
+    Viewer& viewer = **opened;
+    showClashes();
+    for (int i = 0; i < 3; ++i)
+      static_cast<void>(viewer.frame(model_));  // panels find their sizes in the first frames
+    viewer.fitAll();                            // parts and hands may be far from where the scene began
+    static_cast<void>(viewer.frame(model_));
+    if (arguments_.clashes >= 0.0) frameClashes(viewer);
+    return viewer.screenshot(arguments_.screenshot);
+  }
+
+  /// Until all are found, and the camera is where the first one is seen.
+  void frameClashes(Viewer& viewer) {
+    viewer.openClashes({arguments_.clashes, false});
+    for (int after = 0; after < 40 && !interrupted; after += model_.clashes.findings ? 1 : 0) {
+      searchClashes(viewer.frame(model_));
+      showClashes();
+      if (!model_.clashes.findings) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
   }
 
   /// What SIGUSR1 asked for: there may be no window with a button for it.
@@ -299,8 +436,7 @@ class JoinRun {
     site_.update(model_);
     report_.collect(site_);
     if (!arguments_.screenshot.empty()) {
-      Status picture =
-          viewer_ ? viewer_->screenshot(arguments_.screenshot) : offscreenPicture(arguments_, model_);
+      Status picture = viewer_ ? viewer_->screenshot(arguments_.screenshot) : offscreenPicture();
       if (!picture) {
         std::fprintf(stderr, "tandem: %s\n", picture.error().message.c_str());
         failed_ = true;
@@ -317,8 +453,11 @@ class JoinRun {
   const Arguments& arguments_;
   JoinedSite& site_;
   std::unique_ptr<Viewer> viewer_;
+  std::unique_ptr<ClearanceWatch> clearance_;  // null where nobody sees it
+  std::unique_ptr<ClashSearch> clashes_;       // null until somebody asks for them
   std::unique_ptr<PoseTrace> trace_;
   ViewModel model_;
+  ViewActions waiting_;  // what was done before the hand was there
   Report report_;
   static constexpr double kCaughtShare = 0.05;  // of the scene's size
   static constexpr double kCaughtFor = 0.5;     // s
@@ -333,6 +472,8 @@ int run(Arguments& arguments) {
   // A link works once: whatever can be wrong on this side is found before it is used up.
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
+  if (arguments.clashes >= 0.0 && arguments.headless && arguments.screenshot.empty())
+    return badInput(Error{"--clashes: nobody sees the list without a window or --screenshot"});
   if (!arguments.hand.empty())
     if (Status script = checkHandScript(arguments.hand); !script) return badInput(script.error());
   if (!arguments.device.empty()) {
@@ -340,6 +481,7 @@ int run(Arguments& arguments) {
     if (!device) return badInput(device.error());
     (*device)->close();
   }
+  if (Status second = checkSecondHand(arguments); !second) return badInput(second.error());
   JoinOptions options;
   options.link = *link;
   if (arguments.name.empty()) arguments.name = defaultName(*link);
@@ -354,17 +496,19 @@ int run(Arguments& arguments) {
   options.udp = !arguments.tcp;
   options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
   options.recordPath = arguments.record;
+  const bool watches =
+      arguments.hand.empty() && !hasSecondHand(arguments) &&
+      (arguments.device.empty() ? arguments.headless || !displayPresent() : arguments.device == "none");
+  options.partContact = !arguments.noPartContact && !watches;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
-  const bool terminal = isatty(STDERR_FILENO) != 0;
-  double shown = -1.0;
+  auto line = std::make_unique<ProgressLine>();
   Result<std::unique_ptr<JoinedSite>> site = JoinedSite::enter(options, [&](double done, const char* what) {
-    if (terminal && std::abs(done - shown) >= 0.01)
-      std::fprintf(stderr, "\r\033[K%3.0f %% %s", 100.0 * (shown = done), what);
+    line->show(done, what);
     return interrupted == 0;
   });
-  if (terminal) std::fputs("\r\033[K", stderr);
+  line.reset();
   if (!site) return badInput(site.error());
   return JoinRun(arguments, **site).run();
 }
@@ -387,16 +531,31 @@ void addJoin(CLI::App& app, int& exitCode) {
                    "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
       ->needs("--device");
   command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
+  CLI::Option* const second = command->add_option("--second-device", arguments->secondDevice,
+                                                  "Device in your other hand: both hold parts together, the "
+                                                  "same one or two, without the network between [none]");
+  command
+      ->add_option("--second-calibration", arguments->secondCalibration,
+                   "As --calibration, of the second device")
+      ->needs(second);
+  command
+      ->add_option("--second-hand", arguments->secondHand, "Script of a simulated second hand (JSON) [none]")
+      ->excludes(second);
   command->add_option("--duration", arguments->duration, "Leave after this many seconds [stay]")
       ->check(numberFrom(1e-3, 1e9));
   command->add_option("--screenshot", arguments->screenshot,
                       "Write a picture (PNG) at the end, with or without a display");
+  command
+      ->add_option("--clashes", arguments->clashes,
+                   "Open the list of clashes, and of parts that stand nearer than so many m to each other")
+      ->check(numberFrom(0.0, 1e6));
   command->add_option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
   command->add_option("--json", arguments->json, "Write what happened to this file");
   command->add_option("--trace", arguments->trace,
                       "Write every pose of moving parts, as this site had it, to this CSV file");
-  command->add_option("--cache", arguments->cache,
-                      "Folder for fetched scenes [" + assets::defaultCacheDirectory() + "]");
+  command->add_option(
+      "--cache", arguments->cache,
+      "Folder for fetched scenes and what was made of them [" + assets::defaultCacheDirectory() + "]");
   command->add_option("--width", arguments->width, "Of window and picture, pixels")
       ->check(CLI::Range(200, 7680))
       ->capture_default_str();
@@ -405,6 +564,10 @@ void addJoin(CLI::App& app, int& exitCode) {
       ->capture_default_str();
   command->add_flag("--tcp", arguments->tcp,
                     "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");
+  command->add_flag(
+      "--no-part-contact", arguments->noPartContact,
+      "A part in the hand passes through others: nothing is made ready for it to collide, which "
+      "can take minutes at the first visit to a large scene");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "In the window F1 shows all keys. Space stops all force.\n"

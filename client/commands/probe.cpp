@@ -14,10 +14,13 @@
 #include "assets/allocation_counter.h"
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
+#include "client/contact_log.h"
 #include "client/device_class.h"
 #include "client/device_path.h"
+#include "client/swept_path.h"
 #include "client/tick_flags.h"
 #include "haptics/device_defaults.h"
+#include "haptics/held_depth.h"
 #include "haptics/tick.h"
 
 namespace tandem::client {
@@ -30,8 +33,9 @@ constexpr const char* kNoDevice = "none";
 
 struct Arguments {
   SceneArguments scene;
-  std::string path, tool = "point", ticks, json, device = kNoDevice;
+  std::string path, secondPath, tool = "point", ticks, json, contacts, swept, device = kNoDevice;
   std::vector<std::string> moves;
+  double sweptStep = 0.0;
   double stiffness = 0.0, damping = -1.0, forceLimit = 0.0, slewLimit = 0.0;
 };
 
@@ -53,6 +57,7 @@ struct Row {
   Pose hand, proxy;
   haptics::TickOutput tick;
   std::vector<double> controls;  // m or rad, of the scene's controls in their order, after the tick
+  double depth = 0.0;            // m, with part:NAME: the deepest penetration, as measured exactly
   double compute_ns = 0.0;
 };
 
@@ -125,20 +130,60 @@ haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceCla
   return p;
 }
 
+/// A path as a device reads it, row by row; after its last row the hand holds still there.
+class Readings {
+ public:
+  Readings(const std::vector<PathRow>& path, double dt) : path_(path), dt_(dt) {}
+
+  /// The velocity is that since the last reading that was one, however long ago.
+  haptics::DeviceSample at(std::size_t tick) {
+    const PathRow& row = path_[std::min(tick, path_.size() - 1)];
+    haptics::DeviceSample sample;
+    sample.worldFromDevice = row.pose;
+    // A stamp that stood still would be a lost device.
+    sample.time =
+        tick < path_.size() ? row.time : row.time + dt_ * static_cast<double>(tick + 1 - path_.size());
+    sample.valid = true;  // an invalid row goes in as it is: the tick must find out
+    if (!row.valid) return sample;
+    if (before_ != nullptr)
+      sample.twist = twistBetween(*before_, row, static_cast<double>(tick - beforeIndex_) * dt_);
+    before_ = &row;
+    beforeIndex_ = tick;
+    return sample;
+  }
+
+ private:
+  const std::vector<PathRow>& path_;
+  double dt_;
+  const PathRow* before_ = nullptr;  // the last valid row
+  std::size_t beforeIndex_ = 0;
+};
+
 class Probe {
  public:
+  /// With --ticks it measures how deep the part in the hand is in others; takes far longer than the ticks.
   Probe(const assets::Scene& scene, const haptics::ContactScene& contact,
-        const haptics::TickParameters& parameters, Tool tool)
-      : scene_(scene), contact_(contact), state_(contact), parameters_(parameters), tool_(tool) {
+        const haptics::TickParameters& parameters, Tool tool, const Arguments& arguments)
+      : scene_(scene),
+        contact_(contact),
+        state_(contact),
+        parameters_(parameters),
+        tool_(tool),
+        log_(scene, parameters.dt, !arguments.contacts.empty()) {
+    if (!arguments.ticks.empty() && tool.part != kNoPart)
+      depth_ = std::make_unique<haptics::HeldPartDepthMeter>(contact, tool.part);
+    if (!arguments.swept.empty())
+      swept_ = std::make_unique<SweptPath>(contact, tool.part, arguments.sweptStep);
     parameters_.toolRadius = tool.radius;
     parameters_.gravity = scene.gravity;
   }
 
-  void run(const std::vector<PathRow>& path, const std::vector<MovedPart>& moves) {
+  /// `second`: of the other hand, which takes the part too; empty: there is none.
+  void run(const std::vector<PathRow>& path, const std::vector<PathRow>& second,
+           const std::vector<MovedPart>& moves) {
     std::vector<haptics::PartMotion> moved(moves.size());
     rows_.reserve(path.size());
-    PathRow before = path.front();
-    std::size_t beforeIndex = 0;
+    Readings first(path, parameters_.dt), other(second, parameters_.dt);
     for (std::size_t i = 0; i < path.size(); ++i) {
       for (std::size_t m = 0; m < moves.size(); ++m) {
         const std::vector<PathRow>& rows = moves[m].path;
@@ -148,32 +193,38 @@ class Probe {
                     moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
       }
       haptics::TickInput input;
-      input.device = sample(path[i], i, before, beforeIndex);
+      input.device = first.at(i);
+      haptics::SecondHand secondHand;
+      if (!second.empty()) {
+        secondHand.device = other.at(i);
+        input.second = &secondHand;
+      }
       input.moved = moved;
       input.sessionTime = path[i].time;
-      const haptics::PartCommand take[2] = {
+      const haptics::PartCommand take[3] = {
           {haptics::PartCommand::Kind::own, tool_.part,
            tool_.part == kNoPart ? Pose{} : scene_.parts[tool_.part].worldFromPart},
-          {haptics::PartCommand::Kind::grasp, tool_.part, {}}};
-      if (i == 0 && tool_.part != kNoPart) input.commands = take;
-      std::array<haptics::PartCommand, haptics::kMaxPartCommands> controls;
-      if (i > 0) input.commands = {controls.data(), takeControls(moves, controls)};
+          {haptics::PartCommand::Kind::grasp, tool_.part, {}},
+          {haptics::PartCommand::Kind::grasp, tool_.part, {}, 1}};
+      if (i == 0 && tool_.part != kNoPart) input.commands = {take, second.empty() ? 2u : 3u};
+      Commands touched;
+      if (i > 0) input.commands = {touched.data(), takeTouched(moves, touched)};
       step(input, path[i]);
-      if (path[i].valid) {
-        before = path[i];
-        beforeIndex = i;
-      }
     }
   }
 
   const std::vector<Row>& rows() const { return rows_; }
   std::uint64_t allocations() const { return allocations_; }
+  const ContactLog& log() const { return log_; }
+  /// Null unless --swept was asked for.
+  const SweptPath* swept() const { return swept_.get(); }
 
  private:
-  /// Commands that give the hand the controls that it touches, and take from it those that rest: without a
-  /// session nobody else could have them.
-  std::size_t takeControls(const std::vector<MovedPart>& moves,
-                           std::array<haptics::PartCommand, haptics::kMaxPartCommands>& commands) const {
+  using Commands = std::array<haptics::PartCommand, haptics::kMaxPartCommands>;
+
+  /// Commands that give the hand the controls that it touches and the parts that would give way to it, and take from
+  /// it those that rest: without a session nobody else could have them.
+  std::size_t takeTouched(const std::vector<MovedPart>& moves, Commands& commands) const {
     using Kind = haptics::PartCommand::Kind;
     std::size_t count = 0;
     const haptics::TickOutput& last = rows_.back().tick;
@@ -181,32 +232,23 @@ class Probe {
       return std::any_of(last.contacts.begin(), last.contacts.begin() + last.contactCount,
                          [&](const haptics::Contact& c) { return c.part == part && c.force > 0.0; });
     };
-    for (const assets::Control& control : scene_.controls) {
-      const PartId part = control.part;
-      const auto* ownedEnd = last.owned.data() + last.ownedCount;
-      const auto* owned = std::find_if(last.owned.data(), ownedEnd,
-                                       [&](const haptics::OwnedPart& o) { return o.part == part; });
+    const auto own = [&](PartId part) {
       const bool moved =
           std::any_of(moves.begin(), moves.end(), [&](const MovedPart& m) { return m.part == part; });
-      if (moved || part == tool_.part || count == commands.size()) continue;
-      if (owned == ownedEnd && touches(part))
+      const bool owned = std::any_of(last.owned.begin(), last.owned.begin() + last.ownedCount,
+                                     [&](const haptics::OwnedPart& o) { return o.part == part; });
+      if (!moved && !owned && part != tool_.part && count < commands.size())
         commands[count++] = {Kind::own, part, state_.worldFromPart(part)};
-      else if (owned != ownedEnd && owned->atRest && !touches(part))
-        commands[count++] = {Kind::disown, part, {}};
+    };
+    for (const assets::Control& control : scene_.controls)
+      if (touches(control.part)) own(control.part);
+    for (int i = 0; i < last.pushedCount; ++i) own(last.pushed[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < last.ownedCount; ++i) {
+      const haptics::OwnedPart& owned = last.owned[static_cast<std::size_t>(i)];
+      if (owned.atRest && owned.part != tool_.part && !touches(owned.part) && count < commands.size())
+        commands[count++] = {Kind::disown, owned.part, {}};
     }
     return count;
-  }
-
-  /// The velocity is that since the last reading that was one, however long ago.
-  haptics::DeviceSample sample(const PathRow& row, std::size_t index, const PathRow& before,
-                               std::size_t beforeIndex) const {
-    haptics::DeviceSample sample;
-    sample.worldFromDevice = row.pose;
-    sample.time = row.time;
-    sample.valid = true;  // an invalid row goes in as it is: the tick must find out
-    if (row.valid && before.valid && index > beforeIndex)
-      sample.twist = twistBetween(before, row, static_cast<double>(index - beforeIndex) * parameters_.dt);
-    return sample;
   }
 
   void step(const haptics::TickInput& input, const PathRow& row) {
@@ -223,7 +265,10 @@ class Probe {
     result.tick = output;
     for (const assets::Control& control : scene_.controls)
       result.controls.push_back(assets::controlValue(control, state_.worldFromPart(control.part)));
+    if (depth_ != nullptr) result.depth = depth_->measure(state_).depth;
     result.compute_ns = std::chrono::duration<double, std::nano>(end - start).count();
+    log_.note(row.time, row.pose, row.valid, output);
+    if (swept_ != nullptr) swept_->note(row.time, state_);
     rows_.push_back(result);
   }
 
@@ -232,22 +277,18 @@ class Probe {
   haptics::TickState state_;
   haptics::TickParameters parameters_;
   Tool tool_;
+  ContactLog log_;
+  std::unique_ptr<haptics::HeldPartDepthMeter> depth_;
+  std::unique_ptr<SweptPath> swept_;
   std::vector<Row> rows_;
   std::uint64_t allocations_ = 0;
 };
 
-/// A part's name as one cell: file formats allow commas, quotes and more in it.
-std::string csvCell(const std::string& name) {
-  if (name.find_first_of(",\"\r\n") == std::string::npos) return name;
-  std::string cell = "\"";
-  for (const char c : name) cell.append(c == '"' ? 2 : 1, c);
-  return cell + '"';
-}
-
 Status writeTicks(const std::string& path, const std::vector<Row>& rows, const assets::Scene& scene,
-                  bool part) {
+                  bool part, bool second) {
   std::string text = "t,hx,hy,hz,px,py,pz,fx,fy,fz,tx,ty,tz,contacts,part,flags,compute_ns";
   if (part) text += ",pqw,pqx,pqy,pqz,depth";
+  if (second) text += ",f2x,f2y,f2z,t2x,t2y,t2z";
   for (const assets::Control& control : scene.controls) text += ',' + csvCell("control:" + control.name);
   text += '\n';
   char line[640];
@@ -263,9 +304,14 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
         row.compute_ns);
     text.append(line, std::min(static_cast<std::size_t>(length), sizeof line - 1));
     if (part) {
-      // A held part does not touch others in this version: there is no penetration depth to tell.
       const glm::dquat& q = row.proxy.orientation;
-      length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,nan", q.w, q.x, q.y, q.z);
+      length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,%.6g", q.w, q.x, q.y, q.z, row.depth);
+      text.append(line, static_cast<std::size_t>(length));
+    }
+    if (second) {
+      const Wrench& o = row.tick.second.toHand;
+      length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", o.force.x, o.force.y,
+                             o.force.z, o.torque.x, o.torque.y, o.torque.z);
       text.append(line, static_cast<std::size_t>(length));
     }
     for (const double value : row.controls) {
@@ -277,11 +323,13 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
   return writeFile(path, text);
 }
 
-nlohmann::ordered_json flagCounts(const std::vector<Row>& rows) {
+/// Of the first hand or the second.
+nlohmann::ordered_json flagCounts(const std::vector<Row>& rows, bool second = false) {
   nlohmann::ordered_json counts = nlohmann::ordered_json::object();
   for (const auto& [bit, name] : tickFlagNames()) {
     std::uint64_t count = 0;
-    for (const Row& row : rows) count += (row.tick.flags & bit) != 0 ? 1 : 0;
+    for (const Row& row : rows)
+      count += ((second ? row.tick.second.flags : row.tick.flags) & bit) != 0 ? 1 : 0;
     if (count > 0) counts[name] = count;
   }
   return counts;
@@ -327,12 +375,68 @@ void printForces(const std::vector<Row>& rows, const haptics::TickParameters& pa
                 static_cast<unsigned long long>(count.get<std::uint64_t>()));
 }
 
+/// What the second hand felt.
+void printSecond(const std::vector<Row>& rows) {
+  double most = 0.0, torque = 0.0;
+  for (const Row& row : rows) {
+    most = std::max(most, glm::length(row.tick.second.toHand.force));
+    torque = std::max(torque, glm::length(row.tick.second.toHand.torque));
+  }
+  std::printf("second hand: largest force %.4g N, torque %.4g N*m\n", most, torque);
+  const nlohmann::ordered_json flags = flagCounts(rows, true);
+  for (const auto& [name, count] : flags.items())
+    std::printf("  %s in %llu ticks\n", name.c_str(),
+                static_cast<unsigned long long>(count.get<std::uint64_t>()));
+}
+
+/// What the part in the hand touched, and what work the hand did.
+nlohmann::ordered_json contactSums(const ContactLog& log, const assets::Scene& scene) {
+  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+  for (const ContactLog::Touched& t : log.touched())
+    parts.push_back({{"part", scene.parts[t.part].name},
+                     {"ticks", t.ticks},
+                     {"largest_force_n", t.largestForce},
+                     {"impulse_ns", t.impulse}});
+  return {{"parts", parts},
+          {"work_j", log.work()},
+          {"work_in_contact_j", log.contactWork()},
+          {"ticks_with_most_contacts", log.fullTicks()}};
+}
+
+nlohmann::ordered_json sweptSums(const SweptPath& swept, const assets::Scene& scene) {
+  nlohmann::ordered_json sums = {{"poses", swept.stops().size()}};
+  const SweptPath::Clearance least = swept.least();
+  if (least.part == kNoPart) return sums;
+  sums["least_clearance_m"] = least.distance;
+  sums["least_clearance_to"] = scene.parts[least.part].name;
+  return sums;
+}
+
+Status writeReview(const Probe& probe, const Arguments& arguments) {
+  if (!arguments.contacts.empty())
+    if (Status written = writeFile(arguments.contacts, probe.log().csv()); !written) return written;
+  if (probe.swept() == nullptr) return {};
+  return writeFile(arguments.swept, probe.swept()->csv());
+}
+
+void printReview(const Probe& probe, const assets::Scene& scene) {
+  const ContactLog& log = probe.log();
+  for (const ContactLog::Touched& t : log.touched())
+    std::printf("  touched %s in %llu ticks: at most %.4g N, %.4g N*s\n", scene.parts[t.part].name.c_str(),
+                static_cast<unsigned long long>(t.ticks), t.largestForce, t.impulse);
+  std::printf("work of the hand %.4g J, while in contact %.4g J\n", log.work(), log.contactWork());
+  if (probe.swept() == nullptr || probe.swept()->least().part == kNoPart) return;
+  const SweptPath::Clearance least = probe.swept()->least();
+  std::printf("%zu poses swept, least clearance %.4g mm, to %s\n", probe.swept()->stops().size(),
+              1e3 * least.distance, scene.parts[least.part].name.c_str());
+}
+
 double milliseconds(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
 int run(const Arguments& arguments) {
-  for (const std::string& out : {arguments.ticks, arguments.json})
+  for (const std::string& out : {arguments.ticks, arguments.json, arguments.contacts, arguments.swept})
     if (Status free = writable(out); !free) return badInput(free.error());
   const DeviceClass* device = findDeviceClass(arguments.device);
   if (device == nullptr && arguments.device != kNoDevice)
@@ -345,23 +449,35 @@ int run(const Arguments& arguments) {
   const double load_ms = milliseconds(loadStart);
   Result<Tool> tool = parseTool(arguments.tool, *scene);
   if (!tool) return badInput(tool.error());
+  std::vector<PathRow> second;
+  if (!arguments.secondPath.empty()) {
+    if (tool->part == kNoPart) return badInput(Error{"--second-path needs --tool part:NAME"});
+    Result<std::vector<PathRow>> loaded = loadDevicePath(arguments.secondPath);
+    if (!loaded) return badInput(loaded.error());
+    second = std::move(*loaded);
+    if (!second.front().valid)
+      return badInput(Error{arguments.secondPath +
+                            ": the first row says where the hand takes the part: it has no numbers"});
+  }
+  if (tool->part == kNoPart && !(arguments.contacts.empty() && arguments.swept.empty()))
+    return badInput(Error{"--contacts and --swept need --tool part:NAME"});
   Result<std::vector<MovedPart>> moves = loadMoves(arguments.moves, *scene);
   if (!moves) return badInput(moves.error());
   const Clock::time_point bakeStart = Clock::now();
-  const haptics::ContactScene contact(*scene);
+  haptics::ContactScene contact(*scene);
+  if (tool->part != kNoPart) modelParts(contact, arguments.scene.noCache);
   const double bake_ms = milliseconds(bakeStart);
-  if (tool->part != kNoPart)
-    std::fprintf(
-        stderr,
-        "tandem: note: a held part follows the hand but does not collide with others in this version\n");
 
   const haptics::TickParameters parameters = parametersOf(arguments, device, *scene);
-  Probe probe(*scene, contact, parameters, *tool);
-  probe.run(*path, *moves);
+  Probe probe(*scene, contact, parameters, *tool, arguments);
+  probe.run(*path, second, *moves);
 
   if (!arguments.ticks.empty())
-    if (Status written = writeTicks(arguments.ticks, probe.rows(), *scene, tool->part != kNoPart); !written)
+    if (Status written =
+            writeTicks(arguments.ticks, probe.rows(), *scene, tool->part != kNoPart, !second.empty());
+        !written)
       return badInput(written.error());
+  if (Status written = writeReview(probe, arguments); !written) return badInput(written.error());
   std::vector<double> times;
   for (const Row& row : probe.rows()) times.push_back(row.compute_ns);
   const Percentiles p = percentiles(times);
@@ -374,6 +490,9 @@ int run(const Arguments& arguments) {
       {"compute_ns", {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}}},
       {"allocations", probe.allocations()},
       {"flags", flagCounts(probe.rows())}};
+  if (!second.empty()) json["second_flags"] = flagCounts(probe.rows(), true);
+  if (tool->part != kNoPart) json["contact"] = contactSums(probe.log(), *scene);
+  if (const SweptPath* swept = probe.swept()) json["swept"] = sweptSums(*swept, *scene);
   if (!scene->controls.empty()) json["controls"] = controlValues(probe.rows(), *scene);
   if (!arguments.json.empty())
     if (Status written = writeFile(arguments.json, json.dump(2) + "\n"); !written)
@@ -383,6 +502,8 @@ int run(const Arguments& arguments) {
   std::printf("tick %.2f us p50, %.2f p99, %.2f p99.9, %.2f max; %llu allocations\n", p.p50 / 1e3,
               p.p99 / 1e3, p.p999 / 1e3, p.max / 1e3, static_cast<unsigned long long>(probe.allocations()));
   printForces(probe.rows(), parameters, device);
+  if (!second.empty()) printSecond(probe.rows());
+  if (tool->part != kNoPart) printReview(probe, *scene);
   return probe.allocations() == 0 ? kExitDone : kExitFailed;
 }
 
@@ -397,6 +518,10 @@ void addProbe(CLI::App& app, int& exitCode) {
       ->add_option("--path", arguments->path,
                    "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
       ->required();
+  command->add_option(
+      "--second-path", arguments->secondPath,
+      "With part:NAME: the same for a second hand, which takes the part too where its first row is, "
+      "on a device like the first one's [none]");
   command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
   const haptics::TickParameters defaults;
   const auto stated = [](double value, const char* unit) { return "[" + inShort(value) + " " + unit + "]"; };
@@ -428,6 +553,16 @@ void addProbe(CLI::App& app, int& exitCode) {
                       "NAME=PATH.csv: move a part along a path; repeatable [none]");
   command->add_option("--ticks", arguments->ticks,
                       "Write every tick to this CSV file; columns: client/README.md");
+  command->add_option("--contacts", arguments->contacts,
+                      "With part:NAME: write every contact of every tick to this CSV file");
+  CLI::Option* swept = command->add_option("--swept", arguments->swept,
+                                           "With part:NAME: write the poses that the part went through, and "
+                                           "its clearances there, to this CSV file");
+  command
+      ->add_option("--swept-step", arguments->sweptStep,
+                   "m that the part's furthest point goes from pose to pose [a fiftieth of the part]")
+      ->check(numberFrom(1e-9, 1e6))
+      ->needs(swept);
   command->add_option("--json", arguments->json,
                       "Write load time, tick times, allocations and flags to this file");
   command->footer(

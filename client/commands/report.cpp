@@ -10,6 +10,7 @@
 #include "assets/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/report/html.h"
+#include "client/report/part_experiment.h"
 #include "client/report/peers.h"
 #include "client/report/report_json.h"
 #include "client/report/sweep.h"
@@ -23,8 +24,14 @@ struct Arguments {
   bool quick = false, noPeers = false;
 };
 
+std::vector<report::ExperimentInfo> everyExperiment() {
+  std::vector<report::ExperimentInfo> all = report::allExperiments();
+  for (report::ExperimentInfo& info : report::allPartExperiments()) all.push_back(std::move(info));
+  return all;
+}
+
 Status knownScenes(const std::vector<std::string>& scenes) {
-  const std::vector<report::ExperimentInfo> all = report::allExperiments();
+  const std::vector<report::ExperimentInfo> all = everyExperiment();
   for (const std::string& scene : scenes) {
     if (std::any_of(all.begin(), all.end(), [&](const report::ExperimentInfo& i) { return i.id == scene; }))
       continue;
@@ -39,6 +46,8 @@ std::uint64_t allocationsOf(const report::SweepResult& result) {
   std::uint64_t count = 0;
   for (const report::ExperimentResult& e : result.experiments)
     for (const report::Measurement& m : e.settings) count += m.allocations;
+  for (const report::PartExperimentResult& e : result.held)
+    for (const report::PartMeasurement& m : e.settings) count += m.allocations;
   return count;
 }
 
@@ -49,6 +58,14 @@ void printSummary(const report::SweepResult& result) {
       if (m.setting == "tandem")
         std::printf("%-44s %9.2f %9.2f %11.2e %9.1f\n", e.info.title.c_str(), m.cost.p50, m.cost.p99,
                     m.error.p99, m.build_ms);
+  if (result.held.empty()) return;
+  std::printf("%-24s %9s %9s %9s %14s %11s\n", "Tandem, a part in hand", "p50 us", "p99 us", "max us",
+              "penetration um", "error p99 N");
+  for (const report::PartExperimentResult& e : result.held)
+    for (const report::PartMeasurement& m : e.settings)
+      if (m.setting == "tandem")
+        std::printf("%-24s %9.1f %9.1f %9.1f %14.3f %11.2e\n", e.info.title.c_str(), m.cost.p50, m.cost.p99,
+                    m.cost.max, 1e6 * m.depth.max, m.error.p99);
 }
 
 int run(const Arguments& arguments) {
@@ -107,7 +124,7 @@ void addReport(CLI::App& app, int& exitCode) {
   command->add_flag("--no-peers", arguments->noPeers, "Measure no other libraries");
   command->add_flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
   std::string scenes;
-  for (const report::ExperimentInfo& info : report::allExperiments()) scenes += " " + info.id;
+  for (const report::ExperimentInfo& info : everyExperiment()) scenes += " " + info.id;
   command->footer("Scenes:" + scenes +
                   "\nExit code 1: a tick used the heap, or the peers' program failed.\n"
                   "Figures mean little on a busy machine: let nothing else run.\n"

@@ -13,7 +13,7 @@ namespace {
 struct Arguments {
   std::string scenario, json;
   SimulationOptions options;
-  bool quiet = false;
+  bool quiet = false, noPartContact = false;
 };
 
 void printSummary(const SimulationResult& result) {
@@ -42,7 +42,9 @@ int run(const Arguments& arguments) {
   Result<assets::Scene> scene =
       assets::loadScene(scenario->scene, scenario->load, assets::defaultCacheDirectory());
   if (!scene) return badInput(scene.error());
-  Result<SimulationResult> result = simulate(*scenario, *scene, arguments.options);
+  haptics::ContactScene contact(*scene);
+  if (!arguments.noPartContact) modelParts(contact, false);
+  Result<SimulationResult> result = simulate(*scenario, contact, arguments.options);
   if (!result) return badInput(result.error());
   if (!arguments.json.empty())
     if (Status written = writeFile(arguments.json, toJson(*result) + "\n"); !written)
@@ -65,6 +67,8 @@ void addSimulate(CLI::App& app, int& exitCode) {
   command->add_option("--json", arguments->json, "Write the measures to this file");
   command->add_option("--trace", arguments->options.tracePath,
                       "Write hands and forces every 10 ms to this CSV file");
+  command->add_flag("--no-part-contact", arguments->noPartContact,
+                    "Parts in the hand pass through others: nothing is made ready for them to collide");
   command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
   command->footer(
       "A site's hand runs on the plain defaults (800 N/m, no passivity control) whatever its device; "

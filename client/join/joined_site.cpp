@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <future>
 #include <map>
 
 #include "haptics/device_defaults.h"
@@ -142,7 +143,6 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   scene_ = std::move(*scene);
   contact_ = std::make_unique<haptics::ContactScene>(scene_);
   exchange_ = std::make_unique<Exchange>();
-  hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   if (!options_.recordPath.empty()) {
     Result<RecordingWriter> writer =
         RecordingWriter::create(options_.recordPath, {link_->welcome().sceneHash, wireFrame(scene_.bounds)});
@@ -155,17 +155,68 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   return {};
 }
 
-void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare) {
+Status JoinedSite::modelParts(const Progress& progress) {
+  if (!options_.partContact || role() == Role::observer) return {};
+  std::atomic<double> done{0.0};
+  std::atomic<bool> stop{false};
+  haptics::ModelOptions models;
+  models.cacheDirectory = options_.cacheDirectory;
+  models.progress = [&](double share, const char*) {
+    done = share;
+    return !stop;
+  };
+  // Beside this thread: a large mesh takes seconds, and the server takes a site that says nothing for gone.
+  std::future<bool> made = std::async(std::launch::async, [&] { return contact_->modelParts(models); });
+  bool ended = false;
+  Micros nextShare = 0;
+  while (made.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
+    waitForNetwork();
+    link_->step(localNow());
+    if (link_->stage() == SiteLink::Stage::needScene) link_->skipTransfer();  // came back after an outage
+    ended = link_->stage() == SiteLink::Stage::ended;
+    if (const Micros now = localNow(); now >= nextShare) {
+      nextShare = now + kSharePeriod;
+      share();  // who is here
+    }
+    if (!stop && (ended || !progress(done, "making parts ready to collide"))) stop = true;
+  }
+  if (made.get()) return {};
+  return ended ? Error{"the session ended: " + link_->reason()} : Error{"interrupted"};
+}
+
+void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare,
+                       std::unique_ptr<haptics::Device> second) {
+  hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   device_ = std::move(device);
-  const haptics::DeviceLimits limits = device_->limits();
-  stiffest_ = haptics::fitToDevice(limits, 0.0, settings_.parameters);
+  secondDevice_ = std::move(second);
+  settings_.second = settings_.parameters;
+  stiffest_ = haptics::fitToDevice(device_->limits(), 0.0, settings_.parameters);
+  if (secondDevice_) {
+    hand_->addSecondHand();
+    haptics::fitToDevice(secondDevice_->limits(), 0.0, settings_.second);
+  }
   exchange_->settings.write(settings_);
   link_->sceneReady(scene_, *exchange_);
-  servo_ = std::make_unique<haptics::ServoLoop>(
-      *device_, [this, prepare = std::move(prepare)](const haptics::DeviceSample& sample, double now) {
-        if (prepare) prepare(*hand_);
-        return hand_->tick(sample, static_cast<Micros>(now * 1e6));
-      });
+  const auto tick = [this, prepare = std::move(prepare)](const haptics::DeviceSample& sample,
+                                                         const haptics::DeviceSample* other, double now) {
+    const double began = haptics::ServoLoop::now();
+    if (prepare) prepare(*hand_);
+    const Wrench wrench = hand_->tick(sample, static_cast<Micros>(now * 1e6), other);
+    hand_->took(haptics::ServoLoop::kUsualRate * (haptics::ServoLoop::now() - began));
+    return wrench;
+  };
+  if (secondDevice_) {
+    servo_ = std::make_unique<haptics::ServoLoop>(
+        *device_, *secondDevice_,
+        [this, tick](const std::array<haptics::DeviceSample, 2>& samples, double now) {
+          const Wrench first = tick(samples[0], &samples[1], now);
+          return std::array<Wrench, 2>{first, hand_->output().tick.second.toHand};
+        });
+  } else {
+    servo_ = std::make_unique<haptics::ServoLoop>(
+        *device_,
+        [tick](const haptics::DeviceSample& sample, double now) { return tick(sample, nullptr, now); });
+  }
   servo_->start();
   network_ = std::thread([this] { runNetwork(); });
 }
@@ -323,6 +374,8 @@ void JoinedSite::updateHand(ViewModel& model) {
   if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;
   hand.flagsSeen = output.flagsSeen;
   hand.stalls = output.stalls;
+  if (secondDevice_)
+    hand.second = {secondDevice_->name(), output.tick.second.held, output.secondMost, output.secondFlagsSeen};
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();
@@ -362,6 +415,8 @@ void JoinedSite::act(const ViewActions& actions) {
     settings_.parameters.gain = actions.settings.gain;
     settings_.parameters.zeroForce = actions.settings.zeroForce;
     settings_.parameters.stiffness = actions.settings.stiffness;
+    settings_.second.gain = actions.settings.gain;
+    settings_.second.zeroForce = actions.settings.zeroForce;
     // Who asks for more than the device's share gets it.
     double& limit = settings_.parameters.stiffnessLimit;
     if (limit > 0.0) limit = std::max(limit, actions.settings.stiffness);

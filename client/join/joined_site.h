@@ -31,6 +31,7 @@ struct JoinOptions {
   bool udp = true;
   std::string cacheDirectory;
   std::string recordPath;        // empty: no recording
+  bool partContact = true;       // a part in the hand collides with others, where the role may take one
   double enterTimeout_s = 10.0;  // for the way into the session, the scene transfer not counted
 };
 
@@ -59,13 +60,21 @@ class JoinedSite {
   ~JoinedSite();  // stops both threads, says goodbye
 
   const assets::Scene& scene() const { return scene_; }
+  const haptics::ContactScene& contact() const { return *contact_; }
   sync::Role role() const { return link_->welcome().role; }
   SiteId id() const { return link_->welcome().site; }
-  Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }  // servo thread
+  /// Servo thread, once started.
+  Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
+
+  /// Makes what a part in the hand needs to collide, where JoinOptions::partContact asks for it: seconds, for
+  /// large scenes minutes, from the cache a share of that. The site stays in the session meanwhile. Before
+  /// start(); an error if `progress` stopped it or the session ended.
+  Status modelParts(const Progress& progress);
 
   /// Starts both threads with this device, which must be open. `prepare`, if given, is called before each
-  /// tick in the servo thread.
-  void start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare = {});
+  /// tick in the servo thread. `second`: the device of the same person's other hand, or null.
+  void start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare = {},
+             std::unique_ptr<haptics::Device> second = nullptr);
 
   /// Brings the model up to date with both threads.
   void update(ViewModel& model);
@@ -105,8 +114,8 @@ class JoinedSite {
   assets::Scene scene_;
   std::unique_ptr<haptics::ContactScene> contact_;
   std::unique_ptr<Exchange> exchange_;
-  std::unique_ptr<HandLoop> hand_;  // servo thread, once started
-  std::unique_ptr<haptics::Device> device_;
+  std::unique_ptr<HandLoop> hand_;                          // servo thread, once started
+  std::unique_ptr<haptics::Device> device_, secondDevice_;  // the second may be null
   std::unique_ptr<haptics::ServoLoop> servo_;
   std::thread network_;
   std::atomic<bool> stop_{false};

@@ -14,6 +14,9 @@ inline constexpr AskedCost kAskedOfGearBall{8.0, 25.0};     // a ball of 1 mm, t
 inline constexpr AskedCost kAskedOfFineSphere{0.0, 30.0};   // balls up to 3 mm over edges of 40 um
 inline constexpr AskedCost kAskedOfStillParts{0.0, 5.0};    // ten thousand
 inline constexpr AskedCost kAskedOfMovingParts{0.0, 20.0};  // all of ten thousand
+inline constexpr AskedCost kAskedOfHeldPart{250.0, 500.0};  // among its neighbours
+inline constexpr double kAskedOfHeldPartAtMost_ms = 1.0;    // the longest tick of it
+inline constexpr double kAskedForceStep = 0.05;             // N a tick at 1 N/mm, beyond the exact one
 inline constexpr double kAskedBuild_ms = 150.0;             // a tree of a million triangles
 inline constexpr double kAskedRefit_ms = 2.0;               // a tree of a hundred thousand
 

@@ -1,11 +1,12 @@
 #include "client/report/html.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 
 #include "client/report/asked.h"
+#include "client/report/part_page.h"
 #include "client/report/svg_plot.h"
+#include "client/report/words.h"
 
 namespace tandem::client::report {
 namespace {
@@ -31,28 +32,6 @@ tr.tandem td:first-child{font-weight:600}
 details{margin:8px 0}summary{cursor:pointer;color:#2b5f8a}
 </style>
 )";
-
-std::string number(double value, int digits = 3) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
-}
-
-/// A force with the prefix that fits it.
-std::string newtons(double value) {
-  if (value >= 1.0) return number(value) + " N";
-  if (value >= 1e-3) return number(1e3 * value) + " mN";
-  if (value >= 1e-6) return number(1e6 * value) + " µN";
-  return value >= 1e-11 ? number(1e9 * value, 3) + " nN" : "0";
-}
-
-std::string percent(double share) {
-  if (share < 1e-11) return "0";
-  if (share >= 1e-5) return number(100.0 * share) + " %";
-  return number(1e6 * share, 2) + " ppm";
-}
-
-std::string microseconds(double us) { return number(us) + " µs"; }
 
 Look lookOf(const Measurement& m) {
   static const std::map<std::string, Look> kLooks = {
@@ -346,6 +325,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kAskedBuild_ms});
     }
   }
+  for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
   if (exactSteps)
     bounds.push_back({"flat surfaces: change of force a tick against the ideal", "x", steps, 1.05});
@@ -361,15 +341,18 @@ std::string htmlPage(const SweepResult& result, const std::string& json) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>Tandem: speed against error</title>\n";
   html += kStyle + std::string("</head>\n<body>\n<main>\n") + introduction(result) + boundsTable(result);
-  html +=
-      "<h2>Cost of a tick</h2>\n<p>Every experiment and every method. A millisecond is all there is.</p>\n" +
-      rangesOf(result);
+  if (!result.experiments.empty())
+    html +=
+        "<h2>Cost of a tick</h2>\n<p>Every experiment and every method. A millisecond is all there "
+        "is.</p>\n" +
+        rangesOf(result);
   std::vector<std::string> done;
   for (const ExperimentResult& e : result.experiments) {
     if (std::find(done.begin(), done.end(), e.info.family) != done.end()) continue;
     done.push_back(e.info.family);
     html += familySection(result, e.info.family);
   }
+  html += partSection(result);
   const std::string bars = buildBars(result);
   if (!bars.empty())
     html +=

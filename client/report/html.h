@@ -4,17 +4,10 @@
 
 #include <string>
 
+#include "client/report/bound.h"
 #include "client/report/sweep.h"
 
 namespace tandem::client::report {
-
-/// A figure that the project has promised, and what was measured.
-struct Bound {
-  std::string name, unit;
-  double measured = 0.0, target = 0.0;
-  bool atLeast = false;
-  bool met() const { return atLeast ? measured >= target * (1.0 - 1e-9) : measured <= target; }
-};
 
 /// The bounds that this run can judge; those whose experiments were left out are not listed.
 std::vector<Bound> boundsOf(const SweepResult& result);

@@ -1,40 +1,21 @@
 #include "client/report/report_json.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include <nlohmann/json.hpp>
+
+#include "client/report/measurement_json.h"
+#include "client/report/part_json.h"
 
 namespace tandem::client::report {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-const char* nameOf(Kind kind) {
-  switch (kind) {
-    case Kind::tandem:
-      return "tandem";
-    case Kind::baseline:
-      return "baseline";
-    case Kind::peer:
-      return "peer";
-  }
-  return "tandem";
-}
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json settingJson(const Measurement& m) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
-  json["cost_us"] = {{"p50", number(m.cost.p50)},
-                     {"p99", number(m.cost.p99)},
-                     {"max", number(m.cost.max)},
-                     {"p99_single_run", number(m.cost.p99Single)}};
-  json["error_n"] = {
-      {"rms", number(m.error.rms)}, {"p99", number(m.error.p99)}, {"max", number(m.error.max)}};
-  json["error_share"] = {{"rms", number(m.error.relativeRms)},
-                         {"p99", number(m.error.relativeP99)},
-                         {"max", number(m.error.relativeMax)}};
+  putCost(json, m.cost);
+  putError(json, m.error);
   json["step_n"] = {
       {"max", number(m.step.measured)}, {"ideal", number(m.step.ideal)}, {"excess", number(m.step.excess)}};
   json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
@@ -42,25 +23,16 @@ Json settingJson(const Measurement& m) {
   return json;
 }
 
-double finite(const Json& object, const char* key) {
-  const double value = object.at(key).get<double>();
-  if (!std::isfinite(value) || value < 0.0)
-    throw Json::other_error::create(500, std::string(key) + " is not a measure", nullptr);
-  return value;
-}
-
 Measurement peerSetting(const Json& json) {
   Measurement m;
   m.setting = json.at("id").get<std::string>();
   m.name = json.at("name").get<std::string>();
   m.kind = Kind::peer;
-  const Json &cost = json.at("cost_us"), &error = json.at("error_n"), &share = json.at("error_share"),
-             &step = json.at("step_n");
-  m.cost = {finite(cost, "p50"), finite(cost, "p99"), finite(cost, "max"), finite(cost, "p99_single_run")};
-  m.error = {finite(error, "rms"), finite(error, "p99"), finite(error, "max"),
-             finite(share, "rms"), finite(share, "p99"), finite(share, "max")};
-  m.step = {finite(step, "max"), finite(step, "ideal"), finite(step, "excess")};
-  m.build_ms = finite(json, "build_ms");
+  const Json& step = json.at("step_n");
+  m.cost = costFrom(json);
+  m.error = errorFrom(json);
+  m.step = {measure(step, "max"), measure(step, "ideal"), measure(step, "excess")};
+  m.build_ms = measure(json, "build_ms");
   return m;
 }
 
@@ -87,6 +59,8 @@ std::string toJson(const SweepResult& result) {
     for (const Measurement& m : e.settings) entry["settings"].push_back(settingJson(m));
     json["experiments"].push_back(std::move(entry));
   }
+  json["held"] = Json::array();
+  for (const PartExperimentResult& e : result.held) json["held"].push_back(partExperimentJson(e));
   json["figures"] = Json::array();
   for (const Figure& f : result.figures) {
     Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}};
@@ -106,20 +80,30 @@ Result<SweepResult> peersFromJson(const std::string& text) {
       e.info.id = entry.at("id").get<std::string>();
       for (const Json& setting : entry.at("settings")) e.settings.push_back(peerSetting(setting));
     }
+    for (const Json& entry : json.at("held")) result.held.push_back(partPeersFromJson(entry));
     return result;
   } catch (const Json::exception& error) {
     return Error{std::string("what the peers' program wrote cannot be used: ") + error.what()};
   }
 }
 
+namespace {
+
+template <typename Results>
+void addSettings(const Results& from, Results& to) {
+  for (const auto& e : from) {
+    const auto same =
+        std::find_if(to.begin(), to.end(), [&](const auto& t) { return t.info.id == e.info.id; });
+    if (same != to.end()) same->settings.insert(same->settings.end(), e.settings.begin(), e.settings.end());
+  }
+}
+
+}  // namespace
+
 void mergePeers(const SweepResult& peers, SweepResult& result) {
   result.peers = peers.peers;
-  for (const ExperimentResult& from : peers.experiments) {
-    const auto to = std::find_if(result.experiments.begin(), result.experiments.end(),
-                                 [&](const ExperimentResult& e) { return e.info.id == from.info.id; });
-    if (to != result.experiments.end())
-      to->settings.insert(to->settings.end(), from.settings.begin(), from.settings.end());
-  }
+  addSettings(peers.experiments, result.experiments);
+  addSettings(peers.held, result.held);
 }
 
 }  // namespace tandem::client::report

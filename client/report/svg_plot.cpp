@@ -9,6 +9,7 @@ namespace tandem::client::report {
 namespace {
 
 constexpr double kWidth = 900.0;
+constexpr double kAsExact = 0.01;  // what is more exact by less does not lie on the front
 constexpr const char* kInk = "#33404d";
 constexpr const char* kQuiet = "#6b7785";
 constexpr const char* kGrid = "#e3e8ed";
@@ -37,6 +38,7 @@ std::string lineFrom(double x0, double y0, double x1, double y1, const std::stri
 }
 
 std::string markerAt(double x, double y, const Look& look, const std::string& tooltip, double scale = 1.0) {
+  scale *= look.size;
   const double r = 5.0 * scale, side = 9.0 * scale, tip = 6.0 * scale;
   const std::string style = format(R"(fill="%s" stroke="%s" stroke-width="1.8")",
                                    look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str());
@@ -49,6 +51,9 @@ std::string markerAt(double x, double y, const Look& look, const std::string& to
   if (look.marker == Marker::diamond)
     shape = format(R"(<path d="M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz" %s>)", x, y - tip, tip, tip, -tip,
                    tip, -tip, -tip, style.c_str());
+  if (look.marker == Marker::triangle)
+    shape = format(R"(<path d="M%.1f %.1fl%.1f %.1fh%.1fz" %s>)", x, y - tip, tip, 1.7 * tip, -2.0 * tip,
+                   style.c_str());
   const char* end = look.marker == Marker::circle   ? "</circle>"
                     : look.marker == Marker::square ? "</rect>"
                                                     : "</path>";
@@ -170,6 +175,49 @@ std::string legend(const std::vector<Look>& looks, double x, double y) {
   return svg;
 }
 
+/// Where a plot's axes are, px.
+struct PlotBox {
+  double left, top, right, bottom;
+};
+
+/// Axes with their lines, numbers and names.
+std::string frameOf(const ScatterPlot& plot, const LogAxis& x, const LogAxis& y,
+                    const std::vector<double>& ys, const PlotBox& box) {
+  const bool floored = std::any_of(ys.begin(), ys.end(), [&](double v) { return v <= plot.floorY; });
+  const auto [left, top, right, bottom] = box;
+  std::string svg;
+  for (const double v : x.lines()) {
+    const double at = x.at(v);
+    svg += lineFrom(at, top, at, bottom, kGrid, 1.0) +
+           textAt(at, bottom + 25.0, "middle", kQuiet, 12.0, axisNumber(v));
+  }
+  for (const double v : y.lines()) {
+    const double at = y.at(v);
+    svg += lineFrom(left, at, right, at, kGrid, 1.0) +
+           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0,
+                  (floored && v < 1.1 * plot.floorY ? "≤ " : "") + axisNumber(v, y.lines().front() < 0.9e-3));
+  }
+  svg += lineFrom(left, bottom, right, bottom, kQuiet, 1.0) + lineFrom(left, top, left, bottom, kQuiet, 1.0);
+  svg += textAt(0.5 * (left + right), bottom + 46.0, "middle", kInk, 13.0, plot.xLabel);
+  svg += format(R"svg(<g transform="translate(20 %.1f) rotate(-90)">)svg", 0.5 * (top + bottom)) +
+         textAt(0.0, 0.0, "middle", kInk, 13.0, plot.yLabel) + "</g>\n";
+  return svg;
+}
+
+/// From each point on: the least error at that cost or less.
+std::string frontOf(const ScatterPlot& plot, const LogAxis& x, const LogAxis& y, double right) {
+  std::string way;
+  double before = 0.0;
+  for (const PlotPoint& p : plot.front) {
+    const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
+    way += way.empty() ? format("M%.1f %.1f", px, py) : format("L%.1f %.1fL%.1f %.1f", px, before, px, py);
+    before = py;
+  }
+  if (way.empty()) return "";
+  return "<path class=\"front\" fill=\"none\" stroke-width=\"1.4\" stroke-dasharray=\"5 4\" stroke=\"" +
+         std::string(kInk) + "\" d=\"" + way + format("L%.1f %.1f", right, before) + "\"/>\n";
+}
+
 }  // namespace
 
 std::string escaped(const std::string& text) {
@@ -195,6 +243,15 @@ std::string escaped(const std::string& text) {
   return out;
 }
 
+std::vector<PlotPoint> paretoFront(std::vector<PlotPoint> points) {
+  std::sort(points.begin(), points.end(),
+            [](const PlotPoint& a, const PlotPoint& b) { return a.x != b.x ? a.x < b.x : a.y < b.y; });
+  std::vector<PlotPoint> front;
+  for (const PlotPoint& p : points)
+    if (front.empty() || p.y < (1.0 - kAsExact) * front.back().y) front.push_back(p);
+  return front;
+}
+
 std::string scatterSvg(const ScatterPlot& plot) {
   const double left = 84.0, right = 560.0, top = 16.0, bottom = 372.0, height = 430.0;
   std::vector<double> xs, ys;
@@ -204,23 +261,8 @@ std::string scatterSvg(const ScatterPlot& plot) {
       ys.push_back(std::max(p.y, plot.floorY));
     }
   const LogAxis x(xs, left, right), y(ys, bottom, top, plot.floorY);
-  const bool floored = std::any_of(ys.begin(), ys.end(), [&](double v) { return v <= plot.floorY; });
-  std::string svg = begin(height, plot.yLabel + " against " + plot.xLabel);
-  for (const double v : x.lines()) {
-    const double at = x.at(v);
-    svg += lineFrom(at, top, at, bottom, kGrid, 1.0) +
-           textAt(at, bottom + 25.0, "middle", kQuiet, 12.0, axisNumber(v));
-  }
-  for (const double v : y.lines()) {
-    const double at = y.at(v);
-    svg += lineFrom(left, at, right, at, kGrid, 1.0) +
-           textAt(left - 9.0, at + 4.0, "end", kQuiet, 12.0,
-                  (floored && v < 1.1 * plot.floorY ? "≤ " : "") + axisNumber(v, y.lines().front() < 0.9e-3));
-  }
-  svg += lineFrom(left, bottom, right, bottom, kQuiet, 1.0) + lineFrom(left, top, left, bottom, kQuiet, 1.0);
-  svg += textAt(0.5 * (left + right), bottom + 46.0, "middle", kInk, 13.0, plot.xLabel);
-  svg += format(R"svg(<g transform="translate(20 %.1f) rotate(-90)">)svg", 0.5 * (top + bottom)) +
-         textAt(0.0, 0.0, "middle", kInk, 13.0, plot.yLabel) + "</g>\n";
+  std::string svg = begin(height, plot.yLabel + " against " + plot.xLabel) +
+                    frameOf(plot, x, y, ys, {left, top, right, bottom});
   std::string marks, labels;
   std::vector<Look> looks;
   LabelPlaces places;
@@ -228,11 +270,16 @@ std::string scatterSvg(const ScatterPlot& plot) {
     for (std::size_t i = 0; i < series.points.size(); ++i) {
       const PlotPoint& p = series.points[i];
       const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
-      places.avoid(px, py);
-      if (i == 0) continue;
+      places.avoid(px, py, p.ringed ? 11.0 : 6.0);
+      if (i == 0 || !series.joined) continue;
       const PlotPoint& last = series.points[i - 1];
       places.avoidLine(x.at(last.x), y.at(std::max(last.y, plot.floorY)), px, py);
     }
+  for (std::size_t i = 1; i < plot.front.size(); ++i) {
+    const double px = x.at(plot.front[i].x), before = y.at(std::max(plot.front[i - 1].y, plot.floorY));
+    places.avoidLine(x.at(plot.front[i - 1].x), before, px, before);
+    places.avoidLine(px, before, px, y.at(std::max(plot.front[i].y, plot.floorY)));
+  }
   for (const PlotSeries& series : plot.series) {
     looks.push_back(series.look);
     std::string way, own;
@@ -244,15 +291,26 @@ std::string scatterSvg(const ScatterPlot& plot) {
             format(R"(<path class="below" d="M%.1f %.1fv12m-3.5 -4l3.5 4l3.5 -4" fill="none" stroke="%s" )",
                    px, py, series.look.colour.c_str()) +
             "stroke-width=\"1.6\"/>\n";
+      if (p.ringed)
+        own += format(R"(<circle cx="%.1f" cy="%.1f" r="10" fill="none" stroke="%s" stroke-width="1.6"/>)",
+                      px, py, kInk) +
+               "\n";
       own += markerAt(px, py, series.look, p.tooltip);
       if (!p.label.empty()) labels += places.place(px, py, p.label);
     }
     marks = own + marks;  // the first series lies on top
-    if (series.points.size() > 1)
-      svg += R"(<path fill="none" stroke-width="1.3" stroke-opacity="0.55" stroke=")" + series.look.colour +
+    if (series.joined && series.points.size() > 1)
+      svg += R"(<path fill="none" stroke-width="1.2" stroke-opacity="0.35" stroke=")" + series.look.colour +
              "\" d=\"" + way + "\"/>\n";
   }
-  return svg + marks + labels + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
+  svg += frontOf(plot, x, y, right);
+  const double rows = 21.0 * static_cast<double>(looks.size());
+  labels += legend(looks, right + 32.0, top + 14.0);
+  if (!plot.front.empty())
+    labels += format(R"(<path d="M%.1f %.1fh20" stroke="%s" stroke-width="1.6" stroke-dasharray="5 4"/>)",
+                     right + 22.0, top + 14.0 + rows, kInk) +
+              "\n" + textAt(right + 45.0, top + 18.0 + rows, "start", kInk, 12.0, plot.frontName);
+  return svg + marks + labels + "</svg>\n";
 }
 
 std::string rangeSvg(const RangePlot& plot) {

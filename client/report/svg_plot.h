@@ -8,7 +8,7 @@
 
 namespace tandem::client::report {
 
-enum class Marker { circle, square, diamond };
+enum class Marker { circle, square, diamond, triangle };
 
 /// How one setting looks in every plot.
 struct Look {
@@ -16,17 +16,20 @@ struct Look {
   std::string colour;  // #rrggbb
   Marker marker = Marker::circle;
   bool hollow = false;
+  double size = 1.0;
 };
 
 struct PlotPoint {
   double x = 0.0, y = 0.0;
   std::string label;    // beside the point; may be empty
   std::string tooltip;  // shown while the pointer rests on it
+  bool ringed = false;  // stands out
 };
 
 struct PlotSeries {
   Look look;
-  std::vector<PlotPoint> points;  // joined in this order
+  std::vector<PlotPoint> points;
+  bool joined = true;  // by a line, in this order
 };
 
 /// A scatter on two logarithmic axes. Values of at most `floorY` are drawn on it with an arrow down, and the
@@ -35,7 +38,12 @@ struct ScatterPlot {
   std::string xLabel, yLabel;
   std::vector<PlotSeries> series;
   double floorY = 1e-9;
+  std::vector<PlotPoint> front;  // a dashed stair from point to point; x rises, y falls
+  std::string frontName;         // in the legend
 };
+/// Of these points, those to which no other one is at once no dearer (x) and as exact (y; within 1 %): x rises, y falls.
+std::vector<PlotPoint> paretoFront(std::vector<PlotPoint> points);
+
 std::string scatterSvg(const ScatterPlot& plot);
 
 /// Rows of ranges on one logarithmic axis: from the median to the 99th percentile.

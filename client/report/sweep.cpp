@@ -9,6 +9,7 @@
 
 #include "client/report/bare_spring.h"
 #include "client/report/baseline_proxy.h"
+#include "client/report/part_sweep.h"
 #include "haptics/contact_scene.h"
 #include "haptics/tick.h"
 #include "haptics/tick_data.h"
@@ -238,9 +239,11 @@ SweepResult sweep(const SweepOptions& options) {
   SweepResult result;
   result.quick = options.quick;
   result.machine = machineLine();
-  const std::vector<ExperimentInfo> chosen = chosenExperiments(options);
+  const std::vector<ExperimentInfo> chosen = chosenExperiments(options),
+                                    held = chosenPartExperiments(options);
+  const std::size_t all = chosen.size() + held.size();
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    if (options.progress) options.progress(i, chosen.size(), chosen[i]);
+    if (options.progress) options.progress(i, all, chosen[i]);
     const Experiment experiment = buildExperiment(chosen[i].id, ticksOf(options));
     ExperimentResult& out = result.experiments.emplace_back();
     out.info = experiment.info;
@@ -252,6 +255,10 @@ SweepResult sweep(const SweepOptions& options) {
       out.peakForce =
           std::max(out.peakForce, glm::length(springForce(experiment.stiffness, p.exactProxy, p.device)));
     out.settings = ExperimentSweep(experiment, options).run();
+  }
+  for (const ExperimentInfo& info : held) {
+    if (options.progress) options.progress(result.experiments.size() + result.held.size(), all, info);
+    result.held.push_back(sweepPart(info, options));
   }
   if (options.only.empty()) result.figures = measureFigures(options.quick);
   return result;

@@ -11,6 +11,7 @@
 #include "client/report/experiment.h"
 #include "client/report/figures.h"
 #include "client/report/measurement.h"
+#include "client/report/part_measurement.h"
 
 namespace tandem::client::report {
 
@@ -32,10 +33,20 @@ struct ExperimentResult {
   std::vector<Measurement> settings;
 };
 
+/// One experiment with a part in the hand, with all its settings.
+struct PartExperimentResult {
+  ExperimentInfo info;
+  std::size_t triangles = 0, ticks = 0;
+  double peakForce = 0.0;   // N, exact, of the judged ticks
+  double askedDepth = 0.0;  // m, the most that the project allows itself
+  std::vector<PartMeasurement> settings;
+};
+
 struct SweepResult {
   bool quick = false;
   std::string machine;
   std::vector<ExperimentResult> experiments;
+  std::vector<PartExperimentResult> held;
   std::vector<Figure> figures;     // empty where single experiments were asked for
   std::vector<std::string> peers;  // that were measured, with versions
 };

@@ -103,11 +103,11 @@ class SimulatedSite : public LinkObserver {
 
 class Simulation {
  public:
-  Simulation(const Scenario& script, const assets::Scene& parts, const SimulationOptions& options)
+  Simulation(const Scenario& script, const haptics::ContactScene& parts, const SimulationOptions& options)
       : scenario(script),
-        scene(parts),
+        scene(parts.scene()),
         contact(parts),
-        package(assets::packScene(parts)),
+        package(assets::packScene(parts.scene())),
         network(options.seed, script.network),
         conditions(script.network),
         invariants(script.sites.size(), LeaseRules{}) {
@@ -130,7 +130,7 @@ class Simulation {
 
   const Scenario& scenario;
   const assets::Scene& scene;
-  haptics::ContactScene contact;
+  const haptics::ContactScene& contact;
   std::vector<std::byte> package;
   VirtualNetwork network;
   NetworkConditions conditions;
@@ -503,9 +503,9 @@ std::string leader(const SimulationResult& result, const Scenario& scenario) {
 
 }  // namespace
 
-Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene& scene,
+Result<SimulationResult> simulate(const Scenario& scenario, const haptics::ContactScene& contact,
                                   const SimulationOptions& options) {
-  Simulation simulation(scenario, scene, options);
+  Simulation simulation(scenario, contact, options);
   if (Status status = simulation.addSites(options.seed); !status) return status.error();
   if (!options.tracePath.empty() && !simulation.trace)
     return Error{options.tracePath + ": cannot be written"};
@@ -521,7 +521,7 @@ Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene&
   SimulationOptions again = options;
   again.leaderLoad = false;
   again.tracePath.clear();
-  Result<SimulationResult> reference = simulate(near, scene, again);
+  Result<SimulationResult> reference = simulate(near, contact, again);
   if (!reference) return reference.error();
   const std::string name = leader(result, scenario);
   const double load = reference->sites[name].rmsForce;

@@ -11,6 +11,7 @@
 
 #include "client/simulation/invariants.h"
 #include "client/simulation/scenario.h"
+#include "haptics/contact_scene.h"
 
 namespace tandem::client {
 
@@ -43,7 +44,9 @@ struct SimulationOptions {
   bool leaderLoad = true;  // runs the scenario again without delay, for the ratio
 };
 
-Result<SimulationResult> simulate(const Scenario& scenario, const assets::Scene& scene,
+/// Runs the scenario on the scene that `contact` is of. Whether parts in the hand collide is whether their
+/// models were made (ContactScene::modelParts()).
+Result<SimulationResult> simulate(const Scenario& scenario, const haptics::ContactScene& contact,
                                   const SimulationOptions& options);
 
 /// The result in the form of `tandem simulate --json`.

@@ -17,12 +17,14 @@ constexpr double kArrowAtLimit = 130.0;  // length of the arrow of a force at th
 constexpr double kDiscRadius = 9.0;
 constexpr double kNormalLength = 26.0;
 constexpr double kFrustumDepth = 46.0;
+constexpr double kShortestMeasure = 4.0;
 
 constexpr double kFaintestForce = 0.02;  // N; less is not drawn
 constexpr double kGhostFrom = 1.5;       // pixels between device and proxy from which both are drawn
 
 const GlyphColour kForceColour(0.80f, 0.07f, 0.03f, 1.0f);
 const GlyphColour kContactColour(0.02f, 0.42f, 0.20f, 0.85f);
+const GlyphColour kMeasureColour(0.01f, 0.08f, 0.42f, 1.0f);
 const GlyphColour kSteel(0.45f, 0.47f, 0.50f, 1.0f);
 
 double pixelAt(const View& view, const glm::dvec3& point) {
@@ -82,6 +84,20 @@ void addContacts(const HandView& hand, GlyphBatch& batch) {
   }
 }
 
+/// A measure between the held part and what it is nearest to, unless it is shorter than it is thick.
+void addClearance(const HandView& hand, GlyphBatch& batch, std::vector<Label>& labels) {
+  const NearestView& nearest = hand.nearest;
+  if (hand.held == kNoPart || nearest.part == kNoPart || !(nearest.clearance > 0.0)) return;
+  const double px = pixelAt(batch.view(), nearest.onHeld);
+  if (nearest.clearance < kShortestMeasure * px) return;
+  batch.line(nearest.onHeld, nearest.onOther, 2.0, kMeasureColour);
+  batch.sphere(nearest.onHeld, 3.0 * px, kMeasureColour);
+  batch.sphere(nearest.onOther, 3.0 * px, kMeasureColour);
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f mm", 1e3 * nearest.clearance);
+  labels.push_back({0.5 * (nearest.onHeld + nearest.onOther), {8.0, -8.0}, {0.05f, 0.30f, 0.62f}, text});
+}
+
 void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
   const HandView& hand = model.hand;
   if (!hand.present) return;
@@ -97,6 +113,7 @@ void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& l
   }
   addContacts(hand, batch);
   addForce(model, batch, labels);
+  addClearance(hand, batch, labels);
 }
 
 /// A small pyramid that opens where the other person looks.

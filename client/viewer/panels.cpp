@@ -62,17 +62,44 @@ void drawZeroForce(const PanelContext& context) {
   ImGui::PopStyleColor(5);
 }
 
+void partCount(const PanelContext& context) {
+  if (!context.model.scene) return;
+  char text[64];
+  std::snprintf(text, sizeof text, "%zu parts", context.model.scene->parts.size());
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(text).x);
+  ImGui::TextColored(theme::kMuted, "%s", text);
+}
+
+/// Parts or clashes.
+void drawTabs(const PanelContext& context, PartTree& tree) {
+  ClashUi& clashes = context.ui.clashes;
+  const bool wanted = clashes.open && !clashes.asked;  // opened by other means than a click on the tab
+  if (!ImGui::BeginTabBar("##tabs")) return;
+  const auto tab = [&](const char* name, ImGuiTabItemFlags flags, const auto& draw) {
+    ImGui::PushFont(context.fonts.strong);
+    const bool open = ImGui::BeginTabItem(name, nullptr, flags);
+    ImGui::PopFont();
+    if (!open) return false;
+    draw();
+    ImGui::EndTabItem();
+    return true;
+  };
+  tab("Parts", 0, [&] { tree.draw(context); });
+  clashes.open =
+      tab("Clashes", wanted ? ImGuiTabItemFlags_SetSelected : 0, [&] { drawClashes(context); }) || wanted;
+  ImGui::EndTabBar();
+}
+
 void drawLeft(const PanelContext& context, PartTree& tree, const Rect& rect) {
   place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
   ImGui::Begin("##parts", nullptr, kFixed);
-  heading(context, "Parts");
-  if (context.model.scene) {
-    char text[64];
-    std::snprintf(text, sizeof text, "%zu parts", context.model.scene->parts.size());
-    ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(text).x);
-    ImGui::TextColored(theme::kMuted, "%s", text);
+  if (context.model.clashes.possible) {
+    drawTabs(context, tree);
+  } else {
+    heading(context, "Parts");
+    partCount(context);
+    tree.draw(context);
   }
-  tree.draw(context);
   ImGui::End();
 }
 
@@ -262,7 +289,7 @@ void drawHelp(const PanelContext& context) {
       {"H   Shift + H", "hide the selected part, show all"},
       {"I", "show the selected part alone"},
       {"T", "transparent"},
-      {"Esc", "select nothing, stop following"},
+      {"Esc", "select nothing, no clash, stop following"},
       {nullptr, "Window"},
       {"Tab", "panels on and off"},
       {"P", "play or pause a recording"},

@@ -61,6 +61,8 @@ Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& w
 void drawPeople(const PanelContext& context);
 /// The scene's controls with their values; a permitted role may set them.
 void drawControls(const PanelContext& context);
+/// The list of clashes, with what to look for; asks for it when it is drawn for the first time.
+void drawClashes(const PanelContext& context);
 void drawHand(const PanelContext& context);
 void drawNetwork(const PanelContext& context);
 void drawSettings(const PanelContext& context);

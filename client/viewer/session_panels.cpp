@@ -82,6 +82,19 @@ void drawPerson(const PanelContext& context, const SiteView& site) {
   ImGui::PopID();
 }
 
+/// How near the held part is to its nearest neighbour.
+void drawNearest(const ViewModel& model) {
+  const NearestView& nearest = model.hand.nearest;
+  if (model.hand.held == kNoPart || nearest.part == kNoPart) return;
+  valueLine("Nearest", partName(model, nearest.part));
+  if (nearest.clearance > 0.0)
+    valueLine("Clearance", format("%.3f mm", 1e3 * nearest.clearance));
+  else if (nearest.clearance < 0.0)
+    valueLine("Overlap", format("%.3f mm", -1e3 * nearest.clearance), theme::kWarning);
+  else
+    valueLine("Clearance", "touches", theme::kGood);
+}
+
 struct FlagText {
   std::uint32_t flag;
   const char* text;
@@ -100,6 +113,7 @@ constexpr FlagText kFlagTexts[] = {
     {haptics::kFlagProxyReset, "the tool was put back onto the hand", false},
     {haptics::kFlagPopThrough, "a surface gave way: the tool is through", false},
     {haptics::kFlagFieldLimited, "a force field is at its maximum", false},
+    {haptics::kFlagLessEffort, "contact goes more slowly: this machine is short of time", false},
 };
 
 void drawFlags(const PanelContext& context) {
@@ -166,6 +180,7 @@ void drawHand(const PanelContext& context) {
   std::string part = hand.held != kNoPart ? partName(model, hand.held) : partName(model, hand.touched);
   const char* verb = hand.held != kNoPart ? "Holds" : hand.grabPending ? "Asks for" : "At";
   valueLine(verb, part.empty() ? "\xE2\x80\x93" : part);
+  drawNearest(model);
   StripChart chart;
   chart.id = "force";
   chart.title = "Force";

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/viewer/clash_list.h"
 #include "client/viewer/part_display.h"
 
 namespace tandem::client {
@@ -14,6 +15,7 @@ struct UiState {
   explicit UiState(std::size_t partCount) : parts(partCount) {}
 
   PartDisplay parts;
+  ClashUi clashes;
   bool showPanels = true;
   bool showHelp = false;
   bool showEdges = true;

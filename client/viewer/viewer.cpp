@@ -7,8 +7,10 @@
 #include <imgui.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+#include <limits>
 #include <optional>
 
 #include "assets/assert.h"
@@ -93,6 +95,11 @@ class SceneViewer final : public Viewer {
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
   void pressKey(int key) override { queuedKeys_.push_back(key); }
+  void openClashes(const ClashQuestion& question) override {
+    ui_.clashes = {};
+    ui_.clashes.question = question;
+    ui_.clashes.open = ui_.clashes.choosesFirst = true;
+  }
   void fitAll() override { ui_.fit = std::vector<PartId>{}; }
 
  private:
@@ -120,6 +127,9 @@ class SceneViewer final : public Viewer {
                   ViewActions& actions);
   void partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView);
   void follow(const ViewModel& model);
+  void chooseClash(const ViewModel& model);
+  const FoundClash* shownClash(const ViewModel& model) const;
+  void flyToClash(const ViewModel& model);
   View currentView(const ViewModel& model) const;
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
@@ -134,6 +144,7 @@ class SceneViewer final : public Viewer {
   std::vector<int> queuedKeys_;  // for the next frame
   StylusControl stylus_;
   Camera camera_;
+  CameraFlight flight_;
   assets::Bounds sceneBounds_;
   Rect viewport_;  // window pixels
   std::vector<PartLook> looks_;
@@ -249,7 +260,7 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
         ui_.showPanels = !ui_.showPanels;
         break;
       case GLFW_KEY_ESCAPE:
-        if (!ui_.showHelp) ui_.parts.selected = kNoPart;
+        if (!ui_.showHelp) ui_.parts.selected = ui_.clashes.a = ui_.clashes.b = kNoPart;
         ui_.showHelp = false;
         ui_.following = kNoSite;
         break;
@@ -275,6 +286,37 @@ void SceneViewer::follow(const ViewModel& model) {
   }
 }
 
+/// The chosen clash, while its list is open.
+const FoundClash* SceneViewer::shownClash(const ViewModel& model) const {
+  return ui_.clashes.open ? chosenClash(model.clashes.findings.get(), ui_.clashes) : nullptr;
+}
+
+void SceneViewer::chooseClash(const ViewModel& model) {
+  const ClashFindings* findings = model.clashes.findings.get();
+  if (!ui_.clashes.choosesFirst || findings == nullptr) return;
+  ui_.clashes.choosesFirst = false;
+  const std::vector<ClashRow> rows = clashRows(*findings, *model.scene, ui_.clashes.touches);
+  if (rows.empty()) return;
+  ui_.clashes.a = rows.front().found->clash.a;
+  ui_.clashes.b = rows.front().found->clash.b;
+  ui_.clashes.fly = true;
+}
+
+void SceneViewer::flyToClash(const ViewModel& model) {
+  const FoundClash* found = shownClash(model);
+  if (!ui_.clashes.fly || found == nullptr) return;
+  ui_.clashes.fly = false;
+  ui_.following = kNoSite;
+  double smaller = std::numeric_limits<double>::max();
+  for (const PartId part : {found->clash.a, found->clash.b}) {
+    const assets::Bounds bounds = renderer_->bounds(model.worldFromPart, std::array{part});
+    smaller = std::min(smaller, glm::length(bounds.max - bounds.min));
+  }
+  const ClashWitness witness = witnessOf(*model.clashes.findings, *found, model.worldFromPart);
+  const glm::dvec2 size = viewport_.size();
+  flight_.start(camera_, cameraFor(camera_, witness, smaller, size.x / std::max(size.y, 1.0)));
+}
+
 void SceneViewer::startDrag(const Input& input, const View& view, bool cursorInView) {
   const bool leftTurns = !options_.stylusFromMouse && input.pressed[0];
   const bool pressed = leftTurns || input.pressed[1] || input.pressed[2] || (input.shift && input.pressed[0]);
@@ -294,7 +336,10 @@ void SceneViewer::moveCamera(const Input& input, const View& view) {
       const double depth = std::max(view.depthOf(pivot_), view.near);
       pan(camera_, input.cursorMove, view.metresPerPixel(depth));
     }
-    if (dragged_) ui_.following = kNoSite;
+    if (dragged_) {
+      ui_.following = kNoSite;
+      flight_.stop();
+    }
   }
 }
 
@@ -365,8 +410,14 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (options_.panels && ui_.showPanels) viewport_ = drawPanels(context, tree_, glm::dvec2(surface_->size()));
   if (!started_ && camera_.distance == fitView(sceneBounds_, 1.0).distance)
     camera_ = fitFrom(camera_, sceneBounds_, viewport_.size().x / std::max(viewport_.size().y, 1.0));
-  if (ui_.fit) fit(model);
+  if (ui_.fit) {
+    fit(model);
+    flight_.stop();
+  }
   follow(model);
+  chooseClash(model);
+  flyToClash(model);
+  if (flight_.flying()) camera_ = flight_.step(input.dt);
 
   // In a slow frame the mouse has gone on since it clicked: a click on a panel must not grasp what it is over
   // now.
@@ -382,6 +433,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (cursorInView && !input.ctrl && input.wheel != 0.0) {
     zoom(camera_, input.wheel, underCursor_ ? underCursor_->point : view.pointAt(cursor, camera_.distance));
     ui_.following = kNoSite;
+    flight_.stop();
   }
   view = currentView(model);
   if (options_.stylusFromMouse) moveStylus(model, input, view, cursorInView, actions);
@@ -391,6 +443,10 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
   std::vector<Label> labels;
+  if (const FoundClash* found = shownClash(model)) {
+    markClash(found->clash, looks_);
+    addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
+  }
   addFields(model, batch);
   addPeople(model, batch, labels);
   drawLabels(view, viewport_, labels, context);

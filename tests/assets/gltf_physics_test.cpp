@@ -98,6 +98,27 @@ TEST(GltfPhysics, FallsBackToTheNodesOwnHapticExtras) {
   EXPECT_NE(findingOf(scene, "unused-haptic-property"), nullptr);
 }
 
+TEST(GltfPhysics, APartHasTheStrictestToleranceOfItsNodesWhateverTheFilesUnit) {
+  const auto tolerance = [](double value) { return Json{{"haptic", {{"tolerance", value}}}}; };
+  GltfBuilder b = bodyWithBox();
+  b.json["nodes"][0]["extras"] = tolerance(5e-6);
+  const int below = b.addOrphan({{"mesh", b.addBox(1, 1, 1)}, {"extras", tolerance(2e-6)}});
+  b.json["nodes"][0]["children"] = {below};
+  b.addNode({{"name", "other"}, {"mesh", b.addBox(1, 1, 1)}});
+  LoadOptions millimetres;
+  millimetres.unitScale = 1e-3;
+  for (const LoadOptions& options : {LoadOptions{}, millimetres}) {
+    const Scene scene = loaded(b, options);
+    ASSERT_EQ(scene.parts.size(), 2u);
+    EXPECT_EQ(scene.parts[findPart(scene, "body")].contactTolerance, 2e-6);
+    EXPECT_EQ(scene.parts[findPart(scene, "other")].contactTolerance, 0.0);
+    EXPECT_EQ(findingOf(scene, "unused-haptic-property"), nullptr);
+    // A tolerance says nothing of how the surface feels.
+    const Mesh& mesh = scene.meshes[scene.parts[findPart(scene, "body")].mesh];
+    EXPECT_EQ(scene.materials[mesh.triangleMaterial[0]].stiffness, 1200.0);
+  }
+}
+
 TEST(GltfPhysics, GathersDescendantsWithoutMotionIntoTheBody) {
   GltfBuilder b;
   const int box = b.addBox(1, 1, 1, "box");
@@ -288,6 +309,31 @@ TEST(GltfPhysics, ReadsJointsWithLimitsAndDrives) {
   EXPECT_DOUBLE_EQ(joint.limits[3].stiffness, 5.0);
   ASSERT_EQ(joint.drives.size(), 1u);
   EXPECT_DOUBLE_EQ(joint.drives[0].maxForce, 9.0);
+}
+
+TEST(GltfPhysics, ReadsThreadsAndDetentsOfJointsInFileUnits) {
+  GltfBuilder b = door(kBodies);
+  nlohmann::json& stated = b.json["extensions"][kBodies]["physicsJoints"][0];
+  const nlohmann::json detents = {{"type", "linear"}, {"positions", {1, 3}}, {"force", 2}};
+  stated["extras"] = {{"haptic", {{"pitch", 2.0}, {"detents", detents}}}};
+  b.json["nodes"][0]["extensions"] = physics({{"joint", {{"connectedNode", 2}, {"joint", 0}}}});
+  LoadOptions options;
+  options.unitScale = 0.001;
+  const Joint joint = loaded(b, options).joints.at(0);
+  EXPECT_DOUBLE_EQ(joint.pitch, 0.002);
+  ASSERT_EQ(joint.detents.places.size(), 2u);
+  EXPECT_DOUBLE_EQ(joint.detents.places[1], 0.003);
+  EXPECT_DOUBLE_EQ(joint.detents.force, 2.0);
+  EXPECT_FALSE(joint.detentsTurn);
+  const auto refused = [&](const nlohmann::json& haptic) {
+    stated["extras"] = {{"haptic", haptic}};
+    return !loadGltfFromMemory("test.glb", b.glb(), options).ok();
+  };
+  EXPECT_TRUE(refused({{"pitch", 1e300}}));
+  EXPECT_TRUE(refused({{"detents", {{"type", "linear"}, {"positions", {3, 1}}}}}));
+  EXPECT_TRUE(refused({{"detents", {{"type", "linear"}, {"positions", {3}}}}}));
+  EXPECT_TRUE(refused({{"detents", {{"type", "sideways"}, {"positions", {1, 3}}}}}));
+  EXPECT_FALSE(refused({{"pitch", -2.0}}));
 }
 
 TEST(GltfPhysics, LeavesOutJointsBetweenThingsThatNeverMove) {

@@ -79,6 +79,9 @@ Scene randomScene(std::uint32_t seed) {
   joint.aFromJoint = pose(random);
   joint.limits.push_back({true, 5, -1.0, 1e300, 3.0, 4.0});
   joint.drives.push_back({false, true, 2, 10.0, 1.0, 2.0, 3.0, 4.0});
+  joint.pitch = 0.002;
+  joint.detents = {{0.1, 0.2}, 3.0, 0.05};
+  joint.detentsTurn = true;
   scene.joints.push_back(joint);
   scene.findings.push_back({Finding::Severity::warning, "open-shells", "part 1", 7, "Shells are open."});
   scene.bounds = {glm::dvec3(-20), glm::dvec3(20)};
@@ -113,6 +116,10 @@ TEST(ScenePackage, GivesBackWhatItWasGiven) {
     EXPECT_EQ(back->parts[3].name, "part 3");
     EXPECT_EQ(back->parts[3].filter.memberOf, scene.parts[3].filter.memberOf);
     EXPECT_EQ(back->joints[0].limits[0].max, 1e300);
+    EXPECT_EQ(back->joints[0].pitch, 0.002);
+    EXPECT_EQ(back->joints[0].detents.places, (std::vector<double>{0.1, 0.2}));
+    EXPECT_EQ(back->joints[0].detents.width, 0.05);
+    EXPECT_TRUE(back->joints[0].detentsTurn);
     EXPECT_EQ(back->findings[0].count, 7u);
     EXPECT_EQ(packScene(*back), package);
   }
@@ -204,6 +211,8 @@ TEST(SceneCodec, RefusesScenesThatBreakTheInvariants) {
   refuses("a pose", [](Scene& s) { s.parts[0].worldFromPart.orientation.w = 7.0; });
   refuses("a tree's order", [](Scene& s) { s.tree[1].parent = 1; });
   refuses("a joint's part", [](Scene& s) { s.joints[0].partA = 77; });
+  refuses("a joint's pitch", [](Scene& s) { s.joints[0].pitch = 1e300; });
+  refuses("a joint's detents", [](Scene& s) { s.joints[0].detents.places = {0.2, 0.1}; });
   refuses("a joint's axes", [](Scene& s) { s.joints[0].limits[0].axes = 8; });
   refuses("a shape's material", [](Scene& s) {
     s.parts[0].shapes.resize(1);

@@ -58,6 +58,10 @@ TEST(ValueRanges, TheLoaderNamesFilePlacePropertyValueAndRange) {
        {{"creaseAngle", 30}},
        "creaseAngle: is 30 rad; it must lie between 0 and 6.28319 rad"},
       {{{"viscosity", 1e3}}, {{"viscosity", 1e4}}, "viscosity: is 10000 N*s/m;"},
+      {{{"tolerance", 1e-9}}, {{"tolerance", 0}}, "tolerance: is 0 m; it must lie between 1e-09 and 1000 m"},
+      {{{"tolerance", 1e3}}, {{"tolerance", -1e-6}}, "tolerance: is -1e-06 m;"},
+      {{{"tolerance", 1e-5}}, {{"tolerance", 1e4}}, "tolerance: is 10000 m;"},
+      {{{"tolerance", 1e-5}}, {{"tolerance", "fine"}}, "tolerance: must be a finite number"},
       {pair("texture", "amplitude", 1.0, sine), pair("texture", "amplitude", 1e15, sine),
        "texture.amplitude: is 1e+15 m;"},
       {pair("texture", "wavelength", 1e-6, sine), pair("texture", "wavelength", 1e-300, sine),
@@ -168,6 +172,20 @@ Scene sceneWithAll() {
                            {"field", {{"kind", "spring"}, {"stiffness", 10}}}},
                           {{"extensions", {{"KHR_physics_rigid_bodies", {{"motion", {{"mass", 0.1}}}}}}}});
   return loaded(b);
+}
+
+TEST(ValueRanges, ToleranceFromANetworkIsAbsentOrInRange) {
+  Scene scene = sceneWithAll();
+  for (const double bad : {-1e-6, 1e-12, 1e4, kNan, std::numeric_limits<double>::infinity()}) {
+    scene.parts[0].contactTolerance = bad;
+    const Result<Scene> back = decodeScene(encodeScene(scene));
+    ASSERT_FALSE(back.ok()) << bad;
+    EXPECT_NE(back.error().message.find("tolerance"), std::string::npos) << back.error().message;
+  }
+  scene.parts[0].contactTolerance = 2e-6;
+  const Result<Scene> back = decodeScene(encodeScene(scene));
+  ASSERT_TRUE(back.ok()) << back.error().message;
+  EXPECT_EQ(back->parts[0].contactTolerance, 2e-6);
 }
 
 TEST(ValueRanges, WhatTheLoaderRefusesIsRefusedFromANetworkToo) {

@@ -3,6 +3,8 @@
 // The experiments of `tandem report` with what other libraries offer for contact: the nearest point of a
 // mesh. The force is a spring to that point while the tool is inside, which the nearest triangle's normal
 // decides. Embree 3 answers with rtcPointQuery, FCL with distance() between the mesh and a sphere of no size.
+// Where the hand holds a part, FCL, and Bullet and ODE where they are installed, are asked for the contacts of two
+// meshes (part_peers/).
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>
@@ -15,10 +17,12 @@
 #include <string>
 #include <vector>
 
+#include "client/report/part_sweep.h"
 #include "client/report/report_json.h"
 #include "client/report/sweep.h"
 #include "haptics/triangle_math.h"
 #include "tests/bench/embree_yardstick.h"
+#include "tests/bench/part_peers/measure_part_peers.h"
 
 namespace {
 
@@ -175,7 +179,8 @@ int main(int argc, char** argv) {
   report::SweepResult result;
   result.quick = options.quick;
   result.machine = report::machineLine();
-  result.peers = {"Embree " RTC_VERSION_STRING, "FCL " FCL_VERSION};
+  result.peers = {"Embree " RTC_VERSION_STRING};
+  for (const std::string& version : bench::partPeerVersions()) result.peers.push_back(version);
   for (const report::ExperimentInfo& info : report::chosenExperiments(options)) {
     const report::Experiment e = report::buildExperiment(info.id, report::ticksOf(options));
     if (e.partsMove) continue;            // these trees stand for still triangles
@@ -187,6 +192,10 @@ int main(int argc, char** argv) {
     out.settings.push_back(measure<EmbreePeer>(e, triangles, report::runsOf(options)));
     // Tenths of a millisecond a query: one run less is still a minute less.
     out.settings.push_back(measure<FclPeer>(e, triangles, 2));
+  }
+  for (const report::ExperimentInfo& info : report::chosenPartExperiments(options)) {
+    std::fprintf(stderr, "peers: %s\n", info.title.c_str());
+    result.held.push_back(bench::measurePartPeers(info, options));
   }
   std::ofstream file(path);
   file << report::toJson(result);

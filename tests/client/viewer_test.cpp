@@ -298,5 +298,97 @@ TEST_F(ViewerTest, PanelsLeaveRoomForTheScene) {
   EXPECT_TRUE(isPanel(picture.at(1190, 690)));
 }
 
+TEST_F(ViewerTest, ShowsWhatTheHeldPartIsNearestTo) {
+  ViewerOptions options;
+  options.width = 1200;
+  options.height = 700;
+  auto opened = Viewer::openOffscreen(scene_, options);
+  ASSERT_TRUE(opened.ok());
+  model_.hand.present = model_.hand.valid = true;
+  model_.hand.held = 0;
+  model_.hand.worldFromProxy.position = model_.hand.worldFromDevice.position = {-0.1, 0.1, 0.0};
+  const auto picture = [&] {
+    (*opened)->frame(model_);
+    (*opened)->frame(model_);
+    const std::string path = ownFile("nearest");
+    EXPECT_TRUE((*opened)->screenshot(path).ok());
+    Picture drawn = readPng(path);
+    std::filesystem::remove(path);
+    return drawn;
+  };
+  const Picture without = picture();
+  model_.hand.nearest = {1, 0.1, {-0.05, 0.0, 0.05}, {0.05, 0.0, 0.05}};
+  const Picture with = picture();
+  // Two lines in the panel; a line and its words in the scene.
+  const auto changed = [&](int left, int right) {
+    int count = 0;
+    for (int y = 0; y < with.height; ++y) {
+      for (int x = left; x < right; ++x) count += with.at(x, y) != without.at(x, y) ? 1 : 0;
+    }
+    return count;
+  };
+  EXPECT_GT(changed(900, 1200), 300);
+  EXPECT_GT(changed(280, 880), 300);
+  model_.hand.held = kNoPart;
+  model_.hand.nearest.part = 1;
+  const Picture apart = picture();
+  model_.hand.nearest = {};
+  EXPECT_EQ(countDifferent(apart, picture(), 0), 0) << "nothing is held";
+}
+
+TEST_F(ViewerTest, TheListOfClashesAsksOnceItIsOpenAndShowsWhatIsChosen) {
+  ViewerOptions options;
+  options.width = 1200;
+  options.height = 700;
+  auto opened = Viewer::openOffscreen(scene_, options);
+  ASSERT_TRUE(opened.ok());
+  model_.clashes.possible = true;
+  for (int i = 0; i < 3; ++i) {
+    const ViewActions actions = (*opened)->frame(model_);
+    EXPECT_FALSE(actions.findClashes || actions.stopClashes) << "nobody has opened it";
+  }
+  const glm::dvec3 before = (*opened)->camera().target;
+  (*opened)->openClashes({0.2, true});
+  int asked = 0;
+  for (int i = 0; i < 5; ++i) {
+    const ViewActions actions = (*opened)->frame(model_);
+    asked += actions.findClashes ? 1 : 0;
+    if (actions.findClashes) {
+      EXPECT_EQ(actions.findClashes->clearance, 0.2);
+      EXPECT_TRUE(actions.findClashes->atRest);
+    }
+  }
+  EXPECT_EQ(asked, 1);
+  auto findings = std::make_shared<ClashFindings>();
+  findings->worldFromPart = model_.worldFromPart;
+  Clash clash{0, 1};
+  clash.distance = 0.1;
+  clash.onA = {-0.05, 0.0, 0.05};
+  clash.onB = {0.05, 0.0, 0.05};
+  findings->found.push_back({clash, false});
+  model_.clashes.findings = findings;
+  for (int i = 0; i < 60; ++i) (*opened)->frame(model_);
+  EXPECT_LT(glm::length((*opened)->camera().target - glm::dvec3(0.0, 0.0, 0.05)), 1e-12);
+  EXPECT_NE((*opened)->camera().target, before);
+  const std::string path = ownFile("clashes");
+  const auto picture = [&] {
+    (*opened)->frame(model_);
+    EXPECT_TRUE((*opened)->screenshot(path).ok());
+    Picture drawn = readPng(path);
+    std::filesystem::remove(path);
+    return drawn;
+  };
+  const Picture chosen = picture();
+  EXPECT_EQ(glGetError(), static_cast<GLenum>(GL_NO_ERROR));
+  const auto isOrange = [](const Rgb& c) { return c[0] > 140 && c[0] > c[1] + 40 && c[1] > c[2] + 15; };
+  EXPECT_GT(chosen.count(isOrange), 2000) << "one part";
+  EXPECT_GT(chosen.count(isBlue), 2000) << "the other one";
+  (*opened)->pressKey(GLFW_KEY_ESCAPE);
+  const Picture without = picture();
+  EXPECT_LT(without.count(isOrange), 500);
+  EXPECT_GT(without.count(isGreen), 2000);
+  EXPECT_EQ((*opened)->camera().target, glm::dvec3(0.0, 0.0, 0.05)) << "the camera stays";
+}
+
 }  // namespace
 }  // namespace tandem::client

@@ -3,12 +3,13 @@
 
     python3 tests/end_to_end/bad_input_test.py --bin build/release/bin
 """
-import argparse
 import json
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+from check_command import binaries_of_command_line
 
 PUMP = str(pathlib.Path(__file__).resolve().parents[2] / "assets" / "scenes" / "pump.glb")
 
@@ -78,9 +79,7 @@ def cases(folder, binaries):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
+    binaries = binaries_of_command_line()
     failures = 0
     with tempfile.TemporaryDirectory() as name:
         for command, word in cases(pathlib.Path(name), binaries):

@@ -3,14 +3,13 @@
 
     python3 tests/end_to_end/check_test.py --bin build/release/bin
 """
-import argparse
 import json
 import pathlib
-import subprocess
 import sys
 import tempfile
 
-SCENES = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / "scenes"
+from check_command import SCENES, binaries_of_command_line, expect, report, run
+
 
 # Part of surfaces.glb to what makes it special.
 PLATES = {
@@ -28,16 +27,6 @@ BAD = {
     "texture": {"function": "wood", "amplitude": 1e-4, "wavelength": 1e-3}, "magnetic": [1, 2],
     "stiffness": 1e308, "stickSlip": {"force": 1e308, "stiffness": 1},
 }
-failed = []
-
-
-def expect(true, what):
-    if not true:
-        failed.append(what)
-
-
-def run(binaries, *arguments):
-    return subprocess.run([binaries / "tandem", "check", *arguments], capture_output=True, text=True)
 
 
 def one_box(haptic):
@@ -98,6 +87,22 @@ def check_remarks(binaries):
     expect(fields[0]["effects"]["spring"]["stiffness_n_per_m"] == 180.0, "the guide's stiffness is not named")
 
 
+def check_grasp(binaries):
+    """K <= b / (T/2 + t_d), for turning as well where the device has the motors for it."""
+    scene = SCENES / "peg_board.glb"
+    for device, delay, force, torque in (("desktop", 0, 200, None), ("sixdof", 0, 600, 2), ("sixdof", 5, 0.3 / 5.5e-3, 1 / 5.5)):
+        grasp = json.loads(run(binaries, scene, "--json", "--device", device, "--delay-ms", str(delay)).stdout)["grasp"]
+        expect(abs(grasp["stiffest_n_per_m"] / force - 1) < 1e-9, f"{device}: {grasp}")
+        turning = grasp["stiffest_n_m_per_rad"]
+        expect(turning is torque if torque is None else abs(turning / torque - 1) < 1e-9, f"{device}: {grasp}")
+        expect(grasp["used_n_per_m"] <= grasp["stiffest_n_per_m"] and not grasp["defaults_kept"], f"{device}: {grasp}")
+    text = run(binaries, scene, "--device", "sixdof").stdout
+    expect("stiffest stable grasp: 600 N/m and 2 N*m/rad" in text, text)
+    expect("drives no torque" in run(binaries, scene).stdout, "a device without torque motors has a limit of turning")
+    kept = json.loads(run(binaries, scene, "--json", "--device", "damped").stdout)["grasp"]
+    expect(kept["defaults_kept"] and kept["used_n_per_m"] == 800, f"{kept}")
+
+
 def check_bad_values(binaries, folder):
     scene = folder / "bad.gltf"
     for key, value in BAD.items():
@@ -113,17 +118,14 @@ def check_bad_values(binaries, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
+    binaries = binaries_of_command_line()
     check_samples(binaries)
     check_parts(binaries)
     check_remarks(binaries)
+    check_grasp(binaries)
     with tempfile.TemporaryDirectory() as folder:
         check_bad_values(binaries, pathlib.Path(folder))
-    for what in failed:
-        print("FAILED:", what)
-    return 1 if failed else 0
+    return report()
 
 
 if __name__ == "__main__":

@@ -4,13 +4,13 @@ come back; values that are set arrive everywhere; who may not, may not.
 
     python3 tests/end_to_end/controls_test.py --bin build/release/bin
 """
-import argparse
 import math
 import pathlib
 import sys
 import tempfile
 
 import session_test as session
+from check_command import binaries_of_command_line
 from session_test import FAILURES, Server, Site, check, poses_of
 from steady import STEADY
 
@@ -29,10 +29,15 @@ def press_and_set(binaries, folder):
                  {"t": 4.0, "do": "move", "to": above, "over_s": 0.6}]
         wishes = [{"t": 1.0, "do": "set", "control": "level", "value": 0.05},
                   {"t": 1.5, "do": "set", "control": "gauge layer", "value": 0.012}]
+        ben = Site(binaries, folder, server.link("participant"), "ben", wishes, 60, trace=True)
+        eve = Site(binaries, folder, server.link("observer"), "eve", None, 60, trace=True)
+        for name in ('"ben"', '"eve"'):
+            server.wait_until_said(name, "joined")
         ada = Site(binaries, folder, server.link("participant"), "ada", press, 6.5, trace=True)
-        ben = Site(binaries, folder, server.link("participant"), "ben", wishes, 6.5, trace=True)
-        eve = Site(binaries, folder, server.link("observer"), "eve", None, 6.5, trace=True)
-        return {site.name: site.result() for site in (ada, ben, eve)}
+        results = {"ada": ada.result()}
+        server.wait_until_said("part level granted", '"ben"')
+        results.update({site.name: site.leave() for site in (ben, eve)})
+        return results
     finally:
         server.stop()
 
@@ -59,9 +64,8 @@ def test_panel(binaries, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin.resolve()
+    binaries = binaries_of_command_line().resolve()
+    session.with_own_cache()
 
     def attempt():
         with tempfile.TemporaryDirectory() as folder:

@@ -3,7 +3,6 @@
 
     python3 tests/end_to_end/probe_controls_test.py --bin build/release/bin
 """
-import argparse
 import csv
 import json
 import math
@@ -12,8 +11,9 @@ import subprocess
 import sys
 import tempfile
 
-ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-SCENE = ROOT / "assets" / "scenes" / "control_panel.glb"
+from check_command import SCENES, binaries_of_command_line, expect, report
+
+SCENE = SCENES / "control_panel.glb"
 TOP = 0.031  # m, of the button at rest
 CONTACT = 1200.0  # N/m, of its plastic
 STEPS = 4500  # micrometres, one a tick
@@ -40,9 +40,7 @@ def expected():
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
+    binaries = binaries_of_command_line()
     with tempfile.TemporaryDirectory() as folder:
         folder = pathlib.Path(folder)
         lead = 50
@@ -66,24 +64,18 @@ def main():
     known = summary["controls"]["start"]
     parts = {row["part"] for row in rows[20:] if row["part"]}
     print(f"largest error {worst:.4f} N, click {drop:.3f} N, parts touched {sorted(parts)}")
-    failed = []
-    if worst > 0.025:  # its damper of 2 N*s/m adds to the profile where the cap moves fast
-        failed.append("the force leaves the profile of the button")
-    if drop < 0.15:
-        failed.append("there is no click")
-    if parts != {"start"}:
-        failed.append("the tool touched something else")
+    # Its damper of 2 N*s/m adds to the profile where the cap moves fast.
+    expect(worst <= 0.025, "the force leaves the profile of the button")
+    expect(drop >= 0.15, "there is no click")
+    expect(parts == {"start"}, "the tool touched something else")
     # Pressed to its stop at 2.5 mm, which is compared with the proxy: the cap stands where the tool rests on it.
     gap = max(abs(TOP - float(row["py"]) - value) for row, value in zip(rows[20:], values[20:]))
-    if not 0.0024 < max(values) < 0.0026 or gap > 20e-6:
-        failed.append(f"the value of the button is not told: at most {max(values)}, {gap} from the proxy")
-    if known["unit"] != "m" or abs(known["last"] - values[-1]) > 1e-11 or known["most"] < max(values) - 1e-11:
-        failed.append(f"the summary tells another value: {known}")
-    if summary["allocations"] != 0:
-        failed.append("ticks used the heap")
-    for what in failed:
-        print("FAILED:", what)
-    return 1 if failed else 0
+    expect(0.0024 < max(values) < 0.0026 and gap <= 20e-6,
+           f"the value of the button is not told: at most {max(values)}, {gap} from the proxy")
+    expect(known["unit"] == "m" and abs(known["last"] - values[-1]) <= 1e-11 and known["most"] >= max(values) - 1e-11,
+           f"the summary tells another value: {known}")
+    expect(summary["allocations"] == 0, "ticks used the heap")
+    return report()
 
 
 if __name__ == "__main__":

@@ -3,7 +3,6 @@
 
     python3 tests/end_to_end/probe_surfaces_test.py --bin build/release/bin
 """
-import argparse
 import csv
 import json
 import math
@@ -12,7 +11,9 @@ import subprocess
 import sys
 import tempfile
 
-SCENE = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / "scenes" / "surfaces.glb"
+from check_command import SCENES, binaries_of_command_line, expect, report
+
+SCENE = SCENES / "surfaces.glb"
 TOP = 0.0062  # m, of every plate
 HOLD = 3000  # ticks
 
@@ -41,25 +42,16 @@ def probe(binaries, folder, column, row, x, depth):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
-    failed = []
+    binaries = binaries_of_command_line()
     with tempfile.TemporaryDirectory() as folder:
         for part, (column, row, x, depth, force) in PLATES.items():
             last, summary = probe(binaries, pathlib.Path(folder), column, row, x, depth)
             is_ = float(last["fy"])
-            if not math.isclose(is_, force or 0.0, abs_tol=2e-3):
-                failed.append(f"{part}: {is_} N, not {force} N")
-            if (summary["flags"].get("pop_through", 0) > 0) != (force is None):
-                failed.append(f"{part}: {summary['flags']}")
-            if summary["allocations"] != 0:
-                failed.append(f"{part}: ticks used the heap")
-            if depth > 0 and force is not None and last["part"] != part:
-                failed.append(f"{part}: the tool touched {last['part']}")
-    for what in failed:
-        print("FAILED:", what)
-    return 1 if failed else 0
+            expect(math.isclose(is_, force or 0.0, abs_tol=2e-3), f"{part}: {is_} N, not {force} N")
+            expect((summary["flags"].get("pop_through", 0) > 0) == (force is None), f"{part}: {summary['flags']}")
+            expect(summary["allocations"] == 0, f"{part}: ticks used the heap")
+            expect(depth <= 0 or force is None or last["part"] == part, f"{part}: the tool touched {last['part']}")
+    return report()
 
 
 if __name__ == "__main__":

@@ -3,13 +3,14 @@
 
     python3 tests/end_to_end/report_test.py --bin build/release/bin
 """
-import argparse
 import html.parser
 import json
 import pathlib
 import subprocess
 import sys
 import tempfile
+
+from check_command import binaries_of_command_line
 
 VOID = {"meta", "br"}
 
@@ -42,9 +43,7 @@ class Page(html.parser.HTMLParser):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
+    binaries = binaries_of_command_line()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         command = [binaries / "tandem", "report", "--quick", "--out", folder / "r.html", "--json", folder / "r.json"]
@@ -52,7 +51,8 @@ def main():
         assert run.returncode == 0, run.stderr
         figures = json.loads((folder / "r.json").read_text())
         page = Page()
-        page.feed((folder / "r.html").read_text())
+        text = (folder / "r.html").read_text()
+        page.feed(text)
         page.close()
         assert not page.open and not page.loads, (page.open, page.loads)
         assert json.loads(page.data) == figures
@@ -67,7 +67,17 @@ def main():
         assert single["friction-sphere-mean"]["value"] < 0.5 and "refit-100k" in single, single
         beside = (binaries / "bench_peers").exists()
         assert bool(figures["peers"]) == beside and ("embree" in experiments["plane"]) == beside
-        failing = subprocess.run([*command, "--peers", "/bin/false"], capture_output=True, text=True, timeout=250)
+        held = {e["id"]: {s["id"]: s for s in e["settings"]} for e in figures["held"]}
+        assert set(held) == {"held-peg", "held-slide", "held-plates", "held-inside"}, held.keys()
+        for case, settings in held.items():
+            assert {"tandem", "field-1-samples-4", "field-4-samples-1", "unrefined", "steps-1", "looks-30"} <= \
+                set(settings), (case, settings.keys())
+            assert ("fcl" in settings) == beside, (case, settings.keys())
+            assert settings["tandem"]["penetration_m"]["max"] < 20e-6, (case, settings["tandem"])
+            assert settings["tandem"]["error_share"]["p99"] < 0.2, (case, settings["tandem"])
+            assert settings["tandem"]["found_share"] > 0.99, (case, settings["tandem"])
+            assert f"<h3>{next(e['title'] for e in figures['held'] if e['id'] == case)}" in text, case
+        failing = subprocess.run([*command, "--scenes", "plane", "--peers", "/bin/false"], capture_output=True, text=True, timeout=250)
         assert failing.returncode == 1 and "/bin/false" in failing.stderr, failing.stderr
     print(f"{len(experiments)} experiments, {page.count['svg']} plots")
 

@@ -6,6 +6,7 @@
 Every wait is bounded; only processes started here are ended. Figures of time are printed, never judged.
 """
 import argparse
+import atexit
 import bisect
 import csv
 import json
@@ -13,6 +14,7 @@ import math
 import os
 import pathlib
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -80,6 +82,14 @@ class Server:
         self.used[role] += 1
         return self.links(role)[self.used[role] - 1]
 
+    def said(self, *words):
+        """Whether a line of its log since its last start holds all of these."""
+        return any(all(word in line for word in words) for line in self.err_path.read_text().splitlines())
+
+    def wait_until_said(self, *words):
+        wait_for(lambda: self.dead() or self.said(*words), "the server says: " + " ".join(words), 60.0)
+        check(not self.dead(), "the server lives")
+
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
         self.process.wait()
@@ -93,11 +103,37 @@ class Server:
                 self.process.kill()
 
 
+def with_own_cache():
+    """From here on nothing that other programs have kept is found; removed in the end."""
+    folder = tempfile.mkdtemp(prefix="tandem-cache-")
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    os.environ["XDG_CACHE_HOME"] = folder
+
+
+def made_ready(binaries, cache):
+    """Puts what contact of the scene's parts needs into a site's cache: its hand begins when that is ready, and the scripts
+    of several sites are to begin together. False on a machine (or under a sanitizer) that takes too long for it."""
+    kept = pathlib.Path(os.environ["XDG_CACHE_HOME"]) / ("models-" + SCENE.stem)
+    if not kept.exists():
+        kept.mkdir()
+        try:
+            subprocess.run([binaries / "tandem", "check", SCENE, "--models"], check=True, timeout=180,
+                           stdout=subprocess.DEVNULL, env={**os.environ, "XDG_CACHE_HOME": str(kept)})
+        except subprocess.TimeoutExpired:
+            print("  parts pass through each other here: making their models takes too long")
+            (kept / "none").touch()
+    cache.mkdir(exist_ok=True)
+    for path in (kept / "tandem").glob("*.field"):
+        if not (cache / path.name).exists():
+            shutil.copy(path, cache)
+    return not (kept / "none").exists()
+
+
 class Site:
     """tandem join --headless with a scripted hand."""
 
     def __init__(self, binaries, folder, link, name, script, duration, trace=False, extra=()):
-        self.name, self.folder = name, folder
+        self.name, self.folder, self.collides = name, folder, False
         self.json_path = folder / f"{name}.json"
         self.trace_path = folder / f"{name}.csv"
         arguments = [binaries / "tandem", "join", link, "--headless", "--quiet", "--name", name, "--duration",
@@ -106,6 +142,9 @@ class Site:
             script_path = folder / f"{name}.script.json"
             script_path.write_text(json.dumps(script))
             arguments += ["--hand", script_path]
+            if "--no-part-contact" not in extra:
+                self.collides = made_ready(binaries, folder / "cache")
+                arguments += [] if self.collides else ["--no-part-contact"]
         if trace:
             arguments += ["--trace", self.trace_path]
         self.err_path = folder / f"{name}.err"
@@ -121,6 +160,12 @@ class Site:
         result = json.loads(self.json_path.read_text())
         STEADY.stalls += result["stalls"]
         return result
+
+    def leave(self):
+        """Ends a site that would have stayed; what it reports."""
+        time.sleep(1.0)  # what others did last may still be played out
+        self.process.terminate()
+        return self.result()
 
     def kill(self):
         self.process.send_signal(signal.SIGKILL)
@@ -177,6 +222,10 @@ def test_follow_and_contend(binaries, folder, figures):
         b = Site(binaries, folder, server.link("participant"), "ben", motion, 7, trace=True)
         results = [a.result(), b.result()]
         answers = [grab for result in results for grab in result["grabs"]]
+        for site, result in zip((a, b), results):
+            held = any(grab["answer"] == "granted" for grab in result["grabs"])
+            check(("held_without_contact" in result["flags_seen"]) == (held and not site.collides),
+                  f"what {site.name} holds collides, unless told not to: {result['flags_seen']}")
         check(len(answers) == 2, f"two grabs, two answers, not {answers}")
         winners = [r for r in results if any(g["answer"] == "granted" for g in r["grabs"])]
         check(len(winners) >= 1, "somebody gets the part")
@@ -209,15 +258,19 @@ def test_server_killed(binaries, folder, figures):
     try:
         script = [grasp(1.0), move(2.0, [0.0, 0.10, 0.0], 1.0), move(6.0, [0.05, 0.0, 0.0], 1.0),
                   {"t": 8.5, "do": "release"}]
+        b = Site(binaries, folder, server.link("observer"), "eve", None, 60)
+        server.wait_until_said('"eve"', "joined")
         a = Site(binaries, folder, server.link("participant"), "ada", script, 12)
-        b = Site(binaries, folder, server.link("observer"), "eve", None, 12)
-        time.sleep(4.0)
+        server.wait_until_said(PEG, "granted", '"ada"')
+        time.sleep(2.2)  # between its two moves
         server.kill()
         time.sleep(0.3)
         server.start()
-        time.sleep(3.0)
-        late = Site(binaries, folder, server.link("participant"), "late", None, 5)
-        results = {"ada": a.result(), "eve": b.result(), "late": late.result()}
+        for name in ('"ada"', '"eve"'):
+            server.wait_until_said(name, "came back")
+        late = Site(binaries, folder, server.link("participant"), "late", None, 60)
+        server.wait_until_said('"late"', "joined")
+        results = {"ada": a.result(), "eve": b.leave(), "late": late.leave()}
         for name in ("ada", "eve"):
             check(results[name]["reconnects"] >= 1, f"{name} came back")
         epochs = [note["epoch"] for note in results["ada"]["ownership"] if note["part"] == PEG]
@@ -233,19 +286,44 @@ def test_server_killed(binaries, folder, figures):
         server.stop()
 
 
+def test_two_hands(binaries, folder, figures):
+    """One person with two hands at a part: asked for once, lifted by both, kept by the second when the first lets go."""
+    server = Server(binaries, folder)
+    try:
+        second = folder / "second.json"
+        second.write_text(json.dumps([grasp(1.4), move(2.4, [0.0, 0.05, 0.0], 0.6), move(4.2, [0.0, 0.03, 0.0], 0.4)]))
+        a = Site(binaries, folder, server.link("participant"), "ada",
+                 [grasp(0.8), move(2.4, [0.0, 0.05, 0.0], 0.6), {"t": 3.4, "do": "release"}], 5.5,
+                 extra=("--no-part-contact", "--second-hand", second))
+        result = a.result()
+        check([g["answer"] for g in result["grabs"]] == ["granted"], f"asked once: {result['grabs']}")
+        check(result["second_hand"]["held"] == PEG, f"in the second hand: {result['second_hand']}")
+        check(result["second_hand"]["largest_force_n"] > 0.05, f"felt by it: {result['second_hand']}")
+        check(result["poses"][PEG][1] > 0.065, f"lifted by both, then by the second: {result['poses'][PEG]}")
+        owners = [note["owner"] for note in result["ownership"] if note["part"] == PEG]
+        check(owners == [result["site"]], f"it stayed here: {owners}")
+    finally:
+        server.stop()
+
+
 def test_owner_killed(binaries, folder, figures):
     """kill -9 of the owner: the part stays where it was last seen; after the lease somebody else takes it."""
     server = Server(binaries, folder)
     try:
         a = Site(binaries, folder, server.link("participant"), "ada", [grasp(0.8), move(1.5, [0.0, 0.1, 0.0], 0.8)], 60)
+        server.wait_until_said(PEG, "granted", '"ada"')
+        # Its hand begins no earlier than now: its grasp comes when the lease of whom is killed below is over.
         b = Site(binaries, folder, server.link("participant"), "ben",
-                 [grasp(7.5), move(9.0, [0.0, 0.05, 0.0], 0.5), {"t": 10.0, "do": "release"}], 12)
-        time.sleep(3.5)
+                 [grasp(7.5), move(9.0, [0.0, 0.05, 0.0], 0.5), {"t": 10.0, "do": "release"}], 12,
+                 extra=("--no-part-contact",))
+        time.sleep(2.5)  # for the move
+        server.wait_until_said('"ben"', "joined")
         a.kill()
         result = b.result()
         notes = [n for n in result["ownership"] if n["part"] == PEG]
         check(any(n["owner"] == 0 for n in notes), "the dead site's part was freed")
         check(any(g["answer"] == "granted" for g in result["grabs"]), f"and taken by the other: {result['grabs']}")
+        check("held_without_contact" in result["flags_seen"], "who does without contact is told so")
         check(result["poses"][PEG][1] > 0.12, f"from where it was last seen: {result['poses'][PEG]}")
     finally:
         server.stop()
@@ -317,7 +395,8 @@ def test_fault_signal(binaries, folder, figures):
     server = Server(binaries, folder)
     try:
         site = Site(binaries, folder, server.link("participant"), "ada", [], 4)
-        time.sleep(2.0)
+        server.wait_until_said('"ada"', "joined")
+        time.sleep(1.0)
         site.process.send_signal(signal.SIGUSR1)
         result = site.result()
         check(result["end"] == "done" and result["fault_clears"] == 1, f"one signal, heard: {result['fault_clears']}")
@@ -357,7 +436,7 @@ def soak(binaries, folder, seconds):
 
 
 FAILURES = (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError)
-TESTS = [test_follow_and_contend, test_server_killed, test_owner_killed, test_refusals, test_scene_transfer,
+TESTS = [test_follow_and_contend, test_server_killed, test_two_hands, test_owner_killed, test_refusals, test_scene_transfer,
          test_fault_signal]
 
 
@@ -369,7 +448,7 @@ def main():
     parser.add_argument("--json", type=pathlib.Path)
     arguments = parser.parse_args()
     binaries = arguments.bin.resolve()
-    os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="tandem-cache-")
+    with_own_cache()
     figures, failures = {}, 0
     if arguments.soak:
         with tempfile.TemporaryDirectory(prefix="tandem-soak-") as directory:

@@ -163,6 +163,8 @@ TEST(Colocation, SurvivesItsJsonAndRefusesOthers) {
         R"({"view_from_device":{"position":[0,0,0],"orientation_wxyz":[2,0,0,0]},"scale":1})",
         R"({"view_from_device":{"position":[0,0,0],"orientation_wxyz":[1,0,0,0]},"scale":0})",
         R"({"view_from_device":{"position":[0,0,0],"orientation_wxyz":[1,0,0,0]},"scale":1e99})",
+        R"({"view_from_device":{"position":[0,0,0],"orientation_wxyz":[1,0,0,0]},"scale":1,"pairs":1e30})",
+        R"({"view_from_device":{"position":[0,0,0],"orientation_wxyz":[1,0,0,0]},"scale":1,"pairs":-1})",
         R"({"view_from_device":{"position":[0,0],"orientation_wxyz":[1,0,0,0]},"scale":1})",
         R"({"view_from_device":{"position":[0,0,"x"],"orientation_wxyz":[1,0,0,0]},"scale":1})"})
     EXPECT_FALSE(parseColocation(bad, "c.json").ok()) << bad;

@@ -74,5 +74,26 @@ TEST(DeviceMapping, LimitsKeepTheStiffnessTheHandCanBear) {
   EXPECT_DOUBLE_EQ(world.damping, 0.02);
 }
 
+TEST(DeviceMapping, ForcesAndTorquesDoTheSameShareOfWork) {
+  const double scale = 5.0;
+  const Pose base{{1.0, 0.0, 0.0}, fromRotationVector({0.3, -0.2, 0.5})};
+  DeviceMapping mapping(base, scale);
+  const glm::dvec3 force{1.0, -2.0, 0.5}, arm{0.02, 0.01, -0.03}, way{1e-3, 2e-3, -1e-3},
+      turn{0.01, 0.02, -0.03};
+  const Wrench world{base.orientation * force, base.orientation * glm::cross(arm, force)};
+  const Wrench device = mapping.toDevice(world);
+  // A lever of the world is shorter by the scale at the device.
+  expectNear(device.torque, glm::cross(arm / scale, force));
+  const double byForce = glm::dot(device.force, way), byTorque = glm::dot(device.torque, turn);
+  EXPECT_NEAR(glm::dot(world.force, base.orientation * (scale * way)), scale * byForce, 1e-15);
+  EXPECT_NEAR(glm::dot(world.torque, base.orientation * turn), scale * byTorque, 1e-15);
+  DeviceLimits limits;
+  limits.maxTorque = 0.1, limits.inertia = 1e-4, limits.rotDamping = 1e-3;
+  const DeviceLimits seen = mapping.inWorld(limits);
+  EXPECT_DOUBLE_EQ(seen.maxTorque, 0.5);
+  EXPECT_DOUBLE_EQ(seen.inertia, 5e-4);
+  EXPECT_DOUBLE_EQ(seen.rotDamping, 5e-3);
+}
+
 }  // namespace
 }  // namespace tandem::haptics

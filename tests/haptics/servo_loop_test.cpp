@@ -36,12 +36,14 @@ class RecordingDevice : public Device {
   void apply(const Wrench& toHand) override {
     last = toHand;
     largest = std::max(largest, glm::length(toHand.force));
+    if (glm::length(toHand.torque) > glm::length(largestTorque)) largestTorque = toHand.torque;
     applied.fetch_add(1);
   }
 
   std::atomic<int> polls{0}, applied{0};
   Wrench last;           // read after stop()
   double largest = 0.0;  // read after stop()
+  glm::dvec3 largestTorque{0.0, 0.0, 0.0};
 };
 
 void waitForTicks(const ServoLoop& loop, std::uint64_t ticks) {
@@ -69,6 +71,42 @@ TEST(ServoSchedule, SkipsPeriodsThatHavePassedInsteadOfCatchingUp) {
   EXPECT_EQ(schedule.deadline_ns(), 1300);
   EXPECT_EQ(schedule.advance(1300), 0);
   EXPECT_EQ(schedule.deadline_ns(), 1400);
+}
+
+TEST(EffortGuard, TakesEffortBackInItsOrderAndGivesItBackOnceTicksAreShort) {
+  EffortGuard guard;
+  const ContactEffort set;
+  const auto ticks = [&](int count, double share) {
+    for (int i = 0; i < count; ++i) guard.note(share);
+  };
+  ticks(EffortGuard::kLimit - 1, 0.9);
+  EXPECT_EQ(guard.stage(), 0) << "a few long ticks are forgiven";
+  EXPECT_EQ(guard.limited(set).looks, set.looks);
+  ticks(1, 0.9);
+  EXPECT_EQ(guard.limited(set).looks, set.looks / 2);
+  EXPECT_EQ(guard.limited(set).steps, set.steps);
+  ticks(EffortGuard::kLimit, 0.9);
+  EXPECT_EQ(guard.limited(set).looks, set.looks / 4);
+  EXPECT_EQ(guard.limited(set).steps, 2);
+  ticks(10 * EffortGuard::kLimit, 0.9);
+  EXPECT_EQ(guard.limited(set).looks, set.looks / 8);
+  EXPECT_EQ(guard.limited(set).steps, 1);
+  EXPECT_TRUE(guard.limited(set).exact) << "what is touched stays exact";
+  ticks(EffortGuard::kCalm - 1, 0.1);
+  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages);
+  ticks(1, 0.1);
+  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages - 1) << "a stage at a time";
+  ticks(4 * EffortGuard::kCalm, 0.5);
+  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages - 1) << "between both bounds nothing changes";
+  ticks(2 * EffortGuard::kCalm, 0.1);
+  EXPECT_EQ(guard.stage(), 0);
+}
+
+TEST(EffortGuard, GivesNoMoreThanIsSet) {
+  EffortGuard guard;
+  EXPECT_EQ(guard.limited({1, 10, false}).looks, 10);
+  EXPECT_EQ(guard.limited({1, 10, false}).steps, 1);
+  EXPECT_FALSE(guard.limited({1, 10, false}).exact);
 }
 
 TEST(OverrunGuard, ForgivesAFewOverrunsAndHoldsZeroAfterMany) {
@@ -103,6 +141,17 @@ TEST(DurationHistogram, TakesEveryDuration) {
   EXPECT_EQ(histogram.quantile_ns(0.0), 0.0);
 }
 
+TEST(ServoLoop, GivesADeviceNoMoreTorqueThanItHas) {
+  RecordingDevice device;
+  ServoLoop loop(device, [](const DeviceSample&, double) {
+    return Wrench{{1.0, 0.0, 0.0}, {0.0, 3.0, 4.0}};
+  });
+  loop.start();
+  waitForTicks(loop, 20);
+  loop.stop();
+  EXPECT_NEAR(glm::length(device.largestTorque - glm::dvec3(0.0, 0.06, 0.08)), 0.0, 1e-12);
+}
+
 TEST(ServoLoop, TicksAndLeavesZeroForceOnStop) {
   RecordingDevice device;
   std::atomic<int> calls{0};
@@ -123,6 +172,38 @@ TEST(ServoLoop, TicksAndLeavesZeroForceOnStop) {
   const int applied = device.applied.load();
   loop.stop();
   EXPECT_EQ(device.applied.load(), applied);
+}
+
+TEST(ServoLoop, DrivesTwoDevicesInOneThreadEachWithinItsLimits) {
+  RecordingDevice first, second;
+  ServoLoop loop(first, second, [](const std::array<DeviceSample, 2>& samples, double now) {
+    EXPECT_TRUE(samples[0].valid && samples[1].valid);
+    EXPECT_EQ(samples[1].time, now);
+    return std::array<Wrench, 2>{Wrench{{1.0, 0.0, 0.0}, {}}, Wrench{{0.0, 50.0, 0.0}, {}}};
+  });
+  loop.start();
+  waitForTicks(loop, 20);
+  loop.stop();
+  EXPECT_EQ(first.largest, 1.0);
+  EXPECT_NEAR(second.largest, 3.0, 1e-12);
+  EXPECT_EQ(first.polls.load(), second.polls.load());
+  EXPECT_EQ(first.last.force, glm::dvec3(0.0));
+  EXPECT_EQ(second.last.force, glm::dvec3(0.0));
+}
+
+TEST(ServoLoop, HoldsBothDevicesAtZeroForceWhenTheCallbackOverruns) {
+  RecordingDevice first, second;
+  ServoLoop loop(first, second, [&first, &second](const std::array<DeviceSample, 2>&, double) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    first.largest = second.largest = 0.0;  // what was before counts no more
+    return std::array<Wrench, 2>{Wrench{{1.0, 0.0, 0.0}, {}}, Wrench{{1.0, 0.0, 0.0}, {}}};
+  });
+  loop.start();
+  waitForTicks(loop, OverrunGuard::kLimit + 4);
+  loop.stop();
+  EXPECT_GT(loop.statistics().zeroed, 0u);
+  EXPECT_EQ(first.largest, 0.0);
+  EXPECT_EQ(second.largest, 0.0);
 }
 
 TEST(ServoLoop, StopsWithoutEverStartingAndStartsAgain) {

@@ -1,0 +1,198 @@
+#include "client/commands/check_clashes.h"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdio>
+
+#include <nlohmann/json.hpp>
+
+#include "client/clash_check.h"
+#include "client/commands/command.h"
+#include "haptics/contact_scene.h"
+
+namespace tandem::client {
+
+namespace {
+
+const char* wordFor(const Clash& clash) {
+  switch (clash.kind) {
+    case ClashKind::hard:
+      return clash.contained ? "inside" : "overlap";
+    case ClashKind::touch:
+      return "touch";
+    case ClashKind::clearance:
+      return "near";
+  }
+  return "near";
+}
+
+nlohmann::ordered_json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+
+nlohmann::ordered_json toJson(const assets::Scene& scene, const Clash& clash) {
+  return {{"a", scene.parts[clash.a].name},
+          {"b", scene.parts[clash.b].name},
+          {"kind", wordFor(clash)},
+          {"depth_m", clash.depth},
+          {"distance_m", clash.distance},
+          {"point_a_m", pointJson(clash.onA)},
+          {"point_b_m", pointJson(clash.onB)},
+          {"facet_sag_m", clash.facetSag},
+          {"sheets", clash.sheets},
+          {"may_collide", clash.mayCollide}};
+}
+
+/// Whether nothing but the facets of curved surfaces may overlap.
+bool withinFacets(const Clash& clash) {
+  return clash.kind == ClashKind::hard && clash.depth <= clash.facetSag;
+}
+
+struct Counts {
+  std::size_t hard = 0, withinFacets = 0, touches = 0, clearance = 0, mayNot = 0;
+};
+Counts countOf(const ClashReport& report) {
+  Counts counts;
+  for (const Clash& clash : report.clashes) {
+    if (!clash.mayCollide) {
+      ++counts.mayNot;
+    } else if (clash.kind == ClashKind::hard) {
+      ++counts.hard;
+      counts.withinFacets += withinFacets(clash) ? 1 : 0;
+    } else {
+      ++(clash.kind == ClashKind::touch ? counts.touches : counts.clearance);
+    }
+  }
+  return counts;
+}
+
+nlohmann::ordered_json toJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
+  const Counts counts = countOf(report);
+  nlohmann::ordered_json json = {{"clearance_m", clearance},
+                                 {"pairs", report.pairs},
+                                 {"hard", counts.hard},
+                                 {"within_facets", counts.withinFacets},
+                                 {"touches", counts.touches},
+                                 {"clearance", counts.clearance},
+                                 {"may_not_collide", counts.mayNot}};
+  json["found"] = nlohmann::ordered_json::array();
+  for (const Clash& clash : report.clashes) json["found"].push_back(toJson(scene, clash));
+  return json;
+}
+
+void printTable(const assets::Scene& scene, const ClashReport& report) {
+  std::size_t width = 4;
+  for (const Clash& clash : report.clashes) {
+    for (const PartId part : {clash.a, clash.b}) width = std::max(width, scene.parts[part].name.size());
+  }
+  const int w = static_cast<int>(std::min<std::size_t>(width, 32));
+  std::printf("%-8s %10s %-*s %-*s %s\n", "", "mm", w, "part", w, "part", "at m");
+  for (std::size_t i = 0; i < report.clashes.size(); ++i) {
+    const Clash& clash = report.clashes[i];
+    if (!clash.mayCollide && (i == 0 || report.clashes[i - 1].mayCollide))
+      std::printf("may not collide, by collision filter or joint:\n");
+    const glm::dvec3 at = 0.5 * (clash.onA + clash.onB);
+    std::printf("%-8s %10.4g %-*.32s %-*.32s %.6g %.6g %.6g%s\n", wordFor(clash),
+                1e3 * std::max(clash.depth, clash.distance), w, scene.parts[clash.a].name.c_str(), w,
+                scene.parts[clash.b].name.c_str(), at.x, at.y, at.z,
+                clash.sheets          ? "  (open surfaces that cross)"
+                : withinFacets(clash) ? "  (within the facets' sag)"
+                                      : "");
+  }
+}
+
+void print(const assets::Scene& scene, const ClashReport& report, double clearance) {
+  const Counts counts = countOf(report);
+  if (!report.clashes.empty()) {
+    printTable(scene, report);
+    std::printf("\n");
+  }
+  std::printf("%zu hard clashes", counts.hard);
+  if (counts.withinFacets > 0)
+    std::printf(" (%zu no deeper than facets are off curved surfaces)", counts.withinFacets);
+  std::printf(", %zu touches", counts.touches);
+  if (clearance > 0.0)
+    std::printf(", %zu pairs nearer than %s mm", counts.clearance, inShort(1e3 * clearance).c_str());
+  if (counts.mayNot > 0) std::printf(", %zu pairs that may not collide", counts.mayNot);
+  std::printf("; %zu parts, %zu pairs measured\n", scene.parts.size(), report.pairs);
+  if (counts.hard > 0)
+    std::printf("Parts stand in each other like this in the file: who takes one is not pushed out of it.\n");
+}
+
+void print(const assets::Scene& scene, const Clash& clash) {
+  const char *a = scene.parts[clash.a].name.c_str(), *b = scene.parts[clash.b].name.c_str();
+  if (clash.kind == ClashKind::hard)
+    std::printf("%s and %s %s, %.6g mm deep\n", a, b, clash.contained ? "stand inside each other" : "overlap",
+                1e3 * clash.depth);
+  else if (clash.kind == ClashKind::touch)
+    std::printf("%s and %s touch\n", a, b);
+  else
+    std::printf("%s and %s are %.6g mm apart\n", a, b, 1e3 * clash.distance);
+  for (const auto& [name, p] : {std::pair{a, clash.onA}, std::pair{b, clash.onB}})
+    std::printf("  %s at %.9g %.9g %.9g m\n", name, p.x, p.y, p.z);
+  if (withinFacets(clash))
+    std::printf("  no deeper than the facets there may be off curved surfaces: %.6g mm\n",
+                1e3 * clash.facetSag);
+  if (clash.sheets) std::printf("  open surfaces that cross: the depth is how far facets stand through\n");
+  if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
+}
+
+/// The two parts of --distance, or what is wrong with them.
+Result<std::pair<PartId, PartId>> namedPair(const assets::Scene& scene,
+                                            const std::vector<std::string>& names) {
+  PartId parts[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    parts[i] = assets::findPart(scene, names[i]);
+    if (parts[i] == kNoPart) return Error{"--distance: the scene has no part '" + names[i] + "'"};
+  }
+  if (parts[0] == parts[1]) return Error{"--distance: '" + names[0] + "' is named twice"};
+  return std::pair{parts[0], parts[1]};
+}
+
+ClashReport findWithProgress(const haptics::ContactScene& contact, const ClashArguments& arguments) {
+  ClashOptions options;
+  options.clearance = arguments.clearance;
+  options.tolerance = arguments.tolerance;
+  const bool terminal = isatty(STDERR_FILENO) != 0;
+  if (terminal)
+    options.progress = [](std::size_t done, std::size_t pairs) {
+      std::fprintf(stderr, "\r\033[K%3.0f %% of %zu pairs",
+                   100.0 * static_cast<double>(done) / static_cast<double>(pairs), pairs);
+      std::fflush(stderr);
+    };
+  ClashReport report = findClashes(contact, options);
+  if (terminal) std::fputs("\r\033[K", stderr);
+  return report;
+}
+
+}  // namespace
+
+int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
+  std::pair<PartId, PartId> pair{kNoPart, kNoPart};
+  if (!arguments.distance.empty()) {
+    const Result<std::pair<PartId, PartId>> named = namedPair(scene, arguments.distance);
+    if (!named) return badInput(named.error());
+    pair = *named;
+  }
+  const haptics::ContactScene contact(scene);
+  nlohmann::ordered_json json;
+  if (pair.first != kNoPart) {
+    const std::optional<Clash> clash = measurePair(contact, pair.first, scene.parts[pair.first].worldFromPart,
+                                                   pair.second, scene.parts[pair.second].worldFromPart);
+    if (!clash) return badInput(Error{"--distance: one of the parts has nothing that could be touched"});
+    if (arguments.json)
+      json["distance"] = toJson(scene, *clash);
+    else
+      print(scene, *clash);
+  }
+  if (arguments.all) {
+    const ClashReport report = findWithProgress(contact, arguments);
+    if (arguments.json)
+      json["clashes"] = toJson(scene, report, arguments.clearance);
+    else
+      print(scene, report, arguments.clearance);
+  }
+  if (arguments.json) std::printf("%s\n", json.dump(2).c_str());
+  return kExitDone;
+}
+
+}  // namespace tandem::client

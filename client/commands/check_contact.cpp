@@ -1,0 +1,131 @@
+#include "client/commands/check_contact.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "assets/percentiles.h"
+#include "client/commands/command.h"
+
+namespace tandem::client {
+namespace {
+
+const char* nameOf(const ContactModel& model) {
+  return !model.made ? "none yet" : model.flat ? "exact shapes, field + samples" : "field + samples";
+}
+
+const char* nameOf(haptics::PartTolerance::From from) {
+  switch (from) {
+    case haptics::PartTolerance::From::given:
+      return "given";
+    case haptics::PartTolerance::From::clearance:
+      return "clearance";
+    case haptics::PartTolerance::From::scene:
+      break;
+  }
+  return "default";
+}
+
+/// Where a tolerance comes from, for a person.
+std::string originOf(const assets::Scene& scene, const ContactModel& m) {
+  std::string text = nameOf(m.toleranceFrom);
+  if (m.clearanceTo != kNoPart)
+    text += ' ' + inShort(m.clearance * 1e6) + " um to " + scene.parts[m.clearanceTo].name;
+  if (m.toleranceOf != m.part) text += ", of the same mesh's " + scene.parts[m.toleranceOf].name;
+  return text;
+}
+
+std::size_t missing(const std::vector<ContactModel>& models) {
+  return static_cast<std::size_t>(
+      std::count_if(models.begin(), models.end(), [](const ContactModel& m) { return !m.made; }));
+}
+
+/// The rest of a line of the table.
+void printModel(const assets::Scene& scene, const ContactModel& m) {
+  std::printf("%-12s %7.3g um %8.3g%c %8.3g %8zu %8.3g ", m.flat ? "exact, field" : "field",
+              m.tolerance * 1e6, m.fieldError * 1e6, meetsTolerance(m) ? ' ' : '*', m.cell * 1e6, m.samples,
+              m.sag * 1e6);
+  if (m.trial_us.empty()) {
+    std::printf("%15s ", "-");
+  } else {
+    const Percentiles cost = percentiles(m.trial_us);
+    std::printf("%7.0f/%7.0f ", cost.p50, cost.p99);
+  }
+  char made[32];
+  std::snprintf(made, sizeof made, "%.2g s%s", m.seconds, m.cached ? ", cache" : "");
+  std::printf("%9.1f %-14s %.90s\n", static_cast<double>(m.bytes) / 1e3, made, originOf(scene, m).c_str());
+}
+
+}  // namespace
+
+nlohmann::ordered_json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const ContactModel& m : models) {
+    nlohmann::ordered_json entry = {
+        {"part", scene.parts[m.part].name}, {"held", m.held}, {"model", nameOf(m)}};
+    if (m.made) {
+      entry.update({{"samples", m.samples},
+                    {"cells", m.cells},
+                    {"tolerance_m", m.tolerance},
+                    {"tolerance_from", nameOf(m.toleranceFrom)},
+                    {"tolerance_of", scene.parts[m.toleranceOf].name},
+                    {"clearance_m", nullptr},
+                    {"clearance_to", nullptr},
+                    {"error_m", m.fieldError},
+                    {"meets_tolerance", meetsTolerance(m)},
+                    {"cell_m", m.cell},
+                    {"sample_spacing_m", m.spacing},
+                    {"sag_m", m.sag},
+                    {"coarsened", m.coarsened},
+                    {"cost_us", nullptr},
+                    {"memory_bytes", m.bytes},
+                    {"bake_s", m.seconds},
+                    {"bake_from", m.cached ? "cache" : "made"}});
+      if (m.clearanceTo != kNoPart) {
+        entry["clearance_m"] = m.clearance;
+        entry["clearance_to"] = scene.parts[m.clearanceTo].name;
+      }
+      if (!m.trial_us.empty()) {
+        const Percentiles cost = percentiles(m.trial_us);
+        entry["cost_us"] = {{"p50", cost.p50}, {"p99", cost.p99}, {"predicted_from", "trial of 180 ticks"}};
+      }
+    }
+    list.push_back(std::move(entry));
+  }
+  return {{"models", std::move(list)}, {"missing", missing(models)}};
+}
+
+void printContact(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+  if (models.empty()) return;
+  const std::size_t lacking = missing(models);
+  if (lacking == models.size()) {
+    std::printf(
+        "contact of parts in the hand: models of %zu parts are made at the first visit to a session, or by "
+        "--models\n",
+        lacking);
+    return;
+  }
+  std::size_t width = 28;
+  for (const ContactModel& m : models)
+    width = std::max(width, std::min<std::size_t>(scene.parts[m.part].name.size(), 40));
+  const int w = static_cast<int>(width);
+  std::printf("\n%-*s %-7s %-12s %10s %9s %8s %8s %8s %15s %9s %-14s %s\n", w, "contact of parts in the hand",
+              "role", "model", "tolerance", "error um", "cell um", "samples", "sag um", "tick us p50/p99",
+              "memory kB", "made", "tolerance from");
+  for (const ContactModel& m : models) {
+    std::printf("%-*.40s %-7s ", w, scene.parts[m.part].name.c_str(), m.held ? "held" : "touched");
+    m.made ? printModel(scene, m) : static_cast<void>(std::printf("not made yet: by --models\n"));
+  }
+  std::printf(
+      "  distance field and samples, refined on the triangles. tolerance from: given by the file, an eighth "
+      "of "
+      "the\n  smallest clearance to a neighbour at rest, or default, 1/16384 of the smallest part that can "
+      "be "
+      "held; an error\n  above it is starred. error: proven for the field where the surface is smooth. sag: "
+      "facets under the curve that\n  they stand for. tick: predicted, from 180 ticks of a trial where the "
+      "part stands (--models).\n");
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,58 @@
+#include "client/report/measurement_json.h"
+
+#include <cmath>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+namespace tandem::client::report {
+
+using Json = nlohmann::ordered_json;
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+const char* nameOf(Kind kind) {
+  switch (kind) {
+    case Kind::tandem:
+      return "tandem";
+    case Kind::baseline:
+      return "baseline";
+    case Kind::peer:
+      return "peer";
+  }
+  return "tandem";
+}
+
+void putCost(Json& setting, const Cost& cost) {
+  setting["cost_us"] = {{"p50", number(cost.p50)},
+                        {"p99", number(cost.p99)},
+                        {"max", number(cost.max)},
+                        {"p99_single_run", number(cost.p99Single)}};
+}
+
+void putError(Json& setting, const ForceError& error) {
+  setting["error_n"] = {{"rms", number(error.rms)}, {"p99", number(error.p99)}, {"max", number(error.max)}};
+  setting["error_share"] = {{"rms", number(error.relativeRms)},
+                            {"p99", number(error.relativeP99)},
+                            {"max", number(error.relativeMax)}};
+}
+
+double measure(const Json& object, const char* key) {
+  const double value = object.at(key).get<double>();
+  if (!std::isfinite(value) || value < 0.0)
+    throw Json::other_error::create(500, std::string(key) + " is not a measure", nullptr);
+  return value;
+}
+
+Cost costFrom(const Json& setting) {
+  const Json& cost = setting.at("cost_us");
+  return {measure(cost, "p50"), measure(cost, "p99"), measure(cost, "max"), measure(cost, "p99_single_run")};
+}
+
+ForceError errorFrom(const Json& setting) {
+  const Json &error = setting.at("error_n"), &share = setting.at("error_share");
+  return {measure(error, "rms"), measure(error, "p99"), measure(error, "max"),
+          measure(share, "rms"), measure(share, "p99"), measure(share, "max")};
+}
+
+}  // namespace tandem::client::report

@@ -1,0 +1,75 @@
+#include "client/report/part_json.h"
+
+#include <nlohmann/json.hpp>
+
+#include "client/report/measurement_json.h"
+
+namespace tandem::client::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json spreadJson(const Spread& s) {
+  return {{"p50", number(s.p50)}, {"p99", number(s.p99)}, {"max", number(s.max)}};
+}
+
+Json settingJson(const PartMeasurement& m) {
+  Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
+  json["field_scale"] = m.fieldScale;
+  json["sample_scale"] = m.sampleScale;
+  json["refined"] = m.effort.exact;
+  json["steps"] = m.effort.steps;
+  json["looks"] = m.effort.looks;
+  putCost(json, m.cost);
+  json[m.kind == Kind::peer ? "depth_error_m" : "penetration_m"] = spreadJson(m.depth);
+  putError(json, m.error);
+  json["force_step_n"] = spreadJson(m.forceStep);
+  json["normal_step_rad"] = spreadJson(m.normalStep);
+  json["found_share"] = number(m.found);
+  json["cell_m"] = number(m.cell);
+  json["spacing_m"] = number(m.spacing);
+  json["build_ms"] = number(m.build_ms);
+  json["memory_bytes"] = m.memory;
+  json["allocations"] = m.allocationsCounted ? Json(m.allocations) : Json(nullptr);
+  return json;
+}
+
+Spread spreadFrom(const Json& json) {
+  return {measure(json, "p50"), measure(json, "p99"), measure(json, "max")};
+}
+
+}  // namespace
+
+Json partExperimentJson(const PartExperimentResult& e) {
+  Json json = {{"id", e.info.id},
+               {"title", e.info.title},
+               {"about", e.info.about},
+               {"triangles", e.triangles},
+               {"ticks", e.ticks},
+               {"peak_force_n", number(e.peakForce)},
+               {"asked_penetration_m", number(e.askedDepth)}};
+  json["settings"] = Json::array();
+  for (const PartMeasurement& m : e.settings) json["settings"].push_back(settingJson(m));
+  return json;
+}
+
+PartExperimentResult partPeersFromJson(const Json& entry) {
+  PartExperimentResult e;
+  e.info.id = entry.at("id").get<std::string>();
+  for (const Json& json : entry.at("settings")) {
+    PartMeasurement& m = e.settings.emplace_back();
+    m.setting = json.at("id").get<std::string>();
+    m.name = json.at("name").get<std::string>();
+    m.kind = Kind::peer;
+    m.cost = costFrom(json);
+    m.depth = spreadFrom(json.at("depth_error_m"));
+    m.error = errorFrom(json);
+    m.forceStep = spreadFrom(json.at("force_step_n"));
+    m.normalStep = spreadFrom(json.at("normal_step_rad"));
+    m.found = measure(json, "found_share");
+    m.build_ms = measure(json, "build_ms");
+  }
+  return e;
+}
+
+}  // namespace tandem::client::report

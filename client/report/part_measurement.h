@@ -1,0 +1,56 @@
+#pragma once
+
+// What one method gave in one experiment with a part in the hand, and how it is judged.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "client/report/measurement.h"
+#include "client/report/part_experiment.h"
+#include "haptics/contact_effort.h"
+
+namespace tandem::client::report {
+
+/// A value over the judged ticks.
+struct Spread {
+  double p50 = 0.0, p99 = 0.0, max = 0.0;
+};
+
+/// One point of a plot.
+struct PartMeasurement {
+  std::string setting;  // stable id: "tandem", "field-4-samples-2", "fcl", ...
+  std::string name;     // for people
+  Kind kind = Kind::tandem;
+  double fieldScale = 1.0, sampleScale = 1.0;  // haptics::ModelOptions; 1 for peers
+  haptics::ContactEffort effort;               // of the tick; the default for peers
+  Cost cost;                                   // of a whole tick; peers: of their query alone
+  Spread depth;       // m, exact: how deep the part is left; peers: error of the depth that they report
+  ForceError error;   // N
+  Spread forceStep;   // N a tick, beyond the exact change
+  Spread normalStep;  // rad a tick, of the contact's direction
+  double found =
+      0.0;  // share of the ticks with a contact in which one was reported that pushes the right way
+  double cell = 0.0, spacing = 0.0;  // m, smallest of the held part's field, and of its samples; 0 for peers
+  double build_ms = 0.0;
+  std::size_t memory = 0;         // bytes, of what was built; 0: not known
+  std::uint64_t allocations = 0;  // in all ticks
+  bool allocationsCounted = false;
+};
+
+/// Whether the tick is given as many steps and looks as it is when it is used.
+bool usualIterations(const haptics::ContactEffort& effort);
+
+/// One tick of one run.
+struct PartSample {
+  double us = 0.0;                   // below 0: the tick was left out
+  glm::dvec3 force{0.0, 0.0, 0.0};   // N, on the hand
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, away from the other part; 0: no contact was reported
+  double depth = -1.0;               // m, as PartMeasurement::depth; below 0: not measured in this tick
+};
+
+/// Judges the first run, and the least cost of all. Every run must have path.size() entries.
+void judgePart(const PartExperiment& experiment, const std::vector<std::vector<PartSample>>& runs,
+               PartMeasurement& out);
+
+}  // namespace tandem::client::report

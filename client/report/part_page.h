@@ -1,0 +1,21 @@
+#pragma once
+
+// The part of the report's page that is about a part in the hand. For html.cpp.
+
+#include <string>
+#include <vector>
+
+#include "client/report/bound.h"
+#include "client/report/sweep.h"
+
+namespace tandem::client::report {
+
+/// Explanation, plots and tables; empty if there was no such experiment.
+std::string partSection(const SweepResult& result);
+
+/// What the project has promised for this experiment, of Tandem as it is used. Adds the heap's use to
+/// `allocations` and sets `counted` where it was counted.
+void partBounds(const PartExperimentResult& e, std::vector<Bound>& bounds, bool& counted,
+                double& allocations);
+
+}  // namespace tandem::client::report

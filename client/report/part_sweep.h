@@ -1,0 +1,29 @@
+#pragma once
+
+// Speed against error with a part in the hand: every such experiment with every setting that the code has, in this
+// process.
+
+#include <string>
+#include <vector>
+
+#include "client/report/part_measurement.h"
+#include "client/report/sweep.h"
+#include "haptics/contact_scene.h"
+
+namespace tandem::client::report {
+
+/// The experiments that the options ask for, in the report's order.
+std::vector<ExperimentInfo> chosenPartExperiments(const SweepOptions& options);
+
+/// Ticks of a path with a part in the hand.
+int partTicksOf(const SweepOptions& options);
+
+/// One experiment with all settings; seconds each.
+PartExperimentResult sweepPart(const ExperimentInfo& info, const SweepOptions& options);
+
+/// Runs the whole tick over the path, `runs` times, and judges it. `contact` is of experiment.scene; without part
+/// models the part passes through. The depth is measured in every `depthEvery`-th tick. The tick is given out.effort.
+void measureTick(const PartExperiment& experiment, const haptics::ContactScene& contact, int runs,
+                 int depthEvery, std::uint64_t (*allocations)(), PartMeasurement& out);
+
+}  // namespace tandem::client::report

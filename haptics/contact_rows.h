@@ -1,0 +1,137 @@
+#pragma once
+
+// The constraints of one step of the parts that move: half-spaces that points of them must not leave.
+//
+// Rows come in pairs of parts. With u = (t, w) the displacement in the step of the pair's first part, seen from the
+// other (m, and rad about the first one's reference point), row i asks
+//     n_i . (t + w x r_i) >= -gap_i        r_i from the reference point, m
+// Three kinds, as much as is known of each point: planes from a field, good to within its error; balls, near
+// edges, where a field tells no direction: the point may go `room` any way before it must be looked at; and
+// exact rows, which take the place of either once somebody has looked, or which a joint has laid down.
+//
+// 1. Fixed capacity; what does not fit is dropped and counted. Nothing allocates after construction.
+// 2. Planes are floats side by side, for four-wide sums: u is a fraction of a millimetre, so that their
+//    rounding is far below the error of a field.
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <span>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+namespace tandem::haptics {
+
+/// A displacement of a body: of its reference point in m, and a rotation vector in rad, world axes.
+struct Displacement {
+  glm::dvec3 linear{0.0, 0.0, 0.0};
+  glm::dvec3 angular{0.0, 0.0, 0.0};
+
+  glm::dvec3 at(const glm::dvec3& arm) const { return linear + glm::cross(angular, arm); }
+};
+
+/// Pairs that a step may have.
+inline constexpr int kMostPairs = 96;
+
+/// Which sample of which pair of parts a row comes from.
+struct RowSource {
+  std::uint16_t pair = 0;  // into the pairs of this tick
+  std::uint16_t side = 0;  // 0: a sample of the first part; 1: of the other one; 2, 3: their second planes
+  std::uint32_t sample = 0;
+  bool operator==(const RowSource&) const = default;
+};
+
+/// The general row asks n . (t + w x r) + m . w >= -gap; m is 0 for a contact, n for a lock of a turn.
+struct ExactRow {
+  glm::dvec3 normal{0.0, 0.0, 0.0};                    // unit, world, the way that opens the gap
+  glm::dvec3 arm{0.0, 0.0, 0.0};                       // m, world axes, from the reference point
+  double gap = 0.0;                                    // m
+  double staticFriction = 0.0, dynamicFriction = 0.0;  // Coulomb coefficients of the pair
+  RowSource source;
+  glm::dvec3 turn{0.0, 0.0, 0.0};  // m, m a rad of turn
+  double give = 0.0;               // m that a unit of multiplier bends it: a spring; 0 = rigid
+  double most = std::numeric_limits<double>::infinity();  // multiplier that it gives way at
+  bool bothWays = false;                                  // an equation, not a half-space
+
+  double along(const Displacement& u) const {
+    return glm::dot(normal, u.at(arm)) + glm::dot(turn, u.angular);
+  }
+  /// How far the displacement leaves the half-space, m; at most 0 if it does not.
+  double violation(const Displacement& u) const { return -gap - along(u); }
+};
+
+/// Displacements of the pairs' first parts seen from the other ones.
+using PairMotions = std::span<const Displacement>;
+
+class ContactRows {
+ public:
+  static constexpr int kMostPlanes = 32768, kMostBalls = 4096, kMostExact = 512;
+
+  ContactRows();
+
+  void clear() {
+    planes_ = balls_ = exact_ = dropped_ = pairs_ = 0;
+    anySoft_ = false;
+  }
+  /// Planes and balls from here on belong to the next pair: 0, 1, ... False if there is no room for it.
+  bool beginPair();
+  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
+  void addBall(const glm::vec3& arm, float room, RowSource source);
+  /// Returns its index, or -1 if there is no room.
+  int addExact(const ExactRow& row);
+
+  /// The plane that u violates most, by more than `limit` m; -1 if none.
+  int worstPlane(PairMotions u, double limit) const;
+  /// The first ball from `from` on that u leaves; -1 if none.
+  int nextBall(PairMotions u, int from) const;
+  /// The rigid exact row from `from` on that u violates most, by more than `limit` m; -1 if none.
+  int worstExact(PairMotions u, double limit, int from = 0) const;
+
+  /// The largest share of u, 0..1, that violates no plane or ball of those still there.
+  double safeShare(PairMotions u) const;
+
+  /// Takes a plane or a ball out: it has become an exact row, or means nothing.
+  void dropPlane(int i) { gap_[i] = 1e30f; }
+  void dropBall(int i) { ball_[i].room = 1e30f; }
+  void dropExact(int i) {
+    rows_[i].gap = 1e30;
+    rows_[i].bothWays = false;
+  }
+
+  RowSource planeSource(int i) const { return source_[i]; }
+  RowSource ballSource(int i) const { return ball_[i].source; }
+  const ExactRow& exact(int i) const { return rows_[i]; }
+  int planes() const { return planes_; }
+  int balls() const { return balls_; }
+  int exactRows() const { return exact_; }
+  int dropped() const { return dropped_; }
+  /// Whether there are exact rows that bend.
+  bool anySoft() const { return anySoft_; }
+
+ private:
+  struct Ball {
+    glm::vec3 arm;
+    float room;
+    RowSource source;
+  };
+
+  /// The plane of one pair that u violates most, by more than -least m; -1 if none; lowers `least`.
+  int worstPlaneOf(int begin, int end, const Displacement& u, float& least) const;
+  int endOf(int pair) const {
+    return pair + 1 < pairs_ ? firstPlane_[static_cast<std::size_t>(pair) + 1] : planes_;
+  }
+
+  std::unique_ptr<float[]> storage_;  // wrench_ and gap_ in one block
+  float* wrench_[6];                  // normal, arm x normal
+  float* gap_;
+  std::unique_ptr<RowSource[]> source_;
+  std::unique_ptr<Ball[]> ball_;
+  std::unique_ptr<ExactRow[]> rows_;
+  std::array<int, kMostPairs> firstPlane_{};  // of a pair; a multiple of four
+  int planes_ = 0, balls_ = 0, exact_ = 0, dropped_ = 0, pairs_ = 0;
+  bool anySoft_ = false;
+};
+
+}  // namespace tandem::haptics

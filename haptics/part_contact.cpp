@@ -1,0 +1,610 @@
+#include "haptics/part_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "haptics/near_samples.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr std::uint16_t kOfFirst = 0, kOfOther = 1;
+// What a close look told is believed while its sample has not gone further than this share of the spacing.
+constexpr double kBelieved = 0x1p-4;
+
+}  // namespace
+
+PartContact::PartContact(const ContactWorld& world) : world_(world) {
+  for (PartId part = 0; world.has(part); ++part) {
+    const PartModel* model = world.model(part);
+    looks_.emplace_back(model != nullptr ? kLooks * model->samples.samples().size() : 0);
+  }
+  const assets::Scene& scene = world.scene();
+  if (scene.joints.empty()) return;
+  jointsOf_.resize(scene.parts.size());
+  for (const assets::Joint& joint : scene.joints) {
+    HeldJoint& held = joints_.emplace_back();
+    held.joint = &joint;
+    held.sprung = !joint.drives.empty() || joint.detents.force > 0.0 ||
+                  std::any_of(joint.limits.begin(), joint.limits.end(),
+                              [](const assets::JointLimit& limit) { return limit.stiffness > 0.0; });
+    const auto index = static_cast<std::uint32_t>(joints_.size() - 1);
+    for (const PartId part : {joint.partA, joint.partB}) {
+      // A control has its own mechanics.
+      if (part != kNoPart && assets::controlOf(scene, part) == nullptr) jointsOf_[part].push_back(index);
+    }
+  }
+}
+
+// --- the parts and pairs of a tick
+
+int PartContact::bodyOf(PartId part) const {
+  for (int i = 0; i < bodyCount_; ++i) {
+    if (bodies_[static_cast<std::size_t>(i)].part == part) return i;
+  }
+  return -1;
+}
+
+void PartContact::addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose) {
+  Body& body = bodies_[static_cast<std::size_t>(bodyCount_++)];
+  body = Body{};
+  body.part = part;
+  body.model = world_.model(part);
+  body.centreOfMass = centreOfMass;
+  const Collider& collider = world_.collider(part);
+  const double radius = collider.radius > 0.0 ? collider.radius : 0.01;
+  body.radius = glm::length(collider.centre - centreOfMass) + radius;
+  body.pose = pose;
+  const double tolerance = body.model != nullptr ? body.model->field.tolerance() : 1e-5 * body.radius;
+  tolerance_ = bodyCount_ == 1 ? tolerance : std::min(tolerance_, tolerance);
+}
+
+bool PartContact::addPair(const Pair& pair) {
+  if (pairCount_ == kMostPairs) {
+    work_.overflow = true;
+    return false;
+  }
+  rowPairs_[static_cast<std::size_t>(pairCount_)] = {pair.first, pair.second, glm::dvec3(0.0)};
+  pairs_[static_cast<std::size_t>(pairCount_++)] = pair;
+  push_ = std::max(push_, pair.push);
+  return true;
+}
+
+double PartContact::motionOf(const Body& body, const Displacement& u) {
+  return glm::length(u.linear) + body.radius * glm::length(u.angular);
+}
+
+Displacement PartContact::left(std::size_t body) const {
+  const Displacement &goal = bodies_[body].goal, &gone = goals_[body].before;
+  return {goal.linear - gone.linear, goal.angular - gone.angular};
+}
+
+bool PartContact::mayTouch(PartId a, PartId b) const {
+  if (world_.hidden(b) || !world_.mayCollide(a, b)) return false;
+  if (!joined(a) || !joined(b)) return true;
+  return std::none_of(jointsOf_[a].begin(), jointsOf_[a].end(), [&](std::uint32_t index) {
+    const assets::Joint& joint = *joints_[index].joint;
+    return !joint.collide && (joint.partA == b || joint.partB == b);
+  });
+}
+
+double PartContact::pushOf(PartId part) const {
+  const Twist& twist = world_.twist(part);
+  const Collider& other = world_.collider(part);
+  const double arm = glm::length(other.centre) + other.radius;
+  return dt_ * (glm::length(twist.linear) + arm * glm::length(twist.angular));
+}
+
+void PartContact::findPairs(double reach) {
+  pairCount_ = 0;
+  push_ = 0.0;
+  for (int i = 0; i < bodyCount_; ++i) {
+    const Body& body = bodies_[static_cast<std::size_t>(i)];
+    if (body.model == nullptr) continue;
+    const Collider& collider = world_.collider(body.part);
+    const glm::dvec3 middle = transformPoint(body.pose, collider.centre), grow(collider.radius + reach);
+    const int own = pairCount_;
+    world_.forEachNear({middle - grow, middle + grow}, [&](PartId part) {
+      const PartModel* model = world_.model(part);
+      if (part == body.part || model == nullptr || !mayTouch(body.part, part)) return;
+      const int second = bodyOf(part);
+      for (int k = 0; second >= 0 && k < own; ++k) {
+        const Pair& known = pairs_[static_cast<std::size_t>(k)];
+        if (known.first == second && known.second == i) return;
+      }
+      Pair pair;
+      pair.first = i;
+      pair.second = second;
+      pair.other = part;
+      pair.model = model;
+      if (second < 0) pair.push = pushOf(part);
+      addPair(pair);
+    });
+  }
+  for (int k = 0; k < overlapCount_; ++k) {
+    const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+    const int body = bodyOf(overlap.a);
+    if (overlap.contained && body >= 0)
+      push_ = std::max(push_, wayOutATick(bodies_[static_cast<std::size_t>(body)]));
+  }
+}
+
+void PartContact::findJoints() {
+  if (joints_.empty()) return;
+  for (int i = 0; i < bodyCount_; ++i) {
+    const PartId part = bodies_[static_cast<std::size_t>(i)].part;
+    for (const std::uint32_t index : jointsOf_[part]) {
+      const assets::Joint& joint = *joints_[index].joint;
+      const PartId other = joint.partA == part ? joint.partB : joint.partA;
+      const int second = other != kNoPart ? bodyOf(other) : -1;
+      if (second >= 0 && second < i) continue;  // the other one has it
+      Pair pair;
+      pair.first = i;
+      pair.second = second;
+      pair.other = other;
+      pair.joint = static_cast<std::int32_t>(index);
+      if (second < 0 && other != kNoPart) pair.push = pushOf(other);
+      if (joints_[index].sprung)
+        pair.push = std::max(pair.push, wayOutATick(bodies_[static_cast<std::size_t>(i)]));
+      addPair(pair);
+    }
+  }
+}
+
+void PartContact::recallFriction() {
+  solver_.renumberFriction([&](std::uint16_t old) {
+    const std::array<PartId, 2>& was = lastPairs_[old];
+    for (int k = 0; k < pairCount_; ++k) {
+      const Pair& pair = pairs_[static_cast<std::size_t>(k)];
+      if (pair.joint < 0 && pair.other == was[1] &&
+          bodies_[static_cast<std::size_t>(pair.first)].part == was[0])
+        return k;
+    }
+    return -1;
+  });
+  for (int k = 0; k < pairCount_; ++k) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(k)];
+    lastPairs_[static_cast<std::size_t>(k)] = {bodies_[static_cast<std::size_t>(pair.first)].part,
+                                               pair.joint < 0 ? pair.other : kNoPart};
+  }
+}
+
+const Pose& PartContact::poseOf(const Pair& pair) const {
+  static const Pose kWorld;
+  if (pair.second >= 0) return bodies_[static_cast<std::size_t>(pair.second)].pose;
+  return pair.other != kNoPart ? world_.pose(pair.other) : kWorld;
+}
+
+void PartContact::place() {
+  for (int i = 0; i < bodyCount_; ++i) {
+    Body& body = bodies_[static_cast<std::size_t>(i)];
+    body.centre = transformPoint(body.pose, body.centreOfMass);
+  }
+  for (int i = 0; i < pairCount_; ++i) {
+    Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
+    pair.otherFromFirst = inverse(poseOf(pair)) * first.pose;
+    if (pair.second >= 0)
+      rowPairs_[static_cast<std::size_t>(i)].apart =
+          first.centre - bodies_[static_cast<std::size_t>(pair.second)].centre;
+  }
+}
+
+bool PartContact::disturbed(PartId part) const {
+  const Collider& collider = world_.collider(part);
+  const double radius = collider.radius > 0.0 ? collider.radius : 0.01;
+  const auto moves = [&](PartId other) {
+    const Twist& twist = world_.twist(other);
+    return glm::length(twist.linear) + radius * glm::length(twist.angular) > kRestShare * radius;
+  };
+  if (joined(part)) {
+    for (const std::uint32_t index : jointsOf_[part]) {
+      const assets::Joint& joint = *joints_[index].joint;
+      const PartId other = joint.partA == part ? joint.partB : joint.partA;
+      if (other != kNoPart && moves(other)) return true;
+    }
+  }
+  if (!collides(part)) return false;
+  const glm::dvec3 middle = transformPoint(world_.pose(part), collider.centre),
+                   grow(collider.radius * (1.0 + kRestShare));
+  bool found = false;
+  world_.forEachNear({middle - grow, middle + grow}, [&](PartId other) {
+    if (other != part && !found && collides(other) && moves(other)) found = mayTouch(part, other);
+  });
+  return found;
+}
+
+// --- one step
+
+void PartContact::gather(double reach) {
+  for (int i = 0; i < pairCount_; ++i) {
+    Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (!rows_.beginPair()) return;
+    if (pair.joint >= 0) continue;
+    const PartId part = bodies_[static_cast<std::size_t>(pair.first)].part;
+    pair.deepest = 0.0;
+    pair.overlap = -1;
+    for (int k = 0; k < overlapCount_; ++k) {
+      const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+      if ((overlap.a == part && overlap.b == pair.other) || (overlap.b == part && overlap.a == pair.other))
+        pair.overlap = k;
+    }
+    const auto index = static_cast<std::uint16_t>(i);
+    gatherSide(index, kOfFirst, reach);
+    gatherSide(index, kOfOther, reach);
+    if (isContained(pair)) bringOut(pair, index);
+  }
+}
+
+PartContact::Look& PartContact::lookAt(PartId part, std::uint32_t sample, PartId other) {
+  Look* const first = &looks_[part][kLooks * sample];
+  Look* oldest = first;
+  for (std::uint32_t k = 0; k < kLooks; ++k) {
+    if (first[k].other == other) return first[k];
+    if (stepNumber_ - first[k].step > stepNumber_ - oldest->step) oldest = first + k;
+  }
+  return *oldest;
+}
+
+void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reach) {
+  Pair& of = pairs_[pair];
+  const Body& first = bodies_[static_cast<std::size_t>(of.first)];
+  const bool ofFirst = side == kOfFirst;
+  const PartModel &from = ofFirst ? *first.model : *of.model, &to = ofFirst ? *of.model : *first.model;
+  const Pose toFromSamples = ofFirst ? of.otherFromFirst : inverse(of.otherFromFirst);
+  const FloatMotion motion(toFromSamples, to.field.origin());
+  // From the frame of the field to the world's axes.
+  const Pose& worldFromTo = ofFirst ? poseOf(of) : first.pose;
+  const glm::mat3 turn(glm::mat3_cast(worldFromTo.orientation));
+  const glm::vec3 shift(worldFromTo.position + worldFromTo.orientation * to.field.origin() - first.centre);
+  const float sign = ofFirst ? 1.0f : -1.0f, limit = static_cast<float>(reach);
+  const float smooth = 2.0f * static_cast<float>(to.field.tolerance());
+  const float rough = std::max(smooth, 0.12f * static_cast<float>(to.field.smallestCell()));
+  const PartId sampled = ofFirst ? first.part : of.other;
+  const float believed = static_cast<float>(kBelieved * from.samples.spacing());
+  const PartId asked = ofFirst ? of.other : first.part;
+  const bool contained = isContained(of);
+  const float allowed = static_cast<float>(allowedDepth(of));
+  float deepest = 0.0f;
+  bool inside = false;
+  const auto addRow = [&](std::uint32_t i, const glm::vec3& place, const DistanceField::Reading& read) {
+    deepest = std::max(deepest, read.error - read.distance);
+    if (contained) return;
+    const ContactSample& sample = from.samples.samples()[i];
+    const float least = read.distance - read.error + allowed;
+    const RowSource source{pair, side, i};
+    const glm::vec3 arm = turn * place + shift;
+    if (read.error > rough) {
+      const Look& look = lookAt(sampled, i, asked);
+      float room = least - sample.along;
+      if (look.other == asked) {
+        const glm::vec3 way = place - look.place;
+        const float length = glm::length(way);
+        room = std::max(room, look.room + allowed - length);
+        // Not all in the same step.
+        if (stepNumber_ - look.step <= kFresh + i % kFresh && length <= believed) {
+          for (int k = 0; k < look.planes; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            rows_.addPlane(sign * (turn * look.normals[at]), arm,
+                           look.gaps[at] + glm::dot(look.normals[at], way) + allowed, source);
+          }
+          return;
+        }
+      }
+      if (room <= limit) rows_.addBall(arm, room, source);
+      return;
+    }
+    // Along a piece of edge before a smooth surface the least gap is that of an end: the next sample's.
+    if (least > limit) return;
+    if (read.error <= smooth) {
+      const float gap = read.distance + read.error + allowed;
+      rows_.addPlane(sign * (turn * read.gradient), arm, gap, source);
+      return;
+    }
+    // Where the field is not so good, the face that the sample was last found before tells more, while it still
+    // is before that face; else it is looked at as soon as it might touch.
+    glm::vec3 normal = read.gradient;
+    float gap = read.distance - read.error;
+    const Look& look = lookAt(sampled, i, asked);
+    if (look.other == asked) {
+      const std::uint32_t face = look.triangle;
+      const Triangle triangle = to.tree->triangle(face);
+      const glm::dvec3 p = transformPoint(toFromSamples, sample.point);
+      if (closestPointOnTriangle(p, triangle).onFace) {
+        const double height = glm::dot(to.edges.normal(face), p - triangle.a);
+        if (std::abs(height - static_cast<double>(read.distance)) <= static_cast<double>(read.error)) {
+          normal = glm::vec3(to.edges.normal(face));
+          gap = static_cast<float>(height);
+        }
+      }
+    }
+    rows_.addPlane(sign * (turn * normal), arm, gap + allowed, source);
+  };
+  // A sample that may be that deep is no nearer to a row than one outside: it need not be visited.
+  float passedBy = -1.0f;
+  forEachNear(from.samples, to.field, motion, limit - allowed, inside, passedBy, addRow);
+  deepest = std::max(deepest, passedBy);
+  of.deepest = std::max(of.deepest, static_cast<double>(deepest));
+}
+
+void PartContact::turnToSample(TouchingFeature& found, const Look* last, double tolerance) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    TouchingPlane& plane = found.planes[k];
+    bool behind = plane.gap < 0.0;
+    // A hair across it is still on the side on which it was.
+    if (last != nullptr && last->planes > 0 && std::abs(plane.gap) < 8.0 * tolerance)
+      behind = glm::dot(glm::dvec3(last->normals[0]), plane.normal) < 0.0;
+    if (!behind) continue;
+    plane.normal = -plane.normal;
+    plane.gap = -plane.gap;
+  }
+}
+
+bool PartContact::fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found) {
+  const DistanceField::Reading read = to.field.read(glm::vec3(asked.point - to.field.origin()));
+  const glm::dvec3 up(read.gradient);
+  const double slope = glm::length(up), distance = static_cast<double>(read.distance);
+  if (!(slope > 0.1)) return false;
+  found.planes[0] = {asked.point, up / slope, distance};
+  found.distance = std::abs(distance);
+  found.triangle = 0;
+  found.count = 1;
+  return true;
+}
+
+void PartContact::refine(RowSource source, const Displacement& u, ContactRows& rows) {
+  ++work_.exact;
+  const Pair& pair = pairs_[source.pair];
+  const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
+  const bool ofFirst = source.side == kOfFirst;
+  const PartModel &from = ofFirst ? *first.model : *pair.model, &to = ofFirst ? *pair.model : *first.model;
+  const Pose& worldFromOther = poseOf(pair);
+  const Pose &worldFromSample = ofFirst ? first.pose : worldFromOther,
+             &worldFromMesh = ofFirst ? worldFromOther : first.pose;
+  const glm::dquat meshFromSample = glm::conjugate(worldFromMesh.orientation) * worldFromSample.orientation;
+  const ContactSample& sample = from.samples.samples()[source.sample];
+
+  const glm::dvec3 point = transformPoint(worldFromSample, sample.point);
+  const double way = motionOf(first, u), share = way > reach_ ? reach_ / way : 1.0;
+  const glm::dvec3 motion = share * u.at(point - first.centre);
+  std::array<glm::dvec3, 16> normals;
+  std::size_t count = 0;
+  for (const glm::dvec3& normal : from.samples.normals(sample)) {
+    if (count < normals.size()) normals[count++] = meshFromSample * normal;
+  }
+  SampleAtMesh asked;
+  asked.point = glm::conjugate(worldFromMesh.orientation) * (point - worldFromMesh.position);
+  asked.motion = glm::conjugate(worldFromMesh.orientation) * (ofFirst ? motion : -motion);
+  asked.normals = {normals.data(), count};
+  asked.slack = 0.5 * to.field.tolerance();
+  asked.range = kBelieved * from.samples.spacing();
+  const DistanceField::Reading around = to.field.read(glm::vec3(asked.point - to.field.origin()));
+  // Where the field cannot tell the side, it is that on which the sample came.
+  asked.outside = around.distance > around.error || (pair.overlap < 0 && around.distance >= -around.error);
+  if (sample.along > 0.0f) {
+    const MeshEdge& edge = from.edges.edges()[sample.edge];
+    asked.edge = meshFromSample * glm::normalize(edge.b - edge.a);
+    asked.along = static_cast<double>(sample.along);
+  }
+  const PartId meshOf = ofFirst ? pair.other : first.part;
+  Look& look = lookAt(ofFirst ? first.part : pair.other, source.sample, meshOf);
+  const std::uint32_t hint = look.other == meshOf ? look.triangle : kNoTriangle;
+  TouchingFeature found;
+  if (!(effort_.exact ? touchingFeature(*to.tree, to.edges, asked, 1e300, hint, found)
+                      : fieldFeature(to, asked, found)))
+    return;
+  if (!to.field.solid()) turnToSample(found, look.other == meshOf ? &look : nullptr, to.field.tolerance());
+  look.place = glm::vec3(asked.point - to.field.origin());
+  look.room = static_cast<float>(std::min(found.distance, found.planes[0].gap));
+  look.planes = found.count;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    look.normals[k] = glm::vec3(found.planes[k].normal);
+    look.gaps[k] = static_cast<float>(found.planes[k].gap);
+  }
+  look.triangle = found.triangle;
+  look.other = meshOf;
+  look.step = stepNumber_;
+  const assets::Material &mine = world_.material(first.part, ofFirst ? sample.triangle : found.triangle),
+                         &its = world_.material(pair.other, ofFirst ? found.triangle : sample.triangle);
+  const double tolerance = to.field.tolerance();
+  for (int i = 0; i < found.count; ++i) {
+    const TouchingPlane& plane = found.planes[static_cast<std::size_t>(i)];
+    ExactRow row;
+    row.normal = worldFromMesh.orientation * plane.normal * (ofFirst ? 1.0 : -1.0);
+    row.arm = transformPoint(worldFromMesh, plane.point) - first.centre;
+    // A way out is no longer than the way to the surface. It is taken at the speed of what pushes the part in,
+    // and beyond that a few tolerances a step; the last tolerance gently.
+    const double gap = std::max(plane.gap, -found.distance) + allowedDepth(pair);
+    row.gap = std::max(gap + std::clamp(-0.8 * gap, 0.0, tolerance), -push_ - 8.0 * tolerance);
+    row.staticFriction = 0.5 * (mine.staticFriction + its.staticFriction);
+    row.dynamicFriction = 0.5 * (mine.dynamicFriction + its.dynamicFriction);
+    row.source = source;
+    row.source.side = static_cast<std::uint16_t>(source.side + 2 * i);
+    if (rows.addExact(row) < 0) work_.overflow = true;
+  }
+}
+
+void PartContact::addJoints() {
+  for (int i = 0; i < pairCount_; ++i) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (pair.joint < 0) continue;
+    HeldJoint& held = joints_[static_cast<std::size_t>(pair.joint)];
+    const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
+    PlacedJoint& placed = held.placed;
+    placed.joint = held.joint;
+    placed.firstIsB = held.joint->partB == first.part;
+    placed.worldFromA = (placed.firstIsB ? poseOf(pair) : first.pose) * held.joint->aFromJoint;
+    placed.worldFromB = (placed.firstIsB ? first.pose : poseOf(pair)) * held.joint->bFromJoint;
+    placed.centre = first.centre;
+    placed.lever = first.radius;
+    placed.mass = first.mass;
+    placed.inertia = 0.4 * first.mass * first.radius * first.radius;
+    placed.pair = static_cast<std::uint16_t>(i);
+    if (!held.started) held.state = startJoint(placed);
+    held.started = true;
+    followTurn(placed, held.state);
+    addJointRows(placed, held.state, push_ + wayOutATick(first), dt_, rows_);
+  }
+}
+
+double PartContact::jointValue(std::uint32_t joint, bool angular) const {
+  const HeldJoint& held = joints_[joint];
+  return held.started ? haptics::jointValue(held.placed, held.state, angular) : 0.0;
+}
+
+void PartContact::refineKept() {
+  for (int k = 0; k < keptCount_; ++k) {
+    Kept& kept = kept_[static_cast<std::size_t>(k)];
+    for (int i = 0; i < pairCount_; ++i) {
+      const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+      const auto at = static_cast<std::size_t>(pair.first);
+      if (pair.joint >= 0 || pair.other != kept.other || bodies_[at].part != kept.first) continue;
+      kept.source.pair = static_cast<std::uint16_t>(i);
+      Displacement expected = left(at);
+      if (pair.second >= 0)
+        expected = seenFrom(expected, left(static_cast<std::size_t>(pair.second)),
+                            rowPairs_[static_cast<std::size_t>(i)].apart);
+      refine(kept.source, expected, rows_);
+    }
+  }
+}
+
+void PartContact::keepContacts() {
+  for (int k = 0; k < keptCount_; ++k) ++kept_[static_cast<std::size_t>(k)].unused;
+  for (const ContactSolver::ActiveRow& active : solver_.active()) {
+    RowSource source = rows_.exact(active.row).source;
+    if (source.sample == assets::kNone) continue;
+    source.side &= 1;
+    const Pair& pair = pairs_[source.pair];
+    const PartId first = bodies_[static_cast<std::size_t>(pair.first)].part;
+    int at = 0, oldest = 0;
+    for (; at < keptCount_; ++at) {
+      const Kept& kept = kept_[static_cast<std::size_t>(at)];
+      if (kept.first == first && kept.other == pair.other && kept.source.side == source.side &&
+          kept.source.sample == source.sample)
+        break;
+      if (kept.unused > kept_[static_cast<std::size_t>(oldest)].unused) oldest = at;
+    }
+    if (at == keptCount_) at = keptCount_ < kMostKept ? keptCount_++ : oldest;
+    kept_[static_cast<std::size_t>(at)] = {first, pair.other, source, 0};
+  }
+  const auto end = std::remove_if(kept_.begin(), kept_.begin() + keptCount_,
+                                  [](const Kept& kept) { return kept.unused > kKeptFor; });
+  keptCount_ = static_cast<int>(end - kept_.begin());
+}
+
+glm::dvec3 PartContact::surfaceMotion(const ExactRow& row) const {
+  const Pair& pair = pairs_[row.source.pair];
+  const glm::dvec3 point = bodies_[static_cast<std::size_t>(pair.first)].centre + row.arm;
+  return dt_ * velocityAt(world_.pose(pair.other), world_.twist(pair.other), point);
+}
+
+// --- a tick
+
+void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEffort& effort) {
+  work_ = Work{};
+  effort_ = effort;
+  dt_ = dt;
+  touchCount_ = bodyCount_ = 0;
+  double longest = 0.0;
+  for (const MovingPart& part : moving.first(std::min<std::size_t>(moving.size(), kMostBodies))) {
+    const auto at = static_cast<std::size_t>(bodyCount_);
+    addBody(part.part, part.body->centreOfMass, part.body->worldFromBody);
+    bodies_[at].goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
+    bodies_[at].mass = part.body->mass;
+    goals_[at].before = Displacement{};
+    goals_[at].root = part.step.root;
+    longest = std::max(longest, motionOf(bodies_[at], bodies_[at].goal));
+  }
+  findPairs(longest);
+  work_.neighbours = pairCount_;
+  findJoints();
+  recallFriction();
+  const int most = std::clamp(effort.steps, 1, kMostSteps);
+  for (int step = 0; step < most; ++step) {
+    double way = 0.0;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
+      goals_[b].free = left(b);
+      way = std::max(way, motionOf(bodies_[b], goals_[b].free));
+    }
+    if (way + push_ < 0.02 * tolerance_) break;
+    place();
+    reach_ = std::min(way + push_, 30.0 * tolerance_ + 3.0 * lastMotion_);
+    ++stepNumber_;
+    rows_.clear();
+    gather(reach_);
+    addJoints();
+    if (overlapCount_ > 0) updateOverlaps();
+    refineKept();
+    ++work_.steps;
+    work_.planes += rows_.planes();
+    work_.balls += rows_.balls();
+    const auto bodies = static_cast<std::size_t>(bodyCount_), pairs = static_cast<std::size_t>(pairCount_);
+    solver_.solve({goals_.data(), bodies}, {rowPairs_.data(), pairs}, 0.02 * tolerance_,
+                  effort.looks - work_.picks, rows_, *this);
+    work_.picks += solver_.picks();
+    work_.infeasible += solver_.infeasible();
+    if (advance(step)) break;
+  }
+  // Slower than contact can tell, the parts stand still and keep their momentum, until there is a way to look at.
+  if (work_.steps == 0) {
+    for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
+      moving[b].way = bodies_[b].goal;
+      setVelocity(*moving[b].body, moving[b].step.freeVelocity, moving[b].step.freeSpin);
+    }
+    return;
+  }
+  work_.overflow = work_.overflow || rows_.dropped() > 0;
+  noteTouches(dt);
+  for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
+    const Displacement& gone = goals_[b].before;
+    RigidBody& body = *moving[b].body;
+    body.worldFromBody = bodies_[b].pose;
+    setVelocity(body, gone.linear / dt, gone.angular / dt);
+    moving[b].way = gone;
+  }
+}
+
+bool PartContact::advance(int step) {
+  double share = 1.0, motion = 0.0;
+  for (int b = 0; b < bodyCount_; ++b) {
+    const double of = motionOf(bodies_[static_cast<std::size_t>(b)], solver_.displacement(b));
+    motion = std::max(motion, of);
+    if (of > reach_) share = std::min(share, reach_ / of);
+  }
+  if (solver_.exhausted()) {
+    // What nobody has looked at is not gone through: the parts go as far as is safe, and on in the next tick.
+    share = std::min(share, rows_.safeShare(solver_.pairMotions()));
+    work_.exhausted = true;
+  }
+  for (int b = 0; b < bodyCount_; ++b) {
+    const auto at = static_cast<std::size_t>(b);
+    Body& body = bodies_[at];
+    const Displacement &whole = solver_.displacement(b), u{share * whole.linear, share * whole.angular};
+    body.pose.orientation = glm::normalize(fromRotationVector(u.angular) * body.pose.orientation);
+    body.pose.position = body.centre + u.linear - body.pose.orientation * body.centreOfMass;
+    Displacement& gone = goals_[at].before;
+    gone = {gone.linear + u.linear, gone.angular + u.angular};
+  }
+  keepContacts();
+  lastMotion_ = share * motion;
+  return work_.exhausted || (share == 1.0 && (step > 0 || motion < 20.0 * tolerance_));
+}
+
+void PartContact::noteTouches(double dt) {
+  for (const ContactSolver::ActiveRow& active : solver_.active()) {
+    const ExactRow& row = rows_.exact(active.row);
+    const Pair& pair = pairs_[row.source.pair];
+    if (pair.joint >= 0 || touchCount_ == kMostTouches) continue;
+    const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
+    touches_[static_cast<std::size_t>(touchCount_++)] = {first.part, pair.other, first.centre + row.arm,
+                                                         row.normal, active.multiplier / (dt * dt)};
+  }
+  std::sort(touches_.begin(), touches_.begin() + touchCount_,
+            [](const PartTouch& a, const PartTouch& b) { return a.force > b.force; });
+}
+
+}  // namespace tandem::haptics

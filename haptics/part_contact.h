@@ -1,0 +1,227 @@
+#pragma once
+
+// The parts that a site moves among their neighbours: where each may go in one tick.
+//
+// A moving part is a god object with mass: it goes where its momentum, the hand's spring, gravity, joints and contacts
+// together take it, and never into a neighbour. A tick takes up to kMostSteps steps; each gathers the samples that
+// could touch within its reach, of each part of a pair in the field of the other, and solves for the displacements of
+// all (contact_solver.h). No step is longer than its reach, so that nothing that was not looked at is passed through;
+// what is left of a fast motion is made up in the next ticks.
+//
+// 1. Free of allocation after construction. One a TickState; only where a scene has part models or joints.
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "haptics/contact_effort.h"
+#include "haptics/contact_solver.h"
+#include "haptics/contact_world.h"
+#include "haptics/joint_rows.h"
+#include "haptics/part_model.h"
+#include "haptics/touching_feature.h"
+#include "haptics/virtual_coupling.h"
+
+namespace tandem::haptics {
+
+/// A part that moves in this tick, and where it would go.
+struct MovingPart {
+  PartId part = kNoPart;
+  CoupledStep step;
+  RigidBody* body = nullptr;
+  Displacement way;  // of its centre of mass, and its turn: the answer
+};
+
+/// A place where a moving part rests on another.
+struct PartTouch {
+  PartId of = kNoPart;               // the moving part
+  PartId part = kNoPart;             // the other one, which may move too
+  glm::dvec3 point{0.0, 0.0, 0.0};   // m, world
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, world, away from `part`
+  double force = 0.0;                // N along the normal
+};
+
+class PartContact final : public RowRefiner {
+ public:
+  static constexpr int kMostSteps = 4;
+  static constexpr int kMostTouches = 24;
+  /// A part that goes less than this share of its size in a second is at rest.
+  static constexpr double kRestShare = 3e-3;
+
+  /// Of one tick, for reports.
+  struct Work {
+    int steps = 0, planes = 0, balls = 0, exact = 0, picks = 0, infeasible = 0, neighbours = 0;
+    bool overflow = false;   // rows or neighbours were dropped
+    bool exhausted = false;  // the step was cut short because there was more to look at than a tick allows
+  };
+
+  explicit PartContact(const ContactWorld& world);
+
+  /// Whether anything tells where a part may go: a model of its shape, or a joint.
+  bool constrains(PartId part) const { return world_.model(part) != nullptr || joined(part); }
+  bool collides(PartId part) const { return world_.model(part) != nullptr; }
+  bool joined(PartId part) const { return part < jointsOf_.size() && !jointsOf_[part].empty(); }
+
+  /// A part is moved here from now on, from where the world has it. Overlaps that it has with its neighbours are
+  /// remembered: it may stay as deep in each, and no deeper, until it has come out. A part that lies wholly inside
+  /// another is brought out of it the nearest way.
+  void take(PartId part, const glm::dvec3& centreOfMass);
+
+  /// Moves all parts that move here by one step as far as their neighbours and joints let them, and gives each body
+  /// the velocity of its motion. At most kMostBodies.
+  void move(std::span<MovingPart> moving, double dt, const ContactEffort& effort = {});
+
+  /// Whether something moves beside a part that is at rest here, or a part that it is joined to.
+  bool disturbed(PartId part) const;
+
+  /// The strongest of the last tick, strongest first.
+  std::span<const PartTouch> touches() const {
+    return {touches_.data(), static_cast<std::size_t>(touchCount_)};
+  }
+  const Work& work() const { return work_; }
+  /// Where a joint of the scene stands: m along its X axis, or rad about it with whole turns counted. As of the last
+  /// tick in which one of its parts moved here.
+  double jointValue(std::uint32_t joint, bool angular) const;
+
+  void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
+  glm::dvec3 surfaceMotion(const ExactRow& row) const override;
+
+ private:
+  /// What the last close look at a sample told.
+  struct Look {
+    glm::vec3 place{0.0f, 0.0f, 0.0f};   // m, in the frame of the mesh, relative to its field's origin
+    float room = 0.0f;                   // m, that it could go from there without touching; below 0 inside
+    std::array<glm::vec3, 2> normals{};  // of the planes that held it, mesh frame
+    std::array<float, 2> gaps{};         // m, over those planes
+    int planes = 0;
+    std::uint32_t triangle = kNoTriangle;  // the nearest one
+    PartId other = kNoPart;                // whose
+    std::uint32_t step = 0;                // when
+  };
+  struct Body {
+    PartId part = kNoPart;
+    const PartModel* model = nullptr;  // null: only joints hold it
+    glm::dvec3 centreOfMass{0.0};      // m, part frame
+    double radius = 0.0;               // m, about that
+    Pose pose;                         // world, now
+    glm::dvec3 centre{0.0};            // of mass, m, world
+    Displacement goal;                 // of this tick
+    double mass = 1.0;                 // kg
+  };
+  /// Two parts that may touch, or that a joint holds together. The first one moves here.
+  struct Pair {
+    int first = 0, second = -1;        // bodies; -1: the other one does not move here
+    PartId other = kNoPart;            // kNoPart: the world, of a joint
+    const PartModel* model = nullptr;  // of the other one
+    Pose otherFromFirst;               // part frames, now
+    int overlap = -1;                  // into overlaps_
+    double deepest = 0.0;              // m, an upper bound, where there is an overlap
+    double push = 0.0;                 // m, that the other one may come in this tick by itself
+    std::int32_t joint = -1;           // into joints_; -1: a pair that may touch
+  };
+  /// Two parts that were in each other when one was taken.
+  struct Overlap {
+    PartId a = kNoPart, b = kNoPart;
+    double allowed = 0.0;              // m, how deep it may be; shrinks as they come out
+    bool contained = false;            // a is wholly inside b: it is brought out
+    glm::dvec3 wayOut{0.0, 0.0, 0.0};  // unit, in the frame of b
+  };
+  struct Kept {
+    PartId first = kNoPart, other = kNoPart;
+    RowSource source;
+    int unused = 0;  // steps since it last held the part
+  };
+  struct HeldJoint {
+    const assets::Joint* joint = nullptr;
+    JointState state;
+    bool started = false;
+    bool sprung = false;  // it may move parts by itself
+    PlacedJoint placed;
+  };
+
+  // The parts and pairs of a tick.
+  int bodyOf(PartId part) const;
+  void addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose);
+  bool addPair(const Pair& pair);
+  void findPairs(double reach);
+  void findJoints();
+  bool mayTouch(PartId a, PartId b) const;
+  double pushOf(PartId part) const;
+  const Pose& poseOf(const Pair& pair) const;
+  /// The friction of the last tick is that of its pairs, whatever their numbers are now.
+  void recallFriction();
+  void place();
+  static double motionOf(const Body& body, const Displacement& u);
+  Displacement left(std::size_t body) const;
+
+  // A step.
+  void gather(double reach);
+  /// What is known of a sample before another part; the oldest of what is known of others if nothing is.
+  Look& lookAt(PartId part, std::uint32_t sample, PartId other);
+  /// Rows of the samples of one part of a pair in the field of the other.
+  void gatherSide(std::uint16_t pair, std::uint16_t side, double reach);
+  void addJoints();
+  /// Rows of the last steps' contacts, looked at closely from the start: what rests stays at rest. They are aimed at
+  /// where the parts are expected to go.
+  void refineKept();
+  void keepContacts();
+  /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
+  bool advance(int step);
+  void noteTouches(double dt);
+  /// What holds a sample off, as the field alone tells it: good to within its error.
+  static bool fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found);
+  /// A surface without an inside holds off whatever is before it, on either side.
+  static void turnToSample(TouchingFeature& found, const Look* last, double tolerance);
+
+  // Overlaps: part_overlaps.cpp.
+  void noteOverlap(Pair& pair);
+  /// Depth in m of the deepest sample of one part in the other, and whether all of them are inside.
+  double depthOfSide(const Pair& pair, bool ofFirst, bool& allInside);
+  void bringOut(const Pair& pair, std::uint16_t index);
+  /// Half a second for the part's own radius: a pull that grows, and no blow.
+  double wayOutATick(const Body& body) const { return 2.0 * body.radius * dt_; }
+  void updateOverlaps();
+  bool isContained(const Pair& pair) const;
+  double allowedDepth(const Pair& pair) const;
+
+  static constexpr std::uint32_t kFresh = 8;  // steps for which a plane is believed at least
+  static constexpr std::uint32_t kLooks =
+      2;                                  // others of which a sample is known: an edge often stands on two
+  static constexpr int kMostLooks = 400;  // when a part is taken
+  static constexpr int kMostKept = 48, kKeptFor = 16;
+  static constexpr int kMostOverlaps = 64;
+
+  const ContactWorld& world_;
+  std::vector<std::vector<Look>> looks_;              // a part, kLooks a sample
+  std::vector<HeldJoint> joints_;                     // of the scene, but of controls
+  std::vector<std::vector<std::uint32_t>> jointsOf_;  // a part; empty without joints
+  ContactRows rows_;
+  ContactSolver solver_;
+  std::array<Body, kMostBodies> bodies_;
+  std::array<StepGoal, kMostBodies> goals_;
+  int bodyCount_ = 0;
+  std::array<Pair, kMostPairs> pairs_;
+  std::array<RowPair, kMostPairs> rowPairs_;
+  int pairCount_ = 0;
+  std::array<std::array<PartId, 2>, kMostPairs> lastPairs_;  // of the last tick
+  std::array<Kept, kMostKept> kept_;
+  int keptCount_ = 0;
+  std::array<Overlap, kMostOverlaps> overlaps_;
+  int overlapCount_ = 0;
+  int looksAtTaking_ = 0;
+  std::array<PartTouch, kMostTouches> touches_;
+  int touchCount_ = 0;
+  Work work_;
+
+  // Of the present tick.
+  ContactEffort effort_;
+  double dt_ = 0.0;          // s
+  double tolerance_ = 0.0;   // m, the finest of the bodies' models
+  double reach_ = 0.0;       // m, of the present step
+  double lastMotion_ = 0.0;  // m, of the last step
+  double push_ = 0.0;        // m, that neighbours may push in this tick
+  std::uint32_t stepNumber_ = 0;
+};
+
+}  // namespace tandem::haptics

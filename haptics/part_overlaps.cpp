@@ -1,0 +1,129 @@
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/near_samples.h"
+#include "haptics/part_contact.h"
+
+// Overlaps of the parts that move here: those that the file has at rest are remembered and never ejected.
+
+namespace tandem::haptics {
+
+bool PartContact::isContained(const Pair& pair) const {
+  return pair.overlap >= 0 && overlaps_[static_cast<std::size_t>(pair.overlap)].contained;
+}
+
+double PartContact::allowedDepth(const Pair& pair) const {
+  return pair.overlap >= 0 ? overlaps_[static_cast<std::size_t>(pair.overlap)].allowed : 0.0;
+}
+
+void PartContact::take(PartId part, const glm::dvec3& centreOfMass) {
+  const auto end = std::remove_if(overlaps_.begin(), overlaps_.begin() + overlapCount_,
+                                  [&](const Overlap& o) { return o.a == part || o.b == part; });
+  overlapCount_ = static_cast<int>(end - overlaps_.begin());
+  const auto last = std::remove_if(kept_.begin(), kept_.begin() + keptCount_,
+                                   [&](const Kept& k) { return k.first == part || k.other == part; });
+  keptCount_ = static_cast<int>(last - kept_.begin());
+  looksAtTaking_ = 0;
+  lastMotion_ = 0.0;
+  solver_.forgetFriction();
+  for (HeldJoint& held : joints_) {
+    // A joint that moved meanwhile elsewhere goes on from where it is, but for whole turns.
+    if (held.joint->partA == part || held.joint->partB == part)
+      held.started = held.started && held.joint->pitch != 0.0;
+  }
+  if (world_.model(part) == nullptr) return;
+  bodyCount_ = 0;
+  addBody(part, centreOfMass, world_.pose(part));
+  findPairs(0.0);
+  place();
+  for (int i = 0; i < pairCount_; ++i) noteOverlap(pairs_[static_cast<std::size_t>(i)]);
+}
+
+void PartContact::noteOverlap(Pair& pair) {
+  bool firstInside = true, otherInside = true;
+  const double depth = std::max(depthOfSide(pair, true, firstInside), depthOfSide(pair, false, otherInside));
+  if (!(depth > 0.0)) return;
+  if (overlapCount_ == kMostOverlaps) {  // the oldest goes
+    std::copy(overlaps_.begin() + 1, overlaps_.end(), overlaps_.begin());
+    --overlapCount_;
+  }
+  const PartId part = bodies_[static_cast<std::size_t>(pair.first)].part;
+  Overlap& overlap = overlaps_[static_cast<std::size_t>(overlapCount_++)];
+  overlap = {part, pair.other, depth, firstInside, glm::dvec3(0.0)};
+  if (!firstInside) return;
+  const glm::dvec3 centre = transformPoint(pair.otherFromFirst, world_.collider(part).centre);
+  MeshPoint nearest;
+  pair.model->tree->closestPoint(centre, 1e300, nearest);
+  const glm::dvec3 way = nearest.point - centre;
+  const double length = glm::length(way);
+  overlap.wayOut = length > 0.0 ? way / length : pair.model->edges.normal(nearest.triangle);
+}
+
+double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside) {
+  const PartModel* const first = bodies_[static_cast<std::size_t>(pair.first)].model;
+  const PartModel &from = ofFirst ? *first : *pair.model, &to = ofFirst ? *pair.model : *first;
+  const Pose toFromSamples = ofFirst ? pair.otherFromFirst : inverse(pair.otherFromFirst);
+  const FloatMotion motion(toFromSamples, to.field.origin());
+  double deepest = 0.0;
+  allInside = !from.samples.samples().empty() && to.field.solid();
+  float passedBy = -1.0f;
+  forEachNear(from.samples, to.field, motion, 0.0f, allInside, passedBy,
+              [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading& read) {
+                const double most = static_cast<double>(read.error) - static_cast<double>(read.distance);
+                if (most <= deepest) return;
+                const bool surelyInside = read.distance < -read.error;
+                if (++looksAtTaking_ > kMostLooks) {
+                  if (surelyInside) deepest = most;
+                  return;
+                }
+                // With no surface within `most` it is outside: inside none can be further away.
+                MeshPoint nearest;
+                const glm::dvec3 p = transformPoint(toFromSamples, from.samples.samples()[i].point);
+                if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
+                const glm::dvec3& normal = to.edges.normal(nearest.triangle);
+                if (surelyInside || glm::dot(normal, p - nearest.point) < 0.0)
+                  deepest = std::max(deepest, nearest.distance);
+              });
+  return deepest;
+}
+
+void PartContact::updateOverlaps() {
+  std::array<int, kMostOverlaps> now;
+  int kept = 0;
+  for (int k = 0; k < overlapCount_; ++k) {
+    Overlap overlap = overlaps_[static_cast<std::size_t>(k)];
+    // Where neither moves here, nothing has changed.
+    bool near = bodyOf(overlap.a) < 0 && bodyOf(overlap.b) < 0;
+    for (int i = 0; i < pairCount_; ++i) {
+      const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+      if (pair.overlap != k || pair.joint >= 0) continue;
+      near = pair.deepest > 0.0;
+      overlap.allowed = std::min(overlap.allowed, pair.deepest);
+    }
+    now[static_cast<std::size_t>(k)] = near ? kept : -1;
+    if (near) overlaps_[static_cast<std::size_t>(kept++)] = overlap;
+  }
+  overlapCount_ = kept;
+  for (int i = 0; i < pairCount_; ++i) {
+    int& index = pairs_[static_cast<std::size_t>(i)].overlap;
+    if (index >= 0) index = now[static_cast<std::size_t>(index)];
+  }
+}
+
+void PartContact::bringOut(const Pair& pair, std::uint16_t index) {
+  const Overlap& overlap = overlaps_[static_cast<std::size_t>(pair.overlap)];
+  const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
+  const bool firstInside = overlap.a == first.part;
+  const Pose& container = firstInside ? poseOf(pair) : first.pose;
+  Displacement gone = goals_[static_cast<std::size_t>(pair.first)].before;
+  if (pair.second >= 0)
+    gone = seenFrom(gone, goals_[static_cast<std::size_t>(pair.second)].before, rowPairs_[index].apart);
+  ExactRow row;
+  row.normal = container.orientation * overlap.wayOut * (firstInside ? 1.0 : -1.0);
+  row.gap = glm::dot(row.normal, gone.linear) - wayOutATick(first);
+  row.source = {index, 0, assets::kNone};
+  rows_.addExact(row);
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,105 @@
+#pragma once
+
+// A hand in a scene whose parts move by themselves too: joints, gravity, parts that are pushed.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <utility>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/tick_data.h"
+#include "tests/support/part_cases.h"
+
+namespace tandem::test {
+
+class MovingRig {
+ public:
+  using Kind = haptics::PartCommand::Kind;
+
+  /// Gravity in m/s^2. The scene's parts are not owned yet.
+  explicit MovingRig(assets::Scene given, const glm::dvec3& gravity = glm::dvec3(0.0))
+      : scene_(std::move(given)), contact_(modelled(scene_)), state_(contact_) {
+    parameters.graspStiffness = 1000.0;
+    parameters.forceLimit = parameters.torqueLimit = 1e6;
+    parameters.gravity = gravity;
+    sample_.valid = true;
+  }
+  MovingRig(const MovingRig&) = delete;
+
+  /// From the next tick on.
+  void own(PartId part) { commands_.push_back({Kind::own, part, pose(part)}); }
+  void grasp(PartId part) { commands_.push_back({Kind::grasp, part, {}}); }
+  void letGo(PartId part) { commands_.push_back({Kind::letGo, part, {}}); }
+  void disown(PartId part) { commands_.push_back({Kind::disown, part, {}}); }
+
+  /// The hand is put at a pose: the first time, or to hold still there.
+  void at(const Pose& device) {
+    sample_.worldFromDevice = device;
+    sample_.twist = {};
+  }
+
+  void tick(int count = 1) {
+    for (int i = 0; i < count; ++i) {
+      haptics::TickInput input;
+      sample_.time = time_ += parameters.dt;
+      input.device = sample_;
+      input.commands = commands_;
+      out = haptics::tick(input, contact_, parameters, state_);
+      commands_.clear();
+      flags |= out.flags;
+      if (each) each();
+    }
+  }
+
+  /// Leads the hand along a path of `duration` s, from its beginning.
+  void lead(const std::function<Pose(double)>& path, double duration) {
+    const int ticks = static_cast<int>(duration / parameters.dt + 0.5);
+    for (int i = 0; i < ticks; ++i) {
+      const Pose before = path(parameters.dt * i), now = path(parameters.dt * (i + 1));
+      sample_.worldFromDevice = now;
+      sample_.twist.linear = (now.position - before.position) / parameters.dt;
+      sample_.twist.angular =
+          rotationVector(now.orientation * glm::conjugate(before.orientation)) / parameters.dt;
+      tick();
+    }
+    sample_.twist = {};
+  }
+
+  const Pose& pose(PartId part) const { return state_.worldFromPart(part); }
+  const assets::Scene& scene() const { return scene_; }
+  haptics::TickState& state() { return state_; }
+  const haptics::PartContact& contact() { return *state_.data().partContact; }
+  const haptics::OwnedPart& owned(PartId part) const {
+    for (int i = 0; i < out.ownedCount; ++i) {
+      if (out.owned[static_cast<std::size_t>(i)].part == part) return out.owned[static_cast<std::size_t>(i)];
+    }
+    return out.owned[0];
+  }
+  double jointValue(std::uint32_t joint, bool angular) { return contact().jointValue(joint, angular); }
+
+  haptics::TickParameters parameters;
+  haptics::TickOutput out;
+  std::uint32_t flags = 0;     // of all ticks
+  std::function<void()> each;  // after every tick
+
+ private:
+  static haptics::ContactScene modelled(const assets::Scene& scene) {
+    haptics::ContactScene contact(scene, 1);
+    contact.modelParts();
+    return contact;
+  }
+
+  assets::Scene scene_;
+  haptics::ContactScene contact_;
+  haptics::TickState state_;
+  haptics::DeviceSample sample_;
+  std::vector<haptics::PartCommand> commands_;
+  double time_ = 0.0;
+};
+
+}  // namespace tandem::test

@@ -1,0 +1,100 @@
+// A site that takes long to make a scene ready is told what happens meanwhile.
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "client/site_link.h"
+#include "server/memory_journal.h"
+#include "server/session.h"
+#include "sync/virtual_network.h"
+#include "tests/support/fake_site.h"
+
+namespace tandem::client {
+namespace {
+
+using namespace sync;
+constexpr std::int64_t kUnix = 1000000;
+
+/// A server, somebody who is ready, and a link that still makes its scene ready.
+struct Loading {
+  assets::Scene scene;
+  std::vector<std::byte> package = std::vector<std::byte>(100);
+  VirtualNetwork network{1, NetworkConditions{10 * kMillisecond, 0, 0, 0, 0}};
+  server::MemoryJournal journal{kMillisecond};
+  std::unique_ptr<Transport> transport;
+  std::unique_ptr<server::Session> session;
+  std::unique_ptr<SiteLink> link;
+  test::FakeSite other;
+  Exchange exchange;
+  Micros now = 0;
+
+  Loading() {
+    scene.bounds = {glm::dvec3(-0.5), glm::dvec3(0.5)};
+    for (int i = 0; i < 3; ++i) {
+      assets::Part part;
+      part.name = "part" + std::to_string(i);
+      part.movable = true;
+      scene.parts.push_back(part);
+    }
+    server::SessionConfig config;
+    config.key.seed.fill(7);
+    transport = network.listen();
+    session =
+        std::make_unique<server::Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
+    SiteLinkOptions options;
+    options.name = "loading";
+    options.token = session->makeToken(Role::participant, kUnix + 3600);
+    link = std::make_unique<SiteLink>(
+        options, [this]() -> Result<std::unique_ptr<Transport>> { return network.connect("loading"); });
+    other.frame = wireFrame(scene.bounds);
+    other.transport = network.connect("other");
+    run(30 * kMillisecond);
+    other.say(Hello{
+        kProtocolVersion, false, session->makeToken(Role::participant, kUnix + 3600), "other", {1, 2, 3}});
+    run(40 * kMillisecond);
+    other.say(Ready{});
+    run(40 * kMillisecond);
+  }
+  void run(Micros length) {
+    for (const Micros end = now + length; now < end;) {
+      now += kMillisecond;
+      network.advanceTo(now);
+      journal.advanceTo(now);
+      session->step(now, kUnix + now / kSecond);
+      other.listen();
+      link->step(now);
+      if (link->stage() == SiteLink::Stage::needScene) link->skipTransfer();
+      if (other.last<Welcome>() != nullptr && now % (100 * kMillisecond) == 0) other.ping(now);
+    }
+  }
+};
+
+TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
+  Loading rig;
+  ASSERT_EQ(rig.link->stage(), SiteLink::Stage::haveScene);
+  for (const PartId part : {PartId{0}, PartId{1}}) rig.other.say(Grab{RequestId{1u + part}, part});
+  rig.run(60 * kMillisecond);
+  Pose left;
+  left.position.x = 0.2;
+  rig.other.say(Release{9, 1, rig.session->ownership().part(1).epoch, left});
+  rig.run(60 * kMillisecond);
+  ASSERT_EQ(rig.session->ownership().part(1).owner, kNoSite);
+
+  rig.link->sceneReady(rig.scene, rig.exchange);
+  rig.run(60 * kMillisecond);
+  ASSERT_EQ(rig.link->stage(), SiteLink::Stage::ready);
+  EXPECT_EQ(rig.link->owner(0), rig.other.last<Welcome>()->site);
+  EXPECT_EQ(rig.link->owner(1), kNoSite);
+  EXPECT_EQ(rig.link->statistics().malformed, 0u);
+  double x = 0.0;
+  NetworkEvent event;
+  while (rig.exchange.events.pop(event))
+    if (event.kind == NetworkEvent::Kind::ownership && event.record.part == 1)
+      x = event.record.worldFromPart.position.x;
+  EXPECT_NEAR(x, 0.2, 1e-6) << "where the other left it";
+}
+
+}  // namespace
+}  // namespace tandem::client
