@@ -93,9 +93,9 @@ PartId controlPart(const json& step, const assets::Scene* scene) {
 void refuseUnknown(const json& step) {
   static const char* const known[] = {"t",     "do",        "part", "over_s", "to",    "by",      "axis",
                                       "angle", "amplitude", "hz",   "for_s",  "depth", "control", "value"};
-  for (const auto& [key, value] : step.items())
-    if (std::none_of(std::begin(known), std::end(known), [&](const char* name) { return key == name; }))
-      throw "does not know \"" + key + "\"";
+  for (const auto& item : step.items())
+    if (std::find(std::begin(known), std::end(known), item.key()) == std::end(known))
+      throw "does not know \"" + item.key() + "\"";
 }
 
 ScriptStep parseStep(const json& entry, const assets::Scene* scene) {

@@ -151,7 +151,7 @@ void Session::State::onReset(Peer& peer, const sync::ResetParts& request) {
     answerCommand(peer.site, request.request, false, "another reset is under way");
     return;
   }
-  reset.emplace();
+  reset = State::Reset{};
   reset->site = peer.site;
   reset->request = request.request;
   for (const sync::PartRecord& record : table.records())

@@ -138,7 +138,7 @@ TEST(ValueRanges, HoldForControlsAndFields) {
 TEST(ValueRanges, ShapesAndPosesLieWhereMeshesMay) {
   const auto shape = [](const Json& value, const Json& node) {
     GltfBuilder b;
-    b.json["extensions"]["KHR_implicit_shapes"]["shapes"] = {value};
+    b.json["extensions"]["KHR_implicit_shapes"]["shapes"] = Json::array({value});
     b.json["extensionsUsed"] = {"KHR_implicit_shapes", "KHR_physics_rigid_bodies"};
     Json full = {
         {"extensions", {{"KHR_physics_rigid_bodies", {{"collider", {{"geometry", {{"shape", 0}}}}}}}}}};

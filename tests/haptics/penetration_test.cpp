@@ -220,13 +220,15 @@ TEST(Penetration, AgreesWithManyPointsInAnyPose) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> share(-1.0, 1.0);
   const auto vector = [&](double size) {
-    return size * glm::dvec3(share(random), share(random), share(random));
+    return size * glm::dvec3{share(random), share(random), share(random)};
   };
   int deep = 0;
   for (int trial = 0; trial < 16; ++trial) {
     const assets::Mesh &a = meshes[random() % 4], &b = meshes[random() % 4];
     const Pose pose{vector(0.016), fromRotationVector(vector(1.8))};
-    const double found = depthOf(a, pose, b);
+    const double found = deepestPenetration(DepthModel(a), pose, DepthModel(b), {}).depth;
+    const double swapped = deepestPenetration(DepthModel(b), {}, DepthModel(a), pose).depth;
+    EXPECT_NEAR(swapped, found, 0.01 * found) << trial;
     const double sampled = std::max(sampledDepth(a, pose, b, 8), sampledDepth(b, inverse(pose), a, 8));
     EXPECT_GE(found, 0.99 * sampled) << trial;    // deep: faces are searched to 1 %
     EXPECT_LE(found, sampled + 1.8e-3) << trial;  // half the way between samples

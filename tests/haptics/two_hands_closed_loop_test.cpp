@@ -28,7 +28,7 @@ struct Hand {
   Pose grip;           // world
   Wrench push{};       // from the first tick on
   Twist start{};       // of its device
-  double letGo = 1e9;  // s
+  double letGo = 1e6;  // s
 };
 
 struct Hold {

@@ -174,7 +174,7 @@ class Model {
     if (!site.connected) return;
     site.controlArrives = std::max(site.controlArrives, now_ + delay());
     const int connection = site.connection;
-    later(site.controlArrives - now_, [this, &site, record, connection] {
+    later(site.controlArrives - now_, [&site, record, connection] {
       if (site.connection == connection) site.view.apply(record);
     });
   }
@@ -208,7 +208,7 @@ class Model {
     checker_.answered(site.id, request.request, decision.reply);
     const GrabReply reply = decision.reply;
     site.controlArrives = std::max(site.controlArrives, now_ + delay());
-    later(site.controlArrives - now_, [this, &site, reply, connection = site.connection] {
+    later(site.controlArrives - now_, [&site, reply, connection = site.connection] {
       if (site.connection != connection) return;
       site.view.apply(reply.part);
       if (site.waiting && site.waiting->request == reply.request) site.waiting.reset();
