@@ -111,8 +111,13 @@ ClashSearch::ClashSearch(const haptics::ContactScene& contact) : contact_(contac
 ClashSearch::~ClashSearch() = default;
 
 void ClashSearch::start(const ClashQuestion& question, const std::vector<Pose>& worldFromPart) {
-  if (worker_ && !worker_->view().running) last_ = worker_->view().findings;
-  worker_.reset();
+  std::erase_if(stopped_, [](const std::unique_ptr<Worker>& worker) { return !worker->view().running; });
+  if (worker_ && worker_->view().running) {
+    worker_->stop();
+    stopped_.push_back(std::move(worker_));
+  } else if (worker_) {
+    last_ = worker_->view().findings;
+  }
   worker_ = std::make_unique<Worker>(contact_, question, worldFromPart);
 }
 

@@ -3,7 +3,7 @@
 // Looks for the clashes of an assembly in a thread of its own: never in the tick, and on one core, with less claim to it
 // than the hand's loop has. Without a question there is no thread.
 //
-// 1. All methods are for one thread, which waits only where it says so.
+// 1. All methods are for one thread, which never waits in them; the destructor does.
 
 #include <memory>
 #include <vector>
@@ -16,13 +16,13 @@ class ClashSearch {
  public:
   /// The geometry must outlive this, and its meshes must not change.
   explicit ClashSearch(const haptics::ContactScene& contact);
-  /// Stops, and waits for the pair that is being measured.
+  /// Stops, and waits for the pairs that are being measured.
   ~ClashSearch();
   ClashSearch(const ClashSearch&) = delete;
   ClashSearch& operator=(const ClashSearch&) = delete;
 
   /// Asks anew, of parts at these poses (one a part; not looked at where the question is of parts at rest). A search
-  /// that runs is stopped; waits for the pair that it is measuring.
+  /// that runs is stopped, and ends by itself after the pair that it is measuring.
   void start(const ClashQuestion& question, const std::vector<Pose>& worldFromPart);
   /// The running search ends after the pair that it is measuring; what it has found until then is its answer.
   void stop();
@@ -31,7 +31,8 @@ class ClashSearch {
  private:
   class Worker;
   const haptics::ContactScene& contact_;
-  std::unique_ptr<Worker> worker_;  // null before the first question
+  std::unique_ptr<Worker> worker_;                // null before the first question
+  std::vector<std::unique_ptr<Worker>> stopped_;  // by newer questions, not ended yet
   std::shared_ptr<const ClashFindings> last_;
 };
 

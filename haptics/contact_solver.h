@@ -92,20 +92,10 @@ class ContactSolver {
   /// are looked at or made active. Friction starts from what the last call found.
   void solve(std::span<const StepGoal> goals, std::span<const RowPair> pairs, double tolerance, int mostPicks,
              ContactRows& rows, RowRefiner& refiner);
-  /// Forgets the friction of the last call: the parts have been taken anew.
-  void forgetFriction() { frictionCount_ = 0; }
-  /// Pairs have other numbers than in the last call: newPair(old) tells which, -1 where a pair has gone.
-  template <typename NewPair>
-  void renumberFriction(NewPair&& newPair) {
-    int kept = 0;
-    for (int i = 0; i < frictionCount_; ++i) {
-      Friction friction = friction_[static_cast<std::size_t>(i)];
-      const int now = newPair(friction.source.pair);
-      if (now < 0) continue;
-      friction.source.pair = static_cast<std::uint16_t>(now);
-      friction_[static_cast<std::size_t>(kept++)] = friction;
-    }
-    frictionCount_ = kept;
+  /// The friction that the next call starts from, by the numbers that its pairs have: at most kMostActive.
+  void recallFriction(std::span<const Friction> known) {
+    frictionCount_ = 0;
+    for (const Friction& friction : known) friction_[static_cast<std::size_t>(frictionCount_++)] = friction;
   }
 
   /// Where the last call moved a body.

@@ -58,6 +58,10 @@ void PartContact::addBody(PartId part, const glm::dvec3& centreOfMass, const Pos
   const double radius = collider.radius > 0.0 ? collider.radius : 0.01;
   body.radius = glm::length(collider.centre - centreOfMass) + radius;
   body.pose = pose;
+  for (int i = 0; i < lastPaceCount_; ++i) {
+    const Pace& pace = lastPace_[static_cast<std::size_t>(i)];
+    if (pace.part == part) body.lastMotion = pace.motion;
+  }
   const double tolerance = body.model != nullptr ? body.model->field.tolerance() : 1e-5 * body.radius;
   tolerance_ = bodyCount_ == 1 ? tolerance : std::min(tolerance_, tolerance);
 }
@@ -155,20 +159,29 @@ void PartContact::findJoints() {
 }
 
 void PartContact::recallFriction() {
-  solver_.renumberFriction([&](std::uint16_t old) {
-    const std::array<PartId, 2>& was = lastPairs_[old];
+  std::array<ContactSolver::Friction, ContactSolver::kMostActive> known;
+  std::size_t count = 0;
+  for (int i = 0; i < lastFrictionCount_ && count < known.size(); ++i) {
+    const KeptFriction& last = lastFriction_[static_cast<std::size_t>(i)];
     for (int k = 0; k < pairCount_; ++k) {
       const Pair& pair = pairs_[static_cast<std::size_t>(k)];
-      if (pair.joint < 0 && pair.other == was[1] &&
-          bodies_[static_cast<std::size_t>(pair.first)].part == was[0])
-        return k;
+      if (pair.joint >= 0 || pair.other != last.other ||
+          bodies_[static_cast<std::size_t>(pair.first)].part != last.first)
+        continue;
+      known[count] = last.friction;
+      known[count++].source.pair = static_cast<std::uint16_t>(k);
+      break;
     }
-    return -1;
-  });
-  for (int k = 0; k < pairCount_; ++k) {
-    const Pair& pair = pairs_[static_cast<std::size_t>(k)];
-    lastPairs_[static_cast<std::size_t>(k)] = {bodies_[static_cast<std::size_t>(pair.first)].part,
-                                               pair.joint < 0 ? pair.other : kNoPart};
+  }
+  solver_.recallFriction({known.data(), count});
+}
+
+void PartContact::keepFriction() {
+  for (const ContactSolver::Friction& friction : solver_.friction()) {
+    const Pair& pair = pairs_[friction.source.pair];
+    if (frictionCount_ == kMostFrictions) return;
+    friction_[static_cast<std::size_t>(frictionCount_++)] = {
+        bodies_[static_cast<std::size_t>(pair.first)].part, pair.other, friction};
   }
 }
 
@@ -233,8 +246,9 @@ void PartContact::gather(double reach) {
         pair.overlap = k;
     }
     const auto index = static_cast<std::uint16_t>(i);
-    gatherSide(index, kOfFirst, reach);
-    gatherSide(index, kOfOther, reach);
+    const double closing = pair.second >= 0 ? 2.0 * reach : reach;
+    gatherSide(index, kOfFirst, closing);
+    gatherSide(index, kOfOther, closing);
     if (isContained(pair)) bringOut(pair, index);
   }
 }
@@ -267,13 +281,19 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
   const float believed = static_cast<float>(kBelieved * from.samples.spacing());
   const PartId asked = ofFirst ? of.other : first.part;
   const bool contained = isContained(of);
-  const float allowed = static_cast<float>(allowedDepth(of));
+  const bool overlaps = allowedDepth(of) > 0.0;
   float deepest = 0.0f;
   bool inside = false;
   const auto addRow = [&](std::uint32_t i, const glm::vec3& place, const DistanceField::Reading& read) {
     deepest = std::max(deepest, read.error - read.distance);
     if (contained) return;
     const ContactSample& sample = from.samples.samples()[i];
+    float allowed = 0.0f;
+    if (overlaps) {
+      const glm::dvec3 at = transformPoint(toFromSamples, sample.point);
+      allowed =
+          static_cast<float>(ofFirst ? allowedAt(of, sample.point, at) : allowedAt(of, at, sample.point));
+    }
     const float least = read.distance - read.error + allowed;
     const RowSource source{pair, side, i};
     const glm::vec3 arm = turn * place + shift;
@@ -323,9 +343,8 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
     }
     rows_.addPlane(sign * (turn * normal), arm, gap + allowed, source);
   };
-  // A sample that may be that deep is no nearer to a row than one outside: it need not be visited.
   float passedBy = -1.0f;
-  forEachNear(from.samples, to.field, motion, limit - allowed, inside, passedBy, addRow);
+  forEachNear(from.samples, to.field, motion, limit, inside, passedBy, addRow);
   deepest = std::max(deepest, passedBy);
   of.deepest = std::max(of.deepest, static_cast<double>(deepest));
 }
@@ -410,6 +429,8 @@ void PartContact::refine(RowSource source, const Displacement& u, ContactRows& r
   const assets::Material &mine = world_.material(first.part, ofFirst ? sample.triangle : found.triangle),
                          &its = world_.material(pair.other, ofFirst ? found.triangle : sample.triangle);
   const double tolerance = to.field.tolerance();
+  const double allowed =
+      ofFirst ? allowedAt(pair, sample.point, asked.point) : allowedAt(pair, asked.point, sample.point);
   for (int i = 0; i < found.count; ++i) {
     const TouchingPlane& plane = found.planes[static_cast<std::size_t>(i)];
     ExactRow row;
@@ -417,7 +438,7 @@ void PartContact::refine(RowSource source, const Displacement& u, ContactRows& r
     row.arm = transformPoint(worldFromMesh, plane.point) - first.centre;
     // A way out is no longer than the way to the surface. It is taken at the speed of what pushes the part in,
     // and beyond that a few tolerances a step; the last tolerance gently.
-    const double gap = std::max(plane.gap, -found.distance) + allowedDepth(pair);
+    const double gap = std::max(plane.gap, -found.distance) + allowed;
     row.gap = std::max(gap + std::clamp(-0.8 * gap, 0.0, tolerance), -push_ - 8.0 * tolerance);
     row.staticFriction = 0.5 * (mine.staticFriction + its.staticFriction);
     row.dynamicFriction = 0.5 * (mine.dynamicFriction + its.dynamicFriction);
@@ -473,7 +494,10 @@ void PartContact::refineKept() {
 }
 
 void PartContact::keepContacts() {
-  for (int k = 0; k < keptCount_; ++k) ++kept_[static_cast<std::size_t>(k)].unused;
+  for (int k = 0; k < keptCount_; ++k) {
+    Kept& kept = kept_[static_cast<std::size_t>(k)];
+    if (bodyOf(kept.first) >= 0) ++kept.unused;
+  }
   for (const ContactSolver::ActiveRow& active : solver_.active()) {
     RowSource source = rows_.exact(active.row).source;
     if (source.sample == assets::kNone) continue;
@@ -508,22 +532,83 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   work_ = Work{};
   effort_ = effort;
   dt_ = dt;
-  touchCount_ = bodyCount_ = 0;
-  double longest = 0.0;
-  for (const MovingPart& part : moving.first(std::min<std::size_t>(moving.size(), kMostBodies))) {
-    const auto at = static_cast<std::size_t>(bodyCount_);
-    addBody(part.part, part.body->centreOfMass, part.body->worldFromBody);
-    bodies_[at].goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
-    bodies_[at].mass = part.body->mass;
-    goals_[at].before = Displacement{};
-    goals_[at].root = part.step.root;
-    longest = std::max(longest, motionOf(bodies_[at], bodies_[at].goal));
-  }
-  findPairs(longest);
+  touchCount_ = frictionCount_ = paceCount_ = 0;
+  std::array<MovingPart*, kMostBodies> parts;
+  const std::size_t count = std::min<std::size_t>(moving.size(), kMostBodies);
+  for (std::size_t i = 0; i < count; ++i) parts[i] = &moving[i];
+  gatherBodies({parts.data(), count});
   work_.neighbours = pairCount_;
+  for (int k = 0; k < keptCount_; ++k) {
+    Kept& kept = kept_[static_cast<std::size_t>(k)];
+    if (bodyOf(kept.first) < 0) ++kept.unused;  // asleep, or put down
+  }
+  std::array<std::size_t, kMostBodies> ends{};
+  const int islands = splitIntoIslands({parts.data(), count}, ends);
+  std::size_t begin = 0;
+  for (int i = 0; i < islands; ++i) {
+    const std::size_t end = ends[static_cast<std::size_t>(i)];
+    const Moving island{parts.data() + begin, end - begin};
+    if (islands > 1) gatherBodies(island);
+    // What one island does not look at is left to those after it.
+    moveIsland(island, (effort.looks - work_.picks) / (islands - i));
+    begin = end;
+  }
+  std::swap(friction_, lastFriction_);
+  lastFrictionCount_ = frictionCount_;
+  std::swap(pace_, lastPace_);
+  lastPaceCount_ = paceCount_;
+  std::sort(touches_.begin(), touches_.begin() + touchCount_,
+            [](const PartTouch& a, const PartTouch& b) { return a.force > b.force; });
+}
+
+void PartContact::gatherBodies(Moving moving) {
+  bodyCount_ = 0;
+  lastMotion_ = 0.0;
+  double longest = 0.0;
+  for (const MovingPart* part : moving) {
+    const auto at = static_cast<std::size_t>(bodyCount_);
+    addBody(part->part, part->body->centreOfMass, part->body->worldFromBody);
+    bodies_[at].goal = {dt_ * part->step.freeVelocity, dt_ * part->step.freeSpin};
+    bodies_[at].mass = part->body->mass;
+    goals_[at].before = Displacement{};
+    goals_[at].root = part->step.root;
+    longest = std::max(longest, motionOf(bodies_[at], bodies_[at].goal));
+    lastMotion_ = std::max(lastMotion_, bodies_[at].lastMotion);
+  }
+  // Two of them may come towards each other.
+  findPairs(bodyCount_ > 1 ? 2.0 * longest : longest);
   findJoints();
+}
+
+int PartContact::splitIntoIslands(std::span<MovingPart*> moving,
+                                  std::array<std::size_t, kMostBodies>& ends) const {
+  std::array<int, kMostBodies> island;  // the lowest body of each one's
+  for (int i = 0; i < bodyCount_; ++i) island[static_cast<std::size_t>(i)] = i;
+  for (int i = 0; i < pairCount_; ++i) {
+    const Pair& pair = pairs_[static_cast<std::size_t>(i)];
+    if (pair.second < 0) continue;
+    const int a = island[static_cast<std::size_t>(pair.first)],
+              b = island[static_cast<std::size_t>(pair.second)];
+    std::replace(island.begin(), island.begin() + bodyCount_, std::max(a, b), std::min(a, b));
+  }
+  std::array<MovingPart*, kMostBodies> before;
+  std::copy(moving.begin(), moving.end(), before.begin());
+  int count = 0;
+  std::size_t next = 0;
+  for (int i = 0; i < bodyCount_; ++i) {
+    if (island[static_cast<std::size_t>(i)] != i) continue;
+    for (std::size_t k = 0; k < moving.size(); ++k) {
+      if (island[k] == i) moving[next++] = before[k];
+    }
+    ends[static_cast<std::size_t>(count++)] = next;
+  }
+  return count;
+}
+
+void PartContact::moveIsland(Moving moving, int mostPicks) {
   recallFriction();
-  const int most = std::clamp(effort.steps, 1, kMostSteps);
+  const int most = std::clamp(effort_.steps, 1, kMostSteps), picksBefore = work_.picks;
+  int steps = 0;
   for (int step = 0; step < most; ++step) {
     double way = 0.0;
     for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
@@ -539,33 +624,34 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
     addJoints();
     if (overlapCount_ > 0) updateOverlaps();
     refineKept();
-    ++work_.steps;
+    ++steps;
     work_.planes += rows_.planes();
     work_.balls += rows_.balls();
+    work_.overflow = work_.overflow || rows_.dropped() > 0;
     const auto bodies = static_cast<std::size_t>(bodyCount_), pairs = static_cast<std::size_t>(pairCount_);
     solver_.solve({goals_.data(), bodies}, {rowPairs_.data(), pairs}, 0.02 * tolerance_,
-                  effort.looks - work_.picks, rows_, *this);
+                  mostPicks - (work_.picks - picksBefore), rows_, *this);
     work_.picks += solver_.picks();
     work_.infeasible += solver_.infeasible();
     if (advance(step)) break;
   }
-  // Slower than contact can tell, the parts stand still and keep their momentum, until there is a way to look at.
-  if (work_.steps == 0) {
-    for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
-      moving[b].way = bodies_[b].goal;
-      setVelocity(*moving[b].body, moving[b].step.freeVelocity, moving[b].step.freeSpin);
-    }
-    return;
-  }
-  work_.overflow = work_.overflow || rows_.dropped() > 0;
-  noteTouches(dt);
+  work_.steps = std::max(work_.steps, steps);
   for (std::size_t b = 0; b < static_cast<std::size_t>(bodyCount_); ++b) {
+    pace_[static_cast<std::size_t>(paceCount_++)] = {bodies_[b].part, lastMotion_};
+    MovingPart& part = *moving[b];
+    if (steps == 0) {
+      // Slower than contact can tell, it stands still and keeps its momentum, until there is a way to look at.
+      part.way = bodies_[b].goal;
+      setVelocity(*part.body, part.step.freeVelocity, part.step.freeSpin);
+      continue;
+    }
     const Displacement& gone = goals_[b].before;
-    RigidBody& body = *moving[b].body;
-    body.worldFromBody = bodies_[b].pose;
-    setVelocity(body, gone.linear / dt, gone.angular / dt);
-    moving[b].way = gone;
+    part.body->worldFromBody = bodies_[b].pose;
+    setVelocity(*part.body, gone.linear / dt_, gone.angular / dt_);
+    part.way = gone;
   }
+  keepFriction();
+  if (steps > 0) noteTouches();
 }
 
 bool PartContact::advance(int step) {
@@ -575,7 +661,8 @@ bool PartContact::advance(int step) {
     motion = std::max(motion, of);
     if (of > reach_) share = std::min(share, reach_ / of);
   }
-  if (solver_.exhausted()) {
+  const bool exhausted = solver_.exhausted();
+  if (exhausted) {
     // What nobody has looked at is not gone through: the parts go as far as is safe, and on in the next tick.
     share = std::min(share, rows_.safeShare(solver_.pairMotions()));
     work_.exhausted = true;
@@ -591,20 +678,18 @@ bool PartContact::advance(int step) {
   }
   keepContacts();
   lastMotion_ = share * motion;
-  return work_.exhausted || (share == 1.0 && (step > 0 || motion < 20.0 * tolerance_));
+  return exhausted || (share == 1.0 && (step > 0 || motion < 20.0 * tolerance_));
 }
 
-void PartContact::noteTouches(double dt) {
+void PartContact::noteTouches() {
   for (const ContactSolver::ActiveRow& active : solver_.active()) {
     const ExactRow& row = rows_.exact(active.row);
     const Pair& pair = pairs_[row.source.pair];
     if (pair.joint >= 0 || touchCount_ == kMostTouches) continue;
     const Body& first = bodies_[static_cast<std::size_t>(pair.first)];
     touches_[static_cast<std::size_t>(touchCount_++)] = {first.part, pair.other, first.centre + row.arm,
-                                                         row.normal, active.multiplier / (dt * dt)};
+                                                         row.normal, active.multiplier / (dt_ * dt_)};
   }
-  std::sort(touches_.begin(), touches_.begin() + touchCount_,
-            [](const PartTouch& a, const PartTouch& b) { return a.force > b.force; });
 }
 
 }  // namespace tandem::haptics

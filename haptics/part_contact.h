@@ -6,7 +6,8 @@
 // together take it, and never into a neighbour. A tick takes up to kMostSteps steps; each gathers the samples that
 // could touch within its reach, of each part of a pair in the field of the other, and solves for the displacements of
 // all (contact_solver.h). No step is longer than its reach, so that nothing that was not looked at is passed through;
-// what is left of a fast motion is made up in the next ticks.
+// what is left of a fast motion is made up in the next ticks. Parts that can neither touch each other nor hang together
+// by joints are islands: each is solved by itself, so that a fast or jammed one does not slow the others.
 //
 // 1. Free of allocation after construction. One a TickState; only where a scene has part models or joints.
 
@@ -108,6 +109,7 @@ class PartContact final : public RowRefiner {
     glm::dvec3 centre{0.0};            // of mass, m, world
     Displacement goal;                 // of this tick
     double mass = 1.0;                 // kg
+    double lastMotion = 0.0;           // m, of the last step of its island
   };
   /// Two parts that may touch, or that a joint holds together. The first one moves here.
   struct Pair {
@@ -124,6 +126,8 @@ class PartContact final : public RowRefiner {
   struct Overlap {
     PartId a = kNoPart, b = kNoPart;
     double allowed = 0.0;              // m, how deep it may be; shrinks as they come out
+    assets::Bounds inA, inB;           // m, part frames: where samples were inside
+    double margin = 0.0;               // m, beside them, where nothing is allowed any more
     bool contained = false;            // a is wholly inside b: it is brought out
     glm::dvec3 wayOut{0.0, 0.0, 0.0};  // unit, in the frame of b
   };
@@ -131,6 +135,15 @@ class PartContact final : public RowRefiner {
     PartId first = kNoPart, other = kNoPart;
     RowSource source;
     int unused = 0;  // steps since it last held the part
+  };
+  /// What is known of the last tick: friction between two parts, and how far a part went.
+  struct KeptFriction {
+    PartId first = kNoPart, other = kNoPart;
+    ContactSolver::Friction friction;
+  };
+  struct Pace {
+    PartId part = kNoPart;
+    double motion = 0.0;  // m, of the last step of its island
   };
   struct HeldJoint {
     const assets::Joint* joint = nullptr;
@@ -140,7 +153,13 @@ class PartContact final : public RowRefiner {
     PlacedJoint placed;
   };
 
-  // The parts and pairs of a tick.
+  // The parts and pairs of an island.
+  using Moving = std::span<MovingPart* const>;
+  void gatherBodies(Moving moving);
+  /// Puts the parts of an island beside each other, one island after the other; `ends` is where each ends. Returns how
+  /// many there are.
+  int splitIntoIslands(std::span<MovingPart*> moving, std::array<std::size_t, kMostBodies>& ends) const;
+  void moveIsland(Moving moving, int mostPicks);
   int bodyOf(PartId part) const;
   void addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose);
   bool addPair(const Pair& pair);
@@ -149,8 +168,9 @@ class PartContact final : public RowRefiner {
   bool mayTouch(PartId a, PartId b) const;
   double pushOf(PartId part) const;
   const Pose& poseOf(const Pair& pair) const;
-  /// The friction of the last tick is that of its pairs, whatever their numbers are now.
+  /// The friction of the last tick is that of its parts, whatever the numbers of their pairs are now.
   void recallFriction();
+  void keepFriction();
   void place();
   static double motionOf(const Body& body, const Displacement& u);
   Displacement left(std::size_t body) const;
@@ -168,7 +188,7 @@ class PartContact final : public RowRefiner {
   void keepContacts();
   /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
   bool advance(int step);
-  void noteTouches(double dt);
+  void noteTouches();
   /// What holds a sample off, as the field alone tells it: good to within its error.
   static bool fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found);
   /// A surface without an inside holds off whatever is before it, on either side.
@@ -176,14 +196,19 @@ class PartContact final : public RowRefiner {
 
   // Overlaps: part_overlaps.cpp.
   void noteOverlap(Pair& pair);
-  /// Depth in m of the deepest sample of one part in the other, and whether all of them are inside.
-  double depthOfSide(const Pair& pair, bool ofFirst, bool& allInside);
+  /// Depth in m of the deepest sample of one part in the other, and whether all of them are inside. Those that may be
+  /// are added to the bounds.
+  double depthOfSide(const Pair& pair, bool ofFirst, bool& allInside, assets::Bounds& inFirst,
+                     assets::Bounds& inOther);
   void bringOut(const Pair& pair, std::uint16_t index);
   /// Half a second for the part's own radius: a pull that grows, and no blow.
   double wayOutATick(const Body& body) const { return 2.0 * body.radius * dt_; }
   void updateOverlaps();
   bool isContained(const Pair& pair) const;
+  /// m, at most, anywhere.
   double allowedDepth(const Pair& pair) const;
+  /// m, of a sample at a place in both part frames: all of it where either part was in the other, else nothing.
+  double allowedAt(const Pair& pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const;
 
   static constexpr std::uint32_t kFresh = 8;  // steps for which a plane is believed at least
   static constexpr std::uint32_t kLooks =
@@ -191,6 +216,7 @@ class PartContact final : public RowRefiner {
   static constexpr int kMostLooks = 400;  // when a part is taken
   static constexpr int kMostKept = 48, kKeptFor = 16;
   static constexpr int kMostOverlaps = 64;
+  static constexpr int kMostFrictions = 2 * ContactSolver::kMostActive;
 
   const ContactWorld& world_;
   std::vector<std::vector<Look>> looks_;              // a part, kLooks a sample
@@ -204,7 +230,10 @@ class PartContact final : public RowRefiner {
   std::array<Pair, kMostPairs> pairs_;
   std::array<RowPair, kMostPairs> rowPairs_;
   int pairCount_ = 0;
-  std::array<std::array<PartId, 2>, kMostPairs> lastPairs_;  // of the last tick
+  std::array<KeptFriction, kMostFrictions> friction_, lastFriction_;  // of this tick so far, of the last one
+  int frictionCount_ = 0, lastFrictionCount_ = 0;
+  std::array<Pace, kMostBodies> pace_, lastPace_;
+  int paceCount_ = 0, lastPaceCount_ = 0;
   std::array<Kept, kMostKept> kept_;
   int keptCount_ = 0;
   std::array<Overlap, kMostOverlaps> overlaps_;
@@ -214,7 +243,7 @@ class PartContact final : public RowRefiner {
   int touchCount_ = 0;
   Work work_;
 
-  // Of the present tick.
+  // Of the present tick, and of its present island.
   ContactEffort effort_;
   double dt_ = 0.0;          // s
   double tolerance_ = 0.0;   // m, the finest of the bodies' models

@@ -8,6 +8,22 @@
 // Overlaps of the parts that move here: those that the file has at rest are remembered and never ejected.
 
 namespace tandem::haptics {
+namespace {
+
+void include(assets::Bounds& bounds, const glm::dvec3& p) {
+  bounds.min = glm::min(bounds.min, p);
+  bounds.max = glm::max(bounds.max, p);
+}
+
+double sizeOf(const assets::Bounds& bounds) { return glm::length(bounds.max - bounds.min); }
+
+/// 1 within the bounds, falling to 0 at `margin` (m) beside them: a step there would be felt.
+double shareBeside(const assets::Bounds& bounds, double margin, const glm::dvec3& p) {
+  const double off = glm::length(p - glm::clamp(p, bounds.min, bounds.max));
+  return off < margin ? 1.0 - off / margin : 0.0;
+}
+
+}  // namespace
 
 bool PartContact::isContained(const Pair& pair) const {
   return pair.overlap >= 0 && overlaps_[static_cast<std::size_t>(pair.overlap)].contained;
@@ -15,6 +31,15 @@ bool PartContact::isContained(const Pair& pair) const {
 
 double PartContact::allowedDepth(const Pair& pair) const {
   return pair.overlap >= 0 ? overlaps_[static_cast<std::size_t>(pair.overlap)].allowed : 0.0;
+}
+
+double PartContact::allowedAt(const Pair& pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const {
+  if (pair.overlap < 0) return 0.0;
+  const Overlap& overlap = overlaps_[static_cast<std::size_t>(pair.overlap)];
+  const bool firstIsA = overlap.a == bodies_[static_cast<std::size_t>(pair.first)].part;
+  const double share = std::max(shareBeside(overlap.inA, overlap.margin, firstIsA ? inFirst : inOther),
+                                shareBeside(overlap.inB, overlap.margin, firstIsA ? inOther : inFirst));
+  return share * overlap.allowed;
 }
 
 void PartContact::take(PartId part, const glm::dvec3& centreOfMass) {
@@ -25,8 +50,7 @@ void PartContact::take(PartId part, const glm::dvec3& centreOfMass) {
                                    [&](const Kept& k) { return k.first == part || k.other == part; });
   keptCount_ = static_cast<int>(last - kept_.begin());
   looksAtTaking_ = 0;
-  lastMotion_ = 0.0;
-  solver_.forgetFriction();
+  lastFrictionCount_ = lastPaceCount_ = 0;
   for (HeldJoint& held : joints_) {
     // A joint that moved meanwhile elsewhere goes on from where it is, but for whole turns.
     if (held.joint->partA == part || held.joint->partB == part)
@@ -42,7 +66,9 @@ void PartContact::take(PartId part, const glm::dvec3& centreOfMass) {
 
 void PartContact::noteOverlap(Pair& pair) {
   bool firstInside = true, otherInside = true;
-  const double depth = std::max(depthOfSide(pair, true, firstInside), depthOfSide(pair, false, otherInside));
+  assets::Bounds inFirst, inOther;
+  const double depth = std::max(depthOfSide(pair, true, firstInside, inFirst, inOther),
+                                depthOfSide(pair, false, otherInside, inFirst, inOther));
   if (!(depth > 0.0)) return;
   if (overlapCount_ == kMostOverlaps) {  // the oldest goes
     std::copy(overlaps_.begin() + 1, overlaps_.end(), overlaps_.begin());
@@ -50,7 +76,16 @@ void PartContact::noteOverlap(Pair& pair) {
   }
   const PartId part = bodies_[static_cast<std::size_t>(pair.first)].part;
   Overlap& overlap = overlaps_[static_cast<std::size_t>(overlapCount_++)];
-  overlap = {part, pair.other, depth, firstInside, glm::dvec3(0.0)};
+  overlap = {part, pair.other, depth, inFirst, inOther};
+  // Samples stand this far apart: the overlap reaches further than they say.
+  const PartModel& first = *bodies_[static_cast<std::size_t>(pair.first)].model;
+  const glm::dvec3 grow(first.samples.smoothSpacing() + pair.model->samples.smoothSpacing());
+  for (assets::Bounds* bounds : {&overlap.inA, &overlap.inB}) {
+    bounds->min -= grow;
+    bounds->max += grow;
+  }
+  overlap.margin = 0.25 * sizeOf(overlap.inA);
+  overlap.contained = firstInside;
   if (!firstInside) return;
   const glm::dvec3 centre = transformPoint(pair.otherFromFirst, world_.collider(part).centre);
   MeshPoint nearest;
@@ -60,7 +95,8 @@ void PartContact::noteOverlap(Pair& pair) {
   overlap.wayOut = length > 0.0 ? way / length : pair.model->edges.normal(nearest.triangle);
 }
 
-double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside) {
+double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside, assets::Bounds& inFirst,
+                                assets::Bounds& inOther) {
   const PartModel* const first = bodies_[static_cast<std::size_t>(pair.first)].model;
   const PartModel &from = ofFirst ? *first : *pair.model, &to = ofFirst ? *pair.model : *first;
   const Pose toFromSamples = ofFirst ? pair.otherFromFirst : inverse(pair.otherFromFirst);
@@ -70,20 +106,30 @@ double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside)
   float passedBy = -1.0f;
   forEachNear(from.samples, to.field, motion, 0.0f, allInside, passedBy,
               [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading& read) {
+                const glm::dvec3& point = from.samples.samples()[i].point;
+                assets::Bounds& bounds = ofFirst ? inFirst : inOther;
                 const double most = static_cast<double>(read.error) - static_cast<double>(read.distance);
-                if (most <= deepest) return;
+                if (most <= deepest && point == glm::clamp(point, bounds.min, bounds.max)) return;
+                const glm::dvec3 p = transformPoint(toFromSamples, point);
                 const bool surelyInside = read.distance < -read.error;
-                if (++looksAtTaking_ > kMostLooks) {
-                  if (surelyInside) deepest = most;
-                  return;
+                double depth = surelyInside ? most : 0.0;
+                bool inside = surelyInside;
+                if (most > deepest || !surelyInside) {
+                  if (++looksAtTaking_ > kMostLooks) {
+                    inside = true;
+                  } else {
+                    // With no surface within `most` it is outside: inside none can be further away.
+                    MeshPoint nearest;
+                    if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
+                    inside =
+                        surelyInside || glm::dot(to.edges.normal(nearest.triangle), p - nearest.point) < 0.0;
+                    depth = nearest.distance;
+                  }
                 }
-                // With no surface within `most` it is outside: inside none can be further away.
-                MeshPoint nearest;
-                const glm::dvec3 p = transformPoint(toFromSamples, from.samples.samples()[i].point);
-                if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
-                const glm::dvec3& normal = to.edges.normal(nearest.triangle);
-                if (surelyInside || glm::dot(normal, p - nearest.point) < 0.0)
-                  deepest = std::max(deepest, nearest.distance);
+                if (!inside) return;
+                deepest = std::max(deepest, depth);
+                include(bounds, point);
+                include(ofFirst ? inOther : inFirst, p);
               });
   return deepest;
 }

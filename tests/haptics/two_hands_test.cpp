@@ -310,6 +310,77 @@ TEST(TwoHands, PressOnePartOnAnother) {
   EXPECT_EQ(hands.allocations, 0u);
 }
 
+/// Two plates of 40 x 40 x 0.5 mm, `apart` m from each other, in a hand each.
+std::unique_ptr<TwoHands> platesInBothHands(double apart) {
+  std::vector<CasePart> parts;
+  for (const double side : {-1.0, 1.0})
+    parts.push_back({.name = side < 0.0 ? "lower" : "upper",
+                     .mesh = meshOf(boxSoup({0.04, 0.04, 0.0005}, 2)),
+                     .worldFromPart = {{0.0, 0.0, 0.5 * side * (apart + 0.0005)}, kStraight},
+                     .movable = true,
+                     .mass = 0.05});
+  auto hands = std::make_unique<TwoHands>(sceneOfParts(parts));
+  hands->put(hands->place(0), hands->place(1));
+  for (const PartId part : {0u, 1u}) {
+    hands->own(part);
+    hands->grasp(part, static_cast<std::uint8_t>(part));
+  }
+  hands->tick();
+  return hands;
+}
+
+TEST(TwoHands, PlatesThatTheyThrowAtEachOtherDoNotPass) {
+  for (int i = 0; i < 18; ++i) {
+    const double speed = std::array{0.2, 1.0, 2.0}[static_cast<std::size_t>(i % 3)];
+    const auto hands = platesInBothHands(0.02 + 0.37e-3 * i);  // they meet at any share of a tick's way
+    double least = 1.0;
+    const double way = 0.018;  // m, each: their devices end beyond each other
+    const int ticks = static_cast<int>(way / speed / hands->parameters.dt);
+    for (int k = 0; k < ticks + 200; ++k) {
+      if (k < ticks)
+        hands->lead({0.0, 0.0, way / ticks}, {0.0, 0.0, -way / ticks}, 1);
+      else
+        hands->tick();
+      least = std::min(least, hands->place(1).z - hands->place(0).z - 0.0005);
+    }
+    EXPECT_GT(least, -5e-6) << i;
+    EXPECT_NEAR(hands->place(1).z - hands->place(0).z, 0.0005, 5e-6) << i;
+  }
+}
+
+/// Parts that cannot touch each other are solved for by themselves.
+TEST(TwoHands, WhatOneDoesFarAwayChangesNoBitForTheOther) {
+  const auto forcesBeside = [](double speed) {
+    std::vector<CasePart> parts{{.name = "table",
+                                 .mesh = meshOf(boxSoup({0.1, 0.1, 0.02})),
+                                 .worldFromPart = {{0.0, 0.0, -0.01}, kStraight},
+                                 .friction = 0.3}};
+    for (const double x : {0.0, 0.5})
+      parts.push_back({.name = x > 0.0 ? "far" : "near",
+                       .mesh = meshOf(boxSoup({0.01, 0.01, 0.01})),
+                       .worldFromPart = {{x, 0.0, 0.006}, kStraight},
+                       .movable = true,
+                       .friction = 0.3,
+                       .mass = 0.05});
+    TwoHands hands(sceneOfParts(parts));
+    hands.put(hands.place(2), hands.place(1));
+    hands.own(1);
+    hands.own(2);
+    hands.grasp(2, 0);
+    hands.grasp(1, 1);
+    hands.tick();
+    std::vector<double> forces;
+    for (int i = 0; i < 300; ++i) {
+      const double t = 0.001 * i;
+      hands.lead({0.0, speed * std::sin(40.0 * t) * 0.001, 0.0}, {1e-5, 0.0, i < 100 ? -3e-5 : 0.0}, 1);
+      for (int k = 0; k < 3; ++k) forces.push_back(hands.out.second.toHand.force[k]);
+    }
+    EXPECT_GT(glm::length(hands.out.second.toHand.force), 0.5);
+    return forces;
+  };
+  EXPECT_EQ(forcesBeside(0.0), forcesBeside(2.0));
+}
+
 TEST(TwoHands, WhatTheBareToolFeltFadesWhenItTakesThePart) {
   TwoHands hands(bar());
   hands.put({-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
