@@ -50,8 +50,11 @@ ContactSamples::ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges,
   sampleSharpEdges(edges, options.sharp, taken);
   addCorners(mesh, edges, taken);
   sampleSmooth(mesh, edges, options.sharp, taken);
-  if (samples_.empty()) return;
+  finish();
+}
 
+void ContactSamples::finish() {
+  if (samples_.empty()) return;
   std::vector<std::uint32_t> order(samples_.size());
   std::iota(order.begin(), order.end(), 0u);
   build(order, 0, static_cast<std::uint32_t>(order.size()));
@@ -170,7 +173,8 @@ std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint
 
 std::size_t ContactSamples::memory() const {
   return samples_.size() * (sizeof(ContactSample) + sizeof(glm::vec4)) +
-         normals_.size() * sizeof(glm::dvec3) + nodes_.size() * sizeof(Node);
+         normals_.size() * sizeof(glm::dvec3) + nodes_.size() * sizeof(Node) +
+         patches_.size() * sizeof(ContactPatch);
 }
 
 }  // namespace tandem::haptics

@@ -13,7 +13,9 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
+#include "haptics/contact_patch.h"
 #include "haptics/mesh_edges.h"
+#include "haptics/primitive_distance.h"
 
 namespace tandem::haptics {
 
@@ -24,7 +26,8 @@ struct ContactSample {
   std::uint32_t normalCount = 0;       // of the faces that meet here
   std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
   std::uint32_t triangle = 0;          // one of those that meet here
-  float along = 0.0f;                  // m: it stands for its edge this far to both sides
+  float along = 0.0f;                  // m: it stands for its edge this far to both sides, or for its patch all around
+  std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); none of a mesh
 };
 
 class ContactSamples {
@@ -49,12 +52,22 @@ class ContactSamples {
   static double usualSpacing(const assets::Mesh& mesh);
 
   ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options);
+  /// Of implicit shapes: edges and corners of boxes and planes as of a mesh, and a patch a sample on what is round, a
+  /// few hundred of a shape. `mesh` is the one that stands for them elsewhere.
+  ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
+                 const Options& options);
 
   std::span<const ContactSample> samples() const { return samples_; }
   /// Points and lengths `along` of the same samples, m, as a tick reads them.
   std::span<const glm::vec4> points() const { return points_; }
   std::span<const glm::dvec3> normals(const ContactSample& sample) const {
     return {normals_.data() + sample.firstNormal, sample.normalCount};
+  }
+  /// Of implicit shapes, part frame.
+  std::span<const ContactPatch> patches() const { return patches_; }
+  /// Whether it stands for a piece of a round surface or a rim: not for a point or a piece of a straight edge.
+  bool isRound(const ContactSample& sample) const {
+    return sample.patch != assets::kNone && patches_[sample.patch].kind != ContactPatch::Kind::straight;
   }
   /// Root first; empty without samples.
   std::span<const Node> nodes() const { return nodes_; }
@@ -67,12 +80,26 @@ class ContactSamples {
   void sampleSharpEdges(const MeshEdges& edges, double sharp, std::vector<bool>& corner);
   void sampleSmooth(const assets::Mesh& mesh, const MeshEdges& edges, double sharp, std::vector<bool>& taken);
   void addCorners(const assets::Mesh& mesh, const MeshEdges& edges, const std::vector<bool>& corner);
+  void sampleShape(const assets::ImplicitShape& shape, std::uint32_t triangle);
+  void addPatch(const ContactPatch& patch, std::uint32_t triangle);
+  void addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals, std::uint32_t triangle);
+  void sampleBox(const Pose& pose, const glm::dvec3& half, bool flat, std::uint32_t triangle);
+  /// A zone of a sphere, between two angles from the Y axis of the pose.
+  void sampleZone(const Pose& pose, double y, double radius, double from, double to, std::uint32_t triangle);
+  void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
+                  std::uint32_t triangle);
+  void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
+  /// Without samples that other shapes of the same part cover.
+  void dropCovered(std::span<const Primitive> shapes);
+  /// The tree, and the samples in its order.
+  void finish();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   double spacing_ = 0.0, smoothSpacing_ = 0.0;
   std::vector<ContactSample> samples_;
   std::vector<glm::vec4> points_;
   std::vector<glm::dvec3> normals_;
+  std::vector<ContactPatch> patches_;
   std::vector<Node> nodes_;
 };
 

@@ -58,6 +58,16 @@ std::size_t bytesOf(const assets::Mesh& mesh) {
          bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv);
 }
 
+/// Infinite planes as far as their triangles go.
+std::vector<assets::ImplicitShape> finite(std::vector<assets::ImplicitShape> shapes, double reach) {
+  for (assets::ImplicitShape& shape : shapes) {
+    if (shape.kind != assets::ImplicitShape::Kind::plane) continue;
+    if (!(shape.size.x > 0.0)) shape.size.x = 2.0 * reach;
+    if (!(shape.size.z > 0.0)) shape.size.z = 2.0 * reach;
+  }
+  return shapes;
+}
+
 Collider makeCollider(const TriangleBvh* tree) {
   if (tree == nullptr || tree->empty()) return {};
   const assets::Bounds& bounds = tree->bounds();
@@ -81,6 +91,8 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
     const assets::Part& part = scene.parts[i];
     if (!part.shapes.empty()) {
       data_->shapeMeshes.push_back(std::make_shared<assets::Mesh>(meshOfShapes(part.shapes, reach)));
+      data_->shapes.resize(meshes.size());
+      data_->shapes.push_back(finite(part.shapes, reach));
       treeOfPart[i] = meshes.size();
       meshes.push_back(data_->shapeMeshes.back().get());
     } else if (part.mesh != assets::kNone) {
@@ -89,6 +101,7 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
       meshes[part.mesh] = &scene.meshes[part.mesh];
     }
   }
+  data_->shapes.resize(meshes.size());
   data_->trees.resize(meshes.size());
   data_->replacements.resize(scene.meshes.size());
   buildTrees(meshes, data_->trees, threads > 0 ? threads : cores);
@@ -134,7 +147,7 @@ bool ContactScene::modelParts(const ModelOptions& options) {
     const auto it = toleranceOf.find(tree.get());
     tolerances.push_back(it == toleranceOf.end() ? 0.0 : it->second);
   }
-  data_->models = bakeModels(data_->trees, tolerances, held, options);
+  data_->models = bakeModels(data_->trees, tolerances, data_->shapes, held, options);
   if (data_->models.empty()) return false;
   std::map<const TriangleBvh*, const PartModel*> modelOf;
   for (std::size_t i = 0; i < data_->trees.size(); ++i)
@@ -158,6 +171,7 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
   next.data_ = std::make_unique<Data>();
   next.data_->scene = data_->scene;
   next.data_->shapeMeshes = data_->shapeMeshes;
+  next.data_->shapes = data_->shapes;
   next.data_->replacements = data_->replacements;
   next.data_->trees = data_->trees;
   next.data_->models = data_->models;

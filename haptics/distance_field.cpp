@@ -51,8 +51,36 @@ bool isFinite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v
 
 }  // namespace
 
+DistanceField::DistanceField(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
+                             double tolerance)
+    : shapes_(primitivesOf(shapes, mesh)), tolerance_(tolerance) {
+  origin_ = 0.5 * (mesh.bounds.min + mesh.bounds.max);
+  boxLow_ = glm::vec3(mesh.bounds.min - origin_);
+  boxHigh_ = glm::vec3(mesh.bounds.max - origin_);
+  // What contact compares errors with: here none comes near it.
+  smallestCell_ = band_ = tolerance;
+  for (const Primitive& shape : shapes_) solid_ = solid_ || shape.solid();
+}
+
+DistanceField::Reading DistanceField::ofShapes(const glm::vec3& p) const {
+  const glm::dvec3 at = glm::dvec3(p) + origin_;
+  SurfaceDistance least = shapes_.front().at(at);
+  for (std::size_t i = 1; i < shapes_.size(); ++i) {
+    const SurfaceDistance other = shapes_[i].at(at);
+    if (other.distance < least.distance) least = other;
+  }
+  // Half a unit in the last place of p and of the answer, and what the caller's p had lost before.
+  const float most = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  const auto distance = static_cast<float>(least.distance);
+  return {distance, 0x1p-22f * (most + std::abs(distance)), glm::vec3(least.gradient)};
+}
+
+void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
+  for (std::uint32_t k = 0; k < count; ++k) readings[k] = ofShapes(points[k]);
+}
+
 std::size_t DistanceField::memory() const {
-  return sizeof *this + (top_.size() + blocks_.size()) * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
+  return sizeof *this + shapes_.size() * sizeof(Primitive) + (top_.size() + blocks_.size()) * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
 }
 
 DistanceField::Reading DistanceField::beyond(const glm::vec3& p) const {

@@ -7,6 +7,7 @@
 // error, which is proven (cube_fit.h).
 // 2. Immutable after construction and safe in every thread. Needs neither the tree nor the mesh afterwards.
 // 3. The same for any number of threads.
+// 4. A part that consists of implicit shapes needs none of that: its distance is known by formula everywhere.
 
 #include <array>
 #include <cstddef>
@@ -19,6 +20,7 @@
 #include <glm/vec3.hpp>
 
 #include "assets/result.h"
+#include "haptics/primitive_distance.h"
 
 namespace tandem::haptics {
 
@@ -46,9 +48,16 @@ class DistanceField {
   /// Bakes the field. See MeshSides for what is inside of a mesh with defects. The tree is not kept.
   DistanceField(const TriangleBvh& tree, const Options& options);
 
+  /// Of implicit shapes, exact but for rounding, everywhere: no cells, nothing to bake or to keep. Outside it is the
+  /// distance of the nearest shape, and in one shape alone the depth in that. Where shapes overlap it is the depth in
+  /// the one that holds p deepest, which is a lower bound of the depth in all of them together. `tolerance`: as it
+  /// stands for the part in steps of contact, m.
+  DistanceField(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh, double tolerance);
+
   /// At p, in m relative to origin(), part axes. Outside of the grid a lower bound of the distance, with an
   /// error of 0 that means "at least". A point that is not finite may read anything. For ticks.
   Reading read(const glm::vec3& p) const {
+    if (!shapes_.empty()) return ofShapes(p);
     const std::uint32_t* const entry = entryOf(p);
     return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
   }
@@ -56,6 +65,7 @@ class DistanceField {
   static constexpr std::uint32_t kMostAtOnce = 16;
   /// The same for up to kMostAtOnce points: they wait for memory together, which is most of what a reading costs.
   void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
+    if (!shapes_.empty()) return ofShapes(points, count, readings);
     std::array<const std::uint32_t*, kMostAtOnce> entries;
     std::array<const Cell*, kMostAtOnce> cells;
     for (std::uint32_t k = 0; k < count; ++k) {
@@ -71,6 +81,8 @@ class DistanceField {
   }
 
   glm::dvec3 origin() const { return origin_; }
+  /// What it consists of where it is exact, part frame; none of a mesh.
+  std::span<const Primitive> shapes() const { return shapes_; }
   /// Whether there is an inside. If not, the distance is not negative anywhere.
   bool solid() const { return solid_; }
   std::size_t memory() const;
@@ -125,12 +137,15 @@ class DistanceField {
     return {glm::dot(cell.gradient, p) + cell.offset, cell.error, cell.gradient};
   }
   Reading beyond(const glm::vec3& p) const;
+  Reading ofShapes(const glm::vec3& p) const;
+  void ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const;
   bool entriesAreSound() const;
 
   glm::vec3 low_{0.0f, 0.0f, 0.0f};     // m, corner of the grid relative to the origin
   float perCell_ = 0.0f;                // 1 / m
   glm::vec3 size_{0.0f, 0.0f, 0.0f};    // smallest cells along each axis
   std::uint32_t count_[3] = {0, 0, 0};  // cubes of the grid along each axis
+  std::vector<Primitive> shapes_;
   std::vector<std::uint32_t> top_;
   std::vector<std::uint32_t> blocks_;  // kBlock entries each
   std::vector<Cell> cells_;

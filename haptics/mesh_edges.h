@@ -28,6 +28,8 @@ struct MeshEdge {
 class MeshEdges {
  public:
   explicit MeshEdges(const assets::Mesh& mesh);
+  /// None: of a part that is asked by formula.
+  MeshEdges() = default;
 
   std::span<const MeshEdge> edges() const { return edges_; }
   /// Indices of the edges of a triangle, and of those of the triangles beside it in its plane, two away.

@@ -30,12 +30,21 @@ constexpr const char* kWhat = "making parts ready to collide";
 class Bake {
  public:
   Bake(const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-       double held, const ModelOptions& options)
-      : trees_(trees), tolerances_(tolerances), held_(held), options_(options), models_(trees.size()) {
+       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options)
+      : trees_(trees),
+        tolerances_(tolerances),
+        shapes_(shapes),
+        held_(held),
+        options_(options),
+        models_(trees.size()) {
     const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     threads_ = options.threads > 0 ? options.threads : cores;
     for (std::size_t i = 0; i < trees.size(); ++i) {
       if (trees[i] == nullptr || trees[i]->empty()) continue;
+      if (!shapes[i].empty()) {
+        modelShapes(i);
+        continue;
+      }
       order_.push_back(i);
       total_ += weight(i);
     }
@@ -63,6 +72,19 @@ class Bake {
   std::size_t triangles(std::size_t tree) const { return trees_[tree]->mesh().triangles.size(); }
   /// What a bake costs, roughly: even a box has a surface.
   double weight(std::size_t tree) const { return static_cast<double>(triangles(tree)) + 5e3; }
+
+  void modelShapes(std::size_t i) {
+    const auto start = std::chrono::steady_clock::now();
+    const TriangleBvh& tree = *trees_[i];
+    const double size = glm::length(tree.bounds().max - tree.bounds().min);
+    ContactSamples::Options sampling;
+    sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
+    // As exact as the smallest part asks for, however large this one is: it costs nothing.
+    const double tolerance = std::min(usableTolerance(tolerances_[i], size), usualTolerance(held_, held_));
+    auto model = std::make_shared<PartModel>(tree, shapes_[i], sampling, tolerance);
+    model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    models_[i] = std::move(model);
+  }
 
   /// In the calling thread of run() only.
   void tell(double within) {
@@ -109,7 +131,8 @@ class Bake {
 
   const std::vector<std::shared_ptr<TriangleBvh>>& trees_;
   const std::vector<double>& tolerances_;  // m, one a tree
-  double held_;                            // m
+  const std::vector<std::vector<assets::ImplicitShape>>& shapes_;
+  double held_;  // m
   const ModelOptions& options_;
   int threads_ = 1;
   double total_ = 0.0;
@@ -123,8 +146,8 @@ class Bake {
 
 std::vector<std::shared_ptr<const PartModel>> bakeModels(
     const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-    double held, const ModelOptions& options) {
-  return Bake(trees, tolerances, held, options).run();
+    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options) {
+  return Bake(trees, tolerances, shapes, held, options).run();
 }
 
 }  // namespace tandem::haptics

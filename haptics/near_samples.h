@@ -35,6 +35,8 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
                  float reach, bool& allInside, float& passedBy, Visit&& visit) {
   const auto nodes = samples.nodes();
   if (nodes.empty()) return;
+  // A patch may be deeper than its sample.
+  const float patched = samples.patches().empty() ? 0.0f : 1.0f;
   constexpr std::uint32_t kAtOnce = DistanceField::kMostAtOnce;
   std::array<glm::vec3, kAtOnce> at;
   std::array<DistanceField::Reading, kAtOnce> readings;
@@ -79,7 +81,7 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
         if (readings[k].distance - readings[k].error - points[k].w <= reach)
           visit(node.begin + k, at[k], readings[k]);
         else
-          passedBy = std::max(passedBy, readings[k].error - readings[k].distance);
+          passedBy = std::max(passedBy, readings[k].error - readings[k].distance + patched * points[k].w);
       }
     }
   }

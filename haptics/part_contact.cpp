@@ -280,13 +280,13 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
   const PartId sampled = ofFirst ? first.part : of.other;
   const float believed = static_cast<float>(kBelieved * from.samples.spacing());
   const PartId asked = ofFirst ? of.other : first.part;
-  const bool contained = isContained(of);
+  const bool contained = isContained(of), byFormula = to.byFormula();
   const bool overlaps = allowedDepth(of) > 0.0;
+  AskedSide asking{&from,  &to,   toFromSamples, turn,      shift, sign, limit,   0.0f,
+                   smooth, rough, believed,      contained, pair,  side, sampled, asked};
   float deepest = 0.0f;
   bool inside = false;
   const auto addRow = [&](std::uint32_t i, const glm::vec3& place, const DistanceField::Reading& read) {
-    deepest = std::max(deepest, read.error - read.distance);
-    if (contained) return;
     const ContactSample& sample = from.samples.samples()[i];
     float allowed = 0.0f;
     if (overlaps) {
@@ -294,6 +294,11 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
       allowed =
           static_cast<float>(ofFirst ? allowedAt(of, sample.point, at) : allowedAt(of, at, sample.point));
     }
+    asking.allowed = allowed;
+    if (byFormula) return addShapeRows(asking, i, deepest);
+    if (from.samples.isRound(sample)) return addPatchRow(asking, i, place, read, deepest);
+    deepest = std::max(deepest, read.error - read.distance);
+    if (contained) return;
     const float least = read.distance - read.error + allowed;
     const RowSource source{pair, side, i};
     const glm::vec3 arm = turn * place + shift;
@@ -400,28 +405,36 @@ void PartContact::refine(RowSource source, const Displacement& u, ContactRows& r
   asked.normals = {normals.data(), count};
   asked.slack = 0.5 * to.field.tolerance();
   asked.range = kBelieved * from.samples.spacing();
-  const DistanceField::Reading around = to.field.read(glm::vec3(asked.point - to.field.origin()));
-  // Where the field cannot tell the side, it is that on which the sample came.
-  asked.outside = around.distance > around.error || (pair.overlap < 0 && around.distance >= -around.error);
-  if (sample.along > 0.0f) {
-    const MeshEdge& edge = from.edges.edges()[sample.edge];
-    asked.edge = meshFromSample * glm::normalize(edge.b - edge.a);
-    asked.along = static_cast<double>(sample.along);
+  const bool byFormula = to.byFormula(), round = from.samples.isRound(sample);
+  if (!byFormula && !round) {
+    const DistanceField::Reading around = to.field.read(glm::vec3(asked.point - to.field.origin()));
+    // Where the field cannot tell the side, it is that on which the sample came.
+    asked.outside = around.distance > around.error || (pair.overlap < 0 && around.distance >= -around.error);
+    if (ContactPatch edge; from.patchOf(sample, edge)) {
+      asked.edge = meshFromSample * edge.axis;
+      asked.along = edge.along;
+    }
   }
   const PartId meshOf = ofFirst ? pair.other : first.part;
   Look& look = lookAt(ofFirst ? first.part : pair.other, source.sample, meshOf);
   const std::uint32_t hint = look.other == meshOf ? look.triangle : kNoTriangle;
+  const Pose meshFromSamples = ofFirst ? pair.otherFromFirst : inverse(pair.otherFromFirst);
   TouchingFeature found;
-  if (!(effort_.exact ? touchingFeature(*to.tree, to.edges, asked, 1e300, hint, found)
-                      : fieldFeature(to, asked, found)))
+  if (!(byFormula       ? touchShapes(from, to, meshFromSamples, sample, asked, found)
+        : round         ? touchPatch(from, to, meshFromSamples, sample, asked, hint, found)
+        : effort_.exact ? touchingFeature(*to.tree, to.edges, asked, 1e300, hint, found)
+                        : fieldFeature(to, asked, found)))
     return;
-  if (!to.field.solid()) turnToSample(found, look.other == meshOf ? &look : nullptr, to.field.tolerance());
+  if (!byFormula && !to.field.solid())
+    turnToSample(found, look.other == meshOf ? &look : nullptr, to.field.tolerance());
   look.place = glm::vec3(asked.point - to.field.origin());
   look.room = static_cast<float>(std::min(found.distance, found.planes[0].gap));
   look.planes = found.count;
   for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
     look.normals[k] = glm::vec3(found.planes[k].normal);
-    look.gaps[k] = static_cast<float>(found.planes[k].gap);
+    // Of a patch that of its sample, from which any of its places follows.
+    const double above = round ? glm::dot(found.planes[k].normal, asked.point - found.planes[k].point) : 0.0;
+    look.gaps[k] = static_cast<float>(found.planes[k].gap + above);
   }
   look.triangle = found.triangle;
   look.other = meshOf;

@@ -189,6 +189,42 @@ class PartContact final : public RowRefiner {
   /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
   bool advance(int step);
   void noteTouches();
+  // Of parts that are known by formula, and of samples that stand for pieces of round surfaces: part_patches.cpp.
+  /// The samples of one part of a pair before the other one: `from` them, `to` what is asked.
+  struct AskedSide {
+    const PartModel* from = nullptr;
+    const PartModel* to = nullptr;
+    Pose toFromSamples;
+    glm::mat3 turn{1.0f};   // world from `to`
+    glm::vec3 shift{0.0f};  // m, from the reference point to the origin of its field, world axes
+    float sign = 1.0f;      // of a normal of `to`, as the first part feels it
+    float limit = 0.0f;     // m, reach of the step
+    float allowed = 0.0f;   // m, depth that the pair had at rest
+    float smooth = 0.0f, rough = 0.0f;  // m, errors of the field up to which it is believed, and above which not
+    float believed = 0.0f;              // m, how far a sample may go before it is looked at again
+    bool contained = false;
+    std::uint16_t pair = 0, side = 0;
+    PartId sampled = kNoPart, asked = kNoPart;
+
+    glm::vec3 world(const glm::dvec3& normal) const { return sign * (turn * glm::vec3(normal)); }
+    glm::vec3 arm(const glm::dvec3& point) const {
+      return turn * glm::vec3(point - to->field.origin()) + shift;
+    }
+  };
+  /// m, by which a place on a patch may be less deep than the deepest.
+  static double evenness(const PartModel& to);
+  void addShapeRows(const AskedSide& side, std::uint32_t i, float& deepest);
+  void addPatchRow(const AskedSide& side, std::uint32_t i, const glm::vec3& place,
+                   const DistanceField::Reading& read, float& deepest);
+  static bool touchShapes(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
+                          const ContactSample& sample, const SampleAtMesh& asked, TouchingFeature& found);
+  bool touchPatch(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
+                  const ContactSample& sample, SampleAtMesh asked, std::uint32_t hint,
+                  TouchingFeature& found) const;
+  /// Depth in m of a sample, with its patch, in a part that is known by formula; in any other the place to look at.
+  static double depthOf(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
+                        const ContactSample& sample, glm::dvec3& deepestPoint);
+
   /// What holds a sample off, as the field alone tells it: good to within its error.
   static bool fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found);
   /// A surface without an inside holds off whatever is before it, on either side.

@@ -92,7 +92,9 @@ void PartContact::noteOverlap(Pair& pair) {
   pair.model->tree->closestPoint(centre, 1e300, nearest);
   const glm::dvec3 way = nearest.point - centre;
   const double length = glm::length(way);
-  overlap.wayOut = length > 0.0 ? way / length : pair.model->edges.normal(nearest.triangle);
+  overlap.wayOut = length > 0.0               ? way / length
+                   : pair.model->byFormula() ? pair.model->field.shapes().front().at(centre).gradient
+                                              : pair.model->edges.normal(nearest.triangle);
 }
 
 double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside, assets::Bounds& inFirst,
@@ -106,11 +108,23 @@ double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside,
   float passedBy = -1.0f;
   forEachNear(from.samples, to.field, motion, 0.0f, allInside, passedBy,
               [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading& read) {
-                const glm::dvec3& point = from.samples.samples()[i].point;
+                const ContactSample& sample = from.samples.samples()[i];
+                const glm::dvec3 &point = sample.point, inAsked = transformPoint(toFromSamples, point);
                 assets::Bounds& bounds = ofFirst ? inFirst : inOther;
-                const double most = static_cast<double>(read.error) - static_cast<double>(read.distance);
+                glm::dvec3 p = inAsked;
+                if (to.byFormula()) {
+                  const double depth = depthOf(from, to, toFromSamples, sample, p);
+                  if (!(depth > 0.0)) return;
+                  deepest = std::max(deepest, depth);
+                  include(bounds, point);
+                  include(ofFirst ? inOther : inFirst, inAsked);
+                  return;
+                }
+                const bool round = from.samples.isRound(sample);
+                const double most = static_cast<double>(read.error) - static_cast<double>(read.distance) +
+                                    (round ? static_cast<double>(sample.along) : 0.0);
                 if (most <= deepest && point == glm::clamp(point, bounds.min, bounds.max)) return;
-                const glm::dvec3 p = transformPoint(toFromSamples, point);
+                if (round) depthOf(from, to, toFromSamples, sample, p);
                 const bool surelyInside = read.distance < -read.error;
                 double depth = surelyInside ? most : 0.0;
                 bool inside = surelyInside;
@@ -129,7 +143,7 @@ double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside,
                 if (!inside) return;
                 deepest = std::max(deepest, depth);
                 include(bounds, point);
-                include(ofFirst ? inOther : inFirst, p);
+                include(ofFirst ? inOther : inFirst, inAsked);
               });
   return deepest;
 }

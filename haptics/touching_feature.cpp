@@ -167,6 +167,16 @@ bool planeBeyond(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t 
   return least < 1e300;
 }
 
+/// Of an edge whose point nearest to the sample is `foot`.
+TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
+                          double reach) {
+  const EdgePlane plane(edge);
+  const glm::dvec3 offset = sample.point - foot;
+  const glm::dvec3 normal = partingDirection(plane, sharedDirections(plane, sample.normals), offset,
+                                             offset + sample.motion, std::max(sample.slack, 1e-9 * reach));
+  return {sample.point, normal, glm::dot(normal, offset)};
+}
+
 /// Of the convex edge near the sample, or of the triangle itself.
 TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
                            const SampleAtMesh& sample, double reach) {
@@ -180,14 +190,17 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
     const glm::dvec3& normal = edges.normal(triangle);
     return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
   }
-  const EdgePlane plane(*edge);
-  const glm::dvec3 offset = p - foot;
-  const glm::dvec3 normal = partingDirection(plane, sharedDirections(plane, sample.normals), offset,
-                                             offset + sample.motion, std::max(sample.slack, 1e-9 * reach));
-  return {p, normal, glm::dot(normal, offset)};
+  return planeOfEdge(*edge, foot, sample, reach);
 }
 
 }  // namespace
+
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample) {
+  TouchingPlane found;
+  if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, found)) return found;
+  return planeOfEdge(edge, closestOnSegment(sample.point, edge.a, edge.b), sample,
+                     std::max(glm::length(sample.motion), 10.0 * sample.slack));
+}
 
 bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
                      double reach, std::uint32_t hint, TouchingFeature& found) {

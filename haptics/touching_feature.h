@@ -49,4 +49,7 @@ struct TouchingFeature {
 bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
                      double reach, std::uint32_t hint, TouchingFeature& found);
 
+/// The plane of one convex edge, which is near the sample.
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample);
+
 }  // namespace tandem::haptics

@@ -1,0 +1,39 @@
+#pragma once
+
+// Where a sample of one part that stands for a piece of its surface meets another part: the deepest place of the
+// piece, and the half-space that holds it off there. For part_contact only.
+
+#include <cstdint>
+#include <span>
+
+#include "haptics/contact_patch.h"
+#include "haptics/distance_field.h"
+#include "haptics/primitive_distance.h"
+#include "haptics/touching_feature.h"
+
+namespace tandem::haptics {
+
+/// The deepest place of a patch, and what is known of the surface under it.
+struct PatchTouch {
+  ContactPatch::Place place;
+  glm::dvec3 point{0.0, 0.0, 0.0};  // m
+  SurfaceDistance read;
+};
+
+/// Of a patch in a convex shape, in one frame: the least distance to within `slack` m (a rim's patch, whose distance
+/// is not convex, where it has only one least one).
+PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack);
+
+/// In a field, by its gradients: nearer with each reading, as far as the field's cells tell.
+PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, double slack, float& error);
+
+/// As touchingFeature(), of a convex shape: `patch` null for a sample that is a point. What it is near to on the shape
+/// is found from `asked` and the patch; asked.edge and along are set from it.
+TouchingFeature touchingShape(const Primitive& shape, const ContactPatch* patch, SampleAtMesh asked);
+
+/// As touchingFeature(), of the deepest place of a patch; `start`: from which to look for it.
+bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
+                   const ContactPatch::Place& start, SampleAtMesh asked, std::uint32_t hint,
+                   TouchingFeature& found);
+
+}  // namespace tandem::haptics
