@@ -19,30 +19,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr int kTicksAnAxis = 60;
-constexpr double kDraw = 0.01;    // of the part's size
-constexpr double kFacets = 1e-4;  // of the radius: haptics/implicit_mesh.h
+constexpr double kDraw = 0.01;  // of the part's size
 
 /// A control in the hand moves along its axis alone, whatever stands there.
 bool canBeHeld(const assets::Scene& scene, PartId part) {
   return scene.parts[part].movable && assets::controlOf(scene, part) == nullptr;
-}
-
-bool flat(const assets::Part& part) {
-  using Kind = assets::ImplicitShape::Kind;
-  return !part.shapes.empty() &&
-         std::all_of(part.shapes.begin(), part.shapes.end(), [](const assets::ImplicitShape& shape) {
-           return shape.kind == Kind::box || shape.kind == Kind::plane;
-         });
-}
-
-double sagOf(const assets::Part& part, const haptics::TriangleBvh& tree) {
-  if (part.shapes.empty()) return facetSag(tree.mesh());
-  double most = 0.0;
-  using Kind = assets::ImplicitShape::Kind;
-  for (const assets::ImplicitShape& shape : part.shapes)
-    if (shape.kind != Kind::box && shape.kind != Kind::plane)
-      most = std::max({most, shape.radiusBottom, shape.kind == Kind::sphere ? 0.0 : shape.radiusTop});
-  return kFacets * most;
 }
 
 /// Ticks of a hand that takes the part by its middle and draws it to and fro.
@@ -92,22 +73,22 @@ void setTolerance(const haptics::ContactScene& contact, PartId id, ContactModel&
 
 ContactModel modelOf(const haptics::ContactScene& contact, const haptics::ContactWorld& world, PartId id,
                      bool trial) {
-  const assets::Part& part = contact.scene().parts[id];
   ContactModel model;
   model.part = id;
   model.held = canBeHeld(contact.scene(), id);
   const haptics::PartModel* made = world.model(id);
   if (made == nullptr) return model;
   model.made = true;
-  model.flat = flat(part);
+  model.byFormula = made->byFormula();
   model.samples = made->samples.samples().size();
   model.cells = made->field.cells();
   model.bytes = made->memory();
-  model.cell = made->field.smallestCell();
+  model.cell = model.byFormula ? 0.0 : made->field.smallestCell();
   model.spacing = made->samples.spacing();
   setTolerance(contact, id, model);
-  model.fieldError = std::max(made->field.tolerance(), made->field.worstSmoothError());
-  model.sag = sagOf(part, *made->tree);
+  model.fieldError = model.byFormula ? made->field.worstSmoothError()
+                                     : std::max(made->field.tolerance(), made->field.worstSmoothError());
+  model.sag = model.byFormula ? 0.0 : facetSag(made->tree->mesh());
   model.coarsened = made->field.coarsened();
   model.seconds = made->seconds;
   model.cached = made->cached;

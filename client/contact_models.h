@@ -18,9 +18,10 @@ namespace tandem::client {
 /// One part that a hand can take, or that such a part may touch.
 struct ContactModel {
   PartId part = kNoPart;
-  bool held = false;        // a hand can take it
-  bool made = false;        // there is a model; else only the first three are known
-  bool flat = false;        // it consists of boxes and planes, which triangles state exactly
+  bool held = false;  // a hand can take it
+  bool made = false;  // there is a model; else only the first three are known
+  bool byFormula =
+      false;  // it consists of implicit shapes, whose distance is known exactly: there is no field
   std::size_t samples = 0;  // points with which it can touch first
   std::size_t cells = 0;    // of its field
   std::size_t bytes = 0;    // of both, shared with all parts of the same mesh
@@ -29,14 +30,16 @@ struct ContactModel {
   double clearance = 0.0;        // m, that the tolerance is a share of, if it is
   PartId clearanceTo = kNoPart;  // between which parts that is: this one, or the instance that decides, and
   PartId toleranceOf =
-      kNoPart;              // the part whose tolerance counts: this one, or the strictest of its instances
-  double fieldError = 0.0;  // m, proven for smooth surfaces; what is nearer is asked of the triangles
-  double cell = 0.0;        // m, side of the field's smallest cells
-  double spacing = 0.0;     // m, between samples of sharp edges
-  double sag = 0.0;         // m, how far facets may be off the curved surface that they stand for
-  bool coarsened = false;   // the memory allowed was too small for the cells asked for
-  double seconds = 0.0;     // that making or reading it took
-  bool cached = false;      // read from the cache
+      kNoPart;  // the part whose tolerance counts: this one, or the strictest of its instances
+  double fieldError =
+      0.0;            // m, proven for smooth surfaces; what is nearer is asked of the triangles. By formula:
+                      // what rounding costs
+  double cell = 0.0;  // m, side of the field's smallest cells; 0 without any
+  double spacing = 0.0;          // m, between samples of sharp edges
+  double sag = 0.0;              // m, how far facets may be off the curved surface that they stand for
+  bool coarsened = false;        // the memory allowed was too small for the cells asked for
+  double seconds = 0.0;          // that making or reading it took
+  bool cached = false;           // read from the cache
   std::vector<double> trial_us;  // of a held part: ticks of a trial on this machine
 };
 

@@ -75,7 +75,10 @@ ContactPatch::Place ContactPatch::lowest(const glm::dvec3& up, double slack) con
     slope += grow * glm::dot(up, across * place.out - grow * axis);
   }
   const double drop = slope * along;
-  place.t = -along * (slack > 0.0 ? std::clamp(drop / slack, -1.0, 1.0) : drop > 0.0 ? 1.0 : drop < 0.0 ? -1.0 : 0.0);
+  place.t = -along * (slack > 0.0  ? std::clamp(drop / slack, -1.0, 1.0)
+                      : drop > 0.0 ? 1.0
+                      : drop < 0.0 ? -1.0
+                                   : 0.0);
   return place;
 }
 
@@ -84,7 +87,8 @@ ContactPatch::Place ContactPatch::nearestTo(const glm::dvec3& p) const {
   if (kind == Kind::side || kind == Kind::straight) {
     const double height = glm::dot(axis, p - centre);
     const double distance = glm::length(p - centre - height * axis);
-    const double lean = kind == Kind::side ? distance * grow / std::sqrt(std::max(1e-12, 1.0 - grow * grow)) : 0.0;
+    const double lean =
+        kind == Kind::side ? distance * grow / std::sqrt(std::max(1e-12, 1.0 - grow * grow)) : 0.0;
     place.t = std::clamp(height + lean, -along, along);
   }
   place.out = turned(p - (centre + place.t * axis), 0.0);

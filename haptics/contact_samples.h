@@ -26,7 +26,7 @@ struct ContactSample {
   std::uint32_t normalCount = 0;       // of the faces that meet here
   std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
   std::uint32_t triangle = 0;          // one of those that meet here
-  float along = 0.0f;                  // m: it stands for its edge this far to both sides, or for its patch all around
+  float along = 0.0f;  // m: it stands for its edge this far to both sides, or for its patch all around
   std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); none of a mesh
 };
 

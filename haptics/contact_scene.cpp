@@ -58,6 +58,19 @@ std::size_t bytesOf(const assets::Mesh& mesh) {
          bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv);
 }
 
+/// All that shapes are: parts of the same ones share a tree, as parts of one mesh do.
+std::vector<double> numbersOf(const std::vector<assets::ImplicitShape>& shapes) {
+  std::vector<double> numbers;
+  for (const assets::ImplicitShape& shape : shapes) {
+    const glm::dvec3& at = shape.partFromShape.position;
+    const glm::dquat& turn = shape.partFromShape.orientation;
+    numbers.insert(numbers.end(), {static_cast<double>(shape.kind), at.x, at.y, at.z, turn.w, turn.x, turn.y,
+                                   turn.z, shape.size.x, shape.size.y, shape.size.z, shape.height,
+                                   shape.radiusTop, shape.radiusBottom, static_cast<double>(shape.material)});
+  }
+  return numbers;
+}
+
 /// Infinite planes as far as their triangles go.
 std::vector<assets::ImplicitShape> finite(std::vector<assets::ImplicitShape> shapes, double reach) {
   for (assets::ImplicitShape& shape : shapes) {
@@ -86,14 +99,17 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   const double reach = glm::length(size) > 0.0 ? 10.0 * glm::length(size) : 1.0;
 
   std::vector<const assets::Mesh*> meshes(scene.meshes.size(), nullptr);
+  std::map<std::vector<double>, std::size_t> treeOfShapes;
   std::vector<std::size_t> treeOfPart(scene.parts.size(), assets::kNone);
   for (std::size_t i = 0; i < scene.parts.size(); ++i) {
     const assets::Part& part = scene.parts[i];
     if (!part.shapes.empty()) {
+      const auto [same, isNew] = treeOfShapes.emplace(numbersOf(part.shapes), meshes.size());
+      treeOfPart[i] = same->second;
+      if (!isNew) continue;
       data_->shapeMeshes.push_back(std::make_shared<assets::Mesh>(meshOfShapes(part.shapes, reach)));
       data_->shapes.resize(meshes.size());
       data_->shapes.push_back(finite(part.shapes, reach));
-      treeOfPart[i] = meshes.size();
       meshes.push_back(data_->shapeMeshes.back().get());
     } else if (part.mesh != assets::kNone) {
       ASSERT(part.mesh < scene.meshes.size());

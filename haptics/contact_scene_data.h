@@ -33,8 +33,8 @@ struct ContactScene::Data {
   void measure(std::uint32_t mesh);
 
   const assets::Scene* scene = nullptr;
-  std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;   // tessellated implicit shapes
-  std::vector<std::vector<assets::ImplicitShape>> shapes;         // one a tree, of finite extents; empty for a mesh
+  std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
+  std::vector<std::vector<assets::ImplicitShape>> shapes;  // one a tree, of finite extents; empty for a mesh
   std::vector<std::shared_ptr<const assets::Mesh>> replacements;  // a scene mesh: what stands for it, or null
   std::vector<std::shared_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
   /// One a tree, or none at all; null for a mesh that was exchanged or refitted.

@@ -11,6 +11,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
+// Half a unit in the last place of a point and of the answer, and what the caller's point had lost before.
+constexpr float kRounding = 0x1p-22f;
 /// Grids larger than this along an axis would be no use and lose float indices.
 constexpr std::uint32_t kMostAlong = 1u << 14;
 
@@ -59,6 +61,8 @@ DistanceField::DistanceField(std::span<const assets::ImplicitShape> shapes, cons
   boxHigh_ = glm::vec3(mesh.bounds.max - origin_);
   // What contact compares errors with: here none comes near it.
   smallestCell_ = band_ = tolerance;
+  // Of the rows of a step, whose distances are asked in doubles.
+  worstSmoothError_ = 0x1p-50 * glm::length(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max)));
   for (const Primitive& shape : shapes_) solid_ = solid_ || shape.solid();
 }
 
@@ -69,10 +73,9 @@ DistanceField::Reading DistanceField::ofShapes(const glm::vec3& p) const {
     const SurfaceDistance other = shapes_[i].at(at);
     if (other.distance < least.distance) least = other;
   }
-  // Half a unit in the last place of p and of the answer, and what the caller's p had lost before.
   const float most = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const auto distance = static_cast<float>(least.distance);
-  return {distance, 0x1p-22f * (most + std::abs(distance)), glm::vec3(least.gradient)};
+  return {distance, kRounding * (most + std::abs(distance)), glm::vec3(least.gradient)};
 }
 
 void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
@@ -80,7 +83,8 @@ void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Readi
 }
 
 std::size_t DistanceField::memory() const {
-  return sizeof *this + shapes_.size() * sizeof(Primitive) + (top_.size() + blocks_.size()) * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
+  return sizeof *this + shapes_.size() * sizeof(Primitive) +
+         (top_.size() + blocks_.size()) * sizeof(std::uint32_t) + cells_.size() * sizeof(Cell);
 }
 
 DistanceField::Reading DistanceField::beyond(const glm::vec3& p) const {

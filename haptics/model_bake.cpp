@@ -30,7 +30,8 @@ constexpr const char* kWhat = "making parts ready to collide";
 class Bake {
  public:
   Bake(const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options)
+       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held,
+       const ModelOptions& options)
       : trees_(trees),
         tolerances_(tolerances),
         shapes_(shapes),

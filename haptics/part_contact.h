@@ -200,8 +200,9 @@ class PartContact final : public RowRefiner {
     float sign = 1.0f;      // of a normal of `to`, as the first part feels it
     float limit = 0.0f;     // m, reach of the step
     float allowed = 0.0f;   // m, depth that the pair had at rest
-    float smooth = 0.0f, rough = 0.0f;  // m, errors of the field up to which it is believed, and above which not
-    float believed = 0.0f;              // m, how far a sample may go before it is looked at again
+    float smooth = 0.0f,
+          rough = 0.0f;     // m, errors of the field up to which it is believed, and above which not
+    float believed = 0.0f;  // m, how far a sample may go before it is looked at again
     bool contained = false;
     std::uint16_t pair = 0, side = 0;
     PartId sampled = kNoPart, asked = kNoPart;

@@ -92,9 +92,9 @@ void PartContact::noteOverlap(Pair& pair) {
   pair.model->tree->closestPoint(centre, 1e300, nearest);
   const glm::dvec3 way = nearest.point - centre;
   const double length = glm::length(way);
-  overlap.wayOut = length > 0.0               ? way / length
+  overlap.wayOut = length > 0.0              ? way / length
                    : pair.model->byFormula() ? pair.model->field.shapes().front().at(centre).gradient
-                                              : pair.model->edges.normal(nearest.triangle);
+                                             : pair.model->edges.normal(nearest.triangle);
 }
 
 double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside, assets::Bounds& inFirst,

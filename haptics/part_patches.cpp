@@ -111,7 +111,8 @@ void PartContact::addPatchRow(const AskedSide& side, std::uint32_t i, const glm:
 }
 
 bool PartContact::touchShapes(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
-                              const ContactSample& sample, const SampleAtMesh& asked, TouchingFeature& found) {
+                              const ContactSample& sample, const SampleAtMesh& asked,
+                              TouchingFeature& found) {
   ContactPatch patch;
   const bool patched = from.patchOf(sample, patch);
   if (patched) patch = patch.moved(toFromSamples);

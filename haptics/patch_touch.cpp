@@ -32,9 +32,7 @@ double whereLeast(double half, double enough, Slope&& slope) {
   return std::abs(fa) < std::abs(fb) ? a : b;
 }
 
-glm::dvec3 tangentOf(const ContactPatch& patch, const glm::dvec3& out) {
-  return glm::cross(patch.axis, out);
-}
+glm::dvec3 tangentOf(const ContactPatch& patch, const glm::dvec3& out) { return glm::cross(patch.axis, out); }
 
 /// The piece of edge that a sample at `place` lies on, for the rules of crossing edges.
 void setEdge(const ContactPatch& patch, const ContactPatch::Place& place, SampleAtMesh& asked) {
@@ -141,7 +139,8 @@ PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double s
       const auto outAt = [&](double turn) { return std::cos(turn) * patch.out + std::sin(turn) * aside; };
       const double turn = whereLeast(patch.angle, enough, [&](double a) {
         const glm::dvec3 out = outAt(a);
-        return patch.radius * glm::dot(tangentOf(patch, out), shape.at(patch.centre + patch.radius * out).gradient) +
+        return patch.radius *
+                   glm::dot(tangentOf(patch, out), shape.at(patch.centre + patch.radius * out).gradient) +
                evenTurn * a;
       });
       touch.place.out = outAt(turn);

@@ -136,7 +136,8 @@ SurfaceDistance Primitive::ofPlane(const glm::dvec3& p) const {
 /// its axis is all that is furthest from the surface. Of the one that tells it the direction leans by `grow`.
 SurfaceDistance Primitive::ofCapsule(const glm::dvec3& p) const {
   const double radius = std::hypot(p.x, p.z);
-  const double y = across_ > 0.0 ? std::clamp(p.y + radius * grow_ / across_, -halfHeight_, halfHeight_) : 0.0;
+  const double y =
+      across_ > 0.0 ? std::clamp(p.y + radius * grow_ / across_, -halfHeight_, halfHeight_) : 0.0;
   const double of = bottom_ + (y + halfHeight_) * grow_, up = p.y - y;
   const double length = std::hypot(radius, up);
   if (!(length > kTiny)) return {-of, glm::dvec3(across_, -grow_, 0.0)};
@@ -236,7 +237,8 @@ std::vector<Primitive> primitivesOf(std::span<const assets::ImplicitShape> shape
   for (const assets::ImplicitShape& shape : shapes) {
     const auto& materials = mesh.triangleMaterial;
     const auto at = std::find(materials.begin(), materials.end(), shape.material);
-    primitives.emplace_back(shape, at == materials.end() ? 0u : static_cast<std::uint32_t>(at - materials.begin()));
+    primitives.emplace_back(shape,
+                            at == materials.end() ? 0u : static_cast<std::uint32_t>(at - materials.begin()));
   }
   return primitives;
 }

@@ -17,9 +17,9 @@ namespace {
 using assets::ImplicitShape;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kAround = 32;    // patches of a rim, and of a side all around
-constexpr int kZones = 11;     // of a sphere from pole to pole
-constexpr int kMostRings = 12;  // of a side
+constexpr int kAround = 32;      // patches of a rim, and of a side all around
+constexpr int kZones = 11;       // of a sphere from pole to pole
+constexpr int kMostRings = 12;   // of a side
 constexpr double kLonger = 4.0;  // times as long as wide is a patch of a side
 // Patches of a zone are about square: half their diagonal over their side, and a little for the pole.
 constexpr double kHalfDiagonal = 0.75;
@@ -185,8 +185,8 @@ void ContactSamples::sampleZone(const Pose& pose, double y, double radius, doubl
     const double widest = std::sin(std::clamp(0.5 * kPi, polar - 0.5 * high, polar + 0.5 * high));
     const int count = std::max(1, static_cast<int>(std::ceil(2.0 * kPi * widest / side)));
     for (int i = 0; i < count; ++i) {
-      const glm::dvec3 out =
-          std::sin(polar) * across(2.0 * kPi * (i + 0.5 * (zone % 2)) / count) + glm::dvec3(0.0, std::cos(polar), 0.0);
+      const glm::dvec3 out = std::sin(polar) * across(2.0 * kPi * (i + 0.5 * (zone % 2)) / count) +
+                             glm::dvec3(0.0, std::cos(polar), 0.0);
       patch.out = pose.orientation * out;
       addPatch(patch, triangle);
     }

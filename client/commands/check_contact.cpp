@@ -13,7 +13,7 @@ namespace tandem::client {
 namespace {
 
 const char* nameOf(const ContactModel& model) {
-  return !model.made ? "none yet" : model.flat ? "exact shapes, field + samples" : "field + samples";
+  return !model.made ? "none yet" : model.byFormula ? "exact, by formula" : "field + samples";
 }
 
 const char* nameOf(haptics::PartTolerance::From from) {
@@ -44,7 +44,7 @@ std::size_t missing(const std::vector<ContactModel>& models) {
 
 /// The rest of a line of the table.
 void printModel(const assets::Scene& scene, const ContactModel& m) {
-  std::printf("%-12s %7.3g um %8.3g%c %8.3g %8zu %8.3g ", m.flat ? "exact, field" : "field",
+  std::printf("%-17s %7.3g um %8.3g%c %8.3g %8zu %8.3g ", m.byFormula ? "exact, by formula" : "field",
               m.tolerance * 1e6, m.fieldError * 1e6, meetsTolerance(m) ? ' ' : '*', m.cell * 1e6, m.samples,
               m.sag * 1e6);
   if (m.trial_us.empty()) {
@@ -82,7 +82,9 @@ nlohmann::ordered_json contactJson(const assets::Scene& scene, const std::vector
                     {"cost_us", nullptr},
                     {"memory_bytes", m.bytes},
                     {"bake_s", m.seconds},
-                    {"bake_from", m.cached ? "cache" : "made"}});
+                    {"bake_from", m.byFormula ? "formula"
+                                  : m.cached  ? "cache"
+                                              : "made"}});
       if (m.clearanceTo != kNoPart) {
         entry["clearance_m"] = m.clearance;
         entry["clearance_to"] = scene.parts[m.clearanceTo].name;
@@ -111,7 +113,7 @@ void printContact(const assets::Scene& scene, const std::vector<ContactModel>& m
   for (const ContactModel& m : models)
     width = std::max(width, std::min<std::size_t>(scene.parts[m.part].name.size(), 40));
   const int w = static_cast<int>(width);
-  std::printf("\n%-*s %-7s %-12s %10s %9s %8s %8s %8s %15s %9s %-14s %s\n", w, "contact of parts in the hand",
+  std::printf("\n%-*s %-7s %-17s %10s %9s %8s %8s %8s %15s %9s %-14s %s\n", w, "contact of parts in the hand",
               "role", "model", "tolerance", "error um", "cell um", "samples", "sag um", "tick us p50/p99",
               "memory kB", "made", "tolerance from");
   for (const ContactModel& m : models) {
@@ -119,7 +121,8 @@ void printContact(const assets::Scene& scene, const std::vector<ContactModel>& m
     m.made ? printModel(scene, m) : static_cast<void>(std::printf("not made yet: by --models\n"));
   }
   std::printf(
-      "  distance field and samples, refined on the triangles. tolerance from: given by the file, an eighth "
+      "  distance field and samples, refined on the triangles; implicit shapes by formula. tolerance from: "
+      "given by the file, an eighth "
       "of "
       "the\n  smallest clearance to a neighbour at rest, or default, 1/16384 of the smallest part that can "
       "be "

@@ -107,6 +107,31 @@ def check_contact(binaries, folder):
     expect("contact of parts in the hand" in table and ", cache" in table, "the table shows no models")
 
 
+def check_shapes(binaries, folder):
+    """Implicit shapes are exact and need nothing made; a mesh beside them has its field."""
+    corners = [(x, y, z) for z in (-0.01, 0.01) for y in (-0.01, 0.01) for x in (-0.01, 0.01)]
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
+             (1, 3, 7), (1, 7, 5)]
+    gltf = json.loads(scene_of({"cube": (corners, faces, [0, 0, 0])}))
+    gltf["extensionsUsed"] = ["KHR_implicit_shapes", "KHR_physics_rigid_bodies"]
+    gltf["extensions"] = {"KHR_implicit_shapes": {"shapes": [{"type": "sphere", "sphere": {"radius": 0.01}}]}}
+    gltf["nodes"].append({"name": "ball", "translation": [0, 0, 0.0205], "extensions": {"KHR_physics_rigid_bodies": {
+        "motion": {"mass": 0.03}, "collider": {"geometry": {"shape": 0}}}}})
+    gltf["scenes"][0]["nodes"].append(1)
+    scene = folder / "shapes.gltf"
+    scene.write_text(json.dumps(gltf))
+    options = ("--json", "--movable", "cube")
+    for more, missing in [((), 1), (("--models",), 0)]:
+        contact = json.loads(run(binaries, scene, *options, *more).stdout)["contact"]
+        models = {m["part"]: m for m in contact["models"]}
+        expect(contact["missing"] == missing, f"only the cube needs a field: {contact}")
+        ball = models["ball"]
+        expect(ball["model"] == "exact, by formula" and ball["bake_from"] == "formula", f"{ball}")
+        expect(ball["error_m"] < 1e-15 and ball["sag_m"] == 0 and ball["cells"] == 0 and ball["meets_tolerance"], f"{ball}")
+    expect(models["cube"]["model"] == "field + samples" and models["cube"]["cells"] > 0, f"{models}")
+    expect("exact, by formula" in run(binaries, scene, *options[1:]).stdout, "the table does not tell of formulas")
+
+
 def check_tolerances(binaries, folder):
     """Where a tolerance comes from: the smallest clearance, or the file."""
     scene = folder / "ring.gltf"
@@ -138,6 +163,7 @@ def main():
         os.environ["XDG_CACHE_HOME"] = folder
         check_fits(binaries, pathlib.Path(folder))
         check_contact(binaries, pathlib.Path(folder))
+        check_shapes(binaries, pathlib.Path(folder))
         check_tolerances(binaries, pathlib.Path(folder))
     return report()
 

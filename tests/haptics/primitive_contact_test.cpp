@@ -79,7 +79,8 @@ assets::Scene sceneOf(const std::vector<Given>& parts) {
     if (part.shapes.empty()) {
       part.mesh = static_cast<std::uint32_t>(scene.meshes.size());
       scene.meshes.push_back(meshOf(given.soup));
-      std::fill(scene.meshes.back().triangleMaterial.begin(), scene.meshes.back().triangleMaterial.end(), index);
+      std::fill(scene.meshes.back().triangleMaterial.begin(), scene.meshes.back().triangleMaterial.end(),
+                index);
     }
     part.movable = given.mass > 0.0;
     part.massProperties.mass = given.mass;
@@ -93,11 +94,11 @@ assets::Scene sceneOf(const std::vector<Given>& parts) {
 
 /// What a hand that leads part 0 along a path met on the way.
 struct Met {
-  double deepest = 0.0;    // m
-  double last = 0.0;       // m, the gap at the end
-  double buzz = 0.0;       // N, the 99 % quantile of changes of force a tick in the last third
-  double press = 0.0;      // N, at the end
-  Pose pose;               // of the part, at the end
+  double deepest = 0.0;  // m
+  double last = 0.0;     // m, the gap at the end
+  double buzz = 0.0;     // N, the 99 % quantile of changes of force a tick in the last third
+  double press = 0.0;    // N, at the end
+  Pose pose;             // of the part, at the end
   std::uint32_t flags = 0;
 };
 
@@ -174,7 +175,8 @@ TEST(PrimitiveContact, ABallRestsOnAPlateAndIsLedAcrossIt) {
     const double r = kRadius * s;
     const Pose start{{-0.005 * s, 0.002 * s, r + 0.0005 * s}, fromRotationVector({0.3, 0.2, 0.1})};
     const assets::Scene scene =
-        sceneOf({held({ball(r)}, start, s), {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+        sceneOf({held({ball(r)}, start, s),
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
     const Met met = lead(scene, s, straight(start, glm::dvec3(0.012, 0.003, -0.0015) * s), 0.4,
                          [r](const Pose& p) { return p.position.z - r; });
     expectExact(met, s, "ball on plate");
@@ -262,7 +264,8 @@ TEST(PrimitiveContact, ABallRestsInAGrooveOfTriangles) {
 
 /// How far a circle about p, across `axis`, may still grow before it meets the sides of the bore's polygon, m. A ball
 /// is a circle across any axis: zero.
-double roomInBore(const glm::dvec3& p, const glm::dvec3& axis, double radius, double boreRadius, int segments) {
+double roomInBore(const glm::dvec3& p, const glm::dvec3& axis, double radius, double boreRadius,
+                  int segments) {
   double least = 1.0;
   for (int i = 0; i < segments; ++i) {
     const double a = 2.0 * kPi * (i + 0.5) / segments;
@@ -335,8 +338,9 @@ TEST(PrimitiveContact, ACylinderRollsOnAPlate) {
       return Pose{start.position + glm::dvec3(x, 0.0, -0.0015 * s * std::min(1.0, 4.0 * u)),
                   fromRotationVector({0.0, x / r, 0.0})};
     };
-    const assets::Scene scene = sceneOf({held({rod(Kind::cylinder, r, height)}, start, s),
-                                         {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+    const assets::Scene scene =
+        sceneOf({held({rod(Kind::cylinder, r, height)}, start, s),
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
     const Met met = lead(scene, s, path, 0.6, [=](const Pose& p) { return lowestOfCylinder(p, r, height); });
     expectExact(met, s, "cylinder on plate");
   }
@@ -384,7 +388,8 @@ TEST(PrimitiveContact, ACapsuleRestsAcrossAnEdge) {
     const double r = 0.006 * s;
     // Over the upper edge of a box, along Y at x = z = 0.
     const glm::dvec3 size = glm::dvec3(0.04, 0.06, 0.02) * s, at = glm::dvec3(-0.02, 0.0, -0.01) * s;
-    const glm::dquat lying = fromRotationVector({0.0, 0.6, 0.0}) * fromRotationVector({0.0, 0.0, 0.5 * kPi - 0.2});
+    const glm::dquat lying =
+        fromRotationVector({0.0, 0.6, 0.0}) * fromRotationVector({0.0, 0.0, 0.5 * kPi - 0.2});
     const glm::dvec3 axis = lying * glm::dvec3(0.0, 1.0, 0.0);
     const glm::dvec3 up = glm::normalize(glm::cross(axis, glm::dvec3(0.0, 1.0, 0.0)));
     const glm::dvec3 above = up.z < 0.0 ? -up : up;
@@ -393,8 +398,9 @@ TEST(PrimitiveContact, ACapsuleRestsAcrossAnEdge) {
       const glm::dvec3 a = p.orientation * glm::dvec3(0.0, 0.03 * s, 0.0);
       return betweenSegments(p.position - 0.5 * a, a, {0.0, -0.03 * s, 0.0}, {0.0, 0.06 * s, 0.0}) - r;
     };
-    const Met met = lead(sceneOf({held({rod(Kind::capsule, r, 0.03 * s)}, start, s), {{box(size)}, {}, {at, kStraight}}}),
-                         s, straight(start, -above * 0.0015 * s + glm::dvec3(0.0, 0.003 * s, 0.0)), 0.4, gap);
+    const Met met =
+        lead(sceneOf({held({rod(Kind::capsule, r, 0.03 * s)}, start, s), {{box(size)}, {}, {at, kStraight}}}),
+             s, straight(start, -above * 0.0015 * s + glm::dvec3(0.0, 0.003 * s, 0.0)), 0.4, gap);
     expectExact(met, s, "capsule on an edge");
   }
 }
@@ -433,8 +439,9 @@ TEST(PrimitiveContact, ABoxRestsOnABox) {
   for (const double s : kScales) {
     const glm::dvec3 size = glm::dvec3(0.02, 0.015, 0.01) * s;
     const Pose start{{0.0, 0.0, 0.0056 * s}, fromRotationVector({0.0, 0.0, 0.4})};
-    const assets::Scene scene = sceneOf(
-        {held({box(size)}, start, s), {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+    const assets::Scene scene =
+        sceneOf({held({box(size)}, start, s),
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
     const Met met = lead(scene, s, straight(start, glm::dvec3(0.006, 0.002, -0.0015) * s), 0.4,
                          [=](const Pose& p) { return lowestOfBox(p, size); });
     expectExact(met, s, "box on box");
@@ -457,8 +464,9 @@ TEST(PrimitiveContact, ACubeOfTrianglesRestsOnAPlaneAndComesOffAgain) {
                 "cube on plane");
     // Down and up again: nothing holds it back.
     const auto path = [=](double t) {
-      return Pose{start.position + glm::dvec3(0.0, 0.0, 0.0015 * s * (t < 0.5 ? -2.0 * t : -1.0 + 4.0 * (t - 0.5))),
-                  start.orientation};
+      return Pose{
+          start.position + glm::dvec3(0.0, 0.0, 0.0015 * s * (t < 0.5 ? -2.0 * t : -1.0 + 4.0 * (t - 0.5))),
+          start.orientation};
     };
     const Met met = lead(scene, s, path, 0.8, gap);
     EXPECT_NEAR(met.pose.position.z, path(1.0).position.z, 10e-6 * s) << s;
@@ -472,12 +480,38 @@ TEST(PrimitiveContact, ABallOfTrianglesMissesTheBound) {
   const Pose start{{-0.005, 0.002, r + 0.0005}, fromRotationVector({0.3, 0.2, 0.1})};
   Given mesh = held({}, start, 1.0);
   mesh.soup = sphereSoup(r, 112);
-  const assets::Scene scene =
-      sceneOf({mesh, {{box({0.06, 0.06, 0.02})}, {}, {{0, 0, -0.01}, kStraight}}});
+  const assets::Scene scene = sceneOf({mesh, {{box({0.06, 0.06, 0.02})}, {}, {{0, 0, -0.01}, kStraight}}});
   const Met met = lead(scene, 1.0, straight(start, {0.012, 0.003, -0.0015}), 0.4,
                        [r](const Pose& p) { return p.position.z - r; });
-  if (atFullSize()) std::printf("ball of triangles: %.3f um deep, %.3f um off\n", 1e6 * met.deepest, 1e6 * met.last);
+  if (atFullSize())
+    std::printf("ball of triangles: %.3f um deep, %.3f um off\n", 1e6 * met.deepest, 1e6 * met.last);
   EXPECT_GT(std::max(met.deepest / kDeep, std::abs(met.last) / kOff), 1.0);
+}
+
+/// Two slabs of one part, of which one is rough: the friction is that of the shape under the foot.
+TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
+  const Pose start{{-0.012, 0.0, 0.0055}, kStraight};
+  const ImplicitShape slab = box({0.04, 0.04, 0.01});
+  assets::Scene scene = sceneOf(
+      {held({box(glm::dvec3(0.01))}, start, 1.0),
+       {{shapeAt(slab, {{-0.02, 0.0, -0.005}, kStraight}), shapeAt(slab, {{0.02, 0.0, -0.005}, kStraight})},
+        {},
+        {}}});
+  scene.materials.emplace_back();
+  scene.materials.back().staticFriction = scene.materials.back().dynamicFriction = 0.6;
+  scene.parts[1].shapes[1].material = static_cast<std::uint16_t>(scene.materials.size() - 1);
+  MovingRig rig(scene);
+  rig.at(start);
+  rig.tick();
+  rig.own(0);
+  rig.grasp(0);
+  const auto to = [&](const glm::dvec3& by) { return Pose{start.position + by, kStraight}; };
+  rig.lead([&](double t) { return to({0.004 * t / 0.2, 0.0, -0.0015 * t / 0.2}); }, 0.2);
+  EXPECT_NEAR(rig.out.toHand.force.z, 1.0, 0.1);
+  EXPECT_LT(std::abs(rig.out.toHand.force.x), 0.1);  // damping and inertia alone
+  rig.lead([&](double t) { return to({0.004 + 0.02 * t / 1.0, 0.0, -0.0015}); }, 1.0);
+  // Half of 0.6, for the foot has none.
+  EXPECT_NEAR(rig.out.toHand.force.x, -0.3 * rig.out.toHand.force.z, 0.05);
 }
 
 TEST(PrimitiveContact, NeedsNothingBaked) {

@@ -87,9 +87,7 @@ std::vector<Named> thinShapes() {
 
 const Pose kTurned{{0.01, -0.02, 0.005}, fromRotationVector({0.5, -1.1, 0.3})};
 
-assets::Mesh tessellated(const ImplicitShape& shape) {
-  return haptics::meshOfShapes({&shape, 1}, 1.0);
-}
+assets::Mesh tessellated(const ImplicitShape& shape) { return haptics::meshOfShapes({&shape, 1}, 1.0); }
 
 TEST(PrimitiveDistance, AgreesWithTheTrianglesThatStandForIt) {
   for (Named given : allShapes()) {
@@ -189,7 +187,7 @@ TEST(PrimitiveDistance, IsConvexEverywhere) {
 TEST(PrimitiveDistance, IsANumberWithAUnitGradientWhereverItIsAsked) {
   std::vector<Named> shapes = allShapes();
   for (const Named& thin : thinShapes()) shapes.push_back(thin);
-  const double places[] = {0.0,   -0.0,   1e-320, -1e-320, 1e-170, 1e-18, 0.004,  0.005, 0.01,
+  const double places[] = {0.0,   -0.0,   1e-320, -1e-320, 1e-170, 1e-18, 0.004, 0.005, 0.01,
                            -0.01, 0.0125, 0.015,  -0.015,  0.02,   -0.02, 0.025, 1e3,   -1e150};
   for (const Named& given : shapes) {
     const Primitive shape(given.shape);
@@ -198,7 +196,8 @@ TEST(PrimitiveDistance, IsANumberWithAUnitGradientWhereverItIsAsked) {
         for (const double z : places) {
           const SurfaceDistance read = shape.at({x, y, z});
           ASSERT_TRUE(std::isfinite(read.distance)) << given.name << " " << x << " " << y << " " << z;
-          ASSERT_NEAR(glm::length(read.gradient), 1.0, 1e-9) << given.name << " " << x << " " << y << " " << z;
+          ASSERT_NEAR(glm::length(read.gradient), 1.0, 1e-9)
+              << given.name << " " << x << " " << y << " " << z;
         }
   }
 }
@@ -301,7 +300,8 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
         if (samples.patches().empty()) break;
         const ContactPatch& own = samples.patches()[random() % samples.patches().size()];
         Pose pose;
-        pose.orientation = fromRotationVector(3.0 * glm::dvec3(within(random), within(random), within(random)));
+        pose.orientation =
+            fromRotationVector(3.0 * glm::dvec3(within(random), within(random), within(random)));
         const glm::dvec3 way = glm::normalize(glm::dvec3(within(random), within(random), within(random)));
         // So that the sample lies a little outside of the shape.
         const double reach = 0.08;
@@ -322,7 +322,8 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
               const glm::dvec3 a = glm::normalize(glm::cross(patch.out, glm::dvec3(0.3, 0.5, 0.81))),
                                b = glm::cross(patch.out, a);
               const double turn = patch.angle * i / 60.0, about = 2.0 * 3.14159265358979 * k / 60.0;
-              place.out = std::cos(turn) * patch.out + std::sin(turn) * (std::cos(about) * a + std::sin(about) * b);
+              place.out =
+                  std::cos(turn) * patch.out + std::sin(turn) * (std::cos(about) * a + std::sin(about) * b);
             }
             if (patch.kind == ContactPatch::Kind::side) {
               for (int t = 0; t <= 60; ++t) {
@@ -363,7 +364,8 @@ TEST(PrimitiveField, AnswersWithTheErrorOfItsFloats) {
     for (int i = 0; i < 1000; ++i) {
       const glm::dvec3 p = field.origin() + glm::dvec3(within(random), within(random), within(random));
       const haptics::DistanceField::Reading read = field.read(glm::vec3(p - field.origin()));
-      EXPECT_LE(std::abs(static_cast<double>(read.distance) - shape.at(p).distance), static_cast<double>(read.error));
+      EXPECT_LE(std::abs(static_cast<double>(read.distance) - shape.at(p).distance),
+                static_cast<double>(read.error));
       EXPECT_LT(read.error, 1e-7f);
     }
   }
@@ -374,7 +376,9 @@ TEST(PrimitiveField, OfSeveralShapesIsTheNearestAndNeverTooDeep) {
   shapes[1].partFromShape.position = {0.01, 0.0, 0.0};
   const assets::Mesh mesh = haptics::meshOfShapes(shapes, 1.0);
   const haptics::DistanceField field(shapes, mesh, 1e-6);
-  const auto at = [&](const glm::dvec3& p) { return static_cast<double>(field.read(glm::vec3(p - field.origin())).distance); };
+  const auto at = [&](const glm::dvec3& p) {
+    return static_cast<double>(field.read(glm::vec3(p - field.origin())).distance);
+  };
   EXPECT_NEAR(at({0.03, 0.0, 0.0}), 0.01, 1e-8);
   EXPECT_NEAR(at({-0.03, 0.0, 0.0}), 0.02, 1e-8);
   // In both: as deep as in the one that holds it deeper, and no deeper than in both together.
