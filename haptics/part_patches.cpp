@@ -120,8 +120,11 @@ bool PartContact::touchShapes(const PartModel& from, const PartModel& to, const 
   std::array<double, 2> predicted = {1e300, 1e300};
   found = TouchingFeature{};
   found.distance = 0.0;
-  for (const Primitive& shape : to.field.shapes()) {
-    TouchingFeature one = touchingShape(shape, patched ? &patch : nullptr, asked);
+  const std::span<const Primitive> shapes = to.field.shapes();
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const Primitive& shape = shapes[i];
+    TouchingFeature one = touchingShape(shapes, i, patched ? &patch : nullptr, asked);
+    if (one.count == 0) continue;
     TouchingPlane& plane = one.planes[0];
     if (!shape.solid())
       turnAgainst(toFromSamples.orientation * sumOf(from.samples.normals(sample)), to.field.tolerance(),

@@ -109,6 +109,24 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   return best;
 }
 
+/// Which of the two faces of an edge go on as the inside or the surface of another shape, beside the sample.
+std::array<bool, 2> coveredFaces(std::span<const Primitive> shapes, std::size_t which, const MeshEdge& edge,
+                                 const SampleAtMesh& asked) {
+  std::array<bool, 2> covered = {false, false};
+  if (shapes.size() == 1) return covered;
+  const glm::dvec3 along = edge.b - edge.a;
+  const double square = glm::dot(along, along);
+  const double t = square > 0.0 ? std::clamp(glm::dot(asked.point - edge.a, along) / square, 0.0, 1.0) : 0.0;
+  const double beside = 2.0 * asked.slack;
+  for (std::size_t side = 0; side < 2; ++side) {
+    const glm::dvec3 p = edge.a + t * along + beside * edge.normals[side];
+    for (std::size_t i = 0; i < shapes.size(); ++i)
+      covered[side] =
+          covered[side] || (i != which && shapes[i].solid() && shapes[i].at(p).distance < 0.5 * beside);
+  }
+  return covered;
+}
+
 }  // namespace
 
 PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack) {
@@ -176,7 +194,9 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
   return best;
 }
 
-TouchingFeature touchingShape(const Primitive& shape, const ContactPatch* patch, SampleAtMesh asked) {
+TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
+                              SampleAtMesh asked) {
+  const Primitive& shape = shapes[which];
   SurfaceDistance read;
   std::array<glm::dvec3, 2> own;
   if (patch != nullptr) {
@@ -197,8 +217,16 @@ TouchingFeature touchingShape(const Primitive& shape, const ContactPatch* patch,
   const double way = std::max(glm::length(asked.motion), 10.0 * asked.slack);
   if (read.distance > 2.0 * (way + asked.along + asked.range)) return found;
   MeshEdge edge;
-  if (shape.edgeNear(asked.point, std::max(way, 1.001 * found.distance), edge))
+  if (!shape.edgeNear(asked.point, std::max(way, 1.001 * found.distance), edge)) return found;
+  const std::array<bool, 2> covered = coveredFaces(shapes, which, edge, asked);
+  if (!covered[0] && !covered[1]) {
     found.planes[0] = touchingEdge(edge, asked);
+  } else if (covered[0] && covered[1]) {
+    found.count = 0;
+  } else {
+    const glm::dvec3& normal = edge.normals[covered[0] ? 1 : 0];
+    found.planes[0] = {asked.point, normal, glm::dot(normal, asked.point - edge.a)};
+  }
   return found;
 }
 

@@ -27,9 +27,11 @@ PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double s
 /// In a field, by its gradients: nearer with each reading, as far as the field's cells tell.
 PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, double slack, float& error);
 
-/// As touchingFeature(), of a convex shape: `patch` null for a sample that is a point. What it is near to on the shape
-/// is found from `asked` and the patch; asked.edge and along are set from it.
-TouchingFeature touchingShape(const Primitive& shape, const ContactPatch* patch, SampleAtMesh asked);
+/// As touchingFeature(), of one of the convex shapes of a part: `patch` null for a sample that is a point. What it is
+/// near to on the shape is found from `asked` and the patch; asked.edge and along are set from it. A face that other
+/// shapes cover holds nothing off: where two boxes make one floor, nothing catches at the seam. No plane where all do.
+TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
+                              SampleAtMesh asked);
 
 /// As touchingFeature(), of the deepest place of a patch; `start`: from which to look for it.
 bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
