@@ -54,7 +54,7 @@ int ContactPatch::normalsAt(const Place& place, std::array<glm::dvec3, 2>& norma
   normals[0] = place.out;
   if (kind == Kind::cap) return 1;
   normals[0] = std::sqrt(std::max(0.0, 1.0 - grow * grow)) * place.out - grow * axis;
-  normals[1] = axis;
+  normals[1] = cap * place.out + std::sqrt(std::max(0.0, 1.0 - cap * cap)) * axis;
   return kind == Kind::rim ? 2 : 1;
 }
 

@@ -5,7 +5,8 @@
 //   cap       of a sphere: `centre` and `radius`, within `angle` of the direction `out`
 //   side      of a cone or cylinder: spheres whose centres lie on `centre + t axis`, |t| <= along, with radii
 //             `radius + t grow`, touch it from inside; `out` across the axis, within `angle` of it
-//   rim       a circle about `axis`, which is the normal of the face that it bounds; `grow` as above, along that axis
+//   rim       a circle about `axis`, which is the normal of the face that it bounds; `grow` as above, along that axis.
+//             What lies on that face may hide it: the normal of what is seen in its place has `cap` across the axis
 //   straight  a piece of a straight edge: `centre + t axis`, |t| <= along
 //
 // Of the points of a patch that are equally deep to within the `slack` that a caller allows the one nearest to the
@@ -32,6 +33,7 @@ struct ContactPatch {
   double grow = 0.0;                 // m a m along the axis
   double along = 0.0;                // m
   double angle = 0.0;                // rad
+  double cap = 0.0;                  // of a unit vector
 
   /// Where its sample lies, and which way the surface looks there (of a rim, across the axis).
   glm::dvec3 sample() const { return pointAt({out, 0.0}); }

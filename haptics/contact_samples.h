@@ -89,8 +89,10 @@ class ContactSamples {
   void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
                   std::uint32_t triangle);
   void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
-  /// Without samples that other shapes of the same part cover.
-  void dropCovered(std::span<const Primitive> shapes);
+  /// Samples of one of several shapes as they are seen: without what others cover.
+  void uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample);
+  /// The normals of a sample, each where a face ends there; false if none of them is seen.
+  bool uncoverNormals(std::span<const Primitive> shapes, std::size_t which, const ContactSample& sample);
   /// The tree, and the samples in its order.
   void finish();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);

@@ -45,6 +45,13 @@ void setEdge(const ContactPatch& patch, const ContactPatch::Place& place, Sample
   }
 }
 
+/// Whether a round patch ends at a place: what is nearest to it there is nearer to another one, or to a rim.
+bool endsAt(const ContactPatch& patch, const ContactPatch::Place& place) {
+  if (patch.kind != Kind::cap && patch.kind != Kind::side) return false;
+  return (patch.along > 0.0 && std::abs(place.t) > 0.999 * patch.along) ||
+         glm::dot(place.out, patch.out) < std::cos(0.999 * patch.angle);
+}
+
 /// A place of a patch over a triangle: how high it is above it.
 struct Candidate {
   ContactPatch::Place place;
@@ -109,22 +116,33 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   return best;
 }
 
-/// Which of the two faces of an edge go on as the inside or the surface of another shape, beside the sample.
-std::array<bool, 2> coveredFaces(std::span<const Primitive> shapes, std::size_t which, const MeshEdge& edge,
-                                 const SampleAtMesh& asked) {
-  std::array<bool, 2> covered = {false, false};
-  if (shapes.size() == 1) return covered;
+glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& other) {
+  const double length = glm::length(v);
+  return length > 1e-9 ? v / length : other;
+}
+
+/// The edge as it is seen where other shapes lie on its faces. False where nothing is seen of it: all of it is covered.
+bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleAtMesh& asked,
+             MeshEdge& edge) {
+  if (shapes.size() == 1) return true;
   const glm::dvec3 along = edge.b - edge.a;
-  const double square = glm::dot(along, along);
+  const double square = glm::dot(along, along), size = 2.0 * asked.slack;
   const double t = square > 0.0 ? std::clamp(glm::dot(asked.point - edge.a, along) / square, 0.0, 1.0) : 0.0;
-  const double beside = 2.0 * asked.slack;
-  for (std::size_t side = 0; side < 2; ++side) {
-    const glm::dvec3 p = edge.a + t * along + beside * edge.normals[side];
-    for (std::size_t i = 0; i < shapes.size(); ++i)
-      covered[side] =
-          covered[side] || (i != which && shapes[i].solid() && shapes[i].at(p).distance < 0.5 * beside);
-  }
-  return covered;
+  const glm::dvec3 p = edge.a + t * along, n0 = edge.normals[0], n1 = edge.normals[1];
+  const glm::dvec3 outward = unitOr(n0 + n1, n0);
+  const double cosine = glm::dot(n0, n1);
+  const bool first =
+      coveredFace(shapes, which, p, -unitOr(n1 - cosine * n0, n1), outward, size, edge.normals[0]);
+  const bool second =
+      coveredFace(shapes, which, p, -unitOr(n0 - cosine * n1, n0), outward, size, edge.normals[1]);
+  if (first && second) return false;
+  if (!first && !second) return true;
+  // Where the two go on from each other in one plane there is no edge; where they make a hollow both hold as planes.
+  const glm::dvec3 turn = glm::cross(edge.normals[0], edge.normals[1]);
+  if (glm::dot(turn, along) <= 1e-6 * std::sqrt(square))
+    edge.normals[first ? 0 : 1] = edge.normals[first ? 1 : 0];
+  edge.angle = std::acos(std::clamp(glm::dot(edge.normals[0], edge.normals[1]), -1.0, 1.0));
+  return true;
 }
 
 }  // namespace
@@ -218,14 +236,12 @@ TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t whi
   if (read.distance > 2.0 * (way + asked.along + asked.range)) return found;
   MeshEdge edge;
   if (!shape.edgeNear(asked.point, std::max(way, 1.001 * found.distance), edge)) return found;
-  const std::array<bool, 2> covered = coveredFaces(shapes, which, edge, asked);
-  if (!covered[0] && !covered[1]) {
-    found.planes[0] = touchingEdge(edge, asked);
-  } else if (covered[0] && covered[1]) {
+  if (!uncover(shapes, which, asked, edge)) {
     found.count = 0;
+  } else if (edge.angle > 0.0) {
+    found.planes[0] = touchingEdge(edge, asked);
   } else {
-    const glm::dvec3& normal = edge.normals[covered[0] ? 1 : 0];
-    found.planes[0] = {asked.point, normal, glm::dot(normal, asked.point - edge.a)};
+    found.planes[0] = {asked.point, edge.normals[0], glm::dot(edge.normals[0], asked.point - edge.a)};
   }
   return found;
 }
@@ -250,6 +266,8 @@ bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const Contac
     height = lower.height;
     place = lower.place;
   }
+  // An edge of the mesh beyond the end of a patch is not parted from it by the patch's normals.
+  if (endsAt(patch, place)) return false;
   for (int k = 0; k < 2; ++k) {
     asked.point = patch.pointAt(place);
     std::array<glm::dvec3, 2> own;

@@ -232,6 +232,18 @@ bool Primitive::rim(const glm::dvec3& p, double reach, MeshEdge& edge) const {
   return true;
 }
 
+bool coveredFace(std::span<const Primitive> shapes, std::size_t which, const glm::dvec3& p,
+                 const glm::dvec3& inward, const glm::dvec3& outward, double size, glm::dvec3& normal) {
+  // Beside the edge, and a little above the face: how far that is from lying open.
+  const glm::dvec3 above = p + size * inward + 0.1 * size * normal;
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    if (i == which || !shapes[i].solid() || shapes[i].at(above).distance >= 0.0) continue;
+    normal = shapes[i].at(p + size * outward).gradient;
+    return true;
+  }
+  return false;
+}
+
 std::vector<Primitive> primitivesOf(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh) {
   std::vector<Primitive> primitives;
   for (const assets::ImplicitShape& shape : shapes) {

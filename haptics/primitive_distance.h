@@ -65,6 +65,12 @@ class Primitive {
   std::uint32_t triangle_ = 0;
 };
 
+/// What is seen of a part of several shapes where one of them has a face that ends at p, on its edge. `normal`: of the
+/// face, `inward`: from the edge into it, unit. True where another shape lies on the face there; `normal` is then that
+/// of the other one, which meets the edge from outside, looking along `outward`. `size`: m, of what is looked at.
+bool coveredFace(std::span<const Primitive> shapes, std::size_t which, const glm::dvec3& p,
+                 const glm::dvec3& inward, const glm::dvec3& outward, double size, glm::dvec3& normal);
+
 /// Of all shapes of a part. `mesh`: what meshOfShapes() makes of them, for their materials.
 std::vector<Primitive> primitivesOf(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh);
 

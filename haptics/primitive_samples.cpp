@@ -23,7 +23,7 @@ constexpr int kMostRings = 12;   // of a side
 constexpr double kLonger = 4.0;  // times as long as wide is a patch of a side
 // Patches of a zone are about square: half their diagonal over their side, and a little for the pole.
 constexpr double kHalfDiagonal = 0.75;
-constexpr double kOverlap = 1.001;  // of neighbouring patches, so that rounding leaves no gap
+constexpr double kOverlap = 1.02;  // of neighbouring patches: what is deepest is well within one of them
 
 glm::dvec3 across(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 
@@ -44,17 +44,53 @@ ContactSamples::ContactSamples(std::span<const assets::ImplicitShape> shapes, co
   spacing_ = options.spacing > 0.0 ? options.spacing : usualSpacing(mesh);
   smoothSpacing_ = options.smoothSpacing > 0.0 ? options.smoothSpacing : 1.25 * spacing_;
   const std::vector<Primitive> primitives = primitivesOf(shapes, mesh);
-  for (std::size_t i = 0; i < shapes.size(); ++i) sampleShape(shapes[i], primitives[i].triangle());
-  if (primitives.size() > 1) dropCovered(primitives);
+  for (std::size_t i = 0; i < shapes.size(); ++i) {
+    const std::size_t first = samples_.size();
+    sampleShape(shapes[i], primitives[i].triangle());
+    if (primitives.size() > 1) uncover(primitives, i, first);
+  }
   finish();
 }
 
-void ContactSamples::dropCovered(std::span<const Primitive> shapes) {
-  std::erase_if(samples_, [&](const ContactSample& sample) {
-    return std::any_of(shapes.begin(), shapes.end(), [&](const Primitive& shape) {
-      return shape.at(sample.point).distance < -1e-6 * spacing_ - static_cast<double>(sample.along);
-    });
-  });
+void ContactSamples::uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample) {
+  const auto hidden = [&](const ContactSample& sample) {
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      if (i != which &&
+          shapes[i].at(sample.point).distance < -1e-6 * spacing_ - static_cast<double>(sample.along))
+        return true;
+    }
+    return !uncoverNormals(shapes, which, sample);
+  };
+  samples_.erase(
+      std::remove_if(samples_.begin() + static_cast<std::ptrdiff_t>(firstSample), samples_.end(), hidden),
+      samples_.end());
+}
+
+bool ContactSamples::uncoverNormals(std::span<const Primitive> shapes, std::size_t which,
+                                    const ContactSample& sample) {
+  if (sample.normalCount < 2 || sample.normalCount > 3) return true;
+  const std::size_t first = sample.firstNormal, count = sample.normalCount;
+  std::array<glm::dvec3, 3> own;
+  glm::dvec3 sum(0.0);
+  for (std::size_t k = 0; k < count; ++k) sum += own[k] = normals_[first + k];
+  if (!(glm::length(sum) > 1e-6)) return true;  // a sheet
+  std::size_t covered = 0;
+  for (std::size_t k = 0; k < count; ++k) {
+    const glm::dvec3 others = sum - own[k], into = -(others - own[k] * glm::dot(own[k], others));
+    const double length = glm::length(into);
+    if (!(length > 1e-9)) continue;
+    covered += coveredFace(shapes, which, sample.point, into / length, glm::normalize(sum), 1e-3 * spacing_,
+                           normals_[first + k])
+                   ? 1
+                   : 0;
+  }
+  if (covered == count) return false;
+  if (covered == 0 || sample.patch == assets::kNone) return true;
+  ContactPatch& patch = patches_[sample.patch];
+  if (patch.kind != ContactPatch::Kind::rim) return true;
+  patch.grow = std::clamp(-glm::dot(normals_[first], patch.axis), -1.0, 1.0);
+  patch.cap = std::clamp(glm::dot(normals_[first + 1], patch.out), -1.0, 1.0);
+  return true;
 }
 
 void ContactSamples::addPatch(const ContactPatch& patch, std::uint32_t triangle) {
@@ -197,16 +233,19 @@ void ContactSamples::sampleZone(const Pose& pose, double y, double radius, doubl
 void ContactSamples::sampleSide(const Pose& pose, double low, double high, double radius, double grow,
                                 std::uint32_t triangle) {
   const double largest = std::max(radius, radius + (high - low) * grow);
-  const double length = kLonger * 2.0 * kPi * largest / kAround;
-  const double wanted = length > 0.0 ? std::ceil((high - low) / length) : 1.0;
+  const double usual = kLonger * 2.0 * kPi * largest / kAround;
+  const double wanted = usual > 0.0 ? std::ceil((high - low) / usual) : 1.0;
   const int rings = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(kMostRings)));
   for (int ring = 0; ring < rings; ++ring) {
-    const double y = low + (high - low) * (ring + 0.5) / rings;
+    // They overlap, and end where the side does.
+    const double length = (high - low) / rings, middle = low + length * (ring + 0.5);
+    const double from = std::max(low, middle - 0.5 * kOverlap * length),
+                 to = std::min(high, middle + 0.5 * kOverlap * length), y = 0.5 * (from + to);
     for (int i = 0; i < kAround; ++i) {
       ContactPatch patch = ringPatch(ContactPatch::Kind::side, pose, y, i);
       patch.radius = radius + (y - low) * grow;
       patch.grow = grow;
-      patch.along = 0.5 * (high - low) / rings;
+      patch.along = 0.5 * (to - from);
       addPatch(patch, triangle);
     }
   }

@@ -109,7 +109,7 @@ def check_contact(binaries, folder):
 
 def check_shapes(binaries, folder):
     """Implicit shapes are exact and need nothing made; a mesh beside them has its field."""
-    corners = [(x, y, z) for z in (-0.01, 0.01) for y in (-0.01, 0.01) for x in (-0.01, 0.01)]
+    corners = [(x, y, z) for z in (-0.01, 0.01) for y in (-0.01, 0.01) for x in (-0.012, 0.012)]
     faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
              (1, 3, 7), (1, 7, 5)]
     gltf = json.loads(scene_of({"cube": (corners, faces, [0, 0, 0])}))
