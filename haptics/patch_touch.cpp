@@ -80,13 +80,16 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
   found.triangle = triangle;
   const glm::dvec3& normal = edges.normal(triangle);
   if (!(glm::dot(normal, normal) > 0.5)) return found;
-  const Triangle corners = tree.triangle(triangle);
   found.place = patch.lowest(normal, slack);
+  // Beside the nearest face only one that the patch can rest on matters: an edge that both have is known already.
+  if (!nearest && !faces(patch, found.place, normal)) return found;
+  const Triangle corners = tree.triangle(triangle);
   const glm::dvec3 p = patch.pointAt(found.place);
   if (closestPointOnTriangle(p, corners).onFace) {
-    if (nearest || faces(patch, found.place, normal)) found.height = glm::dot(normal, p - corners.a);
+    found.height = glm::dot(normal, p - corners.a);
     return found;
   }
+  if (!nearest) return found;
   // Where the face ends before that place: what of the patch is nearest to it.
   const glm::dvec3 q = closestPointOnTriangle(patch.centre + found.place.t * patch.axis, corners).point;
   found.place = patch.nearestTo(q);

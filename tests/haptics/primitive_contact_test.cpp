@@ -37,6 +37,7 @@ struct Given {
   double mass = 0.0;
   double inertia = 0.0;  // kg m^2, about each axis
   double friction = 0.0;
+  double tolerance = 0.0;  // m, as the file states it
 };
 
 ImplicitShape shapeAt(ImplicitShape shape, const Pose& pose) {
@@ -74,6 +75,7 @@ assets::Scene sceneOf(const std::vector<Given>& parts) {
     assets::Part part;
     part.name = "part" + std::to_string(index);
     part.worldFromPart = given.pose;
+    part.contactTolerance = given.tolerance;
     part.shapes = given.shapes;
     for (ImplicitShape& shape : part.shapes) shape.material = index;
     if (part.shapes.empty()) {
@@ -282,6 +284,7 @@ TEST(PrimitiveContact, ABallGoesIntoABoreOfTrianglesTwentyMicronsWider) {
     Given block;
     BoredBlock given{bore, 0.045 * s, 0.06 * s, 0.045 * s, 0.001 * s, Fit::around, {160, 8}};
     block.soup = boredBlockSoup(given);
+    block.tolerance = 1.25e-6 * s;  // an eighth of the radial clearance, for the fit is not seen at rest
     const Pose start{{0.0003 * s, -0.0002 * s, r + 0.001 * s}, kStraight};
     const auto gap = [=](const Pose& p) {
       return p.position.z < -0.0015 * s ? roomInBore(p.position, glm::dvec3(0.0), r, bore, 160) : 0.0;
@@ -303,6 +306,7 @@ TEST(PrimitiveContact, APinGoesIntoABoreOfTrianglesTwentyMicronsWider) {
     Given block;
     BoredBlock given{bore, 0.045 * s, 0.06 * s, 0.045 * s, 0.001 * s, Fit::around, {160, 8}};
     block.soup = boredBlockSoup(given);
+    block.tolerance = 1.25e-6 * s;  // an eighth of the radial clearance, for the fit is not seen at rest
     // Its axis, Y, down the bore: somewhat askew and beside it.
     const glm::dquat upright = fromRotationVector({0.5 * kPi, 0.0, 0.0});
     const Pose start{{0.0003 * s, -0.0002 * s, 0.5 * height + 0.001 * s},
@@ -326,6 +330,25 @@ TEST(PrimitiveContact, APinGoesIntoABoreOfTrianglesTwentyMicronsWider) {
     EXPECT_NEAR(met.pose.position.z, start.position.z - 0.035 * s, 0.0005 * s) << s;
     EXPECT_LT(met.buzz, 0.05 * s) << s;
   }
+}
+
+/// A cylinder and its chamfer, a frustum: the faces on which they meet are seen by nobody, and hold nothing up.
+TEST(PrimitiveContact, APinOfTwoShapesGoesIntoABoreWithASharpRim) {
+  const double r = kRadius, bore = r + 0.01e-3, height = 0.039, chamfer = 0.001;
+  Given block;
+  block.soup = boredBlockSoup({bore, 0.045, 0.06, 0.045, 0.0, Fit::around, {160, 8}});
+  block.tolerance = 1.25e-6;
+  const Pose body{{0.0, 0.5 * height + chamfer, 0.0}, kStraight};
+  ImplicitShape tip = rod(Kind::cylinder, r, chamfer);
+  tip.radiusBottom = r - chamfer;
+  const std::vector<ImplicitShape> shapes = {shapeAt(rod(Kind::cylinder, r, height), body),
+                                             shapeAt(tip, {{0.0, 0.5 * chamfer, 0.0}, kStraight})};
+  const glm::dquat upright = fromRotationVector({0.5 * kPi, 0.0, 0.0});
+  const Pose start{{0.0004, -0.0003, 0.001}, fromRotationVector({0.015, 0.02, 0.0}) * upright};
+  const Met met = lead(sceneOf({held(shapes, start, 1.0), block}), 1.0,
+                       straight(start, glm::dvec3(0.0, 0.0, -0.035)), 1.6, [](const Pose&) { return 0.0; });
+  EXPECT_NEAR(met.pose.position.z, start.position.z - 0.035, 0.0005);
+  EXPECT_LT(met.buzz, 0.05);
 }
 
 /// Turned about its own axis as it goes: as it would roll.
