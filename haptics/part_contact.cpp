@@ -404,7 +404,7 @@ void PartContact::refine(RowSource source, const Displacement& u, ContactRows& r
   asked.motion = glm::conjugate(worldFromMesh.orientation) * (ofFirst ? motion : -motion);
   asked.normals = {normals.data(), count};
   asked.slack = 0.5 * to.field.tolerance();
-  asked.range = kBelieved * from.samples.spacing();
+  asked.range = kBelieved * from.samples.spacing() + (pair.second >= 0 ? 2.0 : 1.0) * reach_;
   const bool byFormula = to.byFormula(), round = from.samples.isRound(sample);
   if (!byFormula && !round) {
     const DistanceField::Reading around = to.field.read(glm::vec3(asked.point - to.field.origin()));

@@ -23,6 +23,24 @@ double shareBeside(const assets::Bounds& bounds, double margin, const glm::dvec3
   return off < margin ? 1.0 - off / margin : 0.0;
 }
 
+/// Whether p is behind the surface at the point of it that is nearest. On an edge or in a corner every face that meets
+/// there has to say so: before a sharp one, a face alone may be wrong.
+bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
+  const glm::dvec3 off = p - nearest.point;
+  if (glm::dot(edges.normal(nearest.triangle), off) >= 0.0) return false;
+  if (nearest.onFace) return true;
+  const double near = 1e-6 * nearest.distance;
+  for (const std::uint32_t i : edges.around(nearest.triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    const glm::dvec3 way = edge.b - edge.a, from = nearest.point - edge.a;
+    const double share = std::clamp(glm::dot(from, way) / glm::dot(way, way), 0.0, 1.0);
+    if (glm::length(from - share * way) > near) continue;
+    for (const glm::dvec3& normal : edge.normals)
+      if (glm::dot(normal, off) >= 0.0) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 bool PartContact::isContained(const Pair& pair) const {
@@ -135,8 +153,7 @@ double PartContact::depthOfSide(const Pair& pair, bool ofFirst, bool& allInside,
                     // With no surface within `most` it is outside: inside none can be further away.
                     MeshPoint nearest;
                     if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
-                    inside =
-                        surelyInside || glm::dot(to.edges.normal(nearest.triangle), p - nearest.point) < 0.0;
+                    inside = surelyInside || isBehind(to.edges, nearest, p);
                     depth = nearest.distance;
                   }
                 }

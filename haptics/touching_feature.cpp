@@ -11,8 +11,6 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 // Two edges cross where they differ by more; along each other they touch in a whole line.
 constexpr double kCrossing = 0.05;  // sine of the angle between them
-// Further than this many times what a sample may go, before it asks again, nothing but its distance is told of it.
-constexpr double kOutOfReach = 2.0;
 
 glm::dvec3 closestOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 ab = b - a;
@@ -214,7 +212,7 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
   found.triangle = nearest.triangle;
   found.distance = nearest.distance;
   const double way = std::max(glm::length(sample.motion), 10.0 * sample.slack);
-  if (sample.outside && nearest.distance > kOutOfReach * (way + sample.along + sample.range)) {
+  if (sample.outside && nearest.distance > sample.along + sample.range) {
     // Out of reach, it is held off by its distance alone: the planes of features mean nothing far from them.
     found.planes[0] = {p, (p - nearest.point) / nearest.distance, nearest.distance};
     found.count = 1;

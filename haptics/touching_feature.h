@@ -27,7 +27,7 @@ struct SampleAtMesh {
   double along = 0.0;                   // it stands for the edge this far to both sides
   double slack = 0.0;                   // by which a gap may be below zero if the prediction then passes
   bool outside = false;                 // it is known not to be inside the mesh
-  double range = 0.0;                   // m that it may go beyond the motion before it asks again
+  double range = 0.0;                   // m that it may go before it asks again
 };
 
 /// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.
