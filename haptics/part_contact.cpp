@@ -15,6 +15,25 @@ constexpr std::uint16_t kOfFirst = 0, kOfOther = 1;
 // What a close look told is believed while its sample has not gone further than this share of the spacing.
 constexpr double kBelieved = 0x1p-4;
 
+/// Whether a piece of edge may come nearer to a surface between its sample and the next one than at both, by more than
+/// `slack` m: where it crosses a blade or a rib that is thin beside the way between them, which both have beside them. To a
+/// body that is convex there the distance is a convex function along the edge, above its tangents.
+bool crossesBlade(const PartModel& from, const PartModel& to, const FloatMotion& motion,
+                  const ContactSample& sample, const glm::vec3& place, const DistanceField::Reading& read,
+                  float reach, float slack) {
+  const MeshEdge& edge = from.edges.edges()[sample.edge];
+  const glm::vec3 along = sample.along * (motion.turn * glm::vec3(glm::normalize(edge.b - edge.a)));
+  const float slope = glm::dot(read.gradient, along);
+  if (std::abs(slope) <= slack) return false;
+  const float side = slope > 0.0f ? -1.0f : 1.0f;
+  const DistanceField::Reading next = to.field.read(place + side * along);
+  const float down = std::abs(slope), up = side * glm::dot(next.gradient, along);
+  // Where the surface turns by less than some 40 degrees between them, it is round rather than a blade.
+  if (up <= 0.0f || down + up < 0.7f * sample.along) return false;
+  const float least = read.distance - down * (read.distance - next.distance + up) / (down + up);
+  return least - read.error <= reach && std::min(read.distance, next.distance) - least > slack;
+}
+
 }  // namespace
 
 PartContact::PartContact(const ContactWorld& world) : world_(world) {
@@ -302,7 +321,8 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
     const float least = read.distance - read.error + allowed;
     const RowSource source{pair, side, i};
     const glm::vec3 arm = turn * place + shift;
-    if (read.error > rough) {
+    if (read.error > rough ||
+        (sample.along > 0.0f && crossesBlade(from, to, motion, sample, place, read, limit, smooth))) {
       const Look& look = lookAt(sampled, i, asked);
       float room = least - sample.along;
       if (look.other == asked) {
@@ -322,7 +342,7 @@ void PartContact::gatherSide(std::uint16_t pair, std::uint16_t side, double reac
       if (room <= limit) rows_.addBall(arm, room, source);
       return;
     }
-    // Along a piece of edge before a smooth surface the least gap is that of an end: the next sample's.
+    // Along the rest of a piece of edge before a smooth surface the least gap is that of an end: the next sample's.
     if (least > limit) return;
     if (read.error <= smooth) {
       const float gap = read.distance + read.error + allowed;
