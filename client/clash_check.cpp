@@ -10,11 +10,13 @@
 
 #include <glm/common.hpp>
 
+#include "assets/part_pairs.h"
 #include "client/facet_sag.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/in_parallel.h"
 #include "haptics/mesh_intrusion.h"
 #include "haptics/mesh_overlap.h"
+#include "haptics/placed_bounds.h"
 
 namespace tandem::client {
 
@@ -108,20 +110,6 @@ std::vector<Pair> nearPairs(const haptics::ContactScene& contact, const Poses& w
   return pairs;
 }
 
-/// The box around a mesh's box, world frame.
-assets::Bounds boxAt(const TriangleBvh& tree, const Pose& worldFromMesh) {
-  assets::Bounds box;
-  for (int i = 0; i < 8; ++i) {
-    const assets::Bounds& own = tree.bounds();
-    const glm::dvec3 p = transformPoint(
-        worldFromMesh, {(i & 1) != 0 ? own.max.x : own.min.x, (i & 2) != 0 ? own.max.y : own.min.y,
-                        (i & 4) != 0 ? own.max.z : own.min.z});
-    box.min = glm::min(box.min, p);
-    box.max = glm::max(box.max, p);
-  }
-  return box;
-}
-
 double gapOf(const assets::Bounds& a, const assets::Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
@@ -186,12 +174,7 @@ bool moreSevere(const Clash& l, const Clash& r) {
 }  // namespace
 
 bool mayCollide(const haptics::ContactScene& contact, PartId a, PartId b) {
-  const assets::Scene& scene = contact.scene();
-  if (!assets::mayCollide(scene.parts[a].filter, scene.parts[b].filter)) return false;
-  return std::none_of(scene.joints.begin(), scene.joints.end(), [&](const assets::Joint& joint) {
-    return !joint.collide &&
-           ((joint.partA == a && joint.partB == b) || (joint.partA == b && joint.partB == a));
-  });
+  return assets::mayCollide(contact.scene(), a, b);
 }
 
 std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a, const Pose& worldFromA,
@@ -212,7 +195,7 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
   const TriangleBvh* own = treeOf(contact, part);
   if (own == nullptr) return {};
   const PlacedMesh placed{own, worldFromPart[part]};
-  const assets::Bounds box = boxAt(*own, placed.worldFromMesh);
+  const assets::Bounds box = haptics::boundsAt(own->bounds(), placed.worldFromMesh);
   struct Candidate {
     double atLeast;  // m, from box to box
     PartId part;
@@ -221,7 +204,7 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
   for (PartId other = 0; other < worldFromPart.size(); ++other) {
     const TriangleBvh* tree = other == part ? nullptr : treeOf(contact, other);
     if (tree == nullptr || !mayCollide(contact, part, other)) continue;
-    candidates.push_back({gapOf(box, boxAt(*tree, worldFromPart[other])), other});
+    candidates.push_back({gapOf(box, haptics::boundsAt(tree->bounds(), worldFromPart[other])), other});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& l, const Candidate& r) {
     return l.atLeast != r.atLeast ? l.atLeast < r.atLeast : l.part < r.part;

@@ -7,6 +7,7 @@
 #include <glm/mat3x3.hpp>
 
 #include "assets/assert.h"
+#include "haptics/segment.h"
 
 namespace tandem::haptics {
 namespace {
@@ -29,13 +30,6 @@ assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
 
 glm::dvec3 toPart(const Pose& worldFromPart, const glm::dvec3& p) {
   return glm::conjugate(worldFromPart.orientation) * (p - worldFromPart.position);
-}
-
-double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 ab = b - a;
-  const double square = glm::dot(ab, ab);
-  const double t = square > 0.0 ? std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : 0.0;
-  return glm::length(p - (a + t * ab));
 }
 
 }  // namespace
@@ -188,7 +182,7 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
   const double off = skin(part, p);
   const double reach = collider.radius + radius + 2.0 * off;
   const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
-  if (distanceToSegment(p, c0, c1) > reach) return false;
+  if (glm::length(p - closestPointOnSegment(p, c0, c1)) > reach) return false;
 
   // Seen from the part the ball moves along an arc; chords of at most 3 degrees follow it, and end points are
   // exact.

@@ -10,6 +10,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/mesh_analysis.h"
+#include "haptics/segment.h"
 
 namespace tandem::haptics {
 namespace {
@@ -24,10 +25,7 @@ constexpr std::array<glm::dvec3, 3> kRays{
     glm::dvec3{0.2313971, -0.8811737, 0.4123391}};
 
 double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 way = b - a;
-  const double square = glm::dot(way, way);
-  const double s = square > 0.0 ? std::clamp(glm::dot(p - a, way) / square, 0.0, 1.0) : 0.0;
-  return glm::length(p - a - s * way);
+  return glm::length(p - closestPointOnSegment(p, a, b));
 }
 
 assets::Mesh welded(const assets::Mesh& mesh) {

@@ -10,6 +10,8 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "haptics/placed_bounds.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -95,15 +97,9 @@ class Intruder {
 
   std::vector<std::uint32_t> trianglesInReach() const {
     const Pose meshFromSolid = inverse(solidFromMesh_);
-    const assets::Bounds& box = solid_.bounds();
-    assets::Bounds reach;
-    for (int i = 0; i < 8; ++i) {
-      const glm::dvec3 p = transformPoint(
-          meshFromSolid, {(i & 1) != 0 ? box.max.x : box.min.x, (i & 2) != 0 ? box.max.y : box.min.y,
-                          (i & 4) != 0 ? box.max.z : box.min.z});
-      reach.min = glm::min(reach.min, p - tolerance_);
-      reach.max = glm::max(reach.max, p + tolerance_);
-    }
+    assets::Bounds reach = boundsAt(solid_.bounds(), meshFromSolid);
+    reach.min -= tolerance_;
+    reach.max += tolerance_;
     std::vector<std::uint32_t> found(mesh_.gather(reach, {}));
     mesh_.gather(reach, found);
     return found;

@@ -4,6 +4,7 @@
 
 #include "haptics/near_samples.h"
 #include "haptics/part_contact.h"
+#include "haptics/segment.h"
 
 // Overlaps of the parts that move here: those that the file has at rest are remembered and never ejected.
 
@@ -32,9 +33,7 @@ bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3
   const double near = 1e-6 * nearest.distance;
   for (const std::uint32_t i : edges.around(nearest.triangle)) {
     const MeshEdge& edge = edges.edges()[i];
-    const glm::dvec3 way = edge.b - edge.a, from = nearest.point - edge.a;
-    const double share = std::clamp(glm::dot(from, way) / glm::dot(way, way), 0.0, 1.0);
-    if (glm::length(from - share * way) > near) continue;
+    if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
     for (const glm::dvec3& normal : edge.normals)
       if (glm::dot(normal, off) >= 0.0) return false;
   }

@@ -10,11 +10,13 @@
 #include <glm/geometric.hpp>
 
 #include "assets/control.h"
+#include "assets/part_pairs.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/in_parallel.h"
 #include "haptics/mesh_distance.h"
 #include "haptics/mesh_intrusion.h"
 #include "haptics/mesh_overlap.h"
+#include "haptics/placed_bounds.h"
 #include "haptics/scene_bvh.h"
 
 namespace tandem::haptics {
@@ -29,21 +31,6 @@ struct Pair {
   double reach;           // m, beyond which a clearance makes nothing stricter
   std::size_t triangles;  // of both: what it may cost
 };
-
-/// The box around a part as it stands in the file, world frame.
-assets::Bounds boxOf(const Collider& collider, const Pose& worldFromPart) {
-  assets::Bounds box;
-  if (collider.tree == nullptr) return box;
-  const assets::Bounds& own = collider.tree->bounds();
-  for (int i = 0; i < 8; ++i) {
-    const glm::dvec3 p = transformPoint(
-        worldFromPart, {(i & 1) != 0 ? own.max.x : own.min.x, (i & 2) != 0 ? own.max.y : own.min.y,
-                        (i & 4) != 0 ? own.max.z : own.min.z});
-    box.min = glm::min(box.min, p);
-    box.max = glm::max(box.max, p);
-  }
-  return box;
-}
 
 class Clearances {
  public:
@@ -69,13 +56,6 @@ class Clearances {
   bool held(PartId part) const {
     return scene_.parts[part].movable && assets::controlOf(scene_, part) == nullptr;
   }
-  bool mayCollide(PartId a, PartId b) const {
-    return assets::mayCollide(scene_.parts[a].filter, scene_.parts[b].filter) &&
-           std::none_of(scene_.joints.begin(), scene_.joints.end(), [a, b](const assets::Joint& joint) {
-             return !joint.collide &&
-                    ((joint.partA == a && joint.partB == b) || (joint.partA == b && joint.partB == a));
-           });
-  }
   /// How far apart something may be that makes the tolerance of a part stricter, m; 0 where nothing does.
   double reachOf(PartId part) const {
     const PartTolerance& tolerance = tolerances_[part];
@@ -87,7 +67,8 @@ class Clearances {
     std::vector<assets::Bounds> boxes(colliders_.size());
     std::vector<bool> held(colliders_.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      boxes[i] = boxOf(colliders_[i], scene_.parts[i].worldFromPart);
+      if (colliders_[i].tree != nullptr)
+        boxes[i] = boundsAt(colliders_[i].tree->bounds(), scene_.parts[i].worldFromPart);
       held[i] = this->held(static_cast<PartId>(i));
     }
     const SceneBvh tree(boxes);
@@ -117,7 +98,7 @@ class Clearances {
     const double reach = std::max(reachOf(a), reachOf(b));
     const glm::dvec3 apart =
         glm::max(glm::max(boxes[a].min - boxes[b].max, boxes[b].min - boxes[a].max), glm::dvec3(0.0));
-    if (!(reach > 0.0) || glm::length(apart) > reach || !mayCollide(a, b)) return;
+    if (!(reach > 0.0) || glm::length(apart) > reach || !assets::mayCollide(scene_, a, b)) return;
     pairs_.push_back(
         {a, b, reach,
          colliders_[a].tree->mesh().triangles.size() + colliders_[b].tree->mesh().triangles.size()});

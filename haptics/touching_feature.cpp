@@ -5,18 +5,14 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/segment.h"
+
 namespace tandem::haptics {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 // Two edges cross where they differ by more; along each other they touch in a whole line.
 constexpr double kCrossing = 0.05;  // sine of the angle between them
-
-glm::dvec3 closestOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 ab = b - a;
-  const double square = glm::dot(ab, ab);
-  return square > 0.0 ? a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0) : a;
-}
 
 /// Directions across an edge as angles from its first normal towards the second.
 class EdgePlane {
@@ -110,7 +106,7 @@ bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleAt
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     if (edge.angle < 0.0) continue;
-    const glm::dvec3 offset = sample.point - closestOnSegment(sample.point, edge.a, edge.b);
+    const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, edge.a, edge.b);
     TouchingPlane found;
     if (glm::dot(offset, offset) > reach * reach || !crossingEdges(edge, EdgePlane(edge), sample, found))
       continue;
@@ -129,7 +125,7 @@ const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, co
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     if (edge.angle < 0.0) continue;
-    const glm::dvec3 q = closestOnSegment(p, edge.a, edge.b);
+    const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     const double square = glm::dot(p - q, p - q);
     if (square > least) continue;
     least = square;
@@ -149,7 +145,7 @@ bool planeBeyond(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t 
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     if (edge.angle > 0.0) continue;
-    const glm::dvec3 q = closestOnSegment(p, edge.a, edge.b);
+    const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     if (glm::dot(p - q, p - q) > 4.0 * reach * reach) continue;
     for (std::size_t side = 0; side < 2; ++side) {
       const glm::dvec3& normal = edge.normals[side];
@@ -196,7 +192,7 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
 TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample) {
   TouchingPlane found;
   if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, found)) return found;
-  return planeOfEdge(edge, closestOnSegment(sample.point, edge.a, edge.b), sample,
+  return planeOfEdge(edge, closestPointOnSegment(sample.point, edge.a, edge.b), sample,
                      std::max(glm::length(sample.motion), 10.0 * sample.slack));
 }
 

@@ -3,20 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/segment.h"
+
 namespace tandem::haptics {
 namespace {
 
-glm::dvec3 closestOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
-  const glm::dvec3 ab = b - a;
-  const double square = glm::dot(ab, ab);
-  if (!(square > 0.0)) return a;
-  return a + ab * std::clamp(glm::dot(p - a, ab) / square, 0.0, 1.0);
-}
-
 /// For triangles of no area, whose face regions are empty.
 TrianglePoint closestOnEdges(const glm::dvec3& p, const Triangle& t) {
-  const glm::dvec3 candidates[3] = {closestOnSegment(p, t.a, t.b), closestOnSegment(p, t.b, t.c),
-                                    closestOnSegment(p, t.c, t.a)};
+  const glm::dvec3 candidates[3] = {closestPointOnSegment(p, t.a, t.b), closestPointOnSegment(p, t.b, t.c),
+                                    closestPointOnSegment(p, t.c, t.a)};
   TrianglePoint best{candidates[0], false};
   for (const glm::dvec3& q : candidates) {
     if (glm::dot(p - q, p - q) < glm::dot(p - best.point, p - best.point)) best.point = q;
