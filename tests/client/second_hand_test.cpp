@@ -10,8 +10,8 @@
 #include <glm/geometric.hpp>
 
 #include "client/hand_loop.h"
+#include "tests/client/box_row.h"
 #include "tests/support/allocation_counter.h"
-#include "tests/support/shapes.h"
 
 namespace tandem::client {
 namespace {
@@ -25,18 +25,7 @@ constexpr PartId kBox = 0, kNext = 1;
 class SecondHandTest : public testing::Test {
  protected:
   SecondHandTest() {
-    scene_.meshes.push_back(test::boxMesh({0.04, 0.04, 0.04}));
-    scene_.materials.emplace_back();
-    for (int i = 0; i < 3; ++i) {
-      assets::Part part;
-      part.name = "box " + std::to_string(i);
-      part.mesh = 0;
-      part.movable = true;
-      part.massProperties.mass = 0.2;
-      part.massProperties.inertia = glm::dmat3(5e-5);
-      part.worldFromPart.position = {0.2 * i, 0.0, 0.0};
-      scene_.parts.push_back(part);
-    }
+    scene_ = test::rowOfBoxes();
     contact_ = std::make_unique<haptics::ContactScene>(scene_);
     exchange_ = std::make_unique<Exchange>();
     hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
