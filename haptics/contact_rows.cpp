@@ -59,8 +59,16 @@ int ContactRows::addExact(const ExactRow& row) {
     return -1;
   }
   rows_[exact_] = row;
+  if (row.asksOut() && holds(row.source.pair)) rows_[exact_].gap = 0.0;
   anySoft_ = anySoft_ || row.give > 0.0;
   return exact_++;
+}
+
+void ContactRows::hold(int pair) {
+  held_.set(static_cast<std::size_t>(pair));
+  for (int i = 0; i < exact_; ++i) {
+    if (rows_[i].source.pair == pair && rows_[i].asksOut()) rows_[i].gap = 0.0;
+  }
 }
 
 bool ContactRows::beginPair() {

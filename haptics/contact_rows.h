@@ -14,6 +14,7 @@
 //    rounding is far below the error of a field.
 
 #include <array>
+#include <bitset>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -60,6 +61,8 @@ struct ExactRow {
   }
   /// How far the displacement leaves the half-space, m; at most 0 if it does not.
   double violation(const Displacement& u) const { return -gap - along(u); }
+  /// Whether it is a rigid half-space that wants the part to come out of where it is.
+  bool asksOut() const { return gap < 0.0 && give == 0.0 && !bothWays; }
 };
 
 /// Displacements of the pairs' first parts seen from the other ones.
@@ -74,6 +77,7 @@ class ContactRows {
   void clear() {
     planes_ = balls_ = exact_ = dropped_ = pairs_ = 0;
     anySoft_ = false;
+    held_.reset();
   }
   /// Planes and balls from here on belong to the next pair: 0, 1, ... False if there is no room for it.
   bool beginPair();
@@ -81,6 +85,10 @@ class ContactRows {
   void addBall(const glm::vec3& arm, float room, RowSource source);
   /// Returns its index, or -1 if there is no room.
   int addExact(const ExactRow& row);
+
+  /// From here on no half-space of the pair asks for a way out: what is behind one may stay as deep as it is, no deeper.
+  void hold(int pair);
+  bool holds(int pair) const { return held_[static_cast<std::size_t>(pair)]; }
 
   /// The plane that u violates most, by more than `limit` m; -1 if none.
   int worstPlane(PairMotions u, double limit) const;
@@ -132,6 +140,7 @@ class ContactRows {
   std::array<int, kMostPairs> firstPlane_{};  // of a pair; a multiple of four
   int planes_ = 0, balls_ = 0, exact_ = 0, dropped_ = 0, pairs_ = 0;
   bool anySoft_ = false;
+  std::bitset<kMostPairs> held_;
 };
 
 }  // namespace tandem::haptics

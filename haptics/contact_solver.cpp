@@ -196,6 +196,23 @@ bool ContactSolver::activate(ActiveRow& row) {
   return false;
 }
 
+bool ContactSolver::hold(const ActiveRow& row, ContactRows& rows) {
+  bool any = false;
+  const auto holdPairOf = [&](int index) {
+    const ExactRow& exact = rows.exact(index);
+    if (!exact.asksOut()) return;
+    rows.hold(exact.source.pair);
+    any = true;
+  };
+  const Step step = stepTowards(row);
+  holdPairOf(row.row);
+  for (int i = 0; i < count_; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (std::abs(step.rates[at]) > 1e-12) holdPairOf(active_[at].row);
+  }
+  return any;
+}
+
 void ContactSolver::take(int index, double tolerance, ContactRows& rows) {
   const int count = count_;
   std::copy_n(active_.begin(), count, spare_.begin());
@@ -209,13 +226,15 @@ void ContactSolver::take(int index, double tolerance, ContactRows& rows) {
     }
   }
   if (activate(row)) return updateMotions();
+  squeezed_ = hold(row, rows);
   // What the row gave before it turned out to contradict the others is taken back.
   std::copy_n(spare_.begin(), count, active_.begin());
   count_ = count;
+  factored_ = 0;  // of other rows, if any was let go meanwhile
   y_ = y;
   // An equation that says what others say already is no contradiction.
   if (!rows.exact(index).bothWays || std::abs(missing) > tolerance) ++infeasible_;
-  rows.dropExact(index);
+  if (!squeezed_) rows.dropExact(index);
 }
 
 void ContactSolver::takeKnown(double tolerance, ContactRows& rows) {
@@ -224,10 +243,10 @@ void ContactSolver::takeKnown(double tolerance, ContactRows& rows) {
   for (int i = 0; i < known; ++i)
     before[static_cast<std::size_t>(i)] = active_[static_cast<std::size_t>(i)].row;
   count_ = factored_ = 0;
-  for (int i = 0; i < rows.exactRows(); ++i) {
+  for (int i = 0; i < rows.exactRows() && !squeezed_; ++i) {
     if (rows.exact(i).bothWays) take(i, tolerance, rows);
   }
-  for (int i = 0; i < known; ++i) {
+  for (int i = 0; i < known && !squeezed_; ++i) {
     const int row = before[static_cast<std::size_t>(i)];
     const ExactRow& exact = rows.exact(row);
     if (!exact.bothWays && exact.violation(motion_[exact.source.pair]) > tolerance)
@@ -250,13 +269,21 @@ int ContactSolver::nextExact(double tolerance, const ContactRows& rows) const {
 
 void ContactSolver::solveNormals(double tolerance, const Vectors& start, ContactRows& rows,
                                  RowRefiner* refiner) {
-  for (std::size_t b = 0; b < goals_.size(); ++b) y_[b] = start[b];
-  updateMotions();
-  takeKnown(tolerance, rows);
+  do {
+    squeezed_ = false;
+    for (std::size_t b = 0; b < goals_.size(); ++b) y_[b] = start[b];
+    updateMotions();
+    takeKnown(tolerance, rows);
+    if (!squeezed_) obeyRows(tolerance, rows, refiner);
+  } while (squeezed_);
+}
+
+void ContactSolver::obeyRows(double tolerance, ContactRows& rows, RowRefiner* refiner) {
   while (picks_ < mostPicks_) {
     const PairMotions u = pairMotions();
     for (int worst = nextExact(tolerance, rows); worst >= 0 && picks_ < mostPicks_; ++picks_) {
       take(worst, tolerance, rows);
+      if (squeezed_) return;
       worst = nextExact(tolerance, rows);
     }
     if (refiner == nullptr) return;

@@ -18,6 +18,10 @@
 // turn until they agree: staggered projections (Kaufman, Sueda, James & Pai 2008), from those of the last tick;
 // the last word is the normals', so that friction never pushes anything into a surface.
 //
+// A part that is squeezed between others which come nearer than it is wide cannot be outside of all of them. Rows that
+// contradict each other then ask only that nothing goes in deeper, which standing still does: a way out of the one that
+// leads into the other would be taken back in the next step, for ever.
+//
 // 1. Bounded work: as many rows as the caller allows are picked. 2. No allocation.
 
 #include <array>
@@ -136,6 +140,8 @@ class ContactSolver {
 
   /// Normal forces for a y that starts at `start`: of exact rows alone where `refiner` is null.
   void solveNormals(double tolerance, const Vectors& start, ContactRows& rows, RowRefiner* refiner);
+  /// One attempt at that, which ends early where parts turn out to be squeezed.
+  void obeyRows(double tolerance, ContactRows& rows, RowRefiner* refiner);
   /// Joints' equations, then rows that were active before: where several sets hold the parts alike, the same one is
   /// found.
   void takeKnown(double tolerance, ContactRows& rows);
@@ -157,6 +163,9 @@ class ContactSolver {
   Step stepTowards(const ActiveRow& row);
   /// Adds a violated row to the active ones; false if that cannot be.
   bool activate(ActiveRow& row);
+  /// Between a row and those that contradict it parts are squeezed: none of their pairs asks for a way out any more,
+  /// which all of them can obey. False if none did.
+  bool hold(const ActiveRow& row, ContactRows& rows);
   void drop(int i);
   void setToZero(Vectors& v) const;
   /// u_ and motion_ from y_.
@@ -168,6 +177,7 @@ class ContactSolver {
   std::array<ActiveRow, kMostActive> spare_;
   int mostPicks_ = 0;
   int count_ = 0, picks_ = 0, rounds_ = 0, infeasible_ = 0;
+  bool squeezed_ = false;  // rows were changed: what has been solved so far is not what they ask
   // Cholesky's factors of the active directions' products, of as many rows as are known.
   std::array<std::array<double, kMostActive>, kMostActive> factor_;
   int factored_ = 0;

@@ -223,18 +223,56 @@ TEST(ContactSolver, FrictionCarriesThePartAlongWithTheGround) {
   EXPECT_NEAR(u.linear.x, 2e-5, 1e-7);
 }
 
-TEST(ContactSolver, RowsThatContradictEachOtherAreCountedAndStayFinite) {
+TEST(ContactSolver, RowsThatContradictEachOtherAreCountedAndLetNothingInDeeper) {
   ContactRows rows;
   Shelf shelf;
   ContactSolver solver;
   Numbers number(4);
-  StepGoal goal = randomGoal(number);
+  const StepGoal goal = randomGoal(number);
   rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
   rows.addExact({{0.0, 0.0, -1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
   const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
   EXPECT_GT(solver.infeasible(), 0);
+  EXPECT_LT(std::abs(u.linear.z), 2.0 * kTolerance);
   EXPECT_LT(glm::length(u.linear), 1e-3);
   EXPECT_LT(glm::length(u.angular), 0.1);
+}
+
+TEST(ContactSolver, ARowThatCanBeObeyedAloneIsObeyed) {
+  ContactRows rows;
+  Shelf shelf;
+  ContactSolver solver;
+  Numbers number(4);
+  rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
+  EXPECT_NEAR(solveOne(solver, randomGoal(number), kTolerance, rows, shelf).linear.z, 1e-4, 2.0 * kTolerance);
+  EXPECT_EQ(solver.infeasible(), 0);
+}
+
+TEST(ContactSolver, AmongRandomRowsASqueezedBodyGoesInDeeperNowhere) {
+  Numbers number(6);
+  for (int run = 0; run < 300; ++run) {
+    const StepGoal goal = randomGoal(number);
+    Shelf shelf;
+    for (std::uint32_t i = 0; i < 30; ++i) {
+      shelf.exact.push_back(randomRow(number, i));
+      if (i % 3 == 0) shelf.exact.back().gap *= -10.0;
+    }
+    // Two jaws nearer to each other than the body is wide, whatever it does.
+    ExactRow jaw = randomRow(number, 30);
+    jaw.gap = -1e-4;
+    shelf.exact.push_back(jaw);
+    jaw.normal = -jaw.normal;
+    jaw.source.sample = 31;
+    shelf.exact.push_back(jaw);
+    ContactRows rows;
+    rows.beginPair();
+    for (const ExactRow& row : shelf.exact) rows.addBall(glm::vec3(row.arm), 0.0f, row.source);
+    ContactSolver solver;
+    const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+    EXPECT_GT(solver.infeasible(), 0);
+    for (ExactRow& row : shelf.exact) row.gap = std::max(row.gap, 0.0);
+    expectOptimal(goal, shelf, solver, rows, u);
+  }
 }
 
 TEST(ContactRows, DropsWhatDoesNotFitAndSaysSo) {

@@ -49,6 +49,7 @@ class MovingRig {
       sample_.time = time_ += parameters.dt;
       input.device = sample_;
       input.commands = commands_;
+      input.moved = moved;
       out = haptics::tick(input, contact_, parameters, state_);
       commands_.clear();
       flags |= out.flags;
@@ -84,8 +85,9 @@ class MovingRig {
 
   haptics::TickParameters parameters;
   haptics::TickOutput out;
-  std::uint32_t flags = 0;     // of all ticks
-  std::function<void()> each;  // after every tick
+  std::uint32_t flags = 0;                 // of all ticks
+  std::function<void()> each;              // after every tick
+  std::vector<haptics::PartMotion> moved;  // by others, in every tick
 
  private:
   static haptics::ContactScene modelled(const assets::Scene& scene) {
