@@ -1,5 +1,6 @@
 // tandem: one site of a session, and the tools beside it.
 
+#include <csignal>
 #include <cstdio>
 #include <exception>
 
@@ -8,6 +9,7 @@
 #include "client/commands/command.h"
 
 int main(int argc, char** argv) {
+  std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a failed write, like a full disk
   CLI::App app{
       "Tandem: several people, each at their own site, put their hands on one CAD scene and feel it."};
   app.set_version_flag("--version", TANDEM_VERSION);

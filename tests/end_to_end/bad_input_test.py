@@ -76,6 +76,9 @@ def cases(folder, binaries):
     # A limit on the size of files is like a full disk, not a signal that ends the program.
     yield ["bash", "-c", 'ulimit -f 2; exec "$@"', "-", str(binaries / serve[0]), *serve[1:], "--data",
            str(folder / "full")], "full"
+    (folder / "long.csv").write_text("t,x,y,z\n" + "".join(f"{i / 1000},0,0,0.2\n" for i in range(100)))
+    yield ["bash", "-c", 'ulimit -f 2; exec "$@"', "-", str(binaries / "tandem"), "probe", PUMP, "--path",
+           str(folder / "long.csv"), "--tool", "part:impeller", "--ticks", str(folder / "long_ticks.csv")], "long_ticks.csv"
 
 
 def main():
