@@ -5,71 +5,32 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/edge_directions.h"
 #include "haptics/segment.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 // Two edges cross where they differ by more; along each other they touch in a whole line.
 constexpr double kCrossing = 0.05;  // sine of the angle between them
 
-/// Directions across an edge as angles from its first normal towards the second.
-class EdgePlane {
- public:
-  explicit EdgePlane(const MeshEdge& edge) : first_(edge.normals[0]) {
-    const glm::dvec3 along = glm::normalize(edge.b - edge.a);
-    second_ = glm::cross(along, first_);
-    end_ = edge.angle;
+/// Whether the edge goes through what lies behind all the sample's faces, within `reach` of it.
+bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) {
+  const double length = glm::length(edge.b - edge.a);
+  const glm::dvec3 along = (edge.b - edge.a) / length, from = edge.a - sample.point;
+  const double foot = -glm::dot(from, along);
+  double low = std::max(0.0, foot - reach), high = std::min(length, foot + reach);
+  for (const glm::dvec3& normal : sample.normals) {
+    const double at = glm::dot(normal, from), rate = glm::dot(normal, along);
+    if (std::abs(rate) < 1e-9) {
+      if (at > 0.0) return false;
+    } else if (rate > 0.0) {
+      high = std::min(high, -at / rate);
+    } else {
+      low = std::max(low, -at / rate);
+    }
   }
-  /// Unrolled to within half a turn of the middle of the edge's own directions.
-  double angle(const glm::dvec3& v) const {
-    double a = std::atan2(glm::dot(v, second_), glm::dot(v, first_));
-    if (a > 0.5 * end_ + kPi) a -= 2.0 * kPi;
-    if (a < 0.5 * end_ - kPi) a += 2.0 * kPi;
-    return a;
-  }
-  double length(const glm::dvec3& v) const { return std::hypot(glm::dot(v, second_), glm::dot(v, first_)); }
-  glm::dvec3 direction(double a) const { return std::cos(a) * first_ + std::sin(a) * second_; }
-  double end() const { return end_; }
-
- private:
-  glm::dvec3 first_, second_;
-  double end_;
-};
-
-/// The directions of an edge that are normal to the sample as well: low <= high.
-struct Directions {
-  double low, high;
-};
-
-Directions sharedDirections(const EdgePlane& plane, std::span<const glm::dvec3> normals) {
-  double least = 1e300, most = -1e300;
-  for (const glm::dvec3& normal : normals) {
-    if (plane.length(normal) < 1e-6) continue;
-    const double a = plane.angle(-normal);
-    least = std::min(least, a);
-    most = std::max(most, a);
-  }
-  Directions all{0.0, plane.end()};
-  if (least > most || most - least >= kPi) return all;
-  const double low = std::max(0.0, least), high = std::min(plane.end(), most);
-  if (low <= high) return {low, high};
-  // No direction is normal to both: the end of the edge's own that is nearest.
-  return least > plane.end() ? Directions{plane.end(), plane.end()} : Directions{0.0, 0.0};
-}
-
-/// The shared direction in which the predicted offset from the edge is longest, with the present one not below
-/// -slack where that can be: a corner that lies a hair over the rim must move by that hair, not climb around it.
-glm::dvec3 partingDirection(const EdgePlane& plane, const Directions& shared, const glm::dvec3& offset,
-                            const glm::dvec3& predicted, double slack) {
-  double a = std::clamp(plane.angle(predicted), shared.low, shared.high);
-  const double length = plane.length(offset);
-  if (length > slack) {
-    const double now = plane.angle(offset), limit = std::acos(-slack / length) - 1e-3;
-    a = std::clamp(std::clamp(a, now - limit, now + limit), shared.low, shared.high);
-  }
-  return plane.direction(a);
+  return low < high;
 }
 
 /// Two edges that cross: normal to both, where each is an edge of its body that way.
@@ -135,14 +96,16 @@ const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, co
   return nearest;
 }
 
-/// The plane beyond a hollow edge beside the triangle that is predicted to be violated most, if there is one
-/// within `reach`: a plane that ends further away than that means nothing here. Nor does one that the sample is less
-/// far behind than it is from the mesh (`distance`): that one ends before it.
-bool planeBeyond(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
-                 const SampleAtMesh& sample, double reach, double distance, TouchingPlane& found) {
+/// Adds the plane beyond a hollow edge beside the triangle that is predicted to be violated most, if there is one
+/// within `reach`: a plane that ends further away than that means nothing here. Nor, to a sample before the mesh, does one
+/// that it is less far behind than it is from the mesh: that one ends before it.
+void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample, double reach,
+                    TouchingFeature& feature) {
   const glm::dvec3& p = sample.point;
+  const glm::dvec3& known = edges.normal(feature.triangle);
+  const bool behind = feature.planes[0].gap < 0.0;
   double least = 1e300;
-  for (const std::uint32_t i : edges.around(triangle)) {
+  for (const std::uint32_t i : edges.around(feature.triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     if (edge.angle > 0.0) continue;
     const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
@@ -150,28 +113,88 @@ bool planeBeyond(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t 
     for (std::size_t side = 0; side < 2; ++side) {
       const glm::dvec3& normal = edge.normals[side];
       const double gap = glm::dot(normal, p - edge.a), predicted = gap + glm::dot(normal, sample.motion);
-      if (predicted >= least || gap > reach || (gap < 0.0 && -gap < (1.0 - 1e-9) * distance)) continue;
-      if (glm::dot(normal, edges.normal(triangle)) > 1.0 - 1e-9) continue;
+      if (predicted >= least || gap > reach || glm::dot(normal, known) > 1.0 - 1e-9) continue;
+      if (!behind && gap < 0.0 && -gap < (1.0 - 1e-9) * feature.distance) continue;
       const Triangle beyond = tree.triangle(edge.triangles[side]);
       if (glm::length(p - closestPointOnTriangle(p, beyond).point) > reach) continue;
       least = predicted;
-      found = {p, normal, gap};
+      feature.planes[1] = {p, normal, gap};
+      feature.count = 2;
     }
   }
-  return least < 1e300;
 }
 
-/// Of an edge whose point nearest to the sample is `foot`.
-TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
-                          double reach) {
-  const EdgePlane plane(edge);
+/// By which a gap may be below zero.
+double slackOf(const SampleAtMesh& sample, double reach) { return std::max(sample.slack, 1e-9 * reach); }
+
+/// The square of the distance up to which points are the same.
+double same(double reach) { return 1e-18 * reach * reach + 1e-24; }
+
+/// Whether the edge goes through the point, of all that is within `reach`.
+bool passes(const MeshEdge& edge, const glm::dvec3& point, double reach) {
+  const glm::dvec3 offset = point - closestPointOnSegment(point, edge.a, edge.b);
+  return glm::dot(offset, offset) <= same(reach);
+}
+
+/// Whether the point is the end of a convex edge where no hollow one passes.
+bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEdge& edge,
+                    const glm::dvec3& point, double reach) {
+  const glm::dvec3 a = point - edge.a, b = point - edge.b;
+  if (std::min(glm::dot(a, a), glm::dot(b, b)) > same(reach)) return false;
+  return std::none_of(edges.around(triangle).begin(), edges.around(triangle).end(), [&](std::uint32_t i) {
+    return edges.edges()[i].angle < 0.0 && passes(edges.edges()[i], point, reach);
+  });
+}
+
+/// Of an edge whose point nearest to the sample is `foot`, in a direction across it that parts them best.
+TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, const glm::dvec3& foot,
+                           const SampleAtMesh& sample, double reach) {
   const glm::dvec3 offset = sample.point - foot;
-  const glm::dvec3 normal = partingDirection(plane, sharedDirections(plane, sample.normals), offset,
-                                             offset + sample.motion, std::max(sample.slack, 1e-9 * reach));
+  const glm::dvec3 normal =
+      partingDirection(plane, shared, offset, offset + sample.motion, slackOf(sample, reach));
   return {sample.point, normal, glm::dot(normal, offset)};
 }
 
-/// Of the convex edge near the sample, or of the triangle itself.
+/// The same in a direction that is normal to both. False if there is none, or none that parts them although they are
+/// apart: then it is not here that the two bodies are nearest to each other.
+bool commonPlane(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample, double reach,
+                 TouchingPlane& found) {
+  const EdgePlane plane(edge);
+  const Directions shared = commonDirections(plane, sample.normals);
+  if (shared.none()) return false;
+  found = partingPlane(plane, shared, foot, sample, reach);
+  return found.gap >= -slackOf(sample, reach) || cutsSample(edge, sample, 4.0 * reach);
+}
+
+/// In a direction that is normal to both, where a corner tells; two edges that run along each other touch beyond the
+/// sample as well, and what is nearly normal to both parts them there.
+TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
+                          double reach) {
+  TouchingPlane found;
+  if (sample.normals.size() > 2 && commonPlane(edge, foot, sample, reach, found)) return found;
+  const EdgePlane plane(edge);
+  return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
+}
+
+/// Of all convex edges that meet in the corner `foot` the plane that parts best; false if none is normal to both.
+bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& foot,
+                   const SampleAtMesh& sample, double reach, TouchingPlane& found) {
+  double most = -1e300;
+  for (const std::uint32_t i : edges.around(triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    TouchingPlane plane;
+    if (edge.angle < 0.0 || !passes(edge, foot, reach) || !commonPlane(edge, foot, sample, reach, plane))
+      continue;
+    const double predicted = plane.gap + glm::dot(plane.normal, sample.motion);
+    if (predicted <= most) continue;
+    most = predicted;
+    found = plane;
+  }
+  return most > -1e300;
+}
+
+/// Of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that is as near, any
+/// that parts the two is enough, unless the corner is hollow too.
 TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
                            const SampleAtMesh& sample, double reach) {
   const glm::dvec3& p = sample.point;
@@ -184,6 +207,10 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
     const glm::dvec3& normal = edges.normal(triangle);
     return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
   }
+  TouchingPlane found;
+  if (isConvexCorner(edges, triangle, *edge, foot, reach) &&
+      planeOfCorner(edges, triangle, foot, sample, reach, found))
+    return found;
   return planeOfEdge(*edge, foot, sample, reach);
 }
 
@@ -216,8 +243,8 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
   }
   const double near = std::max(way, 1.001 * nearest.distance);
   found.planes[0] = nearestPlane(tree, edges, nearest.triangle, sample, near);
-  found.count =
-      planeBeyond(tree, edges, nearest.triangle, sample, near, found.distance, found.planes[1]) ? 2 : 1;
+  found.count = 1;
+  addPlaneBeyond(tree, edges, sample, near, found);
   return true;
 }
 

@@ -76,27 +76,39 @@ Pressed press(unsigned seed) {
   return {rig.deepest(), rig.deepest(rig.last().time - 0.05)};
 }
 
-TEST(RandomPresses, GoNoDeeperThanTheirBounds) {
-  for (unsigned seed = 0; seed < 24; ++seed) {
-    const Pressed found = press(seed);
-    EXPECT_LE(found.deepest, kFastDepth) << seed;
-    EXPECT_LE(found.end, kSteadyDepth) << seed;
-  }
+void expectWithinBounds(unsigned seed) {
+  const Pressed found = press(seed);
+  EXPECT_LE(found.deepest, kFastDepth) << seed;
+  EXPECT_LE(found.end, kSteadyDepth) << seed;
 }
 
-/// Not all do: where an edge crosses a blade just beyond one of its own corners. No more than are known of, no deeper.
+TEST(RandomPresses, GoNoDeeperThanTheirBounds) {
+  for (unsigned seed = 0; seed < 24; ++seed) expectWithinBounds(seed);
+}
+
+/// A corner lies askew to the edge of a blade: of the directions across the edge few are normal to the corner too.
+TEST(RandomPresses, AnEdgeDoesNotCutACornerThatLiesAskewToIt) {
+  for (const unsigned seed : {46u, 128u}) expectWithinBounds(seed);
+}
+
+/// The tip of a blade slides down a notch: the further flank holds it too, however little it is behind that one.
+TEST(RandomPresses, ATipStaysInItsNotch) {
+  for (const unsigned seed : {445u, 690u, 975u}) expectWithinBounds(seed);
+}
+
+/// Not all do: where an edge passes a corner of a notch or of a blade. No more than are known of, no deeper.
 TEST(RandomPresses, BeyondTheirBoundsAreFew) {
   if (!atFullSize()) GTEST_SKIP() << "set TANDEM_FULL_SIZE";
   int beyond = 0;
   double deepest = 0.0;
-  for (unsigned seed = 0; seed < 300; ++seed) {
+  for (unsigned seed = 0; seed < 1000; ++seed) {
     const Pressed found = press(seed);
     beyond += found.deepest > kFastDepth || found.end > kSteadyDepth ? 1 : 0;
     deepest = std::max(deepest, found.deepest);
   }
-  printf("%d of 300 beyond their bounds, %.1f um at most\n", beyond, 1e6 * deepest);
-  EXPECT_LE(beyond, 4);
-  EXPECT_LT(deepest, 65e-6);
+  printf("%d of 1000 beyond their bounds, %.1f um at most\n", beyond, 1e6 * deepest);
+  EXPECT_LE(beyond, 5);
+  EXPECT_LT(deepest, 35e-6);
 }
 
 }  // namespace
