@@ -122,6 +122,29 @@ class PartContact final : public RowRefiner {
     double push = 0.0;                 // m, that the other one may come in this tick by itself
     std::int32_t joint = -1;           // into joints_; -1: a pair that may touch
   };
+  /// The samples of one part of a pair before the other one: `from` them, `to` what is asked.
+  struct AskedSide {
+    const PartModel* from = nullptr;
+    const PartModel* to = nullptr;
+    Pose toFromSamples, worldFromTo;
+    glm::mat3 turn{1.0f};   // world from `to`
+    glm::vec3 shift{0.0f};  // m, from the reference point to the origin of its field, world axes
+    float sign = 1.0f;      // of a normal of `to`, as the first part feels it
+    float limit = 0.0f;     // m, reach of the step
+    float allowed = 0.0f;   // m, depth that the sample had at rest
+    float smooth = 0.0f,
+          rough = 0.0f;     // m, errors of the field up to which it is believed, and above which not
+    float believed = 0.0f;  // m, how far a sample may go before it is looked at again
+    bool contained = false;
+    std::uint16_t pair = 0, side = 0;  // 0: of the first part
+    PartId sampled = kNoPart, asked = kNoPart;
+
+    bool ofFirst() const { return side == 0; }
+    glm::vec3 world(const glm::dvec3& normal) const { return sign * (turn * glm::vec3(normal)); }
+    glm::vec3 arm(const glm::dvec3& point) const {
+      return turn * glm::vec3(point - to->field.origin()) + shift;
+    }
+  };
   /// Two parts that were in each other when one was taken.
   struct Overlap {
     PartId a = kNoPart, b = kNoPart;
@@ -177,10 +200,6 @@ class PartContact final : public RowRefiner {
 
   // A step.
   void gather(double reach);
-  /// What is known of a sample before another part; the oldest of what is known of others if nothing is.
-  Look& lookAt(PartId part, std::uint32_t sample, PartId other);
-  /// Rows of the samples of one part of a pair in the field of the other.
-  void gatherSide(std::uint16_t pair, std::uint16_t side, double reach);
   void addJoints();
   /// Rows of the last steps' contacts, looked at closely from the start: what rests stays at rest. They are aimed at
   /// where the parts are expected to go.
@@ -189,29 +208,45 @@ class PartContact final : public RowRefiner {
   /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
   bool advance(int step);
   void noteTouches();
-  // Of parts that are known by formula, and of samples that stand for pieces of round surfaces: part_patches.cpp.
-  /// The samples of one part of a pair before the other one: `from` them, `to` what is asked.
-  struct AskedSide {
-    const PartModel* from = nullptr;
-    const PartModel* to = nullptr;
-    Pose toFromSamples;
-    glm::mat3 turn{1.0f};   // world from `to`
-    glm::vec3 shift{0.0f};  // m, from the reference point to the origin of its field, world axes
-    float sign = 1.0f;      // of a normal of `to`, as the first part feels it
-    float limit = 0.0f;     // m, reach of the step
-    float allowed = 0.0f;   // m, depth that the pair had at rest
-    float smooth = 0.0f,
-          rough = 0.0f;     // m, errors of the field up to which it is believed, and above which not
-    float believed = 0.0f;  // m, how far a sample may go before it is looked at again
-    bool contained = false;
-    std::uint16_t pair = 0, side = 0;
-    PartId sampled = kNoPart, asked = kNoPart;
 
-    glm::vec3 world(const glm::dvec3& normal) const { return sign * (turn * glm::vec3(normal)); }
-    glm::vec3 arm(const glm::dvec3& point) const {
-      return turn * glm::vec3(point - to->field.origin()) + shift;
-    }
-  };
+  // The samples of one part of a pair before the other: part_sides.cpp.
+  AskedSide askedSide(std::uint16_t pair, std::uint16_t side, double reach) const;
+  /// m, of overlap at rest.
+  double allowedOf(const AskedSide& side, const ContactSample& sample) const;
+  /// What is known of a sample before another part; the oldest of what is known of others if nothing is.
+  Look& lookAt(PartId part, std::uint32_t sample, PartId other);
+  /// Rows of all that could touch within `reach` m.
+  void gatherSide(std::uint16_t pair, std::uint16_t side, double reach);
+  void addSampleRow(const AskedSide& side, std::uint32_t i, const glm::vec3& place,
+                    const DistanceField::Reading& read, float& deepest);
+  /// The planes that the last look told, of the sample or of its patch, while they are believed; else how far it may
+  /// surely go: `room` m, or more if that look says so.
+  void addLookRows(const AskedSide& side, std::uint32_t i, const glm::vec3& place, const ContactPatch* patch,
+                   float room);
+  /// Whether a piece of edge may come nearer to a surface between its sample and the next one than at both: where it
+  /// crosses a blade or a rib that is thin beside the way between them, which both have beside them. To a body that
+  /// is convex there the distance is a convex function along the edge, above its tangents.
+  static bool crossesBlade(const AskedSide& side, const ContactSample& sample, const glm::vec3& place,
+                           const DistanceField::Reading& read);
+  /// Where the field is not so good, the face that the sample was last found before tells more, while it still is
+  /// before that face.
+  void turnToFace(const AskedSide& side, std::uint32_t i, const DistanceField::Reading& read,
+                  glm::vec3& normal, float& gap);
+  /// `u` is expected of the first part. The answer has no normals yet.
+  SampleAtMesh askedSample(const AskedSide& side, const ContactSample& sample, const Displacement& u) const;
+  /// False if nothing tells.
+  bool holdsOff(const AskedSide& side, const ContactSample& sample, const SampleAtMesh& asked,
+                std::uint32_t hint, TouchingFeature& found) const;
+  /// What holds a sample off, as the field alone tells it: good to within its error.
+  static bool fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found);
+  /// A surface without an inside holds off whatever is before it, on either side.
+  static void turnToSample(TouchingFeature& found, const Look* last, double tolerance);
+  void keepLook(const AskedSide& side, const ContactSample& sample, const SampleAtMesh& asked,
+                const TouchingFeature& found, Look& look) const;
+  void addFoundRows(const AskedSide& side, const ContactSample& sample, const TouchingFeature& found,
+                    RowSource source, ContactRows& rows);
+
+  // Of parts that are known by formula, and of samples that stand for pieces of round surfaces: part_patches.cpp.
   /// m, by which a place on a patch may be less deep than the deepest.
   static double evenness(const PartModel& to);
   void addShapeRows(const AskedSide& side, std::uint32_t i, float& deepest);
@@ -225,11 +260,6 @@ class PartContact final : public RowRefiner {
   /// Depth in m of a sample, with its patch, in a part that is known by formula; in any other the place to look at.
   static double depthOf(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
                         const ContactSample& sample, glm::dvec3& deepestPoint);
-
-  /// What holds a sample off, as the field alone tells it: good to within its error.
-  static bool fieldFeature(const PartModel& to, const SampleAtMesh& asked, TouchingFeature& found);
-  /// A surface without an inside holds off whatever is before it, on either side.
-  static void turnToSample(TouchingFeature& found, const Look* last, double tolerance);
 
   // Overlaps: part_overlaps.cpp.
   void noteOverlap(Pair& pair);

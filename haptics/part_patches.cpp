@@ -69,7 +69,6 @@ void PartContact::addShapeRows(const AskedSide& side, std::uint32_t i, float& de
 void PartContact::addPatchRow(const AskedSide& side, std::uint32_t i, const glm::vec3& place,
                               const DistanceField::Reading& read, float& deepest) {
   const ContactSample& sample = side.from->samples.samples()[i];
-  const RowSource source{side.pair, side.side, i};
   const float least = read.distance - read.error - sample.along;
   if (side.contained) {
     deepest = std::max(deepest, -least);
@@ -77,37 +76,19 @@ void PartContact::addPatchRow(const AskedSide& side, std::uint32_t i, const glm:
   }
   const double slack = evenness(*side.to);
   const ContactPatch patch = side.from->samples.patches()[sample.patch].moved(side.toFromSamples);
-  const auto addBall = [&] {
-    const Look& look = lookAt(side.sampled, i, side.asked);
-    deepest = std::max(deepest, -least);
-    float room = least + side.allowed;
-    if (look.other == side.asked) {
-      const glm::vec3 way = place - look.place;
-      const float length = glm::length(way);
-      if (stepNumber_ - look.step <= kFresh + i % kFresh && length <= side.believed) {
-        // Of each plane the place of the patch that is lowest over it now.
-        for (int k = 0; k < look.planes; ++k) {
-          const glm::vec3 normal = look.normals[static_cast<std::size_t>(k)];
-          const glm::dvec3 point = patch.pointAt(patch.lowest(glm::dvec3(normal), slack));
-          const float height = look.gaps[static_cast<std::size_t>(k)] + glm::dot(normal, way) +
-                               static_cast<float>(glm::dot(glm::dvec3(normal), point - patch.sample()));
-          rows_.addPlane(side.world(glm::dvec3(normal)), side.arm(point), height + side.allowed, source);
-        }
-        return;
-      }
-      room = std::max(room, look.room + side.allowed - 2.0f * length);
-    }
-    if (room <= side.limit) rows_.addBall(side.arm(patch.sample()), room, source);
-  };
-  if (read.error > side.rough) return addBall();
+  PatchTouch touch;
   float error = read.error;
-  const PatchTouch touch = deepestIn(side.to->field, patch, slack, error);
-  if (error > side.rough) return addBall();
+  if (error <= side.rough) touch = deepestIn(side.to->field, patch, slack, error);
+  if (error > side.rough) {
+    deepest = std::max(deepest, -least);
+    return addLookRows(side, i, place, &patch, least + side.allowed);
+  }
   const float distance = static_cast<float>(touch.read.distance);
   deepest = std::max(deepest, error - distance);
   if (distance - error + side.allowed > side.limit) return;
   const float gap = error <= side.smooth ? distance + error : distance - error;
-  rows_.addPlane(side.world(touch.read.gradient), side.arm(touch.point), gap + side.allowed, source);
+  rows_.addPlane(side.world(touch.read.gradient), side.arm(touch.point), gap + side.allowed,
+                 {side.pair, side.side, i});
 }
 
 bool PartContact::touchShapes(const PartModel& from, const PartModel& to, const Pose& toFromSamples,
