@@ -1,0 +1,43 @@
+#include "haptics/link_regime.h"
+
+#include <algorithm>
+
+namespace tandem::haptics {
+namespace {
+
+constexpr double kApart = 0.15;                       // s: hands across more would only push each other about
+constexpr double kSoft = 0.055, kStiffAgain = 0.045;  // s
+constexpr double kApartAgain = 0.14;                  // s
+constexpr double kFilterTime = 0.1;                   // s
+constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
+
+}  // namespace
+
+void RegimeByAge::restart(double delay) {
+  age_ = delay;
+  better_ = 0.0;
+  measured_ = regime_ = delay > kApart ? LinkRegime::apart : delay > kSoft ? LinkRegime::soft : LinkRegime::stiff;
+}
+
+LinkRegime RegimeByAge::wanted(double age) const {
+  if (age > kApart || age_ > kApart) return LinkRegime::apart;
+  if (measured_ == LinkRegime::apart && age_ > kApartAgain) return LinkRegime::apart;
+  if (age_ > kSoft) return LinkRegime::soft;
+  if (age_ < kStiffAgain || measured_ == LinkRegime::stiff) return LinkRegime::stiff;
+  return LinkRegime::soft;
+}
+
+bool RegimeByAge::advance(double age, LinkRegime peers, double dt) {
+  age_ += (age - age_) * dt / kFilterTime;
+  const LinkRegime want = wanted(age);
+  better_ = want < measured_ ? better_ + dt : 0.0;
+  if (want > measured_ || better_ > kProof) {
+    measured_ = want;
+    better_ = 0.0;
+  }
+  const LinkRegime before = regime_;
+  regime_ = std::max(measured_, peers);
+  return regime_ != before;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,32 @@
+#pragma once
+
+// What a link may do, by the age of what it hears last.
+
+#include "haptics/link_packet.h"
+
+namespace tandem::haptics {
+
+class RegimeByAge {
+ public:
+  /// Begins with a way of `delay` s, as it is known from elsewhere.
+  void restart(double delay);
+
+  /// Advances by dt (s): `age` (s) is that of the newest packet, `peers` what the other end measures. Returns whether
+  /// the regime changed. Worse at once, better after kProof; the worse of both ends counts, so that both agree.
+  bool advance(double age, LinkRegime peers, double dt);
+
+  LinkRegime regime() const { return regime_; }
+  /// Of this end's way alone.
+  LinkRegime measured() const { return measured_; }
+  /// Age of the newest packet, low-passed, s.
+  double age() const { return age_; }
+
+ private:
+  LinkRegime wanted(double age) const;
+
+  double age_ = 0.0;     // s
+  double better_ = 0.0;  // s, for which a better regime was due
+  LinkRegime measured_ = LinkRegime::apart, regime_ = LinkRegime::apart;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,29 @@
+#pragma once
+
+// How heavy each site's replica of a part is. The masses of all replicas, and what the lines between them add, come to
+// that of the part.
+
+#include <glm/mat3x3.hpp>
+#include <glm/vec3.hpp>
+
+#include "haptics/virtual_coupling.h"
+
+namespace tandem::haptics {
+
+/// Mass (kg) and inertia about the centre of mass (kg m^2, body axes).
+struct MassProperties {
+  double mass = 1.0;
+  glm::dmat3 inertia{1.0};
+};
+
+/// That of each of `sites` replicas of a part, `lineMass` kg on a lever of `lever` m being taken off for the lines that
+/// end here (half of what each adds); no less than a tenth of the share, nor kLeastReplicaMass where the share is more.
+MassProperties replicaMass(const MassProperties& part, int sites, double lineMass, double lever);
+
+inline constexpr double kLeastReplicaMass = 0.1;  // kg: what a grasp of 1 N/mm is stable with at 1 kHz
+
+/// Changes a body's mass towards `target` by at most `most` kg, its inertia in step. Never adds kinetic energy: what
+/// gets lighter keeps its velocity, what gets heavier its momentum.
+void changeMass(RigidBody& body, const MassProperties& target, double most);
+
+}  // namespace tandem::haptics
