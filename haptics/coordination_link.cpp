@@ -6,7 +6,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kOutage = 0.012;      // s dry: longer than a lost packet or two
+constexpr double kOutage = PlayOutDelay::kOutage;
 constexpr double kCatchUpTime = 0.05;  // s
 constexpr double kRunOut = 7.0;        // N/s
 constexpr double kFastestRunOut = 100.0;  // N/s
@@ -39,14 +39,17 @@ void CoordinationLink::begin(std::uint32_t epoch, double delay) {
 // Rule 8. A regime has its impedance and its play-out time; the wave starts from zero under both.
 void CoordinationLink::enterRegime() {
   b_ = regime() == LinkRegime::stiff ? p_.impedance : p_.softImpedance;
-  playOutDelay_ = 1.2 * regime_.age() + p_.packetPeriod + 2.0 * p_.period;
+  playOutDelay_.restart(regime_.age(), p_.packetPeriod, p_.period);
   dry_ = 1.0;
 }
 
 void CoordinationLink::watchRegime(double now) {
   if (playOut_.empty()) return;
   const LinkPacket& newest = playOut_.newest();
-  if (regime_.advance(std::max(0.0, now - newest.time), newest.regime, p_.period)) enterRegime();
+  const double age = std::max(0.0, now - newest.time);
+  playOutDelay_.advance(age);
+  // A way that has become longer than what is played out needs a new start too.
+  if (regime_.advance(age, newest.regime, p_.period) || regime_.age() > delay()) enterRegime();
 }
 
 bool CoordinationLink::hears(const PlayedWave& peer) const {
@@ -56,7 +59,7 @@ bool CoordinationLink::hears(const PlayedWave& peer) const {
 LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const Twist& twist) {
   watchRegime(now);
   const SixAxes v = axesOf(twist, p_.lever);
-  const PlayedWave peer = playOut_.play(now - playOutDelay_);
+  const PlayedWave peer = playOut_.play(now - delay());
   const bool wasFresh = fresh(), isFresh = hears(peer);
   const double shareBefore = share_;
   const Aim aim = isFresh ? follow(peer, worldFromCentre, v) : runDry(peer);
@@ -128,9 +131,9 @@ SixAxes CoordinationLink::catchUp(const PlayedWave& peer) const {
 // the reserve.
 SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave) {
   slowForce_ += (p_.period / kForceFilterTime) * (force_ - slowForce_);
-  const SixAxes ahead = playOutDelay_ * axesOf(peer.state.twist, p_.lever);
+  const SixAxes ahead = delay() * axesOf(peer.state.twist, p_.lever);
   SixAxes gap = wayBetween(gone(pose, stretch_, p_.lever), peer.state.worldFromDrawn, p_.lever) + ahead -
-                (playOutDelay_ / b_) * slowForce_;
+                (delay() / b_) * slowForce_;
   gap -= shortened(gap, kGapIgnored);
   const SixAxes correction = std::sqrt(0.5 * b_) * shortened(kGapRate * gap, kGapSpeed);
   if (dot(correction, wave) <= 0.0) return correction;

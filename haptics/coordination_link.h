@@ -23,6 +23,7 @@
 #include "haptics/link_packet.h"
 #include "haptics/link_regime.h"
 #include "haptics/link_reserve.h"
+#include "haptics/play_out_delay.h"
 #include "haptics/six_axes.h"
 #include "haptics/wave_play_out.h"
 
@@ -32,9 +33,9 @@ struct LinkParameters {
   double period = 1e-3;         // s, of the tick
   double packetPeriod = 4e-3;   // s, between the peer's packets
   double lever = 0.05;          // m, of the part, both ends alike: an angle counts as the way at its end
-  double impedance = 30.0;      // N s/m: b, in the regime stiff
-  double softImpedance = 15.0;  // N s/m: b, in the regime soft
-  double spring = 2000.0;       // N/m: K
+  double impedance = 27.0;      // N s/m: b, in the regime stiff
+  double softImpedance = 14.0;  // N s/m: b, in the regime soft
+  double spring = 8000.0;       // N/m: K
   double drag = 0.1;            // N s/m, on the replica at all times
   double fadeTime = 0.5;        // s, in which the link comes up
 };
@@ -78,8 +79,10 @@ class CoordinationLink {
 
   LinkRegime regime() const { return regime_.regime(); }
   double impedance() const { return b_; }
+  /// s, by which the peer is played out late: D_p.
+  double delay() const { return playOutDelay_.seconds(); }
   /// Mass that the line itself adds to the part while it is up, kg: b D_p. Its inertia is that times lever^2.
-  double lineMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * playOutDelay_; }
+  double lineMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * delay(); }
   /// 0..1: how far this end has faded in.
   double fade() const { return fade_; }
   bool fresh() const { return dry_ == 0.0; }
@@ -116,7 +119,7 @@ class CoordinationLink {
   bool on_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
   double b_ = 0.0;             // N s/m
-  double playOutDelay_ = 0.0;  // s: D_p
+  PlayOutDelay playOutDelay_;
 
   SixAxes stretch_;       // m: e
   SixAxes wave_, sent_;   // sqrt(W): w and u of the last tick

@@ -1,0 +1,32 @@
+#pragma once
+
+// How far behind its peer an end plays out: as little as keeps the wave from running dry.
+
+namespace tandem::haptics {
+
+/// Follows a high quantile of the age of the newest packet, kEnough of all ticks being fresh: an age above lets it grow
+/// by kStep, any other shrink by kStep (1 - kEnough) (Robbins & Monro 1951). The play-out time is stretched by less than
+/// half that way, never set back. An age far above is an outage, no jitter, and counts for nothing.
+class PlayOutDelay {
+ public:
+  static constexpr double kOutage = 0.012;  // s without a fresh packet: longer than one or two that are lost
+
+  /// Begins with `age` (s) as the mean age of the newest packet, for packets every `packetPeriod` s and ticks of `dt` s.
+  void restart(double age, double packetPeriod, double dt) { seconds_ = 1.15 * age + packetPeriod + 2.0 * dt; }
+
+  /// A tick in which the newest packet is `age` s old.
+  void advance(double age) {
+    if (age > seconds_ + kOutage) return;
+    seconds_ += kStep * ((age >= seconds_ ? 1.0 : 0.0) - (1.0 - kEnough));
+  }
+
+  double seconds() const { return seconds_; }
+
+ private:
+  static constexpr double kEnough = 0.998;
+  static constexpr double kStep = 0.5e-3;  // s
+
+  double seconds_ = 0.0;
+};
+
+}  // namespace tandem::haptics
