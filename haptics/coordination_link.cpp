@@ -80,8 +80,9 @@ CoordinationLink::Aim CoordinationLink::follow(const PlayedWave& peer, const Pos
   if (dry_ > kOutage) resume(peer);
   dry_ = 0.0;
   fadeIn(peer);
-  SixAxes wave = catchUp(peer);
   Aim aim;
+  aim.taken = reserve_.taken();
+  SixAxes wave = aim.taken * catchUp(peer);
   aim.correction = closeGap(peer, pose, wave);
   wave += aim.correction;
   aim.full = share_ > kFull;
@@ -165,7 +166,7 @@ void CoordinationLink::pay(const PlayedWave& peer, const Aim& aim) {
   const double cost = 0.5 * dot(wave_, wave_) * p_.period;
   account_.lent += std::max(0.0, cost - aim.energy);
   if (aim.full) {
-    used_ += p_.period * (wave_ - aim.correction);
+    used_ += (p_.period / aim.taken) * (wave_ - aim.correction);
     spent_ += reserve_.settle(aim.energy, cost);
   } else {
     const bool lends = !fresh() && dry_ <= kOutage;

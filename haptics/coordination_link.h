@@ -93,6 +93,7 @@ class CoordinationLink {
     SixAxes force;        // N, that the rules want
     SixAxes correction;   // sqrt(W): the part of the wave that closes a gap of pose
     double energy = 0.0;  // J, that has arrived for this tick
+    double taken = 1.0;   // of the wave that arrives
     bool full = false;    // faded in: what is not spent now may be spent later
   };
 

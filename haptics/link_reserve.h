@@ -14,6 +14,10 @@ class LinkReserve {
 
   double energy() const { return energy_; }
 
+  /// The share of an arriving wave to take in. Two hands that pull at each other and hold still lose nothing that could
+  /// fill the reserve, and every late packet would then be felt: until there is some, the wave comes in a little short.
+  double taken() const { return energy_ < kFloat ? kTaken : 1.0; }
+
   /// Fills with a share of what damping has taken, J.
   void fill(double lost) { energy_ = std::max(energy_, std::min(energy_ + kKept * lost, kMost)); }
 
@@ -22,7 +26,7 @@ class LinkReserve {
   double settle(double arrived, double cost) {
     const double left = arrived - cost;
     if (left < 0.0) return energy_ += left, arrived;
-    const double back = std::min(std::max(kSkimmed * left, std::min(lent_, left)), std::max(0.0, kMost - energy_));
+    const double back = std::min(std::max((energy_ < kFloat ? 1.0 : kSkimmed) * left, std::min(lent_, left)), std::max(0.0, kMost - energy_));
     energy_ += back;
     lent_ = std::max(0.0, lent_ - back);
     return cost + back;
@@ -37,6 +41,8 @@ class LinkReserve {
 
  private:
   static constexpr double kSkimmed = 0.02;  // of a surplus, a tick
+  static constexpr double kFloat = 0.3e-3;  // J: the dearest wave for some ten ticks
+  static constexpr double kTaken = 0.99;
 
   double energy_ = 0.0;  // J
   double lent_ = 0.0;    // J, while the link was dry for a moment
