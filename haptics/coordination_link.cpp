@@ -71,7 +71,9 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
   wave_ = shortened(waveOf(aim.force + excess_, v), most);
   pay(peer, aim);
   const SixAxes held = forceOf(wave_, {});
-  const double damping = 0.5 * b_ + p_.drag;
+  // Rule 2: until the reserve is full the replica drags a little more, which fills it as soon as it moves.
+  drag_ = p_.drag + p_.fillingDrag * (1.0 - reserve_.energy() / LinkReserve::kMost);
+  const double damping = 0.5 * b_ + drag_;
   return {wrenchOf(held, p_.lever), damping, damping * p_.lever * p_.lever};
 }
 
@@ -189,8 +191,8 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
   announced_ += fade_ * ownWaveEnergy();
   // The spring is stepped explicitly, which takes K T / 2 off the damper.
   const double damping = std::max(0.0, b_ - 0.5 * p_.spring * p_.period);
-  reserve_.fill(p_.period * (damping * dot(slip, slip) + p_.drag * dot(v, v)));
-  const SixAxes acting = force_ - p_.drag * v;
+  reserve_.fill(p_.period * (damping * dot(slip, slip) + drag_ * dot(v, v)));
+  const SixAxes acting = force_ - drag_ * v;
   account_.work += p_.period * dot(acting, v);
   account_.stored = 0.5 * p_.spring * dot(stretch_, stretch_);
   account_.reserve = reserve_.energy();

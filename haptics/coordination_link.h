@@ -37,6 +37,7 @@ struct LinkParameters {
   double softImpedance = 14.0;  // N s/m: b, in the regime soft
   double spring = 8000.0;       // N/m: K
   double drag = 0.1;            // N s/m, on the replica at all times
+  double fillingDrag = 0.4;     // N s/m, more while the reserve is empty
   double fadeTime = 0.5;        // s, in which the link comes up
 };
 
@@ -120,6 +121,7 @@ class CoordinationLink {
   bool on_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
   double b_ = 0.0;             // N s/m
+  double drag_ = 0.0;          // N s/m, in this tick
   PlayOutDelay playOutDelay_;
 
   SixAxes stretch_;       // m: e

@@ -54,7 +54,7 @@ SixAxes dragWay(double t, double amplitude) {
   return {{amplitude * share * std::sin(3.14159265358979 * s), 0.0, 0.0}, {}};
 }
 
-int seeds(int few) { return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
+int seeds(int few) { if (const char* n = std::getenv("NSEED")) return std::atoi(n); return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
 
 SixAxisArm::SixAxisArm(const haptics::ArmParameters& arm, const Pose& start)
     : arm_(arm), start_(start), armPose_(start), device_(start), read_(start) {}
@@ -105,8 +105,13 @@ void DelayedLine::fly(double now, double jitter, const haptics::LinkPacket& pack
 void DelayedLine::send(double now, const haptics::LinkPacket& packet) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const double lost = uniform(random_), jitter = uniform(random_), twice = uniform(random_), again = uniform(random_);
-  if (lost >= network_.loss) fly(now, jitter, packet);
-  if (twice < network_.duplicate) fly(now, again, packet);
+  if (lost < network_.loss) return;
+  fly(now, jitter, packet);
+  if (twice < network_.duplicate) {
+    Flying copy = flying_.back();
+    copy.arrives += 0.05 * again;
+    flying_.push_back(copy);
+  }
 }
 
 void DelayedLine::deliver(double now, const std::function<void(const haptics::LinkPacket&)>& take) {
