@@ -13,7 +13,7 @@ constexpr double kFastestRunOut = 100.0;  // N/s
 constexpr double kJump = 0.1;          // of the share of the wave that counts
 constexpr double kGapIgnored = 1e-3;   // m: without it the noise of the waves would be rectified into creep
 constexpr double kGapRate = 15.0;      // 1/s
-constexpr double kGapSpeed = 0.4;      // m/s
+constexpr double kGapSpeed = 0.05;      // m/s: b / 2 times that is felt
 constexpr double kForceFilterTime = 0.05;  // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J
 constexpr double kFull = 0.999;
@@ -29,7 +29,7 @@ void CoordinationLink::begin(std::uint32_t epoch, double delay) {
   epoch_ = epoch;
   sequence_ = 0;
   sum_ = used_ = {};
-  announced_ = spent_ = heard_ = 0.0;
+  announced_ = spent_ = kept_ = 0.0;
   playOut_.restart(epoch);
   regime_.restart(delay);
   on_ = true;
@@ -48,6 +48,9 @@ void CoordinationLink::watchRegime(double now) {
   const LinkPacket& newest = playOut_.newest();
   const double age = std::max(0.0, now - newest.time);
   playOutDelay_.advance(age);
+  longestAge_ = std::max(longestAge_, age);
+  if (dry_ > kOutage && age <= delay()) playOutDelay_.lengthen(longestAge_);
+  if (dry_ == 0.0 || age <= delay()) longestAge_ = 0.0;
   // A way that has become longer than what is played out needs a new start too.
   if (regime_.advance(age, newest.regime, p_.period) || regime_.age() > delay()) enterRegime();
 }
@@ -89,8 +92,7 @@ CoordinationLink::Aim CoordinationLink::follow(const PlayedWave& peer, const Pos
   wave += aim.correction;
   aim.full = share_ > kFull;
   aim.force = share_ * forceOf(wave, v);
-  aim.energy = aim.full ? peer.state.energy - spent_
-                        : share_ * (peer.state.energy - heard_) + (1.0 - fade_) * ownWaveEnergy();
+  aim.energy = peer.state.energy - spent_ + kept_;
   return aim;
 }
 
@@ -101,10 +103,8 @@ CoordinationLink::Aim CoordinationLink::runDry(const PlayedWave& peer) {
   share_ = 0.0;
   Aim aim;
   aim.energy = std::max(0.0, peer.state.energy - spent_);
-  if (dry_ > kOutage) {
-    fade_ = ramp_ = 0.0;
-    aim.energy = ownWaveEnergy();
-  }
+  if (dry_ > kOutage) fade_ = ramp_ = announcedShare_ = 0.0;
+  aim.energy += kept_;
   return aim;
 }
 
@@ -112,14 +112,14 @@ CoordinationLink::Aim CoordinationLink::runDry(const PlayedWave& peer) {
 void CoordinationLink::resume(const PlayedWave& peer) {
   ramp_ = 0.0;
   used_ = peer.state.wave;
-  spent_ = heard_ = std::max(spent_, peer.state.energy);
+  spent_ = std::max(spent_, peer.state.energy);
 }
 
 // Rule 5. Neither end is ever ahead of what the other one pays for.
 void CoordinationLink::fadeIn(const PlayedWave& peer) {
   ramp_ = std::min(1.0, ramp_ + p_.period / p_.fadeTime);
   fade_ = minimumJerk(ramp_);
-  share_ = std::min(fade_, peer.state.fade);
+  share_ = announcedShare_ = std::min(fade_, peer.state.fade);
   if (share_ <= kFull) used_ = peer.state.wave - p_.period * peer.rate;
 }
 
@@ -176,7 +176,6 @@ void CoordinationLink::pay(const PlayedWave& peer, const Aim& aim) {
     reserve_.settleAll(aim.energy, cost, lends);
     spent_ = std::max(spent_, peer.state.energy);
   }
-  heard_ = std::max(heard_, peer.state.energy);
 }
 
 Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist) {
@@ -188,7 +187,9 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
   stretch_ += p_.period * slip;
   sent_ = std::sqrt(2.0 * b_) * drawn - wave_;
   sum_ += p_.period * sent_;
-  announced_ += fade_ * ownWaveEnergy();
+  const double outgoing = 0.5 * dot(sent_, sent_) * p_.period;
+  announced_ += announcedShare_ * outgoing;
+  kept_ = (1.0 - announcedShare_) * outgoing;
   // The spring is stepped explicitly, which takes K T / 2 off the damper.
   const double damping = std::max(0.0, b_ - 0.5 * p_.spring * p_.period);
   reserve_.fill(p_.period * (damping * dot(slip, slip) + drag_ * dot(v, v)));

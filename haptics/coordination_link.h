@@ -111,7 +111,6 @@ class CoordinationLink {
   SixAxes waveOf(const SixAxes& force, const SixAxes& v) const;
   SixAxes forceOf(const SixAxes& wave, const SixAxes& v) const;
   void pay(const PlayedWave& peer, const Aim& aim);
-  double ownWaveEnergy() const { return 0.5 * dot(sent_, sent_) * p_.period; }
 
   LinkParameters p_;
   WavePlayOut playOut_;
@@ -130,7 +129,8 @@ class CoordinationLink {
   double announced_ = 0.0;  // J: E
   SixAxes used_;            // sqrt(W) s: what of the peer's U has been played
   double spent_ = 0.0;      // J: what of the peer's E has been used
-  double heard_ = 0.0;      // J: the peer's E at the last tick
+  double kept_ = 0.0;       // J: of the wave sent in the last tick, not announced
+  double announcedShare_ = 0.0;  // 0..1: of the wave sent, what the peer may spend
   SixAxes force_;           // N, of the last tick
   SixAxes slowForce_;       // N, low-passed
   SixAxes excess_;          // N: what the force is beyond its aim, on its way to zero
@@ -138,6 +138,7 @@ class CoordinationLink {
   double ramp_ = 0.0;       // 0..1 of the time to fade in
   double fade_ = 0.0;       // 0..1: m
   double share_ = 0.0;      // 0..1: g, of the wave that counts: the lesser fade of both ends
+  double longestAge_ = 0.0; // s: of the newest packet while dry
   Pose drawn_;              // where the spring ends
   Twist twist_;
 };

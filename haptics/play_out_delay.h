@@ -2,6 +2,8 @@
 
 // How far behind its peer an end plays out: as little as keeps the wave from running dry.
 
+#include <algorithm>
+
 namespace tandem::haptics {
 
 /// Follows a high quantile of the age of the newest packet, kEnough of all ticks being fresh: an age above lets it grow
@@ -20,11 +22,18 @@ class PlayOutDelay {
     seconds_ += kStep * ((age >= seconds_ ? 1.0 : 0.0) - (1.0 - kEnough));
   }
 
+  /// A gap of packets is over in which the newest one became `age` s old: the next one like it is to be bridged, unless it
+  /// was too long for that.
+  void lengthen(double age) {
+    if (age < seconds_ + kMostBridged) seconds_ = std::max(seconds_, age);
+  }
+
   double seconds() const { return seconds_; }
 
  private:
   static constexpr double kEnough = 0.998;
-  static constexpr double kStep = 0.5e-3;  // s
+  static constexpr double kStep = 0.5e-3;        // s
+  static constexpr double kMostBridged = 0.04;  // s
 
   double seconds_ = 0.0;
 };
