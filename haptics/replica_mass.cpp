@@ -60,4 +60,11 @@ void changeMass(RigidBody& body, const MassProperties& target, double most) {
   setVelocity(body, velocity, spin);
 }
 
+void MassRamp::advance(RigidBody& body, const MassProperties& target, double dt) {
+  const double way = target.mass - body.mass;
+  if (way * rate_ <= 0.0) rate_ = 0.0;
+  rate_ = std::clamp(rate_ + std::copysign(dt * kFastest / kRise, way), -kFastest, kFastest);
+  changeMass(body, target, std::abs(rate_) * dt);
+}
+
 }  // namespace tandem::haptics

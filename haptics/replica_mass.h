@@ -26,4 +26,15 @@ inline constexpr double kLeastReplicaMass = 0.1;  // kg: what a grasp of 1 N/mm 
 /// gets lighter keeps its velocity, what gets heavier its momentum.
 void changeMass(RigidBody& body, const MassProperties& target, double most);
 
+/// changeMass() over time. A hand that moves a part at v feels v dm/dt as it gets heavier, so the rate grows from zero.
+class MassRamp {
+ public:
+  void advance(RigidBody& body, const MassProperties& target, double dt);
+
+ private:
+  static constexpr double kFastest = 1.0;  // kg/s
+  static constexpr double kRise = 0.3;     // s, to the fastest
+  double rate_ = 0.0;                      // kg/s, signed
+};
+
 }  // namespace tandem::haptics

@@ -148,10 +148,6 @@ LinkBench::LinkBench(const BenchSetup& setup) : setup_(setup), part_(blockOf(set
     }
   }
   setMasses();
-  for (Site& site : sites_) {
-    const haptics::RigidBody b = site.body;
-    (void)b;
-  }
 }
 
 void LinkBench::setMasses() {
@@ -166,7 +162,10 @@ void LinkBench::setMasses() {
     const int share = apart ? 1 : static_cast<int>(sites_.size());
     if (setup_.tie == Tie::plain) line = 0.0;
     const haptics::MassProperties target = haptics::replicaMass(part_, share, line, setup_.link.lever);
-    haptics::changeMass(sites_[i].body, target, ticks_ == 0 ? 1e9 : kTick);
+    if (ticks_ == 0)
+      haptics::changeMass(sites_[i].body, target, 1e9);
+    else
+      sites_[i].mass.advance(sites_[i].body, target, kTick);
   }
 }
 

@@ -122,6 +122,7 @@ class LinkBench {
     SixAxisArm arm;
     Pose bodyFromGrip;
     haptics::RigidBody body;
+    haptics::MassRamp mass;
     Wrench onHand;                        // sent to the device, limited
     std::array<Wrench, 20> before{};      // of the last 20 ticks
     double change = 0.0, turnChange = 0.0;  // N, N m: of the force on the hand in 20 ms
