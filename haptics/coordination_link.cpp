@@ -7,14 +7,14 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kOutage = PlayOutDelay::kOutage;
-constexpr double kCatchUpTime = 0.05;  // s
-constexpr double kRunOut = 7.0;        // N/s
+constexpr double kCatchUpTime = 0.05;     // s
+constexpr double kRunOut = 6.5;           // N/s
 constexpr double kFastestRunOut = 100.0;  // N/s
-constexpr double kJump = 0.1;          // of the share of the wave that counts
-constexpr double kGapIgnored = 1e-3;   // m: without it the noise of the waves would be rectified into creep
-constexpr double kGapRate = 15.0;      // 1/s
-constexpr double kGapSpeed = 0.05;      // m/s: b / 2 times that is felt
-constexpr double kForceFilterTime = 0.05;  // s
+constexpr double kJump = 0.1;             // of the share of the wave that counts
+constexpr double kGapIgnored = 1e-3;  // m: without it the noise of the waves would be rectified into creep
+constexpr double kGapRate = 15.0;     // 1/s
+constexpr double kGapSpeed = 0.05;    // m/s: b / 2 times that is felt
+constexpr double kForceFilterTime = 0.05;                     // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J
 constexpr double kFull = 0.999;
 
@@ -180,8 +180,7 @@ void CoordinationLink::pay(const PlayedWave& peer, const Aim& aim) {
 
 Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist) {
   const SixAxes v = axesOf(twist, p_.lever);
-  const SixAxes drawn =
-      (0.5 / b_) * (std::sqrt(2.0 * b_) * wave_ - p_.spring * stretch_ + b_ * v);  // v_d
+  const SixAxes drawn = (0.5 / b_) * (std::sqrt(2.0 * b_) * wave_ - p_.spring * stretch_ + b_ * v);  // v_d
   const SixAxes slip = drawn - v;
   force_ = p_.spring * stretch_ + b_ * slip;
   stretch_ += p_.period * slip;

@@ -37,7 +37,7 @@ struct LinkParameters {
   double softImpedance = 14.0;  // N s/m: b, in the regime soft
   double spring = 8000.0;       // N/m: K
   double drag = 0.1;            // N s/m, on the replica at all times
-  double fillingDrag = 0.4;     // N s/m, more while the reserve is empty
+  double fillingDrag = 0.6;     // N s/m, more while the reserve is empty
   double fadeTime = 0.5;        // s, in which the link comes up
 };
 
@@ -119,27 +119,27 @@ class CoordinationLink {
   LinkAccount account_;
   bool on_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
-  double b_ = 0.0;             // N s/m
-  double drag_ = 0.0;          // N s/m, in this tick
+  double b_ = 0.0;     // N s/m
+  double drag_ = 0.0;  // N s/m, in this tick
   PlayOutDelay playOutDelay_;
 
-  SixAxes stretch_;       // m: e
-  SixAxes wave_, sent_;   // sqrt(W): w and u of the last tick
-  SixAxes sum_;           // sqrt(W) s: U
-  double announced_ = 0.0;  // J: E
-  SixAxes used_;            // sqrt(W) s: what of the peer's U has been played
-  double spent_ = 0.0;      // J: what of the peer's E has been used
-  double kept_ = 0.0;       // J: of the wave sent in the last tick, not announced
+  SixAxes stretch_;              // m: e
+  SixAxes wave_, sent_;          // sqrt(W): w and u of the last tick
+  SixAxes sum_;                  // sqrt(W) s: U
+  double announced_ = 0.0;       // J: E
+  SixAxes used_;                 // sqrt(W) s: what of the peer's U has been played
+  double spent_ = 0.0;           // J: what of the peer's E has been used
+  double kept_ = 0.0;            // J: of the wave sent in the last tick, not announced
   double announcedShare_ = 0.0;  // 0..1: of the wave sent, what the peer may spend
-  SixAxes force_;           // N, of the last tick
-  SixAxes slowForce_;       // N, low-passed
-  SixAxes excess_;          // N: what the force is beyond its aim, on its way to zero
-  double dry_ = 1.0;        // s without anything to play; 0 while fresh
-  double ramp_ = 0.0;       // 0..1 of the time to fade in
-  double fade_ = 0.0;       // 0..1: m
-  double share_ = 0.0;      // 0..1: g, of the wave that counts: the lesser fade of both ends
-  double longestAge_ = 0.0; // s: of the newest packet while dry
-  Pose drawn_;              // where the spring ends
+  SixAxes force_;                // N, of the last tick
+  SixAxes slowForce_;            // N, low-passed
+  SixAxes excess_;               // N: what the force is beyond its aim, on its way to zero
+  double dry_ = 1.0;             // s without anything to play; 0 while fresh
+  double ramp_ = 0.0;            // 0..1 of the time to fade in
+  double fade_ = 0.0;            // 0..1: m
+  double share_ = 0.0;           // 0..1: g, of the wave that counts: the lesser fade of both ends
+  double longestAge_ = 0.0;      // s: of the newest packet while dry
+  Pose drawn_;                   // where the spring ends
   Twist twist_;
 };
 

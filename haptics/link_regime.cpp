@@ -16,7 +16,9 @@ constexpr double kProof = 0.5;                        // s: a link that flaps st
 void RegimeByAge::restart(double delay) {
   age_ = delay;
   better_ = 0.0;
-  measured_ = regime_ = delay > kApart ? LinkRegime::apart : delay > kSoft ? LinkRegime::soft : LinkRegime::stiff;
+  measured_ = regime_ = delay > kApart  ? LinkRegime::apart
+                        : delay > kSoft ? LinkRegime::soft
+                                        : LinkRegime::stiff;
 }
 
 LinkRegime RegimeByAge::wanted(double age) const {

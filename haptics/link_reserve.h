@@ -26,7 +26,8 @@ class LinkReserve {
   double settle(double arrived, double cost) {
     const double left = arrived - cost;
     if (left < 0.0) return energy_ += left, arrived;
-    const double back = std::min(std::max((energy_ < kFloat ? 1.0 : kSkimmed) * left, std::min(lent_, left)), std::max(0.0, kMost - energy_));
+    const double back = std::min(std::max((energy_ < kFloat ? 1.0 : kSkimmed) * left, std::min(lent_, left)),
+                                 std::max(0.0, kMost - energy_));
     energy_ += back;
     lent_ = std::max(0.0, lent_ - back);
     return cost + back;

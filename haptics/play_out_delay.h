@@ -14,7 +14,9 @@ class PlayOutDelay {
   static constexpr double kOutage = 0.012;  // s without a fresh packet: longer than one or two that are lost
 
   /// Begins with `age` (s) as the mean age of the newest packet, for packets every `packetPeriod` s and ticks of `dt` s.
-  void restart(double age, double packetPeriod, double dt) { seconds_ = 1.15 * age + packetPeriod + 2.0 * dt; }
+  void restart(double age, double packetPeriod, double dt) {
+    seconds_ = 1.15 * age + packetPeriod + 2.0 * dt;
+  }
 
   /// A tick in which the newest packet is `age` s old.
   void advance(double age) {
@@ -32,7 +34,7 @@ class PlayOutDelay {
 
  private:
   static constexpr double kEnough = 0.998;
-  static constexpr double kStep = 0.5e-3;        // s
+  static constexpr double kStep = 0.5e-3;       // s
   static constexpr double kMostBridged = 0.04;  // s
 
   double seconds_ = 0.0;

@@ -63,7 +63,7 @@ void changeMass(RigidBody& body, const MassProperties& target, double most) {
 void MassRamp::advance(RigidBody& body, const MassProperties& target, double dt) {
   const double way = target.mass - body.mass;
   if (way * rate_ <= 0.0) rate_ = 0.0;
-  rate_ = std::clamp(rate_ + std::copysign(dt * kFastest / kRise, way), -kFastest, kFastest);
+  rate_ = std::clamp(rate_ + std::copysign(dt * kGrowing / kRise, way), -kFalling, kGrowing);
   changeMass(body, target, std::abs(rate_) * dt);
 }
 

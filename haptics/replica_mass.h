@@ -32,9 +32,9 @@ class MassRamp {
   void advance(RigidBody& body, const MassProperties& target, double dt);
 
  private:
-  static constexpr double kFastest = 1.0;  // kg/s
-  static constexpr double kRise = 0.3;     // s, to the fastest
-  double rate_ = 0.0;                      // kg/s, signed
+  static constexpr double kGrowing = 1.0, kFalling = 3.0;  // kg/s, at most: what gets lighter is not felt
+  static constexpr double kRise = 0.3;                     // s, to kGrowing
+  double rate_ = 0.0;                                      // kg/s, signed
 };
 
 }  // namespace tandem::haptics

@@ -23,9 +23,10 @@ PlayedWave between(const LinkPacket& before, const LinkPacket& after, double tim
 }  // namespace
 
 bool isValid(const LinkPacket& p) {
-  return std::isfinite(p.time) && isFinite(p.wave.along) && isFinite(p.wave.about) && std::isfinite(p.energy) &&
-         p.energy >= 0.0 && p.fade >= 0.0 && p.fade <= 1.0 && p.regime <= LinkRegime::apart &&
-         isValid(p.worldFromDrawn) && isFinite(p.twist.linear) && isFinite(p.twist.angular);
+  return std::isfinite(p.time) && isFinite(p.wave.along) && isFinite(p.wave.about) &&
+         std::isfinite(p.energy) && p.energy >= 0.0 && p.fade >= 0.0 && p.fade <= 1.0 &&
+         p.regime <= LinkRegime::apart && isValid(p.worldFromDrawn) && isFinite(p.twist.linear) &&
+         isFinite(p.twist.angular);
 }
 
 void WavePlayOut::restart(std::uint32_t epoch) {
@@ -43,10 +44,12 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
   if (packet.epoch != epoch_ || !isValid(packet)) return false;
   std::size_t place = count_;
   while (place > 0 && at(place - 1).sequence > packet.sequence) --place;
-  const bool late = place == 0 && count_ > 0 && at(0).time <= playedTo_;  // the first one is being played already
+  const bool late =
+      place == 0 && count_ > 0 && at(0).time <= playedTo_;  // the first one is being played already
   const bool known = place > 0 && at(place - 1).sequence == packet.sequence;
   // Time and energy grow with the sequence, whatever a peer says.
-  const bool behind = place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy);
+  const bool behind =
+      place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy);
   const bool ahead = place < count_ && (at(place).time <= packet.time || at(place).energy < packet.energy);
   if (late || known || behind || ahead) return false;
   if (count_ == kCapacity) {
@@ -65,7 +68,7 @@ PlayedWave WavePlayOut::play(double time) {
   while (count_ >= 2 && at(1).time <= time) dropFirst();
   if (count_ >= 2 && at(0).time <= time) return between(at(0), at(1), time);
   PlayedWave last;
-  if (count_ > 0) last.state = at(0);
+  if (count_ > 0 && at(0).time <= time) last.state = at(0);
   return last;
 }
 

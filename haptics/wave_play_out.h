@@ -16,9 +16,11 @@ namespace tandem::haptics {
 
 /// The peer at one instant.
 struct PlayedWave {
-  bool fresh = false;   // there is a packet newer than the instant, so all below is interpolated; else it is the last known
-  LinkPacket state;     // `wave`, `energy` and pose at the instant, `fade`, `on` and `twist` of the packet before
-  SixAxes rate;         // sqrt(W): slope of `wave` between the two packets
+  bool fresh =
+      false;  // there is a packet newer than the instant, so all below is interpolated; else it is the last known
+  LinkPacket
+      state;     // `wave`, `energy` and pose at the instant, `fade`, `on` and `twist` of the packet before
+  SixAxes rate;  // sqrt(W): slope of `wave` between the two packets
 };
 
 class WavePlayOut {

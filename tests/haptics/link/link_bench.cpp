@@ -16,14 +16,15 @@ constexpr double kFrictionSpeed = 1e-3;  // m/s
 constexpr haptics::CouplingGains kGrasp{1000.0, 2.0, 2.5, 5e-3};
 constexpr double kWallStiffness = 5000.0, kWallDamping = 20.0;  // of all four corners together
 constexpr glm::dvec3 kCentreOfMass{0.01, -0.02, 0.015};         // m, body frame: anywhere but in its origin
-constexpr std::uint32_t kSequenceStep = 1000;                   // room for forged packets between two real ones
+constexpr std::uint32_t kSequenceStep = 1000;  // room for forged packets between two real ones
 
 SixAxes coulomb(const SixAxes& v, double friction) {
   const auto axis = [friction](double x) {  // a smooth sign
     const double s = x / kFrictionSpeed;
     return friction * s / std::sqrt(1.0 + s * s);
   };
-  return {{axis(v.along.x), axis(v.along.y), axis(v.along.z)}, {axis(v.about.x), axis(v.about.y), axis(v.about.z)}};
+  return {{axis(v.along.x), axis(v.along.y), axis(v.along.z)},
+          {axis(v.about.x), axis(v.about.y), axis(v.about.z)}};
 }
 
 glm::dvec3 quantised(const glm::dvec3& x, double quantum) {
@@ -54,14 +55,15 @@ SixAxes dragWay(double t, double amplitude) {
   return {{amplitude * share * std::sin(3.14159265358979 * s), 0.0, 0.0}, {}};
 }
 
-int seeds(int few) { if (const char* n = std::getenv("NSEED")) return std::atoi(n); return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
+int seeds(int few) { return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
 
 SixAxisArm::SixAxisArm(const haptics::ArmParameters& arm, const Pose& start)
     : arm_(arm), start_(start), armPose_(start), device_(start), read_(start) {}
 
 Twist SixAxisArm::readingVelocity() const { return {readVelocity_.along, readVelocity_.about / kLever}; }
 
-void SixAxisArm::step(const SixAxes& way, const SixAxes& velocity, const SixAxes& acceleration, const Wrench& command) {
+void SixAxisArm::step(const SixAxes& way, const SixAxes& velocity, const SixAxes& acceleration,
+                      const Wrench& command) {
   const double h = kTick / kSubsteps;
   const SixAxes given{command.force, command.torque / kLever};
   const Pose target = haptics::gone(start_, way, kLever);
@@ -104,7 +106,8 @@ void DelayedLine::fly(double now, double jitter, const haptics::LinkPacket& pack
 
 void DelayedLine::send(double now, const haptics::LinkPacket& packet) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
-  const double lost = uniform(random_), jitter = uniform(random_), twice = uniform(random_), again = uniform(random_);
+  const double lost = uniform(random_), jitter = uniform(random_), twice = uniform(random_),
+               again = uniform(random_);
   if (lost < network_.loss) return;
   fly(now, jitter, packet);
   if (twice < network_.duplicate) {
@@ -194,7 +197,8 @@ void LinkBench::forge(End& end) {
 
 haptics::LinkPull LinkBench::pull(End& end) {
   Site& site = sites_[end.site];
-  const Twist twist{velocityAt(site.body.worldFromBody, site.body.twist, site.centre().position), site.body.twist.angular};
+  const Twist twist{velocityAt(site.body.worldFromBody, site.body.twist, site.centre().position),
+                    site.body.twist.angular};
   if (setup_.tie != Tie::plain) return end.link.pull(time(), site.centre(), twist);
   if (!end.heard) return {};
   const double k = setup_.plainStiffness, b = setup_.plainDamping, lever = setup_.link.lever;
@@ -210,7 +214,8 @@ Wrench LinkBench::wallForce(Site& site) const {
   if (!setup_.wall) return sum;
   const Pose centre = site.centre();
   for (int corner = 0; corner < 4; ++corner) {
-    const glm::dvec3 at = 0.5 * setup_.size * glm::dvec3{1.0, corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0};
+    const glm::dvec3 at =
+        0.5 * setup_.size * glm::dvec3{1.0, corner & 1 ? 1.0 : -1.0, corner & 2 ? 1.0 : -1.0};
     const glm::dvec3 point = transformPoint(centre, at);
     const double depth = point.x - *setup_.wall;
     if (depth <= 0.0) continue;
@@ -239,12 +244,14 @@ void LinkBench::move(std::size_t index) {
   const Pose bodyFromCentre{site.body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
   const std::array<haptics::Coupling, 2> couplings{
       haptics::Coupling{site.bodyFromGrip, site.arm.reading(), site.arm.readingVelocity(), kGrasp},
-      haptics::Coupling{bodyFromCentre, site.body.worldFromBody * bodyFromCentre, {}, {0.0, damping, 0.0, rotDamping}}};
+      haptics::Coupling{
+          bodyFromCentre, site.body.worldFromBody * bodyFromCentre, {}, {0.0, damping, 0.0, rotDamping}}};
   const haptics::CoupledStep step = haptics::coupleBody(site.body, couplings, load, {}, kTick);
   haptics::moveBody(site.body, step.freeVelocity, step.freeSpin, kTick);
   const Wrench onHand = step.couplings[0].onHand(step.freeVelocity, step.freeSpin);
   const double most = haptics::SimulatedDeviceParameters{}.forceMax;
-  site.onHand = {haptics::limited(onHand.force, most), haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
+  site.onHand = {haptics::limited(onHand.force, most),
+                 haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
   for (End& end : ends_)
     if (end.site == index) end.link.settle(site.centre(), {step.freeVelocity, step.freeSpin});
 }

@@ -33,8 +33,8 @@ class SixAxisArm {
 
   SixAxisArm(const haptics::ArmParameters& arm, const Pose& start);
   /// Advances a tick under a held command. The target is the start pose after `way`.
-  void step(const haptics::SixAxes& way, const haptics::SixAxes& velocity, const haptics::SixAxes& acceleration,
-            const Wrench& command);
+  void step(const haptics::SixAxes& way, const haptics::SixAxes& velocity,
+            const haptics::SixAxes& acceleration, const Wrench& command);
   void letGo() { held_ = false; }
 
   const Pose& reading() const { return read_; }
@@ -56,10 +56,10 @@ class SixAxisArm {
 struct Network {
   double delay = 0.025;  // s, one way
   double jitter = 0.2, loss = 0.02, duplicate = 0.0;
-  double packetPeriod = 4e-3;  // s
+  double packetPeriod = 4e-3;             // s
   std::function<double(double)> delayAt;  // instead of `delay`
   double blackoutAt = 1e9, blackoutFor = 0.0;
-  bool burst = true;  // what was held back comes when the blackout ends; else it is lost
+  bool burst = true;     // what was held back comes when the blackout ends; else it is lost
   bool shuffled = true;  // jitter may reorder; else packets that overtake are held back
 };
 
@@ -100,9 +100,9 @@ struct BenchSetup {
   Network network;
   Tie tie = Tie::link;
   unsigned seed = 1;
-  double mass = 1.0;                        // kg
-  glm::dvec3 size{0.12, 0.08, 0.06};        // m, of the block
-  std::optional<double> wall;               // m: the part's corners cannot pass it along x
+  double mass = 1.0;                  // kg
+  glm::dvec3 size{0.12, 0.08, 0.06};  // m, of the block
+  std::optional<double> wall;         // m: the part's corners cannot pass it along x
   double plainStiffness = 400.0, plainDamping = 5.0;
   haptics::LinkParameters link;
 };
@@ -118,17 +118,18 @@ class LinkBench {
   bool runTo(double time, const Intent& intent);
 
   struct Site {
-    Site(const BenchSite& given, const Pose& start, const Pose& grip) : arm(given.arm, start * grip), bodyFromGrip(grip) {}
+    Site(const BenchSite& given, const Pose& start, const Pose& grip)
+        : arm(given.arm, start * grip), bodyFromGrip(grip) {}
     SixAxisArm arm;
     Pose bodyFromGrip;
     haptics::RigidBody body;
     haptics::MassRamp mass;
-    Wrench onHand;                        // sent to the device, limited
-    std::array<Wrench, 20> before{};      // of the last 20 ticks
+    Wrench onHand;                          // sent to the device, limited
+    std::array<Wrench, 20> before{};        // of the last 20 ticks
     double change = 0.0, turnChange = 0.0;  // N, N m: of the force on the hand in 20 ms
-    double push = 0.0;                    // N, of the wall
+    double push = 0.0;                      // N, of the wall
     Pose centre() const;
-    haptics::SixAxes gripWay() const;     // of the device from its start
+    haptics::SixAxes gripWay() const;  // of the device from its start
   };
   Site& site(std::size_t i) { return sites_[i]; }
   const Site& site(std::size_t i) const { return sites_[i]; }

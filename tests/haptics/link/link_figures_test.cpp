@@ -11,10 +11,10 @@ namespace tandem::test {
 namespace {
 
 struct Row {
-  double delay;            // s
-  double stiffness;        // N/m, from hand to hand, at least
-  double rms;              // m, in the shared drag, at most
-  double load;             // times that without a delay, at most
+  double delay;      // s
+  double stiffness;  // N/m, from hand to hand, at least
+  double rms;        // m, in the shared drag, at most
+  double load;       // times that without a delay, at most
 };
 constexpr double kOff = -1.0;
 constexpr Row kRows[] = {{0.010, 270.0, 1.2e-3, 1.1},
@@ -47,9 +47,11 @@ TEST(LinkFigures, DragStaysTogetherAndTheLeaderIsNotLoaded) {
         worst.load = std::max(worst.load, d.load);
       }
       if (prints())
-        std::printf("drag %s %3.0f ms: rms %5.2f mm %5.2f mrad, leader %4.2f x, %.2f N in 20 ms, %.4f mJ, link %.4f mJ\n",
-                    offCentre ? "off centre" : "centred   ", 1e3 * row.delay, 1e3 * worst.rms, 1e3 * worst.turnRms,
-                    worst.load / kLoadWithoutDelay, worst.change, 1e3 * worst.created, 1e3 * worst.inLinks);
+        std::printf(
+            "drag %s %3.0f ms: rms %5.2f mm %5.2f mrad, leader %4.2f x, %.2f N in 20 ms, %.4f mJ, link %.4f "
+            "mJ\n",
+            offCentre ? "off centre" : "centred   ", 1e3 * row.delay, 1e3 * worst.rms, 1e3 * worst.turnRms,
+            worst.load / kLoadWithoutDelay, worst.change, 1e3 * worst.created, 1e3 * worst.inLinks);
       if (!offCentre) {
         EXPECT_LE(worst.load, row.load * kLoadWithoutDelay) << row.delay;
       }
@@ -89,8 +91,9 @@ TEST(LinkFigures, WallIsAsStiffForTheGuestAtEveryDelay) {
     const char* name;
     haptics::ArmParameters owner, guest;
   };
-  const Pair pairs[] = {
-      {"relaxed", lightArm(), relaxedArm()}, {"mixed", relaxedArm(), firmArm()}, {"firm", firmArm(), firmArm()}};
+  const Pair pairs[] = {{"relaxed", lightArm(), relaxedArm()},
+                        {"mixed", relaxedArm(), firmArm()},
+                        {"firm", firmArm(), firmArm()}};
   for (const Row& row : kRows) {
     for (const Pair& pair : pairs) {
       PressFigures worst;

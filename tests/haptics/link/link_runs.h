@@ -12,9 +12,9 @@ namespace tandem::test {
 /// What every run must keep within.
 struct Tally {
   bool astray = false;
-  double created = 0.0;   // J, at the device ports
-  double inLinks = 0.0;   // J
-  double change = 0.0;    // N in 20 ms, on any hand, while the run says so
+  double created = 0.0;     // J, at the device ports
+  double inLinks = 0.0;     // J
+  double change = 0.0;      // N in 20 ms, on any hand, while the run says so
   double turnChange = 0.0;  // N m in 20 ms
 
   void take(const LinkBench& bench);
@@ -34,8 +34,8 @@ struct DragFigures : Tally {
   double load = 0.0;             // N rms on the leader
 };
 struct DragPlan {
-  double amplitude = 0.05;  // m
-  double turn = 0.0;        // rad, about a slanted axis, in step with the way
+  double amplitude = 0.05;      // m
+  double turn = 0.0;            // rad, about a slanted axis, in step with the way
   double from = 4.0, to = 7.0;  // s, in which changes of force count
   double until = 10.5;          // s
 };
