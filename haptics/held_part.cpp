@@ -257,6 +257,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
       noteRest(entry, dt);
   }
   if (count > 1) wakeTouched(*contact, parameters, scene);
+  if (count_ > 1) wakeJoined(*contact, parameters, scene);
   return onHands;
 }
 
@@ -264,12 +265,27 @@ void HeldParts::wakeTouched(const PartContact& contact, const TickParameters& pa
                             const assets::Scene& scene) {
   for (const PartTouch& touch : contact.touches()) {
     SimulatedPart *of = find(touch.of), *on = find(touch.part);
-    if (of == nullptr || on == nullptr || !(touch.force > 0.0)) continue;
-    const double since = std::min(of->held() ? 0.0 : of->sinceLetGo, on->held() ? 0.0 : on->sinceLetGo);
-    for (SimulatedPart* entry : {of, on}) {
-      if (isFree(entry->part, gravityOn(entry->part, parameters, scene), &contact))
-        entry->sinceLetGo = std::min(entry->sinceLetGo, since);
-    }
+    if (of != nullptr && on != nullptr && touch.force > 0.0)
+      restTogether(*of, *on, contact, parameters, scene);
+  }
+}
+
+void HeldParts::wakeJoined(const PartContact& contact, const TickParameters& parameters,
+                           const assets::Scene& scene) {
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    contact.forEachJoined(entry.part, [&](PartId other) {
+      if (SimulatedPart* joined = find(other)) restTogether(entry, *joined, contact, parameters, scene);
+    });
+  }
+}
+
+void HeldParts::restTogether(SimulatedPart& a, SimulatedPart& b, const PartContact& contact,
+                             const TickParameters& parameters, const assets::Scene& scene) {
+  const double since = std::min(a.held() ? 0.0 : a.sinceLetGo, b.held() ? 0.0 : b.sinceLetGo);
+  for (SimulatedPart* entry : {&a, &b}) {
+    if (isFree(entry->part, gravityOn(entry->part, parameters, scene), &contact))
+      entry->sinceLetGo = std::min(entry->sinceLetGo, since);
   }
 }
 

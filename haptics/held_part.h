@@ -112,8 +112,12 @@ class HeldParts {
   static bool drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
                     const assets::Scene& scene, CoupledStep& step);
   static void noteRest(SimulatedPart& entry, double dt);
-  /// Parts that press on each other rest together or not at all.
+  /// Parts that press on each other, or that a joint ties together, rest together or not at all.
   void wakeTouched(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
+  void wakeJoined(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
+  /// Neither has rested for longer than the other.
+  static void restTogether(SimulatedPart& a, SimulatedPart& b, const PartContact& contact,
+                           const TickParameters& parameters, const assets::Scene& scene);
 
   std::array<SimulatedPart, kMaxOwnedParts> parts_;
   int count_ = 0;

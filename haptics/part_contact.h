@@ -63,6 +63,16 @@ class PartContact final : public RowRefiner {
   bool constrains(PartId part) const { return world_.model(part) != nullptr || joined(part); }
   bool collides(PartId part) const { return world_.model(part) != nullptr; }
   bool joined(PartId part) const { return part < jointsOf_.size() && !jointsOf_[part].empty(); }
+  /// Calls f(other) with each part that a joint ties to this one.
+  template <typename F>
+  void forEachJoined(PartId part, const F& f) const {
+    if (!joined(part)) return;
+    for (const std::uint32_t index : jointsOf_[part]) {
+      const assets::Joint& joint = *joints_[index].joint;
+      const PartId other = joint.partA == part ? joint.partB : joint.partA;
+      if (other != kNoPart) f(other);
+    }
+  }
 
   /// A part is moved here from now on, from where the world has it. Overlaps that it has with its neighbours are
   /// remembered: it may stay as deep in each, and no deeper, until it has come out. A part that lies wholly inside

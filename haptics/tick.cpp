@@ -432,6 +432,10 @@ class Tick {
   void findPushed() {
     if (data_.partContact == nullptr) return;
     for (const PartTouch& touch : data_.partContact->touches()) notePushed(touch.part);
+    for (const SimulatedPart& entry : data_.held.parts()) {
+      if (HeldParts::atRest(entry)) continue;
+      data_.partContact->forEachJoined(entry.part, [&](PartId other) { notePushed(other); });
+    }
     if (holdsSolid()) return;
     for (int i = 0; i < out_.contactCount; ++i) {
       const Contact& contact = out_.contacts[static_cast<std::size_t>(i)];

@@ -151,8 +151,8 @@ struct TickOutput {
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
   PartId held = kNoPart;
-  // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on: `own`
-  // lets them.
+  // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on or is joined
+  // to: `own` lets them.
   std::array<PartId, kMaxPushed> pushed;
   int pushedCount = 0;
   double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent

@@ -209,21 +209,12 @@ TEST(FreeParts, ALightBlockIsPushedFarAway) {
   EXPECT_LT(rig.pose(0).position.x, 0.035);
 }
 
-/// Owns whatever is pushed, as a session would, and gives back what rests.
-void answer(MovingRig& rig) {
-  for (int i = 0; i < rig.out.pushedCount; ++i) rig.own(rig.out.pushed[static_cast<std::size_t>(i)]);
-  for (int i = 0; i < rig.out.ownedCount; ++i) {
-    const haptics::OwnedPart& owned = rig.out.owned[static_cast<std::size_t>(i)];
-    if (owned.atRest && !owned.held) rig.disown(owned.part);
-  }
-}
-
 TEST(FreeParts, TheToolPushesAPartThatItIsGivenAndNoOther) {
   for (const bool given : {true, false}) {
     MovingRig rig(stack(1, 0.0, 0.2), kGravity);
     rig.at({{-0.02, 0.0, 0.005}, kStraight});
     rig.tick();
-    if (given) rig.each = [&] { answer(rig); };
+    if (given) rig.each = [&] { rig.answer(); };
     // It slows down less than friction slows the cube, which would else slide on.
     const auto ease = [](double s) { return s * s * s * (10.0 - 15.0 * s + 6.0 * s * s); };
     rig.lead([&](double t) { return Pose{{-0.02 + 0.023 * ease(2.0 * t), 0.0, 0.005}, kStraight}; }, 0.5);
@@ -248,7 +239,7 @@ TEST(FreeParts, AHeldPartPushesAStackThatIsAskedForPartByPart) {
   rig.tick();
   rig.own(3);
   rig.grasp(3);
-  rig.each = [&] { answer(rig); };
+  rig.each = [&] { rig.answer(); };
   rig.lead([&](double t) { return Pose{grip.position + glm::dvec3(0.012 * t, 0.0, 0.0), kStraight}; }, 0.5);
   EXPECT_EQ(rig.out.ownedCount, 3);
   rig.tick(50);

@@ -71,6 +71,15 @@ class MovingRig {
     sample_.twist = {};
   }
 
+  /// Owns whatever is pushed, as a session would, and gives back what rests.
+  void answer() {
+    for (int i = 0; i < out.pushedCount; ++i) own(out.pushed[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < out.ownedCount; ++i) {
+      const haptics::OwnedPart& owned = out.owned[static_cast<std::size_t>(i)];
+      if (owned.atRest && !owned.held) disown(owned.part);
+    }
+  }
+
   const Pose& pose(PartId part) const { return state_.worldFromPart(part); }
   const assets::Scene& scene() const { return scene_; }
   haptics::TickState& state() { return state_; }
