@@ -261,6 +261,7 @@ class PhysicsReader {
     const double length = glm::length(direction);
     if (!(length > 0.0) || !std::isfinite(length)) object->fail("direction", "must not be zero");
     out_.gravity = direction / length * object->numberOr("gravity", 0.0);
+    refuseFault(gravityFault(*out_.gravity), object->place());
   }
 
   // --- nodes
@@ -291,6 +292,7 @@ class PhysicsReader {
       motion.inertiaOrientation = orientation / length;
     }
     motion.gravityFactor = entry.numberOr("gravityFactor", 1.0);
+    refuseFault(gravityFactorFault(motion.gravityFactor), entry.place());
     return motion;
   }
 

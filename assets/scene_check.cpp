@@ -130,8 +130,10 @@ Status checkPart(const Scene& scene, const Part& part, const std::string& place)
     return broken(place, "lies farther than 1e9 m from the origin");
   const MassProperties& m = part.massProperties;
   if (!nonNegative({m.mass}) || !finite(m.centreOfMass) || !finite(m.inertia[0]) || !finite(m.inertia[1]) ||
-      !finite(m.inertia[2]) || !std::isfinite(part.gravityFactor))
+      !finite(m.inertia[2]))
     return broken(place, "mass properties are not finite");
+  if (const auto fault = gravityFactorFault(part.gravityFactor))
+    return broken(place + "." + fault->property, fault->reason);
   if (part.contactTolerance != 0.0)
     if (const auto fault = toleranceFault(part.contactTolerance))
       return broken(place + "." + fault->property, fault->reason);
@@ -204,8 +206,9 @@ Status checkScene(const Scene& scene) {
   if (scene.materials.empty() || scene.materials.size() > 0xffff)
     return broken("materials", "none or too many");
   if (scene.parts.size() > kMaxParts) return broken("parts", "too many");
-  if (!finite(scene.gravity) || !finite(scene.bounds))
-    return broken("scene", "gravity or bounds are not finite");
+  if (!finite(scene.bounds)) return broken("scene", "bounds are not finite");
+  if (const auto fault = gravityFault(scene.gravity))
+    return broken("scene." + fault->property, fault->reason);
   for (std::size_t i = 0; i < scene.materials.size(); ++i)
     if (Status s = checkMaterial(scene.materials[i], scene.surfaces.size(), numbered("materials", i)); !s)
       return s;

@@ -83,6 +83,16 @@ bool nearOrigin(const glm::dvec3& p) {
   return std::abs(p.x) < kMaxCoordinate && std::abs(p.y) < kMaxCoordinate && std::abs(p.z) < kMaxCoordinate;
 }
 
+std::optional<RangeFault> gravityFault(const glm::dvec3& gravity) {
+  constexpr Range kGravity{-1e3, 1e3, "m/s^2"};
+  return firstOutside("gravity", gravity, kGravity);
+}
+
+std::optional<RangeFault> gravityFactorFault(double factor) {
+  constexpr Range kFactor{-1e3, 1e3, ""};
+  return firstOutside({{"gravityFactor", factor, kFactor}});
+}
+
 std::optional<RangeFault> toleranceFault(double tolerance) {
   constexpr Range kTolerance{1e-9, 1e3, "m"};
   return firstOutside({{"tolerance", tolerance, kTolerance}});

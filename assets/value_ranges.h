@@ -32,6 +32,9 @@ std::optional<RangeFault> outOfRange(const Surface& surface);
 std::optional<RangeFault> outOfRange(const ForceField& field);
 std::optional<RangeFault> outOfRange(const Control& control);
 std::optional<RangeFault> outOfRange(const Joint& joint);
+/// The scene's gravity, m/s^2, and a part's share of it.
+std::optional<RangeFault> gravityFault(const glm::dvec3& gravity);
+std::optional<RangeFault> gravityFactorFault(double factor);
 /// A tolerance that somebody stated for contact of a part, m.
 std::optional<RangeFault> toleranceFault(double tolerance);
 /// Sizes and place of a primitive, m.

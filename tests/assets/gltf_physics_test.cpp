@@ -390,6 +390,8 @@ TEST(GltfPhysics, RefusesBrokenPhysicsByPlace) {
   broken("/nodes/0/extensions/KHR_physics_rigid_bodies/joint/connectedNode", 99, "joint.connectedNode");
   broken("/nodes/1/extensions/KHR_physics_rigid_bodies/motion/mass", -1, "motion.mass");
   broken("/nodes/1/extensions/KHR_physics_rigid_bodies/motion/mass", "heavy", "motion.mass");
+  broken("/nodes/1/extensions/KHR_physics_rigid_bodies/motion/gravityFactor", 1e300, "motion.gravityFactor");
+  broken("/extensions/OMI_physics_gravity", {{"gravity", 1e300}}, "OMI_physics_gravity.gravity");
   broken("/nodes/1/extensions/KHR_physics_rigid_bodies/motion/inertiaOrientation", {0, 0, 0, 0},
          "inertiaOrientation");
   broken("/nodes/2/extensions", physics({{"collider", {{"geometry", {{"shape", 3}}}}}}),

@@ -188,6 +188,18 @@ TEST(ValueRanges, ToleranceFromANetworkIsAbsentOrInRange) {
   EXPECT_EQ(back->parts[0].contactTolerance, 2e-6);
 }
 
+TEST(ValueRanges, GravityFromANetworkIsInRange) {
+  for (const double bad : {1e300, -1e4, kNan}) {
+    Scene scene = sceneWithAll();
+    scene.gravity.y = bad;
+    EXPECT_FALSE(decodeScene(encodeScene(scene)).ok()) << bad;
+    scene.gravity.y = -9.81;
+    EXPECT_TRUE(decodeScene(encodeScene(scene)).ok());
+    scene.parts[0].gravityFactor = bad;
+    EXPECT_FALSE(decodeScene(encodeScene(scene)).ok()) << bad;
+  }
+}
+
 TEST(ValueRanges, WhatTheLoaderRefusesIsRefusedFromANetworkToo) {
   const Scene good = sceneWithAll();
   ASSERT_EQ(good.surfaces.size() * good.controls.size() * good.fields.size(), 1u);
