@@ -131,9 +131,9 @@ void PartContact::addLookRows(const AskedSide& side, std::uint32_t i, const glm:
 
 bool PartContact::crossesBlade(const AskedSide& side, const ContactSample& sample, const glm::vec3& place,
                                const DistanceField::Reading& read) {
-  const MeshEdge& edge = side.from->edges.edges()[sample.edge];
-  const glm::vec3 along =
-      sample.along * glm::vec3(side.toFromSamples.orientation * glm::normalize(edge.b - edge.a));
+  ContactPatch edge;
+  if (!side.from->patchOf(sample, edge)) return false;
+  const glm::vec3 along = sample.along * glm::vec3(side.toFromSamples.orientation * edge.axis);
   const float slope = glm::dot(read.gradient, along);
   if (std::abs(slope) <= side.smooth) return false;
   const float towards = slope > 0.0f ? -1.0f : 1.0f;

@@ -471,6 +471,21 @@ TEST(PrimitiveContact, ABoxRestsOnABox) {
   }
 }
 
+TEST(PrimitiveContact, ABoxRestsOnABoxOfTriangles) {
+  for (const double s : kScales) {
+    const glm::dvec3 size = glm::dvec3(0.02, 0.015, 0.01) * s;
+    // Within the plate, and over its edge.
+    for (const double beside : {0.0, 0.027}) {
+      const Pose start{{beside * s, 0.0, 0.0056 * s}, fromRotationVector({0.0, 0.0, 0.4})};
+      Given plate{{}, boxSoup(glm::dvec3(0.06, 0.06, 0.02) * s), {{0, 0, -0.01 * s}, kStraight}};
+      const assets::Scene scene = sceneOf({held({box(size)}, start, s), plate});
+      const Met met = lead(scene, s, straight(start, glm::dvec3(0.001, 0.002, -0.0015) * s), 0.4,
+                           [=](const Pose& p) { return lowestOfBox(p, size); });
+      expectExact(met, s, "box on box of triangles");
+    }
+  }
+}
+
 TEST(PrimitiveContact, ACubeOfTrianglesRestsOnAPlaneAndComesOffAgain) {
   for (const double s : kScales) {
     const glm::dvec3 size = glm::dvec3(0.02) * s;
