@@ -57,15 +57,27 @@ void PartContact::addBody(PartId part, const glm::dvec3& centreOfMass, const Pos
   tolerance_ = bodyCount_ == 1 ? tolerance : std::min(tolerance_, tolerance);
 }
 
-bool PartContact::addPair(const Pair& pair) {
-  if (pairCount_ == kMostPairs) {
+void PartContact::addPair(const Pair& pair) {
+  int at = pairCount_;
+  if (at == (pair.joint < 0 ? kMostPairs - kForJoints : kMostPairs)) {
     work_.overflow = true;
-    return false;
+    if (pair.joint >= 0) return;
+    const auto further = [](const Pair& a, const Pair& b) { return a.gap < b.gap; };
+    at = static_cast<int>(std::max_element(pairs_.begin(), pairs_.begin() + at, further) - pairs_.begin());
+    if (pairs_[static_cast<std::size_t>(at)].gap <= pair.gap) return;
+  } else {
+    ++pairCount_;
   }
-  rowPairs_[static_cast<std::size_t>(pairCount_)] = {pair.first, pair.second, glm::dvec3(0.0)};
-  pairs_[static_cast<std::size_t>(pairCount_++)] = pair;
+  rowPairs_[static_cast<std::size_t>(at)] = {pair.first, pair.second, glm::dvec3(0.0)};
+  pairs_[static_cast<std::size_t>(at)] = pair;
   push_ = std::max(push_, pair.push);
-  return true;
+}
+
+double PartContact::leastGap(const Body& body, const Pose& bodyFromWorld, PartId other) const {
+  const assets::Bounds& own = body.model->tree->bounds();
+  const Collider& ball = world_.collider(other);
+  const glm::dvec3 centre = transformPoint(bodyFromWorld * world_.pose(other), ball.centre);
+  return glm::length(centre - glm::clamp(centre, own.min, own.max)) - ball.radius;
 }
 
 double PartContact::motionOf(const Body& body, const Displacement& u) {
@@ -102,6 +114,7 @@ void PartContact::findPairs(double reach) {
     const Collider& collider = world_.collider(body.part);
     const glm::dvec3 middle = transformPoint(body.pose, collider.centre), grow(collider.radius + reach);
     const int own = pairCount_;
+    const Pose bodyFromWorld = inverse(body.pose);
     world_.forEachNear({middle - grow, middle + grow}, [&](PartId part) {
       const PartModel* model = world_.model(part);
       if (part == body.part || model == nullptr || !mayTouch(body.part, part)) return;
@@ -116,7 +129,8 @@ void PartContact::findPairs(double reach) {
       pair.other = part;
       pair.model = model;
       if (second < 0) pair.push = pushOf(part);
-      addPair(pair);
+      pair.gap = leastGap(body, bodyFromWorld, part);
+      if (pair.gap <= reach + pair.push) addPair(pair);
     });
   }
   for (int k = 0; k < overlapCount_; ++k) {

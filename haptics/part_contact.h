@@ -130,6 +130,7 @@ class PartContact final : public RowRefiner {
     int overlap = -1;                  // into overlaps_
     double deepest = 0.0;              // m, an upper bound, where there is an overlap
     double push = 0.0;                 // m, that the other one may come in this tick by itself
+    double gap = 0.0;                  // m, at least, when the tick began
     std::int32_t joint = -1;           // into joints_; -1: a pair that may touch
   };
   /// The samples of one part of a pair before the other one: `from` them, `to` what is asked.
@@ -195,7 +196,10 @@ class PartContact final : public RowRefiner {
   void moveIsland(Moving moving, int mostPicks);
   int bodyOf(PartId part) const;
   void addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose);
-  bool addPair(const Pair& pair);
+  /// Of more than there is room for, those that are nearest.
+  void addPair(const Pair& pair);
+  /// m, at least, between a part's box and the ball around another; below 0 where they meet.
+  double leastGap(const Body& body, const Pose& bodyFromWorld, PartId other) const;
   void findPairs(double reach);
   void findJoints();
   bool mayTouch(PartId a, PartId b) const;
@@ -291,6 +295,7 @@ class PartContact final : public RowRefiner {
   static constexpr std::uint32_t kLooks =
       2;                                  // others of which a sample is known: an edge often stands on two
   static constexpr int kMostLooks = 400;  // when a part is taken
+  static constexpr int kForJoints = 16;   // pairs
   static constexpr int kMostKept = 48, kKeptFor = 16;
   static constexpr int kMostOverlaps = 64;
   static constexpr int kMostFrictions = 2 * ContactSolver::kMostActive;
