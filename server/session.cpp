@@ -111,6 +111,7 @@ void Session::step(sync::Micros now, std::int64_t unixNow) {
   s.takeEvents();
   s.runTimers();
   s.continueReset();
+  s.tellMembers();
   s.flushOutbox();
   for (auto& [connection, peer] : s.peers) s.sendChunks(peer);
 }
@@ -212,6 +213,8 @@ void Session::State::dispatch(Peer& peer, const sync::ControlMessage& message) {
           [&](const sync::Reclaim& m) { onReclaim(peer, m); },
           [&](const sync::Revoke& m) { onRevoke(peer, m); },
           [&](const sync::ResetParts& m) { onReset(peer, m); },
+          [&](const sync::Engage& m) { onEngage(peer, m); },
+          [&](const sync::Disengage& m) { onDisengage(peer, m); },
           [&](const sync::Goodbye&) { onGoodbye(peer); },
           [&](const auto&) { refuse(peer, sync::Refusal::unexpectedMessage, "only the server says this"); },
       },

@@ -128,6 +128,7 @@ void Session::State::admit(Peer& peer, KnownSite& site, const sync::Hello& hello
   std::vector<sync::PartRecord> parts;
   tell(peer, welcomeFor(site, parts));
   for (const sync::PartRecord& part : parts) tell(peer, sync::OwnershipChanged{part});
+  for (const sync::MemberRecord& members : table.allMembers()) tell(peer, sync::MembersChanged{members});
   say(nameOf(peer.site) + " joined as " + sync::toString(peer.role) + (hello.resume ? " (came back)" : ""));
 }
 

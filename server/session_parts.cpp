@@ -22,7 +22,8 @@ void Session::State::partChanged(const sync::PartRecord& record) {
 void Session::State::freeParts(const std::vector<sync::PartRecord>& records, const char* why) {
   for (const sync::PartRecord& record : records) {
     partChanged(record);
-    say("part " + scene.parts[record.part].name + " is free: " + why);
+    const std::string heir = record.owner == kNoSite ? "free" : "with " + nameOf(record.owner);
+    say("part " + scene.parts[record.part].name + " is " + heir + ": " + why);
   }
 }
 
@@ -99,7 +100,26 @@ void Session::State::onRelease(Peer& peer, const sync::Release& request) {
   keep(record);
   tell(peer, decision.reply);
   tellAll(sync::OwnershipChanged{record});
-  say("part " + scene.parts[record.part].name + " released by " + nameOf(peer.site));
+  say("part " + scene.parts[record.part].name + " released by " + nameOf(peer.site) +
+      (record.owner == kNoSite ? "" : ", now with " + nameOf(record.owner)));
+}
+
+void Session::State::onEngage(Peer& peer, const sync::Engage& request) {
+  const auto decision = table.engage(peer.site, peer.role, request, now);
+  if (decision.reply.denial != sync::Denial::none) ++counts.denials;
+  if (decision.changed) say(nameOf(peer.site) + " is engaged in part " + scene.parts[request.part].name);
+  tell(peer, decision.reply);
+}
+
+void Session::State::onDisengage(Peer& peer, const sync::Disengage& request) {
+  const auto decision = table.disengage(peer.site, request);
+  if (decision.changed) say(nameOf(peer.site) + " lets part " + scene.parts[request.part].name + " be");
+  tell(peer, decision.reply);
+}
+
+/// Behind the records of the parts: what has changed since the last time.
+void Session::State::tellMembers() {
+  for (const sync::MemberRecord& members : table.takeChangedMembers()) tellAll(sync::MembersChanged{members});
 }
 
 /// Whether this is a new command of an instructor; otherwise it has been answered.

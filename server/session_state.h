@@ -3,7 +3,7 @@
 // The inside of a Session; only the session*.cpp files include it. Which file holds what:
 //   session.cpp            construction, events, timers, the ordered way out
 //   session_admission.cpp  hello, resume, refusals, who is here, leaving, the scene transfer
-//   session_parts.cpp      grab, release, reclaim, revoke, reset, leases, poses kept in the journal
+//   session_parts.cpp      grab, release, reclaim, engage, revoke, reset, leases, poses kept in the journal
 //   session_relay.cpp      state datagrams and pings
 
 #include <deque>
@@ -136,6 +136,9 @@ struct Session::State {
   void onReclaim(Peer& peer, const sync::Reclaim& request);
   void onRelease(Peer& peer, const sync::Release& request);
   void answerGrab(Peer& peer, const sync::OwnershipTable::Decision& decision);
+  void onEngage(Peer& peer, const sync::Engage& request);
+  void onDisengage(Peer& peer, const sync::Disengage& request);
+  void tellMembers();
   void onRevoke(Peer& peer, const sync::Revoke& request);
   void onReset(Peer& peer, const sync::ResetParts& request);
   void continueReset();

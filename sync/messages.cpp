@@ -50,6 +50,8 @@ const char* toString(Denial denial) {
       return "the server waits for earlier owners to come back";
     case Denial::stale:
       return "that ownership is over";
+    case Denial::notOwned:
+      return "nobody else owns it";
   }
   return "unknown denial";
 }

@@ -19,7 +19,7 @@
 
 namespace tandem::sync {
 
-inline constexpr std::uint16_t kProtocolVersion = 1;
+inline constexpr std::uint16_t kProtocolVersion = 2;
 inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
 inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
 inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
@@ -54,6 +54,16 @@ struct PartRecord {
   SiteId owner = kNoSite;
   Epoch epoch = 0;
   Pose worldFromPart;
+};
+
+/// The sites that simulate a part beside its owner, because their hands or parts of theirs touch it. Newer where
+/// (epoch, version) is larger. With its owner they are n sites, each with a replica of 1/n of its mass.
+struct MemberRecord {
+  PartId part = kNoPart;
+  Epoch epoch = 0;
+  std::uint32_t version = 0;
+  std::vector<SiteId> sites;  // who has been engaged for longest first; the owner is not among them
+  friend bool operator==(const MemberRecord&, const MemberRecord&) = default;
 };
 
 // ---- control, site to server ----
@@ -101,6 +111,16 @@ struct ResetParts {
 };
 /// The site leaves for good; its parts are free at once.
 struct Goodbye {};
+/// The site simulates a part that another one owns, beside that one. Answered by an EngageReply.
+struct Engage {
+  RequestId request = 0;
+  PartId part = kNoPart;
+};
+/// It does no longer. Answered by an EngageReply.
+struct Disengage {
+  RequestId request = 0;
+  PartId part = kNoPart;
+};
 
 // ---- control, server to site ----
 
@@ -150,6 +170,7 @@ enum class Denial : std::uint8_t {
   unknownPart,
   recovering,  // a restarted server waits for earlier owners to come back (S8)
   stale,       // a Reclaim or Release of an epoch that is over
+  notOwned,    // an Engage in a part that nobody or the site itself owns: it is to be grabbed
 };
 const char* toString(Denial denial);
 /// The answer to Grab or Reclaim, repeated unchanged if the request is repeated (S7).
@@ -174,9 +195,21 @@ struct OwnershipChanged {
   PartRecord part;
 };
 
-using ControlMessage = std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts,
-                                    Goodbye, Welcome, Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply,
-                                    ReleaseReply, CommandReply, OwnershipChanged>;
+/// The answer to Engage or Disengage.
+struct EngageReply {
+  RequestId request = 0;
+  Denial denial = Denial::none;
+  MemberRecord members;  // as they are now
+};
+/// Told to every site in the same order for each part, behind the OwnershipChanged that goes with it.
+struct MembersChanged {
+  MemberRecord members;
+};
+
+using ControlMessage =
+    std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome,
+                 Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
+                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged>;
 
 // ---- state datagrams ----
 

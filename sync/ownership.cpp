@@ -19,6 +19,7 @@ struct PartEntry {
   bool hasSequence = false;  // whether a state of this epoch was accepted since the table began
   std::uint32_t sequence = 0;
   Micros leaseFrom = 0;
+  MemberRecord members;
 };
 
 enum class RequestKind : std::uint8_t { grab, reclaim, release };
@@ -35,6 +36,8 @@ struct Remembered {
 
 struct SiteEntry {
   std::set<PartId> owned;  // ordered: what is freed together is told in the same order everywhere
+  std::set<PartId> engaged;
+  Micros engagedFrom = 0;  // when it was last heard of, for all that it is engaged in
   std::deque<Remembered> requests;
 };
 
@@ -51,6 +54,8 @@ struct OwnershipTable::State {
   LeaseRules rules;
   Micros recoveringUntil = std::numeric_limits<Micros>::min();
   std::size_t awaited = 0;
+
+  std::vector<PartId> changedMembers;
 
   bool recovering(Micros now) const { return awaited > 0 && now < recoveringUntil; }
   bool expired(const PartEntry& part, Micros now) const {
@@ -74,6 +79,58 @@ struct OwnershipTable::State {
     part.record.owner = kNoSite;
     part.hasSequence = false;
     return part.record;
+  }
+  /// The same where somebody may be engaged in the part: it is that one's.
+  const PartRecord& passOn(PartEntry& part, Micros now) {
+    disown(part);
+    if (part.members.sites.empty()) return part.record;
+    const SiteId heir = part.members.sites.front();
+    disengage(part, heir);
+    if (part.record.epoch == std::numeric_limits<Epoch>::max()) {
+      disengageAll(part);
+      return part.record;
+    }
+    ++part.record.epoch;
+    own(part, heir, now);
+    return part.record;
+  }
+
+  void membersChanged(PartEntry& part) {
+    ++part.members.version;
+    const PartId id = part.record.part;
+    if (std::find(changedMembers.begin(), changedMembers.end(), id) == changedMembers.end())
+      changedMembers.push_back(id);
+  }
+  bool disengage(PartEntry& part, SiteId site) {
+    if (std::erase(part.members.sites, site) == 0) return false;
+    sites[site].engaged.erase(part.record.part);
+    membersChanged(part);
+    return true;
+  }
+  void disengageAll(PartEntry& part) {
+    while (!part.members.sites.empty()) disengage(part, part.members.sites.back());
+  }
+  void disengageFromAll(SiteEntry& entry, SiteId site) {
+    const std::set<PartId> engaged = entry.engaged;
+    for (const PartId id : engaged) disengage(parts[id], site);
+  }
+  MemberRecord membersOf(const PartEntry& part) const {
+    MemberRecord members = part.members;
+    members.part = part.record.part;
+    members.epoch = part.record.epoch;
+    return members;
+  }
+  Denial decideEngage(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
+    if (role == Role::observer) return Denial::roleForbids;
+    if (!part.movable) return Denial::notMovable;
+    if (part.record.owner == kNoSite || part.record.owner == site) return Denial::notOwned;
+    SiteEntry& entry = sites[site];
+    entry.engagedFrom = now;
+    if (!entry.engaged.insert(part.record.part).second) return Denial::none;
+    part.members.sites.push_back(site);
+    membersChanged(part);
+    changed = true;
+    return Denial::none;
   }
 
   /// What was answered to this very request before, or null.
@@ -102,6 +159,10 @@ struct OwnershipTable::State {
       return Denial::none;
     }
     if (part.record.owner != kNoSite && !expired(part, now)) return Denial::ownedByOther;
+    if (part.record.owner != kNoSite && !part.members.sites.empty()) {
+      changed = true;
+      return passOn(part, now).owner == site ? Denial::none : Denial::ownedByOther;
+    }
     if (recovering(now)) return Denial::recovering;
     if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
     if (part.record.owner != kNoSite) disown(part);
@@ -190,7 +251,7 @@ OwnershipTable::Decision OwnershipTable::reclaim(SiteId site, Role role, const R
   return decision;
 }
 
-OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request, Micros /*now*/) {
+OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request, Micros now) {
   ReleaseDecision decision;
   decision.reply.request = request.request;
   if (const Remembered* r =
@@ -204,7 +265,7 @@ OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Relea
     PartEntry& part = state_->parts[request.part];
     if (part.record.owner == site && part.record.epoch == request.epoch) {
       part.record.worldFromPart = request.worldFromPart;
-      state_->disown(part);
+      state_->passOn(part, now);
       decision.changed = true;
     } else {
       decision.reply.denial = Denial::stale;
@@ -216,6 +277,55 @@ OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Relea
   return decision;
 }
 
+OwnershipTable::EngageDecision OwnershipTable::engage(SiteId site, Role role, const Engage& request,
+                                                      Micros now) {
+  EngageDecision decision;
+  decision.reply.request = request.request;
+  decision.reply.members.part = request.part;
+  if (request.part >= state_->parts.size()) {
+    decision.reply.denial = Denial::unknownPart;
+    return decision;
+  }
+  PartEntry& part = state_->parts[request.part];
+  decision.reply.denial = state_->decideEngage(site, role, part, now, decision.changed);
+  decision.reply.members = state_->membersOf(part);
+  return decision;
+}
+
+OwnershipTable::EngageDecision OwnershipTable::disengage(SiteId site, const Disengage& request) {
+  EngageDecision decision;
+  decision.reply.request = request.request;
+  decision.reply.members.part = request.part;
+  if (request.part >= state_->parts.size()) {
+    decision.reply.denial = Denial::unknownPart;
+    return decision;
+  }
+  PartEntry& part = state_->parts[request.part];
+  decision.changed = state_->disengage(part, site);
+  decision.reply.members = state_->membersOf(part);
+  return decision;
+}
+
+MemberRecord OwnershipTable::members(PartId id) const {
+  ASSERT(id < state_->parts.size());
+  return state_->membersOf(state_->parts[id]);
+}
+
+std::vector<MemberRecord> OwnershipTable::allMembers() const {
+  std::vector<MemberRecord> all;
+  for (const PartEntry& part : state_->parts) {
+    if (!part.members.sites.empty()) all.push_back(state_->membersOf(part));
+  }
+  return all;
+}
+
+std::vector<MemberRecord> OwnershipTable::takeChangedMembers() {
+  std::vector<MemberRecord> changed;
+  for (const PartId id : state_->changedMembers) changed.push_back(members(id));
+  state_->changedMembers.clear();
+  return changed;
+}
+
 std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
   if (id >= state_->parts.size()) return std::nullopt;
   PartEntry& part = state_->parts[id];
@@ -223,6 +333,7 @@ std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
     return std::nullopt;
   state_->disown(part);
   ++part.record.epoch;
+  state_->disengageAll(part);
   return part.record;
 }
 
@@ -240,20 +351,26 @@ void OwnershipTable::renew(SiteId site, Micros now) {
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return;
   for (const PartId id : found->second.owned) state_->parts[id].leaseFrom = now;
+  found->second.engagedFrom = now;
 }
 
-std::vector<PartRecord> OwnershipTable::leave(SiteId site, Micros /*now*/) {
+std::vector<PartRecord> OwnershipTable::leave(SiteId site, Micros now) {
   std::vector<PartRecord> freed;
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return freed;
+  state_->disengageFromAll(found->second, site);
   const std::set<PartId> owned = found->second.owned;
-  for (const PartId id : owned) freed.push_back(state_->disown(state_->parts[id]));
+  for (const PartId id : owned) freed.push_back(state_->passOn(state_->parts[id], now));
   state_->sites.erase(site);
   return freed;
 }
 
 std::vector<PartRecord> OwnershipTable::expire(Micros now) {
   std::vector<PartId> over;
+  // First who simulates no more, so that no part goes to one of them.
+  for (auto& [site, entry] : state_->sites) {
+    if (now - entry.engagedFrom >= state_->rules.serverLease()) state_->disengageFromAll(entry, site);
+  }
   for (const auto& [site, entry] : state_->sites) {
     for (const PartId id : entry.owned) {
       if (state_->expired(state_->parts[id], now)) over.push_back(id);
@@ -261,7 +378,7 @@ std::vector<PartRecord> OwnershipTable::expire(Micros now) {
   }
   std::sort(over.begin(), over.end());
   std::vector<PartRecord> freed;
-  for (const PartId id : over) freed.push_back(state_->disown(state_->parts[id]));
+  for (const PartId id : over) freed.push_back(state_->passOn(state_->parts[id], now));
   return freed;
 }
 

@@ -21,6 +21,9 @@
 // 6. A site that comes back with a ticket finds its parts in Welcome and reclaims or releases each: its pings
 // keep all
 //    of them.
+// 7. Sites may be engaged in a part that another one owns. Their list is versioned (S5), and each is on it for as long
+//    as its pings keep it there. Where the owner lets go, leaves or is heard of no more, who has been engaged for
+//    longest owns the part in the next epoch: no part that somebody simulates is without an owner.
 
 //
 // Order of records of one part: by epoch, and within an epoch an ended ownership (owner = kNoSite) after a
@@ -77,7 +80,19 @@ class OwnershipTable {
   };
   ReleaseDecision release(SiteId site, const Release& request, Micros now);
 
-  /// Ends an ownership by an instructor's word, with a new epoch; the part as it is now, or nothing if nobody
+  struct EngageDecision {
+    EngageReply reply;
+    bool changed = false;
+  };
+  EngageDecision engage(SiteId site, Role role, const Engage& request, Micros now);
+  EngageDecision disengage(SiteId site, const Disengage& request);
+  MemberRecord members(PartId part) const;
+  /// Of every part that somebody is engaged in.
+  std::vector<MemberRecord> allMembers() const;
+  /// Those that have changed since the last call, in order: to be told to all, behind the part's own record.
+  std::vector<MemberRecord> takeChangedMembers();
+
+  /// Ends an ownership by an instructor's word, and all engagement, with a new epoch; the part as it is now, or nothing if nobody
   /// owned it.
   std::optional<PartRecord> revoke(PartId part, Micros now);
   /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or
@@ -86,9 +101,9 @@ class OwnershipTable {
 
   /// A site's ping arrived: all its leases run anew.
   void renew(SiteId site, Micros now);
-  /// The site left for good: its parts are free now. (A lost connection is not a leave: the lease decides.)
+  /// The site left for good: its parts are free now, or another's. (A lost connection is not a leave: the lease decides.)
   std::vector<PartRecord> leave(SiteId site, Micros now);
-  /// The parts whose lease has run out, freed.
+  /// The parts whose lease has run out, freed or another's. Sites that are heard of no more are engaged in nothing.
   std::vector<PartRecord> expire(Micros now);
   /// When the next lease runs out if it is not renewed; nothing if nobody owns a part.
   std::optional<Micros> nextExpiry() const;
@@ -120,6 +135,15 @@ class OwnershipView {
   /// Welcome's records, or OwnershipChanged, or the record in a GrabReply. False: not newer than what is
   /// known; ignored.
   bool apply(const PartRecord& record);
+
+  /// EngageReply's or MembersChanged's. False: not newer than what is known; ignored.
+  bool apply(const MemberRecord& members);
+  /// Before a Welcome: a server that was started again counts its versions anew.
+  void forgetMembers();
+  const MemberRecord& members(PartId part) const;
+  bool engaged(PartId part) const;
+  /// The owner and the members: by how many the mass of the part is shared.
+  std::size_t simulators(PartId part) const;
 
   enum class Verdict : std::uint8_t {
     accepted,

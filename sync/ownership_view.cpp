@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "assets/assert.h"
 #include "sync/ownership.h"
 
@@ -8,7 +10,8 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
-    bool unconfirmed = false;  // held over a lapse of the lease
+    bool unconfirmed = false;  // held, or engaged in, over a lapse of the lease
+    MemberRecord members;
   };
   std::vector<Entry> parts;
   LeaseRules rules;
@@ -21,7 +24,8 @@ OwnershipView::OwnershipView(std::size_t partCount, LeaseRules rules) : state_(s
   ASSERT(partCount <= kMaxParts);
   state_->rules = rules;
   state_->parts.resize(partCount);
-  for (std::size_t i = 0; i < partCount; ++i) state_->parts[i].record.part = static_cast<PartId>(i);
+  for (std::size_t i = 0; i < partCount; ++i)
+    state_->parts[i].record.part = state_->parts[i].members.part = static_cast<PartId>(i);
 }
 OwnershipView::~OwnershipView() = default;
 OwnershipView::OwnershipView(OwnershipView&&) noexcept = default;
@@ -38,8 +42,40 @@ bool OwnershipView::apply(const PartRecord& record) {
   if (!newEpoch && !ends) return false;
   entry.record = record;
   if (newEpoch) entry.hasSequence = false;
-  entry.unconfirmed = false;
+  // What is passed on to this site may have been taken back while it was not heard of.
+  const bool passedOn = owns(record.part) && engaged(record.part);
+  entry.unconfirmed = entry.unconfirmed && passedOn;
   return true;
+}
+
+bool OwnershipView::apply(const MemberRecord& members) {
+  if (members.part >= state_->parts.size()) return false;
+  MemberRecord& known = state_->parts[members.part].members;
+  const bool newer =
+      members.epoch != known.epoch ? members.epoch > known.epoch : members.version > known.version;
+  if (!newer) return false;
+  const bool before = engaged(members.part);
+  known = members;
+  if (!before && !owns(members.part)) state_->parts[members.part].unconfirmed = false;
+  return true;
+}
+
+void OwnershipView::forgetMembers() {
+  for (State::Entry& entry : state_->parts) entry.members = {entry.record.part, 0, 0, {}};
+}
+
+const MemberRecord& OwnershipView::members(PartId part) const {
+  ASSERT(part < state_->parts.size());
+  return state_->parts[part].members;
+}
+
+bool OwnershipView::engaged(PartId part) const {
+  const std::vector<SiteId>& sites = members(part).sites;
+  return std::find(sites.begin(), sites.end(), state_->self) != sites.end();
+}
+
+std::size_t OwnershipView::simulators(PartId part) const {
+  return members(part).sites.size() + (state_->parts[part].record.owner != kNoSite ? 1 : 0);
 }
 
 OwnershipView::Verdict OwnershipView::accept(SiteId from, const PartState& state) {
@@ -63,8 +99,9 @@ void OwnershipView::renewed(Micros pingSent) {
 }
 
 void OwnershipView::renewed(Micros pingSent, Micros received) {
-  if (state_->everRenewed && !leaseValid(received)) {
-    for (State::Entry& entry : state_->parts) entry.unconfirmed = owns(entry.record.part);
+  if (!leaseValid(received)) {
+    for (State::Entry& entry : state_->parts)
+      entry.unconfirmed = owns(entry.record.part) || engaged(entry.record.part);
   }
   renewed(pingSent);
 }

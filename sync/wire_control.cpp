@@ -252,6 +252,14 @@ void fields(auto& a, Is<PartRecord> auto& m) {
 }
 constexpr std::size_t kPartRecordBytes = 2 + 2 + 4 + 7 * 8;
 
+void fields(auto& a, Is<MemberRecord> auto& m) {
+  a.part(m.part);
+  a.number(m.epoch);
+  a.number(m.version);
+  a.count(m.sites, kMaxSites, sizeof(SiteId));
+  for (auto& site : m.sites) a.number(site);
+}
+
 template <typename A>
 void fields(A& a, Is<Hello> auto& m) {
   a.number(m.protocolVersion);
@@ -309,7 +317,7 @@ void fields(auto& a, Is<SiteLeft> auto& m) { a.number(m.site); }
 /// GrabReply and ReleaseReply say the same.
 void reply(auto& a, auto& m) {
   a.number(m.request);
-  a.enumeration(m.denial, Denial::stale);
+  a.enumeration(m.denial, Denial::notOwned);
   fields(a, m.part);
 }
 void fields(auto& a, Is<GrabReply> auto& m) { reply(a, m); }
@@ -320,9 +328,23 @@ void fields(auto& a, Is<CommandReply> auto& m) {
   a.text(m.reason, kMaxTextLength);
 }
 void fields(auto& a, Is<OwnershipChanged> auto& m) { fields(a, m.part); }
+void fields(auto& a, Is<Engage> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+void fields(auto& a, Is<Disengage> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+void fields(auto& a, Is<EngageReply> auto& m) {
+  a.number(m.request);
+  a.enumeration(m.denial, Denial::notOwned);
+  fields(a, m.members);
+}
+void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.members); }
 
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 18, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 22, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

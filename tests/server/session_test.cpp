@@ -174,6 +174,40 @@ TEST(Session, GivesSimultaneousGrabsOneWinnerKnownToAll) {
   }
 }
 
+TEST(Session, PassesAPartOnToWhoIsEngagedInIt) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b"), &c = rig.join("c", Role::observer);
+  const GrabReply held = rig.grab(a, 0, 1);
+  b.say(Engage{1, 0});
+  c.say(Engage{1, 0});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(c.last<EngageReply>()->denial, Denial::roleForbids);
+  const SiteId ben = b.last<Welcome>()->site;
+  for (const FakeSite* site : {&a, &b, &c}) {
+    ASSERT_EQ(site->count<MembersChanged>(), 1u);
+    EXPECT_EQ(site->last<MembersChanged>()->members.sites, std::vector<SiteId>{ben});
+  }
+  a.say(Release{2, 0, held.part.epoch, {}});
+  rig.run(40 * kMillisecond);
+  for (const FakeSite* site : {&a, &b, &c}) {
+    EXPECT_EQ(site->last<OwnershipChanged>()->part.owner, ben);
+    EXPECT_EQ(site->last<OwnershipChanged>()->part.epoch, held.part.epoch + 1);
+    EXPECT_TRUE(site->last<MembersChanged>()->members.sites.empty());
+    EXPECT_EQ(site->last<MembersChanged>()->members.epoch, held.part.epoch + 1);
+  }
+}
+
+TEST(Session, TellsWhoJoinsLaterWhoIsEngaged) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  rig.grab(a, 0, 1);
+  b.say(Engage{1, 0});
+  rig.run(40 * kMillisecond);
+  FakeSite& c = rig.join("c");
+  ASSERT_EQ(c.count<MembersChanged>(), 1u);
+  EXPECT_EQ(c.last<MembersChanged>()->members, b.last<MembersChanged>()->members);
+}
+
 TEST(Session, AnswersARepeatedRequestAlike) {
   Rig rig;
   FakeSite& a = rig.join("a");

@@ -49,6 +49,11 @@ class RandomMessages {
   }
   PartId partId() { return chance(0.1) ? kNoPart : static_cast<PartId>(number(kMaxParts)); }
   PartRecord record() { return {partId(), static_cast<SiteId>(number(65536)), number(~0u), pose(5.0)}; }
+  MemberRecord members() {
+    MemberRecord m{partId(), number(~0u), number(~0u), {}};
+    for (std::uint32_t n = number(6); n > 0; --n) m.sites.push_back(static_cast<SiteId>(number(65536)));
+    return m;
+  }
   Micros time() { return static_cast<Micros>(random_() >> 9) - (Micros{1} << 54); }
 
   /// A message of the kind with this index in ControlMessage.
@@ -88,8 +93,16 @@ class RandomMessages {
         return ReleaseReply{number(~0u), static_cast<Denial>(number(7)), record()};
       case 16:
         return CommandReply{number(~0u), chance(0.5), text(kMaxTextLength)};
-      default:
+      case 17:
         return OwnershipChanged{record()};
+      case 18:
+        return Engage{number(~0u), partId()};
+      case 19:
+        return Disengage{number(~0u), partId()};
+      case 20:
+        return EngageReply{number(~0u), static_cast<Denial>(number(8)), members()};
+      default:
+        return MembersChanged{members()};
     }
   }
   Welcome welcome() {
