@@ -76,7 +76,7 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
   const SixAxes held = forceOf(wave_, {});
   // Rule 2: until the reserve is full the replica drags a little more, which fills it as soon as it moves.
   drag_ = p_.drag + p_.fillingDrag * (1.0 - reserve_.energy() / LinkReserve::kMost);
-  const double damping = 0.5 * b_ + drag_;
+  const double damping = seriesDamping() + drag_;
   return {wrenchOf(held, p_.lever), damping, damping * p_.lever * p_.lever};
 }
 
@@ -156,11 +156,11 @@ void CoordinationLink::runOut(const SixAxes& v) {
 
 // Rule 3: the wave that gives this force on a replica of this velocity.
 SixAxes CoordinationLink::waveOf(const SixAxes& force, const SixAxes& v) const {
-  return std::sqrt(2.0 / b_) * (force - (0.5 * p_.spring) * stretch_ + (0.5 * b_) * v);
+  return (1.0 / waveGain()) * (force - springGain() * stretch_ + seriesDamping() * v);
 }
 
 SixAxes CoordinationLink::forceOf(const SixAxes& wave, const SixAxes& v) const {
-  return (0.5 * p_.spring) * stretch_ + std::sqrt(0.5 * b_) * wave - (0.5 * b_) * v;
+  return springGain() * stretch_ + waveGain() * wave - seriesDamping() * v;
 }
 
 // Rules 2 and 4: who pays for the wave of this tick.
@@ -180,17 +180,17 @@ void CoordinationLink::pay(const PlayedWave& peer, const Aim& aim) {
 
 Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist) {
   const SixAxes v = axesOf(twist, p_.lever);
-  const SixAxes drawn = (0.5 / b_) * (std::sqrt(2.0 * b_) * wave_ - p_.spring * stretch_ + b_ * v);  // v_d
+  const SixAxes drawn =  // v_d
+      (1.0 / (b_ + damper())) * (std::sqrt(2.0 * b_) * wave_ - p_.spring * stretch_ + damper() * v);
   const SixAxes slip = drawn - v;
-  force_ = p_.spring * stretch_ + b_ * slip;
+  force_ = p_.spring * stretch_ + damper() * slip;
   stretch_ += p_.period * slip;
   sent_ = std::sqrt(2.0 * b_) * drawn - wave_;
   sum_ += p_.period * sent_;
   const double outgoing = 0.5 * dot(sent_, sent_) * p_.period;
   announced_ += announcedShare_ * outgoing;
   kept_ = (1.0 - announcedShare_) * outgoing;
-  // The spring is stepped explicitly, which takes K T / 2 off the damper.
-  const double damping = std::max(0.0, b_ - 0.5 * p_.spring * p_.period);
+  const double damping = b_ + 0.5 * p_.spring * p_.period;  // with what the implicit spring loses
   reserve_.fill(p_.period * (damping * dot(slip, slip) + drag_ * dot(v, v)));
   const SixAxes acting = force_ - drag_ * v;
   account_.work += p_.period * dot(acting, v);

@@ -18,6 +18,8 @@
 //
 // 3. Poses are never set. A gap between replicas is drawn shut, slowly.
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
 #include "haptics/link_packet.h"
@@ -35,11 +37,20 @@ struct LinkParameters {
   double lever = 0.05;          // m, of the part, both ends alike: an angle counts as the way at its end
   double impedance = 27.0;      // N s/m: b, in the regime stiff
   double softImpedance = 14.0;  // N s/m: b, in the regime soft
-  double spring = 8000.0;       // N/m: K
+  double spring = 10000.0;      // N/m: K
   double drag = 0.1;            // N s/m, on the replica at all times
   double fillingDrag = 0.6;     // N s/m, more while the reserve is empty
   double fadeTime = 0.5;        // s, in which the link comes up
 };
+
+/// The most that lines from one site may weigh together, kg: b D_p of them all is what whoever leads has to carry.
+inline constexpr double kMostLineMass = 1.7;
+
+/// The impedance of each of `lines` lines that begin at one site, `most` where they stay light enough, N s/m. Both ends
+/// of a line must be given the same, so one of them decides.
+inline double lineImpedance(double most, double playOutDelay, int lines) {
+  return std::min(most, kMostLineMass / (playOutDelay * lines));
+}
 
 /// What a link does to a replica in a tick, about its centre of mass, world axes: `held` less `damping` and `rotDamping`
 /// times the velocity and spin that the replica takes in this tick. A step must be implicit in these.
@@ -111,6 +122,12 @@ class CoordinationLink {
   SixAxes waveOf(const SixAxes& force, const SixAxes& v) const;
   SixAxes forceOf(const SixAxes& wave, const SixAxes& v) const;
   void pay(const PlayedWave& peer, const Aim& aim);
+
+  // The spring is taken at the end of the step: F = K e + (b + K T) (v_d - v), which makes no energy at any K and b.
+  double damper() const { return b_ + p_.spring * p_.period; }
+  double seriesDamping() const { return b_ * damper() / (b_ + damper()); }
+  double springGain() const { return p_.spring * b_ / (b_ + damper()); }
+  double waveGain() const { return std::sqrt(2.0 * b_) * damper() / (b_ + damper()); }
 
   LinkParameters p_;
   WavePlayOut playOut_;

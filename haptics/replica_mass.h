@@ -20,7 +20,7 @@ struct MassProperties {
 /// end here (half of what each adds); no less than a tenth of the share, nor kLeastReplicaMass where the share is more.
 MassProperties replicaMass(const MassProperties& part, int sites, double lineMass, double lever);
 
-inline constexpr double kLeastReplicaMass = 0.1;  // kg: what a grasp of 1 N/mm is stable with at 1 kHz
+inline constexpr double kLeastReplicaMass = 0.03;  // kg
 
 /// Changes a body's mass towards `target` by at most `most` kg, its inertia in step. Never adds kinetic energy: what
 /// gets lighter keeps its velocity, what gets heavier its momentum.

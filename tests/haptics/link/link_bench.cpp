@@ -32,6 +32,11 @@ glm::dvec3 quantised(const glm::dvec3& x, double quantum) {
           quantum * std::floor(x.z / quantum + 0.5)};
 }
 
+Wrench withinLimits(const Wrench& onHand) {
+  const double most = haptics::SimulatedDeviceParameters{}.forceMax;
+  return {haptics::limited(onHand.force, most), haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
+}
+
 haptics::MassProperties blockOf(double mass, const glm::dvec3& size) {
   const glm::dvec3 s = size * size;
   glm::dmat3 inertia(0.0);
@@ -142,6 +147,12 @@ LinkBench::LinkBench(const BenchSetup& setup) : setup_(setup), part_(blockOf(set
     sites_.push_back(site);
   }
   const double delay = setup.network.delayAt ? setup.network.delayAt(0.0) : setup.network.delay;
+  const int lines = static_cast<int>(sites_.size()) - 1;
+  if (lines > 1) {
+    const double late = 1.15 * delay + 0.008;  // about what the ends will find
+    setup_.link.impedance = haptics::lineImpedance(setup_.link.impedance, late, lines);
+    setup_.link.softImpedance = haptics::lineImpedance(setup_.link.softImpedance, late, lines);
+  }
   for (std::size_t i = 1; i < sites_.size(); ++i) {
     for (unsigned side = 0; side < 2; ++side) {
       End end(setup_.link, setup.network, 97u * setup.seed + 2u * static_cast<unsigned>(i) + side);
@@ -243,15 +254,20 @@ void LinkBench::move(std::size_t index) {
   }
   const Pose bodyFromCentre{site.body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
   const std::array<haptics::Coupling, 2> couplings{
-      haptics::Coupling{site.bodyFromGrip, site.arm.reading(), site.arm.readingVelocity(), kGrasp},
       haptics::Coupling{
-          bodyFromCentre, site.body.worldFromBody * bodyFromCentre, {}, {0.0, damping, 0.0, rotDamping}}};
-  const haptics::CoupledStep step = haptics::coupleBody(site.body, couplings, load, {}, kTick);
+          bodyFromCentre, site.body.worldFromBody * bodyFromCentre, {}, {0.0, damping, 0.0, rotDamping}},
+      haptics::Coupling{site.bodyFromGrip, site.arm.reading(), site.arm.readingVelocity(), kGrasp}};
+  haptics::CoupledStep step = haptics::coupleBody(site.body, couplings, load, {}, kTick);
+  const haptics::CouplingForce& grip = step.couplings[1];
+  const Wrench wanted = grip.onHand(step.freeVelocity, step.freeSpin);
+  site.onHand = withinLimits(wanted);
+  if (site.onHand.force != wanted.force || site.onHand.torque != wanted.torque) {
+    // What the device cannot give the part must not get either.
+    load.force -= site.onHand.force;
+    load.torque -= site.onHand.torque + glm::cross(grip.arm, site.onHand.force);
+    step = haptics::coupleBody(site.body, {couplings.data(), 1}, load, {}, kTick);
+  }
   haptics::moveBody(site.body, step.freeVelocity, step.freeSpin, kTick);
-  const Wrench onHand = step.couplings[0].onHand(step.freeVelocity, step.freeSpin);
-  const double most = haptics::SimulatedDeviceParameters{}.forceMax;
-  site.onHand = {haptics::limited(onHand.force, most),
-                 haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
   for (End& end : ends_)
     if (end.site == index) end.link.settle(site.centre(), {step.freeVelocity, step.freeSpin});
 }

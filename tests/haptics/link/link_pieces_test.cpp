@@ -144,7 +144,8 @@ TEST(ReplicaMass, ReplicasAndTheLineMakeUpThePart) {
   const haptics::MassProperties half = haptics::replicaMass(part, 2, 0.5 * 0.6, 0.05);
   EXPECT_NEAR(2.0 * half.mass + 0.6, part.mass, 1e-12);
   EXPECT_NEAR(2.0 * half.inertia[1][1] + 0.6 * 0.05 * 0.05, part.inertia[1][1], 1e-12);
-  EXPECT_NEAR(haptics::replicaMass(part, 2, 5.0, 0.05).mass, haptics::kLeastReplicaMass, 1e-12);
+  EXPECT_NEAR(haptics::replicaMass(part, 2, 5.0, 0.05).mass, 0.05, 1e-12);
+  EXPECT_NEAR(haptics::replicaMass(part, 20, 5.0, 0.05).mass, haptics::kLeastReplicaMass, 1e-12);
 }
 
 TEST(ReplicaMass, ChangingItNeverAddsEnergy) {
