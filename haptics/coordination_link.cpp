@@ -55,6 +55,17 @@ void CoordinationLink::watchRegime(double now) {
   if (regime_.advance(age, newest.regime, p_.period) || regime_.age() > delay()) enterRegime();
 }
 
+void CoordinationLink::follow(double now, const Pose& worldFromCentre, const Twist& twist, bool asks) {
+  watchRegime(now);
+  playOut_.play(now - delay());
+  dry_ = 1.0;
+  ramp_ = fade_ = share_ = announcedShare_ = kept_ = 0.0;
+  stretch_ = force_ = excess_ = {};
+  drawn_ = worldFromCentre;
+  twist_ = twist;
+  asks_ = asks;
+}
+
 bool CoordinationLink::hears(const PlayedWave& peer) const {
   return peer.fresh && peer.state.on && playOut_.newest().on && on_ && regime() != LinkRegime::apart;
 }
@@ -210,6 +221,7 @@ LinkPacket CoordinationLink::packet(double now) {
   packet.energy = announced_;
   packet.fade = fade_;
   packet.on = on_;
+  packet.asks = asks_ || on_;
   packet.regime = regime_.measured();
   packet.worldFromDrawn = drawn_;
   packet.twist = twist_;

@@ -41,6 +41,7 @@ struct LinkParameters {
   double drag = 0.1;            // N s/m, on the replica at all times
   double fillingDrag = 0.6;     // N s/m, more while the reserve is empty
   double fadeTime = 0.5;        // s, in which the link comes up
+  double farthest = 0.15;       // s, of delay: beyond it there is no link
 };
 
 /// The most that lines from one site may weigh together, kg: b D_p of them all is what whoever leads has to carry.
@@ -70,12 +71,20 @@ struct LinkAccount {
 
 class CoordinationLink {
  public:
-  explicit CoordinationLink(const LinkParameters& parameters) : p_(parameters) {}
+  explicit CoordinationLink(const LinkParameters& parameters)
+      : p_(parameters), regime_(parameters.farthest) {}
 
   /// Begins anew under an epoch; `delay` s is what the way is known to take. What force there was runs out.
   void begin(std::uint32_t epoch, double delay);
   /// Whether this end's replica takes part. Off, the force runs out and the peer is told.
   void setOn(bool on) { on_ = on; }
+
+  bool on() const { return on_; }
+  /// Instead of pull() and settle(), off: somebody else moves the replica, or nothing of the link is left on it. `asks`:
+  /// the owner is to begin.
+  void follow(double now, const Pose& worldFromCentre, const Twist& twist, bool asks);
+  /// What was heard last, or null.
+  const LinkPacket* newest() const { return playOut_.empty() ? nullptr : &playOut_.newest(); }
 
   /// False if the packet was dropped: invalid, of another epoch, known or too late.
   bool receive(const LinkPacket& packet) { return playOut_.receive(packet); }
@@ -134,7 +143,7 @@ class CoordinationLink {
   RegimeByAge regime_;
   LinkReserve reserve_;
   LinkAccount account_;
-  bool on_ = false;
+  bool on_ = false, asks_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
   double b_ = 0.0;     // N s/m
   double drag_ = 0.0;  // N s/m, in this tick

@@ -21,6 +21,7 @@ struct LinkPacket {
   double energy = 0.0;                    // J: E, energy announced since the epoch began; never falls
   double fade = 0.0;                      // 0..1: m, how far the sender has faded in
   bool on = false;                        // the sender simulates its replica and wants the link
+  bool asks = false;                      // a follower wants the owner to begin
   LinkRegime regime = LinkRegime::apart;  // as the sender measures the way to it
   Pose
       worldFromDrawn;  // where the sender's spring ends: its replica's centre of mass and orientation, plus e

@@ -5,9 +5,8 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kApart = 0.15;                       // s: hands across more would only push each other about
 constexpr double kSoft = 0.055, kStiffAgain = 0.045;  // s
-constexpr double kApartAgain = 0.14;                  // s
+constexpr double kAgain = 0.93;                       // of the farthest, to begin again
 constexpr double kFilterTime = 0.1;                   // s
 constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
 
@@ -16,14 +15,14 @@ constexpr double kProof = 0.5;                        // s: a link that flaps st
 void RegimeByAge::restart(double delay) {
   age_ = delay;
   better_ = 0.0;
-  measured_ = regime_ = delay > kApart  ? LinkRegime::apart
-                        : delay > kSoft ? LinkRegime::soft
-                                        : LinkRegime::stiff;
+  measured_ = regime_ = delay > farthest_ ? LinkRegime::apart
+                        : delay > kSoft   ? LinkRegime::soft
+                                          : LinkRegime::stiff;
 }
 
 LinkRegime RegimeByAge::wanted(double age) const {
-  if (age > kApart || age_ > kApart) return LinkRegime::apart;
-  if (measured_ == LinkRegime::apart && age_ > kApartAgain) return LinkRegime::apart;
+  if (age > farthest_ || age_ > farthest_) return LinkRegime::apart;
+  if (measured_ == LinkRegime::apart && age_ > kAgain * farthest_) return LinkRegime::apart;
   if (age_ > kSoft) return LinkRegime::soft;
   if (age_ < kStiffAgain || measured_ == LinkRegime::stiff) return LinkRegime::stiff;
   return LinkRegime::soft;

@@ -8,6 +8,9 @@ namespace tandem::haptics {
 
 class RegimeByAge {
  public:
+  /// `farthest` s: the age beyond which there is no link.
+  explicit RegimeByAge(double farthest = kFarthest) : farthest_(farthest) {}
+
   /// Begins with a way of `delay` s, as it is known from elsewhere.
   void restart(double delay);
 
@@ -22,8 +25,10 @@ class RegimeByAge {
   double age() const { return age_; }
 
  private:
+  static constexpr double kFarthest = 0.15;
   LinkRegime wanted(double age) const;
 
+  double farthest_;      // s
   double age_ = 0.0;     // s
   double better_ = 0.0;  // s, for which a better regime was due
   LinkRegime measured_ = LinkRegime::apart, regime_ = LinkRegime::apart;
