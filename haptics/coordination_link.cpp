@@ -12,7 +12,7 @@ constexpr double kRunOut = 6.5;           // N/s
 constexpr double kFastestRunOut = 100.0;  // N/s
 constexpr double kJump = 0.1;             // of the share of the wave that counts
 constexpr double kGapIgnored = 1e-3;  // m: without it the noise of the waves would be rectified into creep
-constexpr double kGapRate = 15.0;     // 1/s
+constexpr double kGapRate = 2.0;      // 1/s
 constexpr double kGapSpeed = 0.05;    // m/s: b / 2 times that is felt
 constexpr double kForceFilterTime = 0.05;                     // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J

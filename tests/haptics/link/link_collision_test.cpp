@@ -33,7 +33,8 @@ haptics::MassProperties block() {
 
 /// A replica of one part at one site.
 struct Replica {
-  Replica(const haptics::LinkParameters& p, const Network& n, double x, unsigned seed) : link(p), out(n, seed) {
+  Replica(const haptics::LinkParameters& p, const Network& n, double x, unsigned seed)
+      : link(p), out(n, seed) {
     body.worldFromBody.position.x = x;
     haptics::changeMass(body, block(), 1e9);
     link.begin(1, n.delay);
@@ -45,8 +46,8 @@ struct Replica {
   haptics::CoordinationLink link;
   DelayedLine out;
   LinkEngagement engagement;
-  Wrench load;        // of this tick, about the centre of mass
-  double acted = 0.0; // N, of the link in the last tick
+  Wrench load;         // of this tick, about the centre of mass
+  double acted = 0.0;  // N, of the link in the last tick
 };
 
 /// Part p is at home at site p; replica[s][p].
@@ -89,7 +90,8 @@ class Collision {
     t.created = created_;
     t.inLinks = inLinks_;
     for (const auto& site : replicas_)
-      for (const Replica& r : site) t.astray = t.astray || !(glm::length(r.body.worldFromBody.position) < 0.6);
+      for (const Replica& r : site)
+        t.astray = t.astray || !(glm::length(r.body.worldFromBody.position) < 0.6);
     return t;
   }
   std::array<Wrench, 2> onHand;
@@ -100,7 +102,8 @@ class Collision {
   void exchange() {
     for (int s = 0; s < 2; ++s)
       for (int p = 0; p < 2; ++p)
-        replicas_[1 - s][p].out.deliver(now(), [&](const haptics::LinkPacket& k) { replicas_[s][p].link.receive(k); });
+        replicas_[1 - s][p].out.deliver(
+            now(), [&](const haptics::LinkPacket& k) { replicas_[s][p].link.receive(k); });
   }
 
   /// The corners of part 0 that look at part 1 against its face.
@@ -163,7 +166,8 @@ class Collision {
     setMass(guest, true);
     // Until the link has come up the replica is still led to where its owner has it.
     const double lead = 1.0 - guest.link.fade();
-    const haptics::Coupling leash{{}, target, owner->twist, {400.0 * lead, 28.0 * lead, 0.4 * lead, 0.03 * lead}};
+    const haptics::Coupling leash{
+        {}, target, owner->twist, {400.0 * lead, 28.0 * lead, 0.4 * lead, 0.03 * lead}};
     advance(guest, &leash, true);
   }
 
@@ -183,7 +187,8 @@ class Collision {
     r.load.force += pull.held.force;
     r.load.torque += pull.held.torque;
     const std::array<haptics::Coupling, 2> couplings{
-        haptics::Coupling{{}, r.body.worldFromBody, {}, {0.0, pull.damping, 0.0, pull.rotDamping}}, *coupling};
+        haptics::Coupling{{}, r.body.worldFromBody, {}, {0.0, pull.damping, 0.0, pull.rotDamping}},
+        *coupling};
     const haptics::CoupledStep step = haptics::coupleBody(r.body, couplings, r.load, {}, kTick);
     haptics::moveBody(r.body, step.freeVelocity, step.freeSpin, kTick);
     if (tied) r.acted = glm::length(r.link.settle(r.body.worldFromBody, r.twist()).force);
@@ -196,8 +201,8 @@ class Collision {
     for (int s = 0; s < 2; ++s) {
       const double e = 1e-4, before = way(now() - e, s), at = way(now(), s), after = way(now() + e, s);
       const auto alongX = [](double x) { return SixAxes{{x, 0.0, 0.0}, {}}; };
-      arms_[s].step(alongX(at), alongX((after - before) / (2.0 * e)), alongX((after - 2.0 * at + before) / (e * e)),
-                    onHand[s]);
+      arms_[s].step(alongX(at), alongX((after - before) / (2.0 * e)),
+                    alongX((after - 2.0 * at + before) / (e * e)), onHand[s]);
       given += arms_[s].given();
       Wrench& oldest = before_[s][static_cast<std::size_t>(ticks_) % 20];
       if (ticks_ >= 20) change = std::max(change, glm::length(onHand[s].force - oldest.force));
@@ -260,13 +265,16 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
   struct Row {
     double delay, stiffness;  // s; N/m at least
   };
-  for (const Row& row : {Row{0.010, 330.0}, Row{0.025, 280.0}, Row{0.050, 235.0}, Row{0.100, 100.0}, Row{0.250, 44.0}}) {
+  for (const Row& row :
+       {Row{0.010, 330.0}, Row{0.025, 280.0}, Row{0.050, 235.0}, Row{0.100, 100.0}, Row{0.250, 44.0}}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
       const CollisionFigures f = pressTogether(row.delay, Guest::linked, static_cast<unsigned>(seed));
       if (std::getenv("TANDEM_FULL_SIZE") != nullptr && seed <= 2)
-        std::printf("pressed together %3.0f ms: %3.0f N/m, %.2f N in 20 ms before they touch, %.2f N while held, %.4f mJ, "
-                    "link %.4f mJ\n",
-                    1e3 * row.delay, f.stiffness, f.before, f.held, 1e3 * f.created, 1e3 * f.inLinks);
+        std::printf(
+            "pressed together %3.0f ms: %3.0f N/m, %.2f N in 20 ms before they touch, %.2f N while held, "
+            "%.4f mJ, "
+            "link %.4f mJ\n",
+            1e3 * row.delay, f.stiffness, f.before, f.held, 1e3 * f.created, 1e3 * f.inLinks);
       expectPassive(f, "pressed together");
       EXPECT_GE(f.stiffness, row.stiffness) << row.delay;
       EXPECT_LT(f.held, 0.3) << row.delay;

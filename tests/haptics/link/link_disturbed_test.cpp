@@ -9,8 +9,7 @@
 namespace tandem::test {
 namespace {
 
-// N in 20 ms; the drag itself makes 0.21 to 0.28. What comes after a blackout at 100 ms is two hands that find together again.
-constexpr double kForceStep = 0.35, kForceStepFar = 0.55;
+constexpr double kForceStep = 0.35;  // N in 20 ms; the drag itself makes up to 0.28
 
 BenchSetup setupAt(double delay, int seed, bool offCentre = false) {
   BenchSetup setup;
@@ -36,6 +35,7 @@ DragFigures worstDrag(const std::function<BenchSetup(int)>& setupOf, const DragP
     const DragFigures d = drag(setupOf(seed), plan);
     worst.worst(d);
     worst.rms = std::max(worst.rms, d.rms);
+    worst.turnRms = std::max(worst.turnRms, d.turnRms);
     worst.load = std::max(worst.load, d.load);
   }
   return worst;
@@ -55,7 +55,7 @@ TEST(LinkDisturbed, BlackoutAtFullSpeedIsNotFelt) {
         const DragFigures d = worstDrag(setupOf, {.from = 3.9, .to = 8.0}, seeds(1));
         print(length < 0.5 ? "blackout of 0.2 s" : "blackout of 1 s", delay, d);
         expectPassive(d, "blackout");
-        EXPECT_LE(d.change, delay < 0.09 ? kForceStep : kForceStepFar) << delay << " " << length;
+        EXPECT_LE(d.change, kForceStep) << delay << " " << length;
       }
     }
   }
@@ -75,7 +75,7 @@ TEST(LinkDisturbed, StepOfDelayIsNotFelt) {
     const DragFigures d = worstDrag(setupOf, {.from = 3.9, .to = 9.0}, seeds(1));
     print("step of delay", step.to, d);
     expectPassive(d, "step");
-    EXPECT_LE(d.change, step.to < 0.09 ? kForceStep : kForceStepFar) << step.from << " " << step.to;
+    EXPECT_LE(d.change, kForceStep) << step.from << " " << step.to;
   }
 }
 
@@ -119,12 +119,15 @@ TEST(LinkDisturbed, LettingGoInTensionSettles) {
   }
 }
 
-TEST(LinkDisturbed, TurningThePartIsPassiveToo) {
-  for (const double delay : {0.025, 0.050, 0.100}) {
-    const auto setupOf = [&](int seed) { return setupAt(delay, seed, true); };
-    const DragFigures d = worstDrag(setupOf, {.turn = 0.5}, seeds(1));
+TEST(LinkDisturbed, TurnedToAndFroThePartKeepsItsWayAtBothSites) {
+  // By 1.2 rad about a slanted axis, dragged at the same time.
+  for (const double delay : {0.010, 0.025, 0.050}) {
+    const auto setupOf = [&](int seed) { return setupAt(delay, seed); };
+    const DragFigures d = worstDrag(setupOf, {.turn = 1.2}, seeds(1));
     print("drag and turn", delay, d);
+    if (prints()) std::printf("  turned apart by %.0f mrad rms\n", 1e3 * d.turnRms);
     expectPassive(d, "turn");
+    EXPECT_LT(d.turnRms, 0.15) << delay;
   }
 }
 
@@ -155,7 +158,7 @@ TEST(LinkDisturbed, HoldingTheLastWaveMakesEnergy) {
   setup.network.blackoutFor = 1.0;
   const DragFigures d = drag(setup, {.from = 3.9, .to = 8.0});
   print("hold last", 0.025, d);
-  EXPECT_TRUE(d.astray || d.created > kEnergyBound || d.inLinks > kEnergyBound || d.change > kForceStep);
+  EXPECT_GT(d.inLinks, kEnergyBound);
 }
 
 }  // namespace
