@@ -196,10 +196,10 @@ void SiteLink::enterReady() {
     if (record.part < scene_->parts.size()) applyOwnership(record);
 }
 
-/// A recording begins with who is here and how things stand; the Welcome itself holds a credential.
+/// A recording begins with who is here and how things stand by now; the Welcome itself holds a credential.
 void SiteLink::recordBeginning() {
   if (!recording_) return;
-  for (const SiteInfo& info : welcome_.sites) recording_->write(welcome_.sessionTime, SiteChanged{info});
+  for (const SiteView& site : sites_) recording_->write(welcome_.sessionTime, SiteChanged{site.info});
   for (const PartRecord& record : welcome_.parts)
     recording_->write(welcome_.sessionTime, OwnershipChanged{record});
 }

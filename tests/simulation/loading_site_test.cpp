@@ -2,12 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdio>
 #include <memory>
 #include <vector>
 
 #include "client/site_link.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
+#include "sync/recording.h"
 #include "sync/virtual_network.h"
 #include "tests/support/fake_site.h"
 
@@ -94,6 +97,37 @@ TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
     if (event.kind == NetworkEvent::Kind::ownership && event.record.part == 1)
       x = event.record.worldFromPart.position.x;
   EXPECT_NEAR(x, 0.2, 1e-6) << "where the other left it";
+}
+
+TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
+  Loading rig;
+  test::FakeSite late;
+  late.frame = wireFrame(rig.scene.bounds);
+  late.transport = rig.network.connect("late");
+  rig.run(30 * kMillisecond);
+  late.say(Hello{
+      kProtocolVersion, false, rig.session->makeToken(Role::participant, kUnix + 3600), "late", {1, 2, 3}});
+  rig.run(60 * kMillisecond);
+  ASSERT_EQ(rig.link->sites().size(), 3u);
+
+  const std::string path = testing::TempDir() + "loading_site.rec";
+  auto recording = RecordingWriter::create(path, {{}, wireFrame(rig.scene.bounds)});
+  ASSERT_TRUE(recording.ok());
+  rig.link->setRecording(&*recording);
+  rig.link->sceneReady(rig.scene, rig.exchange);
+  rig.run(60 * kMillisecond);
+  rig.link->setRecording(nullptr);
+  ASSERT_TRUE(recording->flush().ok());
+  auto reader = RecordingReader::open(path);
+  ASSERT_TRUE(reader.ok());
+  std::vector<std::string> names;
+  while (const auto entry = reader->next()) {
+    const auto* message = std::get_if<ControlMessage>(&entry->message);
+    const auto* changed = message == nullptr ? nullptr : std::get_if<SiteChanged>(message);
+    if (changed != nullptr) names.push_back(changed->site.name);
+  }
+  EXPECT_EQ(std::count(names.begin(), names.end(), "late"), 1);
+  std::remove(path.c_str());
 }
 
 }  // namespace
