@@ -86,6 +86,7 @@ struct Notice {
   Level level = Level::info;
   double age = 0.0;  // s
   std::string text;
+  std::uint64_t number = 0;  // of this site's notices, from 1
 };
 
 /// What the person set; the viewer edits a copy and returns it.

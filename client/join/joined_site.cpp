@@ -350,7 +350,10 @@ void JoinedSite::update(ViewModel& model) {
   model.link.stateOverUdp = shared_.udp;
   for (Notice& notice : notices_) notice.age += elapsed;
   std::erase_if(notices_, [](const Notice& notice) { return notice.age > kNoticeLife; });
-  for (Notice& notice : shared_.notices) notices_.push_back(std::move(notice));
+  for (Notice& notice : shared_.notices) {
+    notice.number = ++noticeCount_;
+    notices_.push_back(std::move(notice));
+  }
   shared_.notices.clear();
   model.notices = notices_;
 }

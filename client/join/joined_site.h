@@ -124,6 +124,7 @@ class JoinedSite {
   HandSettingsInput settings_;
   double stiffest_ = 0.0;  // N/m, of a contact on this device; 0 = any
   std::vector<Notice> notices_;
+  std::uint64_t noticeCount_ = 0;
   std::vector<float> recentForces_;
   double lastUpdate_ = 0.0;
 

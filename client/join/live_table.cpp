@@ -79,15 +79,14 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
-/// Each notice once, as it comes: notices grow older, so a new one is younger than the time since the last
-/// look.
+/// Each notice once, as it comes.
 void LiveTable::tellNews(const ViewModel& model, double elapsed) {
   for (const Notice& notice : model.notices)
-    if (elapsed - notice.age > toldUpTo_) {
+    if (notice.number > told_) {
+      told_ = notice.number;
       std::printf("%7.1f s  %s\n", elapsed, notice.text.c_str());
       std::fflush(stdout);
     }
-  toldUpTo_ = elapsed;
   if (model.hand.fault == toldFault_) return;
   toldFault_ = model.hand.fault;
   std::printf("%7.1f s  %s\n", elapsed,

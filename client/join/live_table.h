@@ -4,6 +4,7 @@
 // is none.
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 #include "client/view_model.h"
@@ -21,7 +22,8 @@ class LiveTable {
  private:
   void tellNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
-  double next_ = 0.0, toldUpTo_ = -1.0;  // s since the start
+  double next_ = 0.0;       // s since the start
+  std::uint64_t told_ = 0;  // notices
   std::string toldFault_;
   int lines_ = 0;
 };
