@@ -177,8 +177,8 @@ int run(Options& options) {
   const SessionCounters& c = session.counters();
   spdlog::info(
       "stopped: {} grants, {} denials, {} releases, {} updates relayed, {} states and {} datagrams dropped",
-      c.grants, c.denials, c.releases, c.relayedUpdates, c.droppedStates,
-      c.droppedMalformed + c.droppedFlood);
+      c.grants, c.denials, c.releases, c.relayedUpdates + c.relayedLinks, c.droppedStates,
+      c.droppedMalformed + c.droppedFlood + c.droppedLinks);
   return sound ? kExitDone : kExitFailed;
 }
 

@@ -10,9 +10,8 @@ namespace {
 
 constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
 constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
-/// Pings are shorter, updates longer: decoded into separate storage, so that a ping does not free an update's
-/// vector.
-constexpr std::size_t kShortBytes = 32;
+/// The kind of an update. It is decoded into storage of its own, so that nothing else frees its vector.
+constexpr std::byte kUpdateKind{1};
 
 }  // namespace
 
@@ -30,7 +29,8 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
     ++counts.droppedFlood;
     return;
   }
-  sync::StateMessage& message = bytes.size() < kShortBytes ? incomingShort : incoming;
+  const bool isUpdate = bytes.size() > 1 && bytes[1] == kUpdateKind;
+  sync::StateMessage& message = isUpdate ? incoming : incomingShort;
   if (!sync::decodeState(bytes, frame, message)) {
     ++counts.droppedMalformed;
     return;
@@ -40,9 +40,29 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
     onPing(peer, *ping);
   } else if (std::holds_alternative<sync::StateUpdate>(message)) {
     onUpdate(peer, message);
+  } else if (std::holds_alternative<sync::LinkUpdate>(message)) {
+    onLink(peer, message);
   } else {
     ++counts.droppedMalformed;  // only the server says this
   }
+}
+
+/// From one who simulates a part to another: guest to owner, or owner to guest.
+void Session::State::onLink(Peer& peer, sync::StateMessage& message) {
+  auto& link = std::get<sync::LinkUpdate>(message);
+  if (peer.stage != Stage::ready) {
+    ++counts.droppedEarly;
+    return;
+  }
+  const Peer* other = link.part < scene.parts.size() ? peerOf(link.peer) : nullptr;
+  if (other == nullptr || other->stage != Stage::ready || !table.tied(link.part, peer.site, link.peer)) {
+    ++counts.droppedLinks;
+    return;
+  }
+  link.peer = peer.site;
+  ++counts.relayedLinks;
+  sync::encodeState(message, frame, stateBytes);
+  transport.sendState(other->connection, stateBytes);
 }
 
 void Session::State::onPing(Peer& peer, const sync::Ping& ping) {

@@ -151,6 +151,7 @@ struct Session::State {
   // session_relay.cpp
   void onState(Peer& peer, std::span<const std::byte> bytes);
   void onPing(Peer& peer, const sync::Ping& ping);
+  void onLink(Peer& peer, sync::StateMessage& message);
   void onUpdate(Peer& peer, sync::StateMessage& message);
   bool plausible(const sync::StateUpdate& update) const;
   bool withinRate(Peer& peer);

@@ -253,6 +253,26 @@ struct Pong {
       0;  // state datagrams received from this site so far: the site computes its uplink loss
 };
 
-using StateMessage = std::variant<StateUpdate, Ping, Pong>;
+/// What one end of a coordination link tells the other; the server passes it on. Sums and clocks are sent by their low
+/// bits: link_stream.h makes them whole again.
+struct LinkUpdate {
+  SiteId peer = kNoSite;  // whom it is for; from the server: who said it
+  PartId part = kNoPart;
+  std::uint32_t epoch = 0;  // of the link, chosen by the guest; larger than any of it before
+  std::uint16_t sequence = 0;
+  std::uint32_t time = 0;               // us of session time, 24 bits
+  std::array<std::uint32_t, 6> wave{};  // steps of kWaveQuantum, 24 bits each
+  std::uint32_t energy = 0;             // steps of kEnergyQuantum
+  std::uint8_t fade = 0;                // 255ths
+  bool on = false, asks = false;
+  std::uint8_t regime = 0;  // 0 stiff, 1 soft, 2 apart
+  bool posed = false;       // what follows is there
+  Pose worldFromDrawn;
+  Twist twist;
+};
+inline constexpr double kWaveQuantum = 1e-5;    // sqrt(W) s
+inline constexpr double kEnergyQuantum = 1e-7;  // J
+
+using StateMessage = std::variant<StateUpdate, Ping, Pong, LinkUpdate>;
 
 }  // namespace tandem::sync

@@ -311,6 +311,16 @@ MemberRecord OwnershipTable::members(PartId id) const {
   return state_->membersOf(state_->parts[id]);
 }
 
+bool OwnershipTable::tied(PartId id, SiteId a, SiteId b) const {
+  ASSERT(id < state_->parts.size());
+  const PartEntry& part = state_->parts[id];
+  const auto engaged = [&](SiteId site) {
+    const std::vector<SiteId>& sites = part.members.sites;
+    return std::find(sites.begin(), sites.end(), site) != sites.end();
+  };
+  return (part.record.owner == a && engaged(b)) || (part.record.owner == b && engaged(a));
+}
+
 std::vector<MemberRecord> OwnershipTable::allMembers() const {
   std::vector<MemberRecord> all;
   for (const PartEntry& part : state_->parts) {

@@ -87,6 +87,8 @@ class OwnershipTable {
   EngageDecision engage(SiteId site, Role role, const Engage& request, Micros now);
   EngageDecision disengage(SiteId site, const Disengage& request);
   MemberRecord members(PartId part) const;
+  /// Whether one of the two owns the part and the other one is engaged in it.
+  bool tied(PartId part, SiteId a, SiteId b) const;
   /// Of every part that somebody is engaged in.
   std::vector<MemberRecord> allMembers() const;
   /// Those that have changed since the last call, in order: to be told to all, behind the part's own record.

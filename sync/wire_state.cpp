@@ -10,10 +10,11 @@
 namespace tandem::sync {
 namespace {
 
-enum class Kind : std::uint8_t { update = 1, ping = 2, pong = 3 };
+enum class Kind : std::uint8_t { update = 1, ping = 2, pong = 3, link = 4 };
 constexpr std::uint8_t kVersion = kProtocolVersion;
 
-constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, kPartBits = 14, kTimeBits = 56;
+constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, kPartBits = 14, kTimeBits = 56,
+              kLinkTimeBits = 24, kWaveBits = 24;
 constexpr int kPoseBits = 3 * kPositionBits + 2 + 3 * kQuaternionBits;
 constexpr int kTwistBits = 6 * kSpeedBits;
 constexpr int kUpdateHeaderBits =
@@ -220,6 +221,39 @@ void encodeUpdate(const StateUpdate& update, const WireFrame& frame, std::vector
   ASSERT(!writer.overflowed() && writer.bitCount() == static_cast<std::size_t>(bits));
 }
 
+void put(BitWriter& writer, const Twist& twist, int& clamped) {
+  const TwistCode code = toCode(twist, clamped);
+  put(writer, code.linear);
+  put(writer, code.angular);
+}
+
+void encodeLink(const LinkUpdate& link, const WireFrame& frame, std::vector<std::byte>& bytes, int& clamped) {
+  constexpr std::size_t kBits =
+      8 + 8 + 16 + kPartBits + 32 + 16 + kLinkTimeBits + 6 * kWaveBits + 32 + 8 + 1 + 1 + 2 + 1;
+  const bool posed = link.posed && isValid(link.worldFromDrawn);
+  bytes.resize((kBits + (posed ? kPoseBits + kTwistBits : 0) + 7) / 8);
+  BitWriter writer(bytes);
+  writer.put(kVersion, 8);
+  writer.put(static_cast<std::uint8_t>(Kind::link), 8);
+  writer.put(link.peer, 16);
+  writer.put(link.part, kPartBits);
+  writer.put(link.epoch, 32);
+  writer.put(link.sequence, 16);
+  writer.put(link.time, kLinkTimeBits);
+  for (const std::uint32_t x : link.wave) writer.put(x, kWaveBits);
+  writer.put(link.energy, 32);
+  writer.put(link.fade, 8);
+  writer.put(link.on ? 1 : 0, 1);
+  writer.put(link.asks ? 1 : 0, 1);
+  writer.put(link.regime, 2);
+  writer.put(posed ? 1 : 0, 1);
+  if (posed) {
+    put(writer, toCode(link.worldFromDrawn, frame, clamped));
+    put(writer, link.twist, clamped);
+  }
+  ASSERT(!writer.overflowed());
+}
+
 void encodeClock(Kind kind, std::uint32_t sequence, std::initializer_list<Micros> times,
                  std::optional<std::uint32_t> received, std::vector<std::byte>& bytes) {
   const std::size_t bits = 16 + 32 + times.size() * kTimeBits + (received ? 32 : 0);
@@ -258,6 +292,28 @@ void decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update
   }
 }
 
+void decodeLink(BitReader& reader, const WireFrame& frame, LinkUpdate& link) {
+  link.peer = static_cast<SiteId>(reader.get(16));
+  link.part = static_cast<PartId>(reader.get(kPartBits));
+  link.epoch = static_cast<std::uint32_t>(reader.get(32));
+  link.sequence = static_cast<std::uint16_t>(reader.get(16));
+  link.time = static_cast<std::uint32_t>(reader.get(kLinkTimeBits));
+  for (std::uint32_t& x : link.wave) x = static_cast<std::uint32_t>(reader.get(kWaveBits));
+  link.energy = static_cast<std::uint32_t>(reader.get(32));
+  link.fade = static_cast<std::uint8_t>(reader.get(8));
+  link.on = reader.get(1) == 1;
+  link.asks = reader.get(1) == 1;
+  link.regime = static_cast<std::uint8_t>(reader.get(2));
+  if (link.regime > 2) reader.fail();
+  link.posed = reader.get(1) == 1;
+  link.worldFromDrawn = Pose{};
+  link.twist = Twist{};
+  if (!link.posed) return;
+  getPose(reader, frame, link.worldFromDrawn);
+  link.twist.linear = getSpeed(reader, kMaxLinearSpeed);
+  link.twist.angular = getSpeed(reader, kMaxAngularSpeed);
+}
+
 /// The alternative T of the message, kept with its storage if it is there already.
 template <typename T>
 T& as(StateMessage& message) {
@@ -289,6 +345,8 @@ void encodeState(const StateMessage& message, const WireFrame& frame, std::vecto
     encodeClock(Kind::ping, ping->sequence, {ping->siteTime}, std::nullopt, bytes);
   } else if (const auto* pong = std::get_if<Pong>(&message)) {
     encodeClock(Kind::pong, pong->sequence, {pong->siteTime, pong->serverTime}, pong->received, bytes);
+  } else if (const auto* link = std::get_if<LinkUpdate>(&message)) {
+    encodeLink(*link, frame, bytes, counted.clamped);
   }
   if (losses != nullptr) *losses = counted;
 }
@@ -317,6 +375,9 @@ Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, Sta
       pong.received = static_cast<std::uint32_t>(reader.get(32));
       break;
     }
+    case Kind::link:
+      decodeLink(reader, frame, as<LinkUpdate>(message));
+      break;
     default:
       return Error{"state datagram: unknown kind"};
   }

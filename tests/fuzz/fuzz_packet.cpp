@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
+#include "sync/link_stream.h"
 #include "sync/wire.h"
 
 namespace {
@@ -27,6 +28,14 @@ void state(std::span<const std::byte> bytes) {
   if (const auto* update = std::get_if<StateUpdate>(&message)) {
     for (const PartState& part : update->parts) {
       if (!tandem::isValid(part.worldFromPart)) std::abort();
+    }
+  }
+  if (const auto* link = std::get_if<LinkUpdate>(&message)) {
+    if (!tandem::isValid(link->worldFromDrawn) || link->regime > 2) std::abort();
+    LinkReceiver receiver;
+    for (const Micros now : {Micros{0}, kMaxMicros / 2}) {
+      const auto whole = receiver.receive(*link, now);
+      if (whole && (!tandem::isValid(whole->worldFromDrawn) || !(whole->energy >= 0.0))) std::abort();
     }
   }
   std::vector<std::byte> again;

@@ -197,6 +197,39 @@ TEST(Session, PassesAPartOnToWhoIsEngagedInIt) {
   }
 }
 
+TEST(Session, PassesLinksOnBetweenThoseThatAPartTies) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b"), &c = rig.join("c");
+  const SiteId ann = a.last<Welcome>()->site, ben = b.last<Welcome>()->site;
+  rig.grab(a, 0, 1);
+  LinkUpdate link;
+  link.part = 0;
+  link.epoch = 3;
+  link.energy = 77;
+  const auto say = [&](FakeSite& from, SiteId to) {
+    link.peer = to;
+    from.send(link);
+    rig.run(40 * kMillisecond);
+  };
+  say(b, ann);
+  EXPECT_EQ(rig.session->counters().droppedLinks, 1u) << "not engaged yet";
+  b.say(Engage{1, 0});
+  rig.run(40 * kMillisecond);
+  say(b, ann);
+  ASSERT_EQ(a.links.size(), 1u);
+  EXPECT_EQ(a.links[0].peer, ben);
+  EXPECT_EQ(a.links[0].energy, 77u);
+  say(a, ben);
+  ASSERT_EQ(b.links.size(), 1u);
+  EXPECT_EQ(b.links[0].peer, ann);
+  say(c, ann);
+  say(b, 999);
+  link.part = 9999;
+  say(b, ann);
+  EXPECT_EQ(rig.session->counters().droppedLinks, 4u);
+  EXPECT_TRUE(c.links.empty());
+}
+
 TEST(Session, TellsWhoJoinsLaterWhoIsEngaged) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b");

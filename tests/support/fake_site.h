@@ -19,6 +19,7 @@ struct FakeSite {
   std::vector<sync::ControlMessage> heard;
   std::vector<sync::StateUpdate> updates;
   std::vector<sync::Pong> pongs;
+  std::vector<sync::LinkUpdate> links;
   std::uint32_t sequence = 0, pings = 0;
 
   void say(const sync::ControlMessage& message) { transport->sendControl(0, sync::encodeControl(message)); }
@@ -46,6 +47,7 @@ struct FakeSite {
       ASSERT(decoded.ok());
       if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
       if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
+      if (const auto* link = std::get_if<sync::LinkUpdate>(&message)) links.push_back(*link);
     }
   }
 

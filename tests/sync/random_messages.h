@@ -118,6 +118,23 @@ class RandomMessages {
     for (std::uint32_t n = number(5); n > 0; --n) m.parts.push_back(record());
     return m;
   }
+  LinkUpdate link(bool posed) {
+    LinkUpdate m;
+    m.peer = static_cast<SiteId>(number(65536));
+    m.part = static_cast<PartId>(number(kMaxParts));
+    m.epoch = number(~0u);
+    m.sequence = static_cast<std::uint16_t>(number(65536));
+    m.time = number(1u << 24);
+    for (std::uint32_t& x : m.wave) x = number(1u << 24);
+    m.energy = number(~0u);
+    m.fade = static_cast<std::uint8_t>(number(256));
+    m.on = chance(0.5);
+    m.asks = chance(0.5);
+    m.regime = static_cast<std::uint8_t>(number(3));
+    m.posed = posed;
+    if (posed) m.worldFromDrawn = pose(0.4);
+    return m;
+  }
   /// An update with `parts` parts of distinct ids inside the frame.
   StateUpdate update(std::size_t parts, const WireFrame& frame) {
     StateUpdate m;

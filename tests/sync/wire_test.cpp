@@ -234,7 +234,8 @@ TEST(StateWire, PingAndPongComeBack) {
 TEST(StateWire, RefusesEveryTruncationAndTrailingByte) {
   RandomMessages random(8);
   for (const StateMessage& sent :
-       {StateMessage(random.update(9, kFrame)), StateMessage(Ping{1, 2}), StateMessage(Pong{1, 2, 3, 4})}) {
+       {StateMessage(random.update(9, kFrame)), StateMessage(Ping{1, 2}), StateMessage(Pong{1, 2, 3, 4}),
+        StateMessage(random.link(false)), StateMessage(random.link(true))}) {
     auto bytes = encoded(sent);
     StateMessage message;
     for (std::size_t length = 0; length < bytes.size(); ++length) {
