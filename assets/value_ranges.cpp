@@ -32,6 +32,8 @@ constexpr Range kTorque{0.0, 1e4, "N*m"};
 constexpr Range kTurnStiffness{0.0, 1e6, "N*m/rad"};
 constexpr Range kTurnDamping{0.0, 1e3, "N*m*s/rad"};
 constexpr Range kTurn{-1e3, 1e3, "rad"};
+// About an axis beside the joint's first one, where whole turns are not counted.
+constexpr Range kHalfTurn{-std::numbers::pi, std::numbers::pi, "rad"};
 constexpr Range kTurnWidth{0.0, 1e3, "rad"};
 
 struct Ranged {
@@ -194,7 +196,8 @@ std::optional<RangeFault> outOfRange(const Joint& j) {
   }
   for (const JointDrive& d : j.drives) {
     const Range speed{-1e6, 1e6, d.angular ? "rad/s" : "m/s"};
-    if (auto fault = firstOutside({{"drives.positionTarget", d.positionTarget, d.angular ? kTurn : kPlace},
+    const Range place = !d.angular ? kPlace : d.axis == 0 ? kTurn : kHalfTurn;
+    if (auto fault = firstOutside({{"drives.positionTarget", d.positionTarget, place},
                                    {"drives.velocityTarget", d.velocityTarget, speed},
                                    {"drives.maxForce", unbounded(d.maxForce) ? 0.0 : d.maxForce, kForce},
                                    {"drives.stiffness", d.stiffness, d.angular ? kTurnStiffness : kStiffness},

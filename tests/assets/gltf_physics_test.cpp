@@ -336,6 +336,22 @@ TEST(GltfPhysics, ReadsThreadsAndDetentsOfJointsInFileUnits) {
   EXPECT_FALSE(refused({{"pitch", -2.0}}));
 }
 
+/// Whole turns are counted about the first axis only: about another one a target beyond half a turn is never reached.
+TEST(GltfPhysics, RefusesADriveThatCannotArrive) {
+  GltfBuilder b = door(kBodies);
+  nlohmann::json& drive = b.json["extensions"][kBodies]["physicsJoints"][0]["drives"][0];
+  b.json["nodes"][0]["extensions"] = physics({{"joint", {{"connectedNode", 2}, {"joint", 0}}}});
+  const auto refused = [&](int axis, double target) {
+    drive["axis"] = axis;
+    drive["positionTarget"] = target;
+    return !loadGltfFromMemory("test.glb", b.glb(), {}).ok();
+  };
+  EXPECT_FALSE(refused(0, 20.0));
+  EXPECT_FALSE(refused(1, 3.1));
+  EXPECT_TRUE(refused(1, 3.2));
+  EXPECT_TRUE(refused(2, -3.2));
+}
+
 TEST(GltfPhysics, LeavesOutJointsBetweenThingsThatNeverMove) {
   GltfBuilder b = door(kBodies);
   b.json["nodes"][1].erase("extensions");
