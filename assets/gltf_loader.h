@@ -4,7 +4,6 @@
 // For the loader's sources only.
 
 #include <string>
-#include <vector>
 
 #include "assets/gltf_document.h"
 #include "assets/load_gltf.h"
@@ -19,8 +18,5 @@ Scene buildScene(const std::string& name, GltfDocument& document, const LoadOpti
 
 /// The exception being handled as one line "name: place: reason". Call from a catch block only.
 Error describeError(const std::string& name);
-
-/// "; near it are 'a', 'b'": the names most like `wanted`, or nothing if there are none.
-std::string nearNames(const std::string& wanted, const std::vector<std::string>& names);
 
 }  // namespace tandem::assets

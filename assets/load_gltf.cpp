@@ -8,6 +8,7 @@
 
 #include "assets/affine.h"
 #include "assets/field_check.h"
+#include "assets/foreign_format.h"
 #include "assets/gltf_controls.h"
 #include "assets/gltf_decode.h"
 #include "assets/gltf_fields.h"
@@ -15,6 +16,7 @@
 #include "assets/gltf_parts.h"
 #include "assets/gltf_surface.h"
 #include "assets/mesh_analysis.h"
+#include "assets/near_names.h"
 #include "assets/parallel.h"
 #include "assets/part_mass.h"
 #include "assets/value_ranges.h"
@@ -373,42 +375,15 @@ Error oneLine(std::string message) {
 
 }  // namespace
 
-std::string nearNames(const std::string& wanted, const std::vector<std::string>& names) {
-  const auto lower = [](std::string s) {
-    std::transform(s.begin(), s.end(), s.begin(), [](unsigned char c) { return std::tolower(c); });
-    return s;
-  };
-  // Levenshtein's distance on the first 64 bytes; a name that contains the wanted one is nearer than any
-  // other.
-  const auto distance = [](const std::string& a, const std::string& b) {
-    if (!a.empty() && b.find(a) != std::string::npos) return std::size_t{0};
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-      std::size_t diagonal = row[0];
-      row[0] = i;
-      for (std::size_t j = 1; j <= b.size(); ++j) {
-        const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-        diagonal = row[j];
-        row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-      }
-    }
-    return row.back();
-  };
-  std::vector<std::pair<std::size_t, std::size_t>> ranked;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    ranked.emplace_back(distance(lower(wanted.substr(0, 64)), lower(names[i].substr(0, 64))), i);
-  std::sort(ranked.begin(), ranked.end());
-  std::string text;
-  for (std::size_t i = 0; i < std::min<std::size_t>(5, ranked.size()); ++i)
-    text += (i == 0 ? "; near it are '" : "', '") + names[ranked[i].second];
-  return text.empty() ? text : text + "'";
-}
-
 void openFromDisk(const std::string& path, GltfDocument& document) {
   const std::string directory = std::filesystem::path(path).parent_path().string();
   const std::string base = directory.empty() ? "." : directory;
-  openGltf(readWholeFile(path, "file"), &base, document);
+  Bytes file = readWholeFile(path, "file");
+  if (const char* format = foreignFormat(path, file))
+    throw GltfError("file", std::string("this is ") + format +
+                                " file; Tandem reads glTF (.glb, .gltf): export it as that from your CAD "
+                                "program or FreeCAD");
+  openGltf(std::move(file), &base, document);
 }
 
 Scene buildScene(const std::string& name, GltfDocument& document, const LoadOptions& options) {

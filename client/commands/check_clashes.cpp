@@ -7,6 +7,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "assets/near_names.h"
 #include "client/clash_check.h"
 #include "client/commands/command.h"
 #include "haptics/contact_scene.h"
@@ -142,7 +143,9 @@ Result<std::pair<PartId, PartId>> namedPair(const assets::Scene& scene,
   PartId parts[2];
   for (std::size_t i = 0; i < 2; ++i) {
     parts[i] = assets::findPart(scene, names[i]);
-    if (parts[i] == kNoPart) return Error{"--distance: the scene has no part '" + names[i] + "'"};
+    if (parts[i] == kNoPart)
+      return Error{"--distance: the scene has no part '" + names[i] + "'" +
+                   assets::nearParts(names[i], scene)};
   }
   if (parts[0] == parts[1]) return Error{"--distance: '" + names[0] + "' is named twice"};
   return std::pair{parts[0], parts[1]};

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "assets/allocation_counter.h"
+#include "assets/near_names.h"
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
 #include "client/contact_log.h"
@@ -73,7 +74,8 @@ Result<Tool> parseTool(const std::string& text, const assets::Scene& scene) {
   }
   if (text.rfind("part:", 0) == 0) {
     tool.part = assets::findPart(scene, text.substr(5));
-    if (tool.part == kNoPart) return Error{"--tool " + text + ": no part has this name"};
+    if (tool.part == kNoPart)
+      return Error{"--tool " + text + ": no part has this name" + assets::nearParts(text.substr(5), scene)};
     if (!scene.parts[tool.part].movable)
       return Error{"--tool " + text + ": the part is not movable (see --movable)"};
     return tool;
@@ -89,7 +91,8 @@ Result<std::vector<MovedPart>> loadMoves(const std::vector<std::string>& moves, 
     MovedPart entry;
     entry.part = assets::findPart(scene, move.substr(0, equals));
     if (entry.part == kNoPart)
-      return Error{"--move " + move + ": no part is named " + move.substr(0, equals)};
+      return Error{"--move " + move + ": no part is named " + move.substr(0, equals) +
+                   assets::nearParts(move.substr(0, equals), scene)};
     Result<std::vector<PathRow>> path = loadDevicePath(move.substr(equals + 1));
     if (!path) return path.error();
     for (std::size_t i = 0; i < path->size(); ++i)

@@ -63,6 +63,15 @@ def cases(folder, binaries):
     yield ["tandem", "join", link, "--device", "simulated", "--calibration", str(folder / "desk.json")], "no workspace"
     yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration", str(folder / "none.json")], "none.json"
     yield ["tandem", "devices", "--test", "none", "--hid-record", str(folder / "no" / "r")], "--hid-record"
+    (folder / "pump.step").write_text("ISO-10303-21;\nHEADER;\n")
+    (folder / "pump.stl").write_bytes(bytes(84))
+    yield ["tandem", "check", str(folder / "pump.step")], "this is a STEP file; Tandem reads glTF"
+    yield ["tandem-server", str(folder / "pump.stl")], "this is an STL file; Tandem reads glTF"
+    yield ["tandem", "chekc", PUMP], "unknown command chekc; did you mean check?"
+    yield ["tandem", "assemble", PUMP], "unknown command assemble"
+    yield probe + ["--tool", "part:impelle"], "near it are 'impeller'"
+    yield probe + ["--move", "impelle=" + str(folder / "path.csv")], "near it are 'impeller'"
+    yield ["tandem", "check", PUMP, "--distance", "impeller", "shft"], "'shaft"
     yield ["tandem-server", PUMP, "--lease-ms", "nan"], "--lease-ms"
     yield ["tandem-server", PUMP, "--duration", "nan"], "--duration"
     yield ["tandem-server", "a\nb.glb"], "a_b.glb"
