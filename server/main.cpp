@@ -12,11 +12,14 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <string>
+#include <system_error>
 
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "assets/scene_package.h"
+#include "assets/scene_size.h"
 #include "server/data_directory.h"
 #include "server/invitations.h"
 #include "server/options.h"
@@ -119,6 +122,14 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
   return server.journal->failure().empty();
 }
 
+/// A port that somebody else has is no dead end.
+Error listenError(const Error& error, const std::string& host) {
+  const std::string taken = std::make_error_code(std::errc::address_in_use).message();
+  if (error.message.find(taken) == std::string::npos) return error;
+  const bool ipv6 = host.find(':') != std::string::npos;
+  return Error{error.message + " (--listen " + (ipv6 ? '[' + host + ']' : host) + ":0 takes any free port)"};
+}
+
 Result<Server> prepare(Options& options, int& exitCode) {
   exitCode = kExitBadInput;
   Result<assets::Scene> scene = load(options);
@@ -137,7 +148,7 @@ Result<Server> prepare(Options& options, int& exitCode) {
   }
   exitCode = kExitFailed;
   auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity());
-  if (!transport) return transport.error();
+  if (!transport) return listenError(transport.error(), options.listenHost);
   return Server{std::move(*scene),     std::move(package),  std::move(*directory),
                 std::move(*transport), std::move(*journal), std::move(recording)};
 }
@@ -167,9 +178,14 @@ int run(Options& options) {
   const std::string host = options.linkHost.empty() ? defaultLinkHost(options.listenHost) : options.linkHost;
   const auto movable = std::count_if(server.scene.parts.begin(), server.scene.parts.end(),
                                      [](const assets::Part& part) { return part.movable; });
-  spdlog::info("{}: {} parts ({} movable), {} triangles, {} KiB to each new site; port {}; data in {}",
-               options.scene, server.scene.parts.size(), movable, assets::triangleCount(server.scene),
-               server.package.size() / 1024, server.transport->port(), options.data);
+  spdlog::info("{}: {}, {} parts ({} movable), {} triangles, {} KiB to each new site; port {}; data in {}",
+               options.scene, assets::sizeInWords(server.scene), server.scene.parts.size(), movable,
+               assets::triangleCount(server.scene), server.package.size() / 1024, server.transport->port(),
+               options.data);
+  if (movable == 0)
+    spdlog::warn("{}: nothing in it can be taken; --movable all or NAME lets it", options.scene);
+  if (const std::string doubt = assets::unitDoubt(server.scene, options.units); !doubt.empty())
+    spdlog::warn("{}: {}", options.scene, doubt);
   Invitations invitations(options, host, server.transport->port(), *pin);
   invitations.open(session, unixNow());
   const bool sound = serve(options, server, session, invitations);

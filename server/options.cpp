@@ -63,14 +63,14 @@ Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
 
 /// Options as text, before they are understood.
 struct Raw {
-  std::string units = "m", listen = ":7480", gravity;
+  std::string listen = ":7480", gravity;
   std::vector<std::string> movable, invites;
   double lease_ms = 2000.0;
   bool noCache = false;
 };
 
 Status understand(const Raw& raw, Options& options) {
-  const auto units = assets::parseUnits(raw.units);
+  const auto units = assets::parseUnits(options.units);
   if (!units) return Error{"--units: " + units.error().message};
   options.load.unitScale = *units;
   for (const std::string& name : raw.movable) {
@@ -109,7 +109,7 @@ void addOptions(CLI::App& app, Raw& raw, Options& options) {
                  "directory that keeps the session: keys, who owns what, where parts are")
       ->type_name("DIR")
       ->capture_default_str();
-  app.add_option("--units", raw.units, "what one unit of the file is: m, cm, mm, inch, foot")
+  app.add_option("--units", options.units, "what one unit of the file is: m, cm, mm, inch, foot")
       ->capture_default_str();
   app.add_option("--movable", raw.movable, "a part that can be picked up, or all; may be given again")
       ->type_name("NAME|all")

@@ -17,6 +17,7 @@ namespace tandem::server {
 
 struct Options {
   std::string scene;
+  std::string units = "m";  // what one unit of the file is
   assets::LoadOptions load;
   bool cache = true;
   std::string listenHost;           // empty: every address

@@ -7,6 +7,7 @@
 
 #include "assets/fit_findings.h"
 #include "assets/percentiles.h"
+#include "assets/scene_size.h"
 #include "client/commands/check_clashes.h"
 #include "client/commands/check_contact.h"
 #include "client/commands/command.h"
@@ -184,6 +185,9 @@ nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<Styl
     json["controls"].back()["part"] = feature.part;
   }
   json["triangles"] = assets::triangleCount(scene);
+  const glm::dvec3 size = scene.bounds.max - scene.bounds.min;
+  json["size_m"] = {size.x, size.y, size.z};
+  json["unit_doubt"] = assets::unitDoubt(scene, arguments.scene.units);
   json["device"] = device.name;
   json["delay_ms"] = arguments.delay_ms;
   json["stiffest_stable_n_per_m"] = limits.stiffest;
@@ -224,7 +228,10 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
       std::printf("-\n");
   }
   printContact(scene, contact);
-  std::printf("\n%zu parts, %zu triangles\n", scene.parts.size(), assets::triangleCount(scene));
+  std::printf("\nscene %s, %zu parts, %zu triangles\n", assets::sizeInWords(scene).c_str(),
+              scene.parts.size(), assets::triangleCount(scene));
+  if (const std::string doubt = assets::unitDoubt(scene, arguments.scene.units); !doubt.empty())
+    std::printf("warning         %s\n", doubt.c_str());
   printFeatures("surface", oneEachMaterial(features.surfaces));
   printFeatures("field", features.fields);
   printFeatures("control", features.controls);
