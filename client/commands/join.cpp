@@ -246,8 +246,7 @@ class JoinRun {
 
   int run() {
     const bool window = !arguments_.headless && displayPresent();
-    if (!arguments_.headless && !window && !arguments_.quiet)
-      std::fprintf(stderr, "tandem: no display: running headless\n");
+    if (!arguments_.headless && !window && !arguments_.quiet) tellHeadless();
     if (window) {
       Result<std::unique_ptr<Viewer>> viewer =
           Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
@@ -286,6 +285,13 @@ class JoinRun {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  void tellHeadless() const {
+    const bool hand =
+        !arguments_.hand.empty() || !arguments_.device.empty() || site_.role() == sync::Role::observer;
+    std::fprintf(stderr, "tandem: no display: running headless%s\n",
+                 hand ? "" : ", without a hand: --hand FILE scripts one, --device NAME takes a device");
+  }
 
   /// Nothing can be taken before it can collide: meanwhile the window shows the scene and how far it is, and
   /// without a window a line does.
