@@ -216,7 +216,7 @@ void SiteLink::reclaimParts(bool all) {
       return grab.reclaim && grab.part == part.part;
     });
     if (open != openGrabs_.end()) continue;
-    openGrabs_.push_back({nextRequest_, part.part, true});
+    openGrabs_.push_back({ownership_->lapses(), nextRequest_, part.part, true});
     send(Reclaim{nextRequest_++, part.part, hand_.ownedEpoch[index], part.worldFromPart});
   }
 }
@@ -262,12 +262,12 @@ void SiteLink::take(GrabReply& message) {
     ++statistics_.malformed;
     return;
   }
-  const bool reclaim = open->reclaim;
+  const bool reclaim = open->reclaim, lapsed = open->lapses != ownership_->lapses();
   openGrabs_.erase(open);
   if (observer_) observer_->onGrabReply(message);
   if (message.denial != Denial::none) tellDenial(message, reclaim);
   applyOwnership(message.part);
-  if (message.denial == Denial::none) ownership_->confirmed(message.part.part, message.part.epoch);
+  if (message.denial == Denial::none && !lapsed) ownership_->confirmed(message.part.part, message.part.epoch);
 }
 
 void SiteLink::tellDenial(const GrabReply& reply, bool reclaim) {
@@ -435,7 +435,8 @@ void SiteLink::sendIntents() {
   while (exchange_->intents.pop(intent)) {
     if (intent.kind == HandIntent::Kind::grab) {
       const Grab grab{nextRequest_++, intent.part};
-      openGrabs_.push_back({grab.request, grab.part, false});
+      ownership_->asked(grab.part);
+      openGrabs_.push_back({ownership_->lapses(), grab.request, grab.part, false});
       if (observer_) observer_->onGrab(grab);
       send(grab);
     } else {

@@ -168,6 +168,7 @@ class SiteLink {
 
   sync::RequestId nextRequest_ = 1;
   struct OpenGrab {
+    std::uint32_t lapses = 0;  // of the lease, before it was sent
     sync::RequestId request = 0;
     PartId part = kNoPart;
     bool reclaim = false;

@@ -10,12 +10,13 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
-    bool unconfirmed = false;  // held, or engaged in, over a lapse of the lease
+    bool unconfirmed = false;  // the lease has lapsed since the part was asked for, or confirmed
     MemberRecord members;
   };
   std::vector<Entry> parts;
   LeaseRules rules;
   SiteId self = kNoSite;
+  std::uint32_t lapses = 0;
   bool everRenewed = false;
   Micros leaseFrom = 0;
 };
@@ -42,9 +43,6 @@ bool OwnershipView::apply(const PartRecord& record) {
   if (!newEpoch && !ends) return false;
   entry.record = record;
   if (newEpoch) entry.hasSequence = false;
-  // What is passed on to this site may have been taken back while it was not heard of.
-  const bool passedOn = owns(record.part) && engaged(record.part);
-  entry.unconfirmed = entry.unconfirmed && passedOn;
   return true;
 }
 
@@ -53,11 +51,8 @@ bool OwnershipView::apply(const MemberRecord& members) {
   MemberRecord& known = state_->parts[members.part].members;
   const bool newer =
       members.epoch != known.epoch ? members.epoch > known.epoch : members.version > known.version;
-  if (!newer) return false;
-  const bool before = engaged(members.part);
-  known = members;
-  if (!before && !owns(members.part)) state_->parts[members.part].unconfirmed = false;
-  return true;
+  if (newer) known = members;
+  return newer;
 }
 
 void OwnershipView::forgetMembers() {
@@ -100,11 +95,17 @@ void OwnershipView::renewed(Micros pingSent) {
 
 void OwnershipView::renewed(Micros pingSent, Micros received) {
   if (!leaseValid(received)) {
-    for (State::Entry& entry : state_->parts)
-      entry.unconfirmed = owns(entry.record.part) || engaged(entry.record.part);
+    ++state_->lapses;
+    for (State::Entry& entry : state_->parts) entry.unconfirmed = true;
   }
   renewed(pingSent);
 }
+
+void OwnershipView::asked(PartId part) {
+  if (part < state_->parts.size() && !owns(part)) state_->parts[part].unconfirmed = false;
+}
+
+std::uint32_t OwnershipView::lapses() const { return state_->lapses; }
 
 bool OwnershipView::needsReclaim(PartId part) const { return owns(part) && state_->parts[part].unconfirmed; }
 

@@ -346,12 +346,14 @@ class Model {
     }
     if (!site.waiting && random_.chance(0.2)) {
       site.waiting = Grab{site.nextRequest++, static_cast<PartId>(random_.number(kParts))};
+      site.view.asked(site.waiting->part);
       send(site, *site.waiting);
     } else if (site.waiting && random_.chance(0.05)) {
       send(site, *site.waiting);  // again
     }
     if (random_.chance(0.2)) {
       const auto part = static_cast<PartId>(random_.number(kParts));
+      site.view.asked(part);
       later(delay(), [this, &site, part, on = random_.chance(0.7), c = site.connection] {
         if (site.connection == c) serverEngage(site, part, on);
       });
@@ -385,14 +387,15 @@ class Model {
   void reclaim(Site& site, PartId part) {
     if (!random_.chance(0.3)) return;
     const Reclaim request{site.nextRequest++, part, site.view.part(part).epoch, {}};
-    later(delay(), [this, &site, request, c = site.connection] {
+    later(delay(), [this, &site, request, c = site.connection, lapses = site.view.lapses()] {
       if (!table_ || site.connection != c) return;
       const auto decision = table_->reclaim(site.id, Role::participant, request, now_);
       if (decision.reply.denial != Denial::none) return;
       checker_.cameBack(request.part, site.id);
       site.controlArrives = std::max(site.controlArrives, now_ + delay());
-      later(site.controlArrives - now_, [&site, request, c] {
-        if (site.connection == c) site.view.confirmed(request.part, request.epoch);
+      later(site.controlArrives - now_, [&site, request, c, lapses] {
+        if (site.connection == c && site.view.lapses() == lapses)
+          site.view.confirmed(request.part, request.epoch);
       });
     });
   }

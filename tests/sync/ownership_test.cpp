@@ -175,5 +175,24 @@ TEST_F(Ownership, AnOwnerStopsPublishingBeforeTheServerMayFreeThePart) {
   EXPECT_FALSE(view.mayPublish(1, 1000)) << "not its part";
 }
 
+/// The grant lies in a stream that stalls for longer than a lease, while pings and pongs pass.
+TEST_F(Ownership, AGrantThatIsReadAfterALapseIsReclaimedFirst) {
+  const Micros lease = rules.siteLease();
+  OwnershipView view(3, rules);
+  view.setSelf(kAnn);
+  view.renewed(0, 10);
+  view.asked(0);
+  view.renewed(2 * lease, 2 * lease + 10);  // lapsed, and heard again
+  view.apply({0, kAnn, 1, at(0)});
+  EXPECT_FALSE(view.mayPublish(0, 2 * lease + 20)) << "the server may have ended it";
+  EXPECT_TRUE(view.needsReclaim(0));
+  view.confirmed(0, 1);
+  EXPECT_TRUE(view.mayPublish(0, 2 * lease + 20));
+  // Asked for since, it is good at once.
+  view.asked(1);
+  view.apply({1, kAnn, 1, at(0)});
+  EXPECT_TRUE(view.mayPublish(1, 2 * lease + 20));
+}
+
 }  // namespace
 }  // namespace tandem::sync
