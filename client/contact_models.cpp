@@ -2,21 +2,19 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
 #include "assets/control.h"
 #include "client/facet_sag.h"
+#include "client/thread_clock.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/contact_world.h"
 #include "haptics/tick.h"
 
 namespace tandem::client {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kTicksAnAxis = 60;
 constexpr double kDraw = 0.01;  // of the part's size
@@ -48,9 +46,9 @@ std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics:
       input.device.worldFromDevice.position = middle;
       input.device.worldFromDevice.position[axis] +=
           2.0 * kDraw * collider.radius * std::sin(2.0 * 3.14159265358979323846 * i / kTicksAnAxis);
-      const Clock::time_point start = Clock::now();
+      const double start = threadMicroseconds();
       static_cast<void>(haptics::tick(input, contact, parameters, state));
-      times.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+      times.push_back(threadMicroseconds() - start);
     }
   return times;
 }

@@ -1,17 +1,15 @@
 #include "client/part_stroke.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 
+#include "client/thread_clock.h"
 #include "haptics/triangle_math.h"
 
 namespace tandem::client {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 constexpr int kPlaces = 8, kTicks = 60;
 constexpr double kStep = 1e-3;    // of the part's size: its length in a second
@@ -88,9 +86,9 @@ class Stroker {
 
   void measuredTick() {
     const haptics::TickInput input = reading(true);
-    const Clock::time_point start = Clock::now();
+    const double start = threadMicroseconds();
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
-    stroke_.tick_us.push_back(std::chrono::duration<double, std::micro>(Clock::now() - start).count());
+    stroke_.tick_us.push_back(threadMicroseconds() - start);
     if (!note(out)) return;
     ++stroke_.touching;
     // Relief and magnets act before the facets hold the tool back.

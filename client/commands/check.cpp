@@ -13,6 +13,7 @@
 #include "client/commands/command.h"
 #include "client/device_class.h"
 #include "client/part_stroke.h"
+#include "client/readable.h"
 #include "client/scene_features.h"
 #include "haptics/device_defaults.h"
 #include "haptics/tick.h"
@@ -216,16 +217,14 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
   std::size_t width = 8;
   for (const StylusModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
-  std::printf("%-*s %-9s %9s %8s %15s %9s %s\n", w, "part", "model", "triangles", "error um",
-              "tick us p50/p99", "memory kB", "movable");
+  std::printf("%-*s %-9s %9s %10s %15s %9s %s\n", w, "part", "model", "triangles", "error",
+              "tick us p50/p99", "memory", "movable");
   for (const StylusModel& m : models) {
     std::printf("%-*.40s %-9s %9zu ", w, m.name.c_str(), m.model.c_str(), m.triangles);
-    m.touching > 0 ? std::printf("%8.2g", m.error * 1e6) : std::printf("%8s", "-");
-    std::printf(" %7.2f/%7.2f %9.1f ", m.cost_us_p50, m.cost_us_p99, static_cast<double>(m.bytes) / 1e3);
-    if (m.movable)
-      std::printf("%.3g kg\n", m.mass);
-    else
-      std::printf("-\n");
+    std::printf("%10s %7s/%7s %9s ", m.touching > 0 ? readableLength(m.error).c_str() : "-",
+                threeDigits(m.cost_us_p50).c_str(), threeDigits(m.cost_us_p99).c_str(),
+                readableBytes(m.bytes).c_str());
+    std::printf("%s\n", m.movable ? (threeDigits(m.mass) + " kg").c_str() : "-");
   }
   printContact(scene, contact);
   std::printf("\nscene %s, %zu parts, %zu triangles\n", assets::sizeInWords(scene).c_str(),

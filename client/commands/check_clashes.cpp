@@ -10,6 +10,7 @@
 #include "assets/near_names.h"
 #include "client/clash_check.h"
 #include "client/commands/command.h"
+#include "client/readable.h"
 #include "haptics/contact_scene.h"
 
 namespace tandem::client {
@@ -86,14 +87,14 @@ void printTable(const assets::Scene& scene, const ClashReport& report) {
     for (const PartId part : {clash.a, clash.b}) width = std::max(width, scene.parts[part].name.size());
   }
   const int w = static_cast<int>(std::min<std::size_t>(width, 32));
-  std::printf("%-8s %10s %-*s %-*s %s\n", "", "mm", w, "part", w, "part", "at m");
+  std::printf("%-8s %9s  %-*s %-*s %s\n", "", "by", w, "part", w, "part", "at x y z in m");
   for (std::size_t i = 0; i < report.clashes.size(); ++i) {
     const Clash& clash = report.clashes[i];
     if (!clash.mayCollide && (i == 0 || report.clashes[i - 1].mayCollide))
       std::printf("may not collide, by collision filter or joint:\n");
     const glm::dvec3 at = 0.5 * (clash.onA + clash.onB);
-    std::printf("%-8s %10.4g %-*.32s %-*.32s %.6g %.6g %.6g%s\n", wordFor(clash),
-                1e3 * std::max(clash.depth, clash.distance), w, scene.parts[clash.a].name.c_str(), w,
+    std::printf("%-8s %9s  %-*.32s %-*.32s %.4g %.4g %.4g%s\n", wordFor(clash),
+                readableLength(std::max(clash.depth, clash.distance)).c_str(), w, scene.parts[clash.a].name.c_str(), w,
                 scene.parts[clash.b].name.c_str(), at.x, at.y, at.z,
                 clash.sheets          ? "  (open surfaces that cross)"
                 : withinFacets(clash) ? "  (within the facets' sag)"
@@ -112,7 +113,7 @@ void print(const assets::Scene& scene, const ClashReport& report, double clearan
     std::printf(" (%zu no deeper than facets are off curved surfaces)", counts.withinFacets);
   std::printf(", %zu touches", counts.touches);
   if (clearance > 0.0)
-    std::printf(", %zu pairs nearer than %s mm", counts.clearance, inShort(1e3 * clearance).c_str());
+    std::printf(", %zu pairs nearer than %s", counts.clearance, readableLength(clearance).c_str());
   if (counts.mayNot > 0) std::printf(", %zu pairs that may not collide", counts.mayNot);
   std::printf("; %zu parts, %zu pairs measured\n", scene.parts.size(), report.pairs);
   if (counts.hard > 0)
@@ -122,17 +123,17 @@ void print(const assets::Scene& scene, const ClashReport& report, double clearan
 void print(const assets::Scene& scene, const Clash& clash) {
   const char *a = scene.parts[clash.a].name.c_str(), *b = scene.parts[clash.b].name.c_str();
   if (clash.kind == ClashKind::hard)
-    std::printf("%s and %s %s, %.6g mm deep\n", a, b, clash.contained ? "stand inside each other" : "overlap",
-                1e3 * clash.depth);
+    std::printf("%s and %s %s, %s deep\n", a, b, clash.contained ? "stand inside each other" : "overlap",
+                readableLength(clash.depth).c_str());
   else if (clash.kind == ClashKind::touch)
     std::printf("%s and %s touch\n", a, b);
   else
-    std::printf("%s and %s are %.6g mm apart\n", a, b, 1e3 * clash.distance);
+    std::printf("%s and %s are %s apart\n", a, b, readableLength(clash.distance).c_str());
   for (const auto& [name, p] : {std::pair{a, clash.onA}, std::pair{b, clash.onB}})
-    std::printf("  %s at %.9g %.9g %.9g m\n", name, p.x, p.y, p.z);
+    std::printf("  %s at %.6g %.6g %.6g m\n", name, p.x, p.y, p.z);
   if (withinFacets(clash))
-    std::printf("  no deeper than the facets there may be off curved surfaces: %.6g mm\n",
-                1e3 * clash.facetSag);
+    std::printf("  no deeper than the facets there may be off curved surfaces: %s\n",
+                readableLength(clash.facetSag).c_str());
   if (clash.sheets) std::printf("  open surfaces that cross: the depth is how far facets stand through\n");
   if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
 }

@@ -8,6 +8,7 @@
 
 #include "assets/percentiles.h"
 #include "client/commands/command.h"
+#include "client/readable.h"
 
 namespace tandem::client {
 namespace {
@@ -32,7 +33,7 @@ const char* nameOf(haptics::PartTolerance::From from) {
 std::string originOf(const assets::Scene& scene, const ContactModel& m) {
   std::string text = nameOf(m.toleranceFrom);
   if (m.clearanceTo != kNoPart)
-    text += ' ' + inShort(m.clearance * 1e6) + " um to " + scene.parts[m.clearanceTo].name;
+    text += ' ' + readableLength(m.clearance) + " to " + scene.parts[m.clearanceTo].name;
   if (m.toleranceOf != m.part) text += ", of the same mesh's " + scene.parts[m.toleranceOf].name;
   return text;
 }
@@ -44,18 +45,32 @@ std::size_t missing(const std::vector<ContactModel>& models) {
 
 /// The rest of a line of the table.
 void printModel(const assets::Scene& scene, const ContactModel& m) {
-  std::printf("%-17s %7.3g um %8.3g%c %8.3g %8zu %8.3g ", m.byFormula ? "exact, by formula" : "field",
-              m.tolerance * 1e6, m.fieldError * 1e6, meetsTolerance(m) ? ' ' : '*', m.cell * 1e6, m.samples,
-              m.sag * 1e6);
+  std::printf("%-17s %9s %10s%c %9s %8zu %9s ", m.byFormula ? "exact, by formula" : "field",
+              readableLength(m.tolerance).c_str(), readableLength(m.fieldError).c_str(),
+              meetsTolerance(m) ? ' ' : '*', m.byFormula ? "-" : readableLength(m.cell).c_str(), m.samples,
+              m.byFormula ? "-" : readableLength(m.sag).c_str());
   if (m.trial_us.empty()) {
     std::printf("%15s ", "-");
   } else {
     const Percentiles cost = percentiles(m.trial_us);
-    std::printf("%7.0f/%7.0f ", cost.p50, cost.p99);
+    std::printf("%7s/%7s ", threeDigits(cost.p50).c_str(), threeDigits(cost.p99).c_str());
   }
   char made[32];
   std::snprintf(made, sizeof made, "%.2g s%s", m.seconds, m.cached ? ", cache" : "");
-  std::printf("%9.1f %-14s %.90s\n", static_cast<double>(m.bytes) / 1e3, made, originOf(scene, m).c_str());
+  std::printf("%9s %-14s %.90s\n", readableBytes(m.bytes).c_str(), made, originOf(scene, m).c_str());
+}
+
+/// Parts that take more than a tick of a running site has.
+void printCostly(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+  constexpr double kTick = 1000.0;  // us
+  std::size_t count = 0;
+  PartId first = kNoPart;
+  for (const ContactModel& m : models)
+    if (!m.trial_us.empty() && percentiles(m.trial_us).p50 > kTick && count++ == 0) first = m.part;
+  if (count == 0) return;
+  const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
+  std::printf("remark          held %s%s: predicted tick above 1 ms; a running site spends less effort on %s\n",
+              scene.parts[first].name.c_str(), more.c_str(), count > 1 ? "them" : "it");
 }
 
 }  // namespace
@@ -113,22 +128,21 @@ void printContact(const assets::Scene& scene, const std::vector<ContactModel>& m
   for (const ContactModel& m : models)
     width = std::max(width, std::min<std::size_t>(scene.parts[m.part].name.size(), 40));
   const int w = static_cast<int>(width);
-  std::printf("\n%-*s %-7s %-17s %10s %9s %8s %8s %8s %15s %9s %-14s %s\n", w, "contact of parts in the hand",
-              "role", "model", "tolerance", "error um", "cell um", "samples", "sag um", "tick us p50/p99",
-              "memory kB", "made", "tolerance from");
+  std::printf("\n%-*s %-7s %-17s %9s %10s  %9s %8s %9s %15s %9s %-14s %s\n", w,
+              "contact of parts in the hand", "role", "model", "tolerance", "error", "cell", "samples", "sag",
+              "tick us p50/p99", "memory", "made", "tolerance from");
   for (const ContactModel& m : models) {
     std::printf("%-*.40s %-7s ", w, scene.parts[m.part].name.c_str(), m.held ? "held" : "touched");
     m.made ? printModel(scene, m) : static_cast<void>(std::printf("not made yet: by --models\n"));
   }
   std::printf(
       "  distance field and samples, refined on the triangles; implicit shapes by formula. tolerance from: "
-      "given by the file, an eighth "
-      "of "
-      "the\n  smallest clearance to a neighbour at rest, or default, 1/16384 of the smallest part that can "
-      "be "
-      "held; an error\n  above it is starred. error: proven for the field where the surface is smooth. sag: "
-      "facets under the curve that\n  they stand for. tick: predicted, from 180 ticks of a trial where the "
-      "part stands (--models).\n");
+      "given by the file, an eighth of the\n  smallest clearance to a neighbour at rest, or default, 1/16384 "
+      "of the smallest part that can be held. error: proven for the field\n  where the surface is smooth. "
+      "sag: facets under the curve that they stand for. tick: predicted, processor time of 180 ticks of a\n"
+      "  trial where the part stands (--models).\n"
+      "  *: the error is above the tolerance; no defect: contact that near is looked up on the triangles.\n");
+  printCostly(scene, models);
 }
 
 }  // namespace tandem::client

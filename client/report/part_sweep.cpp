@@ -1,7 +1,6 @@
 #include "client/report/part_sweep.h"
 
 #include <stdlib.h>
-#include <time.h>
 
 #include <algorithm>
 #include <chrono>
@@ -12,6 +11,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "client/thread_clock.h"
 #include "haptics/contact_scene_data.h"
 #include "haptics/held_depth.h"
 #include "haptics/tick.h"
@@ -23,12 +23,6 @@ constexpr int kRuns = 2;  // each tick's cost is the least of them
 // Ticks between measurements of the depth: of large meshes they take ten milliseconds each.
 constexpr int kDepthEvery = 7, kLarge = 9'000;
 constexpr int kFewLooks = 30;
-
-double cpuMicroseconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
-}
 
 /// The experiment's coupling, and no limit that would hide what contact does.
 haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::ContactEffort& effort) {
@@ -88,9 +82,9 @@ class PartRun {
     const haptics::PartCommand take[2] = {{Kind::own, kHeldPart, start}, {Kind::grasp, kHeldPart, {}}};
     if (i == 0) input.commands = take;
     const std::uint64_t before = allocations_ != nullptr ? allocations_() : 0;
-    const double begin = cpuMicroseconds();
+    const double begin = threadMicroseconds();
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
-    const double end = cpuMicroseconds();
+    const double end = threadMicroseconds();
     if (allocations_ != nullptr) count_ += allocations_() - before;
     return {end - begin, out.toHand.force, directionOf(out), -1.0};
   }

@@ -1,0 +1,31 @@
+#include "client/readable.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace tandem::client {
+
+std::string threeDigits(double value) {
+  const double size = std::abs(value);
+  if (size > 0.0 && size < 1e-3) return "<0.001";
+  char text[64];
+  std::snprintf(text, sizeof text, size < 999.5 ? "%.3g" : "%.0f", value);
+  return text;
+}
+
+std::string readableLength(double length) {
+  const double size = std::abs(length);
+  if (size >= 0.9995) return threeDigits(length) + " m";
+  if (size >= 0.9995e-3) return threeDigits(1e3 * length) + " mm";
+  return threeDigits(1e6 * length) + " um";
+}
+
+std::string readableBytes(std::size_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size >= 999.5e6) return threeDigits(1e-9 * size) + " GB";
+  if (size >= 999.5e3) return threeDigits(1e-6 * size) + " MB";
+  if (size >= 999.5) return threeDigits(1e-3 * size) + " kB";
+  return threeDigits(size) + " B";
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,19 @@
+#pragma once
+
+// Numbers as tables for people show them: few digits, no exponents, each with its unit.
+
+#include <cstddef>
+#include <string>
+
+namespace tandem::client {
+
+/// Three significant digits, all of a number's whole ones; "<0.001" for less than that.
+std::string threeDigits(double value);
+
+/// A length in m, as "1.31 mm" or "0.4 um".
+std::string readableLength(double length);
+
+/// "512 B", "1.21 kB", "3.4 MB".
+std::string readableBytes(std::size_t bytes);
+
+}  // namespace tandem::client

@@ -1,0 +1,10 @@
+#pragma once
+
+// The processor time of the calling thread: what a tick costs, whatever else the machine does meanwhile.
+
+namespace tandem::client {
+
+/// us, from an arbitrary beginning.
+double threadMicroseconds();
+
+}  // namespace tandem::client
