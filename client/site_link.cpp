@@ -186,7 +186,11 @@ void SiteLink::enterReady() {
   ownership_->setSelf(welcome_.site);
   stage_ = Stage::ready;
   nextPing_ = nextUpdate_ = now_;
-  updatesSent_ = updatesAtPing_ = 0;  // the server counts anew with each connection
+  // The server counts anew with each connection.
+  updatesSent_ = updatesAtPing_ = expectedUpdates_ = heardUpdates_ = 0;
+  lastSequence_.clear();
+  lossUp_ = lossDown_ = {};
+  statistics_.roundTrip_ms = statistics_.lossUp = statistics_.lossDown = 0.0;
   publishTimeBase(now_);
   if (observer_) observer_->onConnection(true);
   send(Ready{});
@@ -366,25 +370,36 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
     reclaimParts(false);
     statistics_.roundTrip_ms = toSeconds(clock_.lastRoundTrip()) * 1e3;
     // Only the newest ping's count stands beside the newest count of sent updates.
-    if (pong->sequence == pingSequence_ && updatesAtPing_ > 0)
-      statistics_.lossUp =
-          std::max(0.0, 1.0 - static_cast<double>(pong->received) / static_cast<double>(updatesAtPing_));
+    if (pong->sequence == pingSequence_) {
+      lossUp_.observe(updatesAtPing_, pong->received);
+      statistics_.lossUp = lossUp_.loss();
+    }
   } else if (const auto* update = std::get_if<StateUpdate>(&incoming_)) {
     takeUpdate(*update, now);
   }
 }
 
+/// The server numbers what it sends to this site in one row, whosever states they are.
+void SiteLink::countDown(std::uint32_t sequence) {
+  if (heardUpdates_++ == 0) newestUpdate_ = sequence - 1;
+  const auto ahead = static_cast<std::int32_t>(sequence - newestUpdate_);
+  if (ahead > 0) {
+    expectedUpdates_ += static_cast<std::uint64_t>(ahead);
+    newestUpdate_ = sequence;
+  }
+  lossDown_.observe(expectedUpdates_, heardUpdates_);
+  statistics_.lossDown = lossDown_.loss();
+}
+
 void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
   ++statistics_.receivedUpdates;
+  countDown(update.sequence);
   auto last = std::find_if(lastSequence_.begin(), lastSequence_.end(),
                            [&](const auto& entry) { return entry.first == update.site; });
   if (last == lastSequence_.end()) last = lastSequence_.insert(last, {update.site, update.sequence - 1});
   const auto ahead = static_cast<std::int32_t>(update.sequence - last->second);
   if (ahead > 0) {
-    expectedUpdates_ += static_cast<std::uint64_t>(ahead);
     last->second = update.sequence;
-    statistics_.lossDown = std::max(
-        0.0, 1.0 - static_cast<double>(statistics_.receivedUpdates) / static_cast<double>(expectedUpdates_));
     if (SiteView* site = siteView(update.site)) {
       site->presence = update.presence;
       site->seen = true;

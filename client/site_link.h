@@ -14,6 +14,7 @@
 
 #include "assets/result.h"
 #include "client/exchange.h"
+#include "client/loss_meter.h"
 #include "client/view_model.h"
 #include "sync/clock_offset.h"
 #include "sync/ownership.h"
@@ -49,7 +50,8 @@ class LinkObserver {
 };
 
 struct LinkStatistics {
-  double roundTrip_ms = 0.0, lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
+  double roundTrip_ms = 0.0;  // 0: no ping of this connection was answered yet
+  double lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
   std::uint64_t reconnects = 0;
   sync::TransportCounters transport;  // of the present connection
@@ -112,6 +114,7 @@ class SiteLink {
   void takeEvents(sync::Micros now);
   void takeControl(std::span<const std::byte> bytes, sync::Micros now);
   void takeState(std::span<const std::byte> bytes, sync::Micros now);
+  void countDown(std::uint32_t sequence);
   void takeUpdate(const sync::StateUpdate& update, sync::Micros now);
 
   void take(sync::Welcome& message);
@@ -183,9 +186,11 @@ class SiteLink {
   std::vector<SiteView> sites_;
   std::vector<Notice> notices_;
   LinkStatistics statistics_;
-  std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site, for the downlink loss
-  std::uint64_t expectedUpdates_ = 0;
-  std::uint64_t updatesSent_ = 0, updatesAtPing_ = 0;  // on this connection, for the uplink loss
+  std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site
+  // All on this connection, for the losses.
+  std::uint64_t expectedUpdates_ = 0, heardUpdates_ = 0, updatesSent_ = 0, updatesAtPing_ = 0;
+  std::uint32_t newestUpdate_ = 0;  // its sequence
+  LossMeter lossUp_, lossDown_;
 
   sync::StateUpdate outgoing_;
   sync::StateMessage incoming_, outgoingMessage_;

@@ -64,8 +64,8 @@ struct LoopView {
 /// The connection.
 struct LinkView {
   bool connected = false;
-  std::string status;  // in words: "connected", "reconnecting (2 s)", "no network (local scene)"
-  double roundTrip_ms = 0.0;
+  std::string status;         // in words: "connected", "reconnecting (2 s)", "no network (local scene)"
+  double roundTrip_ms = 0.0;  // 0: nothing is measured yet
   double lossUp = 0.0, lossDown = 0.0;  // share of datagrams
   double playOut_ms = 0.0;
   double sentKbit_s = 0.0, receivedKbit_s = 0.0;

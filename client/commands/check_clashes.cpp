@@ -94,8 +94,8 @@ void printTable(const assets::Scene& scene, const ClashReport& report) {
       std::printf("may not collide, by collision filter or joint:\n");
     const glm::dvec3 at = 0.5 * (clash.onA + clash.onB);
     std::printf("%-8s %9s  %-*.32s %-*.32s %.4g %.4g %.4g%s\n", wordFor(clash),
-                readableLength(std::max(clash.depth, clash.distance)).c_str(), w, scene.parts[clash.a].name.c_str(), w,
-                scene.parts[clash.b].name.c_str(), at.x, at.y, at.z,
+                readableLength(std::max(clash.depth, clash.distance)).c_str(), w,
+                scene.parts[clash.a].name.c_str(), w, scene.parts[clash.b].name.c_str(), at.x, at.y, at.z,
                 clash.sheets          ? "  (open surfaces that cross)"
                 : withinFacets(clash) ? "  (within the facets' sag)"
                                       : "");

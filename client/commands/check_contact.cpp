@@ -69,8 +69,9 @@ void printCostly(const assets::Scene& scene, const std::vector<ContactModel>& mo
     if (!m.trial_us.empty() && percentiles(m.trial_us).p50 > kTick && count++ == 0) first = m.part;
   if (count == 0) return;
   const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
-  std::printf("remark          held %s%s: predicted tick above 1 ms; a running site spends less effort on %s\n",
-              scene.parts[first].name.c_str(), more.c_str(), count > 1 ? "them" : "it");
+  std::printf(
+      "remark          held %s%s: predicted tick above 1 ms; a running site spends less effort on %s\n",
+      scene.parts[first].name.c_str(), more.c_str(), count > 1 ? "them" : "it");
 }
 
 }  // namespace

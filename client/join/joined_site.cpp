@@ -341,7 +341,7 @@ void JoinedSite::update(ViewModel& model) {
                       : shared_.stage == SiteLink::Stage::ended ? "ended: " + shared_.reason
                       : shared_.reason.empty()                  ? "connecting"
                                                                 : "reconnecting: " + shared_.reason;
-  model.link.roundTrip_ms = shared_.statistics.roundTrip_ms;
+  model.link.roundTrip_ms = model.link.connected ? shared_.statistics.roundTrip_ms : 0.0;
   model.link.lossUp = shared_.statistics.lossUp;
   model.link.lossDown = shared_.statistics.lossDown;
   model.link.playOut_ms = shared_.statistics.playOut_ms;

@@ -21,6 +21,13 @@ std::string ownedBy(const ViewModel& model, SiteId site) {
   return names.empty() ? "-" : names;
 }
 
+/// A number, or a dash while it is not known.
+std::string figure(bool known, const char* pattern, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, pattern, value);
+  return known ? text : "-";
+}
+
 std::string faultLine(const ViewModel& model) {
   return "force is off: broken: " + model.hand.fault + "; kill -USR1 " + std::to_string(::getpid()) +
          " clears it";
@@ -36,10 +43,11 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   if (elapsed < next_) return;
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
   if (!terminal_) {
-    std::printf("%7.1f s  %s  %zu here  rtt %.1f ms  tick p99 %.0f us  force %.2f N  holds %s\n", elapsed,
-                model.link.status.c_str(), model.sites.size(), model.link.roundTrip_ms,
-                model.loop.compute_us_p99, glm::length(model.hand.force),
-                partName(model, model.hand.held).c_str());
+    std::printf("%7.1f s  %s  %zu here  rtt %s ms  tick p99 %s us  force %.2f N  holds %s\n", elapsed,
+                model.link.status.c_str(), model.sites.size(),
+                figure(model.link.roundTrip_ms > 0.0, "%.1f", model.link.roundTrip_ms).c_str(),
+                figure(model.loop.ticks > 0, "%.0f", model.loop.compute_us_p99).c_str(),
+                glm::length(model.hand.force), partName(model, model.hand.held).c_str());
     std::fflush(stdout);
     return;
   }
@@ -49,9 +57,13 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
     std::fputs("\033[K\n", stdout);
     ++lines_;
   };
-  std::printf("%6.1f s  %s  %s  rtt %.1f ms  loss %.1f/%.1f %%  play-out %.1f ms", elapsed,
-              model.link.status.c_str(), model.link.stateOverUdp ? "UDP" : "TLS", model.link.roundTrip_ms,
-              100.0 * model.link.lossUp, 100.0 * model.link.lossDown, model.link.playOut_ms);
+  const bool known = model.link.roundTrip_ms > 0.0;
+  std::printf("%6.1f s  %s  %s  rtt %s ms  loss %s/%s %%  play-out %s ms", elapsed, model.link.status.c_str(),
+              known ? model.link.stateOverUdp ? "UDP" : "TLS" : "-",
+              figure(known, "%.1f", model.link.roundTrip_ms).c_str(),
+              figure(known, "%.1f", 100.0 * model.link.lossUp).c_str(),
+              figure(known, "%.1f", 100.0 * model.link.lossDown).c_str(),
+              figure(known, "%.1f", model.link.playOut_ms).c_str());
   end();
   std::printf("loop  %llu ticks  %.1f us p50  %.1f us p99  %llu late%s",
               static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,

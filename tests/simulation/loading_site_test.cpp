@@ -130,5 +130,32 @@ TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
   std::remove(path.c_str());
 }
 
+TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
+  Loading rig;
+  test::FakeSite third;
+  third.frame = wireFrame(rig.scene.bounds);
+  third.transport = rig.network.connect("third");
+  rig.run(30 * kMillisecond);
+  third.say(Hello{
+      kProtocolVersion, false, rig.session->makeToken(Role::participant, kUnix + 3600), "third", {1, 2, 3}});
+  rig.run(40 * kMillisecond);
+  third.say(Ready{});
+  rig.link->sceneReady(rig.scene, rig.exchange);
+  EXPECT_EQ(rig.link->statistics().roundTrip_ms, 0.0);
+  for (int i = 0; i < 100; ++i) {
+    for (test::FakeSite* site : {&rig.other, &third}) {
+      StateUpdate update;
+      update.sequence = ++site->sequence;
+      update.time = rig.now;
+      site->send(update);
+    }
+    rig.run(4 * kMillisecond);
+  }
+  EXPECT_GT(rig.link->statistics().roundTrip_ms, 0.0);
+  EXPECT_GT(rig.link->statistics().receivedUpdates, 150u);
+  EXPECT_EQ(rig.link->statistics().lossDown, 0.0) << "two senders are no loss";
+  EXPECT_EQ(rig.link->statistics().lossUp, 0.0);
+}
+
 }  // namespace
 }  // namespace tandem::client
