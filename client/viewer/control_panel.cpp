@@ -37,12 +37,12 @@ void drawControl(const PanelContext& context, const assets::Control& control) {
     ImGui::SetTooltip("%s%s%s", assets::toString(control.kind), why.empty() ? "" : ": ", why.c_str());
   }
   ImGui::SameLine(108.0f * context.scale);
-  ImGui::SetNextItemWidth(-1.0f);
   auto edited = static_cast<float>(value * unit);
   const char* pattern = assets::turns(control) ? "%.1f\xC2\xB0" : "%.1f mm";
   ImGui::BeginDisabled(!why.empty());
-  if (ImGui::SliderFloat("##value", &edited, static_cast<float>(control.min * unit),
-                         static_cast<float>(control.max * unit), pattern, ImGuiSliderFlags_AlwaysClamp)) {
+  const SliderRange range{static_cast<float>(control.min * unit), static_cast<float>(control.max * unit),
+                          pattern};
+  if (numberSlider(context, "##value", edited, range)) {
     context.actions.setControl = control.part;
     context.actions.controlValue = static_cast<double>(edited) / unit;
   }

@@ -17,6 +17,9 @@ constexpr double kArrowAtLimit = 130.0;  // length of the arrow of a force at th
 constexpr double kDiscRadius = 9.0;
 constexpr double kNormalLength = 26.0;
 constexpr double kFrustumDepth = 46.0;
+constexpr double kLargerFrustum = 0.3;  // of the first one, each
+constexpr double kSameEyes = 6.0;
+constexpr double kLabelHeight = 22.0;
 constexpr double kShortestMeasure = 4.0;
 
 constexpr double kFaintestForce = 0.02;  // N; less is not drawn
@@ -116,15 +119,29 @@ void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& l
   addClearance(hand, batch, labels);
 }
 
-/// A small pyramid that opens where the other person looks.
-void addCamera(const Pose& worldFromCamera, const SiteView& site, GlyphBatch& batch,
+/// How many people before this one look from the same place, as sites without a window do.
+int sameEyes(const ViewModel& model, const SiteView& site, const View& view) {
+  const glm::dvec3& eye = site.presence.worldFromCamera.position;
+  int count = 0;
+  for (const SiteView& other : model.sites) {
+    if (other.info.site == site.info.site) break;
+    if (other.self || !other.seen || !other.info.connected) continue;
+    const double apart = glm::length(other.presence.worldFromCamera.position - eye);
+    count += apart < kSameEyes * pixelAt(view, eye) ? 1 : 0;
+  }
+  return count;
+}
+
+/// A small pyramid that opens where the other person looks; each of several at one place is larger than the
+/// one before it, with its name below that one's.
+void addCamera(const Pose& worldFromCamera, const SiteView& site, int before, GlyphBatch& batch,
                std::vector<Label>& labels) {
   const View& view = batch.view();
   const double depth = view.depthOf(worldFromCamera.position);
   const double px = view.metresPerPixel(std::max(depth, view.near));
   // A camera that (nearly) coincides with this one would fill the view.
   if (depth < 0.08 * view.camera.distance) return;
-  const double d = kFrustumDepth * px;
+  const double d = kFrustumDepth * (1.0 + kLargerFrustum * before) * px;
   const auto at = [&](double x, double y, double z) {
     return transformPoint(worldFromCamera, glm::dvec3(x, y, z) * d);
   };
@@ -140,7 +157,7 @@ void addCamera(const Pose& worldFromCamera, const SiteView& site, GlyphBatch& ba
   batch.cone(at(-0.14, 0.38, -1.0), at(0.0, 0.58, -1.0), 0.02 * d, 0.02 * d, line);
   batch.cone(at(0.0, 0.58, -1.0), at(0.14, 0.38, -1.0), 0.02 * d, 0.02 * d, line);
   batch.sphere(eye, 3.0 * px, line);
-  labels.push_back({eye, {8.0, -18.0}, colour, site.info.name});
+  labels.push_back({eye, {8.0, -18.0 + kLabelHeight * before}, colour, site.info.name});
 }
 
 }  // namespace
@@ -148,7 +165,7 @@ void addCamera(const Pose& worldFromCamera, const SiteView& site, GlyphBatch& ba
 void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
   for (const SiteView& site : model.sites) {
     if (site.self || !site.seen || !site.info.connected) continue;
-    addCamera(site.presence.worldFromCamera, site, batch, labels);
+    addCamera(site.presence.worldFromCamera, site, sameEyes(model, site, batch.view()), batch, labels);
     if (site.info.role == sync::Role::observer) continue;
     const glm::vec3 colour = srgb(site.info.colour);
     const Pose& tool = site.presence.worldFromTool;

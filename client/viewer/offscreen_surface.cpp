@@ -76,6 +76,7 @@ class OffscreenSurface final : public Surface {
   }
   void present() override { glFinish(); }
   bool closeRequested() const override { return false; }
+  bool live() const override { return false; }
 
  private:
   EglContext context_;

@@ -122,16 +122,9 @@ void separatorDot() {
   ImGui::SameLine(0.0f, 10.0f);
 }
 
-void drawStatus(const PanelContext& context, const Rect& rect) {
+void drawOwnHand(const PanelContext& context) {
   const ViewModel& model = context.model;
-  place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
-  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(12.0f, 4.0f));
-  ImGui::Begin("##status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
-  const ImVec4 state = model.link.connected ? theme::kGood : theme::kWarning;
-  colourDot(glm::vec3(state.x, state.y, state.z));
-  ImGui::SameLine(0.0f, 4.0f);
-  ImGui::TextUnformatted(model.replay ? "replay" : model.link.status.c_str());
-  if (model.link.connected && !model.replay) {
+  if (model.link.roundTrip_ms > 0.0) {
     separatorDot();
     ImGui::TextColored(theme::kMuted, "%.0f ms", model.link.roundTrip_ms);
   }
@@ -145,7 +138,7 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
   }
   separatorDot();
   ImGui::Text("%.2f N", glm::length(model.hand.force));
-  if (context.actions.settings.zeroForce && !model.replay) {
+  if (context.actions.settings.zeroForce) {
     separatorDot();
     ImGui::TextColored(theme::kBad, "force is off");
   }
@@ -153,8 +146,31 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
     separatorDot();
     ImGui::TextColored(theme::kBad, "fault: force is off  (C clears it)");
   }
-  char right[64];
-  std::snprintf(right, sizeof right, "%.0f fps     F1 help", static_cast<double>(ImGui::GetIO().Framerate));
+}
+
+/// In a replay: what the person does whose view this is. Nobody followed: nothing.
+void drawFollowed(const PanelContext& context) {
+  const SiteView* site = findSite(context.model, context.ui.following);
+  if (context.ui.following == kNoSite || site == nullptr) return;
+  separatorDot();
+  ImGui::Text("%s %s", site->info.name.c_str(), activityOf(context.model, *site).c_str());
+  separatorDot();
+  ImGui::Text("%.2f N", glm::length(site->presence.force));
+}
+
+void drawStatus(const PanelContext& context, const Rect& rect) {
+  const ViewModel& model = context.model;
+  place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
+  ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(12.0f, 4.0f));
+  ImGui::Begin("##status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
+  const ImVec4 state = model.replay ? theme::kMuted : model.link.connected ? theme::kGood : theme::kWarning;
+  colourDot(glm::vec3(state.x, state.y, state.z));
+  ImGui::SameLine(0.0f, 4.0f);
+  ImGui::TextUnformatted(model.replay ? "replay" : model.link.status.c_str());
+  model.replay ? drawFollowed(context) : drawOwnHand(context);
+  char right[64] = "F1 help";
+  if (context.live)
+    std::snprintf(right, sizeof right, "%.0f fps     F1 help", static_cast<double>(ImGui::GetIO().Framerate));
   ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right).x);
   ImGui::TextColored(theme::kMuted, "%s", right);
   ImGui::End();

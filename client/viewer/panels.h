@@ -19,6 +19,7 @@ struct PanelContext {
   ViewActions& actions;
   const Fonts& fonts;
   float scale = 1.0f;
+  bool live = true;  // in a window, drawn again and again
 };
 
 /// The tree of parts with search; keeps which nodes are open.
@@ -73,6 +74,16 @@ void drawLabels(const View& view, const Rect& viewport, const std::vector<Label>
 void drawNotices(const PanelContext& context, const Rect& viewport);
 void drawReplayBar(const PanelContext& context, const Rect& viewport);
 void drawHelp(const PanelContext& context);
+/// What a slider spans, and how its number is written.
+struct SliderRange {
+  float min, max;
+  const char* pattern;  // of printf, for one double
+  int flags = 0;        // ImGuiSliderFlags
+};
+/// A slider with its number at its right, where no handle lies over it; whether the person moved it.
+bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range);
+/// What somebody does, in words: holds, touches, watches.
+std::string activityOf(const ViewModel& model, const SiteView& site);
 /// A filled circle of a site's colour, as tall as a line of text.
 void colourDot(const glm::vec3& srgb, bool hollow = false);
 /// Menu entries for one part: fit, hide, isolate, transparent, take away.

@@ -29,31 +29,30 @@ std::string format(const char* pattern, Args... args) {
   return text;
 }
 
-/// A muted name at the left and a value at the right of one line.
+/// Text that goes on in the next line where the panel ends.
+void wrapped(const ImVec4& colour, const std::string& text) {
+  ImGui::PushTextWrapPos(0.0f);
+  ImGui::TextColored(colour, "%s", text.c_str());
+  ImGui::PopTextWrapPos();
+}
+
+constexpr float kGap = 8.0f;  // pixels at least between a name and its value
+
+/// A muted name at the left and a value at the right of one line; a long value stands below its name.
 void valueLine(const char* name, const std::string& value, const ImVec4& colour = theme::kText) {
+  const float width = ImGui::CalcTextSize(value.c_str()).x, right = ImGui::GetContentRegionMax().x;
   ImGui::TextColored(theme::kMuted, "%s", name);
-  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(value.c_str()).x);
-  ImGui::TextColored(colour, "%s", value.c_str());
+  const bool fits = ImGui::GetCursorStartPos().x + ImGui::GetItemRectSize().x + kGap + width <= right;
+  if (fits) {
+    ImGui::SameLine(right - width);
+    ImGui::TextColored(colour, "%s", value.c_str());
+  } else {
+    wrapped(colour, value);
+  }
 }
 
 std::string partName(const ViewModel& model, PartId part) {
   return model.scene && part < model.scene->parts.size() ? model.scene->parts[part].name : std::string();
-}
-
-/// What somebody does, in words: holds, touches, watches.
-std::string activity(const ViewModel& model, const SiteView& site) {
-  if (!site.info.connected) return "away";
-  int owned = 0;
-  PartId first = kNoPart;
-  for (std::size_t p = 0; p < model.owner.size(); ++p)
-    if (model.owner[p] == site.info.site && owned++ == 0) first = static_cast<PartId>(p);
-  if (owned == 1) return "holds " + partName(model, first);
-  if (owned > 1) return format("holds %d parts", owned);
-  const PartId touched = site.self ? model.hand.touched : site.presence.touched;
-  const bool feels = glm::length(site.self ? model.hand.force : site.presence.force) > 0.02;
-  if (touched != kNoPart && feels) return "touches " + partName(model, touched);
-  if (site.info.role == sync::Role::observer) return "watches";
-  return site.self || site.seen ? "here" : "joining";
 }
 
 void drawPerson(const PanelContext& context, const SiteView& site) {
@@ -74,10 +73,10 @@ void drawPerson(const PanelContext& context, const SiteView& site) {
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("See what %s sees", site.info.name.c_str());
   }
   ImGui::Indent(22.0f * context.scale);
-  std::string line = activity(context.model, site);
+  std::string line = activityOf(context.model, site);
   const double force = glm::length(site.self ? context.model.hand.force : site.presence.force);
   if (site.info.connected && force > 0.02) line += format("  ·  %.1f N", force);
-  ImGui::TextColored(site.info.connected ? theme::kMuted : theme::kWarning, "%s", line.c_str());
+  wrapped(site.info.connected ? theme::kMuted : theme::kWarning, line);
   ImGui::Unindent(22.0f * context.scale);
   ImGui::PopID();
 }
@@ -119,7 +118,7 @@ constexpr FlagText kFlagTexts[] = {
 void drawFlags(const PanelContext& context) {
   for (const FlagText& entry : kFlagTexts)
     if (context.model.hand.flags & entry.flag) {
-      ImGui::TextColored(entry.bad ? theme::kBad : theme::kWarning, "\xE2\x97\x8F %s", entry.text);
+      wrapped(entry.bad ? theme::kBad : theme::kWarning, std::string("\xE2\x97\x8F ") + entry.text);
     }
   if (!context.model.hand.fault.empty()) ImGui::TextWrapped("broken: %s", context.model.hand.fault.c_str());
   if (hasFault(context.model) && !context.model.replay && ImGui::Button("Clear the fault  (C)"))
@@ -164,6 +163,32 @@ void colourDot(const glm::vec3& srgb, bool hollow) {
   ImGui::Dummy(ImVec2(size, size));
 }
 
+bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range) {
+  const float room = 74.0f * context.scale;
+  ImGui::SetNextItemWidth(-room);
+  const bool edited =
+      ImGui::SliderFloat(id, &value, range.min, range.max, "", range.flags | ImGuiSliderFlags_AlwaysClamp);
+  const std::string text = format(range.pattern, static_cast<double>(value));
+  ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(text.c_str()).x);
+  ImGui::TextUnformatted(text.c_str());
+  return edited;
+}
+
+std::string activityOf(const ViewModel& model, const SiteView& site) {
+  if (!site.info.connected) return "away";
+  int owned = 0;
+  PartId first = kNoPart;
+  for (std::size_t p = 0; p < model.owner.size(); ++p)
+    if (model.owner[p] == site.info.site && owned++ == 0) first = static_cast<PartId>(p);
+  if (owned == 1) return "holds " + partName(model, first);
+  if (owned > 1) return format("holds %d parts", owned);
+  const PartId touched = site.self ? model.hand.touched : site.presence.touched;
+  const bool feels = glm::length(site.self ? model.hand.force : site.presence.force) > 0.02;
+  if (touched != kNoPart && feels) return "touches " + partName(model, touched);
+  if (site.info.role == sync::Role::observer) return "watches";
+  return site.self || site.seen ? "here" : "joining";
+}
+
 void drawPeople(const PanelContext& context) {
   if (context.model.sites.empty()) ImGui::TextDisabled("Nobody else: this is a local scene");
   for (const SiteView& site : context.model.sites) drawPerson(context, site);
@@ -201,10 +226,14 @@ void drawNetwork(const PanelContext& context) {
   const auto lossColour = [](double loss) {
     return loss > 0.05 ? theme::kBad : loss > 0.01 ? theme::kWarning : theme::kText;
   };
-  valueLine("Round trip", format("%.1f ms", link.roundTrip_ms));
-  valueLine("Play-out delay", format("%.1f ms", link.playOut_ms));
-  valueLine("Lost on the way up", format("%.1f %%", 100.0 * link.lossUp), lossColour(link.lossUp));
-  valueLine("Lost on the way down", format("%.1f %%", 100.0 * link.lossDown), lossColour(link.lossDown));
+  const auto known = [&](const std::string& figure) {
+    return link.roundTrip_ms > 0.0 ? figure : std::string("-");
+  };
+  valueLine("Round trip", known(format("%.1f ms", link.roundTrip_ms)));
+  valueLine("Play-out delay", known(format("%.1f ms", link.playOut_ms)));
+  valueLine("Lost on the way up", known(format("%.1f %%", 100.0 * link.lossUp)), lossColour(link.lossUp));
+  valueLine("Lost on the way down", known(format("%.1f %%", 100.0 * link.lossDown)),
+            lossColour(link.lossDown));
   valueLine("Sent", format("%.0f kbit/s", link.sentKbit_s));
   valueLine("Received", format("%.0f kbit/s", link.receivedKbit_s));
   valueLine("States travel over", link.stateOverUdp ? "UDP" : "TLS (UDP is blocked)",
@@ -220,9 +249,7 @@ void drawSettings(const PanelContext& context) {
     ImGui::AlignTextToFramePadding();
     ImGui::TextColored(theme::kMuted, "%s", name);
     ImGui::SameLine(108.0f * context.scale);
-    ImGui::SetNextItemWidth(-1.0f);
-    if (ImGui::SliderFloat(id, &edited, min, max, pattern, flags | ImGuiSliderFlags_AlwaysClamp))
-      value = static_cast<double>(edited);
+    if (numberSlider(context, id, edited, {min, max, pattern, flags})) value = static_cast<double>(edited);
   };
   if (!context.model.replay) {
     slider("Force limit", "##limit", settings.forceLimit, 0.2f, 12.0f, "%.1f N", 0);

@@ -50,6 +50,8 @@ class Surface {
   /// Shows the picture, at most 60 times a second (30 where the processor draws).
   virtual void present() = 0;
   virtual bool closeRequested() const = 0;
+  /// Whether somebody sees frame after frame.
+  virtual bool live() const = 0;
 };
 
 /// A window with an OpenGL 3.3 core context.

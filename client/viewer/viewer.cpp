@@ -402,7 +402,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   ViewActions actions;
   actions.settings = model.settings;
   actions.quit = surface_->closeRequested();
-  const PanelContext context{model, ui_, actions, interface_->fonts(), interface_->scale()};
+  const PanelContext context{model, ui_, actions, interface_->fonts(), interface_->scale(), surface_->live()};
 
   ui_.parts.hovered = kNoPart;
   viewport_ = {{0.0, 0.0}, glm::dvec2(surface_->size())};

@@ -100,6 +100,7 @@ class WindowSurface final : public Surface {
     std::this_thread::sleep_until(until);
   }
   bool closeRequested() const override { return glfwWindowShouldClose(window_) != 0; }
+  bool live() const override { return true; }
 
  private:
   GLFWwindow* window_;
