@@ -19,6 +19,7 @@
 #include "client/commands/command.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
+#include "client/rounded_json.h"
 #include "client/tick_flags.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
@@ -237,7 +238,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
                                                  pose.orientation.w, pose.orientation.x, pose.orientation.y,
                                                  pose.orientation.z};
   }
-  return json.dump(2);
+  return rounded(std::move(json)).dump(2);
 }
 
 class JoinRun {

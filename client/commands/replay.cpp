@@ -10,6 +10,8 @@
 
 #include "client/commands/command.h"
 #include "client/join/scene_store.h"
+#include "client/readable.h"
+#include "client/rounded_json.h"
 #include "client/viewer/viewer.h"
 #include "sync/ownership.h"
 #include "sync/recording.h"
@@ -123,36 +125,91 @@ class Playback {
   std::size_t next_ = 0;
 };
 
-/// What happened, in numbers: for the summary and --json.
-nlohmann::ordered_json summarise(const Recording& recording, const assets::Scene& scene) {
-  std::map<SiteId, double> largestForce;
-  std::map<SiteId, std::uint64_t> updates;
+/// What a site did in a recording.
+struct SiteSum {
+  std::string name;
+  std::uint64_t updates = 0;
+  double largestForce = 0.0;  // N
+  int grants = 0;
+};
+
+/// What happened: for the summary and --json.
+struct Summary {
+  std::map<SiteId, SiteSum> sites;
+  int grants = 0, denials = 0;
   nlohmann::ordered_json ownership = nlohmann::ordered_json::array();
+};
+
+/// A grant is a newer epoch with an owner; those that stand at the beginning happened before it.
+class GrantCount {
+ public:
+  bool isGrant(const sync::PartRecord& record, double time) {
+    std::uint32_t& last = epochs_[record.part];
+    const bool newer = record.epoch > last;
+    last = std::max(last, record.epoch);
+    return newer && record.owner != kNoSite && time > 0.0;
+  }
+
+ private:
+  std::map<PartId, std::uint32_t> epochs_;
+};
+
+Summary summarise(const Recording& recording, const assets::Scene& scene) {
+  Summary summary;
+  GrantCount count;
   for (const sync::RecordingEntry& entry : recording.entries) {
+    const double time = sync::toSeconds(entry.time - recording.start);
     if (const auto* control = std::get_if<sync::ControlMessage>(&entry.message)) {
+      if (const auto* site = std::get_if<sync::SiteChanged>(control))
+        summary.sites[site->site.site].name = site->site.name;
+      const auto* reply = std::get_if<sync::GrabReply>(control);
+      if (reply && reply->denial != sync::Denial::none) ++summary.denials;
       const auto* changed = std::get_if<sync::OwnershipChanged>(control);
-      if (changed && changed->part.part < scene.parts.size())
-        ownership.push_back({{"t", sync::toSeconds(entry.time - recording.start)},
-                             {"part", scene.parts[changed->part.part].name},
-                             {"owner", changed->part.owner},
-                             {"epoch", changed->part.epoch}});
+      if (!changed || changed->part.part >= scene.parts.size()) continue;
+      if (count.isGrant(changed->part, time)) {
+        ++summary.grants;
+        ++summary.sites[changed->part.owner].grants;
+      }
+      summary.ownership.push_back({{"t", time},
+                                   {"part", scene.parts[changed->part.part].name},
+                                   {"owner", changed->part.owner},
+                                   {"epoch", changed->part.epoch}});
       continue;
     }
     if (const auto* update = std::get_if<sync::StateUpdate>(&std::get<sync::StateMessage>(entry.message))) {
-      const SiteId site = update->site != kNoSite ? update->site : update->presence.site;
-      ++updates[site];
-      largestForce[site] = std::max(largestForce[site], glm::length(update->presence.force));
+      SiteSum& site = summary.sites[update->site != kNoSite ? update->site : update->presence.site];
+      ++site.updates;
+      site.largestForce = std::max(site.largestForce, glm::length(update->presence.force));
     }
   }
+  return summary;
+}
+
+nlohmann::ordered_json toJson(const Recording& recording, const Summary& summary) {
   nlohmann::ordered_json json;
   json["duration_s"] = recording.duration;
   json["entries"] = recording.entries.size();
   json["damaged"] = recording.damaged;
   json["sites"] = nlohmann::ordered_json::array();
-  for (const auto& [site, count] : updates)
-    json["sites"].push_back({{"site", site}, {"updates", count}, {"largest_force_n", largestForce[site]}});
-  json["ownership"] = ownership;
-  return json;
+  for (const auto& [id, site] : summary.sites)
+    json["sites"].push_back({{"site", id},
+                             {"name", site.name},
+                             {"updates", site.updates},
+                             {"grants", site.grants},
+                             {"largest_force_n", site.largestForce}});
+  json["grants"] = summary.grants;
+  json["denials"] = summary.denials;
+  json["ownership"] = summary.ownership;
+  return rounded(std::move(json));
+}
+
+void print(const Recording& recording, const Summary& summary) {
+  std::printf("%.1f s, %zu people, %d grants, %d denials told to whoever recorded\n", recording.duration,
+              summary.sites.size(), summary.grants, summary.denials);
+  for (const auto& [id, site] : summary.sites)
+    std::printf("  %-16s %d grant%s, largest force %s N\n",
+                site.name.empty() ? ("site " + std::to_string(id)).c_str() : site.name.c_str(), site.grants,
+                site.grants == 1 ? "" : "s", threeDigits(site.largestForce).c_str());
 }
 
 Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recording) {
@@ -192,11 +249,17 @@ int run(const Arguments& arguments) {
     if (Status free = writable(path); !free) return badInput(free.error());
   Result<Recording> recording = readRecording(arguments.recording);
   if (!recording) return badInput(recording.error());
+  if (arguments.at > recording->duration) {
+    char text[64];
+    std::snprintf(text, sizeof text, "--at %g: the recording ends at %.3f s", arguments.at,
+                  recording->duration);
+    return badInput(Error{text});
+  }
   Result<assets::Scene> scene = sceneOf(arguments, *recording);
   if (!scene) return badInput(scene.error());
-  const nlohmann::ordered_json summary = summarise(*recording, *scene);
+  const Summary summary = summarise(*recording, *scene);
   if (!arguments.json.empty())
-    if (Status written = writeFile(arguments.json, summary.dump(2) + "\n"); !written)
+    if (Status written = writeFile(arguments.json, toJson(*recording, summary).dump(2) + "\n"); !written)
       return badInput(written.error());
   if (!recording->damaged.empty())
     std::fprintf(stderr, "tandem: %s: %s; shown up to there\n", arguments.recording.c_str(),
@@ -210,9 +273,10 @@ int run(const Arguments& arguments) {
     (*viewer)->fitAll();
     static_cast<void>((*viewer)->frame(playback.model()));
     if (Status saved = (*viewer)->screenshot(arguments.screenshot); !saved) return badInput(saved.error());
+    std::printf("picture of %.1f s: %s\n", playback.model().time, arguments.screenshot.c_str());
   }
   if (arguments.headless || !displayPresent()) {
-    std::printf("%s\n", summary.dump(2).c_str());
+    print(*recording, summary);
     return kExitDone;
   }
   return playInWindow(playback);
@@ -238,6 +302,9 @@ void addReplay(CLI::App& app, int& exitCode) {
   command->add_option("--json", arguments->json, "Write a summary to this file");
   command->add_option("--cache", arguments->cache,
                       "Folder of fetched scenes [" + assets::defaultCacheDirectory() + "]");
+  command->footer(
+      "With a window P plays and pauses; Follow beside a name shows what that person saw.\n"
+      "Example: tandem replay review.rec --at 12.5 --screenshot review.png --headless");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

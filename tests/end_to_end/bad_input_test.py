@@ -79,7 +79,10 @@ def cases(folder, binaries):
     yield ["tandem-server", PUMP, "--link-host", "a b\nc"], "--link-host"
     data = folder / "data"
     serve = ["tandem-server", PUMP, "--listen", "127.0.0.1:0", "--duration", "0.1"]
-    subprocess.run([binaries / serve[0], *serve[1:], "--data", data], capture_output=True, timeout=60, check=True)
+    recording = str(folder / "nobody.rec")
+    subprocess.run([binaries / serve[0], *serve[1:], "--data", data, "--record", recording], capture_output=True, timeout=60,
+                   check=True)
+    yield ["tandem", "replay", recording, "--scene", PUMP, "--headless", "--at", "99"], "the recording ends"
     (data / "tls.key").write_text("x")
     yield serve + ["--data", str(data)], "tls.key"
     # A limit on the size of files is like a full disk, not a signal that ends the program.
