@@ -6,12 +6,14 @@
 
 /// tandem-scenes OUTDIR: writes the sample scenes.
 int main(int argc, char** argv) {
-  if (argc != 2) {
-    std::fprintf(stderr, "usage: tandem-scenes OUTDIR\n");
-    return 2;
+  const std::string folder = argc == 2 ? argv[1] : "--";
+  if (folder.rfind("-", 0) == 0) {
+    const bool asked = folder == "--help" || folder == "-h";
+    std::fprintf(asked ? stdout : stderr, "usage: tandem-scenes OUTDIR    writes the sample scenes there\n");
+    return asked ? 0 : 2;
   }
   for (const tandem::generate::SampleScene& scene : tandem::generate::makeAllScenes()) {
-    const std::string path = std::string(argv[1]) + "/" + scene.name + ".glb";
+    const std::string path = folder + "/" + scene.name + ".glb";
     const std::string bytes = tandem::generate::toGlb(scene);
     std::ofstream file(path, std::ios::binary);
     file.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));

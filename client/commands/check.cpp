@@ -328,6 +328,12 @@ void addCheck(CLI::App& app, int& exitCode) {
                    "Instead of the above: how far two parts are from each other, or how deep they overlap")
       ->expected(2)
       ->type_name("PART PART");
+  command->footer(
+      "Examples:\n"
+      "  tandem check engine.glb --units mm --movable all\n"
+      "      What is wrong with a CAD file in millimetres, and what each part costs to feel.\n"
+      "  tandem check engine.glb --units mm --clash --clearance 0.0005\n"
+      "      Which parts overlap, touch, or stand nearer than half a millimetre to each other.");
   command->callback([arguments, &exitCode] {
     arguments->clashes.json = arguments->json;
     exitCode = run(*arguments);

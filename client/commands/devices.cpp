@@ -166,6 +166,12 @@ void addDevices(CLI::App& app, int& exitCode) {
   command->add_flag(
       "--udev-rule", arguments->udevRule,
       "Print the udev rule that lets you open these devices, for " + std::string(haptics::kUdevRulePath));
+  command->footer(
+      "Examples:\n"
+      "  tandem devices --test spacemouse --seconds 5\n"
+      "  tandem devices --calibrate touched.csv --out desk.json\n"
+      "  tandem devices --udev-rule | sudo tee " +
+      std::string(haptics::kUdevRulePath));
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

@@ -22,11 +22,15 @@ bool write(const std::filesystem::path& path, const char* data, std::size_t size
 
 int main(int count, char** arguments) {
   using namespace tandem::test;
-  if (count < 2 || count > 3) {
-    std::fprintf(stderr, "usage: make_part_cases OUT_DIR [NAME]\n");
-    return 2;
+  const std::string first = count == 2 || count == 3 ? arguments[1] : "--";
+  if (first.rfind("-", 0) == 0) {
+    const bool asked = first == "--help" || first == "-h";
+    std::fprintf(
+        asked ? stdout : stderr,
+        "usage: make_part_cases OUT_DIR [NAME]    writes the cases whose names begin with NAME there\n");
+    return asked ? 0 : 2;
   }
-  const std::filesystem::path folder = arguments[1];
+  const std::filesystem::path folder = first;
   const std::string wanted = count == 3 ? arguments[2] : "";
   std::error_code error;
   std::filesystem::create_directories(folder, error);
