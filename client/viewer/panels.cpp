@@ -253,15 +253,20 @@ void drawReplayBar(const PanelContext& context, const Rect& viewport) {
   if (ImGui::Button(model.playing ? "Pause" : "Play", ImVec2(64.0f * context.scale, 0.0f)))
     context.actions.togglePlay = true;
   ImGui::SameLine();
-  ImGui::SetNextItemWidth(-86.0f * context.scale);
   auto time = static_cast<float>(model.time);
   char text[48];
-  std::snprintf(text, sizeof text, "%.1f s of %.1f s", model.time, model.duration);
-  if (ImGui::SliderFloat("##time", &time, 0.0f, static_cast<float>(model.duration), text)) {
+  std::snprintf(text, sizeof text, "%.1f s of %.1f s", model.duration, model.duration);
+  const float right = ImGui::GetContentRegionMax().x - 86.0f * context.scale;
+  const float room = ImGui::CalcTextSize(text).x + 12.0f * context.scale;  // as wide as the time will get
+  ImGui::SetNextItemWidth(right - room - ImGui::GetCursorPosX());
+  if (ImGui::SliderFloat("##time", &time, 0.0f, static_cast<float>(model.duration), "")) {
     context.actions.seek = true;
     context.actions.seekTo = static_cast<double>(time);
   }
-  ImGui::SameLine();
+  std::snprintf(text, sizeof text, "%.1f s of %.1f s", model.time, model.duration);
+  ImGui::SameLine(right - ImGui::CalcTextSize(text).x);
+  ImGui::TextUnformatted(text);
+  ImGui::SameLine(right + 8.0f * context.scale);
   ImGui::SetNextItemWidth(-1.0f);
   static constexpr double kSpeeds[] = {0.1, 0.25, 0.5, 1.0, 2.0, 4.0};
   std::snprintf(text, sizeof text, "%gx", model.speed);

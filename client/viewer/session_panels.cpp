@@ -75,7 +75,7 @@ void drawPerson(const PanelContext& context, const SiteView& site) {
   ImGui::Indent(22.0f * context.scale);
   std::string line = activityOf(context.model, site);
   const double force = glm::length(site.self ? context.model.hand.force : site.presence.force);
-  if (site.info.connected && force > 0.02) line += format("  ·  %.1f N", force);
+  if (site.info.connected && force > 0.02) line += format("  ·  %.2f N", force);
   wrapped(site.info.connected ? theme::kMuted : theme::kWarning, line);
   ImGui::Unindent(22.0f * context.scale);
   ImGui::PopID();
@@ -130,8 +130,9 @@ void drawLoop(const PanelContext& context) {
   StripChart chart;
   chart.id = "loop";
   chart.title = "Tick";
-  chart.now = format("p50 %.0f  p99 %.0f  max %.0f µs", loop.compute_us_p50, loop.compute_us_p99,
-                     loop.compute_us_max);
+  chart.now = loop.ticks == 0 ? "-"
+                              : format("p50 %.0f  p99 %.0f  max %.0f µs", loop.compute_us_p50,
+                                       loop.compute_us_p99, loop.compute_us_max);
   chart.limit = 1000.0f;
   chart.limitLabel = "1 ms";
   chart.minimumRange = 20.0f;
@@ -140,8 +141,9 @@ void drawLoop(const PanelContext& context) {
   const double lateShare =
       loop.ticks > 0 ? 100.0 * static_cast<double>(loop.late) / static_cast<double>(loop.ticks) : 0.0;
   valueLine("Late ticks",
-            format("%llu of %llu (%.2f %%)", static_cast<unsigned long long>(loop.late),
-                   static_cast<unsigned long long>(loop.ticks), lateShare),
+            loop.ticks == 0 ? "-"
+                            : format("%llu of %llu (%.2f %%)", static_cast<unsigned long long>(loop.late),
+                                     static_cast<unsigned long long>(loop.ticks), lateShare),
             lateShare > 1.0 ? theme::kWarning : theme::kText);
   valueLine("Real-time priority", loop.realtime ? "yes" : "no",
             loop.realtime ? theme::kGood : theme::kWarning);

@@ -390,5 +390,32 @@ TEST_F(ViewerTest, TheListOfClashesAsksOnceItIsOpenAndShowsWhatIsChosen) {
   EXPECT_EQ((*opened)->camera().target, glm::dvec3(0.0, 0.0, 0.05)) << "the camera stays";
 }
 
+/// Pixels of the right panel's empty margin that something has been written on.
+int writtenInMargin(const Picture& picture) {
+  int count = 0;
+  for (int y = 0; y < picture.height - 40; ++y)
+    for (int x = picture.width - 11; x < picture.width - 7; ++x) {
+      const Rgb c = picture.at(x, y);
+      count += c[0] < 150 || c[1] < 150 || c[2] < 150 ? 1 : 0;
+    }
+  return count;
+}
+
+TEST_F(ViewerTest, LongTextStaysInsideThePanel) {
+  ViewerOptions options;
+  options.width = 1200;
+  options.height = 900;
+  auto opened = Viewer::openOffscreen(scene_, options);
+  ASSERT_TRUE(opened.ok());
+  model_.hand.present = model_.hand.valid = true;
+  model_.hand.flags = haptics::kFlagLessEffort;
+  model_.link.status = "reconnecting: no server answers at 192.168.100.200 port 7480, and goes on trying";
+  for (int i = 0; i < 3; ++i) static_cast<void>((*opened)->frame(model_));
+  const std::string path = ownFile("panel");
+  ASSERT_TRUE((*opened)->screenshot(path).ok());
+  EXPECT_EQ(writtenInMargin(readPng(path)), 0);
+  std::filesystem::remove(path);
+}
+
 }  // namespace
 }  // namespace tandem::client
