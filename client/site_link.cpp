@@ -450,7 +450,6 @@ void SiteLink::sendIntents() {
   while (exchange_->intents.pop(intent)) {
     if (intent.kind == HandIntent::Kind::grab) {
       const Grab grab{nextRequest_++, intent.part};
-      ownership_->asked(grab.part);
       openGrabs_.push_back({ownership_->lapses(), grab.request, grab.part, false});
       if (observer_) observer_->onGrab(grab);
       send(grab);

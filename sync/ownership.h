@@ -170,12 +170,12 @@ class OwnershipView {
   /// Whether this site holds the part by its own record, but the lease lapsed since the server last confirmed
   /// that.
   bool needsReclaim(PartId part) const;
-  /// The part is asked for now, to own or to be engaged in: what is granted after this is good for as long as the lease
-  /// does not lapse. The grant may be read long after the server has ended it.
-  void asked(PartId part);
-  /// How often the lease has lapsed: the answer to what was asked before the last time confirms nothing.
+  /// How often the lease has lapsed. A record or an answer may be read long after the server has ended what it says, so
+  /// only the answer to what was asked since the last lapse confirms anything.
   std::uint32_t lapses() const;
-  /// A GrabReply granted the part to this site in this epoch, asked for since the last lapse.
+  /// An EngageReply to such a request: who is then passed the part need not reclaim it.
+  void engagementConfirmed(PartId part);
+  /// A GrabReply to such a request granted the part to this site in this epoch.
   void confirmed(PartId part, Epoch epoch);
   /// Whether this site may publish states of a part that it owns at local time `now` (S3).
   bool mayPublish(PartId part, Micros now) const;

@@ -10,7 +10,8 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
-    bool unconfirmed = false;  // the lease has lapsed since the part was asked for, or confirmed
+    bool unconfirmed = false;       // granted, and no answer says that it is still so
+    bool engagedConfirmed = false;  // engaged in by an answer to what was asked since the last lapse
     MemberRecord members;
   };
   std::vector<Entry> parts;
@@ -42,7 +43,12 @@ bool OwnershipView::apply(const PartRecord& record) {
       record.epoch == entry.record.epoch && entry.record.owner != kNoSite && record.owner == kNoSite;
   if (!newEpoch && !ends) return false;
   entry.record = record;
-  if (newEpoch) entry.hasSequence = false;
+  if (newEpoch) {
+    entry.hasSequence = false;
+    // A record may be read long after the server has ended what it says. Who is passed a part as an heir knows better.
+    entry.unconfirmed = !entry.engagedConfirmed;
+    entry.engagedConfirmed = false;
+  }
   return true;
 }
 
@@ -96,13 +102,16 @@ void OwnershipView::renewed(Micros pingSent) {
 void OwnershipView::renewed(Micros pingSent, Micros received) {
   if (!leaseValid(received)) {
     ++state_->lapses;
-    for (State::Entry& entry : state_->parts) entry.unconfirmed = true;
+    for (State::Entry& entry : state_->parts) {
+      entry.unconfirmed = true;
+      entry.engagedConfirmed = false;
+    }
   }
   renewed(pingSent);
 }
 
-void OwnershipView::asked(PartId part) {
-  if (part < state_->parts.size() && !owns(part)) state_->parts[part].unconfirmed = false;
+void OwnershipView::engagementConfirmed(PartId part) {
+  if (part < state_->parts.size()) state_->parts[part].engagedConfirmed = true;
 }
 
 std::uint32_t OwnershipView::lapses() const { return state_->lapses; }

@@ -156,7 +156,8 @@ class Model {
     RequestId nextRequest = 1;
     std::uint32_t sequence = 0;
     std::optional<Grab> waiting;
-    Micros controlArrives = 0;  // the last of the ordered stream from the server
+    std::uint32_t waitingLapses = 0;  // of the lease, when it was sent first
+    Micros controlArrives = 0;        // the last of the ordered stream from the server
     int connection = 0;
     bool connected = true;
   };
@@ -286,7 +287,10 @@ class Model {
     later(site.controlArrives - now_, [&site, reply, connection = site.connection] {
       if (site.connection != connection) return;
       site.view.apply(reply.part);
-      if (site.waiting && site.waiting->request == reply.request) site.waiting.reset();
+      if (!site.waiting || site.waiting->request != reply.request) return;
+      site.waiting.reset();
+      if (reply.denial == Denial::none && site.view.lapses() == site.waitingLapses)
+        site.view.confirmed(reply.part.part, reply.part.epoch);
     });
   }
   void serverRelease(Site& site, const Release& request) {
@@ -296,11 +300,18 @@ class Model {
     if (decision.changed) ended(decision.reply.part, request.epoch, site.id, false);
     tellMembers();
   }
-  void serverEngage(Site& site, PartId part, bool on) {
+  void serverEngage(Site& site, PartId part, bool on, std::uint32_t lapses) {
     if (!table_ || !site.connected) return;
-    if (on && table_->engage(site.id, Role::participant, {0, part}, now_).changed) {
-      checker_.engaged(part, site.id);
-    } else if (!on && table_->disengage(site.id, {0, part}).changed) {
+    if (on) {
+      const auto decision = table_->engage(site.id, Role::participant, {0, part}, now_);
+      if (decision.changed) checker_.engaged(part, site.id);
+      if (decision.reply.denial == Denial::none) {
+        site.controlArrives = std::max(site.controlArrives, now_ + delay());
+        later(site.controlArrives - now_, [&site, part, lapses, c = site.connection] {
+          if (site.connection == c && site.view.lapses() == lapses) site.view.engagementConfirmed(part);
+        });
+      }
+    } else if (table_->disengage(site.id, {0, part}).changed) {
       checker_.disengaged(part, site.id);
     }
     tellMembers();
@@ -346,17 +357,17 @@ class Model {
     }
     if (!site.waiting && random_.chance(0.2)) {
       site.waiting = Grab{site.nextRequest++, static_cast<PartId>(random_.number(kParts))};
-      site.view.asked(site.waiting->part);
+      site.waitingLapses = site.view.lapses();
       send(site, *site.waiting);
     } else if (site.waiting && random_.chance(0.05)) {
       send(site, *site.waiting);  // again
     }
     if (random_.chance(0.2)) {
       const auto part = static_cast<PartId>(random_.number(kParts));
-      site.view.asked(part);
-      later(delay(), [this, &site, part, on = random_.chance(0.7), c = site.connection] {
-        if (site.connection == c) serverEngage(site, part, on);
-      });
+      later(delay(),
+            [this, &site, part, on = random_.chance(0.7), c = site.connection, lapses = site.view.lapses()] {
+              if (site.connection == c) serverEngage(site, part, on, lapses);
+            });
     }
     for (PartId part = 0; part < kParts; ++part) {
       if (site.view.needsReclaim(part)) reclaim(site, part);

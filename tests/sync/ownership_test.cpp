@@ -166,6 +166,7 @@ TEST_F(Ownership, AnOwnerStopsPublishingBeforeTheServerMayFreeThePart) {
   OwnershipView view(3, rules);
   view.setSelf(kAnn);
   view.apply({0, kAnn, 1, at(0)});
+  view.confirmed(0, 1);
   EXPECT_FALSE(view.mayPublish(0, 0)) << "no pong yet";
   view.renewed(1000);
   view.renewed(500);  // an older ping's pong comes late
@@ -177,21 +178,35 @@ TEST_F(Ownership, AnOwnerStopsPublishingBeforeTheServerMayFreeThePart) {
 
 /// The grant lies in a stream that stalls for longer than a lease, while pings and pongs pass.
 TEST_F(Ownership, AGrantThatIsReadAfterALapseIsReclaimedFirst) {
-  const Micros lease = rules.siteLease();
+  const Micros lease = rules.siteLease(), later = 2 * lease + 20;
   OwnershipView view(3, rules);
   view.setSelf(kAnn);
   view.renewed(0, 10);
-  view.asked(0);
-  view.renewed(2 * lease, 2 * lease + 10);  // lapsed, and heard again
+  const std::uint32_t asked = view.lapses();
+  view.renewed(2 * lease, 2 * lease + 10);
+  EXPECT_NE(view.lapses(), asked) << "so the answer to what was asked confirms nothing";
   view.apply({0, kAnn, 1, at(0)});
-  EXPECT_FALSE(view.mayPublish(0, 2 * lease + 20)) << "the server may have ended it";
+  EXPECT_FALSE(view.mayPublish(0, later)) << "the server may have ended it";
   EXPECT_TRUE(view.needsReclaim(0));
   view.confirmed(0, 1);
-  EXPECT_TRUE(view.mayPublish(0, 2 * lease + 20));
-  // Asked for since, it is good at once.
-  view.asked(1);
-  view.apply({1, kAnn, 1, at(0)});
-  EXPECT_TRUE(view.mayPublish(1, 2 * lease + 20));
+  EXPECT_TRUE(view.mayPublish(0, later));
+}
+
+/// An heir goes on at once, unless it was not heard of since it was engaged.
+TEST_F(Ownership, APartIsPassedToAnHeirWhoseLeaseHasNotLapsed) {
+  const Micros lease = rules.siteLease();
+  OwnershipView view(3, rules);
+  view.setSelf(kBen);
+  view.renewed(0, 10);
+  for (const PartId part : {PartId{0}, PartId{1}}) {
+    view.apply(PartRecord{part, kAnn, 1, at(0)});
+    view.engagementConfirmed(part);
+  }
+  view.apply(PartRecord{0, kBen, 2, at(0)});
+  EXPECT_TRUE(view.mayPublish(0, 100));
+  view.renewed(2 * lease, 2 * lease + 10);
+  view.apply(PartRecord{1, kBen, 2, at(0)});
+  EXPECT_TRUE(view.needsReclaim(1));
 }
 
 }  // namespace
