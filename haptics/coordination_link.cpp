@@ -36,6 +36,11 @@ void CoordinationLink::begin(std::uint32_t epoch, double delay) {
   enterRegime();
 }
 
+void CoordinationLink::carryOn(std::uint32_t epoch) {
+  epoch_ = epoch;
+  playOut_.carryOn(epoch);
+}
+
 // Rule 8. A regime has its impedance and its play-out time; the wave starts from zero under both.
 void CoordinationLink::enterRegime() {
   b_ = regime() == LinkRegime::stiff ? p_.impedance : p_.softImpedance;

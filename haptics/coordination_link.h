@@ -76,6 +76,11 @@ class CoordinationLink {
 
   /// Begins anew under an epoch; `delay` s is what the way is known to take. What force there was runs out.
   void begin(std::uint32_t epoch, double delay);
+  /// The same link under a new epoch: sums and sequence go on, and packets of the epoch before are taken until the first
+  /// one of this is heard. For a change of owner, where the two ends are told at different times.
+  void carryOn(std::uint32_t epoch);
+  /// Of the two regimes, N s/m, from the next begin() on: lines that share a weight become lighter as sites join.
+  void setImpedance(double stiff, double soft) { p_.impedance = stiff, p_.softImpedance = soft; }
   /// Whether this end's replica takes part. Off, the force runs out and the peer is told.
   void setOn(bool on) { on_ = on; }
 

@@ -71,6 +71,12 @@ Coupling couplingOf(const ToolPush& tool, const Pose& worldFromBody) {
           {tool.stiffness, 0.0, 0.0, 0.0}};
 }
 
+/// What a link's force falls by as the part moves: a coupling without a spring at the centre of mass.
+Coupling couplingOf(const LinkPull& link, const RigidBody& body) {
+  const Pose bodyFromCentre{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
+  return {bodyFromCentre, body.worldFromBody * bodyFromCentre, {}, {0.0, link.damping, 0.0, link.rotDamping}};
+}
+
 /// Radius of gyration, m: the size of a body to itself.
 double sizeOf(const RigidBody& body) {
   const glm::dmat3& i = body.inertia;
@@ -103,6 +109,7 @@ bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
 void HeldParts::disown(PartId part) {
   SimulatedPart* entry = find(part);
   if (entry == nullptr) return;
+  ties_.forget(part);
   // Order is kept: it is the order in which the output lists them.
   for (SimulatedPart* next = entry + 1; next != parts_.data() + count_; ++next) *(next - 1) = *next;
   --count_;
@@ -126,7 +133,11 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
     if (!grip.holds) continue;
     grip.holds = false;
     entry.tool = ToolPush{};
-    if (entry.held()) {
+    if (!entry.held()) {
+      entry.sinceLetGo = 0.0;
+      entry.restPose = entry.body.worldFromBody;
+    }
+    if (entry.held() || ties_.has(entry.part)) {
       // Half of what the spring held goes to the part, half to the hand: as two springs of twice the stiffness.
       entry.ended.start({-grip.onHand.force, -grip.onHand.torque},
                         {2.0 * parameters.graspStiffness, 2.0 * parameters.graspRotStiffness},
@@ -135,11 +146,15 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
       return true;
     }
     entry.ended = Fade{};
-    entry.sinceLetGo = 0.0;
-    entry.restPose = entry.body.worldFromBody;
     return false;
   }
   return false;
+}
+
+bool HeldParts::tie(const PartTie& tie) {
+  const SimulatedPart* const entry = find(tie.part);
+  if (entry == nullptr || entry->moved.control != nullptr) return false;
+  return ties_.tie(tie, entry->body);
 }
 
 void HeldParts::load(PartId part, const AxisLoad& tool) {
@@ -192,7 +207,7 @@ void HeldParts::push(PartId part, const ToolPush& tool) {
 }
 
 bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
-                     CoupledStep& step) {
+                     double now, CoupledStep& step) {
   std::array<Coupling, kMostCouplings> couplings;
   std::size_t count = 0;
   for (std::size_t h = 0; h < kHands; ++h) {
@@ -202,9 +217,17 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
     const DeviceSample& device = *hands[h].device;
     couplings[count++] = {grip.bodyFromGrip, device.worldFromDevice, device.twist, hands[h].gains};
   }
-  if (count == 0) return false;
+  const bool tied = ties_.has(entry.part);
+  if (count == 0 && !tied) return false;
   if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
-  step = coupleBody(entry.body, {couplings.data(), count}, endedPull(entry, dt), gravity, dt);
+  Wrench load = endedPull(entry, dt);
+  if (tied) {
+    const LinkPull link = ties_.pull(entry.part, entry.body, now, dt);
+    load = sum(load, link.held);
+    couplings[count++] = couplingOf(link, entry.body);
+    entry.sinceLetGo = 0.0;
+  }
+  step = coupleBody(entry.body, {couplings.data(), count}, load, gravity, dt);
   return true;
 }
 
@@ -218,10 +241,11 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
     onHands[h] = sum(onHands[h], grip.onHand);
   }
+  if (ties_.has(entry.part)) ties_.settle(entry.part, entry.body, velocity, spin);
 }
 
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
-                                           const assets::Scene& scene, PartContact* contact) {
+                                           const assets::Scene& scene, PartContact* contact, double now) {
   std::array<Wrench, kHands> onHands;
   std::array<MovingPart, kMaxOwnedParts> moving;
   std::array<SimulatedPart*, kMaxOwnedParts> entries;
@@ -236,7 +260,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
     const glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
     CoupledStep step;
     // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is.
-    if (!draw(entry, hands, gravity, dt, step) &&
+    if (!draw(entry, hands, gravity, dt, now, step) &&
         !drift(entry, entry.held() ? glm::dvec3(0.0) : gravity, dt, contact, scene, step))
       continue;
     if (contact != nullptr && contact->constrains(entry.part)) {
@@ -253,7 +277,8 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
     const Displacement& way = moving[i].way;
     SimulatedPart& entry = *entries[i];
     react(entry, hands, moving[i].step, way.linear / dt, way.angular / dt, onHands);
-    if (!entry.held() && isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
+    if (!entry.held() && !ties_.has(entry.part) &&
+        isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
       noteRest(entry, dt);
   }
   if (count > 1) wakeTouched(*contact, parameters, scene);

@@ -9,7 +9,9 @@
 //    nothing, until something touches it or moves beside it.
 // 4. A part that both hands hold is drawn by both couplings in one implicit step, and each hand feels its own. Where one
 //    of them lets go, what it put on the part fades.
-// 5. Nothing here allocates.
+// 5. A part that other sites simulate too is tied to their replicas by links, which draw at it in the same implicit step
+//    (tied_parts.h). It never rests while it is tied.
+// 6. Nothing here allocates.
 
 #include <array>
 #include <span>
@@ -19,6 +21,7 @@
 #include "haptics/fade.h"
 #include "haptics/part_contact.h"
 #include "haptics/tick.h"
+#include "haptics/tied_parts.h"
 #include "haptics/virtual_coupling.h"
 
 namespace tandem::haptics {
@@ -42,7 +45,7 @@ struct SimulatedPart {
   PartId part = kNoPart;
   RigidBody body;
   std::array<Grip, kHands> grips;
-  Fade ended;  // on the part: what a hand put on it that let go while the other one held on
+  Fade ended;  // on the part: what a hand put on it that let go while the other one, or another site, held on
   glm::dvec3 endedAt{0.0, 0.0, 0.0};  // m, body frame: where
   double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
   Pose restPose;            // of a free part, where it was then
@@ -77,8 +80,13 @@ class HeldParts {
   /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not owned, or is
   /// a control that the other hand holds. `parameters` are the hand's.
   bool grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand = 0);
-  /// A hand lets go of what it holds, if anything. Whether the other one still holds that.
+  /// A hand lets go of what it holds, if anything. Whether the other one still holds that, or another site may.
   bool letGo(const TickParameters& parameters, int hand = 0);
+
+  /// Ties an owned part to a peer's replica; false if it is not owned, is a control, or there is no room.
+  bool tie(const PartTie& tie);
+  TiedParts& ties() { return ties_; }
+  const TiedParts& ties() const { return ties_; }
 
   /// What the tool puts on an owned control in the next step.
   void load(PartId part, const AxisLoad& tool);
@@ -86,9 +94,9 @@ class HeldParts {
   void push(PartId part, const ToolPush& tool);
 
   /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on each hand.
-  /// `contact`: what keeps the parts off their neighbours, or null.
+  /// `contact`: what keeps the parts off their neighbours, or null. `now` s: the session's clock, for links.
   std::array<Wrench, kHands> step(const HandPulls& hands, const TickParameters& parameters,
-                                  const assets::Scene& scene, PartContact* contact);
+                                  const assets::Scene& scene, PartContact* contact, double now);
 
   std::span<const SimulatedPart> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
   PartId held(int hand = 0) const;
@@ -102,12 +110,12 @@ class HeldParts {
 
  private:
   SimulatedPart* find(PartId part);
-  /// The step of a part that hands draw at; false if none does.
-  static bool draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
-                   CoupledStep& step);
-  /// Notes what the couplings put on the hands when the part has moved so, and adds it up.
-  static void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
-                    const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
+  /// The step of a part that hands or links draw at; false if none does.
+  bool draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt, double now,
+            CoupledStep& step);
+  /// Notes what the couplings put on the hands when the part has moved so, and adds it up; tells its links.
+  void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
+             const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
   /// The step of a part that nobody holds; false if it stays where it is.
   static bool drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
                     const assets::Scene& scene, CoupledStep& step);
@@ -121,6 +129,7 @@ class HeldParts {
 
   std::array<SimulatedPart, kMaxOwnedParts> parts_;
   int count_ = 0;
+  TiedParts ties_;
 };
 
 }  // namespace tandem::haptics

@@ -407,11 +407,11 @@ class Tick {
   /// What the tool did to the parts simulated here that are free or in the other hand, as its contacts were in the last
   /// tick.
   void loadFreeParts() {
-    if (data_.partContact == nullptr && data_.held.held(1) == kNoPart) return;
+    if (data_.partContact == nullptr && data_.held.held(1) == kNoPart && !data_.held.ties().any()) return;
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (entry.grips[0].holds || entry.moved.control != nullptr) continue;
-      const bool touches =
-          valid_ && data_.started && pressesOn(entry.part) && (entry.grips[1].holds || givesWay(entry.part));
+      const bool gives = entry.grips[1].holds || data_.held.ties().has(entry.part) || givesWay(entry.part);
+      const bool touches = valid_ && data_.started && pressesOn(entry.part) && gives;
       if (!touches) {
         data_.held.push(entry.part, {});
         continue;
@@ -468,7 +468,7 @@ class Tick {
     hands[0] = {valid_ ? &felt : nullptr, HandPull::gainsOf(parameters_)};
     if (input_.second != nullptr) hands[1] = data_.second.pull();
     const std::array<Wrench, kHands> onHands =
-        data_.held.step(hands, parameters_, data_.world.scene(), data_.partContact.get());
+        data_.held.step(hands, parameters_, data_.world.scene(), data_.partContact.get(), noteTime());
     data_.couplingWrench = onHands[0], secondCoupling_ = onHands[1];
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
@@ -538,12 +538,22 @@ class Tick {
     if (!TICK_ASSERT(data_.fault, isFinite(data_.proxy.position))) resetProxy();
   }
 
+  double sessionTime() const {
+    return std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.device.time;
+  }
+
+  /// For links, which run on while no reading tells the time.
+  double noteTime() {
+    const double time = sessionTime();
+    data_.time = valid_ || std::isfinite(input_.sessionTime) ? time : data_.time + parameters_.dt;
+    return data_.time;
+  }
+
   void feelFields() {
     data_.fieldWrench = Wrench{};
     if (!valid_) return data_.fields.forgetHand();
-    const double time = std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.device.time;
     const FieldForces felt = data_.fields.step(
-        data_.world, input_.device, time,
+        data_.world, input_.device, sessionTime(),
         {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
     data_.fieldWrench.force = felt.force;
     cause_.byTime = felt.sourceChange;
@@ -589,7 +599,8 @@ class Tick {
     out_.held = data_.held.held();
     for (const SimulatedPart& entry : data_.held.parts()) {
       out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {
-          entry.part, entry.body.worldFromBody, entry.body.twist, entry.held(), HeldParts::atRest(entry)};
+          entry.part,   entry.body.worldFromBody, entry.body.twist,
+          entry.held(), HeldParts::atRest(entry), data_.held.ties().report(entry.part)};
     }
   }
 
@@ -674,6 +685,28 @@ void TickState::adopt(const ContactScene& next) {
   data_->scene = &next.data();
   data_->world.adopt(next);
   data_->measureReach();
+}
+
+bool TickState::tie(const PartTie& tie) {
+  for (const SimulatedPart& entry : data_->held.parts()) {
+    if (entry.part != tie.part || entry.held() || data_->partContact == nullptr) continue;
+    data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
+  }
+  return data_->held.tie(tie);
+}
+
+void TickState::untie(PartId part, SiteId peer) { data_->held.ties().untie(part, peer); }
+
+void TickState::setSimulators(PartId part, int simulators) {
+  data_->held.ties().setSimulators(part, simulators);
+}
+
+bool TickState::receive(PartId part, SiteId peer, const LinkPacket& packet) {
+  return data_->held.ties().receive(part, peer, packet);
+}
+
+std::size_t TickState::takePackets(std::span<TiedPacket> packets) {
+  return data_->held.ties().takePackets(packets);
 }
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }

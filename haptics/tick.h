@@ -8,7 +8,8 @@
 // 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
 // 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
 //
-// Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still.
+// Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still. One that other sites
+// simulate too is tied to their replicas (tied_parts.h).
 
 #include <array>
 #include <cstdint>
@@ -22,6 +23,7 @@
 #include "haptics/contact_scene.h"
 #include "haptics/device.h"
 #include "haptics/fault.h"
+#include "haptics/link_packet.h"
 
 namespace tandem::haptics {
 
@@ -30,6 +32,9 @@ inline constexpr int kMaxOwnedParts = 8;  // that one hand simulates at once: he
 inline constexpr int kMaxPartCommands = 8;
 inline constexpr int kMaxPushed = 4;
 inline constexpr int kHands = 2;  // of one person, that one tick lets hold parts
+
+struct PartTie;
+struct TiedPacket;
 
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
 struct TickParameters {
@@ -95,7 +100,7 @@ struct TickInput {
   DeviceSample device;
   std::span<const PartMotion> moved;      // at most one entry a part
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
-  // s, the session's clock, for fields that change with time; not finite: the reading's own time
+  // s, the session's clock, for links and for fields that change with time; not finite: the reading's own time
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
   const SecondHand* second = nullptr;  // null: there is none, or it holds nothing
 };
@@ -125,6 +130,17 @@ enum TickFlag : std::uint32_t {
   kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
 };
 
+/// What ties a part to other sites' replicas of it.
+struct TieReport {
+  int links = 0;                          // those that run out included; 0: nothing does
+  LinkRegime regime = LinkRegime::stiff;  // the worst of them
+  double fade = 0.0;                      // 0..1: the least of how far they have come up
+  bool heard = true;                      // false: one has nothing to play out, its force runs out
+  double delay = 0.0;                     // s, the longest of the play-out delays
+  Wrench pull;                            // on the replica about its centre of mass, in this tick
+  double work = 0.0, lent = 0.0;          // J, on the replica; spent beyond what had arrived
+};
+
 /// A part simulated in this tick.
 struct OwnedPart {
   PartId part = kNoPart;
@@ -132,6 +148,7 @@ struct OwnedPart {
   Twist twist;
   bool held = false;    // by either hand
   bool atRest = false;  // nothing moves it: its owner may release it
+  TieReport tie;
 };
 
 /// What a second hand gets from the part that it holds.
@@ -185,6 +202,21 @@ class TickState {
   /// The same for a ContactScene made by withMesh(): the next tick must be given `next`, and the one before,
   /// unchanged until here, may end. A part that had no triangles when this state was made stays untouchable.
   void adopt(const ContactScene& next);
+
+  /// What follows is about ties to other sites' replicas of parts that are owned here (tied_parts.h): by the thread that
+  /// ticks, between ticks, free of allocation.
+
+  /// Ties a part. A tie that there is carries on or begins anew, its force running out meanwhile. False if the part is not
+  /// owned here, is a control, or there is no room.
+  bool tie(const PartTie& tie);
+  /// Ends a tie: its force runs out. The hand keeps what it holds.
+  void untie(PartId part, SiteId peer);
+  /// How many sites simulate a tied part, this one included.
+  void setSimulators(PartId part, int simulators);
+  /// What a peer sent. False if it was of no use: anything may come.
+  bool receive(PartId part, SiteId peer, const LinkPacket& packet);
+  /// What is to be sent after the last tick; what does not fit stays due. Returns how many.
+  std::size_t takePackets(std::span<TiedPacket> packets);
 
   /// Clears a latched fault.
   void resetFault();

@@ -51,6 +51,7 @@ struct TickState::Data {
   SecondHandPort second;
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
+  double time = 0.0;                          // s, session clock, of the last tick
   MeshChange meshChange;                      // since the last tick
   bool started = false;                       // there has been a valid sample
   double touchReach = 0.0;                    // m, the largest of all parts

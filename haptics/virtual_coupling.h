@@ -30,7 +30,7 @@ struct RigidBody {
   Twist twist;  // of the body frame's origin
 };
 
-inline constexpr int kMostCouplings = 3;  // on one body: two hands, and what a tool puts on it
+inline constexpr int kMostCouplings = 4;  // on one body: two hands, what a tool puts on it, its links
 
 /// A coupling from a grip on a body to a device.
 struct Coupling {

@@ -30,9 +30,14 @@ bool isValid(const LinkPacket& p) {
 }
 
 void WavePlayOut::restart(std::uint32_t epoch) {
-  epoch_ = epoch;
+  epoch_ = before_ = epoch;
   first_ = count_ = 0;
   playedTo_ = kNothingPlayed;
+}
+
+void WavePlayOut::carryOn(std::uint32_t epoch) {
+  before_ = epoch_;
+  epoch_ = epoch;
 }
 
 void WavePlayOut::dropFirst() {
@@ -41,7 +46,7 @@ void WavePlayOut::dropFirst() {
 }
 
 bool WavePlayOut::receive(const LinkPacket& packet) {
-  if (packet.epoch != epoch_ || !isValid(packet)) return false;
+  if ((packet.epoch != epoch_ && packet.epoch != before_) || !isValid(packet)) return false;
   std::size_t place = count_;
   while (place > 0 && at(place - 1).sequence > packet.sequence) --place;
   const bool late =
@@ -60,6 +65,7 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
   for (std::size_t i = count_; i > place; --i) at(i) = at(i - 1);
   at(place) = packet;
   ++count_;
+  if (packet.epoch == epoch_) before_ = epoch_;
   return true;
 }
 

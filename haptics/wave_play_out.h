@@ -29,6 +29,8 @@ class WavePlayOut {
 
   /// Forgets everything; takes packets of this epoch from now on.
   void restart(std::uint32_t epoch);
+  /// Takes packets of this epoch, and those of the one before until there is one of it: both are one sequence.
+  void carryOn(std::uint32_t epoch);
   /// False if the packet was of no use: invalid, of another epoch, known, or too late.
   bool receive(const LinkPacket& packet);
   /// What the peer did at `time` (s, session clock). Packets that are no longer needed for later times are dropped.
@@ -47,8 +49,8 @@ class WavePlayOut {
 
   std::array<LinkPacket, kCapacity> packets_;  // a ring, by sequence
   std::size_t first_ = 0, count_ = 0;
-  std::uint32_t epoch_ = 0;
-  double playedTo_ = kNothingPlayed;  // s, session clock
+  std::uint32_t epoch_ = 0, before_ = 0;  // the same, but while the one before is taken too
+  double playedTo_ = kNothingPlayed;      // s, session clock
 };
 
 }  // namespace tandem::haptics
