@@ -1,0 +1,377 @@
+// Parts that two or three sites simulate with whole ticks, tied by links: what their hands feel of each other and of
+// walls, and what a change of owner or the end of a tie does to them.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <vector>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/held_depth.h"
+#include "haptics/tick_data.h"
+#include "tests/haptics/link/link_runs.h"
+#include "tests/haptics/link/tied_sites.h"
+#include "tests/support/part_cases.h"
+
+namespace tandem::test {
+namespace {
+
+using haptics::SixAxes;
+using Kind = haptics::PartCommand::Kind;
+
+bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
+
+TiedSetup setupOf(double delay, const assets::Scene& scene, std::vector<BenchSite> sites) {
+  TiedSetup setup;
+  setup.scene = scene;
+  setup.sites = std::move(sites);
+  setup.network.delay = delay;
+  return setup;
+}
+
+/// Site 1 pulls away from the others.
+SixAxes pullWay(double t, int site) {
+  return site == 1 ? SixAxes{{0.015 * minimumJerk((t - 1.0) / 0.4), 0.0, 0.0}, {}} : SixAxes{};
+}
+
+/// N/m between the hands of sites 0 and 1, averaged from 4.5 to 6 s of a run.
+template <typename Sites>
+double handToHand(Sites& sites, const std::function<glm::dvec3()>& force) {
+  double sum = 0.0, way = 0.0;
+  const glm::dvec3 start = sites.site(1).arm.device().position - sites.site(0).arm.device().position;
+  while (sites.time() < 6.0) {
+    sites.step(pullWay);
+    if (sites.time() < 4.5) continue;
+    sum += glm::length(force());
+    way += glm::length(sites.site(1).arm.device().position - sites.site(0).arm.device().position - start);
+  }
+  return sum / way;
+}
+
+TEST(TiedSites, HandsFeelEachOtherAsOnTheBench) {
+  const assets::Scene scene = benchScene();
+  for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
+    TiedSites sites(setupOf(delay, scene, twoHands(firmArm(), firmArm())));
+    sites.tieAll();
+    const double felt = handToHand(sites, [&] { return sites.site(0).onHand().force; });
+    BenchSetup setup;
+    setup.network.delay = delay;
+    setup.sites = twoHands(firmArm(), firmArm());
+    LinkBench bench(setup);
+    const double ofBench = handToHand(bench, [&] { return bench.site(0).onHand.force; });
+    if (prints())
+      std::printf("tied, hand to hand %3.0f ms: %3.0f N/m, bench %3.0f, %.4f mJ\n", 1e3 * delay, felt,
+                  ofBench, 1e3 * sites.mostCreated);
+    EXPECT_NEAR(felt, ofBench, 0.1 * ofBench) << delay;
+    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+    EXPECT_EQ(sites.allocations, 0u);
+    EXPECT_EQ(sites.flags & (haptics::kFlagFault | haptics::kFlagOverflow), 0u);
+  }
+}
+
+/// N/m that site 1 feels of a wall that stands 5 mm before the part, while site 0 holds on.
+double feltWall(double delay, bool tied, double& created) {
+  constexpr double kWall = 0.005, kForce = 2.0;  // m, N
+  TiedSites sites(setupOf(delay, benchScene(kWall), twoHands(lightArm(), firmArm())));
+  if (tied) sites.tieAll();
+  const double way = kWall + kForce / firmArm().stiffness;
+  const auto intent = [&](double t, int site) {
+    const double share = t < 5.0 ? minimumJerk((t - 1.0) / 2.0) : 1.0 - minimumJerk((t - 5.0) / 2.0);
+    return site == 1 ? SixAxes{{way * share, 0.0, 0.0}, {}} : SixAxes{};
+  };
+  const double start = sites.site(1).arm.reading().position.x;
+  double xx = 0.0, xf = 0.0;
+  while (sites.time() < 7.5) {
+    sites.step(intent);
+    const haptics::TickOutput& out = sites.site(1).out;
+    if (out.contactCount == 0 || out.contacts[0].force < 0.02) continue;
+    const double in = sites.site(1).arm.reading().position.x - start - kWall;
+    xx += in * in;
+    xf -= in * out.toHand.force.x;
+  }
+  created = sites.mostCreated;
+  return xf / xx;
+}
+
+TEST(TiedSites, WallIsAsStiffForTheGuestAtAQuarterOfASecond) {
+  double created = 0.0;
+  const double near = feltWall(1e-3, true, created);
+  EXPECT_LE(created, kEnergyBound);
+  EXPECT_GT(near, 830.0);
+  for (const double delay : {0.050, 0.250}) {
+    const double felt = feltWall(delay, true, created);
+    if (prints())
+      std::printf("tied, wall %3.0f ms: %3.0f N/m, at 1 ms %3.0f, %.4f mJ\n", 1e3 * delay, felt, near,
+                  1e3 * created);
+    EXPECT_NEAR(felt, near, 0.05 * near) << delay;
+    EXPECT_LE(created, kEnergyBound) << delay;
+  }
+}
+
+/// Both sites hold the peg, the first one leads it down.
+TEST(TiedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
+  const PartCase peg = pegCase({.settle = 1.2});
+  TiedSetup setup =
+      setupOf(0.050, peg.scene, {{firmArm(), {0.0, 0.0, 0.012}}, {lightArm(), {0.003, 0.0, 0.0}}});
+  setup.link.lever = 0.015;
+  TiedSites sites(setup);
+  sites.tieAll();
+  haptics::HeldPartDepthMeter meter(sites.contact(), 0);
+  const Pose start = sites.site(0).arm.device(), partFromGrip = inverse(peg.path(0.0)) * start;
+  const auto intent = [&](double t, int site) {
+    if (site != 0) return SixAxes{};
+    return haptics::wayBetween(start, peg.path(std::max(0.0, t - 1.0)) * partFromGrip, SixAxisArm::kLever);
+  };
+  double deepest = 0.0;
+  while (sites.time() < 1.0 + peg.duration) {
+    sites.step(intent);
+    if (std::lround(sites.time() / kTick) % 20 != 0) continue;
+    for (std::size_t i = 0; i < 2; ++i) deepest = std::max(deepest, meter.measure(sites.site(i).state).depth);
+  }
+  const double wanted = peg.path(peg.duration).position.z;
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double z = sites.site(i).part().worldFromPart.position.z;
+    if (prints())
+      std::printf("tied peg, site %zu: %.2f of %.2f mm, depth %.2f um, %.4f mJ\n", i, 1e3 * z, 1e3 * wanted,
+                  1e6 * deepest, 1e3 * sites.mostCreated);
+    EXPECT_NEAR(z, wanted, 2e-3) << i;
+  }
+  EXPECT_LE(deepest, 5e-6);
+  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_EQ(sites.allocations, 0u);
+}
+
+enum class HandOver { carriesOn, beginsAnew, setsThePose };
+
+struct Change {
+  double excess = 0.0;  // N in 20 ms, beyond what there was in the second before
+  double most = 0.0;    // N in 20 ms
+};
+
+/// Runs to `until`, site by site what changes after `at`.
+Change changeAfter(TiedSites& sites, std::size_t count, double at, double until,
+                   const TiedSites::Intent& intent, const std::function<void(double)>& each) {
+  std::vector<double> before;
+  Change change;
+  while (sites.time() < until) {
+    each(sites.time());
+    sites.step(intent);
+    double most = 0.0;
+    for (std::size_t i = 0; i < count; ++i) most = std::max(most, sites.site(i).change);
+    if (sites.time() > at - 1.0 && sites.time() <= at) before.push_back(most);
+    if (sites.time() > at) change.most = std::max(change.most, most);
+  }
+  std::sort(before.begin(), before.end());
+  change.excess = change.most - before[before.size() * 99 / 100];
+  return change;
+}
+
+bool isAt(double now, double time) { return std::abs(now - time) < 0.5 * kTick; }
+
+/// In tension the owner changes from site 0 to site 1, which hear of it one way apart.
+Change handOver(double delay, HandOver how) {
+  constexpr double kAt = 5.0;
+  TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.tieAll();
+  const auto tell = [&](std::size_t site) {
+    if (how != HandOver::setsThePose) return sites.tie(site, 1 - site, 2, how == HandOver::carriesOn);
+    if (site == 1) return;  // the owner's replica is the one that counts
+    const Pose pose = sites.site(1).part().worldFromPart;
+    for (const Kind kind : {Kind::disown, Kind::own, Kind::grasp}) sites.command(0, {kind, 0, pose});
+  };
+  return changeAfter(sites, 2, kAt, kAt + 0.5, pullWay, [&](double now) {
+    if (isAt(now, kAt)) tell(0);
+    if (isAt(now, kAt + delay)) tell(1);
+  });
+}
+
+TEST(TiedSites, ChangeOfOwnerInTensionIsNotFelt) {
+  for (const double delay : {0.010, 0.050, 0.100}) {
+    const Change change = handOver(delay, HandOver::carriesOn);
+    if (prints())
+      std::printf("tied, hand-over %3.0f ms: %.4f N in 20 ms beyond before\n", 1e3 * delay, change.excess);
+    EXPECT_LE(change.excess, 0.04) << delay;
+  }
+}
+
+TEST(TiedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
+  for (const HandOver how : {HandOver::beginsAnew, HandOver::setsThePose}) {
+    const Change change = handOver(0.050, how);
+    if (prints()) std::printf("  control: %.4f N\n", change.excess);
+    EXPECT_GT(change.excess, 0.04);
+  }
+}
+
+enum class End { runsOut, atOnce };
+
+/// In tension the tie ends at both sites, as where the owner is lost and the guest owns the part from there on.
+Change untieInTension(double delay, End how) {
+  constexpr double kAt = 5.0;
+  TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.tieAll();
+  const Change change = changeAfter(sites, 2, kAt, kAt + 4.0, pullWay, [&](double now) {
+    if (!isAt(now, kAt)) return;
+    for (std::size_t i = 0; i < 2; ++i) {
+      const auto peer = static_cast<SiteId>(2 - i);
+      EXPECT_GT(glm::length(sites.site(i).onHand().force), 0.5);
+      if (how == End::runsOut) sites.site(i).state.untie(0, peer);
+      if (how == End::atOnce) sites.site(i).state.data().held.ties().forget(0);
+    }
+  });
+  for (std::size_t i = 0; i < 2 && how == End::runsOut; ++i) {
+    EXPECT_EQ(sites.site(i).out.held, 0);
+    EXPECT_EQ(sites.site(i).part().tie.links, 0);
+    EXPECT_EQ(sites.site(i).body().mass, 1.0);
+    EXPECT_LT(glm::length(sites.site(i).onHand().force), 0.1);
+  }
+  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  return change;
+}
+
+TEST(TiedSites, TieThatEndsInTensionRunsItsForceOutAndTheHandsHoldOn) {
+  for (const double delay : {0.010, 0.050, 0.100}) {
+    const Change change = untieInTension(delay, End::runsOut);
+    if (prints()) std::printf("tied, untied %3.0f ms: %.3f N in 20 ms\n", 1e3 * delay, change.most);
+    EXPECT_LE(change.most, 0.3) << delay;
+  }
+  const Change control = untieInTension(0.010, End::atOnce);
+  if (prints()) std::printf("  control: %.3f N\n", control.most);
+  EXPECT_GT(control.most, 0.3);
+}
+
+TEST(TiedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
+  TiedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.tieAll();
+  const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
+    if (isAt(now, 5.0)) sites.silence(0);
+    if (isAt(now, 7.0)) sites.site(1).state.untie(0, 1);
+  });
+  if (prints()) std::printf("tied, owner silent: %.3f N in 20 ms\n", change.most);
+  EXPECT_LE(change.most, 0.3);
+  EXPECT_EQ(sites.site(1).out.held, 0);
+  EXPECT_EQ(sites.site(1).part().tie.links, 0);
+  EXPECT_EQ(sites.site(1).body().mass, 1.0);
+}
+
+/// N rms on site 0, which drags the part to and fro.
+double leadersForce(int simulators) {
+  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
+  sites.tieAll();
+  for (std::size_t i = 0; i < 2; ++i) sites.share(i, simulators);
+  double square = 0.0, ticks = 0.0;
+  while (sites.time() < 6.0) {
+    sites.step([](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    if (sites.time() < 3.0) continue;
+    const glm::dvec3 force = sites.site(0).onHand().force;
+    square += glm::dot(force, force);
+    ticks += 1.0;
+  }
+  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  return std::sqrt(square / ticks);
+}
+
+TEST(TiedSites, ReplicasWeighTogetherWhatThePartWeighs) {
+  constexpr double kLoadWithoutDelay = 1.02;  // N rms, as in link_figures_test
+  const double shared = leadersForce(2), whole = leadersForce(1);
+  if (prints()) std::printf("tied, leader: %.2f N rms, masses not shared %.2f\n", shared, whole);
+  EXPECT_LE(shared, 1.2 * kLoadWithoutDelay);
+  EXPECT_GT(whole, 1.2 * kLoadWithoutDelay);
+}
+
+TEST(TiedSites, WhatALinkSaysItGaveThePartHasGot) {
+  // In free air the momentum of a replica changes by what the hand and the link put on it. A step without the link's
+  // damping, or with it at another place, breaks this.
+  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
+  sites.tieAll();
+  const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
+  sites.runTo(3.0, intent);  // masses have come to their shares
+  TiedSites::Site& site = sites.site(0);
+  double mostForce = 0.0;
+  int steady = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double mass = site.body().mass;
+    const auto velocity = [&] {
+      const haptics::RigidBody& body = site.body();
+      return velocityAt(body.worldFromBody, body.twist,
+                        transformPoint(body.worldFromBody, body.centreOfMass));
+    };
+    const glm::dvec3 before = velocity();
+    sites.step(intent);
+    const Wrench& link = site.part().tie.pull;
+    const glm::dvec3 got = mass * (velocity() - before) / kTick;
+    const glm::dvec3 said = link.force - site.onHand().force;
+    if (site.body().mass != mass) continue;  // it follows that of the line
+    ++steady;
+    ASSERT_LT(glm::length(got - said), 1e-9) << sites.time();
+    mostForce = std::max(mostForce, glm::length(link.force));
+  }
+  EXPECT_GT(mostForce, 0.2);
+  EXPECT_GT(steady, 50);
+}
+
+TEST(TiedSites, PullHarderThanTheirDevicesCan) {
+  for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
+    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+    sites.tieAll();
+    sites.runTo(8.0, [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    BenchSetup setup;
+    setup.network.delay = delay;
+    setup.sites = twoHands(firmArm(), firmArm());
+    LinkBench bench(setup);
+    bench.runTo(8.0, [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    if (prints())
+      std::printf("tied, saturated %3.0f ms: %.4f mJ, bench %.4f\n", 1e3 * delay, 1e3 * sites.mostCreated,
+                  1e3 * bench.mostCreated);
+    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+  }
+}
+
+TEST(TiedSites, SayWhatTheLinkIsGoodFor) {
+  for (const auto& [delay, regime] :
+       {std::pair{0.025, haptics::LinkRegime::stiff}, std::pair{0.100, haptics::LinkRegime::soft},
+        std::pair{0.250, haptics::LinkRegime::apart}}) {
+    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+    EXPECT_EQ(sites.site(0).part().tie.links, 0);
+    sites.tieAll();
+    sites.runTo(2.0, [](double, int) { return SixAxes{}; });
+    for (std::size_t i = 0; i < 2; ++i) {
+      const haptics::TieReport& tie = sites.site(i).part().tie;
+      EXPECT_EQ(tie.links, 1);
+      EXPECT_EQ(tie.regime, regime) << delay;
+      EXPECT_EQ(tie.fade > 0.99, regime != haptics::LinkRegime::apart) << delay;
+      EXPECT_GE(tie.delay, delay);
+      EXPECT_FALSE(sites.site(i).part().atRest);
+    }
+  }
+}
+
+TEST(TiedSites, TakeNothingThatIsNotForThem) {
+  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
+  haptics::TickState& state = sites.site(0).state;
+  haptics::LinkPacket packet;
+  packet.epoch = 7;
+  EXPECT_FALSE(state.tie({1, 2, {}, 0.025, 7}));  // not owned here
+  EXPECT_FALSE(state.receive(0, 2, packet));      // not tied
+  EXPECT_TRUE(state.tie({0, 2, {}, 0.025, 7}));
+  EXPECT_FALSE(state.receive(0, 3, packet));  // another peer
+  EXPECT_FALSE(state.receive(1, 2, packet));  // another part
+  packet.energy = -1.0;
+  EXPECT_FALSE(state.receive(0, 2, packet));
+  packet.energy = 0.0;
+  packet.epoch = 6;
+  EXPECT_FALSE(state.receive(0, 2, packet));
+  packet.epoch = 7;
+  EXPECT_TRUE(state.receive(0, 2, packet));
+  for (int peer = 3; peer < 2 + haptics::TiedParts::kMaxTies; ++peer)
+    EXPECT_TRUE(state.tie({0, static_cast<SiteId>(peer), {}, 0.025, 7}));
+  EXPECT_FALSE(state.tie({0, 99, {}, 0.025, 7}));  // no room
+  sites.command(0, {Kind::disown, 0, {}});
+  sites.runTo(0.01, [](double, int) { return SixAxes{}; });
+  EXPECT_FALSE(state.receive(0, 2, packet));
+}
+
+}  // namespace
+}  // namespace tandem::test
