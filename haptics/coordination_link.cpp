@@ -9,6 +9,7 @@ namespace {
 constexpr double kOutage = PlayOutDelay::kOutage;
 constexpr double kCatchUpTime = 0.05;     // s
 constexpr double kRunOut = 6.5;           // N/s
+constexpr double kCalmRunOut = 1.5;       // N/s, where an end has been put off: nobody is taken unawares
 constexpr double kFastestRunOut = 100.0;  // N/s
 constexpr double kJump = 0.1;             // of the share of the wave that counts
 constexpr double kGapIgnored = 1e-3;  // m: without it the noise of the waves would be rectified into creep
@@ -161,7 +162,8 @@ SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, con
 
 // Rule 3. Where the excess drives the replica, it must be gone before it has spent the reserve.
 void CoordinationLink::runOut(const SixAxes& v) {
-  double rate = kRunOut;
+  const bool putOff = !on_ || (!playOut_.empty() && !playOut_.newest().on);
+  double rate = putOff ? kCalmRunOut : kRunOut;
   const double power = dot(excess_, v);
   if (power > 0.0) {
     const double budget = std::max(1e-6, 0.8 * reserve_.energy());
