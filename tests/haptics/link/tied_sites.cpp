@@ -140,8 +140,10 @@ void TiedSites::step(const Intent& intent) {
     tick(site);
     std::array<haptics::TiedPacket, haptics::TiedParts::kMaxTies> packets;
     const std::size_t count = site.state.takePackets(packets);
-    for (std::size_t k = 0; k < count && !site.silent; ++k)
-      line(i, static_cast<std::size_t>(packets[k].peer - 1)).send(time(), packets[k].packet);
+    for (std::size_t k = 0; k < count && !site.silent; ++k) {
+      const auto peer = static_cast<std::size_t>(packets[k].peer - 1);
+      if (peer < sites_.size()) line(i, peer).send(time(), packets[k].packet);
+    }
     moveArm(i, intent);
     given += site.arm.given();
   }

@@ -282,6 +282,41 @@ TEST(TiedSites, TieThatEndsInTensionRunsItsForceOutAndTheHandsHoldOn) {
   EXPECT_GT(control.most, 0.3);
 }
 
+TEST(TiedSites, TieThatEndsAtFullSpeedIsNotFelt) {
+  for (const double delay : {0.010, 0.050}) {
+    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), lightArm())));
+    sites.tieAll();
+    const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
+    const Change change = changeAfter(sites, 2, 4.0, 6.0, intent, [&](double now) {
+      for (std::size_t i = 0; i < 2; ++i)
+        if (isAt(now, 4.0)) sites.site(i).state.untie(0, static_cast<SiteId>(2 - i));
+    });
+    if (prints())
+      std::printf("tied, untied at speed %3.0f ms: %.3f N in 20 ms, %.3f beyond before\n", 1e3 * delay,
+                  change.most, change.excess);
+    EXPECT_LE(change.most, 0.35) << delay;  // as in link_disturbed_test
+    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+  }
+}
+
+TEST(TiedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
+  TiedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.tieAll();
+  const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
+    if (isAt(now, 5.0)) sites.command(0, {Kind::letGo, 0, {}});
+  });
+  const haptics::OwnedPart &left = sites.site(0).part(), &held = sites.site(1).part();
+  const double gap = glm::length(left.worldFromPart.position - held.worldFromPart.position);
+  if (prints()) std::printf("tied, let go: %.3f N in 20 ms, %.2f mm apart\n", change.most, 1e3 * gap);
+  EXPECT_FALSE(left.held);
+  EXPECT_FALSE(left.atRest);
+  EXPECT_EQ(left.tie.links, 1);
+  EXPECT_TRUE(held.held);
+  EXPECT_LT(gap, 2e-3);
+  EXPECT_LE(change.most, 0.3);
+  EXPECT_LE(sites.mostCreated, kEnergyBound);
+}
+
 TEST(TiedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
   TiedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
   sites.tieAll();
@@ -405,6 +440,7 @@ TEST(TiedSites, PartsThatAreNotTiedKeepTheirBits) {
   }
   EXPECT_EQ(sites.site(0).out.owned[1].tie.links, 1);
   EXPECT_EQ(sites.site(1).out.owned[1].tie.links, 0);
+  EXPECT_FALSE(sites.site(0).out.owned[1].atRest);
   EXPECT_TRUE(sites.site(1).out.owned[1].atRest);
 }
 
