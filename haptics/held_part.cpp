@@ -28,6 +28,14 @@ RigidBody bodyOf(const ContactWorld& world, PartId part) {
   return body;
 }
 
+/// Whether a hand that is read draws at a part.
+bool isDrawn(const SimulatedPart& entry, const HandPulls& hands) {
+  for (std::size_t h = 0; h < kHands; ++h) {
+    if (entry.grips[h].holds && hands[h].device != nullptr) return true;
+  }
+  return false;
+}
+
 Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 
 /// One step of a part that is a control; adds what the hand that holds it feels.
@@ -257,11 +265,12 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
       stepControlled(entry, hands, dt, onHands);
       continue;
     }
-    const glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
+    glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
+    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless it is free.
+    const bool falls = isDrawn(entry, hands) || (!entry.held() && isFree(entry.part, gravity, contact));
+    if (!falls) gravity = glm::dvec3(0.0);
     CoupledStep step;
-    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is.
-    if (!draw(entry, hands, gravity, dt, now, step) &&
-        !drift(entry, entry.held() ? glm::dvec3(0.0) : gravity, dt, contact, scene, step))
+    if (!draw(entry, hands, gravity, dt, now, step) && !drift(entry, gravity, dt, contact, scene, step))
       continue;
     if (contact != nullptr && contact->constrains(entry.part)) {
       entries[count] = &entry;

@@ -689,7 +689,8 @@ void TickState::adopt(const ContactScene& next) {
 
 bool TickState::tie(const PartTie& tie) {
   for (const SimulatedPart& entry : data_->held.parts()) {
-    if (entry.part != tie.part || entry.held() || data_->partContact == nullptr) continue;
+    const bool moves = entry.held() || data_->held.ties().has(entry.part);
+    if (entry.part != tie.part || moves || data_->partContact == nullptr) continue;
     data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
   }
   return data_->held.tie(tie);
