@@ -20,6 +20,12 @@ std::string readableLength(double length) {
   return threeDigits(1e6 * length) + " um";
 }
 
+std::string readableMass(double mass) {
+  if (mass >= 999.5) return threeDigits(1e-3 * mass) + " t";
+  if (mass >= 0.9995) return threeDigits(mass) + " kg";
+  return threeDigits(1e3 * mass) + " g";
+}
+
 std::string readableBytes(std::size_t bytes) {
   const auto size = static_cast<double>(bytes);
   if (size >= 999.5e6) return threeDigits(1e-9 * size) + " GB";

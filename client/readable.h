@@ -13,6 +13,9 @@ std::string threeDigits(double value);
 /// A length in m, as "1.31 mm" or "0.4 um".
 std::string readableLength(double length);
 
+/// A mass in kg, as "28 g", "1.61 kg" or "33.7 t".
+std::string readableMass(double mass);
+
 /// "512 B", "1.21 kB", "3.4 MB".
 std::string readableBytes(std::size_t bytes);
 

@@ -224,7 +224,7 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
     std::printf("%10s %7s/%7s %9s ", m.touching > 0 ? readableLength(m.error).c_str() : "-",
                 threeDigits(m.cost_us_p50).c_str(), threeDigits(m.cost_us_p99).c_str(),
                 readableBytes(m.bytes).c_str());
-    std::printf("%s\n", m.movable ? (threeDigits(m.mass) + " kg").c_str() : "-");
+    std::printf("%s\n", m.movable ? readableMass(m.mass).c_str() : "-");
   }
   printContact(scene, contact);
   std::printf("\nscene %s, %zu parts, %zu triangles\n", assets::sizeInWords(scene).c_str(),

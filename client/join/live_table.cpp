@@ -107,11 +107,13 @@ void LiveTable::tellNews(const ViewModel& model, double elapsed) {
 }
 
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
-  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %.2f ms, loss %.1f/%.1f %%; %zu grab%s\n",
+  const bool known = model.link.roundTrip_ms > 0.0;
+  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %s ms, loss %s/%s %%; %zu grab%s\n",
               end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
-              model.link.roundTrip_ms, 100.0 * model.link.lossUp, 100.0 * model.link.lossDown, grabs,
-              grabs == 1 ? "" : "s");
+              figure(known, "%.2f", model.link.roundTrip_ms).c_str(),
+              figure(known, "%.1f", 100.0 * model.link.lossUp).c_str(),
+              figure(known, "%.1f", 100.0 * model.link.lossDown).c_str(), grabs, grabs == 1 ? "" : "s");
 }
 
 }  // namespace tandem::client

@@ -21,6 +21,12 @@ TEST(Readable, LengthsComeInTheUnitThatSuitsThem) {
   EXPECT_EQ(readableLength(0.0), "0 um");
 }
 
+TEST(Readable, MassesComeInTheUnitThatSuitsThem) {
+  EXPECT_EQ(readableMass(0.0176), "17.6 g");
+  EXPECT_EQ(readableMass(1.611), "1.61 kg");
+  EXPECT_EQ(readableMass(33722.0), "33.7 t");
+}
+
 TEST(Readable, MemoryComesInDecimalUnits) {
   EXPECT_EQ(readableBytes(512), "512 B");
   EXPECT_EQ(readableBytes(1209), "1.21 kB");
