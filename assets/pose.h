@@ -25,6 +25,9 @@ struct Wrench {
   glm::dvec3 torque{0.0, 0.0, 0.0};
 };
 
+/// Of wrenches about the same point.
+inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
+
 /// aFromC = aFromB * bFromC.
 inline Pose operator*(const Pose& aFromB, const Pose& bFromC) {
   return {aFromB.position + aFromB.orientation * bFromC.position,

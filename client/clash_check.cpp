@@ -173,10 +173,6 @@ bool moreSevere(const Clash& l, const Clash& r) {
 
 }  // namespace
 
-bool mayCollide(const haptics::ContactScene& contact, PartId a, PartId b) {
-  return assets::mayCollide(contact.scene(), a, b);
-}
-
 std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a, const Pose& worldFromA,
                                  PartId b, const Pose& worldFromB) {
   const TriangleBvh *treeA = treeOf(contact, a), *treeB = treeOf(contact, b);
@@ -186,7 +182,7 @@ std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a,
   if (!clash) return {};
   clash->a = a;
   clash->b = b;
-  clash->mayCollide = mayCollide(contact, a, b);
+  clash->mayCollide = assets::mayCollide(contact.scene(), a, b);
   return clash;
 }
 
@@ -203,7 +199,7 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
   std::vector<Candidate> candidates;
   for (PartId other = 0; other < worldFromPart.size(); ++other) {
     const TriangleBvh* tree = other == part ? nullptr : treeOf(contact, other);
-    if (tree == nullptr || !mayCollide(contact, part, other)) continue;
+    if (tree == nullptr || !assets::mayCollide(contact.scene(), part, other)) continue;
     candidates.push_back({gapOf(box, haptics::boundsAt(tree->bounds(), worldFromPart[other])), other});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& l, const Candidate& r) {
@@ -259,7 +255,7 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
     Clash& clash = report.clashes.emplace_back(*found[i]);
     clash.a = pairs[i].a;
     clash.b = pairs[i].b;
-    clash.mayCollide = mayCollide(contact, pairs[i].a, pairs[i].b);
+    clash.mayCollide = assets::mayCollide(contact.scene(), pairs[i].a, pairs[i].b);
     if (clash.kind == ClashKind::hard && clash.depth <= options.tolerance) clash.kind = ClashKind::touch;
   }
   std::sort(report.clashes.begin(), report.clashes.end(), moreSevere);

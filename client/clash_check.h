@@ -80,7 +80,4 @@ std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a,
 std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId part,
                                  std::span<const Pose> worldFromPart);
 
-/// Whether collision filters and joints let two parts touch.
-bool mayCollide(const haptics::ContactScene& contact, PartId a, PartId b);
-
 }  // namespace tandem::client

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/json_input.h"
+#include "haptics/minimum_jerk.h"
 
 namespace tandem::client {
 
@@ -174,10 +175,10 @@ glm::dvec3 closestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm
 struct Progress {
   double value, rate, acceleration;
 };
-Progress minimumJerk(double s) {
+Progress progressAt(double s) {
   if (s <= 0.0) return {0.0, 0.0, 0.0};
   if (s >= 1.0) return {1.0, 0.0, 0.0};
-  return {s * s * s * (10.0 - 15.0 * s + 6.0 * s * s), 30.0 * s * s * (1.0 - s) * (1.0 - s),
+  return {haptics::minimumJerk(s), 30.0 * s * s * (1.0 - s) * (1.0 - s),
           60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)};
 }
 
@@ -341,7 +342,7 @@ ScriptedPerson::Intent ScriptedPerson::evaluate(double t) {
   const double since = t - motionStart_;
   const bool over = since >= motionLength_;
   const double length = std::max(motionLength_, 1e-9);
-  const Progress p = minimumJerk(over ? 1.0 : since / length);
+  const Progress p = progressAt(over ? 1.0 : since / length);
   target.worldFromTarget = to_;
   switch (motion_) {
     case Motion::still:

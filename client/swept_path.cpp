@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/part_pairs.h"
 #include "client/clash_check.h"
 #include "client/contact_log.h"
 #include "haptics/contact_scene_data.h"
@@ -21,7 +22,8 @@ SweptPath::SweptPath(const haptics::ContactScene& contact, PartId part, double s
   step_ = step > 0.0 ? step : radius_ / 25.0;
   for (PartId other = 0; other < colliders.size(); ++other) {
     const haptics::TriangleBvh* tree = colliders[other].tree;
-    if (other != part && tree != nullptr && !tree->empty() && mayCollide(contact, part, other))
+    if (other != part && tree != nullptr && !tree->empty() &&
+        assets::mayCollide(contact.scene(), part, other))
       others_.push_back(other);
   }
 }

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "haptics/minimum_jerk.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -18,11 +20,6 @@ constexpr double kGapSpeed = 0.05;    // m/s: b / 2 times that is felt
 constexpr double kForceFilterTime = 0.05;                     // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J
 constexpr double kFull = 0.999;
-
-double minimumJerk(double s) {
-  const double x = std::clamp(s, 0.0, 1.0);
-  return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-}
 
 }  // namespace
 

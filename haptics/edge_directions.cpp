@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 
 namespace tandem::haptics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 constexpr double kAcross = 1e-3;  // cosine to the edge up to which a normal lies across it
 
 /// The least arc that holds all that was added.

@@ -36,8 +36,6 @@ bool isDrawn(const SimulatedPart& entry, const HandPulls& hands) {
   return false;
 }
 
-Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
-
 /// One step of a part that is a control; adds what the hand that holds it feels.
 void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
                     std::array<Wrench, kHands>& onHands) {
@@ -48,7 +46,7 @@ void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
     if (!drawn) continue;
     grip.onHand = stepHeld(entry.moved, grip.bodyFromGrip, *hands[h].device, hands[h].gains, dt,
                            entry.body.worldFromBody, entry.body.twist);
-    onHands[h] = sum(onHands[h], grip.onHand);
+    onHands[h] = onHands[h] + grip.onHand;
   }
   if (!drawn) stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
   entry.sinceLetGo = !entry.held() && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
@@ -231,7 +229,7 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
   Wrench load = endedPull(entry, dt);
   if (tied) {
     const LinkPull link = ties_.pull(entry.part, entry.body, now, dt);
-    load = sum(load, link.held);
+    load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
     entry.sinceLetGo = 0.0;
   }
@@ -247,7 +245,7 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     Grip& grip = entry.grips[h];
     if (!grip.holds || hands[h].device == nullptr) continue;
     grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
-    onHands[h] = sum(onHands[h], grip.onHand);
+    onHands[h] = onHands[h] + grip.onHand;
   }
   if (ties_.has(entry.part)) ties_.settle(entry.part, entry.body, velocity, spin);
 }

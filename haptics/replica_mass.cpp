@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
@@ -19,7 +20,7 @@ double leastEigenvalue(const glm::dmat3& a) {
   const double p = std::sqrt(square / 6.0);
   if (!(p > 0.0)) return mean;
   const double r = std::clamp(glm::determinant(rest) / (2.0 * p * p * p), -1.0, 1.0);
-  return mean + 2.0 * p * std::cos((std::acos(r) + 2.0 * 3.14159265358979323846) / 3.0);
+  return mean + 2.0 * p * std::cos((std::acos(r) + 2.0 * std::numbers::pi) / 3.0);
 }
 
 double spinEnergy(const glm::dmat3& inertia, const glm::dvec3& spin) {
@@ -37,15 +38,16 @@ glm::dvec3 spinAfter(const glm::dmat3& before, const glm::dmat3& after, const gl
 
 }  // namespace
 
-MassProperties replicaMass(const MassProperties& part, int sites, double lineMass, double lever) {
+assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double lineMass,
+                                   double lever) {
   const double share = 1.0 / sites, mass = share * part.mass;
   const double least = std::min(mass, std::max(kLeastReplicaMass, 0.1 * mass));
   const double taken = std::min(lineMass, mass - least);
   const double inertia = std::min(taken * lever * lever, 0.8 * share * leastEigenvalue(part.inertia));
-  return {mass - taken, share * part.inertia - glm::dmat3(inertia)};
+  return {mass - taken, part.centreOfMass, share * part.inertia - glm::dmat3(inertia)};
 }
 
-void changeMass(RigidBody& body, const MassProperties& target, double most) {
+void changeMass(RigidBody& body, const assets::MassProperties& target, double most) {
   const double way = target.mass - body.mass;
   const double share = std::abs(way) <= most ? 1.0 : most / std::abs(way);
   const double mass = body.mass + share * way;
@@ -60,7 +62,7 @@ void changeMass(RigidBody& body, const MassProperties& target, double most) {
   setVelocity(body, velocity, spin);
 }
 
-void MassRamp::advance(RigidBody& body, const MassProperties& target, double dt) {
+void MassRamp::advance(RigidBody& body, const assets::MassProperties& target, double dt) {
   const double way = target.mass - body.mass;
   if (way * rate_ <= 0.0) rate_ = 0.0;
   rate_ = std::clamp(rate_ + std::copysign(dt * kGrowing / kRise, way), -kFalling, kGrowing);

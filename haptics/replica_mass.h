@@ -6,30 +6,26 @@
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
 
+#include "assets/scene.h"
 #include "haptics/virtual_coupling.h"
 
 namespace tandem::haptics {
 
-/// Mass (kg) and inertia about the centre of mass (kg m^2, body axes).
-struct MassProperties {
-  double mass = 1.0;
-  glm::dmat3 inertia{1.0};
-};
-
 /// That of each of `sites` replicas of a part, `lineMass` kg on a lever of `lever` m being taken off for the lines that
 /// end here (half of what each adds); no less than a tenth of the share, nor kLeastReplicaMass where the share is more.
-MassProperties replicaMass(const MassProperties& part, int sites, double lineMass, double lever);
+assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double lineMass,
+                                   double lever);
 
 inline constexpr double kLeastReplicaMass = 0.03;  // kg
 
 /// Changes a body's mass towards `target` by at most `most` kg, its inertia in step. Never adds kinetic energy: what
 /// gets lighter keeps its velocity, what gets heavier its momentum.
-void changeMass(RigidBody& body, const MassProperties& target, double most);
+void changeMass(RigidBody& body, const assets::MassProperties& target, double most);
 
 /// changeMass() over time. A hand that moves a part at v feels v dm/dt as it gets heavier, so the rate grows from zero.
 class MassRamp {
  public:
-  void advance(RigidBody& body, const MassProperties& target, double dt);
+  void advance(RigidBody& body, const assets::MassProperties& target, double dt);
 
  private:
   static constexpr double kGrowing = 1.0, kFalling = 3.0;  // kg/s, at most: what gets lighter is not felt

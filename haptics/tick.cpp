@@ -18,17 +18,11 @@ using Data = TickState::Data;
 // A hand unseen for longer than this may be anywhere: dragging the old proxy after it would mean nothing to
 // it.
 constexpr double kProxyResetAfter = 0.25;  // s
-// A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
-constexpr double kTouchShare = 0.02;
 constexpr int kMaxTouchQueries = 32;
-// More parts than this that move at once are kept out of the scene tree.
-constexpr std::size_t kManyMoving = 32;
 
 bool samePose(const Pose& a, const Pose& b) {
   return a.position == b.position && a.orientation == b.orientation;
 }
-
-Wrench sum(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
@@ -606,8 +600,8 @@ class Tick {
 
   void sendWrench() {
     if (data_.fade.active()) data_.fade.advance(handMove_, handTurn_, parameters_.dt);
-    const Wrench felt = sum(data_.contactWrench, data_.fieldWrench);
-    const Wrench wanted = sum(sum(felt, data_.couplingWrench), data_.fade.now());
+    const Wrench felt = data_.contactWrench + data_.fieldWrench;
+    const Wrench wanted = felt + data_.couplingWrench + data_.fade.now();
     if (!cause_.byHand) cause_.explained = stiffnessInPlay() * (handWay_ + othersWay_);
     out_.toHand = limitOutput(wanted, valid_ ? &data_.device : nullptr, cause_, parameters_, data_.fault,
                               data_.output, out_.flags);
@@ -637,80 +631,6 @@ class Tick {
 };
 
 }  // namespace
-
-TickState::Data::Data(const ContactScene& contactScene)
-    : scene(&contactScene.data()),
-      world(contactScene),
-      layers(contactScene.scene()),
-      fields(contactScene.scene()) {
-  const std::size_t parts = contactScene.scene().parts.size();
-  moving.reserve(std::max(parts, kManyMoving));
-  movedBefore.reserve(std::max(parts, kManyMoving));
-  movedAt.resize(parts);
-  near.reserve(parts);
-  measureReach();
-  if (!scene->models.empty() || !contactScene.scene().joints.empty())
-    partContact = std::make_unique<PartContact>(world);
-}
-
-void TickState::Data::measureReach() {
-  touchReach = 0.0;
-  for (PartId i = 0; world.has(i); ++i) {
-    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(i).radius);
-  }
-}
-
-TickState::TickState(const ContactScene& scene) : data_(std::make_unique<Data>(scene)) {}
-TickState::~TickState() = default;
-TickState::TickState(TickState&&) noexcept = default;
-TickState& TickState::operator=(TickState&&) noexcept = default;
-
-const Pose& TickState::worldFromPart(PartId part) const { return data_->world.pose(part); }
-
-const FaultLatch& TickState::fault() const { return data_->fault; }
-
-void TickState::Data::noteMeshChange() {
-  if (!meshChange.pending) noteSides(world, proxy, meshChange);
-  meshChange.pending = true;
-}
-
-void TickState::meshesChanged(std::uint32_t mesh) {
-  data_->noteMeshChange();
-  data_->world.meshChanged(mesh);
-  data_->measureReach();
-}
-
-void TickState::adopt(const ContactScene& next) {
-  data_->noteMeshChange();
-  data_->scene = &next.data();
-  data_->world.adopt(next);
-  data_->measureReach();
-}
-
-bool TickState::tie(const PartTie& tie) {
-  for (const SimulatedPart& entry : data_->held.parts()) {
-    const bool moves = entry.held() || data_->held.ties().has(entry.part);
-    if (entry.part != tie.part || moves || data_->partContact == nullptr) continue;
-    data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
-  }
-  return data_->held.tie(tie);
-}
-
-void TickState::untie(PartId part, SiteId peer) { data_->held.ties().untie(part, peer); }
-
-void TickState::setSimulators(PartId part, int simulators) {
-  data_->held.ties().setSimulators(part, simulators);
-}
-
-bool TickState::receive(PartId part, SiteId peer, const LinkPacket& packet) {
-  return data_->held.ties().receive(part, peer, packet);
-}
-
-std::size_t TickState::takePackets(std::span<TiedPacket> packets) {
-  return data_->held.ties().takePackets(packets);
-}
-
-void TickState::resetFault() { data_->fault = FaultLatch{}; }
 
 TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters,
                 TickState& state) {

@@ -25,6 +25,10 @@
 namespace tandem::haptics {
 
 inline constexpr int kMaxIgnored = 16;
+// A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
+inline constexpr double kTouchShare = 0.02;
+// More parts than this that move at once are kept out of the scene tree.
+inline constexpr std::size_t kManyMoving = 32;
 
 struct TickState::Data {
   explicit Data(const ContactScene& contactScene);

@@ -53,7 +53,8 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
     Shared* shared = find(tie.part);
     if (shared == nullptr) {
       if (sharedCount_ == kMaxOwnedParts) return false;
-      shared_[static_cast<std::size_t>(sharedCount_++)] = {tie.part, 1, {body.mass, body.inertia}, {}};
+      shared_[static_cast<std::size_t>(sharedCount_++)] = {
+          tie.part, 1, {body.mass, body.centreOfMass, body.inertia}, {}};
     }
     slot->emplace(tie);
   }
@@ -100,7 +101,7 @@ std::size_t TiedParts::takePackets(std::span<TiedPacket> packets) {
 }
 
 /// Who is too far away to be tied simulates the whole part; a hub shares it with those that are not.
-MassProperties TiedParts::shareOf(const Shared& shared) {
+assets::MassProperties TiedParts::shareOf(const Shared& shared) {
   int live = 0, apart = 0;
   double lines = 0.0, lever = 0.0;
   forEachEnd(shared.part, [&](const End& end) {
@@ -115,7 +116,7 @@ MassProperties TiedParts::shareOf(const Shared& shared) {
 }
 
 void TiedParts::setMass(Shared& shared, RigidBody& body, double dt) {
-  const MassProperties target = shareOf(shared);
+  const assets::MassProperties target = shareOf(shared);
   if (body.mass == target.mass && body.inertia == target.inertia) return;
   shared.ramp.advance(body, target, dt);
   if (std::abs(body.mass - target.mass) > 1e-9 * target.mass) return;
@@ -132,8 +133,7 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, double now, double dt) {
   LinkPull sum;
   forEachEnd(part, [&](End& end) {
     const LinkPull pull = end.link.pull(now, centre, twist);
-    sum.held.force += pull.held.force;
-    sum.held.torque += pull.held.torque;
+    sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
     sum.rotDamping += pull.rotDamping;
     end.sinceSent += dt;

@@ -81,7 +81,7 @@ class TiedParts {
   struct Shared {
     PartId part = kNoPart;
     int simulators = 1;
-    MassProperties whole;
+    assets::MassProperties whole;
     MassRamp ramp;
   };
 
@@ -90,7 +90,7 @@ class TiedParts {
   const Shared* find(PartId part) const;
   template <typename F>
   void forEachEnd(PartId part, const F& f);
-  MassProperties shareOf(const Shared& shared);
+  assets::MassProperties shareOf(const Shared& shared);
   void setMass(Shared& shared, RigidBody& body, double dt);
   void drop(Shared& shared);
 

@@ -157,9 +157,8 @@ TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, con
 
 /// The same in a direction that is normal to both. False if there is none, or none that parts them although they are
 /// apart: then it is not here that the two bodies are nearest to each other.
-bool commonPlane(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample, double reach,
-                 TouchingPlane& found) {
-  const EdgePlane plane(edge);
+bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3& foot,
+                 const SampleAtMesh& sample, double reach, TouchingPlane& found) {
   const Directions shared = commonDirections(plane, sample.normals);
   if (shared.none()) return false;
   found = partingPlane(plane, shared, foot, sample, reach);
@@ -170,9 +169,9 @@ bool commonPlane(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMes
 /// sample as well, and what is nearly normal to both parts them there.
 TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
                           double reach) {
-  TouchingPlane found;
-  if (sample.normals.size() > 2 && commonPlane(edge, foot, sample, reach, found)) return found;
   const EdgePlane plane(edge);
+  TouchingPlane found;
+  if (sample.normals.size() > 2 && commonPlane(edge, plane, foot, sample, reach, found)) return found;
   return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
 }
 
@@ -183,7 +182,8 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     TouchingPlane plane;
-    if (edge.angle < 0.0 || !passes(edge, foot, reach) || !commonPlane(edge, foot, sample, reach, plane))
+    if (edge.angle < 0.0 || !passes(edge, foot, reach) ||
+        !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
       continue;
     const double predicted = plane.gap + glm::dot(plane.normal, sample.motion);
     if (predicted <= most) continue;

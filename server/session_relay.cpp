@@ -10,8 +10,6 @@ namespace {
 
 constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
 constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
-/// The kind of an update. It is decoded into storage of its own, so that nothing else frees its vector.
-constexpr std::byte kUpdateKind{1};
 
 }  // namespace
 
@@ -29,8 +27,8 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
     ++counts.droppedFlood;
     return;
   }
-  const bool isUpdate = bytes.size() > 1 && bytes[1] == kUpdateKind;
-  sync::StateMessage& message = isUpdate ? incoming : incomingShort;
+  // An update is decoded into storage of its own, so that nothing else frees its vector.
+  sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming : incomingShort;
   if (!sync::decodeState(bytes, frame, message)) {
     ++counts.droppedMalformed;
     return;

@@ -120,6 +120,21 @@ struct OwnershipTable::State {
     members.epoch = part.record.epoch;
     return members;
   }
+  /// The answer to an Engage or a Disengage: what `decide` says of a part that there is.
+  template <typename Request, typename Decide>
+  EngageDecision answer(const Request& request, const Decide& decide) {
+    EngageDecision decision;
+    decision.reply.request = request.request;
+    decision.reply.members.part = request.part;
+    if (request.part >= parts.size()) {
+      decision.reply.denial = Denial::unknownPart;
+      return decision;
+    }
+    PartEntry& part = parts[request.part];
+    decision.reply.denial = decide(part, decision.changed);
+    decision.reply.members = membersOf(part);
+    return decision;
+  }
   Denial decideEngage(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
     if (role == Role::observer) return Denial::roleForbids;
     if (!part.movable) return Denial::notMovable;
@@ -279,31 +294,16 @@ OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Relea
 
 OwnershipTable::EngageDecision OwnershipTable::engage(SiteId site, Role role, const Engage& request,
                                                       Micros now) {
-  EngageDecision decision;
-  decision.reply.request = request.request;
-  decision.reply.members.part = request.part;
-  if (request.part >= state_->parts.size()) {
-    decision.reply.denial = Denial::unknownPart;
-    return decision;
-  }
-  PartEntry& part = state_->parts[request.part];
-  decision.reply.denial = state_->decideEngage(site, role, part, now, decision.changed);
-  decision.reply.members = state_->membersOf(part);
-  return decision;
+  return state_->answer(request, [&](PartEntry& part, bool& changed) {
+    return state_->decideEngage(site, role, part, now, changed);
+  });
 }
 
 OwnershipTable::EngageDecision OwnershipTable::disengage(SiteId site, const Disengage& request) {
-  EngageDecision decision;
-  decision.reply.request = request.request;
-  decision.reply.members.part = request.part;
-  if (request.part >= state_->parts.size()) {
-    decision.reply.denial = Denial::unknownPart;
-    return decision;
-  }
-  PartEntry& part = state_->parts[request.part];
-  decision.changed = state_->disengage(part, site);
-  decision.reply.members = state_->membersOf(part);
-  return decision;
+  return state_->answer(request, [&](PartEntry& part, bool& changed) {
+    changed = state_->disengage(part, site);
+    return Denial::none;
+  });
 }
 
 MemberRecord OwnershipTable::members(PartId id) const {

@@ -40,6 +40,8 @@ struct EncodeLosses {
 /// Does not allocate once `bytes` has the capacity kMaxStateBytes.
 void encodeState(const StateMessage& message, const WireFrame& frame, std::vector<std::byte>& bytes,
                  EncodeLosses* losses = nullptr);
+/// Whether a datagram says that it is a StateUpdate.
+bool isStateUpdate(std::span<const std::byte> bytes);
 /// Reuses the storage of `message` (a StateUpdate keeps its vector's capacity). After an error its content is
 /// unspecified.
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);

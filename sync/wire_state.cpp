@@ -137,6 +137,11 @@ glm::dvec3 getSpeed(BitReader& reader, double range) {
   return fromSpeedCode(code, range);
 }
 
+Twist getTwist(BitReader& reader) {
+  const glm::dvec3 linear = getSpeed(reader, kMaxLinearSpeed);
+  return {linear, getSpeed(reader, kMaxAngularSpeed)};
+}
+
 bool sendable(const PartState& state) { return state.part < kMaxParts && isValid(state.worldFromPart); }
 
 int partBits(const PartState& state) {
@@ -165,8 +170,7 @@ void getPart(BitReader& reader, const WireFrame& frame, PartState& state) {
   getPose(reader, frame, state.worldFromPart);
   state.twist = Twist{};
   if (reader.get(1) == 1) return;
-  state.twist.linear = getSpeed(reader, kMaxLinearSpeed);
-  state.twist.angular = getSpeed(reader, kMaxAngularSpeed);
+  state.twist = getTwist(reader);
 }
 
 void putPresence(BitWriter& writer, const Presence& presence, const WireFrame& frame, int& clamped) {
@@ -310,8 +314,7 @@ void decodeLink(BitReader& reader, const WireFrame& frame, LinkUpdate& link) {
   link.twist = Twist{};
   if (!link.posed) return;
   getPose(reader, frame, link.worldFromDrawn);
-  link.twist.linear = getSpeed(reader, kMaxLinearSpeed);
-  link.twist.angular = getSpeed(reader, kMaxAngularSpeed);
+  link.twist = getTwist(reader);
 }
 
 /// The alternative T of the message, kept with its storage if it is there already.
@@ -349,6 +352,10 @@ void encodeState(const StateMessage& message, const WireFrame& frame, std::vecto
     encodeLink(*link, frame, bytes, counted.clamped);
   }
   if (losses != nullptr) *losses = counted;
+}
+
+bool isStateUpdate(std::span<const std::byte> bytes) {
+  return bytes.size() > 1 && bytes[1] == static_cast<std::byte>(Kind::update);
 }
 
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message) {

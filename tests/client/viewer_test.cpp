@@ -73,6 +73,14 @@ class ViewerTest : public testing::Test {
     camera.distance = 0.5;
   }
 
+  /// Another viewer of the same scene.
+  Result<std::unique_ptr<Viewer>> openWithPanels(int width, int height) {
+    ViewerOptions options;
+    options.width = width;
+    options.height = height;
+    return Viewer::openOffscreen(scene_, options);
+  }
+
   Picture draw() {
     actions_ = viewer_->frame(model_);
     const std::string path = ownFile("test");
@@ -265,10 +273,7 @@ TEST_F(ViewerTest, AnUnwritableScreenshotIsAnErrorThatNamesTheFile) {
 
 TEST_F(ViewerTest, TwoViewersDoNotDisturbEachOther) {
   const Picture before = draw();
-  ViewerOptions options;
-  options.width = 200;
-  options.height = 100;
-  auto other = Viewer::openOffscreen(scene_, options);
+  auto other = openWithPanels(200, 100);
   ASSERT_TRUE(other.ok());
   (*other)->frame(model_);
   EXPECT_EQ(countDifferent(before, draw(), 0), 0);
@@ -277,10 +282,7 @@ TEST_F(ViewerTest, TwoViewersDoNotDisturbEachOther) {
 }
 
 TEST_F(ViewerTest, PanelsLeaveRoomForTheScene) {
-  ViewerOptions options;
-  options.width = 1200;
-  options.height = 700;
-  auto opened = Viewer::openOffscreen(scene_, options);
+  auto opened = openWithPanels(1200, 700);
   ASSERT_TRUE(opened.ok());
   model_.notices.push_back({Notice::Level::warning, 0.5, "Not granted: left is held by Bruno"});
   model_.loop.recentForce_n = {0.0f, 1.0f, 2.0f};
@@ -299,10 +301,7 @@ TEST_F(ViewerTest, PanelsLeaveRoomForTheScene) {
 }
 
 TEST_F(ViewerTest, ShowsWhatTheHeldPartIsNearestTo) {
-  ViewerOptions options;
-  options.width = 1200;
-  options.height = 700;
-  auto opened = Viewer::openOffscreen(scene_, options);
+  auto opened = openWithPanels(1200, 700);
   ASSERT_TRUE(opened.ok());
   model_.hand.present = model_.hand.valid = true;
   model_.hand.held = 0;
@@ -337,10 +336,7 @@ TEST_F(ViewerTest, ShowsWhatTheHeldPartIsNearestTo) {
 }
 
 TEST_F(ViewerTest, TheListOfClashesAsksOnceItIsOpenAndShowsWhatIsChosen) {
-  ViewerOptions options;
-  options.width = 1200;
-  options.height = 700;
-  auto opened = Viewer::openOffscreen(scene_, options);
+  auto opened = openWithPanels(1200, 700);
   ASSERT_TRUE(opened.ok());
   model_.clashes.possible = true;
   for (int i = 0; i < 3; ++i) {
@@ -402,10 +398,7 @@ int writtenInMargin(const Picture& picture) {
 }
 
 TEST_F(ViewerTest, LongTextStaysInsideThePanel) {
-  ViewerOptions options;
-  options.width = 1200;
-  options.height = 900;
-  auto opened = Viewer::openOffscreen(scene_, options);
+  auto opened = openWithPanels(1200, 900);
   ASSERT_TRUE(opened.ok());
   model_.hand.present = model_.hand.valid = true;
   model_.hand.flags = haptics::kFlagLessEffort;

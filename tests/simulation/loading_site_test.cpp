@@ -51,13 +51,17 @@ struct Loading {
     options.token = session->makeToken(Role::participant, kUnix + 3600);
     link = std::make_unique<SiteLink>(
         options, [this]() -> Result<std::unique_ptr<Transport>> { return network.connect("loading"); });
-    other.frame = wireFrame(scene.bounds);
-    other.transport = network.connect("other");
-    run(30 * kMillisecond);
-    other.say(Hello{
-        kProtocolVersion, false, session->makeToken(Role::participant, kUnix + 3600), "other", {1, 2, 3}});
-    run(40 * kMillisecond);
+    join(other, "other");
     other.say(Ready{});
+    run(40 * kMillisecond);
+  }
+  /// Somebody enters the session; not ready yet.
+  void join(test::FakeSite& site, const std::string& name) {
+    site.frame = wireFrame(scene.bounds);
+    site.transport = network.connect(name);
+    run(30 * kMillisecond);
+    site.say(
+        Hello{kProtocolVersion, false, session->makeToken(Role::participant, kUnix + 3600), name, {1, 2, 3}});
     run(40 * kMillisecond);
   }
   void run(Micros length) {
@@ -102,12 +106,8 @@ TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
 TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
   Loading rig;
   test::FakeSite late;
-  late.frame = wireFrame(rig.scene.bounds);
-  late.transport = rig.network.connect("late");
-  rig.run(30 * kMillisecond);
-  late.say(Hello{
-      kProtocolVersion, false, rig.session->makeToken(Role::participant, kUnix + 3600), "late", {1, 2, 3}});
-  rig.run(60 * kMillisecond);
+  rig.join(late, "late");
+  rig.run(20 * kMillisecond);
   ASSERT_EQ(rig.link->sites().size(), 3u);
 
   const std::string path = testing::TempDir() + "loading_site.rec";
@@ -133,12 +133,7 @@ TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
 TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
   Loading rig;
   test::FakeSite third;
-  third.frame = wireFrame(rig.scene.bounds);
-  third.transport = rig.network.connect("third");
-  rig.run(30 * kMillisecond);
-  third.say(Hello{
-      kProtocolVersion, false, rig.session->makeToken(Role::participant, kUnix + 3600), "third", {1, 2, 3}});
-  rig.run(40 * kMillisecond);
+  rig.join(third, "third");
   third.say(Ready{});
   rig.link->sceneReady(rig.scene, rig.exchange);
   EXPECT_EQ(rig.link->statistics().roundTrip_ms, 0.0);

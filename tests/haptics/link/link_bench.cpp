@@ -9,6 +9,7 @@
 namespace tandem::test {
 namespace {
 
+using haptics::minimumJerk;
 using haptics::SixAxes;
 
 constexpr int kSubsteps = 10;
@@ -37,21 +38,16 @@ Wrench withinLimits(const Wrench& onHand) {
   return {haptics::limited(onHand.force, most), haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
 }
 
-haptics::MassProperties blockOf(double mass, const glm::dvec3& size) {
+assets::MassProperties blockOf(double mass, const glm::dvec3& size) {
   const glm::dvec3 s = size * size;
   glm::dmat3 inertia(0.0);
   inertia[0][0] = mass / 12.0 * (s.y + s.z);
   inertia[1][1] = mass / 12.0 * (s.x + s.z);
   inertia[2][2] = mass / 12.0 * (s.x + s.y);
-  return {mass, inertia};
+  return {mass, glm::dvec3(0.0), inertia};
 }
 
 }  // namespace
-
-double minimumJerk(double s) {
-  const double x = std::clamp(s, 0.0, 1.0);
-  return x * x * x * (10.0 - 15.0 * x + 6.0 * x * x);
-}
 
 SixAxes dragWay(double t, double amplitude) {
   const double s = t - 1.0;
@@ -175,7 +171,7 @@ void LinkBench::setMasses() {
     }
     const int share = apart ? 1 : static_cast<int>(sites_.size());
     if (setup_.tie == Tie::plain) line = 0.0;
-    const haptics::MassProperties target = haptics::replicaMass(part_, share, line, setup_.link.lever);
+    const assets::MassProperties target = haptics::replicaMass(part_, share, line, setup_.link.lever);
     if (ticks_ == 0)
       haptics::changeMass(sites_[i].body, target, 1e9);
     else

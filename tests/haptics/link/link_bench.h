@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "haptics/coordination_link.h"
+#include "haptics/minimum_jerk.h"
 #include "haptics/replica_mass.h"
 #include "haptics/simulated_hand.h"
 #include "haptics/virtual_coupling.h"
@@ -19,7 +20,7 @@ namespace tandem::test {
 
 inline constexpr double kTick = 1e-3;  // s
 
-/// A firm arm; the relaxed one is ArmParameters{}. From the prototype's fits.
+/// A firm arm; the relaxed one is ArmParameters{}. As fitted in the laboratory experiments on one axis.
 inline haptics::ArmParameters firmArm() { return {1.5, 300.0, 12.0, 800.0, 10.0}; }
 inline haptics::ArmParameters relaxedArm() { return {}; }
 /// Holds on, but is easily led.
@@ -163,15 +164,14 @@ class LinkBench {
   void account();
 
   BenchSetup setup_;
-  haptics::MassProperties part_;
+  assets::MassProperties part_;
   std::vector<Site> sites_;
   std::vector<End> ends_;
   long ticks_ = 0;
 };
 
-/// The prototype's shared drag: site 0 moves 5 cm at 0.5 Hz from 1 s on, the others hold on.
+/// The shared drag: site 0 moves 5 cm at 0.5 Hz from 1 s on, the others hold on.
 haptics::SixAxes dragWay(double t, double amplitude = 0.05);
-double minimumJerk(double s);
 
 /// Seeds of a run: a few, or 20 with TANDEM_FULL_SIZE.
 int seeds(int few = 2);

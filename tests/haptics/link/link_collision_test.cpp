@@ -17,6 +17,7 @@ namespace tandem::test {
 namespace {
 
 using haptics::LinkEngagement;
+using haptics::minimumJerk;
 using haptics::SixAxes;
 
 constexpr double kGap = 0.02;                           // m, between the parts at the start
@@ -26,9 +27,9 @@ constexpr haptics::CouplingGains kGrasp{1000.0, 2.0, 2.5, 5e-3};
 
 enum class Guest { linked, kinematic };
 
-haptics::MassProperties block() {
+assets::MassProperties block() {
   const glm::dvec3 s = kSize * kSize / 12.0;
-  return {1.0, glm::dmat3(s.y + s.z, 0, 0, 0, s.x + s.z, 0, 0, 0, s.x + s.y)};
+  return {1.0, glm::dvec3(0.0), glm::dmat3(s.y + s.z, 0, 0, 0, s.x + s.z, 0, 0, 0, s.x + s.y)};
 }
 
 /// A replica of one part at one site.
@@ -173,7 +174,7 @@ class Collision {
 
   void setMass(Replica& r, bool shared) {
     const double line = shared ? 0.5 * r.link.lineMass() : 0.0;
-    const haptics::MassProperties target = haptics::replicaMass(block(), shared ? 2 : 1, line, 0.03);
+    const assets::MassProperties target = haptics::replicaMass(block(), shared ? 2 : 1, line, 0.03);
     if (&r != &replicas_[0][0] && &r != &replicas_[1][1] && r.link.fade() == 0.0)
       haptics::changeMass(r.body, target, 1e9);  // a guest begins with its share
     else

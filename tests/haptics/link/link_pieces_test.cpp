@@ -140,8 +140,8 @@ double kineticEnergy(const haptics::RigidBody& body) {
 }
 
 TEST(ReplicaMass, ReplicasAndTheLineMakeUpThePart) {
-  const haptics::MassProperties part{1.0, glm::dmat3(2e-3)};
-  const haptics::MassProperties half = haptics::replicaMass(part, 2, 0.5 * 0.6, 0.05);
+  const assets::MassProperties part{1.0, glm::dvec3(0.0), glm::dmat3(2e-3)};
+  const assets::MassProperties half = haptics::replicaMass(part, 2, 0.5 * 0.6, 0.05);
   EXPECT_NEAR(2.0 * half.mass + 0.6, part.mass, 1e-12);
   EXPECT_NEAR(2.0 * half.inertia[1][1] + 0.6 * 0.05 * 0.05, part.inertia[1][1], 1e-12);
   EXPECT_NEAR(haptics::replicaMass(part, 2, 5.0, 0.05).mass, 0.05, 1e-12);
@@ -167,7 +167,7 @@ TEST(ReplicaMass, ChangingItNeverAddsEnergy) {
     body.twist = {{number(random), number(random), number(random)},
                   {number(random), number(random), number(random)}};
     const double before = kineticEnergy(body);
-    haptics::changeMass(body, {1.1 + number(random), inertia()}, i % 2 == 0 ? 0.05 : 10.0);
+    haptics::changeMass(body, {1.1 + number(random), glm::dvec3(0.0), inertia()}, i % 2 == 0 ? 0.05 : 10.0);
     EXPECT_LE(kineticEnergy(body), before * (1.0 + 1e-12));
   }
 }

@@ -9,6 +9,7 @@
 
 namespace tandem::test {
 
+using haptics::minimumJerk;
 using haptics::SixAxes;
 
 void Tally::take(const LinkBench& bench) {

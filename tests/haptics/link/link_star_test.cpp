@@ -13,6 +13,7 @@
 namespace tandem::test {
 namespace {
 
+using haptics::minimumJerk;
 using haptics::SixAxes;
 
 struct StarFigures : Tally {

@@ -19,6 +19,7 @@
 namespace tandem::test {
 namespace {
 
+using haptics::minimumJerk;
 using haptics::SixAxes;
 using Kind = haptics::PartCommand::Kind;
 

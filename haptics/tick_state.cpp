@@ -1,0 +1,83 @@
+#include <algorithm>
+
+#include "haptics/tick_data.h"
+
+// What a tick remembers: made with a scene, told of its meshes and of ties to other sites.
+
+namespace tandem::haptics {
+
+TickState::Data::Data(const ContactScene& contactScene)
+    : scene(&contactScene.data()),
+      world(contactScene),
+      layers(contactScene.scene()),
+      fields(contactScene.scene()) {
+  const std::size_t parts = contactScene.scene().parts.size();
+  moving.reserve(std::max(parts, kManyMoving));
+  movedBefore.reserve(std::max(parts, kManyMoving));
+  movedAt.resize(parts);
+  near.reserve(parts);
+  measureReach();
+  if (!scene->models.empty() || !contactScene.scene().joints.empty())
+    partContact = std::make_unique<PartContact>(world);
+}
+
+void TickState::Data::measureReach() {
+  touchReach = 0.0;
+  for (PartId i = 0; world.has(i); ++i) {
+    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(i).radius);
+  }
+}
+
+TickState::TickState(const ContactScene& scene) : data_(std::make_unique<Data>(scene)) {}
+TickState::~TickState() = default;
+TickState::TickState(TickState&&) noexcept = default;
+TickState& TickState::operator=(TickState&&) noexcept = default;
+
+const Pose& TickState::worldFromPart(PartId part) const { return data_->world.pose(part); }
+
+const FaultLatch& TickState::fault() const { return data_->fault; }
+
+void TickState::Data::noteMeshChange() {
+  if (!meshChange.pending) noteSides(world, proxy, meshChange);
+  meshChange.pending = true;
+}
+
+void TickState::meshesChanged(std::uint32_t mesh) {
+  data_->noteMeshChange();
+  data_->world.meshChanged(mesh);
+  data_->measureReach();
+}
+
+void TickState::adopt(const ContactScene& next) {
+  data_->noteMeshChange();
+  data_->scene = &next.data();
+  data_->world.adopt(next);
+  data_->measureReach();
+}
+
+bool TickState::tie(const PartTie& tie) {
+  for (const SimulatedPart& entry : data_->held.parts()) {
+    const bool moves = entry.held() || data_->held.ties().has(entry.part);
+    if (entry.part != tie.part || moves || data_->partContact == nullptr) continue;
+    data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
+  }
+  return data_->held.tie(tie);
+}
+
+void TickState::untie(PartId part, SiteId peer) { data_->held.ties().untie(part, peer); }
+
+void TickState::setSimulators(PartId part, int simulators) {
+  data_->held.ties().setSimulators(part, simulators);
+}
+
+bool TickState::receive(PartId part, SiteId peer, const LinkPacket& packet) {
+  return data_->held.ties().receive(part, peer, packet);
+}
+
+std::size_t TickState::takePackets(std::span<TiedPacket> packets) {
+  return data_->held.ties().takePackets(packets);
+}
+
+void TickState::resetFault() { data_->fault = FaultLatch{}; }
+
+}  // namespace tandem::haptics
