@@ -13,6 +13,7 @@
 
 #include "haptics/spsc_ring.h"
 #include "haptics/tick.h"
+#include "haptics/tied_parts.h"
 #include "haptics/triple_buffer.h"
 #include "sync/messages.h"
 #include "sync/time.h"
@@ -22,20 +23,30 @@ namespace tandem::client {
 /// Network to hand: what the others did. Already checked against ownership.
 struct NetworkEvent {
   enum class Kind : std::uint8_t {
-    state,      // `state` of a part that another site owns, holding at session time `time`
-    ownership,  // `record` is how things stand now
-    denied,     // the grab of `record.part` was refused
-    lost,       // the connection is gone: grabs that were asked for get no answer
+    state,       // `state` of a part that another site owns, holding at session time `time`
+    ownership,   // `record` is how things stand now
+    denied,      // the grab of `record.part` was refused
+    lost,        // the connection is gone: grabs that were asked for get no answer
+    tie,         // the replica of `record.part` is to be tied to a peer's by `tie`; `guest`: that one owns it
+    untie,       // no longer to `tie.peer`'s
+    simulators,  // so many sites simulate `record.part`
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;
   sync::PartState state;
   sync::PartRecord record;
+  haptics::PartTie tie;
+  bool guest = false;
+  int simulators = 1;
 };
 
 /// Hand to network: what the person asks for.
 struct HandIntent {
-  enum class Kind : std::uint8_t { grab, release };
+  enum class Kind : std::uint8_t {
+    grab,     // to own the part, or to share it with its owner
+    release,  // it rests, or is left to those who share it
+    leave,    // not to share it any more
+  };
   Kind kind = Kind::grab;
   PartId part = kNoPart;
   Epoch epoch = 0;     // release: of the ownership that ends
@@ -54,7 +65,7 @@ struct HandOutput {
   sync::Micros time = 0;
   haptics::DeviceSample device;
   haptics::TickOutput tick;
-  std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned
+  std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned; 0: not to be published
   bool grabPending = false;
   std::uint32_t flagsSeen = 0;        // of all ticks so far
   std::uint32_t stalls = 0;           // times that the loop stood still for over HandLoop::kStall
@@ -95,16 +106,19 @@ inline constexpr std::size_t kEventRing = 1024;
 inline constexpr std::size_t kIntentRing = 64;
 inline constexpr std::size_t kShownRing = 16384;
 inline constexpr std::size_t kForceRing = 4096;
+inline constexpr std::size_t kLinkRing = 256;
 
 struct Exchange {
   haptics::SpscRing<NetworkEvent, kEventRing> events;  // network -> hand
   haptics::TripleBuffer<TimeBase> timeBase;            // network -> hand
   haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
   haptics::TripleBuffer<HandOutput> output;            // hand -> network
-  haptics::TripleBuffer<HandSettingsInput> settings;   // main -> hand
-  haptics::TripleBuffer<HandOutput> view;              // hand -> main
-  haptics::SpscRing<ShownPose, kShownRing> shown;      // hand -> main: poses that changed
-  haptics::SpscRing<float, kForceRing> forces;         // hand -> main: |force| each tick, N, for the plot
+  haptics::SpscRing<haptics::TiedPacket, kLinkRing> linksIn,
+      linksOut;                                       // of shared parts: network -> hand, and back
+  haptics::TripleBuffer<HandSettingsInput> settings;  // main -> hand
+  haptics::TripleBuffer<HandOutput> view;             // hand -> main
+  haptics::SpscRing<ShownPose, kShownRing> shown;     // hand -> main: poses that changed
+  haptics::SpscRing<float, kForceRing> forces;        // hand -> main: |force| each tick, N, for the plot
 };
 
 }  // namespace tandem::client

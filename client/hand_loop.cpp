@@ -22,6 +22,7 @@ HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
     : scene_(scene),
       exchange_(exchange),
       state_(scene),
+      ties_(scene.scene().parts.size()),
       commands_(2 * scene.scene().parts.size() + 64),
       controls_(scene.scene()) {}
 
@@ -78,12 +79,15 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                                  {commandBatch_.data(), batch},
                                  static_cast<double>(sessionNow) * 1e-6,
                                  both ? &second_ : nullptr};
+  ties_.takePackets(exchange_, state_);
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
+  ties_.carryOut(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
   if (both) noteSecond();
   for (std::size_t i = 0; i < batch; ++i)
     show({commandBatch_[i].part, false, sessionNow, state_.worldFromPart(commandBatch_[i].part)});
   releaseRested(sessionNow);
+  leaveUntouched(sessionNow);
   publish(sample, now);
   return output_.tick.toHand;
 }
@@ -138,6 +142,7 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
   while (commandCount_ + haptics::kMaxPartCommands < commands_.size() && exchange_.events.pop(event)) {
     switch (event.kind) {
       case NetworkEvent::Kind::state:
+        if (ownedEntry(event.state.part)) break;  // as a guest: the tie says more
         if (Followed* slot = slotFor(event.state.part, sessionNow))
           slot->playOut.push(event.state, event.time);
         else
@@ -147,9 +152,16 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         takeOwnership(event.record, sessionNow);
         break;
       case NetworkEvent::Kind::denied:
-        for (Grasp& grasp : grasps_)
-          if (grasp.has(Stage::asked, event.record.part)) grasp.stage = Stage::idle;
-        controls_.denied(event.record.part);
+        takeDenial(event.record, sessionNow);
+        break;
+      case NetworkEvent::Kind::tie:
+        takeTie(event, sessionNow);
+        break;
+      case NetworkEvent::Kind::untie:
+        ties_.end(event.record.part, event.tie.peer, state_);
+        break;
+      case NetworkEvent::Kind::simulators:
+        ties_.setSimulators(event.record.part, event.simulators);
         break;
       case NetworkEvent::Kind::lost:
         for (Grasp& grasp : grasps_)
@@ -165,15 +177,76 @@ void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessio
   Owned* mine = ownedEntry(record.part);
   if (record.owner == timeBase_.self && timeBase_.self != kNoSite) {
     if (mine)
-      mine->epoch = record.epoch;  // reclaimed after an outage
+      mine->epoch =
+          record.epoch;  // reclaimed after an outage, or passed on by the owner that it was shared with
     else if (!takeControl(record))
       beginTaking(record, sessionNow);
     return;
   }
-  if (mine)
-    loseOwned(*mine, record, sessionNow);
+  if (!mine) return follow(record, sessionNow, kBlend);
+  const bool shared = record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
+  if (shared && mine->guest()) return;  // the new owner's tie follows
+  if (shared && isHeld(record.part) && exchange_.intents.push({HandIntent::Kind::grab, record.part, 0, {}})) {
+    mine->epoch = 0;
+    mine->releasing = false;
+    return;
+  }
+  loseOwned(*mine, record, sessionNow);
+}
+
+bool HandLoop::isHeld(PartId part) const {
+  return std::any_of(grasps_.begin(), grasps_.end(),
+                     [&](const Grasp& grasp) { return grasp.has(Stage::holding, part); });
+}
+
+void HandLoop::takeDenial(const sync::PartRecord& record, sync::Micros sessionNow) {
+  for (Grasp& grasp : grasps_)
+    if (grasp.has(Stage::asked, record.part)) grasp.stage = Stage::idle;
+  controls_.denied(record.part);
+  Owned* mine = ownedEntry(record.part);
+  if (mine && mine->guest()) loseOwned(*mine, record, sessionNow);
+}
+
+void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
+  const PartId part = order.record.part;
+  const Owned* mine = ownedEntry(part);
+  if (order.guest && !mine) mine = joinAsGuest(part, sessionNow);
+  if (!order.guest || mine)
+    ties_.order(order.tie);
   else
-    follow(record, sessionNow, kBlend);
+    static_cast<void>(exchange_.intents.push({HandIntent::Kind::leave, part, 0, {}}));
+}
+
+/// Simulates another site's part from where it is shown; null if nothing here wants that any more.
+HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
+  const bool wanted =
+      controls_.asked(part) || std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
+        return grasp.has(Stage::asked, part) && grasp.wantedBefore;
+      });
+  Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
+  if (!entry) return nullptr;
+  *entry = {part, 0, false, sessionNow};
+  if (Followed* slot = slotOf(part)) slot->part = kNoPart;
+  static_cast<void>(controls_.granted(part));
+  command(PartCommand::Kind::own, part, state_.worldFromPart(part));
+  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
+    if (grasps_[hand].has(Stage::asked, part)) hold(hand);
+  return entry;
+}
+
+/// What a guest's hands let be is the owner's alone again.
+void HandLoop::leaveUntouched(sync::Micros sessionNow) {
+  for (Owned& owned : owned_) {
+    if (owned.part == kNoPart || !owned.guest()) continue;
+    if (isHeld(owned.part)) owned.idleSince = sessionNow;
+    if (sessionNow - owned.idleSince < kGuestStays) continue;
+    if (!exchange_.intents.push({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
+    command(PartCommand::Kind::disown, owned.part);
+    ties_.forget(owned.part);
+    const PartId part = owned.part;
+    owned = {};
+    static_cast<void>(slotFor(part, sessionNow));  // from where it is here
+  }
 }
 
 /// One part a tick: what the tool presses on, or what is to be set.
@@ -255,6 +328,7 @@ void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
 
 void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
   command(PartCommand::Kind::disown, owned.part);
+  ties_.forget(owned.part);
   for (Grasp& grasp : grasps_)
     if (grasp.has(Stage::holding, owned.part)) grasp.stage = Stage::idle;
   if (!owned.releasing) controls_.denied(record.part);  // taken away, not given back
@@ -325,7 +399,8 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
     const haptics::OwnedPart& part = output_.tick.owned[static_cast<std::size_t>(i)];
     show({part.part, true, sessionNow, part.worldFromPart});
     Owned* mine = ownedEntry(part.part);
-    if (!mine || mine->releasing || part.held || !part.atRest) continue;
+    if (!mine || mine->guest() || mine->releasing || part.held) continue;
+    if (!part.atRest && ties_.simulators(part.part) == 1) continue;  // else it is left to who shares it
     mine->releasing =
         exchange_.intents.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
   }
@@ -346,7 +421,8 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const Owned* mine = ownedEntry(output_.tick.owned[index].part);
-    output_.ownedEpoch[index] = mine ? mine->epoch : 0;
+    // From its release on it may be another's, though this site has not heard of that.
+    output_.ownedEpoch[index] = mine && !mine->releasing ? mine->epoch : 0;
   }
   exchange_.output.write(output_);
   exchange_.view.write(output_);

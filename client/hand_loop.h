@@ -8,6 +8,10 @@
 //   settling -rest-> releasing -told by the server-> idle. A denial, a lost link or a revoked part lead back
 //   to idle; forces fade.
 //
+// A part that another site owns is shared with it: asked -tie to the owner-> holding, this site being its guest, whose replica
+// is tied to the owner's (hand_ties.h). A guest whose hand is off leaves; who is passed the part owns it as it is. An
+// owner whose hand is off leaves it to a guest at once; one that loses the part while it holds on asks to be a guest.
+//
 // A second hand of the same person, on a device of its own, goes the same way; both hold parts of one tick, so that what
 // they do to each other stays here. What it touches with its bare tool is felt, but gives way to the first hand only.
 //
@@ -22,6 +26,7 @@
 #include "assets/pose.h"
 #include "client/control_hand.h"
 #include "client/exchange.h"
+#include "client/hand_ties.h"
 #include "client/second_tool.h"
 #include "haptics/contact_scene.h"
 #include "haptics/servo_schedule.h"
@@ -69,6 +74,8 @@ class HandLoop {
   static constexpr int kReseatTicks = 300;
   static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;
   static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
+  /// A guest stays for so long after its hand is off.
+  static constexpr sync::Micros kGuestStays = 500 * sync::kMillisecond;
 
  private:
   struct Followed {
@@ -77,10 +84,13 @@ class HandLoop {
     const assets::Control* control = nullptr;
     sync::PlayOut playOut;
   };
+  /// A part that is simulated here.
   struct Owned {
     PartId part = kNoPart;
-    Epoch epoch = 0;
+    Epoch epoch = 0;  // 0: as a guest of its owner
     bool releasing = false;
+    sync::Micros idleSince = 0;  // a guest: since when nothing here touches it
+    bool guest() const { return epoch == 0; }
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };
   /// A hand on its way to a part.
@@ -101,6 +111,11 @@ class HandLoop {
   void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
   void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
   void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
+  void takeDenial(const sync::PartRecord& record, sync::Micros sessionNow);
+  void takeTie(const NetworkEvent& order, sync::Micros sessionNow);
+  Owned* joinAsGuest(PartId part, sync::Micros sessionNow);
+  void leaveUntouched(sync::Micros sessionNow);
+  bool isHeld(PartId part) const;
   void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);
   void followGrasp(bool wanted, std::uint8_t hand, PartId touched);
   void finishTaking(std::uint8_t hand, sync::Micros sessionNow);
@@ -135,6 +150,7 @@ class HandLoop {
 
   std::array<Followed, kMaxFollowed> followed_;
   std::array<Owned, haptics::kMaxOwnedParts> owned_;
+  HandTies ties_;
   std::array<haptics::PartMotion, kMaxFollowed> moved_;
   std::size_t movedCount_ = 0;
   /// Commands that wait for a tick with room; the ring is as large as a session's parts, so a reset of all

@@ -8,6 +8,12 @@ namespace tandem::client {
 
 using namespace sync;
 
+namespace {
+
+constexpr int kMostQuestions = 4;  // for a part that comes and goes: then the hand is denied it
+
+}  // namespace
+
 SiteLink::SiteLink(SiteLinkOptions options, Connector connector)
     : options_(std::move(options)), connector_(std::move(connector)), retryDelay_(options_.retryFirst) {
   outgoing_.parts.reserve(haptics::kMaxOwnedParts);
@@ -36,6 +42,7 @@ void SiteLink::step(Micros now) {
     flushEvents();
     if (stage_ == Stage::ready) {
       sendIntents();
+      exchangeLinks(now);
       publish(now);
     }
   }
@@ -61,7 +68,9 @@ void SiteLink::disconnected(const std::string& reason, Micros now) {
     notice(Notice::Level::warning, "connection lost: " + reason);
     ++statistics_.reconnects;
     if (observer_) observer_->onConnection(false);
-    pushEvent({NetworkEvent::Kind::lost, 0, {}, {}});
+    NetworkEvent event;
+    event.kind = NetworkEvent::Kind::lost;
+    pushEvent(event);
   }
   for (SiteView& site : sites_) site.info.connected = site.self;
   openGrabs_.clear();
@@ -178,12 +187,14 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   exchange_ = &exchange;
   frame_ = wireFrame(scene.bounds);
   ownership_.emplace(scene.parts.size(), options_.lease);
+  links_.emplace(scene, 1.0 / options_.packetHz);
   partSequence_.assign(scene.parts.size(), 0);
   if (stage_ == Stage::haveScene) enterReady();
 }
 
 void SiteLink::enterReady() {
   ownership_->setSelf(welcome_.site);
+  ownership_->forgetMembers();
   stage_ = Stage::ready;
   nextPing_ = nextUpdate_ = now_;
   // The server counts anew with each connection.
@@ -198,6 +209,7 @@ void SiteLink::enterReady() {
   reclaimParts(true);
   for (const PartRecord& record : welcome_.parts)
     if (record.part < scene_->parts.size()) applyOwnership(record);
+  shareAgain();
 }
 
 /// A recording begins with who is here and how things stand by now; the Welcome itself holds a credential.
@@ -217,10 +229,10 @@ void SiteLink::reclaimParts(bool all) {
     const haptics::OwnedPart& part = hand_.tick.owned[index];
     if (hand_.ownedEpoch[index] == 0 || !(all || ownership_->needsReclaim(part.part))) continue;
     const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(), [&](const OpenGrab& grab) {
-      return grab.reclaim && grab.part == part.part;
+      return grab.kind == OpenGrab::Kind::reclaim && grab.part == part.part;
     });
     if (open != openGrabs_.end()) continue;
-    openGrabs_.push_back({ownership_->lapses(), nextRequest_, part.part, true});
+    openGrabs_.push_back({ownership_->lapses(), nextRequest_, part.part, OpenGrab::Kind::reclaim, 0});
     send(Reclaim{nextRequest_++, part.part, hand_.ownedEpoch[index], part.worldFromPart});
   }
 }
@@ -234,6 +246,14 @@ void SiteLink::applyOwnership(const PartRecord& record) {
   event.kind = NetworkEvent::Kind::ownership;
   event.record = record;
   pushEvent(event);
+  links_->follow(*ownership_, record.part, sessionTime(now_));
+  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
+}
+
+void SiteLink::applyMembers(const MemberRecord& members) {
+  if (!ownership_->apply(members)) return;
+  links_->follow(*ownership_, members.part, sessionTime(now_));
+  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
 /// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
@@ -258,35 +278,96 @@ void SiteLink::take(OwnershipChanged& message) {
   applyOwnership(message.part);
 }
 
-void SiteLink::take(GrabReply& message) {
+/// The question that a reply answers, taken off the list; nothing if it answers none.
+std::optional<SiteLink::OpenGrab> SiteLink::closeGrab(RequestId request, PartId part) {
   const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(),
-                                 [&](const auto& entry) { return entry.request == message.request; });
-  if (open == openGrabs_.end() || !scene_ || message.part.part >= scene_->parts.size() ||
-      open->part != message.part.part) {
+                                 [&](const auto& entry) { return entry.request == request; });
+  if (open == openGrabs_.end() || !scene_ || part >= scene_->parts.size() || open->part != part) {
     ++statistics_.malformed;
-    return;
+    return std::nullopt;
   }
-  const bool reclaim = open->reclaim, lapsed = open->lapses != ownership_->lapses();
+  const OpenGrab closed = *open;
   openGrabs_.erase(open);
+  return closed;
+}
+
+void SiteLink::take(GrabReply& message) {
+  const std::optional<OpenGrab> asked = closeGrab(message.request, message.part.part);
+  if (!asked) return;
+  const bool reclaim = asked->kind == OpenGrab::Kind::reclaim;
   if (observer_) observer_->onGrabReply(message);
-  if (message.denial != Denial::none) tellDenial(message, reclaim);
   applyOwnership(message.part);
-  if (message.denial == Denial::none && !lapsed) ownership_->confirmed(message.part.part, message.part.epoch);
+  if (message.denial == Denial::none) {
+    if (asked->lapses == ownership_->lapses()) ownership_->confirmed(message.part.part, message.part.epoch);
+  } else if (message.denial == Denial::ownedByOther && !reclaim && asked->before < kMostQuestions &&
+             mayShare(message.part.part)) {
+    askFor(message.part.part, asked->before + 1);
+  } else {
+    tellDenial(message, reclaim);
+  }
+}
+
+void SiteLink::take(EngageReply& message) {
+  const PartId part = message.members.part;
+  const std::optional<OpenGrab> asked = closeGrab(message.request, part);
+  if (!asked) return;
+  applyMembers(message.members);
+  if (message.denial == Denial::none) {
+    if (asked->lapses == ownership_->lapses()) ownership_->engagementConfirmed(part);
+    notice(Notice::Level::info, partName(part) + " is shared with " + siteName(owner(part)));
+  } else if (message.denial == Denial::notOwned && asked->before < kMostQuestions) {
+    askFor(part, asked->before + 1);
+  } else {
+    tellDenied(ownership_->part(part), toString(message.denial));
+  }
+}
+
+void SiteLink::take(MembersChanged& message) {
+  if (scene_ && message.members.part < scene_->parts.size()) applyMembers(message.members);
+}
+
+/// Whether this site may hold a part together with the one that owns it.
+bool SiteLink::mayShare(PartId part) const {
+  const SiteId other = owner(part);
+  return other != kNoSite && other != welcome_.site && assets::controlOf(*scene_, part) == nullptr;
+}
+
+/// To own a part, or to share it where another site owns it; as it came and went after `before` earlier questions.
+void SiteLink::askFor(PartId part, int before) {
+  if (ownership_->owns(part)) return;  // it has been passed on to this site meanwhile
+  const bool share = mayShare(part);
+  const RequestId request = nextRequest_++;
+  openGrabs_.push_back(
+      {ownership_->lapses(), request, part, share ? OpenGrab::Kind::engage : OpenGrab::Kind::grab, before});
+  if (share) return send(Engage{request, part});
+  const Grab grab{request, part};
+  if (observer_) observer_->onGrab(grab);
+  send(grab);
+}
+
+/// Parts that this site shared before an outage: the server may have been started anew, and knows of none.
+void SiteLink::shareAgain() {
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    if (hand_.ownedEpoch[index] == 0) askFor(hand_.tick.owned[index].part, 0);
+  }
 }
 
 void SiteLink::tellDenial(const GrabReply& reply, bool reclaim) {
-  const std::string name = partName(reply.part.part);
   const bool other = reply.part.owner != kNoSite && reply.part.owner != welcome_.site;
-  if (reclaim) {
-    if (other) notice(Notice::Level::warning, name + " now belongs to " + siteName(reply.part.owner));
-    return;
-  }
-  const std::string why = reply.denial == Denial::ownedByOther ? siteName(reply.part.owner) + " holds it"
-                                                               : toString(reply.denial);
-  notice(Notice::Level::warning, name + " cannot be taken: " + why);
+  if (!reclaim)
+    tellDenied(reply.part, reply.denial == Denial::ownedByOther ? siteName(reply.part.owner) + " holds it"
+                                                                : toString(reply.denial));
+  else if (other)
+    notice(Notice::Level::warning,
+           partName(reply.part.part) + " now belongs to " + siteName(reply.part.owner));
+}
+
+void SiteLink::tellDenied(const PartRecord& record, const std::string& why) {
+  notice(Notice::Level::warning, partName(record.part) + " cannot be taken: " + why);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::denied;
-  event.record = reply.part;
+  event.record = record;
   pushEvent(event);
 }
 
@@ -376,7 +457,16 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
     }
   } else if (const auto* update = std::get_if<StateUpdate>(&incoming_)) {
     takeUpdate(*update, now);
+  } else if (const auto* link = std::get_if<LinkUpdate>(&incoming_)) {
+    takeLink(*link, now);
   }
+}
+
+void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
+  if (!clock_.known()) return;
+  const auto packet = links_->receive(update, *ownership_, sessionTime(now));
+  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
+  if (packet) static_cast<void>(exchange_->linksIn.push(*packet));  // a full ring is a hand that stands still
 }
 
 /// The server numbers what it sends to this site in one row, whosever states they are.
@@ -408,6 +498,7 @@ void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
   if (recording_) recording_->write(update.time, incoming_);
   if (!clock_.known()) return;
   playOutDelay_.observe(update.time, clock_.sessionTime(now));
+  links_->heard(update.site, clock_.sessionTime(now) - update.time);
   for (const PartState& state : update.parts) {
     if (ownership_->accept(update.site, state) != OwnershipView::Verdict::accepted) {
       ++statistics_.droppedStates;
@@ -448,15 +539,31 @@ Micros SiteLink::sessionTime(Micros now) { return clock_.known() ? clock_.sessio
 void SiteLink::sendIntents() {
   HandIntent intent;
   while (exchange_->intents.pop(intent)) {
-    if (intent.kind == HandIntent::Kind::grab) {
-      const Grab grab{nextRequest_++, intent.part};
-      openGrabs_.push_back({ownership_->lapses(), grab.request, grab.part, false});
-      if (observer_) observer_->onGrab(grab);
-      send(grab);
-    } else {
-      send(Release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart});
+    switch (intent.kind) {
+      case HandIntent::Kind::grab:
+        askFor(intent.part, 0);
+        break;
+      case HandIntent::Kind::release:
+        send(Release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart});
+        break;
+      case HandIntent::Kind::leave:
+        send(Disengage{nextRequest_++, intent.part});
+        break;
     }
   }
+}
+
+/// What the hand's ends of links say, and lines that have fallen silent.
+void SiteLink::exchangeLinks(Micros now) {
+  haptics::TiedPacket packet;
+  while (exchange_->linksOut.pop(packet)) {
+    const std::optional<LinkUpdate> update = links_->toWire(packet);
+    if (!update || !clock_.known()) continue;
+    outgoingMessage_ = *update;
+    sendState(outgoingMessage_);
+  }
+  links_->beginSilentAnew(*ownership_, sessionTime(now));
+  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
 void SiteLink::publish(Micros now) {

@@ -15,6 +15,7 @@
 #include "assets/result.h"
 #include "client/exchange.h"
 #include "client/loss_meter.h"
+#include "client/part_links.h"
 #include "client/view_model.h"
 #include "sync/clock_offset.h"
 #include "sync/ownership.h"
@@ -116,6 +117,7 @@ class SiteLink {
   void takeState(std::span<const std::byte> bytes, sync::Micros now);
   void countDown(std::uint32_t sequence);
   void takeUpdate(const sync::StateUpdate& update, sync::Micros now);
+  void takeLink(const sync::LinkUpdate& update, sync::Micros now);
 
   void take(sync::Welcome& message);
   void take(sync::Refused& message);
@@ -126,10 +128,17 @@ class SiteLink {
   void take(sync::ReleaseReply& message);
   void take(sync::CommandReply& message);
   void take(sync::OwnershipChanged& message);
+  void take(sync::EngageReply& message);
+  void take(sync::MembersChanged& message);
   template <typename Unexpected>
   void take(Unexpected& message);  // messages that only a site sends
 
   void tellDenial(const sync::GrabReply& reply, bool reclaim);
+  void tellDenied(const sync::PartRecord& record, const std::string& why);
+  void askFor(PartId part, int before);
+  bool mayShare(PartId part) const;
+  void applyMembers(const sync::MemberRecord& members);
+  void shareAgain();
   void rememberOwnership(const sync::PartRecord& record);
   void applyOwnership(const sync::PartRecord& record);
   void enterReady();
@@ -138,6 +147,7 @@ class SiteLink {
   void pushEvent(const NetworkEvent& event);
   void flushEvents();
   void sendIntents();
+  void exchangeLinks(sync::Micros now);
   void publish(sync::Micros now);
   void publishTimeBase(sync::Micros now);
   void send(const sync::ControlMessage& message);
@@ -164,6 +174,7 @@ class SiteLink {
   Exchange* exchange_ = nullptr;
   std::optional<sync::WireFrame> frame_;
   std::optional<sync::OwnershipView> ownership_;
+  std::optional<PartLinks> links_;
   std::vector<NetworkEvent> waitingEvents_;  // ownership events that found the ring full: none may be lost
   sync::ClockOffset clock_;
   sync::PlayOutDelay playOutDelay_;
@@ -174,8 +185,10 @@ class SiteLink {
     std::uint32_t lapses = 0;  // of the lease, before it was sent
     sync::RequestId request = 0;
     PartId part = kNoPart;
-    bool reclaim = false;
+    enum class Kind : std::uint8_t { grab, reclaim, engage } kind = Kind::grab;
+    int before = 0;  // questions that this one follows, as the part came and went
   };
+  std::optional<OpenGrab> closeGrab(sync::RequestId request, PartId part);
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
   sync::Micros nextPing_ = 0, nextUpdate_ = 0;

@@ -253,12 +253,21 @@ struct Pong {
       0;  // state datagrams received from this site so far: the site computes its uplink loss
 };
 
+/// What both ends of a line are to be, by the owner's word: multiples of the steps below.
+struct LineTerms {
+  double impedance = 27.0, softImpedance = 14.0;  // N s/m, of the regimes stiff and soft
+  double packetPeriod = 4e-3;                     // s, between packets of either end
+  friend bool operator==(const LineTerms&, const LineTerms&) = default;
+};
+inline constexpr double kImpedanceQuantum = 0.125;       // N s/m
+inline constexpr double kPacketPeriodQuantum = 0.25e-3;  // s
+
 /// What one end of a coordination link tells the other; the server passes it on. Sums and clocks are sent by their low
 /// bits: link_stream.h makes them whole again.
 struct LinkUpdate {
   SiteId peer = kNoSite;  // whom it is for; from the server: who said it
   PartId part = kNoPart;
-  std::uint32_t epoch = 0;  // of the link, chosen by the guest; larger than any of it before
+  std::uint32_t epoch = 0;  // of the link, chosen by the owner; larger than any of it before
   std::uint16_t sequence = 0;
   std::uint32_t time = 0;               // us of session time, 24 bits
   std::array<std::uint32_t, 6> wave{};  // steps of kWaveQuantum, 24 bits each
@@ -269,6 +278,7 @@ struct LinkUpdate {
   bool posed = false;       // what follows is there
   Pose worldFromDrawn;
   Twist twist;
+  LineTerms terms;
 };
 inline constexpr double kWaveQuantum = 1e-5;    // sqrt(W) s
 inline constexpr double kEnergyQuantum = 1e-7;  // J

@@ -231,11 +231,22 @@ void put(BitWriter& writer, const Twist& twist, int& clamped) {
   put(writer, code.angular);
 }
 
+/// 1..255 of them.
+std::uint64_t inSteps(double value, double quantum) {
+  return static_cast<std::uint64_t>(std::clamp(std::round(value / quantum), 1.0, 255.0));
+}
+
+double getSteps(BitReader& reader, double quantum) {
+  const std::uint64_t steps = reader.get(8);
+  if (steps == 0) reader.fail();
+  return quantum * static_cast<double>(steps);
+}
+
 void encodeLink(const LinkUpdate& link, const WireFrame& frame, std::vector<std::byte>& bytes, int& clamped) {
   constexpr std::size_t kBits =
       8 + 8 + 16 + kPartBits + 32 + 16 + kLinkTimeBits + 6 * kWaveBits + 32 + 8 + 1 + 1 + 2 + 1;
   const bool posed = link.posed && isValid(link.worldFromDrawn);
-  bytes.resize((kBits + (posed ? kPoseBits + kTwistBits : 0) + 7) / 8);
+  bytes.resize((kBits + (posed ? kPoseBits + kTwistBits + 3 * 8 : 0) + 7) / 8);
   BitWriter writer(bytes);
   writer.put(kVersion, 8);
   writer.put(static_cast<std::uint8_t>(Kind::link), 8);
@@ -254,6 +265,9 @@ void encodeLink(const LinkUpdate& link, const WireFrame& frame, std::vector<std:
   if (posed) {
     put(writer, toCode(link.worldFromDrawn, frame, clamped));
     put(writer, link.twist, clamped);
+    writer.put(inSteps(link.terms.impedance, kImpedanceQuantum), 8);
+    writer.put(inSteps(link.terms.softImpedance, kImpedanceQuantum), 8);
+    writer.put(inSteps(link.terms.packetPeriod, kPacketPeriodQuantum), 8);
   }
   ASSERT(!writer.overflowed());
 }
@@ -312,9 +326,13 @@ void decodeLink(BitReader& reader, const WireFrame& frame, LinkUpdate& link) {
   link.posed = reader.get(1) == 1;
   link.worldFromDrawn = Pose{};
   link.twist = Twist{};
+  link.terms = LineTerms{};
   if (!link.posed) return;
   getPose(reader, frame, link.worldFromDrawn);
   link.twist = getTwist(reader);
+  link.terms.impedance = getSteps(reader, kImpedanceQuantum);
+  link.terms.softImpedance = getSteps(reader, kImpedanceQuantum);
+  link.terms.packetPeriod = getSteps(reader, kPacketPeriodQuantum);
 }
 
 /// The alternative T of the message, kept with its storage if it is there already.

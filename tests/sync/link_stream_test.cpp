@@ -40,7 +40,7 @@ LinkUpdate onTheWire(const LinkState& state) {
   std::vector<std::byte> bytes;
   StateMessage message;
   encodeState(toWire(state, 3, 5), frame, bytes);
-  EXPECT_EQ(bytes.size(), state.on && state.sequence % 2 == 0 ? 39u : 67u);
+  EXPECT_EQ(bytes.size(), state.on && state.sequence % 2 == 0 ? 39u : 70u);
   EXPECT_TRUE(decodeState(bytes, frame, message).ok());
   return std::get<LinkUpdate>(message);
 }

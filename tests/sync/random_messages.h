@@ -132,7 +132,11 @@ class RandomMessages {
     m.asks = chance(0.5);
     m.regime = static_cast<std::uint8_t>(number(3));
     m.posed = posed;
-    if (posed) m.worldFromDrawn = pose(0.4);
+    if (posed) {
+      m.worldFromDrawn = pose(0.4);
+      m.terms = {kImpedanceQuantum * (1 + number(255)), kImpedanceQuantum * (1 + number(255)),
+                 kPacketPeriodQuantum * (1 + number(255))};
+    }
     return m;
   }
   /// An update with `parts` parts of distinct ids inside the frame.
