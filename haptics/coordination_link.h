@@ -42,6 +42,7 @@ struct LinkParameters {
   double fillingDrag = 0.6;     // N s/m, more while the reserve is empty
   double fadeTime = 0.5;        // s, in which the link comes up
   double farthest = 0.15;       // s, of delay: beyond it there is no link
+  double playOutMargin = 0.0;   // s, later than PlayOutDelay finds enough
 };
 
 /// The most that lines from one site may weigh together, kg: b D_p of them all is what whoever leads has to carry.
@@ -72,7 +73,7 @@ struct LinkAccount {
 class CoordinationLink {
  public:
   explicit CoordinationLink(const LinkParameters& parameters)
-      : p_(parameters), regime_(parameters.farthest) {}
+      : p_(parameters), regime_(parameters.farthest), playOutDelay_(parameters.playOutMargin) {}
 
   /// Begins anew under an epoch; `delay` s is what the way is known to take. What force there was runs out.
   void begin(std::uint32_t epoch, double delay);

@@ -8,9 +8,12 @@ namespace tandem::haptics {
 
 /// Follows a high quantile of the age of the newest packet, kEnough of all ticks being fresh: an age above lets it grow
 /// by kStep, any other shrink by kStep (1 - kEnough) (Robbins & Monro 1951). The play-out time is stretched by less than
-/// half that way, never set back. An age far above is an outage, no jitter, and counts for nothing.
+/// half that way, never set back. An age far above is an outage, no jitter, and counts for nothing. What is played out is
+/// `margin` s later than that, or earlier: sooner at hand, and oftener dry.
 class PlayOutDelay {
  public:
+  explicit PlayOutDelay(double margin = 0.0) : margin_(margin) {}
+
   static constexpr double kOutage = 0.012;  // s without a fresh packet: longer than one or two that are lost
 
   /// Begins with `age` (s) as the mean age of the newest packet, for packets every `packetPeriod` s and ticks of `dt` s.
@@ -30,14 +33,15 @@ class PlayOutDelay {
     if (age < seconds_ + kMostBridged) seconds_ = std::max(seconds_, age);
   }
 
-  double seconds() const { return seconds_; }
+  double seconds() const { return seconds_ + margin_; }
 
  private:
   static constexpr double kEnough = 0.998;
   static constexpr double kStep = 0.5e-3;       // s
   static constexpr double kMostBridged = 0.04;  // s
 
-  double seconds_ = 0.0;
+  double margin_;         // s
+  double seconds_ = 0.0;  // less the margin
 };
 
 }  // namespace tandem::haptics

@@ -11,7 +11,8 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/link_engagement.h"
-#include "tests/haptics/link/link_runs.h"
+#include "haptics/minimum_jerk.h"
+#include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 namespace {
@@ -45,7 +46,7 @@ struct Replica {
   haptics::RigidBody body;
   haptics::MassRamp mass;
   haptics::CoordinationLink link;
-  DelayedLine out;
+  LinkLine out;
   LinkEngagement engagement;
   Wrench load;         // of this tick, about the centre of mass
   double acted = 0.0;  // N, of the link in the last tick

@@ -4,7 +4,7 @@
 
 #include <cstdlib>
 
-#include "tests/haptics/link/link_runs.h"
+#include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 namespace {
@@ -142,7 +142,9 @@ TEST(LinkDisturbed, DuplicatesChangeNothing) {
 TEST(LinkDisturbed, PlainDelayedCouplingMakesEnergy) {
   // The control of the tests above.
   BenchSetup setup = setupAt(0.050, 1);
-  setup.tie = Tie::plain;
+  setup.tie = [](const haptics::LinkParameters& parameters, double) {
+    return std::make_unique<PlainSpringEnd>(PlainSpringEnd::Gains{400.0, 5.0}, parameters);
+  };
   setup.sites = twoHands(firmArm(), firmArm());
   const PullFigures p = pull(setup, LetGo::both);
   if (prints())
@@ -153,9 +155,9 @@ TEST(LinkDisturbed, PlainDelayedCouplingMakesEnergy) {
 TEST(LinkDisturbed, HoldingTheLastWaveMakesEnergy) {
   // The control of the blackout: the wave goes on as it last was.
   BenchSetup setup = setupAt(0.025, 1);
-  setup.tie = Tie::holdLast;
   setup.network.blackoutAt = 4.0;
   setup.network.blackoutFor = 1.0;
+  setup.tie = holdingTheLastWave(setup.network);
   const DragFigures d = drag(setup, {.from = 3.9, .to = 8.0});
   print("hold last", 0.025, d);
   EXPECT_GT(d.inLinks, kEnergyBound);

@@ -5,7 +5,7 @@
 
 #include <cstdlib>
 
-#include "tests/haptics/link/link_runs.h"
+#include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 namespace {

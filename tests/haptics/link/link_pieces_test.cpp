@@ -11,6 +11,7 @@
 #include "haptics/coordination_link.h"
 #include "haptics/replica_mass.h"
 #include "haptics/wave_play_out.h"
+#include "tests/haptics/link/link_checks.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tandem::test {
@@ -257,6 +258,30 @@ TEST(CoordinationLink, SwitchedOffItsForceRunsOut) {
   for (int i = 0; i < 1000; ++i) lone.tick();
   EXPECT_LT(glm::length(lone.force.force), 0.1);
   EXPECT_FALSE(lone.link.packet(lone.now()).on);
+}
+
+TEST(PlayOutDelay, MarginIsAddedToWhatIsEnough) {
+  haptics::PlayOutDelay plain, later(0.010), sooner(-0.004);
+  for (haptics::PlayOutDelay* delay : {&plain, &later, &sooner}) {
+    delay->restart(0.025, 4e-3, kTick);
+    for (int i = 0; i < 5000; ++i) delay->advance(0.025 + 1e-3 * (i % 7));
+  }
+  EXPECT_DOUBLE_EQ(later.seconds(), plain.seconds() + 0.010);
+  EXPECT_DOUBLE_EQ(sooner.seconds(), plain.seconds() - 0.004);
+}
+
+TEST(CoordinationLink, PlayingOutSoonerItLendsMore) {
+  const auto lentWith = [](double margin) {
+    BenchSetup setup;
+    setup.sites = twoHands(firmArm(), lightArm());
+    setup.link.playOutMargin = margin;
+    LinkBench bench(setup);
+    bench.runTo(4.0, [](double t, int who) { return who == 0 ? dragWay(t) : haptics::SixAxes{}; });
+    return bench.end(0, 0).account().lent + bench.end(0, 1).account().lent;
+  };
+  const double usual = lentWith(0.0);
+  EXPECT_GT(lentWith(-0.004), 2.0 * usual);
+  EXPECT_LT(lentWith(0.010), usual);
 }
 
 }  // namespace

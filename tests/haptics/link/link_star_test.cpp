@@ -8,7 +8,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "tests/haptics/link/link_runs.h"
+#include "haptics/minimum_jerk.h"
+#include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 namespace {

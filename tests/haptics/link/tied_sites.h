@@ -10,7 +10,7 @@
 
 #include "haptics/tick.h"
 #include "haptics/tied_parts.h"
-#include "tests/haptics/link/link_bench.h"
+#include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 
@@ -68,7 +68,7 @@ class TiedSites {
   haptics::TickParameters parameters;
 
  private:
-  DelayedLine& line(std::size_t from, std::size_t to) { return lines_[from * sites_.size() + to]; }
+  LinkLine& line(std::size_t from, std::size_t to) { return lines_[from * sites_.size() + to]; }
   void tick(Site& site);
   void exchange(std::size_t site);
   void moveArm(std::size_t site, const Intent& intent);
@@ -76,7 +76,7 @@ class TiedSites {
   TiedSetup setup_;
   haptics::ContactScene contact_;
   std::vector<std::unique_ptr<Site>> sites_;
-  std::vector<DelayedLine> lines_;
+  std::vector<LinkLine> lines_;
   long ticks_ = 0;
 };
 

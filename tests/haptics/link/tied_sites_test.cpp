@@ -11,8 +11,9 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/held_depth.h"
+#include "haptics/minimum_jerk.h"
 #include "haptics/tick_data.h"
-#include "tests/haptics/link/link_runs.h"
+#include "tests/haptics/link/link_checks.h"
 #include "tests/haptics/link/tied_sites.h"
 #include "tests/support/part_cases.h"
 
