@@ -137,6 +137,7 @@ struct TieReport {
   double fade = 0.0;                      // 0..1: the least of how far they have come up
   bool heard = true;                      // false: one has nothing to play out, its force runs out
   double delay = 0.0;                     // s, the longest of the play-out delays
+  double share = 1.0;                     // of the part's mass, that the replica here goes to
   Wrench pull;                            // on the replica about its centre of mass, in this tick
   double work = 0.0, lent = 0.0;          // J, on the replica; spent beyond what had arrived
 };

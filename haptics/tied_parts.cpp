@@ -54,7 +54,7 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
     if (shared == nullptr) {
       if (sharedCount_ == kMaxOwnedParts) return false;
       shared_[static_cast<std::size_t>(sharedCount_++)] = {
-          tie.part, 1, {body.mass, body.centreOfMass, body.inertia}, {}};
+          tie.part, 1, {body.mass, body.centreOfMass, body.inertia}, {}, 1.0};
     }
     slot->emplace(tie);
   }
@@ -101,7 +101,7 @@ std::size_t TiedParts::takePackets(std::span<TiedPacket> packets) {
 }
 
 /// Who is too far away to be tied simulates the whole part; a hub shares it with those that are not.
-assets::MassProperties TiedParts::shareOf(const Shared& shared) {
+assets::MassProperties TiedParts::shareOf(Shared& shared) {
   int live = 0, apart = 0;
   double lines = 0.0, lever = 0.0;
   forEachEnd(shared.part, [&](const End& end) {
@@ -112,6 +112,7 @@ assets::MassProperties TiedParts::shareOf(const Shared& shared) {
     lever = end.parameters.lever;
   });
   const int simulators = live == apart ? 1 : std::max(1, shared.simulators - apart);
+  shared.share = 1.0 / simulators;
   return replicaMass(shared.whole, simulators, lines, lever);
 }
 
@@ -161,7 +162,9 @@ void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& vel
 
 TieReport TiedParts::report(PartId part) const {
   TieReport report;
-  if (!has(part)) return report;
+  const Shared* shared = sharedCount_ > 0 ? find(part) : nullptr;
+  if (shared == nullptr) return report;
+  report.share = shared->share;
   for (const std::optional<End>& end : ends_) {
     if (!end || end->part != part) continue;
     const CoordinationLink& link = end->link;

@@ -69,13 +69,18 @@ class TiedParts {
 
  private:
   struct End {
-    End(const PartTie& tie) : part(tie.part), peer(tie.peer), link(tie.link), parameters(tie.link) {}
+    End(const PartTie& tie)
+        : part(tie.part),
+          peer(tie.peer),
+          link(tie.link),
+          parameters(tie.link),
+          sinceSent(tie.link.packetPeriod - tie.link.period) {}
     PartId part;
     SiteId peer;
     CoordinationLink link;
     LinkParameters parameters;
-    Wrench acting;           // of the last step
-    double sinceSent = 1e3;  // s
+    Wrench acting;     // of the last step
+    double sinceSent;  // s; nothing is due before the first step: there is nothing to tell
   };
   /// A part with links, or whose mass is on its way back.
   struct Shared {
@@ -83,6 +88,7 @@ class TiedParts {
     int simulators = 1;
     assets::MassProperties whole;
     MassRamp ramp;
+    double share = 1.0;  // of the whole, that the replica goes to
   };
 
   std::optional<End>* slotOf(PartId part, SiteId peer);
@@ -90,7 +96,7 @@ class TiedParts {
   const Shared* find(PartId part) const;
   template <typename F>
   void forEachEnd(PartId part, const F& f);
-  assets::MassProperties shareOf(const Shared& shared);
+  assets::MassProperties shareOf(Shared& shared);
   void setMass(Shared& shared, RigidBody& body, double dt);
   void drop(Shared& shared);
 

@@ -29,6 +29,10 @@ void printSummary(const SimulationResult& result) {
   }
   for (const Violation& violation : result.violations)
     std::printf("%8.3f s  %s broken: %s\n", violation.at, violation.rule.c_str(), violation.what.c_str());
+  if (result.shared > 0.0)
+    std::printf("shared for %.2f s: replicas apart %.3f mm rms, %.3f mm max; links created %.4f mJ\n",
+                result.shared, result.discrepancyRms * 1e3, result.discrepancyMax * 1e3,
+                result.energyOfLinks * 1e3);
   std::printf("displayed discrepancy %.3f mm rms, %.3f mm max; %s; %zu violations; hash %s\n",
               result.displayedRms * 1e3, result.displayedMax * 1e3, result.stable ? "stable" : "NOT STABLE",
               result.violations.size(), result.hash.c_str());

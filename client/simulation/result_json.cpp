@@ -21,9 +21,11 @@ std::string toJson(const SimulationResult& result) {
   }
   json["energy_created_j"] = energy;
   json["felt_stiffness"] = stiffness;
-  // Nobody is engaged in a part that somebody else owns in this version: only what is displayed can differ.
-  json["discrepancy_m"] = {{"rms", nullptr},
-                           {"max", nullptr},
+  json["energy_created_by_links_j"] = result.energyOfLinks;
+  const bool shared = result.shared > 0.0;
+  json["shared_s"] = result.shared;
+  json["discrepancy_m"] = {{"rms", shared ? ordered_json(result.discrepancyRms) : ordered_json(nullptr)},
+                           {"max", shared ? ordered_json(result.discrepancyMax) : ordered_json(nullptr)},
                            {"displayed_rms", result.displayedRms},
                            {"displayed_max", result.displayedMax}};
   json["force_step_20ms_n"] = step;

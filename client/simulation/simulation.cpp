@@ -114,7 +114,7 @@ class Simulation {
     key.seed.fill(static_cast<std::uint8_t>(options.seed));
     if (!options.tracePath.empty()) {
       trace.open(options.tracePath);
-      trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags\n";
+      trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags,links,fade,play_out_ms,lx,ly,lz\n";
     }
   }
 
@@ -147,8 +147,19 @@ class Simulation {
   std::vector<bool> everOwned;
   Fingerprint fingerprint;
   std::ofstream trace;
-  double displayedSquares = 0.0, displayedMax = 0.0;
-  std::uint64_t displayedCount = 0;
+  double linkWork = 0.0, linkWorkMost = 0.0;  // J, on all replicas
+  struct Distances {
+    double squares = 0.0, most = 0.0;
+    std::uint64_t count = 0;
+    void add(double distance) {
+      squares += distance * distance;
+      most = std::max(most, distance);
+      ++count;
+    }
+    double rms() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0; }
+  };
+  Distances displayed, shared;
+  Micros sharedTicks = 0;
 };
 
 // ---- a site ----
@@ -228,6 +239,14 @@ void SimulatedSite::step(Micros now) {
   if (link->stage() == SiteLink::Stage::ended) simulation.invariants.onConnection(index, false);
 }
 
+const haptics::OwnedPart* simulated(const SimulatedSite& site, PartId part) {
+  const haptics::TickOutput& tick = site.hand->output().tick;
+  const auto end = tick.owned.begin() + tick.ownedCount;
+  const auto found = std::find_if(tick.owned.begin(), end,
+                                  [&](const haptics::OwnedPart& owned) { return owned.part == part; });
+  return found == end ? nullptr : &*found;
+}
+
 void SimulatedSite::tickHand(Micros now) {
   const haptics::DeviceSample sample = device.poll(toSeconds(now));
   Wrench wrench;
@@ -244,7 +263,7 @@ void SimulatedSite::tickHand(Micros now) {
   measured.force = wrench.force;
   measured.position = device.hand().devicePose().position;
   measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
-  addSources(tick);
+  if (!paused(now)) addSources(tick);
   for (int i = 0; i < tick.contactCount; ++i)
     if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable)
       measured.pressing = true;
@@ -255,21 +274,37 @@ void SimulatedSite::tickHand(Micros now) {
   simulation.fingerprint.add(wrench.force);
   simulation.fingerprint.add(measured.position);
   if (simulation.trace.is_open() && now % (10 * kMillisecond) == 0) {
-    char line[320];
+    const haptics::OwnedPart* held = simulated(*this, tick.held);
+    const haptics::TieReport tie = held != nullptr ? held->tie : haptics::TieReport{};
+    char line[400];
     const glm::dvec3& p = tick.worldFromProxy.position;
-    std::snprintf(line, sizeof line, "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u\n",
+    std::snprintf(line, sizeof line,
+                  "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u,%d,%.3f,%.1f,%.5f,%.5f,%.5f\n",
                   toSeconds(now), name().c_str(), measured.position.x, measured.position.y,
                   measured.position.z, p.x, p.y, p.z, wrench.force.x, wrench.force.y, wrench.force.z,
-                  tick.held == kNoPart ? "" : simulation.scene.parts[tick.held].name.c_str(), tick.flags);
+                  tick.held == kNoPart ? "" : simulation.scene.parts[tick.held].name.c_str(), tick.flags,
+                  tie.links, tie.fade, tie.delay * 1e3, tie.pull.force.x, tie.pull.force.y, tie.pull.force.z);
     simulation.trace << line;
   }
 }
 
 /// What the scene itself gave to this hand in this tick was not created: the weight of a held part, the
-/// work of parts that others push against the tool, and what force fields give by their laws.
+/// work of parts that others push against the tool, and what force fields give by their laws. Nor was what came over
+/// links: whether those create energy is seen in all of them together.
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   const assets::Scene& scene = simulation.scene;
   sourceEnergy += tick.sourcePower * toSeconds(kTick);
+  for (int i = 0; i < tick.ownedCount; ++i) {
+    const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
+    if (part.tie.links == 0) continue;
+    const glm::dvec3 centre =
+        transformPoint(part.worldFromPart, scene.parts[part.part].massProperties.centreOfMass);
+    const double work = toSeconds(kTick) *
+                        (glm::dot(part.tie.pull.force, velocityAt(part.worldFromPart, part.twist, centre)) +
+                         glm::dot(part.tie.pull.torque, part.twist.angular));
+    sourceEnergy += work;
+    simulation.linkWork += work;
+  }
   if (tick.held != kNoPart) {
     const assets::Part& part = scene.parts[tick.held];
     sourceEnergy += part.massProperties.mass * part.gravityFactor *
@@ -398,24 +433,29 @@ void Simulation::applyFaults() {
     }
 }
 
-/// The owner's part against what every other site shows of it at this instant.
+/// The owner's part against what every other site shows of it at this instant, and against its replicas.
 void Simulation::compareReplicas() {
+  linkWorkMost = std::max(linkWorkMost, linkWork);
+  bool anyShared = false;
   for (const auto& owner : sites) {
     if (!owner->inSession()) continue;
     const haptics::TickOutput& tick = owner->hand->output().tick;
     for (int i = 0; i < tick.ownedCount; ++i) {
       const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
       fingerprint.add(part.worldFromPart.position);
+      if (owner->link->owner(part.part) != owner->id) continue;  // a guest
       for (const auto& other : sites) {
         if (other == owner || !other->inSession()) continue;
         const double distance =
             glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position);
-        displayedSquares += distance * distance;
-        displayedMax = std::max(displayedMax, distance);
-        ++displayedCount;
+        displayed.add(distance);
+        if (simulated(*other, part.part) == nullptr) continue;
+        shared.add(distance);
+        anyShared = true;
       }
     }
   }
+  sharedTicks += anyShared ? 1 : 0;
 }
 
 Status Simulation::run() {
@@ -482,9 +522,12 @@ SimulationResult Simulation::result() {
     result.droppedStates += site->droppedStates + (site->link ? site->link->statistics().droppedStates : 0);
     result.denials += site->denials;
   }
-  if (displayedCount > 0)
-    result.displayedRms = std::sqrt(displayedSquares / static_cast<double>(displayedCount));
-  result.displayedMax = displayedMax;
+  result.displayedRms = displayed.rms();
+  result.displayedMax = displayed.most;
+  result.discrepancyRms = shared.rms();
+  result.discrepancyMax = shared.most;
+  result.shared = toSeconds(sharedTicks * kTick);
+  result.energyOfLinks = linkWorkMost;
   result.grants = invariants.grants();
   result.violations = invariants.violations();
   for (const assets::Part& part : scene.parts) result.partNames.push_back(part.name);

@@ -27,7 +27,10 @@ struct SimulatedSiteResult {
 struct SimulationResult {
   bool stable = true;
   std::map<std::string, SimulatedSiteResult> sites;
-  double displayedRms = 0.0, displayedMax = 0.0;  // m, owner's part against what others draw
+  double displayedRms = 0.0, displayedMax = 0.0;      // m, owner's part against what others draw
+  double discrepancyRms = 0.0, discrepancyMax = 0.0;  // m, owner's replica against those of who shares the part
+  double shared = 0.0;                                // s, for which a part was shared
+  double energyOfLinks = 0.0;                         // J, the most that all links together ever created
   double leaderLoadRatio = 1.0;
   std::vector<Invariants::Grant> grants;
   std::map<SiteId, std::string> siteNames;
