@@ -194,7 +194,7 @@ class Tick {
     // The tool no longer touches what it holds, nor with a solid part anything. The force of those contacts must
     // not vanish at once.
     if (holdsSolid()) {
-      data_.fade.start(data_.contactWrench, {stiffnessInPlay(), 0.0}, parameters_.fadeTime);
+      data_.fade.start(felt(data_.contactWrench), {stiffnessInPlay(), 0.0}, parameters_.fadeTime);
     } else {
       fadeContactsWith(part);
     }
@@ -219,10 +219,18 @@ class Tick {
     const bool solid = holdsSolid();
     const double springs = data_.held.letGo(parameters_) ? 2.0 : 1.0;
     if (solid) resetProxy();
-    data_.fade.start(data_.couplingWrench,
+    data_.fade.start(felt(data_.couplingWrench),
                      {springs * parameters_.graspStiffness, springs * parameters_.graspRotStiffness},
                      parameters_.fadeTime);
     data_.couplingWrench = Wrench{};
+  }
+
+  /// What of a wrench the device can give. What fades is that: the hand never got more, and a part that it takes from
+  /// under a larger one would be dragged for nothing.
+  Wrench felt(const Wrench& wrench) const {
+    const double force = glm::length(wrench.force), torque = glm::length(wrench.torque);
+    return {wrench.force * std::min(1.0, parameters_.forceLimit / std::max(force, 1e-300)),
+            wrench.torque * std::min(1.0, parameters_.torqueLimit / std::max(torque, 1e-300))};
   }
 
   /// Share of the last tick's contact force that came from one part.
@@ -247,7 +255,7 @@ class Tick {
     const Wrench ended = forceOfContactsWith(part);
     const double length = glm::length(depth);
     const double stiffness = length > 0.0 ? glm::length(ended.force) / length : 0.0;
-    data_.fade.start(ended, {stiffness, 0.0}, parameters_.fadeTime);
+    data_.fade.start(felt(ended), {stiffness, 0.0}, parameters_.fadeTime);
   }
 
   void moveParts() {
