@@ -2,8 +2,9 @@
  * are engaged beside an owner, leases that run out, records in order, state datagrams lost, doubled and in any order.
  * sync/ownership.h says the rules; ownership_model_test.cpp runs the code itself through random histories.
  *
- * Time goes in ticks that all clocks take together; a site ends its lease a tick before the server does. All that happens
- * is one of the choices of the loop at the end, in any order.
+ * Time goes in ticks that all clocks take together; a site ends its lease a tick before the server does. Every event is
+ * one step, so that a search of N steps is one of histories of N events, in any order. check_protocol.py searches all
+ * histories of 11 events of a part and of 9 events of two parts, and samples longer ones.
  *
  * One of these macros breaks one rule, and an assertion must fail:
  *   EPOCH_IN_MEMORY  a crash forgets epochs                   S1
@@ -16,6 +17,7 @@
 #ifndef PARTS
 #define PARTS 2
 #endif
+#define SITES 3
 #define LEASE 3
 #define MOST_EPOCHS 3
 #define NOBODY 0
@@ -33,22 +35,26 @@ byte keptOwner[PARTS], keptEpoch[PARTS];
 bool awaited[PARTS];
 byte recovering; /* ticks */
 
-/* The sites, 1 to 3. */
+/* The sites, from 1. */
 typedef Site {
   byte owner[PARTS];
   byte epoch[PARTS];
   bool unconfirmed[PARTS];
-  bool heir[PARTS]; /* engaged in the part, and heard of ever since */
+  bool heir[PARTS]; /* told that it is engaged in the part, as it asked since its lease last lapsed */
   byte stale;       /* records still to be read that are older than the last lapse */
   byte shown[PARTS]; /* epoch of the last state shown */
-  byte lease, ping, pingAge; /* ping: 0 none, 1 under way, 2 answered */
-  bool connected, paused;
+  byte lease = LEASE - 1;
+  byte ping, pingAge; /* ping: 0 none, 1 under way, 2 answered */
+  bool connected = true;
+  bool paused;
 };
-Site site[4];
+Site site[SITES + 1];
 
-/* Records to each site, in order. */
-/* part, epoch, owner, and whether it answers the site's own request */
-chan told[4] = [2] of { byte, byte, byte, bool };
+/* What the server tells each site, in order: a part's record (part, epoch, owner), or that it is engaged in the part. */
+#define CHANGED 0 /* a record */
+#define GRANTED 1 /* a record that answers the site's own request */
+#define ENGAGED 2
+chan told[SITES + 1] = [2] of { byte, byte, byte, byte };
 
 /* A state datagram that the network keeps as long as it likes and delivers as often. */
 byte flyingPart, flyingEpoch, flyingFrom;
@@ -58,8 +64,8 @@ bool flying, relayed;
 byte highest[PARTS]; /* epoch granted */
 byte ended[PARTS];   /* the last epoch that the server ended because its lease ran out */
 
-byte c, p, n, q, e, o; /* of the present step */
-bool answers;
+/* Of one step; 0 between steps. */
+byte n, q, e, o, kind;
 
 #define AWAITS (recovering > 0 && (awaited[0] || awaited[PARTS - 1]))
 #ifdef NO_RECOVERY
@@ -77,238 +83,269 @@ bool answers;
 #ifdef NO_RECLAIM
 #define LAPSED false
 #else
-#define LAPSED (site[c].lease == 0)
+#define LAPSED (site[ME].lease == 0)
 #endif
 #ifdef NO_HEIR
-#define HEIRS false
+#define MAY_INHERIT false
 #else
-#define HEIRS (engaged[q] != 0 && epoch[q] < MOST_EPOCHS)
+#define MAY_INHERIT (epoch[PART] < MOST_EPOCHS)
 #endif
 #ifdef NO_EPOCH_CHECK
 #define TAKES true
 #else
-#define TAKES (site[c].epoch[flyingPart] == flyingEpoch && site[c].owner[flyingPart] == flyingFrom)
+#define TAKES (site[ME].epoch[flyingPart] == flyingEpoch && site[ME].owner[flyingPart] == flyingFrom)
 #endif
-#define ACTS (site[c].connected && !site[c].paused)
-#define OWNS (site[c].owner[p] == c && site[c].epoch[p] > 0)
+
+/* One process for each site and part: what concerns no part is done by that of part 0. */
+#define ME (_pid % SITES + 1)
+#define PART (_pid / SITES)
+#define PRESENT(s) (site[s].connected && !site[s].paused)
+#define ACTS PRESENT(ME)
+#define OWNS (site[ME].owner[PART] == ME && site[ME].epoch[PART] > 0)
+/* Sites and parts are alike: whoever is first to get a part may as well be called 1, and the part 0. */
+#define MAY_BE_FIRST (highest[0] > 0 || (ME == 1 && PART == 0))
+/* Whom the server still knows to own the part, and what the site knows of that. */
+#define SIMULATES(s) (engaged[PART] & (1 << (s)))
+#define LETS_GO(s) (PRESENT(s) && site[s].owner[PART] == s && owner[PART] == s && epoch[PART] == site[s].epoch[PART])
+#define RUNS_OUT (owner[PART] != NOBODY && lease[PART] <= LEASE - SERVER_LEASE)
+#define SOMEBODY_PRESENT_ENGAGED \
+  ((SIMULATES(1) && PRESENT(1)) || (SIMULATES(2) && PRESENT(2)) || (SIMULATES(3) && PRESENT(3)))
 
 /* A site whose records do not fit is cut off, and comes back to hear how things stand. */
 inline tell(x, who) {
   n = 1;
   do
-  :: n <= 3 ->
+  :: n <= SITES ->
     if
-    :: site[n].connected && len(told[n]) < 2 -> told[n]!x, epoch[x], owner[x], n == who
+    :: site[n].connected && len(told[n]) < 2 -> told[n]!x, epoch[x], owner[x], (n == who -> GRANTED : CHANGED)
     :: site[n].connected && len(told[n]) == 2 -> cut(n)
     :: else -> skip
     fi;
     n++
   :: else -> break
-  od
+  od;
+  n = 0
 }
 inline cut(s) {
-  site[s].connected = false;
-  site[s].ping = 0;
-  site[s].stale = 0;
   do
   :: len(told[s]) > 0 -> told[s]?_, _, _, _
-  :: len(told[s]) == 0 -> break
-  od
+  :: else -> break
+  od;
+  site[s].connected = false;
+  site[s].ping = 0;
+  site[s].pingAge = 0;
+  site[s].stale = 0
 }
-inline begin(q, s) {
-  epoch[q]++;
-  owner[q] = s;
-  lease[q] = LEASE;
-  engaged[q] = engaged[q] & (15 - (1 << s));
-  assert(epoch[q] > highest[q]); /* S1 */
-  highest[q] = epoch[q];
-  keptOwner[q] = s;
-  keptEpoch[q] = epoch[q];
+inline begin(x, s) {
+  epoch[x]++;
+  owner[x] = s;
+  lease[x] = LEASE;
+  engaged[x] = engaged[x] & (15 - (1 << s));
+  assert(epoch[x] > highest[x]); /* S1 */
+  highest[x] = epoch[x];
+  keptOwner[x] = s;
+  keptEpoch[x] = epoch[x]
 }
-/* The owner's time is over: who simulates the part beside that one has it next, else nobody. */
-inline pass(q) {
-  awaited[q] = false;
-  owner[q] = NOBODY;
-  if
-  :: HEIRS ->
+/* The owner's time is over. Only without anybody who simulates the part beside that one may it be nobody's. */
+inline free(x) {
+  assert(engaged[x] == 0 || epoch[x] == MOST_EPOCHS); /* S5 */
+  awaited[x] = false;
+  owner[x] = NOBODY;
+  lease[x] = 0;
+  keptOwner[x] = NOBODY;
+  tell(x, 0)
+}
+inline inherit(x, s) {
+  awaited[x] = false;
+  begin(x, s);
+  tell(x, 0)
+}
+/* Who has not been heard of when a lease runs out simulates nothing any more. */
+inline end_lease(x) {
+  ended[x] = epoch[x];
+  n = 1;
+  do
+  :: n <= SITES ->
     if
-    :: engaged[q] & 2 -> begin(q, 1)
-    :: engaged[q] & 4 -> begin(q, 2)
-    :: engaged[q] & 8 -> begin(q, 3)
-    fi
-  :: else ->
-    keptOwner[q] = NOBODY;
-    assert(engaged[q] == 0 || epoch[q] == MOST_EPOCHS) /* S5 */
-  fi;
-  tell(q, 0)
-}
-/* A record at a site. */
-inline apply(s, q, e, o, confirmed) {
-  if
-  :: e > site[s].epoch[q] || (e == site[s].epoch[q] && o == NOBODY) ->
-    if
-    :: e > site[s].epoch[q] ->
-      site[s].shown[q] = e;
-      site[s].unconfirmed[q] = !(confirmed || site[s].heir[q]);
-      site[s].heir[q] = false
+    :: !PRESENT(n) -> engaged[x] = engaged[x] & (15 - (1 << n))
     :: else -> skip
     fi;
-    site[s].epoch[q] = e;
-    site[s].owner[q] = o
+    n++
+  :: else -> break
+  od;
+  n = 0
+}
+/* A record at a site. */
+inline apply(s, x, itsEpoch, itsOwner, confirmed) {
+  if
+  :: itsEpoch > site[s].epoch[x] || (itsEpoch == site[s].epoch[x] && itsOwner == NOBODY) ->
+    if
+    :: itsEpoch > site[s].epoch[x] ->
+      site[s].shown[x] = itsEpoch;
+      site[s].unconfirmed[x] = !(confirmed || site[s].heir[x]);
+      site[s].heir[x] = false
+    :: else -> skip
+    fi;
+    site[s].epoch[x] = itsEpoch;
+    site[s].owner[x] = itsOwner
   :: else -> skip
   fi
 }
 
-init {
-  d_step {
-    c = 1;
-    do
-    :: c <= 3 -> site[c].connected = true; site[c].lease = LEASE - 1; c++
-    :: else -> break
-    od;
-    c = 0
-  }
+active [SITES * PARTS] proctype OfASiteAndAPart() {
   do
-  :: atomic {
-    /* Which site, which part, and what happens. */
-    if :: c = 1 :: c = 2 :: c = 3 fi;
-    if :: p = 0 :: p = PARTS - 1 fi;
-    if
-
-  /* Time. */
-  :: true ->
-      n = 1;
-      do
-      :: n <= 3 ->
-        if :: site[n].lease > 0 -> site[n].lease-- :: else -> skip fi;
-        if :: site[n].ping > 0 && site[n].pingAge < LEASE -> site[n].pingAge++ :: else -> skip fi;
-        n++
-      :: else -> break
-      od;
-      n = 0;
-      do
-      :: n < PARTS ->
-        if :: lease[n] > 0 -> lease[n]-- :: else -> skip fi;
-        n++
-      :: else -> break
-      od;
-      if :: recovering > 0 -> recovering-- :: else -> skip fi
-
-  /* A site asks for a part, and the server decides. */
-  :: up && ACTS && epoch[p] < MOST_EPOCHS && owner[p] == NOBODY && MAY_GRANT ->
+  /* The site asks for the part, and the server decides. */
+  :: d_step {
+      up && ACTS && epoch[PART] < MOST_EPOCHS && owner[PART] == NOBODY && MAY_GRANT && MAY_BE_FIRST ->
       assert(!AWAITS); /* S8 */
-      begin(p, c);
-      tell(p, c)
-  /* It lets go. */
-  :: up && ACTS && OWNS && owner[p] == c && epoch[p] == site[c].epoch[p] -> pass(p)
+      begin(PART, ME);
+      tell(PART, ME)
+    }
+  /* It lets go; nobody has the part, or somebody who simulates it too: any of them here, the longest engaged in fact. */
+  :: d_step { up && OWNS && LETS_GO(ME) && !(engaged[PART] != 0 && MAY_INHERIT) -> free(PART) }
+  :: d_step {
+      up && owner[PART] != NOBODY && owner[PART] != ME && LETS_GO(owner[PART]) && SIMULATES(ME) && MAY_INHERIT ->
+      inherit(PART, ME)
+    }
+  /* The lease of the part's owner runs out, likewise. */
+  :: d_step {
+      up && ME == 1 && RUNS_OUT && !(SOMEBODY_PRESENT_ENGAGED && MAY_INHERIT) -> end_lease(PART); free(PART)
+    }
+  :: d_step { up && RUNS_OUT && SIMULATES(ME) && ACTS && MAY_INHERIT -> end_lease(PART); inherit(PART, ME) }
   /* It is engaged in what another one owns, or no longer. */
-  :: up && ACTS && owner[p] != NOBODY && owner[p] != c && !OWNS ->
-      engaged[p] = engaged[p] | (1 << c);
-      site[c].heir[p] = true
-  :: up && ACTS && (engaged[p] & (1 << c)) ->
-      engaged[p] = engaged[p] & (15 - (1 << c));
-      site[c].heir[p] = false
-  /* A lease runs out; who has not been heard of meanwhile simulates nothing any more. */
-  :: up && owner[p] != NOBODY && lease[p] <= LEASE - SERVER_LEASE ->
-      ended[p] = epoch[p];
-      n = 1;
+  :: d_step {
+      up && ACTS && owner[PART] != NOBODY && owner[PART] != ME && !OWNS && len(told[ME]) < 2 ->
+      engaged[PART] = engaged[PART] | (1 << ME);
+      told[ME]!PART, 0, 0, ENGAGED
+    }
+  :: d_step { up && ACTS && SIMULATES(ME) -> engaged[PART] = engaged[PART] & (15 - (1 << ME)) }
+  /* What it holds over a lapse it asks for again. */
+  :: d_step {
+      up && ACTS && OWNS && site[ME].unconfirmed[PART] && owner[PART] == ME && epoch[PART] == site[ME].epoch[PART] &&
+        len(told[ME]) == 0 ->
+      site[ME].unconfirmed[PART] = false;
+      lease[PART] = LEASE;
+      awaited[PART] = false
+    }
+  /* It publishes a state. */
+  :: d_step {
+      ACTS && OWNS && site[ME].lease > 0 && !site[ME].unconfirmed[PART] ->
+      assert(ended[PART] < site[ME].epoch[PART]); /* S3 */
+      flying = true;
+      relayed = false;
+      flyingPart = PART;
+      flyingEpoch = site[ME].epoch[PART];
+      flyingFrom = ME
+    }
+
+  /* It is shown one. */
+  :: d_step {
+      PART == 0 && flying && relayed && site[ME].connected && ME != flyingFrom && TAKES ->
+      assert(flyingEpoch >= site[ME].shown[flyingPart]); /* S2 */
+      site[ME].shown[flyingPart] = flyingEpoch
+    }
+  /* Records arrive in order. */
+  :: d_step {
+      PART == 0 && site[ME].connected && len(told[ME]) > 0 ->
+      told[ME]?q, e, o, kind;
+      if
+      :: kind == ENGAGED -> site[ME].heir[q] = (site[ME].heir[q] || site[ME].stale == 0)
+      :: else -> apply(ME, q, e, o, kind == GRANTED && site[ME].stale == 0)
+      fi;
+      if
+      :: site[ME].stale > 0 -> site[ME].stale--
+      :: else -> skip
+      fi;
+      q = 0; e = 0; o = 0; kind = 0
+    }
+  /* Pings, lost or not. */
+  :: d_step { PART == 0 && ACTS && site[ME].ping == 0 -> site[ME].ping = 1; site[ME].pingAge = 0 }
+  :: d_step {
+      PART == 0 && up && site[ME].ping == 1 ->
+      site[ME].ping = 2;
       do
-      :: n <= 3 ->
-        if :: site[n].paused || !site[n].connected -> engaged[p] = engaged[p] & (15 - (1 << n)) :: else -> skip fi;
+      :: n < PARTS ->
+        if
+        :: owner[n] == ME -> lease[n] = LEASE
+        :: else -> skip
+        fi;
         n++
       :: else -> break
       od;
-      pass(p)
-
-  /* Pings, lost or not. */
-  :: ACTS && site[c].ping == 0 -> site[c].ping = 1; site[c].pingAge = 0
-  :: up && site[c].ping == 1 ->
-      site[c].ping = 2;
-      n = 0;
-      do
-      :: n < PARTS ->
-        if :: owner[n] == c -> lease[n] = LEASE :: else -> skip fi;
-        n++
-      :: else -> break
-      od
-  :: site[c].ping > 0 -> site[c].ping = 0; site[c].pingAge = 0
-  :: ACTS && site[c].ping == 2 ->
-      n = 0;
+      n = 0
+    }
+  :: d_step { PART == 0 && site[ME].ping > 0 -> site[ME].ping = 0; site[ME].pingAge = 0 }
+  :: d_step {
+      PART == 0 && ACTS && site[ME].ping == 2 ->
       do
       :: n < PARTS ->
         if
         :: LAPSED ->
-          site[c].unconfirmed[n] = true;
-          site[c].heir[n] = false;
-          site[c].stale = len(told[c])
+          site[ME].unconfirmed[n] = true;
+          site[ME].heir[n] = false;
+          site[ME].stale = len(told[ME])
         :: else -> skip
         fi;
         n++
       :: else -> break
       od;
+      n = 0;
       if
-      :: LEASE - 1 > site[c].pingAge && LEASE - 1 - site[c].pingAge > site[c].lease ->
-        site[c].lease = LEASE - 1 - site[c].pingAge
+      :: LEASE - 1 > site[ME].pingAge && LEASE - 1 - site[ME].pingAge > site[ME].lease ->
+        site[ME].lease = LEASE - 1 - site[ME].pingAge
       :: else -> skip
       fi;
-      site[c].ping = 0;
-      site[c].pingAge = 0
-  /* What it holds over a lapse it asks for again. */
-  :: up && ACTS && OWNS && site[c].unconfirmed[p] && owner[p] == c && epoch[p] == site[c].epoch[p] &&
-      len(told[c]) == 0 -> site[c].unconfirmed[p] = false; lease[p] = LEASE; awaited[p] = false
-
-  /* Records arrive in order. */
-  :: site[c].connected && len(told[c]) > 0 ->
-      told[c]?q, e, o, answers;
-      apply(c, q, e, o, answers && site[c].stale == 0);
-      if :: site[c].stale > 0 -> site[c].stale-- :: else -> skip fi
-
-  /* States. */
-  :: ACTS && OWNS && site[c].lease > 0 && !site[c].unconfirmed[p] ->
-      assert(ended[p] < site[c].epoch[p]); /* S3 */
-      flying = true;
-      relayed = false;
-      flyingPart = p;
-      flyingEpoch = site[c].epoch[p];
-      flyingFrom = c
-  :: up && flying && !relayed && owner[flyingPart] == flyingFrom && epoch[flyingPart] == flyingEpoch ->
-      relayed = true;
-      awaited[flyingPart] = false
-  :: flying && relayed && site[c].connected && c != flyingFrom && TAKES ->
-      assert(flyingEpoch >= site[c].shown[flyingPart]); /* S2 */
-      site[c].shown[flyingPart] = flyingEpoch
-
-  /* A site pauses, for as long as it likes, or its connection breaks; it comes back and is told how things stand. */
-  :: !site[c].paused -> site[c].paused = true
-  :: site[c].paused -> site[c].paused = false
-  :: site[c].connected -> cut(c)
-  :: up && !site[c].connected && !site[c].paused ->
-      site[c].connected = true;
-      n = 0;
+      site[ME].ping = 0;
+      site[ME].pingAge = 0
+    }
+  /* It pauses, for as long as it likes, or its connection breaks; it comes back and is told how things stand. */
+  :: d_step { PART == 0 -> site[ME].paused = !site[ME].paused }
+  :: d_step { PART == 0 && site[ME].connected -> cut(ME) }
+  :: d_step {
+      PART == 0 && up && !site[ME].connected && !site[ME].paused ->
+      site[ME].connected = true;
       do
       :: n < PARTS ->
-        apply(c, n, epoch[n], owner[n], false);
+        apply(ME, n, epoch[n], owner[n], false);
         if
-        :: site[c].owner[n] == c && owner[n] == c -> awaited[n] = false; lease[n] = LEASE; site[c].unconfirmed[n] = false
+        :: site[ME].owner[n] == ME && owner[n] == ME ->
+          awaited[n] = false;
+          lease[n] = LEASE;
+          site[ME].unconfirmed[n] = false
         :: else -> skip
         fi;
         n++
       :: else -> break
-      od
+      od;
+      n = 0
+    }
+  od
+}
 
-  /* The server dies once, and comes back with its journal. */
-  :: up && !crashed ->
+active proctype Server() {
+  do
+  /* A state is passed on. */
+  :: d_step {
+      up && flying && !relayed && owner[flyingPart] == flyingFrom && epoch[flyingPart] == flyingEpoch ->
+      relayed = true;
+      awaited[flyingPart] = false
+    }
+  /* It dies once, and comes back with its journal. */
+  :: d_step {
+      up && !crashed ->
       up = false;
       crashed = true;
-      n = 1;
+      q = 1;
       do
-      :: n <= 3 -> cut(n); n++
+      :: q <= SITES -> cut(q); q++
       :: else -> break
-      od
-  :: !up ->
+      od;
+      q = 0
+    }
+  :: d_step {
+      !up ->
       up = true;
       recovering = LEASE;
-      n = 0;
       do
       :: n < PARTS ->
         epoch[n] = KEPT_EPOCH;
@@ -320,9 +357,42 @@ init {
       :: else -> break
       od;
       n = 0
-    :: skip
-    fi;
-    c = 0; p = 0; n = 0; q = 0; e = 0; o = 0; answers = false
+    }
+  od
+}
+
+active proctype Time() {
+  do
+  :: d_step {
+      n = 1;
+      do
+      :: n <= SITES ->
+        if
+        :: site[n].lease > 0 -> site[n].lease--
+        :: else -> skip
+        fi;
+        if
+        :: site[n].ping > 0 && site[n].pingAge < LEASE -> site[n].pingAge++
+        :: else -> skip
+        fi;
+        n++
+      :: else -> break
+      od;
+      n = 0;
+      do
+      :: n < PARTS ->
+        if
+        :: lease[n] > 0 -> lease[n]--
+        :: else -> skip
+        fi;
+        n++
+      :: else -> break
+      od;
+      n = 0;
+      if
+      :: recovering > 0 -> recovering--
+      :: else -> skip
+      fi
     }
   od
 }
