@@ -9,6 +9,7 @@
 
 #include "client/json_input.h"
 #include "haptics/minimum_jerk.h"
+#include "haptics/primitive_distance.h"
 
 namespace tandem::client {
 
@@ -232,10 +233,29 @@ Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& 
   return parseHandScript(*text, path, scene);
 }
 
+namespace {
+
+/// Of planes, which may have no end, only their own point counts.
+SurfacePoint nearestOfShapes(const assets::Part& part, const Pose& worldFromPart, const glm::dvec3& from) {
+  const glm::dvec3 p = transformPoint(inverse(worldFromPart), from);
+  SurfacePoint nearest{{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+  double least = 1e300;
+  for (const assets::ImplicitShape& shape : part.shapes) {
+    if (shape.kind == assets::ImplicitShape::Kind::plane) continue;
+    const haptics::SurfaceDistance d = haptics::Primitive(shape).at(p);
+    if (d.distance >= least) continue;
+    least = d.distance;
+    nearest = {p - d.distance * d.gradient, d.gradient};
+  }
+  return {transformPoint(worldFromPart, nearest.point), transformVector(worldFromPart, nearest.normal)};
+}
+
+}  // namespace
+
 SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, const Pose& worldFromPart,
                                  const glm::dvec3& from) {
   const assets::Part& part = scene.parts[partId];
-  if (part.mesh == assets::kNone) return {worldFromPart.position, {0.0, 1.0, 0.0}};
+  if (part.mesh == assets::kNone) return nearestOfShapes(part, worldFromPart, from);
   const assets::Mesh& mesh = scene.meshes[part.mesh];
   const glm::dvec3 p = transformPoint(inverse(worldFromPart), from);
   double best = 1e300;

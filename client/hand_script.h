@@ -55,7 +55,7 @@ Result<HandScript> parseHandScript(const std::string& json, const std::string& s
 Status checkHandScript(const std::string& path);
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
 
-/// Nearest point of a part's surface (its mesh, or the box of its shapes) to a point, world frame, with
+/// Nearest point of a part's surface (its mesh, or else its shapes) to a point, world frame, with
 /// outward normal.
 struct SurfacePoint {
   glm::dvec3 point{0.0, 0.0, 0.0};

@@ -46,6 +46,25 @@ ScriptedPerson person(const assets::Scene& scene, const std::string& json, const
 
 const auto kStill = [](PartId) { return Pose{}; };
 
+TEST(HandScript, GoesToTheSurfaceOfAPartOfShapesToo) {
+  assets::Scene scene;
+  assets::Part part;
+  part.name = "post";
+  part.shapes.resize(2);
+  part.shapes[0].kind = assets::ImplicitShape::Kind::box;
+  part.shapes[0].size = {0.2, 0.2, 0.2};
+  part.shapes[1].kind = assets::ImplicitShape::Kind::sphere;
+  part.shapes[1].radiusTop = part.shapes[1].radiusBottom = 0.05;
+  part.shapes[1].partFromShape.position = {0.3, 0.0, 0.0};
+  scene.parts.push_back(part);
+  const Pose lifted{{0.0, 0.0, 1.0}, {1.0, 0.0, 0.0, 0.0}};
+  const SurfacePoint onBox = nearestSurfacePoint(scene, 0, lifted, {0.02, 0.03, 1.5});
+  EXPECT_NEAR(glm::length(onBox.point - glm::dvec3(0.02, 0.03, 1.1)), 0.0, 1e-12);
+  EXPECT_NEAR(onBox.normal.z, 1.0, 1e-12);
+  const SurfacePoint onBall = nearestSurfacePoint(scene, 0, lifted, {0.5, 0.0, 1.0});
+  EXPECT_NEAR(glm::length(onBall.point - glm::dvec3(0.35, 0.0, 1.0)), 0.0, 1e-12);
+}
+
 TEST(HandScript, MovesAlongAMinimumJerkPath) {
   const assets::Scene scene = squareScene();
   ScriptedPerson p =
