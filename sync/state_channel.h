@@ -25,7 +25,8 @@ inline constexpr Micros kProbeBurst = kSecond;            // how long a new clie
 inline constexpr Micros kProbeOften = 50 * kMillisecond;  // while nothing is known
 inline constexpr Micros kProbeSeldom =
     500 * kMillisecond;  // to keep the path and any address translation open
-inline constexpr Micros kPathSilence = 2 * kSecond;
+/// Half of a lease (LeaseRules): the pings that renew it are state too, and go over TLS in time.
+inline constexpr Micros kPathSilence = kSecond;
 
 /// What the exporter of a TLS session gives: a key for each direction.
 struct StateKeys {

@@ -435,6 +435,28 @@ def soak(binaries, folder, seconds):
     print(f"soak: {rounds} rounds in {seconds:.0f} s")
 
 
+def passes(test, binaries, figures):
+    """Runs a test in a folder of its own, and says how it ended."""
+    def attempt():
+        with tempfile.TemporaryDirectory(prefix="tandem-e2e-") as directory:
+            try:
+                test(binaries, pathlib.Path(directory), figures)
+            except FAILURES:
+                for log in sorted(pathlib.Path(directory).glob("*.err")):
+                    text = log.read_text().strip()
+                    if text:
+                        print(f"  {log.name}: " + text[-600:].replace("\n", "\n    "))
+                raise
+
+    try:
+        STEADY.judge(attempt, FAILURES)
+        print(f"passed  {test.__name__}", flush=True)
+        return True
+    except FAILURES as error:
+        print(f"FAILED  {test.__name__}: {error}", flush=True)
+        return False
+
+
 FAILURES = (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError)
 TESTS = [test_follow_and_contend, test_server_killed, test_two_hands, test_owner_killed, test_refusals, test_scene_transfer,
          test_fault_signal]
@@ -455,25 +477,8 @@ def main():
             soak(binaries, pathlib.Path(directory), arguments.soak)
         return 0
     for test in TESTS:
-        if arguments.only and arguments.only not in test.__name__:
-            continue
-        def attempt():
-            with tempfile.TemporaryDirectory(prefix="tandem-e2e-") as directory:
-                try:
-                    test(binaries, pathlib.Path(directory), figures)
-                except FAILURES:
-                    for log in sorted(pathlib.Path(directory).glob("*.err")):
-                        text = log.read_text().strip()
-                        if text:
-                            print(f"  {log.name}: " + text[-600:].replace("\n", "\n    "))
-                    raise
-
-        try:
-            STEADY.judge(attempt, FAILURES)
-            print(f"passed  {test.__name__}")
-        except FAILURES as error:
-            failures += 1
-            print(f"FAILED  {test.__name__}: {error}")
+        if not arguments.only or arguments.only in test.__name__:
+            failures += not passes(test, binaries, figures)
     print(json.dumps(figures, indent=2))
     if arguments.json:
         arguments.json.write_text(json.dumps(figures, indent=2))

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sync/ownership.h"
 #include "sync/state_channel.h"
 #include "tests/support/forwarder.h"
 #include "tests/sync/socket_ends.h"
@@ -53,6 +54,11 @@ class SocketPath : public Sockets {
   End site_;
   unsigned seed_ = 0;
 };
+
+TEST(StateChannel, GivesUpDatagramsLongBeforeALeaseLapses) {
+  // The pings that renew a lease travel as state: half a second is left for them to go by TLS.
+  EXPECT_LE(kPathSilence + kSecond / 2, LeaseRules{}.siteLease());
+}
 
 TEST_F(SocketPath, ThatPassesIsUsed) {
   connectThroughBox();
