@@ -93,13 +93,13 @@ struct HandSettingsInput {
   ControlWish control;
 };
 
-/// One part's pose for the window and for traces: how the part stood at session time `time`, as this site has
-/// it.
+/// One part's pose for the window and for traces.
 struct ShownPose {
   PartId part = kNoPart;
-  bool owned = false;  // simulated here; else played out, `time` lying the play-out delay before now
-  sync::Micros time = 0;
-  Pose worldFromPart;
+  bool owned = false;     // simulated here; else played out, `time` lying the play-out delay before now
+  sync::Micros time = 0;  // of the session
+  Pose worldFromPart;     // how the part stood at that time, as the hand has it
+  Pose worldFromDrawn;    // where the eyes are shown it now: what others move is predicted
 };
 
 inline constexpr std::size_t kEventRing = 1024;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -84,8 +85,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
   ties_.carryOut(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
   if (both) noteSecond();
-  for (std::size_t i = 0; i < batch; ++i)
-    show({commandBatch_[i].part, false, sessionNow, state_.worldFromPart(commandBatch_[i].part)});
+  for (std::size_t i = 0; i < batch; ++i) showAsItIs(commandBatch_[i].part, sessionNow);
   releaseRested(sessionNow);
   leaveUntouched(sessionNow);
   publish(sample, now);
@@ -142,11 +142,7 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
   while (commandCount_ + haptics::kMaxPartCommands < commands_.size() && exchange_.events.pop(event)) {
     switch (event.kind) {
       case NetworkEvent::Kind::state:
-        if (ownedEntry(event.state.part)) break;  // as a guest: the tie says more
-        if (Followed* slot = slotFor(event.state.part, sessionNow))
-          slot->playOut.push(event.state, event.time);
-        else
-          command(PartCommand::Kind::setPose, event.state.part, event.state.worldFromPart);
+        takeState(event.state, event.time, sessionNow);
         break;
       case NetworkEvent::Kind::ownership:
         takeOwnership(event.record, sessionNow);
@@ -170,6 +166,17 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         for (Owned& owned : owned_) owned.releasing = false;  // asked again once there is a server again
         break;
     }
+  }
+}
+
+void HandLoop::takeState(const sync::PartState& state, sync::Micros time, sync::Micros sessionNow) {
+  if (Owned* mine = ownedEntry(state.part)) {
+    mine->seen.push(state, time);  // to a guest's hand the tie says more
+  } else if (Followed* slot = slotFor(state.part, sessionNow)) {
+    slot->playOut.push(state, time);
+    slot->seen.push(state, time);
+  } else {
+    command(PartCommand::Kind::setPose, state.part, state.worldFromPart);
   }
 }
 
@@ -225,8 +232,12 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
       });
   Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
   if (!entry) return nullptr;
-  *entry = {part, 0, false, sessionNow};
-  if (Followed* slot = slotOf(part)) slot->part = kNoPart;
+  *entry = {part, 0, false, sessionNow, {}};
+  entry->seen.restart(state_.worldFromPart(part), sessionNow);
+  if (Followed* slot = slotOf(part)) {
+    entry->seen = slot->seen;
+    slot->part = kNoPart;
+  }
   static_cast<void>(controls_.granted(part));
   command(PartCommand::Kind::own, part, state_.worldFromPart(part));
   for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
@@ -243,9 +254,8 @@ void HandLoop::leaveUntouched(sync::Micros sessionNow) {
     if (!exchange_.intents.push({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
     command(PartCommand::Kind::disown, owned.part);
     ties_.forget(owned.part);
-    const PartId part = owned.part;
-    owned = {};
-    static_cast<void>(slotFor(part, sessionNow));  // from where it is here
+    const Owned left = std::exchange(owned, {});
+    if (Followed* slot = slotFor(left.part, sessionNow)) slot->seen = left.seen;  // from where it is here
   }
 }
 
@@ -270,7 +280,7 @@ bool HandLoop::takeControl(const sync::PartRecord& record) {
   if (!controls_.asked(record.part)) return false;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return false;
-  *entry = {record.part, record.epoch, false};
+  *entry = {record.part, record.epoch, false, 0, {}};
   if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, record.part,
           controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
@@ -294,7 +304,7 @@ void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionN
   if (grasp.stage == Stage::taking || grasp.stage == Stage::holding) {
     // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
     if (Owned* free = ownedEntry(kNoPart)) {
-      *free = {record.part, record.epoch, false};
+      *free = {record.part, record.epoch, false, 0, {}};
       if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
       command(PartCommand::Kind::own, record.part, record.worldFromPart);
     }
@@ -320,7 +330,7 @@ void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
   if (!there && sessionNow < grasp.takingUntil) return;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return;  // eight parts still settle: wait for one to rest
-  *entry = {taking.part, taking.epoch, false};
+  *entry = {taking.part, taking.epoch, false, 0, {}};
   if (Followed* slot = slotOf(taking.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, taking.part, taking.worldFromPart);
   hold(hand);  // unless it was let go while the answer was on its way: then it rests, and is released
@@ -343,6 +353,7 @@ void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, s
   if (Followed* slot = slotFor(record.part, sessionNow)) {
     slot->owned = record.owner != kNoSite;
     slot->playOut.restart(record.worldFromPart, sessionNow, blend);
+    slot->seen.push({record.part, record.epoch, 0, record.worldFromPart, {}}, sessionNow);
   } else {
     command(PartCommand::Kind::setPose, record.part, record.worldFromPart);
   }
@@ -381,7 +392,8 @@ void HandLoop::playOutFollowed(sync::Micros sessionNow) {
     sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
     if (slot.control != nullptr) keepToStops(*slot.control, shown);
     moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
-    show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart});
+    show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart,
+          slot.control != nullptr ? shown.worldFromPart : slot.seen.at(sessionNow)});
     if (!slot.owned && shown.still) slot.part = kNoPart;
   }
 }
@@ -397,8 +409,10 @@ void HandLoop::keepToStops(const assets::Control& control, sync::PlayOut::Shown&
 void HandLoop::releaseRested(sync::Micros sessionNow) {
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = output_.tick.owned[static_cast<std::size_t>(i)];
-    show({part.part, true, sessionNow, part.worldFromPart});
     Owned* mine = ownedEntry(part.part);
+    const bool guest = mine && mine->guest() && !mine->releasing;
+    show({part.part, true, sessionNow, part.worldFromPart,
+          guest ? mine->seen.at(sessionNow) : part.worldFromPart});
     if (!mine || mine->guest() || mine->releasing || part.held) continue;
     if (!part.atRest && ties_.simulators(part.part) == 1) continue;  // else it is left to who shares it
     mine->releasing =
@@ -436,9 +450,14 @@ void HandLoop::show(const ShownPose& shown) {
   shownDropped_ += exchange_.shown.push(shown) ? 0 : 1;
 }
 
+void HandLoop::showAsItIs(PartId part, sync::Micros sessionNow) {
+  const Pose& pose = state_.worldFromPart(part);
+  show({part, false, sessionNow, pose, pose});
+}
+
 void HandLoop::refreshOne() {
   if (shownDropped_ == 0) return;
-  show({refresh_, false, 0, state_.worldFromPart(refresh_)});
+  showAsItIs(refresh_, 0);
   refresh_ = static_cast<PartId>((refresh_ + 1u) % scene_.scene().parts.size());
 }
 
@@ -456,6 +475,7 @@ HandLoop::Followed* HandLoop::slotFor(PartId part, sync::Micros sessionNow) {
   slot->owned = true;
   slot->control = assets::controlOf(scene_.scene(), part);
   slot->playOut.restart(state_.worldFromPart(part), sessionNow, 0);
+  slot->seen.restart(state_.worldFromPart(part), sessionNow);
   return slot;
 }
 

@@ -32,6 +32,7 @@
 #include "haptics/servo_schedule.h"
 #include "haptics/tick.h"
 #include "sync/play_out.h"
+#include "sync/pose_prediction.h"
 
 namespace tandem::client {
 
@@ -82,7 +83,8 @@ class HandLoop {
     PartId part = kNoPart;
     bool owned = false;  // by somebody: keep the slot
     const assets::Control* control = nullptr;
-    sync::PlayOut playOut;
+    sync::PlayOut playOut;      // for the hand
+    sync::PosePrediction seen;  // for the eyes
   };
   /// A part that is simulated here.
   struct Owned {
@@ -90,6 +92,7 @@ class HandLoop {
     Epoch epoch = 0;  // 0: as a guest of its owner
     bool releasing = false;
     sync::Micros idleSince = 0;  // a guest: since when nothing here touches it
+    sync::PosePrediction seen;   // a guest: the owner's, for the eyes
     bool guest() const { return epoch == 0; }
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };
@@ -108,6 +111,7 @@ class HandLoop {
   haptics::DeviceSample afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand);
   void readSettings();
   void takeEvents(sync::Micros sessionNow);
+  void takeState(const sync::PartState& state, sync::Micros time, sync::Micros sessionNow);
   void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
   void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
   void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
@@ -128,6 +132,7 @@ class HandLoop {
   bool takeControl(const sync::PartRecord& record);
   void releaseRested(sync::Micros sessionNow);
   void show(const ShownPose& shown);
+  void showAsItIs(PartId part, sync::Micros sessionNow);
   void refreshOne();
   void publish(const haptics::DeviceSample& sample, sync::Micros now);
 

@@ -43,7 +43,7 @@ class LinkReserve {
  private:
   static constexpr double kSkimmed = 0.02;  // of a surplus, a tick
   static constexpr double kFloat = 0.3e-3;  // J: the dearest wave for some ten ticks
-  static constexpr double kTaken = 0.99;
+  static constexpr double kTaken = 0.997;
 
   double energy_ = 0.0;  // J
   double lent_ = 0.0;    // J, while the link was dry for a moment

@@ -14,7 +14,7 @@ class PlayOutDelay {
  public:
   explicit PlayOutDelay(double margin = 0.0) : margin_(margin) {}
 
-  static constexpr double kOutage = 0.012;  // s without a fresh packet: longer than one or two that are lost
+  static constexpr double kOutage = 0.02;  // s without a fresh packet: more than three in a row are lost
 
   /// Begins with `age` (s) as the mean age of the newest packet, for packets every `packetPeriod` s and ticks of `dt` s.
   void restart(double age, double packetPeriod, double dt) {

@@ -326,7 +326,7 @@ void JoinedSite::update(ViewModel& model) {
   }
   ShownPose shown;
   while (exchange_->shown.pop(shown)) {
-    model.worldFromPart[shown.part] = shown.worldFromPart;
+    model.worldFromPart[shown.part] = shown.worldFromDrawn;
     if (onShown) onShown(shown);
   }
   updateHand(model);

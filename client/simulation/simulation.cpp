@@ -92,6 +92,7 @@ class SimulatedSite : public LinkObserver {
   glm::dvec3 lastTarget{0.0, 0.0, 0.0};
   double sourceEnergy = 0.0;
   std::vector<Pose> lastPoses;  // of every part, as of the last tick here
+  std::vector<Pose> drawn;      // of every part, as a window here would show it
   std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
 
  private:
@@ -110,7 +111,8 @@ class Simulation {
         package(assets::packScene(parts.scene())),
         network(options.seed, script.network),
         conditions(script.network),
-        invariants(script.sites.size(), LeaseRules{}) {
+        invariants(script.sites.size(), LeaseRules{}),
+        watch(options.watch) {
     key.seed.fill(static_cast<std::uint8_t>(options.seed));
     if (!options.tracePath.empty()) {
       trace.open(options.tracePath);
@@ -127,6 +129,7 @@ class Simulation {
   void stepServer();
   void applyFaults();
   void compareReplicas();
+  void showSites();
 
   const Scenario& scenario;
   const assets::Scene& scene;
@@ -135,6 +138,7 @@ class Simulation {
   VirtualNetwork network;
   NetworkConditions conditions;
   Invariants invariants;
+  std::function<void(double, std::span<const SimulatedSiteState>)> watch;
   server::SigningKey key;
   server::MemoryJournal journal;
   std::unique_ptr<Transport> serverTransport;
@@ -178,6 +182,7 @@ SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const Scena
              [this](PartId part) { return hand->worldFromPart(part); }) {
   lastTarget = start.position;
   for (const assets::Part& part : sim.scene.parts) lastPoses.push_back(part.worldFromPart);
+  drawn = lastPoses;
   exchange->settings.write(settings());
 }
 
@@ -264,6 +269,8 @@ void SimulatedSite::tickHand(Micros now) {
   measured.position = device.hand().devicePose().position;
   measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
   if (!paused(now)) addSources(tick);
+  ShownPose shown;
+  while (exchange->shown.pop(shown)) drawn[shown.part] = shown.worldFromDrawn;
   for (int i = 0; i < tick.contactCount; ++i)
     if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable)
       measured.pressing = true;
@@ -448,7 +455,7 @@ void Simulation::compareReplicas() {
         if (other == owner || !other->inSession()) continue;
         const double distance =
             glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position);
-        displayed.add(distance);
+        displayed.add(glm::length(other->drawn[part.part].position - part.worldFromPart.position));
         if (simulated(*other, part.part) == nullptr) continue;
         shared.add(distance);
         anyShared = true;
@@ -456,6 +463,15 @@ void Simulation::compareReplicas() {
     }
   }
   sharedTicks += anyShared ? 1 : 0;
+}
+
+void Simulation::showSites() {
+  std::vector<SimulatedSiteState> states;
+  for (const auto& site : sites) {
+    const HandSample& sample = site->measures.samples().back();
+    states.push_back({sample.position, sample.force, &site->hand->output().tick});
+  }
+  watch(toSeconds(now), states);
 }
 
 Status Simulation::run() {
@@ -479,6 +495,7 @@ Status Simulation::run() {
     }
     allStill.push_back(still);
     compareReplicas();
+    if (watch) showSites();
   }
   return {};
 }
@@ -564,6 +581,7 @@ Result<SimulationResult> simulate(const Scenario& scenario, const haptics::Conta
   SimulationOptions again = options;
   again.leaderLoad = false;
   again.tracePath.clear();
+  again.watch = nullptr;
   Result<SimulationResult> reference = simulate(near, contact, again);
   if (!reference) return reference.error();
   const std::string name = leader(result, scenario);

@@ -5,7 +5,9 @@
 // The same scenario and seed give the same result to the bit.
 
 #include <cstdint>
+#include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,10 +29,11 @@ struct SimulatedSiteResult {
 struct SimulationResult {
   bool stable = true;
   std::map<std::string, SimulatedSiteResult> sites;
-  double displayedRms = 0.0, displayedMax = 0.0;      // m, owner's part against what others draw
-  double discrepancyRms = 0.0, discrepancyMax = 0.0;  // m, owner's replica against those of who shares the part
-  double shared = 0.0;                                // s, for which a part was shared
-  double energyOfLinks = 0.0;                         // J, the most that all links together ever created
+  double displayedRms = 0.0, displayedMax = 0.0;  // m, owner's part against what others draw
+  double discrepancyRms = 0.0,
+         discrepancyMax = 0.0;  // m, owner's replica against those of who shares the part
+  double shared = 0.0;          // s, for which a part was shared
+  double energyOfLinks = 0.0;   // J, the most that all links together ever created
   double leaderLoadRatio = 1.0;
   std::vector<Invariants::Grant> grants;
   std::map<SiteId, std::string> siteNames;
@@ -41,9 +44,17 @@ struct SimulationResult {
   std::string hash;  // of every pose and force of every tick
 };
 
+/// A site after a tick, in the order of the scenario.
+struct SimulatedSiteState {
+  glm::dvec3 device{0.0, 0.0, 0.0};  // m, where the device is
+  glm::dvec3 force{0.0, 0.0, 0.0};   // N, what it gives
+  const haptics::TickOutput* tick = nullptr;
+};
+
 struct SimulationOptions {
   std::uint64_t seed = 1;
-  std::string tracePath;   // empty: no trace
+  std::function<void(double t, std::span<const SimulatedSiteState>)> watch;  // each tick
+  std::string tracePath;                                                     // empty: no trace
   bool leaderLoad = true;  // runs the scenario again without delay, for the ratio
 };
 

@@ -184,7 +184,7 @@ TEST_F(SecondHandTest, ThePartStaysHereUntilBothHaveLetGo) {
 
 TEST_F(SecondHandTest, APartThatIsTakenAwayLeavesBothHands) {
   takeWithBoth();
-  tell(NetworkEvent::Kind::ownership, kOther, 2, kBox);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, kBox);
   tick(5);
   EXPECT_EQ(out().held, kNoPart);
   EXPECT_EQ(felt().held, kNoPart);

@@ -1,0 +1,141 @@
+// What two people feel of each other through one part, by the delay between them: over the whole path, from hand to
+// hand through ticks, links, wire and server. TANDEM_FULL_SIZE prints the figures.
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <glm/geometric.hpp>
+
+#include "tests/simulation/shared_sessions.h"
+
+namespace tandem::test {
+namespace {
+
+constexpr std::uint64_t kSeeds = 20;
+constexpr double kEnergyBound = 1e-3;                                     // J
+constexpr std::array<double, 5> kDelays{10.0, 25.0, 50.0, 100.0, 250.0};  // ms, one way
+
+bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
+
+struct Arms {
+  const char* name;
+  haptics::ArmParameters owner, guest;
+};
+const std::array<Arms, 3> kArms{{{"relaxed", relaxedArm(), relaxedArm()},
+                                 {"mixed", firmArm(), relaxedArm()},
+                                 {"firm", firmArm(), firmArm()}}};
+
+/// The least, greatest and mean of a figure over seeds.
+struct Spread {
+  double least = 1e300, most = -1e300, sum = 0.0;
+  int count = 0;
+  void add(double x) { least = std::min(least, x), most = std::max(most, x), sum += x, ++count; }
+  double mean() const { return sum / count; }
+};
+
+void expectHonest(const client::SimulationResult& result) {
+  EXPECT_TRUE(result.violations.empty()) << describe(result);
+  EXPECT_LE(result.energyOfLinks, kEnergyBound);
+  for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
+}
+
+/// N/m between two hands, while the second one pulls.
+double handToHand(SharedSession& session) {
+  double force = 0.0, way = 0.0, start = 0.0;
+  session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
+    const double apart = sites[1].device.x - sites[0].device.x;
+    if (t < 4.9) start = apart;
+    if (t < 8.0) return;
+    way += apart - start;
+    force += 0.5 * (sites[0].force.x - sites[1].force.x);
+  };
+  expectHonest(session.run());
+  return force / way;
+}
+
+TEST(SharedFigures, HandsFeelEachOtherAsStiffAsTheDelayAllows) {
+  constexpr std::array<double, 5> kBound{270.0, 217.0, 164.0, 66.0,
+                                         0.0};  // N/m; beyond 150 ms there is no link
+  for (const Arms& arms : kArms) {
+    SharedSession session("shared_pull");
+    session.arm(0) = arms.owner;
+    session.arm(1) = arms.guest;
+    for (std::size_t i = 0; i < kDelays.size(); ++i) {
+      Spread stiffness;
+      session.setDelay(kDelays[i]);
+      for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed)
+        stiffness.add(handToHand(session));
+      if (prints())
+        std::printf("hand to hand, %-7s %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", arms.name, kDelays[i],
+                    stiffness.mean(), stiffness.least, stiffness.most);
+      if (kBound[i] > 0.0) {
+        EXPECT_GE(stiffness.least, kBound[i]) << arms.name << " " << kDelays[i];
+      }
+      if (kDelays[i] > 200.0) {
+        EXPECT_LT(stiffness.most, 5.0) << "there should be no link";
+      }
+    }
+  }
+}
+
+TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
+  constexpr std::array<double, 5> kFelt{1.2e-3, 2e-3, 3.7e-3, 10e-3, 1.0};         // m rms
+  constexpr std::array<double, 5> kDisplayed{0.5e-3, 0.5e-3, 0.5e-3, 1e-3, 6e-3};  // m rms
+  constexpr std::array<double, 5> kLeader{1.1, 1.2, 1.4, 1.5, 1.0};
+  for (const auto& guest : {relaxedArm(), lightArm()}) {
+    SharedSession session("shared_drag");
+    session.arm(1) = guest;
+    const auto leaderForce = [&](Spread& felt, Spread& displayed) {
+      double squares = 0.0;
+      int count = 0;
+      session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
+        if (t < 6.0 || t > 12.5) return;
+        squares += glm::dot(sites[0].force, sites[0].force);
+        ++count;
+      };
+      const client::SimulationResult result = session.run();
+      expectHonest(result);
+      felt.add(result.discrepancyRms);
+      displayed.add(result.displayedRms);
+      return std::sqrt(squares / count);
+    };
+    Spread ignored;
+    session.setDelay(1.0);
+    const double near = leaderForce(ignored, ignored);
+    for (std::size_t i = 0; i < kDelays.size(); ++i) {
+      Spread felt, displayed, ratio;
+      session.setDelay(kDelays[i]);
+      for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed)
+        ratio.add(leaderForce(felt, displayed) / near);
+      if (prints())
+        std::printf("drag, arm of %3.0f N/m %3.0f ms: felt %.2f mm, displayed %.3f mm, leader %.2f\n",
+                    guest.stiffness, kDelays[i], 1e3 * felt.most, 1e3 * displayed.most, ratio.most);
+      EXPECT_LE(felt.most, kFelt[i]) << kDelays[i];
+      EXPECT_LE(displayed.most, kDisplayed[i]) << kDelays[i];
+      EXPECT_LE(ratio.most, kLeader[i]) << kDelays[i];
+    }
+  }
+}
+
+TEST(SharedFigures, GuestFeelsTheWallAsIfAlone) {
+  for (const double delay : kDelays) {
+    SharedSession session("shared_wall");
+    session.setDelay(delay);
+    Spread felt;
+    for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed) {
+      const client::SimulationResult result = session.run();
+      expectHonest(result);
+      felt.add(result.sites.at("b").feltStiffness);
+    }
+    if (prints())
+      std::printf("wall, guest %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", delay, felt.mean(), felt.least,
+                  felt.most);
+    EXPECT_GE(felt.least, 830.0) << delay;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test

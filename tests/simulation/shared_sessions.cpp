@@ -1,0 +1,49 @@
+#include "tests/simulation/shared_sessions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace tandem::test {
+
+haptics::ArmParameters relaxedArm() { return {}; }
+haptics::ArmParameters firmArm() { return {1.5, 300.0, 12.0, 800.0, 10.0}; }
+haptics::ArmParameters lightArm() { return {1.46, 4.88, 4.5, 375.0, 7.9}; }
+
+SharedSession::SharedSession(const std::string& name) {
+  const std::string path = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/" + name + ".json";
+  Result<client::Scenario> loaded = client::loadScenario(path);
+  EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
+  scenario = std::move(*loaded);
+  Result<assets::Scene> scene = assets::loadGltf(scenario.scene, scenario.load);
+  EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
+  scene_ = std::move(*scene);
+  contact_ = std::make_shared<haptics::ContactScene>(scene_);
+  EXPECT_TRUE(contact_->modelParts());
+  options.leaderLoad = false;
+}
+
+client::SimulationResult SharedSession::run() const {
+  Result<client::SimulationResult> result = client::simulate(scenario, *contact_, options);
+  EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
+  return std::move(*result);
+}
+
+const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part) {
+  const auto end = site.tick->owned.begin() + site.tick->ownedCount;
+  const auto found = std::find_if(site.tick->owned.begin(), end,
+                                  [&](const haptics::OwnedPart& owned) { return owned.part == part; });
+  return found == end ? nullptr : &*found;
+}
+
+std::string describe(const client::SimulationResult& result) {
+  std::string text;
+  for (const client::Violation& violation : result.violations)
+    text += violation.rule + " at " + std::to_string(violation.at) + " s: " + violation.what + "\n";
+  for (const auto& grant : result.grants)
+    text += "grant at " + std::to_string(grant.at) + " s: part " + std::to_string(grant.part) + " to " +
+            std::to_string(grant.site) + " epoch " + std::to_string(grant.epoch) + "\n";
+  return text;
+}
+
+}  // namespace tandem::test

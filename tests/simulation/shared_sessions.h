@@ -1,0 +1,43 @@
+#pragma once
+
+// Whole sessions on virtual time in which sites share parts: the scenarios beside this file, changed here and there.
+
+#include <functional>
+#include <string>
+
+#include "client/simulation/simulation.h"
+
+namespace tandem::test {
+
+/// The laboratory's arms: relaxed, firm, and one that holds on but is easily led.
+haptics::ArmParameters relaxedArm();
+haptics::ArmParameters firmArm();
+haptics::ArmParameters lightArm();
+
+/// A scenario of this folder with its scene, whose parts collide.
+class SharedSession {
+ public:
+  explicit SharedSession(const std::string& name);
+
+  client::Scenario scenario;
+  client::SimulationOptions options;
+  client::SimulationResult run() const;
+  const assets::Scene& scene() const { return contact_->scene(); }
+
+  void setDelay(double milliseconds) {
+    scenario.network.oneWay = static_cast<sync::Micros>(1e3 * milliseconds);
+  }
+  haptics::ArmParameters& arm(std::size_t site) { return scenario.sites[site].arm; }
+
+ private:
+  assets::Scene scene_;
+  std::shared_ptr<haptics::ContactScene> contact_;
+};
+
+/// The part that a site simulates; null if it does not.
+const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part);
+
+/// What was broken, for messages.
+std::string describe(const client::SimulationResult& result);
+
+}  // namespace tandem::test
