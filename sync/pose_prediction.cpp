@@ -33,9 +33,10 @@ void PosePrediction::push(const PartState& state, Micros time) {
   if (state.twist.linear == glm::dvec3(0.0) && state.twist.angular == glm::dvec3(0.0)) acceleration_ = {};
   newest_ = state;
   time_ = time;
-  fresh_ = true;
   known_ = true;
   if (!drawnBefore_) return;
+  const auto age = static_cast<double>(std::clamp<Micros>(drawnAt_ - time_, 0, kFarthest));
+  usualAge_us_ = usualAge_us_ == 0.0 ? age : usualAge_us_ + kAgeShare * (age - usualAge_us_);
   const Pose now = carriedOn(drawnAt_);
   offset_ = drawn_.position - now.position;
   turnedOff_ = rotationVector(drawn_.orientation * glm::conjugate(now.orientation));
@@ -55,11 +56,6 @@ Pose PosePrediction::carriedOn(Micros now) const {
 }
 
 Pose PosePrediction::at(Micros now) {
-  if (fresh_) {
-    const auto age = static_cast<double>(std::clamp<Micros>(now - time_, 0, kFarthest));
-    usualAge_us_ = usualAge_us_ == 0.0 ? age : usualAge_us_ + kAgeShare * (age - usualAge_us_);
-    fresh_ = false;
-  }
   if (drawnBefore_) {
     const double left = std::exp(-toSeconds(std::max<Micros>(0, now - drawnAt_)) / kBlendTime);
     offset_ *= left;

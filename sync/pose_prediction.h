@@ -24,8 +24,7 @@ class PosePrediction {
   Pose carriedOn(Micros now) const;
 
   bool known_ = false, drawnBefore_ = false;
-  bool fresh_ = false;        // a state since the last at()
-  double usualAge_us_ = 0.0;  // of the newest state when it is first drawn
+  double usualAge_us_ = 0.0;  // of the newest state when it comes
   PartState newest_;
   Micros time_ = 0, drawnAt_ = 0;
   glm::dvec3 acceleration_{0.0, 0.0, 0.0};                       // m/s^2, low-passed
