@@ -5,7 +5,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kSoft = 0.062, kStiffAgain = 0.052;  // s
+constexpr double kSoft = 0.059, kStiffAgain = 0.049;  // s
 constexpr double kAgain = 0.93;                       // of the farthest, to begin again
 constexpr double kFilterTime = 0.1;                   // s
 constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
