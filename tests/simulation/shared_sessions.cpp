@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 namespace tandem::test {
 
@@ -21,6 +22,13 @@ SharedSession::SharedSession(const std::string& name) {
   contact_ = std::make_shared<haptics::ContactScene>(scene_);
   EXPECT_TRUE(contact_->modelParts());
   options.leaderLoad = false;
+}
+
+void SharedSession::delayGrasp(std::size_t site, double seconds) {
+  nlohmann::json script = nlohmann::json::parse(scenario.sites[site].script);
+  for (auto& step : script)
+    if (step["do"] == "grasp") step["t"] = step["t"].get<double>() + seconds;
+  scenario.sites[site].script = script.dump();
 }
 
 client::SimulationResult SharedSession::run() const {

@@ -27,6 +27,8 @@ class SharedSession {
   void setDelay(double milliseconds) {
     scenario.network.oneWay = static_cast<sync::Micros>(1e3 * milliseconds);
   }
+  /// The hand of a site goes to its part later, s.
+  void delayGrasp(std::size_t site, double seconds);
   haptics::ArmParameters& arm(std::size_t site) { return scenario.sites[site].arm; }
 
  private:
