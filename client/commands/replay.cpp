@@ -22,7 +22,7 @@ namespace tandem::client {
 namespace {
 
 struct Arguments {
-  std::string recording, scenePath, units = "m", screenshot, json, cache;
+  std::string recording, scenePath, units = "m", screenshot, json, forces, cache;
   std::vector<std::string> movable;
   bool headless = false;
   double at = -1.0;
@@ -138,7 +138,15 @@ struct Summary {
   std::map<SiteId, SiteSum> sites;
   int grants = 0, denials = 0;
   nlohmann::ordered_json ownership = nlohmann::ordered_json::array();
+  nlohmann::ordered_json shared = nlohmann::ordered_json::array();  // who simulates a part beside its owner
 };
+
+/// Whoever asked to share a part is told in the answer, the others by a message.
+const sync::MemberRecord* membersIn(const sync::ControlMessage& message) {
+  if (const auto* changed = std::get_if<sync::MembersChanged>(&message)) return &changed->members;
+  if (const auto* reply = std::get_if<sync::EngageReply>(&message)) return &reply->members;
+  return nullptr;
+}
 
 /// A grant is a newer epoch with an owner; those that stand at the beginning happened before it.
 class GrantCount {
@@ -164,6 +172,10 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
         summary.sites[site->site.site].name = site->site.name;
       const auto* reply = std::get_if<sync::GrabReply>(control);
       if (reply && reply->denial != sync::Denial::none) ++summary.denials;
+      const sync::MemberRecord* members = membersIn(*control);
+      if (members && members->part < scene.parts.size())
+        summary.shared.push_back(
+            {{"t", time}, {"part", scene.parts[members->part].name}, {"sites", members->sites}});
       const auto* changed = std::get_if<sync::OwnershipChanged>(control);
       if (!changed || changed->part.part >= scene.parts.size()) continue;
       if (count.isGrant(changed->part, time)) {
@@ -200,7 +212,26 @@ nlohmann::ordered_json toJson(const Recording& recording, const Summary& summary
   json["grants"] = summary.grants;
   json["denials"] = summary.denials;
   json["ownership"] = summary.ownership;
+  json["shared"] = summary.shared;
   return rounded(std::move(json));
+}
+
+/// The force on each hand in N, world axes, as often as its site told it.
+std::string forcesCsv(const Recording& recording) {
+  std::string csv = "t,site,x,y,z\n";
+  for (const sync::RecordingEntry& entry : recording.entries) {
+    const auto* state = std::get_if<sync::StateMessage>(&entry.message);
+    const auto* update = state ? std::get_if<sync::StateUpdate>(state) : nullptr;
+    if (!update) continue;
+    const SiteId site = update->site != kNoSite ? update->site : update->presence.site;
+    const glm::dvec3& force = update->presence.force;
+    char line[128];
+    std::snprintf(line, sizeof line, "%.6f,%u,%.4f,%.4f,%.4f\n",
+                  sync::toSeconds(entry.time - recording.start), static_cast<unsigned>(site), force.x,
+                  force.y, force.z);
+    csv += line;
+  }
+  return csv;
 }
 
 void print(const Recording& recording, const Summary& summary) {
@@ -245,7 +276,7 @@ int playInWindow(Playback& playback) {
 }
 
 int run(const Arguments& arguments) {
-  for (const std::string& path : {arguments.json, arguments.screenshot})
+  for (const std::string& path : {arguments.json, arguments.forces, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
   Result<Recording> recording = readRecording(arguments.recording);
   if (!recording) return badInput(recording.error());
@@ -260,6 +291,9 @@ int run(const Arguments& arguments) {
   const Summary summary = summarise(*recording, *scene);
   if (!arguments.json.empty())
     if (Status written = writeFile(arguments.json, toJson(*recording, summary).dump(2) + "\n"); !written)
+      return badInput(written.error());
+  if (!arguments.forces.empty())
+    if (Status written = writeFile(arguments.forces, forcesCsv(*recording)); !written)
       return badInput(written.error());
   if (!recording->damaged.empty())
     std::fprintf(stderr, "tandem: %s: %s; shown up to there\n", arguments.recording.c_str(),
@@ -300,6 +334,8 @@ void addReplay(CLI::App& app, int& exitCode) {
   command->add_option("--at", arguments->at, "Seconds from the beginning [the end]")
       ->check(numberFrom(0.0, 1e9));
   command->add_option("--json", arguments->json, "Write a summary to this file");
+  command->add_option("--forces", arguments->forces,
+                      "Write the force on every hand in N, world axes, to this CSV file");
   command->add_option("--cache", arguments->cache,
                       "Folder of fetched scenes [" + assets::defaultCacheDirectory() + "]");
   command->footer(
