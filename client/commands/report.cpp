@@ -10,6 +10,8 @@
 #include "assets/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/report/html.h"
+#include "client/report/link_page.h"
+#include "client/report/link_sweep.h"
 #include "client/report/part_experiment.h"
 #include "client/report/peers.h"
 #include "client/report/report_json.h"
@@ -21,12 +23,13 @@ namespace {
 struct Arguments {
   std::string out = "report.html", json, peers;
   std::vector<std::string> scenes;
-  bool quick = false, noPeers = false;
+  bool quick = false, thoroughLinks = false, noPeers = false;
 };
 
 std::vector<report::ExperimentInfo> everyExperiment() {
   std::vector<report::ExperimentInfo> all = report::allExperiments();
   for (report::ExperimentInfo& info : report::allPartExperiments()) all.push_back(std::move(info));
+  for (report::ExperimentInfo& info : report::allLinkExperiments()) all.push_back(std::move(info));
   return all;
 }
 
@@ -51,7 +54,19 @@ std::uint64_t allocationsOf(const report::SweepResult& result) {
   return count;
 }
 
+void printLinks(const report::SweepResult& result) {
+  std::printf("%-32s %9s %14s %7s %9s %7s\n", "Two sites on one part", "apart mm", "hand to hand", "wall",
+              "leader x", "kB/s");
+  for (const report::LinkExperimentResult& e : result.links)
+    for (const report::LinkMeasurement& m : e.settings)
+      if (m.setting.inUse)
+        std::printf("%-32s %9.2f %10.0f N/m %7.0f %9.2f %7.1f\n", report::delayInWords(e).c_str(),
+                    1e3 * m.apart, m.handToHand, m.wall, m.load, 1e-3 * m.bytes);
+}
+
 void printSummary(const report::SweepResult& result) {
+  if (!result.links.empty()) printLinks(result);
+  if (result.experiments.empty() && result.held.empty()) return;
   std::printf("%-44s %9s %9s %11s %9s\n", "Tandem", "p50 us", "p99 us", "error p99 N", "build ms");
   for (const report::ExperimentResult& e : result.experiments)
     for (const report::Measurement& m : e.settings)
@@ -79,6 +94,7 @@ int run(const Arguments& arguments) {
 
   report::SweepOptions options;
   options.quick = arguments.quick;
+  options.thoroughLinks = arguments.thoroughLinks;
   options.only = arguments.scenes;
   options.allocations = &allocationsOfThisThread;
   options.progress = [](std::size_t done, std::size_t all, const report::ExperimentInfo& info) {
@@ -110,9 +126,10 @@ int run(const Arguments& arguments) {
 
 void addReport(CLI::App& app, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
-      "report",
-      "Measure cost and error of the haptic tick on scenes with exact answers; write them as one page");
+  CLI::App* command = app.add_subcommand("report",
+                                         "Measure cost and error of the haptic tick on scenes with exact "
+                                         "answers, and what two people on one part "
+                                         "feel across the network; write them as one page");
   command->add_option("--out", arguments->out, "The page: HTML that needs no other file")
       ->capture_default_str();
   command->add_option("--json", arguments->json, "Write the figures to this file too");
@@ -123,6 +140,9 @@ void addReport(CLI::App& app, int& exitCode) {
                       "program, if it is there]");
   command->add_flag("--no-peers", arguments->noPeers, "Measure no other libraries");
   command->add_flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
+  command->add_flag("--thorough-links", arguments->thoroughLinks,
+                    "Across the network: three seeds, and the best gains of what links replace searched for "
+                    "anew: minutes");
   std::string scenes;
   for (const report::ExperimentInfo& info : everyExperiment()) scenes += " " + info.id;
   command->footer("Scenes:" + scenes +

@@ -20,4 +20,17 @@ inline constexpr double kAskedForceStep = 0.05;             // N a tick at 1 N/m
 inline constexpr double kAskedBuild_ms = 150.0;             // a tree of a million triangles
 inline constexpr double kAskedRefit_ms = 2.0;               // a tree of a hundred thousand
 
+/// Of a link at a delay, one way; 0 = not asked.
+struct AskedOfLink {
+  double delay_ms = 0.0;
+  double wall = 0.0, handToHand = 0.0;  // N/m, at least
+  double apart_mm = 0.0, load = 0.0;    // at most; the load over that without a network
+};
+inline constexpr AskedOfLink kAskedOfLink[] = {{10.0, 830.0, 270.0, 1.2, 1.1},
+                                               {25.0, 830.0, 217.0, 2.0, 1.2},
+                                               {50.0, 830.0, 164.0, 3.7, 1.4},
+                                               {100.0, 830.0, 66.0, 10.0, 1.5},
+                                               {250.0, 830.0, 0.0, 0.0, 1.0}};
+inline constexpr double kAskedLinkBytes_k = 24.0;  // kB/s, each way
+
 }  // namespace tandem::client::report

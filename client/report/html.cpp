@@ -4,6 +4,7 @@
 #include <map>
 
 #include "client/report/asked.h"
+#include "client/report/link_page.h"
 #include "client/report/part_page.h"
 #include "client/report/svg_plot.h"
 #include "client/report/words.h"
@@ -326,6 +327,7 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
     }
   }
   for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);
+  for (const LinkExperimentResult& e : result.links) linkBounds(e, bounds);
   if (gears) bounds.push_back({"gears: error of the force, p99, share of it", "", gear, 1e-4});
   if (exactSteps)
     bounds.push_back({"flat surfaces: change of force a tick against the ideal", "x", steps, 1.05});
@@ -352,7 +354,7 @@ std::string htmlPage(const SweepResult& result, const std::string& json) {
     done.push_back(e.info.family);
     html += familySection(result, e.info.family);
   }
-  html += partSection(result);
+  html += partSection(result) + linkSection(result);
   const std::string bars = buildBars(result);
   if (!bars.empty())
     html +=

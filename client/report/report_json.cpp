@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "client/report/link_json.h"
 #include "client/report/measurement_json.h"
 #include "client/report/part_json.h"
 
@@ -61,6 +62,8 @@ std::string toJson(const SweepResult& result) {
   }
   json["held"] = Json::array();
   for (const PartExperimentResult& e : result.held) json["held"].push_back(partExperimentJson(e));
+  json["links"] = Json::array();
+  for (const LinkExperimentResult& e : result.links) json["links"].push_back(linkExperimentJson(e));
   json["figures"] = Json::array();
   for (const Figure& f : result.figures) {
     Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}};

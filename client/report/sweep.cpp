@@ -9,6 +9,7 @@
 
 #include "client/report/bare_spring.h"
 #include "client/report/baseline_proxy.h"
+#include "client/report/link_sweep.h"
 #include "client/report/part_sweep.h"
 #include "haptics/contact_scene.h"
 #include "haptics/tick.h"
@@ -240,8 +241,9 @@ SweepResult sweep(const SweepOptions& options) {
   result.quick = options.quick;
   result.machine = machineLine();
   const std::vector<ExperimentInfo> chosen = chosenExperiments(options),
-                                    held = chosenPartExperiments(options);
-  const std::size_t all = chosen.size() + held.size();
+                                    held = chosenPartExperiments(options),
+                                    links = chosenLinkExperiments(options);
+  const std::size_t all = chosen.size() + held.size() + links.size();
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     if (options.progress) options.progress(i, all, chosen[i]);
     const Experiment experiment = buildExperiment(chosen[i].id, ticksOf(options));
@@ -259,6 +261,10 @@ SweepResult sweep(const SweepOptions& options) {
   for (const ExperimentInfo& info : held) {
     if (options.progress) options.progress(result.experiments.size() + result.held.size(), all, info);
     result.held.push_back(sweepPart(info, options));
+  }
+  for (const ExperimentInfo& info : links) {
+    if (options.progress) options.progress(chosen.size() + held.size() + result.links.size(), all, info);
+    result.links.push_back(sweepLinks(info, options));
   }
   if (options.only.empty()) result.figures = measureFigures(options.quick);
   return result;

@@ -10,13 +10,15 @@
 
 #include "client/report/experiment.h"
 #include "client/report/figures.h"
+#include "client/report/link_measurement.h"
 #include "client/report/measurement.h"
 #include "client/report/part_measurement.h"
 
 namespace tandem::client::report {
 
 struct SweepOptions {
-  bool quick = false;             // fewer experiments, shorter paths
+  bool quick = false;          // fewer experiments, shorter paths
+  bool thoroughLinks = false;  // across the network: three seeds, and the best gains of others searched for
   std::vector<std::string> only;  // ids of experiments; empty: all (of --quick, if set)
   /// Heap allocations of this thread so far; null where nobody counts them.
   std::uint64_t (*allocations)() = nullptr;
@@ -42,11 +44,20 @@ struct PartExperimentResult {
   std::vector<PartMeasurement> settings;
 };
 
+/// Two sites at one delay, with all settings.
+struct LinkExperimentResult {
+  ExperimentInfo info;
+  double delay = 0.0;  // s, one way
+  int seeds = 1;
+  std::vector<LinkMeasurement> settings;
+};
+
 struct SweepResult {
   bool quick = false;
   std::string machine;
   std::vector<ExperimentResult> experiments;
   std::vector<PartExperimentResult> held;
+  std::vector<LinkExperimentResult> links;
   std::vector<Figure> figures;     // empty where single experiments were asked for
   std::vector<std::string> peers;  // that were measured, with versions
 };

@@ -16,6 +16,7 @@
 #include "client/report/report_json.h"
 #include "client/report/svg_plot.h"
 #include "client/report/sweep.h"
+#include "tests/client/report_checks.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tandem::test {
@@ -204,28 +205,6 @@ TEST(Report, WritesEverySceneAndSettingAsJson) {
   }
 }
 
-/// Elements that are opened are closed again, in order. Enough for a page that the program writes itself.
-void expectBalanced(const std::string& html) {
-  std::vector<std::string> open;
-  for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
-    const std::size_t end = html.find('>', at);
-    ASSERT_NE(end, std::string::npos);
-    const bool closes = html[at + 1] == '/';
-    const std::size_t from = at + (closes ? 2 : 1);
-    const std::string name = html.substr(from, html.find_first_of(" >/\n", from) - from);
-    if (name == "!DOCTYPE" || name == "meta" || name == "br" || html[end - 1] == '/') continue;
-    if (closes) {
-      ASSERT_FALSE(open.empty()) << name;
-      ASSERT_EQ(open.back(), name);
-      open.pop_back();
-    } else {
-      open.push_back(name);
-      if (name == "script" || name == "style") at = html.find("</" + name, at) - 1;
-    }
-  }
-  EXPECT_TRUE(open.empty());
-}
-
 TEST(Report, IsOnePageThatNeedsNothingElse) {
   const std::string json = toJson(smallSweep()), html = htmlPage(smallSweep(), json);
   expectBalanced(html);
@@ -275,13 +254,6 @@ TEST(Report, TakesPeersFromAnotherProgramAndRefusesWhatIsNoMeasure) {
   for (const std::string& text :
        {bad.dump(), std::string("[]"), std::string("{"), std::string("{\"peers\":3}")})
     EXPECT_FALSE(peersFromJson(text)) << text;
-}
-
-/// How often a text stands in another.
-std::size_t countOf(const std::string& text, const std::string& word) {
-  std::size_t count = 0;
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;
-  return count;
 }
 
 TEST(SvgPlot, MarksWhatIsTooSmallToBeDrawnWhereItIs) {

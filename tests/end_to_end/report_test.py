@@ -77,6 +77,16 @@ def main():
             assert settings["tandem"]["error_share"]["p99"] < 0.2, (case, settings["tandem"])
             assert settings["tandem"]["found_share"] > 0.99, (case, settings["tandem"])
             assert f"<h3>{next(e['title'] for e in figures['held'] if e['id'] == case)}" in text, case
+        links = {e["id"]: {s["id"]: s for s in e["settings"]} for e in figures["links"]}
+        assert set(links) == {"link-25ms", "link-100ms"}, links.keys()
+        for case, (stiffness, apart, load) in {"link-25ms": (217, 2e-3, 1.2), "link-100ms": (66, 10e-3, 1.5)}.items():
+            used = links[case]["link"]
+            assert used["stable"] and used["created_j"] <= 1e-3, (case, used)
+            assert used["hand_to_hand_n_m"] >= stiffness and used["wall_n_m"] >= 830, (case, used)
+            assert used["apart_m"]["rms"] <= apart and used["leader_force_ratio"] <= load, (case, used)
+            assert {"no-network", "plain-400", "plain-best", "tank-best"} <= set(links[case]), (case, links[case].keys())
+        assert not links["link-100ms"]["plain-400"]["stable"], links["link-100ms"]["plain-400"]
+        assert "<h2>Across the network" in text and 'class="unstable"' in text
         failing = subprocess.run([*command, "--scenes", "plane", "--peers", "/bin/false"], capture_output=True, text=True, timeout=250)
         assert failing.returncode == 1 and "/bin/false" in failing.stderr, failing.stderr
     print(f"{len(experiments)} experiments, {page.count['svg']} plots")

@@ -1,0 +1,22 @@
+#pragma once
+
+// Across the network: the report's section on two sites that share a part.
+
+#include <string>
+#include <vector>
+
+#include "client/report/bound.h"
+#include "client/report/sweep.h"
+
+namespace tandem::client::report {
+
+/// Empty if nothing of it was measured.
+std::string linkSection(const SweepResult& result);
+
+/// "25 ms one way".
+std::string delayInWords(const LinkExperimentResult& e);
+
+/// What the project asks of the link in use at these delays.
+void linkBounds(const LinkExperimentResult& e, std::vector<Bound>& bounds);
+
+}  // namespace tandem::client::report
