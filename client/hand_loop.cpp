@@ -116,8 +116,13 @@ bool HandLoop::noteStall(sync::Micros now) {
 }
 
 /// A loop that stood still has lost its hold on the world: the hands are elsewhere, and the devices' own watchdogs have
-/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are.
+/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are. A
+/// bare tool that has gone on meanwhile may be inside of anything: it is put back onto the device.
 haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand) {
+  const glm::dvec3& now = sample.worldFromDevice.position;
+  const bool bare = hand == 0 && grasps_[0].stage != Stage::holding;
+  if (bare && stalled && !(glm::length(now - output_.device.worldFromDevice.position) < kStillInStall))
+    reseatTicks_ = kReseatTicks;
   if (hand == 0 && reseatTicks_ > 0) {
     --reseatTicks_;
     sample.valid = false;

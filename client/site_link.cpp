@@ -543,9 +543,12 @@ void SiteLink::sendIntents() {
       case HandIntent::Kind::grab:
         askFor(intent.part, 0);
         break;
-      case HandIntent::Kind::release:
-        send(Release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart});
+      case HandIntent::Kind::release: {
+        const Release release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart};
+        if (observer_) observer_->onRelease(release);
+        send(release);
         break;
+      }
       case HandIntent::Kind::leave:
         send(Disengage{nextRequest_++, intent.part});
         break;

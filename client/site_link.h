@@ -44,6 +44,7 @@ class LinkObserver {
   virtual ~LinkObserver() = default;
   virtual void onOwnership(const sync::PartRecord&) {}
   virtual void onGrab(const sync::Grab&) {}
+  virtual void onRelease(const sync::Release&) {}
   virtual void onGrabReply(const sync::GrabReply&) {}
   virtual void onAccepted(SiteId, const sync::PartState&) {}
   virtual void onPublished(const sync::PartState&) {}

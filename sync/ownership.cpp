@@ -81,7 +81,7 @@ struct OwnershipTable::State {
     return part.record;
   }
   /// The same where somebody may be engaged in the part: it is that one's.
-  const PartRecord& passOn(PartEntry& part, Micros now) {
+  const PartRecord& passOn(PartEntry& part) {
     disown(part);
     if (part.members.sites.empty()) return part.record;
     const SiteId heir = part.members.sites.front();
@@ -91,7 +91,7 @@ struct OwnershipTable::State {
       return part.record;
     }
     ++part.record.epoch;
-    own(part, heir, now);
+    own(part, heir, sites[heir].engagedFrom);  // its lease runs from when it was last heard of (L2)
     return part.record;
   }
 
@@ -176,7 +176,7 @@ struct OwnershipTable::State {
     if (part.record.owner != kNoSite && !expired(part, now)) return Denial::ownedByOther;
     if (part.record.owner != kNoSite && !part.members.sites.empty()) {
       changed = true;
-      return passOn(part, now).owner == site ? Denial::none : Denial::ownedByOther;
+      return passOn(part).owner == site ? Denial::none : Denial::ownedByOther;
     }
     if (recovering(now)) return Denial::recovering;
     if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
@@ -280,7 +280,7 @@ OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Relea
     PartEntry& part = state_->parts[request.part];
     if (part.record.owner == site && part.record.epoch == request.epoch) {
       part.record.worldFromPart = request.worldFromPart;
-      state_->passOn(part, now);
+      state_->passOn(part);
       decision.changed = true;
     } else {
       decision.reply.denial = Denial::stale;
@@ -370,7 +370,7 @@ std::vector<PartRecord> OwnershipTable::leave(SiteId site, Micros now) {
   if (found == state_->sites.end()) return freed;
   state_->disengageFromAll(found->second, site);
   const std::set<PartId> owned = found->second.owned;
-  for (const PartId id : owned) freed.push_back(state_->passOn(state_->parts[id], now));
+  for (const PartId id : owned) freed.push_back(state_->passOn(state_->parts[id]));
   state_->sites.erase(site);
   return freed;
 }
@@ -388,7 +388,7 @@ std::vector<PartRecord> OwnershipTable::expire(Micros now) {
   }
   std::sort(over.begin(), over.end());
   std::vector<PartRecord> freed;
-  for (const PartId id : over) freed.push_back(state_->passOn(state_->parts[id], now));
+  for (const PartId id : over) freed.push_back(state_->passOn(state_->parts[id]));
   return freed;
 }
 

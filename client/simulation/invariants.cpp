@@ -69,6 +69,12 @@ void Invariants::onPublished(std::size_t, SiteId self, const sync::PartState& st
                      " epoch " + std::to_string(state.epoch));
 }
 
+/// From here on that owner says nothing of the part any more.
+void Invariants::onRelease(const sync::Release& release) {
+  const auto kept = restored_.find(release.part);
+  if (kept != restored_.end() && kept->second.epoch == release.epoch) restored_.erase(kept);
+}
+
 void Invariants::onConnection(std::size_t site, bool up) {
   if (!up) open_[site].clear();  // a lost connection is an answer: the person is told
 }

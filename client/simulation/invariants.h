@@ -31,6 +31,7 @@ class Invariants {
   void onOwnership(std::size_t site, const sync::PartRecord& record);
   void onGrab(std::size_t site, const sync::Grab& grab);
   void onGrabReply(std::size_t site, const sync::GrabReply& reply);
+  void onRelease(const sync::Release& release);
   void onAccepted(std::size_t site, const sync::PartState& state);
   void onPublished(std::size_t site, SiteId self, const sync::PartState& state);
   void onConnection(std::size_t site, bool up);

@@ -82,6 +82,10 @@ double HandMeasures::handoverExcess() const {
   return excess;
 }
 
+bool HandMeasures::pushed() const {
+  return std::any_of(samples_.begin(), samples_.end(), [](const HandSample& s) { return s.pushed; });
+}
+
 double HandMeasures::rmsForce() const {
   if (samples_.empty()) return 0.0;
   double sum = 0.0;
@@ -89,17 +93,27 @@ double HandMeasures::rmsForce() const {
   return std::sqrt(sum / static_cast<double>(samples_.size()));
 }
 
-bool HandMeasures::stable(const std::vector<bool>& allStill) const {
-  if (samples_.empty()) return true;
+bool HandMeasures::restsUnshaken(const std::vector<bool>& allStill, bool brushed) const {
   for (const HandSample& s : samples_)
     if (!(glm::length(s.position - samples_.front().position) < kDiverged)) return false;
   std::size_t stillFor = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    stillFor = allStill[i] ? stillFor + 1 : 0;
+    stillFor = allStill[i] && (brushed || !samples_[i].brushes) ? stillFor + 1 : 0;
     // The hands' targets must have stood for half a second: an arm needs that long to settle.
     if (stillFor > 500 && forceChange(i) > kRestForceStep) return false;
   }
-  if (stillFor < kRestTicks + 500) return true;
+  return true;
+}
+
+bool HandMeasures::calm(const std::vector<bool>& allStill) const { return restsUnshaken(allStill, false); }
+
+bool HandMeasures::stable(const std::vector<bool>& allStill) const {
+  if (!restsUnshaken(allStill, true)) return false;
+  if (samples_.size() < kRestTicks + 500) return true;
+  const auto rest = allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size() - kRestTicks - 500);
+  if (std::find(rest, allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size()), false) !=
+      allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size()))
+    return true;
   glm::dvec3 low = samples_.back().position, high = low;
   for (std::size_t i = samples_.size() - kRestTicks; i < samples_.size(); ++i) {
     low = glm::min(low, samples_[i].position);

@@ -16,6 +16,8 @@ struct HandSample {
   double energyGiven = 0.0;            // J, to the hand, less what the scene's own sources gave
   bool pressing = false;               // on a fixed part
   bool still = false;                  // the person's target stands still
+  bool brushes = false;                // the bare tool touches a part that may move
+  bool pushed = false;                 // and that one does
 };
 
 /// How one hand fared. Ticks are 1 ms.
@@ -35,13 +37,18 @@ class HandMeasures {
   /// N: the same in the 0.5 s after a role change, less its 99th percentile in the second before; 0 without.
   double handoverExcess() const;
   double rmsForce() const;
+  bool pushed() const;  // at any time
   /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more
   /// than 0.3 N in 20 ms while `allStill` (one entry a tick, for all hands).
   bool stable(const std::vector<bool>& allStill) const;
+  /// Nothing diverges, and no force changes by more than 0.3 N in 20 ms while all hands stand still and this one's bare
+  /// tool is not where others may push parts against it.
+  bool calm(const std::vector<bool>& allStill) const;
   const std::vector<HandSample>& samples() const { return samples_; }
 
  private:
   double forceChange(std::size_t tick) const;  // within the 20 ms that end at this tick
+  bool restsUnshaken(const std::vector<bool>& allStill, bool brushed) const;
 
   std::vector<HandSample> samples_;
   std::vector<std::size_t> roleChanges_;

@@ -69,6 +69,7 @@ class SimulatedSite : public LinkObserver {
   void onOwnership(const PartRecord& record) override;
   void onGrab(const Grab& grab) override;
   void onGrabReply(const GrabReply& reply) override;
+  void onRelease(const Release& release) override;
   void onAccepted(SiteId from, const PartState& state) override;
   void onPublished(const PartState& state) override;
   void onConnection(bool up) override;
@@ -98,6 +99,7 @@ class SimulatedSite : public LinkObserver {
  private:
   HandSettingsInput settings() const;
   void tickHand(Micros now);
+  void noteContact(PartId part, HandSample& measured) const;
   void addSources(const haptics::TickOutput& tick);
   void countTransport();
 };
@@ -252,28 +254,36 @@ const haptics::OwnedPart* simulated(const SimulatedSite& site, PartId part) {
   return found == end ? nullptr : &*found;
 }
 
+void SimulatedSite::noteContact(PartId part, HandSample& measured) const {
+  if (!simulation.scene.parts[part].movable) {
+    measured.pressing = true;
+  } else if (hand->output().tick.held == kNoPart) {
+    measured.brushes = true;
+    measured.pushed = measured.pushed || hand->worldFromPart(part).position != lastPoses[part].position;
+  }
+}
+
 void SimulatedSite::tickHand(Micros now) {
   const haptics::DeviceSample sample = device.poll(toSeconds(now));
   Wrench wrench;
-  const bool running = !paused(now) && (link || !simulation.session);
-  if (!paused(now)) {
+  // Before the program is started, while it stands still and when it is dead, the device's watchdog gives zero force.
+  const bool running = !paused(now) && link;
+  if (running) {
     hand->setWish(device.wish());
     hand->setControl(device.control());
     wrench = hand->tick(sample, local(now));
   }
-  if (!running && !link) wrench = {};  // the process is dead: the device's watchdog gives zero force
   device.apply(wrench);
   const haptics::TickOutput& tick = hand->output().tick;
   HandSample measured;
   measured.force = wrench.force;
   measured.position = device.hand().devicePose().position;
   measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
-  if (!paused(now)) addSources(tick);
+  for (int i = 0; i < tick.contactCount; ++i)
+    noteContact(tick.contacts[static_cast<std::size_t>(i)].part, measured);
+  if (running) addSources(tick);
   ShownPose shown;
   while (exchange->shown.pop(shown)) drawn[shown.part] = shown.worldFromDrawn;
-  for (int i = 0; i < tick.contactCount; ++i)
-    if (!simulation.scene.parts[tick.contacts[static_cast<std::size_t>(i)].part].movable)
-      measured.pressing = true;
   const glm::dvec3 target = device.target().worldFromTarget.position;
   measured.still = target == lastTarget;
   lastTarget = target;
@@ -334,6 +344,7 @@ void SimulatedSite::onOwnership(const PartRecord& record) {
   if (record.owner == link->welcome().site || hand->output().tick.held == record.part) measures.roleChanged();
 }
 void SimulatedSite::onGrab(const Grab& grab) { simulation.invariants.onGrab(index, grab); }
+void SimulatedSite::onRelease(const Release& release) { simulation.invariants.onRelease(release); }
 void SimulatedSite::onGrabReply(const GrabReply& reply) {
   if (reply.denial != Denial::none) ++denials;
   simulation.invariants.onGrabReply(index, reply);
@@ -423,7 +434,7 @@ void Simulation::applyFaults() {
   }
   for (auto& [at, index] : rejoin)
     if (at >= 0 && now >= at && session) {
-      sites[index]->start();
+      if (!sites[index]->link) sites[index]->start();  // else it was killed before it had joined
       at = -1;
     }
   for (std::size_t i = 0; i < scenario.blackouts.size(); ++i)
@@ -534,6 +545,8 @@ SimulationResult Simulation::result() {
     out.bytesPerSecond =
         static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
         scenario.duration;
+    out.calm = site->measures.calm(allStill);
+    out.pushed = site->measures.pushed();
     result.stable = result.stable && site->measures.stable(allStill);
     result.siteNames[site->id] = site->name();
     result.droppedStates += site->droppedStates + (site->link ? site->link->statistics().droppedStates : 0);

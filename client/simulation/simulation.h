@@ -24,6 +24,8 @@ struct SimulatedSiteResult {
   double handoverExcess = 0.0;                          // N
   double rmsForce = 0.0;                                // N
   double packetsPerSecond = 0.0, bytesPerSecond = 0.0;  // sent
+  bool calm = true;                                     // HandMeasures::calm()
+  bool pushed = false;                                  // others pushed a part against its bare tool
 };
 
 struct SimulationResult {

@@ -11,7 +11,7 @@ haptics::ArmParameters relaxedArm() { return {}; }
 haptics::ArmParameters firmArm() { return {1.5, 300.0, 12.0, 800.0, 10.0}; }
 haptics::ArmParameters lightArm() { return {1.46, 4.88, 4.5, 375.0, 7.9}; }
 
-SharedSession::SharedSession(const std::string& name) {
+SharedSession::SharedSession(const std::string& name, Contact contact) {
   const std::string path = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/" + name + ".json";
   Result<client::Scenario> loaded = client::loadScenario(path);
   EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
@@ -20,7 +20,9 @@ SharedSession::SharedSession(const std::string& name) {
   EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
   scene_ = std::move(*scene);
   contact_ = std::make_shared<haptics::ContactScene>(scene_);
-  EXPECT_TRUE(contact_->modelParts());
+  if (contact == Contact::models) {
+    EXPECT_TRUE(contact_->modelParts());
+  }
   options.leaderLoad = false;
 }
 

@@ -17,7 +17,8 @@ haptics::ArmParameters lightArm();
 /// A scenario of this folder with its scene, whose parts collide.
 class SharedSession {
  public:
-  explicit SharedSession(const std::string& name);
+  enum class Contact { models, none };  // whether held parts collide
+  explicit SharedSession(const std::string& name, Contact contact = Contact::models);
 
   client::Scenario scenario;
   client::SimulationOptions options;
