@@ -358,7 +358,7 @@ void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, s
   if (Followed* slot = slotFor(record.part, sessionNow)) {
     slot->owned = record.owner != kNoSite;
     slot->playOut.restart(record.worldFromPart, sessionNow, blend);
-    slot->seen.push({record.part, record.epoch, 0, record.worldFromPart, {}}, sessionNow);
+    slot->seen.standAt(record.worldFromPart, sessionNow);
   } else {
     command(PartCommand::Kind::setPose, record.part, record.worldFromPart);
   }
@@ -397,9 +397,12 @@ void HandLoop::playOutFollowed(sync::Micros sessionNow) {
     sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
     if (slot.control != nullptr) keepToStops(*slot.control, shown);
     moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
+    const Pose drawn = slot.control != nullptr ? shown.worldFromPart : slot.seen.at(sessionNow);
+    // What is shown last stays on the screen: it ends where the part is.
+    const bool over = !slot.owned && shown.still && sync::PosePrediction::near(drawn, shown.worldFromPart);
     show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart,
-          slot.control != nullptr ? shown.worldFromPart : slot.seen.at(sessionNow)});
-    if (!slot.owned && shown.still) slot.part = kNoPart;
+          over ? shown.worldFromPart : drawn});
+    if (over) slot.part = kNoPart;
   }
 }
 

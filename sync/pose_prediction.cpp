@@ -12,9 +12,16 @@ constexpr double kBlendTime = 0.02;                  // s
 constexpr double kAccelerationTime = 0.04;           // s
 constexpr Micros kBeyondUsual = 60 * kMillisecond;   // a stream that breaks off is not carried on for long
 constexpr double kAgeShare = 0.1;                    // of a new age in the usual one
+constexpr double kUnseen = 1e-6;                     // m
+constexpr double kUnseenTurn = 1e-5;                 // rad
 constexpr Micros kLongestStep = 100 * kMillisecond;  // between states that tell an acceleration
 
 }  // namespace
+
+bool PosePrediction::near(const Pose& a, const Pose& b) {
+  return glm::length(a.position - b.position) < kUnseen &&
+         glm::length(rotationVector(a.orientation * glm::conjugate(b.orientation))) < kUnseenTurn;
+}
 
 void PosePrediction::restart(const Pose& worldFromPart, Micros now) {
   *this = PosePrediction{};
@@ -40,6 +47,13 @@ void PosePrediction::push(const PartState& state, Micros time) {
   const Pose now = carriedOn(drawnAt_);
   offset_ = drawn_.position - now.position;
   turnedOff_ = rotationVector(drawn_.orientation * glm::conjugate(now.orientation));
+}
+
+void PosePrediction::standAt(const Pose& worldFromPart, Micros now) {
+  time_ = std::min(time_, now - 1);
+  PartState state;
+  state.worldFromPart = worldFromPart;
+  push(state, now);
 }
 
 Pose PosePrediction::carriedOn(Micros now) const {

@@ -15,8 +15,13 @@ class PosePrediction {
   void restart(const Pose& worldFromPart, Micros now);
   /// A state that held at `time`; older ones than the newest change nothing.
   void push(const PartState& state, Micros time);
+  /// The part stands there, whatever states of a clock that is ahead have said.
+  void standAt(const Pose& worldFromPart, Micros now);
   /// What to draw at session time `now`, which does not go backwards.
   Pose at(Micros now);
+
+  /// Nobody sees a step between these two.
+  static bool near(const Pose& a, const Pose& b);
 
   static constexpr Micros kFarthest = 300 * kMillisecond;  // carried on no further than that
 

@@ -395,6 +395,21 @@ TEST_F(HandLoopTest, PlaysOutWhatAnotherSiteMoves) {
   EXPECT_NEAR(hand_->worldFromPart(1).position.y, 0.05 - 0.1 * 0.005, 2e-4);
 }
 
+TEST_F(HandLoopTest, WhatIsDrawnOfAPartThatComesToRestEndsWhereItIs) {
+  const Pose rest{{0.2, 0.03, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  tell(NetworkEvent::Kind::ownership, kOther, 2, scene_.parts[1].worldFromPart, 1);
+  tick(100);
+  // All that was said of it meanwhile comes at once, as after a gap in the network: it has moved, and rests.
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, rest, 1);
+  tick(1000);
+  std::optional<ShownPose> last;
+  for (ShownPose shown; exchange_->shown.pop(shown);)
+    if (shown.part == 1) last = shown;
+  ASSERT_TRUE(last.has_value());
+  EXPECT_EQ(last->worldFromPart.position, rest.position);
+  EXPECT_EQ(last->worldFromDrawn.position, rest.position);
+}
+
 TEST_F(HandLoopTest, AFloodOfEventsLosesNone) {
   int sent = 0;
   for (Epoch epoch = 1; epoch <= 4000; ++epoch) {

@@ -133,13 +133,6 @@ def check_follower(session, owner, follower, figures, when=lambda session_us: Tr
     check(median < 2e-3, f"{follower} is within 2 mm of {owner} (median {1e3 * median:.3f} mm)")
 
 
-def last_pose(session, name):
-    """Where a site's hand had the part in the end."""
-    with open(session.folder / f"{name}.csv", newline="") as file:
-        row = [row for row in csv.DictReader(file) if row["part"] == PEG][-1]
-    return tuple(float(row[axis]) for axis in "xyz")
-
-
 def check_same_pose(*results):
     for result in results[1:]:
         apart = distance(result["poses"][PEG], results[0]["poses"][PEG])
@@ -268,9 +261,7 @@ def test_blackouts(binaries, folder, figures):
         time.sleep(1.0)
         results = session.leave(eve, ada, ben)
         check_ownership(*results)
-        for name in ("eve", "ada"):
-            apart = distance(last_pose(session, name), last_pose(session, "ben"))
-            check(apart < 1e-5, f"all end with the same pose: {name} is {1e3 * apart} mm from ben")
+        check_same_pose(*results)
         # Before it was dark, and well after each time; what has been written of it is some tenths of a second old.
         for end in light:
             check_follower(session, "ada", "eve", figures, lambda at: end - 700000 < at <= end)

@@ -86,6 +86,28 @@ TEST(PosePrediction, WhatBrakesDoesNotTurnBack) {
   EXPECT_NEAR(furthest, 0.045, 2e-3);
 }
 
+TEST(PosePrediction, StandsWhereItIsSaidToThoughAStateIsOfLater) {
+  const Pose rest{{0.1, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
+  const auto drawn = [&](bool stands) {
+    PosePrediction prediction;
+    prediction.restart({}, 0);
+    PartState ahead;
+    ahead.twist.linear.x = 1.0;
+    prediction.push(ahead, 2 * kMillisecond);
+    PartState resting;
+    resting.worldFromPart = rest;
+    if (stands)
+      prediction.standAt(rest, kMillisecond);
+    else
+      prediction.push(resting, kMillisecond);
+    Pose pose;
+    for (Micros now = kMillisecond; now < kSecond; now += kMillisecond) pose = prediction.at(now);
+    return pose;
+  };
+  EXPECT_TRUE(PosePrediction::near(drawn(true), rest));
+  EXPECT_FALSE(PosePrediction::near(drawn(false), rest));
+}
+
 TEST(PosePrediction, OlderStatesChangeNothing) {
   PosePrediction prediction;
   PartState state;
