@@ -325,26 +325,44 @@ const char* const kMeasures = R"(<ul>
 </ul>
 )";
 
+const char* const kArchitectures =
+    R"(. The <b>coordination link</b> is the code that sessions run: replicas at both sites, tied by wave variables. It
+stands beside what it replaces: the part simulated <b>on the server</b>, midway; a <b>plain delayed spring</b> between
+replicas; the same spring behind a <b>tank</b> of energy (Franken et al. 2011); and <b>no network</b>, both hands on the
+part itself. <i>Its best</i> are, of 75 pairs of gains tried at each delay, those that feel stiffest from hand to hand,
+are stable, stay so with half as much stiffness more, and take of the leader at most twice the force without a network.
+Where none will do, the softest tried are shown. What is unstable stands as a cross above its plot.</p>
+)";
+
 std::string introduction(const SweepResult& result) {
-  const LinkExperimentResult& first = result.links.front();
-  std::string html =
-      "<h2>Across the network</h2>\n<p>Two people hold one part of 1 kg, each at their own site, with 20 % "
-      "jitter "
-      "and 2 % loss between them; arms and devices are modelled, time is virtual, and each figure is the "
-      "worst of " +
-      std::to_string(first.seeds) + (first.seeds == 1 ? " seed" : " seeds") +
-      ". The <b>coordination link</b> is the code that sessions run: replicas at both sites, tied by wave "
-      "variables. It stands beside what it replaces: the part simulated <b>on the server</b>, midway; a "
-      "<b>plain "
-      "delayed spring</b> between replicas; the same spring behind a <b>tank</b> of energy (Franken et al. "
-      "2011); "
-      "and <b>no network</b>, both hands on the part itself. <i>Its best</i> are, of 75 pairs of gains tried "
-      "at each delay, those that feel stiffest from hand to hand, are stable, stay so with half as much "
-      "stiffness more, and take of the leader at most twice the force without a network. Where none will do, "
-      "the softest tried are shown. What is unstable "
-      "stands as a cross above its plot.</p>\n";
-  return html + kMeasures;
+  const int seeds = result.links.front().seeds;
+  return R"(<h2>Across the network</h2>
+<p>Two people hold one part of 1 kg, each at their own site, with 20 % jitter and 2 % loss between them; arms and devices
+are modelled, time is virtual, and each figure is )" +
+         (seeds == 1 ? std::string("that of seed 1") : "the worst of " + std::to_string(seeds) + " seeds") +
+         kArchitectures + kMeasures;
 }
+
+const char* const kAboutDelay = R"(<h3>What it replaces, by delay</h3>
+<p>A server shows both sites the same part, a way late: they are close to each other, and far from the hands. A link that
+is <i>off</i> leaves each with the whole part.</p>
+)";
+
+const char* const kAboutRate = R"(<h3>Packet rate: bytes against distance</h3>
+<p>A line is an impedance b, along it the packet rate; the ring is the link as sessions have it. <b>Left is cheaper, down
+is closer.</b> The sites of a server are close to each other, not to the hands.</p>
+)";
+
+const char* const kAboutImpedance = R"(<h3>Impedance: stiffness against the leader's force</h3>
+<p>A line is a margin of the play-out, along it the impedance, at 250 packets a second. A line weighs b times its delay,
+which the leader carries. <b>Left is lighter, up is stiffer.</b></p>
+)";
+
+const char* const kAboutMargin = R"(<h3>Margin and load</h3>
+<p>How much later than what a link finds enough the peer is played out: -10, -5, 0, +10 ms, at 250 packets a second.
+Sooner, the wave runs dry oftener, and what the reserve cannot lend is lost; later costs distance and stiffness. Last:
+what a tick of one end costs.</p>
+)";
 
 }  // namespace
 
@@ -352,29 +370,10 @@ std::string delayInWords(const LinkExperimentResult& e) { return number(1e3 * e.
 
 std::string linkSection(const SweepResult& result) {
   if (result.links.empty()) return "";
-  std::string html = introduction(result) +
-                     "<h3>What it replaces, by delay</h3>\n<p>A server shows both sites the same part, a way "
-                     "late: they are close to each other, and far from the hands. A link that is <i>off</i> "
-                     "leaves each with the whole part.</p>\n" +
-                     delayFigure(result);
+  std::string html = introduction(result) + kAboutDelay + delayFigure(result);
   if (!turned(result).empty())
-    html +=
-        "<h3>Packet rate: bytes against distance</h3>\n<p>A line is an impedance b, along it the packet "
-        "rate; the "
-        "ring is the link as sessions have it. <b>Left is cheaper, down is closer.</b> The sites of a server "
-        "are close to each other, not to the hands.</p>\n" +
-        rateFigure(result) +
-        "<h3>Impedance: stiffness against the leader's force</h3>\n<p>A line is a margin of the play-out, "
-        "along it "
-        "the impedance, at 250 packets a second. A line weighs b times its delay, which the leader carries. "
-        "<b>Left "
-        "is lighter, up is stiffer.</b></p>\n" +
-        impedanceFigure(result) +
-        "<h3>Margin and load</h3>\n<p>How much later than what a link finds enough the peer is played out: "
-        "-10, -5, 0, +10 ms, at 250 packets a second. Sooner, the wave runs dry oftener, and what the "
-        "reserve cannot lend is lost; later costs distance and stiffness. Last: what a tick of one end "
-        "costs.</p>\n" +
-        marginFigure(result);
+    html += kAboutRate + rateFigure(result) + kAboutImpedance + impedanceFigure(result) + kAboutMargin +
+            marginFigure(result);
   return html + tablesOf(result);
 }
 
