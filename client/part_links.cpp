@@ -139,7 +139,8 @@ void PartLinks::tellSimulators(const OwnershipView& view, PartId part) {
 
 void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
   const SiteId owner = view.part(part).owner;
-  const std::vector<SiteId>& members = view.members(part).sites;
+  std::vector<SiteId> members = view.members(part).sites;
+  std::erase(members, view.self());  // a new owner is told a moment later that it is a guest no more
   const bool owns = view.owns(part), guest = view.engaged(part);
   const auto shares = [&](SiteId peer) {
     if (owns) return std::find(members.begin(), members.end(), peer) != members.end();

@@ -16,7 +16,7 @@ struct HandSample {
   double energyGiven = 0.0;            // J, to the hand, less what the scene's own sources gave
   bool pressing = false;               // on a fixed part
   bool still = false;                  // the person's target stands still
-  bool brushes = false;                // the bare tool touches a part that may move
+  bool brushes = false;                // the tool touches a part that may move
   bool pushed = false;                 // and that one does
 };
 

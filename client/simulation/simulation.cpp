@@ -257,7 +257,7 @@ const haptics::OwnedPart* simulated(const SimulatedSite& site, PartId part) {
 void SimulatedSite::noteContact(PartId part, HandSample& measured) const {
   if (!simulation.scene.parts[part].movable) {
     measured.pressing = true;
-  } else if (hand->output().tick.held == kNoPart) {
+  } else {
     measured.brushes = true;
     measured.pushed = measured.pushed || hand->worldFromPart(part).position != lastPoses[part].position;
   }
