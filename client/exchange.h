@@ -51,6 +51,8 @@ struct HandIntent {
   PartId part = kNoPart;
   Epoch epoch = 0;     // release: of the ownership that ends
   Pose worldFromPart;  // release: where the part rests
+  std::uint32_t lost =
+      0;  // connections that the hand knew to be lost: a question from before the last one is void
 };
 
 /// Session time for the haptic thread: session = local + offset; parts are shown `playOutDelay` late.

@@ -165,6 +165,7 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         ties_.setSimulators(event.record.part, event.simulators);
         break;
       case NetworkEvent::Kind::lost:
+        ++lost_;
         for (Grasp& grasp : grasps_)
           if (grasp.stage == Stage::asked) grasp.stage = Stage::idle;
         controls_.lost();
@@ -198,7 +199,7 @@ void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessio
   if (!mine) return follow(record, sessionNow, kBlend);
   const bool shared = record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
   if (shared && mine->guest()) return;  // the new owner's tie follows
-  if (shared && isHeld(record.part) && exchange_.intents.push({HandIntent::Kind::grab, record.part, 0, {}})) {
+  if (shared && isHeld(record.part) && ask({HandIntent::Kind::grab, record.part, 0, {}})) {
     mine->epoch = 0;
     mine->releasing = false;
     return;
@@ -226,7 +227,7 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
   if (!order.guest || mine)
     ties_.order(order.tie);
   else
-    static_cast<void>(exchange_.intents.push({HandIntent::Kind::leave, part, 0, {}}));
+    ask({HandIntent::Kind::leave, part, 0, {}});
 }
 
 /// Simulates another site's part from where it is shown; null if nothing here wants that any more.
@@ -256,7 +257,7 @@ void HandLoop::leaveUntouched(sync::Micros sessionNow) {
     if (owned.part == kNoPart || !owned.guest()) continue;
     if (isHeld(owned.part)) owned.idleSince = sessionNow;
     if (sessionNow - owned.idleSince < kGuestStays) continue;
-    if (!exchange_.intents.push({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
+    if (!ask({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
     command(PartCommand::Kind::disown, owned.part);
     ties_.forget(owned.part);
     const Owned left = std::exchange(owned, {});
@@ -268,8 +269,7 @@ void HandLoop::leaveUntouched(sync::Micros sessionNow) {
 void HandLoop::askForControls() {
   const auto owned = [this](PartId part) { return ownedEntry(part) != nullptr; };
   const PartId part = controls_.wanted(output_.tick, owned);
-  if (part != kNoPart && !exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}}))
-    controls_.askLater(part);
+  if (part != kNoPart && !ask({HandIntent::Kind::grab, part, 0, {}})) controls_.askLater(part);
   const std::optional<PartId> set = controls_.toSet(owned);
   if (!set || output_.tick.held == *set || output_.tick.second.held == *set || ownedEntry(*set)->releasing)
     return;
@@ -380,7 +380,7 @@ void HandLoop::followGrasp(bool wanted, std::uint8_t hand, PartId touched) {
       hold(hand);
     } else if (controls_.asked(part) || other.has(Stage::asked, part) || other.has(Stage::taking, part)) {
       grasp.stage = Stage::asked;
-    } else if (exchange_.intents.push({HandIntent::Kind::grab, part, 0, {}})) {
+    } else if (ask({HandIntent::Kind::grab, part, 0, {}})) {
       grasp.stage = Stage::asked;
     }
   }
@@ -423,8 +423,7 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
           guest ? mine->seen.at(sessionNow) : part.worldFromPart});
     if (!mine || mine->guest() || mine->releasing || part.held) continue;
     if (!part.atRest && ties_.simulators(part.part) == 1) continue;  // else it is left to who shares it
-    mine->releasing =
-        exchange_.intents.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
+    mine->releasing = ask({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
   }
 }
 
@@ -467,6 +466,12 @@ void HandLoop::refreshOne() {
   if (shownDropped_ == 0) return;
   showAsItIs(refresh_, 0);
   refresh_ = static_cast<PartId>((refresh_ + 1u) % scene_.scene().parts.size());
+}
+
+/// False if the network thread takes nothing now.
+bool HandLoop::ask(HandIntent intent) {
+  intent.lost = lost_;
+  return exchange_.intents.push(intent);
 }
 
 HandLoop::Followed* HandLoop::slotOf(PartId part) {

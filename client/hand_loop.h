@@ -138,6 +138,7 @@ class HandLoop {
   void refreshOne();
   void publish(const haptics::DeviceSample& sample, sync::Micros now);
 
+  bool ask(HandIntent intent);
   Followed* slotOf(PartId part);
   Followed* slotFor(PartId part, sync::Micros sessionNow);
   Owned* ownedEntry(PartId part);
@@ -173,6 +174,7 @@ class HandLoop {
   static_assert(SecondTool::kMostMoved >= kMaxFollowed + haptics::kMaxOwnedParts);
   sync::Micros gaveWayUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
   sync::Micros lastTick_ = 0;
+  std::uint32_t lost_ = 0;  // connections
   // The loop stood still: the coupling of a hand begins again at its next good reading.
   std::array<bool, haptics::kHands> graspAnew_{};
 

@@ -70,6 +70,7 @@ void SiteLink::disconnected(const std::string& reason, Micros now) {
     if (observer_) observer_->onConnection(false);
     NetworkEvent event;
     event.kind = NetworkEvent::Kind::lost;
+    ++lost_;
     pushEvent(event);
   }
   for (SiteView& site : sites_) site.info.connected = site.self;
@@ -539,6 +540,7 @@ Micros SiteLink::sessionTime(Micros now) { return clock_.known() ? clock_.sessio
 void SiteLink::sendIntents() {
   HandIntent intent;
   while (exchange_->intents.pop(intent)) {
+    if (intent.lost != lost_) continue;  // the hand was told since that it gets no answer
     switch (intent.kind) {
       case HandIntent::Kind::grab:
         askFor(intent.part, 0);

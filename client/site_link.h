@@ -182,6 +182,7 @@ class SiteLink {
   sync::Micros playOut_ = 0, now_ = 0;
 
   sync::RequestId nextRequest_ = 1;
+  std::uint32_t lost_ = 0;  // connections, as the hand is told
   struct OpenGrab {
     std::uint32_t lapses = 0;  // of the lease, before it was sent
     sync::RequestId request = 0;
