@@ -114,7 +114,8 @@ class Simulation {
         network(options.seed, script.network),
         conditions(script.network),
         invariants(script.sites.size(), LeaseRules{}),
-        watch(options.watch) {
+        watch(options.watch),
+        mistake(options.mistake) {
     key.seed.fill(static_cast<std::uint8_t>(options.seed));
     if (!options.tracePath.empty()) {
       trace.open(options.tracePath);
@@ -141,6 +142,7 @@ class Simulation {
   NetworkConditions conditions;
   Invariants invariants;
   std::function<void(double, std::span<const SimulatedSiteState>)> watch;
+  Mistake mistake;
   server::SigningKey key;
   server::MemoryJournal journal;
   std::unique_ptr<Transport> serverTransport;
@@ -384,6 +386,7 @@ void Simulation::startServer() {
   server::SessionConfig config;
   config.key = key;
   config.maxSites = kMaxSites;
+  if (mistake == Mistake::regrantedEarly) config.lease.driftPpm = -9e5;
   serverTransport = network.listen();
   const server::JournalContents kept = journal.contents();
   serverClockOffset = kept.sessionTime - now;  // a new process: its clock goes on from what the journal knows
@@ -396,6 +399,7 @@ void Simulation::killServer() {
   session.reset();
   serverTransport.reset();
   journal.crash();
+  if (mistake == Mistake::journalForgotten) journal = server::MemoryJournal{};
 }
 
 void Simulation::stepServer() {

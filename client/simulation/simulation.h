@@ -53,8 +53,16 @@ struct SimulatedSiteState {
   const haptics::TickOutput* tick = nullptr;
 };
 
+/// What is done wrong on purpose, to see it noticed.
+enum class Mistake : std::uint8_t {
+  none,
+  journalForgotten,  // a server that is started again knows of no epoch
+  regrantedEarly,    // it frees a part after a tenth of its owner's lease
+};
+
 struct SimulationOptions {
   std::uint64_t seed = 1;
+  Mistake mistake = Mistake::none;
   std::function<void(double t, std::span<const SimulatedSiteState>)> watch;  // each tick
   std::string tracePath;                                                     // empty: no trace
   bool leaderLoad = true;  // runs the scenario again without delay, for the ratio

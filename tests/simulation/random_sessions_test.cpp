@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <set>
 
 #include "tests/simulation/shared_sessions.h"
 
@@ -16,10 +17,6 @@ namespace {
 constexpr double kEnergyBound = 1e-3;        // J
 constexpr double kQuiet = 7.0, kEnd = 10.0;  // s: when the last hand comes to rest
 
-std::uint64_t seeds() {
-  const char* text = std::getenv("TANDEM_SEEDS");
-  return text != nullptr ? std::strtoull(text, nullptr, 10) : 1000;
-}
 std::uint64_t firstSeed() {
   const char* text = std::getenv("TANDEM_FIRST_SEED");
   return text != nullptr ? std::strtoull(text, nullptr, 10) : 1;
@@ -156,15 +153,38 @@ TEST_P(RandomSessions, KeepEveryRuleAndHurtNoHand) {
   SharedSession session("shared_pull", SharedSession::Contact::none);
   const client::Scenario plain = session.scenario;
   Tally tally;
-  for (std::uint64_t i = static_cast<std::uint64_t>(GetParam()); i < seeds(); i += kParts)
+  for (std::uint64_t i = static_cast<std::uint64_t>(GetParam()); i < sessions(); i += kParts)
     check(session, plain, firstSeed() + i, tally);
   std::printf("shared for %.0f s, %zu grants, %zu restarts of the server, %zu sites died, %zu paused\n",
               tally.shared, tally.grants, tally.restarts, tally.deaths, tally.pauses);
-  if (seeds() < 100) return;
-  EXPECT_GT(tally.shared, 0.5 * static_cast<double>(seeds() / kParts))
+  if (sessions() < 100) return;
+  EXPECT_GT(tally.shared, 0.5 * static_cast<double>(sessions() / kParts))
       << "too little is shared to tell anything";
   EXPECT_GT(tally.unpushed, tally.pushed);
-  EXPECT_GT(std::min({tally.grants, tally.restarts, tally.deaths, tally.pauses}), seeds() / kParts / 10);
+  EXPECT_GT(std::min({tally.grants, tally.restarts, tally.deaths, tally.pauses}), sessions() / kParts / 10);
+}
+
+/// The rules that are broken by a mistake within the first sessions.
+std::set<std::string> rulesBrokenBy(client::Mistake mistake) {
+  SharedSession session("shared_pull", SharedSession::Contact::none);
+  const client::Scenario plain = session.scenario;
+  session.options.mistake = mistake;
+  std::set<std::string> rules;
+  for (session.options.seed = 1; session.options.seed <= 60; ++session.options.seed) {
+    session.scenario = plain;
+    draw(session.scenario, session.options.seed);
+    for (const client::Violation& violation : session.run().violations) rules.insert(violation.rule);
+  }
+  return rules;
+}
+
+TEST(RandomSessionsControl, ServerThatForgetsItsEpochsIsCaught) {
+  EXPECT_TRUE(rulesBrokenBy(client::Mistake::none).empty());
+  EXPECT_TRUE(rulesBrokenBy(client::Mistake::journalForgotten).contains("S1"));
+}
+
+TEST(RandomSessionsControl, ServerThatRegrantsEarlyIsCaught) {
+  EXPECT_TRUE(rulesBrokenBy(client::Mistake::regrantedEarly).contains("S3"));
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomSessions, testing::Range(0, kParts));

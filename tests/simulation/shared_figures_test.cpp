@@ -14,7 +14,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr std::uint64_t kSeeds = 20;
+const std::uint64_t kSeeds = seedsUpTo(20);
 constexpr double kEnergyBound = 1e-3;                                     // J
 constexpr std::array<double, 5> kDelays{10.0, 25.0, 50.0, 100.0, 250.0};  // ms, one way
 

@@ -17,7 +17,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr std::uint64_t kSeeds = 6;
+const std::uint64_t kSeeds = seedsUpTo(6);
 constexpr double kEnergyBound = 1e-3;  // J
 constexpr double kOutageStep =
     0.35;  // N in 20 ms: 0.3 is asked for; link_disturbed_test tells where it is passed

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
 
 namespace tandem::test {
@@ -38,6 +39,13 @@ client::SimulationResult SharedSession::run() const {
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
   return std::move(*result);
 }
+
+std::uint64_t sessions() {
+  const char* text = std::getenv("TANDEM_SEEDS");
+  return text != nullptr ? std::strtoull(text, nullptr, 10) : 1000;
+}
+
+std::uint64_t seedsUpTo(std::uint64_t most) { return std::clamp<std::uint64_t>(sessions() / 50, 1, most); }
 
 const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part) {
   const auto end = site.tick->owned.begin() + site.tick->ownedCount;

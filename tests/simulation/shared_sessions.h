@@ -37,6 +37,11 @@ class SharedSession {
   std::shared_ptr<haptics::ContactScene> contact_;
 };
 
+/// How many sessions are drawn at random (TANDEM_SEEDS, else 1000); scenarios take a fiftieth of it as seeds, `most` at
+/// most.
+std::uint64_t sessions();
+std::uint64_t seedsUpTo(std::uint64_t most);
+
 /// The part that a site simulates; null if it does not.
 const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part);
 
