@@ -24,6 +24,7 @@ HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
       exchange_(exchange),
       state_(scene),
       ties_(scene.scene().parts.size()),
+      near_(scene.scene()),
       commands_(2 * scene.scene().parts.size() + 64),
       controls_(scene.scene()) {}
 
@@ -65,6 +66,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
   playOutFollowed(sessionNow);
   for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand) finishTaking(hand, sessionNow);
   askForControls();
+  askForNear();
   followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0), 0, output_.tick.touched);
   if (both)
     followGrasp(second_.device.valid && (second_.device.buttons & 1u) != 0, 1, secondTool_->touched());
@@ -166,6 +168,7 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
         break;
       case NetworkEvent::Kind::lost:
         ++lost_;
+        for (Followed& slot : followed_) slot.asked = false;
         for (Grasp& grasp : grasps_)
           if (grasp.stage == Stage::asked) grasp.stage = Stage::idle;
         controls_.lost();
@@ -224,18 +227,45 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
   const PartId part = order.record.part;
   const Owned* mine = ownedEntry(part);
   if (order.guest && !mine) mine = joinAsGuest(part, sessionNow);
+  haptics::PartTie tie = order.tie;
+  tie.leashed = order.guest;
   if (!order.guest || mine)
-    ties_.order(order.tie);
+    ties_.order(tie);
   else
     ask({HandIntent::Kind::leave, part, 0, {}});
 }
 
+/// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.
+bool HandLoop::meetsHeld(const NearParts::Moving& other) const {
+  if (output_.tick.flags & haptics::kFlagHeldWithoutContact) return false;
+  for (int i = 0; i < output_.tick.ownedCount; ++i) {
+    const haptics::OwnedPart& mine = output_.tick.owned[static_cast<std::size_t>(i)];
+    if (!mine.held || mine.part == other.part) continue;
+    if (near_.meet({mine.part, mine.worldFromPart, mine.twist}, other,
+                   sync::toSeconds(timeBase_.playOutDelay)))
+      return true;
+  }
+  return false;
+}
+
+/// To share what may soon be touched with what is held here.
+void HandLoop::askForNear() {
+  for (std::size_t i = 0; i < movedCount_; ++i) {
+    Followed* slot = slotOf(moved_[i].part);
+    if (!slot || !slot->owned || slot->control != nullptr) continue;
+    const bool meets = meetsHeld({moved_[i].part, moved_[i].worldFromPart, moved_[i].twist});
+    if (meets && !slot->asked) slot->asked = ask({HandIntent::Kind::grab, slot->part, 0, {}});
+    if (!meets) slot->asked = false;
+  }
+}
+
 /// Simulates another site's part from where it is shown; null if nothing here wants that any more.
 HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
-  const bool wanted =
-      controls_.asked(part) || std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
-        return grasp.has(Stage::asked, part) && grasp.wantedBefore;
-      });
+  const Followed* followed = slotOf(part);
+  const bool wanted = controls_.asked(part) || (followed != nullptr && followed->asked) ||
+                      std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
+                        return grasp.has(Stage::asked, part) && grasp.wantedBefore;
+                      });
   Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
   if (!entry) return nullptr;
   *entry = {part, 0, false, sessionNow, {}};
@@ -251,11 +281,19 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
   return entry;
 }
 
+NearParts::Moving HandLoop::guestOf(PartId part) const {
+  for (int i = 0; i < output_.tick.ownedCount; ++i) {
+    const haptics::OwnedPart& owned = output_.tick.owned[static_cast<std::size_t>(i)];
+    if (owned.part == part) return {part, owned.worldFromPart, owned.twist};
+  }
+  return {part, state_.worldFromPart(part), {}};
+}
+
 /// What a guest's hands let be is the owner's alone again.
 void HandLoop::leaveUntouched(sync::Micros sessionNow) {
   for (Owned& owned : owned_) {
     if (owned.part == kNoPart || !owned.guest()) continue;
-    if (isHeld(owned.part)) owned.idleSince = sessionNow;
+    if (isHeld(owned.part) || meetsHeld(guestOf(owned.part))) owned.idleSince = sessionNow;
     if (sessionNow - owned.idleSince < kGuestStays) continue;
     if (!ask({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
     command(PartCommand::Kind::disown, owned.part);
@@ -486,6 +524,7 @@ HandLoop::Followed* HandLoop::slotFor(PartId part, sync::Micros sessionNow) {
   if (!slot) return nullptr;
   slot->part = part;
   slot->owned = true;
+  slot->asked = false;
   slot->control = assets::controlOf(scene_.scene(), part);
   slot->playOut.restart(state_.worldFromPart(part), sessionNow, 0);
   slot->seen.restart(state_.worldFromPart(part), sessionNow);

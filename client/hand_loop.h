@@ -27,6 +27,7 @@
 #include "client/control_hand.h"
 #include "client/exchange.h"
 #include "client/hand_ties.h"
+#include "client/near_parts.h"
 #include "client/second_tool.h"
 #include "haptics/contact_scene.h"
 #include "haptics/servo_schedule.h"
@@ -85,6 +86,7 @@ class HandLoop {
     PartId part = kNoPart;
     bool owned = false;  // by somebody: keep the slot
     const assets::Control* control = nullptr;
+    bool asked = false;         // to be simulated here, for it comes near to what is held
     sync::PlayOut playOut;      // for the hand
     sync::PosePrediction seen;  // for the eyes
   };
@@ -122,6 +124,9 @@ class HandLoop {
   Owned* joinAsGuest(PartId part, sync::Micros sessionNow);
   void leaveUntouched(sync::Micros sessionNow);
   bool isHeld(PartId part) const;
+  bool meetsHeld(const NearParts::Moving& other) const;
+  NearParts::Moving guestOf(PartId part) const;
+  void askForNear();
   void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);
   void followGrasp(bool wanted, std::uint8_t hand, PartId touched);
   void finishTaking(std::uint8_t hand, sync::Micros sessionNow);
@@ -159,6 +164,7 @@ class HandLoop {
   std::array<Followed, kMaxFollowed> followed_;
   std::array<Owned, haptics::kMaxOwnedParts> owned_;
   HandTies ties_;
+  NearParts near_;
   std::array<haptics::PartMotion, kMaxFollowed> moved_;
   std::size_t movedCount_ = 0;
   /// Commands that wait for a tick with room; the ring is as large as a session's parts, so a reset of all

@@ -11,6 +11,7 @@ using namespace sync;
 namespace {
 
 constexpr double kUnknownAge = 0.05;          // s, of a peer that was not heard yet
+constexpr double kFarImpedance = 10.0;        // N s/m, where only parts that touch are linked
 constexpr double kSoftDelay = 0.06;           // s, of play-out: the least in the regime soft
 constexpr std::uint32_t kEpochsAhead = 1000;  // that another clock may be: 16 s
 
@@ -106,10 +107,12 @@ LineTerms PartLinks::termsFor(SiteId peer, std::size_t lines) const {
   haptics::PlayOutDelay delay;
   delay.restart(ageOf(peer), packetPeriod_, standard.period);
   const double late = delay.seconds();
-  return {rounded(haptics::lineImpedance(standard.impedance, late, count), kImpedanceQuantum),
-          rounded(haptics::lineImpedance(standard.softImpedance, std::max(late, kSoftDelay), count),
-                  kImpedanceQuantum),
-          packetPeriod_};
+  return {
+      rounded(haptics::lineImpedance(standard.impedance, late, count), kImpedanceQuantum),
+      rounded(haptics::lineImpedance(ageOf(peer) > standard.farthest ? kFarImpedance : standard.softImpedance,
+                                     std::max(late, kSoftDelay), count),
+              kImpedanceQuantum),
+      packetPeriod_};
 }
 
 void PartLinks::begin(Line& line, Micros now, bool guest) {
@@ -126,6 +129,7 @@ void PartLinks::begin(Line& line, Micros now, bool guest) {
   event.tie.link.impedance = line.terms.impedance;
   event.tie.link.softImpedance = line.terms.softImpedance;
   event.tie.link.packetPeriod = line.terms.packetPeriod;
+  event.tie.link.farthest = haptics::TiedParts::kFarthestTouched;  // a guest with a hand on it says less
   events_.push_back(event);
 }
 

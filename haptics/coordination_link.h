@@ -82,6 +82,8 @@ class CoordinationLink {
   void carryOn(std::uint32_t epoch);
   /// Of the two regimes, N s/m, from the next begin() on: lines that share a weight become lighter as sites join.
   void setImpedance(double stiff, double soft) { p_.impedance = stiff, p_.softImpedance = soft; }
+  /// s, of delay: beyond it there is no link. The lesser one of both ends counts, for the worse regime does.
+  void setFarthest(double farthest) { regime_.setFarthest(farthest); }
   /// Whether this end's replica takes part. Off, the force runs out and the peer is told.
   void setOn(bool on) { on_ = on; }
 

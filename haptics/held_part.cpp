@@ -225,12 +225,15 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
   }
   const bool tied = ties_.has(entry.part);
   if (count == 0 && !tied) return false;
+  const bool held = count > 0;
   if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
   Wrench load = endedPull(entry, dt);
   if (tied) {
-    const LinkPull link = ties_.pull(entry.part, entry.body, now, dt);
+    const LinkPull link = ties_.pull(entry.part, entry.body, held, now, dt);
     load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
+    if (const auto leash = held ? std::nullopt : ties_.leash(entry.part, entry.body))
+      couplings[count++] = *leash;
     entry.sinceLetGo = 0.0;
   }
   step = coupleBody(entry.body, {couplings.data(), count}, load, gravity, dt);

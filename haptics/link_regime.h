@@ -11,6 +11,9 @@ class RegimeByAge {
   /// `farthest` s: the age beyond which there is no link.
   explicit RegimeByAge(double farthest = kFarthest) : farthest_(farthest) {}
 
+  /// From the next advance() on.
+  void setFarthest(double farthest) { farthest_ = farthest; }
+
   /// Begins with a way of `delay` s, as it is known from elsewhere.
   void restart(double delay);
 

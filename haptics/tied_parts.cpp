@@ -125,7 +125,7 @@ void TiedParts::setMass(Shared& shared, RigidBody& body, double dt) {
   body.inertia = target.inertia;
 }
 
-LinkPull TiedParts::pull(PartId part, RigidBody& body, double now, double dt) {
+LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, double dt) {
   now_ = now;
   Shared& shared = *find(part);
   setMass(shared, body, dt);
@@ -133,6 +133,7 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, double now, double dt) {
   const Twist twist{velocityAt(body.worldFromBody, body.twist, centre.position), body.twist.angular};
   LinkPull sum;
   forEachEnd(part, [&](End& end) {
+    if (end.leashed) end.link.setFarthest(held ? kFarthestHeld : kFarthestTouched);
     const LinkPull pull = end.link.pull(now, centre, twist);
     sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
@@ -140,6 +141,24 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, double now, double dt) {
     end.sinceSent += dt;
   });
   return sum;
+}
+
+std::optional<Coupling> TiedParts::leash(PartId part, const RigidBody& body) const {
+  constexpr double kFarthest = 0.3;  // s, that a peer's velocity is carried on
+  constexpr CouplingGains kLead{400.0, 28.0, 0.4, 0.03};
+  for (const std::optional<End>& end : ends_) {
+    if (!end || end->part != part || !end->leashed || !end->link.on()) continue;
+    const LinkPacket* peer = end->link.newest();
+    const double lead = 1.0 - end->link.fade();
+    if (peer == nullptr || lead <= 0.0) continue;
+    const double age = std::clamp(now_ - peer->time, 0.0, kFarthest);
+    return Coupling{
+        {body.centreOfMass, {1.0, 0.0, 0.0, 0.0}},
+        integrate(peer->worldFromDrawn, peer->twist, age),
+        peer->twist,
+        {lead * kLead.stiffness, lead * kLead.damping, lead * kLead.rotStiffness, lead * kLead.rotDamping}};
+  }
+  return std::nullopt;
 }
 
 void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& velocity,

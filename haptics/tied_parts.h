@@ -31,6 +31,8 @@ struct PartTie {
       0;  // any number that this tie has at both ends, and that none between them had before
   /// The same link goes on under a new epoch: nothing is felt. Both ends must say so; a peer that lost its end may not.
   bool carriesOn = false;
+  /// Until the link has come up, a replica that no hand holds is led to where the peer has it by now: a guest's.
+  bool leashed = false;
 };
 
 /// What is to be sent to a peer.
@@ -43,6 +45,9 @@ struct TiedPacket {
 class TiedParts {
  public:
   static constexpr int kMaxTies = 16;
+  /// s, of delay, at which a guest's link still does more good than harm: two hands on one part, or a part of this site
+  /// that touches another's, for as long as they touch.
+  static constexpr double kFarthestHeld = 0.15, kFarthestTouched = 0.35;
 
   /// Ties a part whose body is this one, begins a tie that there is anew, or lets it carry on. False if there is no room.
   bool tie(const PartTie& tie, const RigidBody& body);
@@ -61,8 +66,11 @@ class TiedParts {
 
   bool any() const { return sharedCount_ > 0; }
   bool has(PartId part) const { return sharedCount_ > 0 && find(part) != nullptr; }
-  /// Begins the step of a part that is tied: ramps its mass, and says what its links put on it. `now` s, session clock.
-  LinkPull pull(PartId part, RigidBody& body, double now, double dt);
+  /// Begins the step of a part that is tied: ramps its mass, and says what its links put on it. `now` s, session clock;
+  /// `held`: by a hand here.
+  LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
+  /// What leads a part that no hand holds while a link comes up, if anything does.
+  std::optional<Coupling> leash(PartId part, const RigidBody& body) const;
   /// Ends it: the velocity of the centre of mass and the spin that the body took.
   void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin);
   TieReport report(PartId part) const;
@@ -74,11 +82,13 @@ class TiedParts {
           peer(tie.peer),
           link(tie.link),
           parameters(tie.link),
+          leashed(tie.leashed),
           sinceSent(tie.link.packetPeriod - tie.link.period) {}
     PartId part;
     SiteId peer;
     CoordinationLink link;
     LinkParameters parameters;
+    bool leashed;
     Wrench acting;     // of the last step
     double sinceSent;  // s; nothing is due before the first step: there is nothing to tell
   };
