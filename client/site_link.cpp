@@ -44,6 +44,7 @@ void SiteLink::step(Micros now) {
       sendIntents();
       exchangeLinks(now);
       publish(now);
+      acknowledge(now);
     }
   }
 }
@@ -189,7 +190,6 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   frame_ = wireFrame(scene.bounds);
   ownership_.emplace(scene.parts.size(), options_.lease);
   links_.emplace(scene, 1.0 / options_.packetHz);
-  partSequence_.assign(scene.parts.size(), 0);
   if (stage_ == Stage::haveScene) enterReady();
 }
 
@@ -201,6 +201,8 @@ void SiteLink::enterReady() {
   // The server counts anew with each connection.
   updatesSent_ = updatesAtPing_ = expectedUpdates_ = heardUpdates_ = 0;
   lastSequence_.clear();
+  statesOut_.reset();
+  statesIn_.reset();
   lossUp_ = lossDown_ = {};
   statistics_.roundTrip_ms = statistics_.lossUp = statistics_.lossDown = 0.0;
   publishTimeBase(now_);
@@ -413,6 +415,7 @@ void SiteLink::take(SiteChanged& message) {
 void SiteLink::take(SiteLeft& message) {
   notice(Notice::Level::info, siteName(message.site) + " left");
   std::erase_if(sites_, [&](const SiteView& site) { return site.info.site == message.site; });
+  statesIn_.forget(message.site);
 }
 
 SiteView* SiteLink::siteView(SiteId site) {
@@ -441,8 +444,9 @@ std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {})
 
 void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
   if (!frame_ || stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
-  if (!decodeState(bytes, *frame_, incoming_)) {
-    ++statistics_.malformed;
+  const StateReceiver::Outcome outcome = statesIn_.decode(bytes, *frame_, incoming_);
+  if (outcome != StateReceiver::Outcome::taken) {
+    ++(outcome == StateReceiver::Outcome::malformed ? statistics_.malformed : statistics_.droppedBaselines);
     return;
   }
   if (const auto* pong = std::get_if<Pong>(&incoming_)) {
@@ -460,7 +464,14 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
     takeUpdate(*update, now);
   } else if (const auto* link = std::get_if<LinkUpdate>(&incoming_)) {
     takeLink(*link, now);
+  } else if (const auto* ack = std::get_if<StateAck>(&incoming_)) {
+    statesOut_.acknowledged(*ack);
   }
+}
+
+/// The server may tell what follows against what has come.
+void SiteLink::acknowledge(Micros now) {
+  if (const std::optional<StateAck> ack = statesIn_.takeAck(now)) sendState(*ack);
 }
 
 void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
@@ -583,7 +594,7 @@ void SiteLink::publish(Micros now) {
     if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch ||
         !ownership_->mayPublish(part.part, now))
       continue;
-    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], ++partSequence_[part.part],
+    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], updateSequence_ + 1,
                                part.worldFromPart, part.atRest ? Twist{} : part.twist});
     if (observer_) observer_->onPublished(outgoing_.parts.back());
   }
@@ -597,7 +608,8 @@ void SiteLink::publish(Micros now) {
   outgoingMessage_ = outgoing_;
   ++statistics_.sentUpdates;
   ++updatesSent_;
-  sendState(outgoingMessage_);
+  statesOut_.encode(outgoing_, *frame_, bytes_);
+  if (transport_) transport_->sendState(0, bytes_);
   if (recording_) recording_->write(outgoing_.time, outgoingMessage_);
 }
 

@@ -22,6 +22,7 @@
 #include "sync/play_out.h"
 #include "sync/recording.h"
 #include "sync/site_colours.h"
+#include "sync/state_stream.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
 
@@ -55,6 +56,7 @@ struct LinkStatistics {
   double roundTrip_ms = 0.0;  // 0: no ping of this connection was answered yet
   double lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
+  std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
   std::uint64_t reconnects = 0;
   sync::TransportCounters transport;  // of the present connection
 };
@@ -150,6 +152,7 @@ class SiteLink {
   void sendIntents();
   void exchangeLinks(sync::Micros now);
   void publish(sync::Micros now);
+  void acknowledge(sync::Micros now);
   void publishTimeBase(sync::Micros now);
   void send(const sync::ControlMessage& message);
   void sendState(const sync::StateMessage& message);
@@ -194,7 +197,6 @@ class SiteLink {
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
   sync::Micros nextPing_ = 0, nextUpdate_ = 0;
-  std::vector<std::uint32_t> partSequence_;  // by part, of what this site publishes
   HandOutput hand_;
   Pose worldFromCamera_;
 
@@ -208,6 +210,8 @@ class SiteLink {
   LossMeter lossUp_, lossDown_;
 
   sync::StateUpdate outgoing_;
+  sync::StateSender statesOut_;
+  sync::StateReceiver statesIn_;
   sync::StateMessage incoming_, outgoingMessage_;
   std::vector<std::byte> bytes_;
 };

@@ -183,6 +183,7 @@ void Session::State::onGoodbye(Peer& peer) {
   transport.close(connection);
   peers.erase(connection);
   tellAll(sync::SiteLeft{id});
+  forgetStates(id);
   relist();
   say(nameOf(id) + " left");
 }
@@ -223,6 +224,7 @@ void Session::State::relist() {
   const auto unlist = [&](KnownSite& site) {
     site.listed = false;
     tellAll(sync::SiteLeft{site.info.site});
+    forgetStates(site.info.site);
   };
   std::vector<KnownSite*> lost;
   std::size_t shown = 0;

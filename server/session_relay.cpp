@@ -29,17 +29,25 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
   }
   // An update is decoded into storage of its own, so that nothing else frees its vector.
   sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming : incomingShort;
-  if (!sync::decodeState(bytes, frame, message)) {
+  using Outcome = sync::StateReceiver::Outcome;
+  const Outcome outcome = peer.statesIn.decode(bytes, frame, message);
+  if (outcome == Outcome::malformed) {
     ++counts.droppedMalformed;
     return;
   }
   peer.lastHeard = now;
+  if (outcome != Outcome::taken) {
+    ++counts.droppedBaselines;
+    return;
+  }
   if (const auto* ping = std::get_if<sync::Ping>(&message)) {
     onPing(peer, *ping);
   } else if (std::holds_alternative<sync::StateUpdate>(message)) {
     onUpdate(peer, message);
   } else if (std::holds_alternative<sync::LinkUpdate>(message)) {
     onLink(peer, message);
+  } else if (const auto* ack = std::get_if<sync::StateAck>(&message)) {
+    peer.statesOut.acknowledged(*ack);
   } else {
     ++counts.droppedMalformed;  // only the server says this
   }
@@ -74,6 +82,19 @@ void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
   transport.sendState(peer.connection, stateBytes);
 }
 
+/// The site may tell what follows against what has come.
+void Session::State::acknowledge(Peer& peer) {
+  const std::optional<sync::StateAck> ack = peer.statesIn.takeAck(now);
+  if (!ack) return;
+  sync::encodeState(*ack, frame, stateBytes);
+  transport.sendState(peer.connection, stateBytes);
+}
+
+/// Of a site that is not coming back.
+void Session::State::forgetStates(SiteId origin) {
+  for (auto& [connection, peer] : peers) peer.statesOut.forget(origin);
+}
+
 bool Session::State::plausible(const sync::StateUpdate& update) const {
   if (update.time > now + kMaxAhead || update.time < now - kMaxBehind) return false;
   if (update.presence.touched != kNoPart && update.presence.touched >= scene.parts.size()) return false;
@@ -86,6 +107,7 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     ++counts.droppedEarly;
     return;
   }
+  acknowledge(peer);
   auto& update = std::get<sync::StateUpdate>(message);
   if (!plausible(update)) {
     ++counts.droppedMalformed;
@@ -106,7 +128,8 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     moved[state.part] = true;
     movedParts.push_back(state.part);
   }
-  if (!newest && update.parts.empty()) return;  // an old presence, and nothing else of use
+  // An old presence, or none, and nothing else of use.
+  if (update.parts.empty() && !(newest && update.newPresence)) return;
 
   update.site = update.presence.site = peer.site;
   if (recording != nullptr) recording->write(now, message);
@@ -115,7 +138,7 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
   for (auto& [connection, other] : peers) {
     if (other.stage != Stage::ready || other.site == peer.site) continue;
     update.sequence = ++other.sequenceOut;
-    sync::encodeState(message, frame, stateBytes);
+    other.statesOut.encode(update, frame, stateBytes);
     transport.sendState(connection, stateBytes);
   }
 }

@@ -14,6 +14,7 @@
 #include "server/outbox.h"
 #include "server/session.h"
 #include "sync/site_colours.h"
+#include "sync/state_stream.h"
 #include "sync/wire.h"
 
 namespace tandem::server {
@@ -37,6 +38,8 @@ struct Peer {
   std::uint32_t sequenceOut = 0;     // of StateUpdates to this site
   std::uint32_t updatesIn = 0;       // StateUpdates that came from it
   std::uint32_t lastSequenceIn = 0;
+  sync::StateSender statesOut;
+  sync::StateReceiver statesIn{1};
   double allowance = kDatagramBurst;  // datagrams that it may send at once
   sync::Micros allowanceAt = 0;
 };
@@ -153,6 +156,8 @@ struct Session::State {
   void onPing(Peer& peer, const sync::Ping& ping);
   void onLink(Peer& peer, sync::StateMessage& message);
   void onUpdate(Peer& peer, sync::StateMessage& message);
+  void acknowledge(Peer& peer);
+  void forgetStates(SiteId origin);
   bool plausible(const sync::StateUpdate& update) const;
   bool withinRate(Peer& peer);
 };
