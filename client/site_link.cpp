@@ -16,7 +16,7 @@ constexpr int kMostQuestions = 4;  // for a part that comes and goes: then the h
 
 SiteLink::SiteLink(SiteLinkOptions options, Connector connector)
     : options_(std::move(options)), connector_(std::move(connector)), retryDelay_(options_.retryFirst) {
-  outgoing_.parts.reserve(haptics::kMaxOwnedParts);
+  offered_.reserve(haptics::kMaxOwnedParts);
   bytes_.reserve(kMaxStateBytes);
 }
 
@@ -189,7 +189,8 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   exchange_ = &exchange;
   frame_ = wireFrame(scene.bounds);
   ownership_.emplace(scene.parts.size(), options_.lease);
-  links_.emplace(scene, 1.0 / options_.packetHz);
+  publisher_.emplace(scene, *frame_, options_.rates);
+  links_.emplace(scene, 1.0 / options_.rates.most);
   if (stage_ == Stage::haveScene) enterReady();
 }
 
@@ -197,7 +198,8 @@ void SiteLink::enterReady() {
   ownership_->setSelf(welcome_.site);
   ownership_->forgetMembers();
   stage_ = Stage::ready;
-  nextPing_ = nextUpdate_ = now_;
+  nextPing_ = now_;
+  publisher_->reset();
   // The server counts anew with each connection.
   updatesSent_ = updatesAtPing_ = expectedUpdates_ = heardUpdates_ = 0;
   lastSequence_.clear();
@@ -582,35 +584,53 @@ void SiteLink::exchangeLinks(Micros now) {
   for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
-void SiteLink::publish(Micros now) {
-  hand_ = exchange_->output.latest();
-  if (!clock_.known() || now < nextUpdate_) return;
-  const haptics::TickOutput& tick = hand_.tick;
-  outgoing_.parts.clear();
-  for (int i = 0; i < tick.ownedCount; ++i) {
+/// Whether somebody else's hand feels the part.
+bool SiteLink::othersTouch(PartId part) const {
+  if (!ownership_->members(part).sites.empty()) return true;
+  return std::any_of(sites_.begin(), sites_.end(), [&](const SiteView& site) {
+    return !site.self && site.info.connected && site.seen && site.presence.touched == part;
+  });
+}
+
+void SiteLink::offerParts(Micros now) {
+  offered_.clear();
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const haptics::OwnedPart& part = tick.owned[index];
+    const haptics::OwnedPart& part = hand_.tick.owned[index];
     // The view, not the hand, says what this site may say (S3); the hand goes on either way.
     if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch ||
         !ownership_->mayPublish(part.part, now))
       continue;
-    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], updateSequence_ + 1,
-                               part.worldFromPart, part.atRest ? Twist{} : part.twist});
-    if (observer_) observer_->onPublished(outgoing_.parts.back());
+    offered_.push_back({{part.part, hand_.ownedEpoch[index], updateSequence_ + 1, part.worldFromPart,
+                         part.atRest ? Twist{} : part.twist},
+                        othersTouch(part.part)});
   }
-  const double hz = outgoing_.parts.empty() ? options_.presenceHz : options_.packetHz;
-  nextUpdate_ = std::max(nextUpdate_ + static_cast<Micros>(1e6 / hz), now - kMillisecond);
-  outgoing_.site = welcome_.site;
-  outgoing_.sequence = ++updateSequence_;
-  outgoing_.time = clock_.sessionTime(hand_.time);
-  outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force,
-                        tick.touched};
-  outgoingMessage_ = outgoing_;
+}
+
+void SiteLink::publish(Micros now) {
+  hand_ = exchange_->output.latest();
+  if (!clock_.known() || !publisher_->mayBeDue(now)) return;
+  offerParts(now);
+  const Presence presence{welcome_.site, hand_.tick.worldFromProxy, worldFromCamera_,
+                          hand_.tick.toHand.force, hand_.tick.touched};
+  bool newPresence = true;
+  if (!publisher_->due(now, hand_.time, offered_, presence, newPresence)) return;
+  StateUpdate& update = std::get<StateUpdate>(outgoingUpdate_);
+  update.site = welcome_.site;
+  update.sequence = ++updateSequence_;
+  update.time = clock_.sessionTime(hand_.time);
+  update.presence = presence;
+  update.newPresence = newPresence;
+  update.parts.clear();
+  for (const OfferedPart& part : offered_) {
+    update.parts.push_back(part.state);
+    if (observer_) observer_->onPublished(part.state);
+  }
   ++statistics_.sentUpdates;
   ++updatesSent_;
-  statesOut_.encode(outgoing_, *frame_, bytes_);
+  statesOut_.encode(update, *frame_, bytes_);
   if (transport_) transport_->sendState(0, bytes_);
-  if (recording_) recording_->write(outgoing_.time, outgoingMessage_);
+  if (recording_) recording_->write(update.time, outgoingUpdate_);
 }
 
 void SiteLink::send(const ControlMessage& message) {

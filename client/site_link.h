@@ -16,6 +16,7 @@
 #include "client/exchange.h"
 #include "client/loss_meter.h"
 #include "client/part_links.h"
+#include "client/state_publisher.h"
 #include "client/view_model.h"
 #include "sync/clock_offset.h"
 #include "sync/ownership.h"
@@ -32,8 +33,7 @@ struct SiteLinkOptions {
   std::string name = "site";
   sync::SiteColour colour = sync::kAnyColour;
   std::string token;         // of the join link
-  double packetHz = 250.0;   // while a part of this site moves
-  double presenceHz = 60.0;  // otherwise
+  PublishRates rates;
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
   sync::LeaseRules lease;  // the length is replaced by the server's
@@ -152,6 +152,8 @@ class SiteLink {
   void sendIntents();
   void exchangeLinks(sync::Micros now);
   void publish(sync::Micros now);
+  void offerParts(sync::Micros now);
+  bool othersTouch(PartId part) const;
   void acknowledge(sync::Micros now);
   void publishTimeBase(sync::Micros now);
   void send(const sync::ControlMessage& message);
@@ -196,7 +198,7 @@ class SiteLink {
   std::optional<OpenGrab> closeGrab(sync::RequestId request, PartId part);
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
-  sync::Micros nextPing_ = 0, nextUpdate_ = 0;
+  sync::Micros nextPing_ = 0;
   HandOutput hand_;
   Pose worldFromCamera_;
 
@@ -209,10 +211,11 @@ class SiteLink {
   std::uint32_t newestUpdate_ = 0;  // its sequence
   LossMeter lossUp_, lossDown_;
 
-  sync::StateUpdate outgoing_;
+  std::optional<StatePublisher> publisher_;
+  std::vector<OfferedPart> offered_;
   sync::StateSender statesOut_;
   sync::StateReceiver statesIn_;
-  sync::StateMessage incoming_, outgoingMessage_;
+  sync::StateMessage incoming_, outgoingMessage_, outgoingUpdate_{sync::StateUpdate{}};
   std::vector<std::byte> bytes_;
 };
 

@@ -108,10 +108,9 @@ glm::dquat turned(const glm::dvec3& rotation, const glm::dquat& from) {
   const double s = v.x * v.x + v.y * v.y + v.z * v.z;
   const double sine = 1.0 - s / 6.0 * (1.0 - s / 20.0), cosine = 1.0 - s / 2.0 * (1.0 - s / 12.0);
   const double w = cosine, x = sine * v.x, y = sine * v.y, z = sine * v.z;
-  const glm::dquat q(w * from.w - x * from.x - y * from.y - z * from.z,
-                     w * from.x + x * from.w + y * from.z - z * from.y,
-                     w * from.y - x * from.z + y * from.w + z * from.x,
-                     w * from.z + x * from.y - y * from.x + z * from.w);
+  const glm::dquat q(
+      w * from.w - x * from.x - y * from.y - z * from.z, w * from.x + x * from.w + y * from.z - z * from.y,
+      w * from.y - x * from.z + y * from.w + z * from.x, w * from.z + x * from.y - y * from.x + z * from.w);
   const double norm = std::sqrt(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z);
   return glm::dquat(q.w / norm, q.x / norm, q.y / norm, q.z / norm);
 }
@@ -148,7 +147,9 @@ class Prediction {
   }
 
  private:
-  Code3 speed(const Code3& before, const Code3& at) const { return predictedSpeed(before, at, rule_, h_, d_); }
+  Code3 speed(const Code3& before, const Code3& at) const {
+    return predictedSpeed(before, at, rule_, h_, d_);
+  }
 
   const PartBaseline& baseline_;
   Rule rule_;
@@ -197,12 +198,11 @@ struct Residual {
   int bitsOfOrders() const { return kOrderBits * static_cast<int>(threes.size() - first()); }
   /// Whether the baseline's orders take fewer bits than sending better ones.
   bool inherits(const PartBaseline& baseline) const {
-    return baseline.hasBefore &&
-           bitsOfThrees(baseline.orders) <= bitsOfThrees(bestOrders()) + bitsOfOrders();
+    return baseline.hasBefore && bitsOfThrees(baseline.orders) <= bitsOfThrees(bestOrders()) + bitsOfOrders();
   }
   int bits(const PartBaseline& baseline) const {
-    const int numbers = inherits(baseline) ? bitsOfThrees(baseline.orders)
-                                           : bitsOfOrders() + bitsOfThrees(bestOrders());
+    const int numbers =
+        inherits(baseline) ? bitsOfThrees(baseline.orders) : bitsOfOrders() + bitsOfThrees(bestOrders());
     return 1 + (baseline.hasBefore ? 2 : 0) + (largestAsPredicted ? 1 : 3) + numbers;
   }
 };
@@ -278,8 +278,7 @@ DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros ela
     now.twist.angular = prediction.angular() + residual.threes[1];
   }
   // Checked before they are used: no prediction is made from a velocity that there cannot be.
-  if (!within(now.twist.linear, -kSpeedMax, kSpeedMax) ||
-      !within(now.twist.angular, -kSpeedMax, kSpeedMax)) {
+  if (!within(now.twist.linear, -kSpeedMax, kSpeedMax) || !within(now.twist.angular, -kSpeedMax, kSpeedMax)) {
     reader.fail();
     return {};
   }

@@ -36,7 +36,7 @@ inline constexpr Micros kLongestElapsed = (Micros{1} << kElapsedBits) - 1;
 
 /// Appends `now`, `elapsed` after the baseline. Part, epoch and sequence are the caller's to tell.
 DeltaOrders putDelta(BitWriter& writer, const PartBaseline& baseline, Micros elapsed, const PartCode& now,
-              const WireFrame& frame);
+                     const WireFrame& frame);
 int deltaBits(const PartBaseline& baseline, Micros elapsed, const PartCode& now, const WireFrame& frame);
 /// Pose and twist of `now`. The reader fails if they are out of range.
 DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros elapsed, const WireFrame& frame,

@@ -79,9 +79,8 @@ PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped) {
 
 bool fromCode(const PoseCode& code, const WireFrame& frame, Pose& pose) {
   for (int i = 0; i < 3; ++i) {
-    pose.position[i] =
-        frame.centre[i] + static_cast<double>(code.position[static_cast<std::size_t>(i)]) *
-                              (frame.halfExtent / (kPositionMax + 1));
+    pose.position[i] = frame.centre[i] + static_cast<double>(code.position[static_cast<std::size_t>(i)]) *
+                                             (frame.halfExtent / (kPositionMax + 1));
   }
   double w[4] = {}, sum = 0.0;
   std::size_t k = 0;

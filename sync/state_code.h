@@ -14,7 +14,8 @@
 
 namespace tandem::sync {
 
-inline constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, kPartBits = 14, kTimeBits = 56;
+inline constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, kPartBits = 14,
+                     kTimeBits = 56;
 inline constexpr int kPoseBits = 3 * kPositionBits + 2 + 3 * kQuaternionBits;
 inline constexpr int kTwistBits = 6 * kSpeedBits;
 inline constexpr int kPresenceBits = 2 * kPoseBits + 3 * kSpeedBits + 1 + kPartBits;

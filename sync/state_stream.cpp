@@ -10,14 +10,16 @@ namespace {
 constexpr int kDistanceBits = 16, kCheckBits = 16;
 constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1;
 constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
-constexpr std::size_t kReceiverSpare = 8;  // of reordering: a newer mark may come before what its baseline was for
+constexpr std::size_t kReceiverSpare =
+    8;  // of reordering: a newer mark may come before what its baseline was for
 
 /// Of states that must come out as they went in: each number takes part in the order of the wire.
 class Check {
  public:
   void add(const PartCode& code) {
-    for (const std::uint64_t x : {std::uint64_t{code.part}, std::uint64_t{code.epoch},
-                                  std::uint64_t{code.sequence}, static_cast<std::uint64_t>(code.pose.largest)})
+    for (const std::uint64_t x :
+         {std::uint64_t{code.part}, std::uint64_t{code.epoch}, std::uint64_t{code.sequence},
+          static_cast<std::uint64_t>(code.pose.largest)})
       mix(x);
     for (const Code3* three :
          {&code.pose.position, &code.pose.three, &code.twist.linear, &code.twist.angular})
@@ -196,9 +198,9 @@ void StateSender::encode(const StateUpdate& update, const WireFrame& frame, std:
   const Micros elapsed = baseline != nullptr ? update.time - baseline->time : 0;
   const bool presence = update.newPresence || !stream.presenceSent;
   stream.presenceSent = true;
-  const int head = kHeadBits + 8 + (presence ? kPresenceBits : 0) +
-                   (baseline != nullptr ? kDistanceBits + kElapsedBits + varintBits(*step) + kCheckBits
-                                        : kTimeBits);
+  const int head =
+      kHeadBits + 8 + (presence ? kPresenceBits : 0) +
+      (baseline != nullptr ? kDistanceBits + kElapsedBits + varintBits(*step) + kCheckBits : kTimeBits);
   plan(baseline, elapsed, step, frame, static_cast<int>(kMaxStateBytes) * 8 - head);
   const bool keeps = !codes_.empty() && (!stream.everKept || update.time - stream.keptAt >= kKeepInterval ||
                                          update.time < stream.keptAt);

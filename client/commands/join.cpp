@@ -36,6 +36,7 @@ struct Arguments {
   bool headless = false, tcp = false, quiet = false, noPartContact = false;
   double duration = 0.0, clashes = -1.0;  // s; m, below 0: the list of clashes stays shut
   int width = 1440, height = 900;
+  double deadband = PublishRates{}.deadband;
 };
 
 volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
@@ -503,6 +504,7 @@ int run(Arguments& arguments) {
   options.udp = !arguments.tcp;
   options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
   options.recordPath = arguments.record;
+  options.deadband = arguments.deadband;
   const bool watches =
       arguments.hand.empty() && !hasSecondHand(arguments) &&
       (arguments.device.empty() ? arguments.headless || !displayPresent() : arguments.device == "none");
@@ -568,6 +570,12 @@ void addJoin(CLI::App& app, int& exitCode) {
       ->capture_default_str();
   command->add_option("--height", arguments->height, "The same")
       ->check(CLI::Range(200, 4320))
+      ->capture_default_str();
+  command
+      ->add_option("--deadband", arguments->deadband,
+                   "How wrong a moving part may look to the others before it is told anew, as a share of "
+                   "its way (Weber fraction); 0: always at the full rate")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_flag("--tcp", arguments->tcp,
                     "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");

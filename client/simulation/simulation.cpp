@@ -208,7 +208,8 @@ HandSettingsInput SimulatedSite::settings() const {
 void SimulatedSite::start() {
   SiteLinkOptions options;
   options.name = description.name;
-  options.packetHz = simulation.scenario.packetHz;
+  options.rates.most = simulation.scenario.packetHz;
+  options.rates.deadband = description.deadband;
   options.token =
       simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
   link = std::make_unique<SiteLink>(options, [this]() -> Result<std::unique_ptr<Transport>> {

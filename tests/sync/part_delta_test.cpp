@@ -45,11 +45,8 @@ TEST(PartDelta, AnyStateComesBackExactlyFromAnyOther) {
   RandomMessages random(21);
   for (int round = 0; round < 20000; ++round) {
     const auto parts = random.update(3, kFrame).parts;
-    PartBaseline baseline{codeOf(parts[0]),
-                          random.chance(0.5),
-                          codeOf(parts[1]).twist,
-                          1 + random.number(2000000),
-                          {}};
+    PartBaseline baseline{
+        codeOf(parts[0]), random.chance(0.5), codeOf(parts[1]).twist, 1 + random.number(2000000), {}};
     for (int& order : baseline.orders) order = static_cast<int>(random.number(16));
     roundTrip(baseline, 1 + random.number(kLongestElapsed), codeOf(parts[2]));
   }
@@ -177,8 +174,11 @@ TEST(PartDelta, WhateverTheBytesAreTheStateIsAValidOneOrNone) {
   int taken = 0;
   for (int round = 0; round < 50000; ++round) {
     const auto parts = random.update(2, kFrame).parts;
-    const PartBaseline baseline{codeOf(parts[0]), random.chance(0.5), codeOf(parts[1]).twist,
-                                1 + random.number(1 << 22), {3, 0, 15, 7}};
+    const PartBaseline baseline{codeOf(parts[0]),
+                                random.chance(0.5),
+                                codeOf(parts[1]).twist,
+                                1 + random.number(1 << 22),
+                                {3, 0, 15, 7}};
     std::vector<std::byte> bytes(random.number(40));
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.number(256));
     PartCode back = baseline.code;
