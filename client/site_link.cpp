@@ -94,9 +94,11 @@ void SiteLink::takeEvents(Micros now) {
         break;
       }
       case TransportEvent::Kind::control:
+        statistics_.received.countControl(event.bytes.size());
         takeControl(event.bytes, now);
         break;
       case TransportEvent::Kind::state:
+        statistics_.received.countState(event.bytes);
         takeState(event.bytes, now);
         break;
       case TransportEvent::Kind::closed:
@@ -629,17 +631,26 @@ void SiteLink::publish(Micros now) {
   ++statistics_.sentUpdates;
   ++updatesSent_;
   statesOut_.encode(update, *frame_, bytes_);
-  if (transport_) transport_->sendState(0, bytes_);
+  sendBytes();
   if (recording_) recording_->write(update.time, outgoingUpdate_);
 }
 
 void SiteLink::send(const ControlMessage& message) {
-  if (transport_) transport_->sendControl(0, encodeControl(message));
+  if (!transport_) return;
+  const std::vector<std::byte> bytes = encodeControl(message);
+  statistics_.sent.countControl(bytes.size());
+  transport_->sendControl(0, bytes);
 }
 
 void SiteLink::sendState(const StateMessage& message) {
   if (!transport_ || !frame_) return;
   encodeState(message, *frame_, bytes_);
+  sendBytes();
+}
+
+void SiteLink::sendBytes() {
+  if (!transport_) return;
+  statistics_.sent.countState(bytes_);
   transport_->sendState(0, bytes_);
 }
 

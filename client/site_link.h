@@ -24,6 +24,7 @@
 #include "sync/recording.h"
 #include "sync/site_colours.h"
 #include "sync/state_stream.h"
+#include "sync/traffic.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
 
@@ -59,6 +60,7 @@ struct LinkStatistics {
   std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
   std::uint64_t reconnects = 0;
   sync::TransportCounters transport;  // of the present connection
+  sync::Traffic sent, received;       // of all
 };
 
 class SiteLink {
@@ -158,6 +160,7 @@ class SiteLink {
   void publishTimeBase(sync::Micros now);
   void send(const sync::ControlMessage& message);
   void sendState(const sync::StateMessage& message);
+  void sendBytes();
   void notice(Notice::Level level, std::string text);
   SiteView* siteView(SiteId site);
   std::string siteName(SiteId site) const;

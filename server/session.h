@@ -29,6 +29,7 @@
 #include "server/journal.h"
 #include "sync/ownership.h"
 #include "sync/recording.h"
+#include "sync/traffic.h"
 #include "sync/transport.h"
 
 namespace tandem::server {
@@ -52,6 +53,7 @@ struct SessionCounters {
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that no part ties
   std::uint64_t droppedFlood = 0;      // datagrams beyond kMaxDatagramRate
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
+  sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
 };
 

@@ -38,6 +38,7 @@ struct Peer {
   std::uint32_t sequenceOut = 0;     // of StateUpdates to this site
   std::uint32_t updatesIn = 0;       // StateUpdates that came from it
   std::uint32_t lastSequenceIn = 0;
+  sync::Presence presence;  // the newest
   sync::StateSender statesOut;
   sync::StateReceiver statesIn{1};
   double allowance = kDatagramBurst;  // datagrams that it may send at once
@@ -109,6 +110,7 @@ struct Session::State {
   void runTimers();
   void flushOutbox();
   void send(const Outgoing& item);
+  void sendControl(sync::ConnectionId connection, std::span<const std::byte> bytes);
   void tell(const Peer& peer, sync::ControlMessage message);
   void tellAll(sync::ControlMessage message, SiteId except = kNoSite);
   void keep(const JournalRecord& record) { appended = journal.append(record); }
@@ -158,6 +160,8 @@ struct Session::State {
   void onUpdate(Peer& peer, sync::StateMessage& message);
   void acknowledge(Peer& peer);
   void forgetStates(SiteId origin);
+  void sendState(sync::ConnectionId connection);
+  void orderFor(const Peer& peer, std::vector<sync::PartState>& parts) const;
   bool plausible(const sync::StateUpdate& update) const;
   bool withinRate(Peer& peer);
 };

@@ -21,6 +21,7 @@
 #include "client/join/live_table.h"
 #include "client/rounded_json.h"
 #include "client/tick_flags.h"
+#include "client/traffic_json.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/devices/steered_hand.h"
@@ -204,6 +205,8 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["loss_down"] = link.lossDown;
   json["play_out_ms"] = link.playOut_ms;
   json["reconnects"] = link.reconnects;
+  json["sent"] = trafficJson(link.sent);
+  json["received"] = trafficJson(link.received);
   json["dropped_states"] = link.droppedStates;
   json["state_over_udp"] = model.link.stateOverUdp;
   json["flags_seen"] = flagNames(model.hand.flagsSeen);

@@ -95,6 +95,7 @@ class SimulatedSite : public LinkObserver {
   std::vector<Pose> lastPoses;  // of every part, as of the last tick here
   std::vector<Pose> drawn;      // of every part, as a window here would show it
   std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
+  Traffic sentBefore;  // by what crashed since
 
  private:
   HandSettingsInput settings() const;
@@ -229,6 +230,7 @@ void SimulatedSite::crash() {
   countTransport();
   if (link) {
     droppedStates += link->statistics().droppedStates;
+    sentBefore.add(link->statistics().sent);
     simulation.invariants.onDead(index, id);
   }
   link.reset();
@@ -547,6 +549,8 @@ SimulationResult Simulation::result() {
         site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
     out.packetsPerSecond =
         static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
+    out.sent = site->sentBefore;
+    if (site->link) out.sent.add(site->link->statistics().sent);
     out.bytesPerSecond =
         static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
         scenario.duration;
