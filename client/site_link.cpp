@@ -16,7 +16,7 @@ constexpr int kMostQuestions = 4;  // for a part that comes and goes: then the h
 
 SiteLink::SiteLink(SiteLinkOptions options, Connector connector)
     : options_(std::move(options)), connector_(std::move(connector)), retryDelay_(options_.retryFirst) {
-  outgoing_.parts.reserve(haptics::kMaxOwnedParts);
+  offered_.reserve(haptics::kMaxOwnedParts);
   bytes_.reserve(kMaxStateBytes);
 }
 
@@ -44,6 +44,7 @@ void SiteLink::step(Micros now) {
       sendIntents();
       exchangeLinks(now);
       publish(now);
+      acknowledge(now);
     }
   }
 }
@@ -93,9 +94,11 @@ void SiteLink::takeEvents(Micros now) {
         break;
       }
       case TransportEvent::Kind::control:
+        statistics_.received.countControl(event.bytes.size());
         takeControl(event.bytes, now);
         break;
       case TransportEvent::Kind::state:
+        statistics_.received.countState(event.bytes);
         takeState(event.bytes, now);
         break;
       case TransportEvent::Kind::closed:
@@ -188,8 +191,8 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   exchange_ = &exchange;
   frame_ = wireFrame(scene.bounds);
   ownership_.emplace(scene.parts.size(), options_.lease);
-  links_.emplace(scene, 1.0 / options_.packetHz);
-  partSequence_.assign(scene.parts.size(), 0);
+  publisher_.emplace(scene, *frame_, options_.rates);
+  links_.emplace(scene, 1.0 / options_.rates.most);
   if (stage_ == Stage::haveScene) enterReady();
 }
 
@@ -197,10 +200,13 @@ void SiteLink::enterReady() {
   ownership_->setSelf(welcome_.site);
   ownership_->forgetMembers();
   stage_ = Stage::ready;
-  nextPing_ = nextUpdate_ = now_;
+  nextPing_ = now_;
+  publisher_->reset();
   // The server counts anew with each connection.
   updatesSent_ = updatesAtPing_ = expectedUpdates_ = heardUpdates_ = 0;
   lastSequence_.clear();
+  statesOut_.reset();
+  statesIn_.reset();
   lossUp_ = lossDown_ = {};
   statistics_.roundTrip_ms = statistics_.lossUp = statistics_.lossDown = 0.0;
   publishTimeBase(now_);
@@ -413,6 +419,7 @@ void SiteLink::take(SiteChanged& message) {
 void SiteLink::take(SiteLeft& message) {
   notice(Notice::Level::info, siteName(message.site) + " left");
   std::erase_if(sites_, [&](const SiteView& site) { return site.info.site == message.site; });
+  statesIn_.forget(message.site);
 }
 
 SiteView* SiteLink::siteView(SiteId site) {
@@ -441,8 +448,9 @@ std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {})
 
 void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
   if (!frame_ || stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
-  if (!decodeState(bytes, *frame_, incoming_)) {
-    ++statistics_.malformed;
+  const StateReceiver::Outcome outcome = statesIn_.decode(bytes, *frame_, incoming_);
+  if (outcome != StateReceiver::Outcome::taken) {
+    ++(outcome == StateReceiver::Outcome::malformed ? statistics_.malformed : statistics_.droppedBaselines);
     return;
   }
   if (const auto* pong = std::get_if<Pong>(&incoming_)) {
@@ -460,7 +468,14 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
     takeUpdate(*update, now);
   } else if (const auto* link = std::get_if<LinkUpdate>(&incoming_)) {
     takeLink(*link, now);
+  } else if (const auto* ack = std::get_if<StateAck>(&incoming_)) {
+    statesOut_.acknowledged(*ack);
   }
+}
+
+/// The server may tell what follows against what has come.
+void SiteLink::acknowledge(Micros now) {
+  if (const std::optional<StateAck> ack = statesIn_.takeAck(now)) sendState(*ack);
 }
 
 void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
@@ -571,43 +586,71 @@ void SiteLink::exchangeLinks(Micros now) {
   for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
-void SiteLink::publish(Micros now) {
-  hand_ = exchange_->output.latest();
-  if (!clock_.known() || now < nextUpdate_) return;
-  const haptics::TickOutput& tick = hand_.tick;
-  outgoing_.parts.clear();
-  for (int i = 0; i < tick.ownedCount; ++i) {
+/// Whether somebody else's hand feels the part.
+bool SiteLink::othersTouch(PartId part) const {
+  if (!ownership_->members(part).sites.empty()) return true;
+  return std::any_of(sites_.begin(), sites_.end(), [&](const SiteView& site) {
+    return !site.self && site.info.connected && site.seen && site.presence.touched == part;
+  });
+}
+
+void SiteLink::offerParts(Micros now) {
+  offered_.clear();
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const haptics::OwnedPart& part = tick.owned[index];
+    const haptics::OwnedPart& part = hand_.tick.owned[index];
     // The view, not the hand, says what this site may say (S3); the hand goes on either way.
     if (hand_.ownedEpoch[index] != ownership_->part(part.part).epoch ||
         !ownership_->mayPublish(part.part, now))
       continue;
-    outgoing_.parts.push_back({part.part, hand_.ownedEpoch[index], ++partSequence_[part.part],
-                               part.worldFromPart, part.atRest ? Twist{} : part.twist});
-    if (observer_) observer_->onPublished(outgoing_.parts.back());
+    offered_.push_back({{part.part, hand_.ownedEpoch[index], updateSequence_ + 1, part.worldFromPart,
+                         part.atRest ? Twist{} : part.twist},
+                        othersTouch(part.part)});
   }
-  const double hz = outgoing_.parts.empty() ? options_.presenceHz : options_.packetHz;
-  nextUpdate_ = std::max(nextUpdate_ + static_cast<Micros>(1e6 / hz), now - kMillisecond);
-  outgoing_.site = welcome_.site;
-  outgoing_.sequence = ++updateSequence_;
-  outgoing_.time = clock_.sessionTime(hand_.time);
-  outgoing_.presence = {welcome_.site, tick.worldFromProxy, worldFromCamera_, tick.toHand.force,
-                        tick.touched};
-  outgoingMessage_ = outgoing_;
+}
+
+void SiteLink::publish(Micros now) {
+  hand_ = exchange_->output.latest();
+  if (!clock_.known() || !publisher_->mayBeDue(now)) return;
+  offerParts(now);
+  const Presence presence{welcome_.site, hand_.tick.worldFromProxy, worldFromCamera_,
+                          hand_.tick.toHand.force, hand_.tick.touched};
+  bool newPresence = true;
+  if (!publisher_->due(now, hand_.time, offered_, presence, newPresence)) return;
+  StateUpdate& update = std::get<StateUpdate>(outgoingUpdate_);
+  update.site = welcome_.site;
+  update.sequence = ++updateSequence_;
+  update.time = clock_.sessionTime(hand_.time);
+  update.presence = presence;
+  update.newPresence = newPresence;
+  update.parts.clear();
+  for (const OfferedPart& part : offered_) {
+    update.parts.push_back(part.state);
+    if (observer_) observer_->onPublished(part.state);
+  }
   ++statistics_.sentUpdates;
   ++updatesSent_;
-  sendState(outgoingMessage_);
-  if (recording_) recording_->write(outgoing_.time, outgoingMessage_);
+  statesOut_.encode(update, *frame_, bytes_);
+  sendBytes();
+  if (recording_) recording_->write(update.time, outgoingUpdate_);
 }
 
 void SiteLink::send(const ControlMessage& message) {
-  if (transport_) transport_->sendControl(0, encodeControl(message));
+  if (!transport_) return;
+  const std::vector<std::byte> bytes = encodeControl(message);
+  statistics_.sent.countControl(bytes.size());
+  transport_->sendControl(0, bytes);
 }
 
 void SiteLink::sendState(const StateMessage& message) {
   if (!transport_ || !frame_) return;
   encodeState(message, *frame_, bytes_);
+  sendBytes();
+}
+
+void SiteLink::sendBytes() {
+  if (!transport_) return;
+  statistics_.sent.countState(bytes_);
   transport_->sendState(0, bytes_);
 }
 

@@ -16,12 +16,15 @@
 #include "client/exchange.h"
 #include "client/loss_meter.h"
 #include "client/part_links.h"
+#include "client/state_publisher.h"
 #include "client/view_model.h"
 #include "sync/clock_offset.h"
 #include "sync/ownership.h"
 #include "sync/play_out.h"
 #include "sync/recording.h"
 #include "sync/site_colours.h"
+#include "sync/state_stream.h"
+#include "sync/traffic.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
 
@@ -31,8 +34,7 @@ struct SiteLinkOptions {
   std::string name = "site";
   sync::SiteColour colour = sync::kAnyColour;
   std::string token;         // of the join link
-  double packetHz = 250.0;   // while a part of this site moves
-  double presenceHz = 60.0;  // otherwise
+  PublishRates rates;
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
   sync::LeaseRules lease;  // the length is replaced by the server's
@@ -55,8 +57,10 @@ struct LinkStatistics {
   double roundTrip_ms = 0.0;  // 0: no ping of this connection was answered yet
   double lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
+  std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
   std::uint64_t reconnects = 0;
   sync::TransportCounters transport;  // of the present connection
+  sync::Traffic sent, received;       // of all
 };
 
 class SiteLink {
@@ -150,9 +154,13 @@ class SiteLink {
   void sendIntents();
   void exchangeLinks(sync::Micros now);
   void publish(sync::Micros now);
+  void offerParts(sync::Micros now);
+  bool othersTouch(PartId part) const;
+  void acknowledge(sync::Micros now);
   void publishTimeBase(sync::Micros now);
   void send(const sync::ControlMessage& message);
   void sendState(const sync::StateMessage& message);
+  void sendBytes();
   void notice(Notice::Level level, std::string text);
   SiteView* siteView(SiteId site);
   std::string siteName(SiteId site) const;
@@ -193,8 +201,7 @@ class SiteLink {
   std::optional<OpenGrab> closeGrab(sync::RequestId request, PartId part);
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
-  sync::Micros nextPing_ = 0, nextUpdate_ = 0;
-  std::vector<std::uint32_t> partSequence_;  // by part, of what this site publishes
+  sync::Micros nextPing_ = 0;
   HandOutput hand_;
   Pose worldFromCamera_;
 
@@ -207,8 +214,11 @@ class SiteLink {
   std::uint32_t newestUpdate_ = 0;  // its sequence
   LossMeter lossUp_, lossDown_;
 
-  sync::StateUpdate outgoing_;
-  sync::StateMessage incoming_, outgoingMessage_;
+  std::optional<StatePublisher> publisher_;
+  std::vector<OfferedPart> offered_;
+  sync::StateSender statesOut_;
+  sync::StateReceiver statesIn_;
+  sync::StateMessage incoming_, outgoingMessage_, outgoingUpdate_{sync::StateUpdate{}};
   std::vector<std::byte> bytes_;
 };
 

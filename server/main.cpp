@@ -194,7 +194,13 @@ int run(Options& options) {
   spdlog::info(
       "stopped: {} grants, {} denials, {} releases, {} updates relayed, {} states and {} datagrams dropped",
       c.grants, c.denials, c.releases, c.relayedUpdates + c.relayedLinks, c.droppedStates,
-      c.droppedMalformed + c.droppedFlood + c.droppedLinks);
+      c.droppedMalformed + c.droppedFlood + c.droppedLinks + c.droppedBaselines);
+  for (const auto& cause : sync::kTrafficCauses) {
+    const sync::Flow &in = c.received.*cause.flow, &out = c.sent.*cause.flow;
+    if (in.packets + out.packets > 0)
+      spdlog::info("{}: {} in, {} KiB; {} out, {} KiB", cause.name, in.packets, in.bytes / 1024, out.packets,
+                   out.bytes / 1024);
+  }
   return sound ? kExitDone : kExitFailed;
 }
 

@@ -181,7 +181,13 @@ void Session::State::onConnected(sync::ConnectionId connection) {
   peers[connection] = peer;
 }
 
+void Session::State::sendControl(sync::ConnectionId connection, std::span<const std::byte> bytes) {
+  counts.sent.countControl(bytes.size());
+  transport.sendControl(connection, bytes);
+}
+
 void Session::State::onControl(Peer& peer, std::span<const std::byte> bytes) {
+  counts.received.countControl(bytes.size());
   peer.lastHeard = now;
   const Result<sync::ControlMessage> message = sync::decodeControl(bytes);
   if (!message) {
@@ -277,11 +283,11 @@ void Session::State::send(const Outgoing& item) {
   if (const auto* welcome = std::get_if<sync::Welcome>(item.message.get())) {
     sync::Welcome timed = *welcome;
     timed.sessionTime = now;
-    transport.sendControl(at->first, sync::encodeControl(timed));
+    sendControl(at->first, sync::encodeControl(timed));
     at->second.welcomed = true;
     return;
   }
-  transport.sendControl(at->first, sync::encodeControl(*item.message));
+  sendControl(at->first, sync::encodeControl(*item.message));
   if (std::holds_alternative<sync::Refused>(*item.message)) {
     const sync::ConnectionId connection = at->first;
     transport.close(connection);

@@ -29,6 +29,7 @@
 #include "server/journal.h"
 #include "sync/ownership.h"
 #include "sync/recording.h"
+#include "sync/traffic.h"
 #include "sync/transport.h"
 
 namespace tandem::server {
@@ -46,11 +47,13 @@ struct SessionCounters {
   std::uint64_t relayedUpdates = 0, relayedParts = 0;
   std::uint64_t droppedStates = 0;     // old epoch, not the owner, not newer
   std::uint64_t droppedMalformed = 0;  // datagrams that did not decode, named unknown parts or an absurd time
+  std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
   std::uint64_t droppedEarly = 0;      // datagrams of a connection that is not ready
   std::uint64_t relayedLinks = 0;      // LinkUpdates passed on
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that no part ties
   std::uint64_t droppedFlood = 0;      // datagrams beyond kMaxDatagramRate
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
+  sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
 };
 

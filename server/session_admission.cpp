@@ -87,7 +87,7 @@ void Session::State::resume(Peer& peer, const sync::Hello& hello, const Ticket& 
   }
   if (Peer* former = peerOf(ticket.site)) {
     // The site knows better than the server which of its connections is dead.
-    transport.sendControl(
+    sendControl(
         former->connection,
         sync::encodeControl(sync::Refused{sync::Refusal::alreadyUsed, "the site has connected anew"}));
     transport.close(former->connection);
@@ -159,7 +159,7 @@ sync::Welcome Session::State::welcomeFor(const KnownSite& site, std::vector<sync
 void Session::State::refuse(Peer& peer, sync::Refusal refusal, const std::string& reason) {
   ++(peer.stage == Stage::hello ? counts.refusedHellos : counts.refusedMessages);
   const sync::ConnectionId connection = peer.connection;
-  transport.sendControl(connection,
+  sendControl(connection,
                         sync::encodeControl(sync::Refused{refusal, reason.substr(0, sync::kMaxTextLength)}));
   transport.close(connection);
   if (peer.stage == Stage::hello)
@@ -183,6 +183,7 @@ void Session::State::onGoodbye(Peer& peer) {
   transport.close(connection);
   peers.erase(connection);
   tellAll(sync::SiteLeft{id});
+  forgetStates(id);
   relist();
   say(nameOf(id) + " left");
 }
@@ -223,6 +224,7 @@ void Session::State::relist() {
   const auto unlist = [&](KnownSite& site) {
     site.listed = false;
     tellAll(sync::SiteLeft{site.info.site});
+    forgetStates(site.info.site);
   };
   std::vector<KnownSite*> lost;
   std::size_t shown = 0;
@@ -262,7 +264,7 @@ void Session::State::sendChunks(Peer& peer) {
     sync::SceneChunk chunk;
     chunk.offset = peer.transferOffset;
     chunk.bytes.assign(first, first + size);
-    transport.sendControl(peer.connection, sync::encodeControl(chunk));
+    sendControl(peer.connection, sync::encodeControl(chunk));
     peer.transferOffset += size;
     peer.transferring = peer.transferOffset < package.size();
     peer.lastHeard = now;  // a slow link takes its time; a dead one shows in the backlog

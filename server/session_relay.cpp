@@ -10,6 +10,8 @@ namespace {
 
 constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
 constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
+/// So many parts fit into a datagram however they are told: with longer ones their order matters.
+constexpr std::size_t kAlwaysFit = 25;
 
 }  // namespace
 
@@ -22,24 +24,39 @@ bool Session::State::withinRate(Peer& peer) {
   return true;
 }
 
+/// What stateBytes holds.
+void Session::State::sendState(sync::ConnectionId connection) {
+  counts.sent.countState(stateBytes);
+  transport.sendState(connection, stateBytes);
+}
+
 void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
+  counts.received.countState(bytes);
   if (!withinRate(peer)) {
     ++counts.droppedFlood;
     return;
   }
   // An update is decoded into storage of its own, so that nothing else frees its vector.
   sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming : incomingShort;
-  if (!sync::decodeState(bytes, frame, message)) {
+  using Outcome = sync::StateReceiver::Outcome;
+  const Outcome outcome = peer.statesIn.decode(bytes, frame, message);
+  if (outcome == Outcome::malformed) {
     ++counts.droppedMalformed;
     return;
   }
   peer.lastHeard = now;
+  if (outcome != Outcome::taken) {
+    ++counts.droppedBaselines;
+    return;
+  }
   if (const auto* ping = std::get_if<sync::Ping>(&message)) {
     onPing(peer, *ping);
   } else if (std::holds_alternative<sync::StateUpdate>(message)) {
     onUpdate(peer, message);
   } else if (std::holds_alternative<sync::LinkUpdate>(message)) {
     onLink(peer, message);
+  } else if (const auto* ack = std::get_if<sync::StateAck>(&message)) {
+    peer.statesOut.acknowledged(*ack);
   } else {
     ++counts.droppedMalformed;  // only the server says this
   }
@@ -60,7 +77,7 @@ void Session::State::onLink(Peer& peer, sync::StateMessage& message) {
   link.peer = peer.site;
   ++counts.relayedLinks;
   sync::encodeState(message, frame, stateBytes);
-  transport.sendState(other->connection, stateBytes);
+  sendState(other->connection);
 }
 
 void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
@@ -71,7 +88,36 @@ void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
   // A site that is still loading cannot own anything that it feels: only ready sites renew (S3).
   if (peer.stage == Stage::ready) table.renew(peer.site, now);
   sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, now, peer.updatesIn}, frame, stateBytes);
-  transport.sendState(peer.connection, stateBytes);
+  sendState(peer.connection);
+}
+
+/// The site may tell what follows against what has come.
+void Session::State::acknowledge(Peer& peer) {
+  const std::optional<sync::StateAck> ack = peer.statesIn.takeAck(now);
+  if (!ack) return;
+  sync::encodeState(*ack, frame, stateBytes);
+  sendState(peer.connection);
+}
+
+/// Of a site that is not coming back.
+void Session::State::forgetStates(SiteId origin) {
+  for (auto& [connection, peer] : peers) peer.statesOut.forget(origin);
+}
+
+/// What this site touches first, then what lies before its eyes, then what lies behind them: where not all fit into one
+/// datagram, the last ones wait.
+void Session::State::orderFor(const Peer& peer, std::vector<sync::PartState>& parts) const {
+  const Pose cameraFromWorld = inverse(peer.presence.worldFromCamera);
+  const auto rank = [&](const sync::PartState& state) {
+    if (state.part == peer.presence.touched) return -2.0;
+    const glm::dvec3 place = transformPoint(cameraFromWorld, state.worldFromPart.position);
+    return place.z /
+           std::max(glm::length(place), 1e-9);  // a camera looks along -z: -1 is the middle of its view
+  };
+  std::sort(parts.begin(), parts.end(), [&](const sync::PartState& a, const sync::PartState& b) {
+    const double first = rank(a), second = rank(b);
+    return first != second ? first < second : a.part < b.part;
+  });
 }
 
 bool Session::State::plausible(const sync::StateUpdate& update) const {
@@ -86,6 +132,7 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     ++counts.droppedEarly;
     return;
   }
+  acknowledge(peer);
   auto& update = std::get<sync::StateUpdate>(message);
   if (!plausible(update)) {
     ++counts.droppedMalformed;
@@ -95,6 +142,7 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
   const bool newest =
       peer.updatesIn == 1 || static_cast<std::int32_t>(update.sequence - peer.lastSequenceIn) > 0;
   if (newest) peer.lastSequenceIn = update.sequence;
+  if (newest && update.newPresence) peer.presence = update.presence;
 
   const auto refused =
       std::remove_if(update.parts.begin(), update.parts.end(),
@@ -106,7 +154,8 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     moved[state.part] = true;
     movedParts.push_back(state.part);
   }
-  if (!newest && update.parts.empty()) return;  // an old presence, and nothing else of use
+  // An old presence, or none, and nothing else of use.
+  if (update.parts.empty() && !(newest && update.newPresence)) return;
 
   update.site = update.presence.site = peer.site;
   if (recording != nullptr) recording->write(now, message);
@@ -115,8 +164,9 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
   for (auto& [connection, other] : peers) {
     if (other.stage != Stage::ready || other.site == peer.site) continue;
     update.sequence = ++other.sequenceOut;
-    sync::encodeState(message, frame, stateBytes);
-    transport.sendState(connection, stateBytes);
+    if (update.parts.size() > kAlwaysFit) orderFor(other, update.parts);
+    other.statesOut.encode(update, frame, stateBytes);
+    sendState(connection);
   }
 }
 

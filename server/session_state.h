@@ -14,6 +14,7 @@
 #include "server/outbox.h"
 #include "server/session.h"
 #include "sync/site_colours.h"
+#include "sync/state_stream.h"
 #include "sync/wire.h"
 
 namespace tandem::server {
@@ -37,6 +38,9 @@ struct Peer {
   std::uint32_t sequenceOut = 0;     // of StateUpdates to this site
   std::uint32_t updatesIn = 0;       // StateUpdates that came from it
   std::uint32_t lastSequenceIn = 0;
+  sync::Presence presence;  // the newest
+  sync::StateSender statesOut;
+  sync::StateReceiver statesIn{1};
   double allowance = kDatagramBurst;  // datagrams that it may send at once
   sync::Micros allowanceAt = 0;
 };
@@ -106,6 +110,7 @@ struct Session::State {
   void runTimers();
   void flushOutbox();
   void send(const Outgoing& item);
+  void sendControl(sync::ConnectionId connection, std::span<const std::byte> bytes);
   void tell(const Peer& peer, sync::ControlMessage message);
   void tellAll(sync::ControlMessage message, SiteId except = kNoSite);
   void keep(const JournalRecord& record) { appended = journal.append(record); }
@@ -153,6 +158,10 @@ struct Session::State {
   void onPing(Peer& peer, const sync::Ping& ping);
   void onLink(Peer& peer, sync::StateMessage& message);
   void onUpdate(Peer& peer, sync::StateMessage& message);
+  void acknowledge(Peer& peer);
+  void forgetStates(SiteId origin);
+  void sendState(sync::ConnectionId connection);
+  void orderFor(const Peer& peer, std::vector<sync::PartState>& parts) const;
   bool plausible(const sync::StateUpdate& update) const;
   bool withinRate(Peer& peer);
 };

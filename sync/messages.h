@@ -19,7 +19,8 @@
 
 namespace tandem::sync {
 
-inline constexpr std::uint16_t kProtocolVersion = 2;
+inline constexpr std::uint16_t kProtocolVersion = 3;  // of a connection
+inline constexpr std::uint8_t kStateVersion = 2;      // of a state datagram by itself, on a wire or in a recording
 inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
 inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
 inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
@@ -237,6 +238,7 @@ struct StateUpdate {
   std::uint32_t sequence = 0;  // of the datagrams from this sender to this receiver: gaps are losses
   Micros time = 0;             // session time at which these states held, by the owning site's estimate
   Presence presence;
+  bool newPresence = true;       // false: it did not come along, and is what was known
   std::vector<PartState> parts;  // what fits into kMaxStateBytes; a part in it appears once
 };
 
@@ -283,6 +285,13 @@ struct LinkUpdate {
 inline constexpr double kWaveQuantum = 1e-5;    // sqrt(W) s
 inline constexpr double kEnergyQuantum = 1e-7;  // J
 
-using StateMessage = std::variant<StateUpdate, Ping, Pong, LinkUpdate>;
+/// The receiver of StateUpdates says which of those that it was to keep it has (state_stream.h).
+struct StateAck {
+  static constexpr std::size_t kMost = 16;
+  std::uint8_t count = 0;
+  std::array<std::uint32_t, kMost> sequences{};  // the first `count`
+};
+
+using StateMessage = std::variant<StateUpdate, Ping, Pong, LinkUpdate, StateAck>;
 
 }  // namespace tandem::sync

@@ -30,6 +30,9 @@ std::vector<std::byte> encodeControl(const ControlMessage& message);
 /// version is decoded, so that the server can answer it.
 Result<ControlMessage> decodeControl(std::span<const std::byte> bytes);
 
+/// What a state datagram's second byte says. A streamed update is one that StateSender writes (state_stream.h).
+enum class StateKind : std::uint8_t { update = 1, ping = 2, pong = 3, link = 4, streamed = 5, ack = 6 };
+
 /// What an encoding had to change. Zero in normal use.
 struct EncodeLosses {
   int leftOut = 0;  // parts that did not fit, or whose pose is not a valid one
@@ -40,9 +43,9 @@ struct EncodeLosses {
 /// Does not allocate once `bytes` has the capacity kMaxStateBytes.
 void encodeState(const StateMessage& message, const WireFrame& frame, std::vector<std::byte>& bytes,
                  EncodeLosses* losses = nullptr);
-/// Whether a datagram says that it is a StateUpdate.
+/// Whether a datagram says that it is a StateUpdate, whole or streamed.
 bool isStateUpdate(std::span<const std::byte> bytes);
-/// Reuses the storage of `message` (a StateUpdate keeps its vector's capacity). After an error its content is
+/// Every kind but the streamed one, which StateReceiver reads. Reuses the storage of `message` (a StateUpdate keeps its vector's capacity). After an error its content is
 /// unspecified.
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);
 

@@ -21,6 +21,7 @@
 #include "client/join/live_table.h"
 #include "client/rounded_json.h"
 #include "client/tick_flags.h"
+#include "client/traffic_json.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/devices/steered_hand.h"
@@ -36,6 +37,7 @@ struct Arguments {
   bool headless = false, tcp = false, quiet = false, noPartContact = false;
   double duration = 0.0, clashes = -1.0;  // s; m, below 0: the list of clashes stays shut
   int width = 1440, height = 900;
+  double deadband = PublishRates{}.deadband;
 };
 
 volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
@@ -203,6 +205,8 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["loss_down"] = link.lossDown;
   json["play_out_ms"] = link.playOut_ms;
   json["reconnects"] = link.reconnects;
+  json["sent"] = trafficJson(link.sent);
+  json["received"] = trafficJson(link.received);
   json["dropped_states"] = link.droppedStates;
   json["state_over_udp"] = model.link.stateOverUdp;
   json["flags_seen"] = flagNames(model.hand.flagsSeen);
@@ -503,6 +507,7 @@ int run(Arguments& arguments) {
   options.udp = !arguments.tcp;
   options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
   options.recordPath = arguments.record;
+  options.deadband = arguments.deadband;
   const bool watches =
       arguments.hand.empty() && !hasSecondHand(arguments) &&
       (arguments.device.empty() ? arguments.headless || !displayPresent() : arguments.device == "none");
@@ -568,6 +573,12 @@ void addJoin(CLI::App& app, int& exitCode) {
       ->capture_default_str();
   command->add_option("--height", arguments->height, "The same")
       ->check(CLI::Range(200, 4320))
+      ->capture_default_str();
+  command
+      ->add_option("--deadband", arguments->deadband,
+                   "How wrong a moving part may look to the others before it is told anew, as a share of "
+                   "its way (Weber fraction); 0: always at the full rate")
+      ->check(CLI::Range(0.0, 1.0))
       ->capture_default_str();
   command->add_flag("--tcp", arguments->tcp,
                     "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");

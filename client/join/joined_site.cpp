@@ -70,6 +70,7 @@ Status JoinedSite::enterSession(const Progress& progress) {
   linkOptions.name = options_.name;
   linkOptions.colour = options_.colour;
   linkOptions.token = options_.link.token;
+  linkOptions.rates.deadband = options_.deadband;
   observer_ = std::make_unique<Observer>(*this);
   link_ = std::make_unique<SiteLink>(linkOptions, [this]() -> Result<std::unique_ptr<Transport>> {
     ConnectOptions connect;

@@ -29,6 +29,7 @@ struct JoinOptions {
   std::string name = "site";
   sync::SiteColour colour = sync::kAnyColour;
   bool udp = true;
+  double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
   std::string cacheDirectory;
   std::string recordPath;        // empty: no recording
   bool partContact = true;       // a part in the hand collides with others, where the role may take one

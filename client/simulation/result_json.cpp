@@ -1,6 +1,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/simulation/simulation.h"
+#include "client/traffic_json.h"
 
 namespace tandem::client {
 
@@ -33,6 +34,7 @@ std::string toJson(const SimulationResult& result) {
   json["leader_load_ratio"] = result.leaderLoadRatio;
   json["packets_per_s"] = packets;
   json["bytes_per_s"] = bytes;
+  for (const auto& [name, site] : result.sites) json["sent"][name] = trafficJson(site.sent);
   json["grants"] = ordered_json::array();
   for (const auto& grant : result.grants) {
     const auto name = result.siteNames.find(grant.site);

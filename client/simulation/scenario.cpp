@@ -114,6 +114,7 @@ ScenarioSite parseSite(const json& entry, const std::string& where) {
     site.fit = fields["fit"].get<bool>();
   }
   site.stiffness = fields.number("stiffness", 0.0, 0.0, 1e6);
+  site.deadband = fields.number("deadband", site.deadband, 0.0, 1.0);
   if (fields.has("start")) {
     const json& start = fields["start"];
     if (!start.is_array() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";

@@ -8,6 +8,7 @@
 
 #include "assets/load_gltf.h"
 #include "assets/result.h"
+#include "client/state_publisher.h"
 #include "haptics/simulated_hand.h"
 #include "sync/virtual_network.h"
 
@@ -19,6 +20,7 @@ struct ScenarioSite {
   haptics::SimulatedDeviceParameters device;
   bool fit = false;  // limits, stiffnesses and passivity control as `tandem join` has them on such a device
   double stiffness = 0.0;  // N/m, of contacts and grasps, whatever fits; 0: not stated
+  double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
   std::string role = "participant";
   bool hasStart = false;
   glm::dvec3 start{0.0, 0.0, 0.0};  // m, world

@@ -95,6 +95,7 @@ class SimulatedSite : public LinkObserver {
   std::vector<Pose> lastPoses;  // of every part, as of the last tick here
   std::vector<Pose> drawn;      // of every part, as a window here would show it
   std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
+  Traffic sentBefore;  // by what crashed since
 
  private:
   HandSettingsInput settings() const;
@@ -208,7 +209,8 @@ HandSettingsInput SimulatedSite::settings() const {
 void SimulatedSite::start() {
   SiteLinkOptions options;
   options.name = description.name;
-  options.packetHz = simulation.scenario.packetHz;
+  options.rates.most = simulation.scenario.packetHz;
+  options.rates.deadband = description.deadband;
   options.token =
       simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
   link = std::make_unique<SiteLink>(options, [this]() -> Result<std::unique_ptr<Transport>> {
@@ -228,6 +230,7 @@ void SimulatedSite::crash() {
   countTransport();
   if (link) {
     droppedStates += link->statistics().droppedStates;
+    sentBefore.add(link->statistics().sent);
     simulation.invariants.onDead(index, id);
   }
   link.reset();
@@ -546,6 +549,8 @@ SimulationResult Simulation::result() {
         site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
     out.packetsPerSecond =
         static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
+    out.sent = site->sentBefore;
+    if (site->link) out.sent.add(site->link->statistics().sent);
     out.bytesPerSecond =
         static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
         scenario.duration;

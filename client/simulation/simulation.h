@@ -26,6 +26,7 @@ struct SimulatedSiteResult {
   double packetsPerSecond = 0.0, bytesPerSecond = 0.0;  // sent
   bool calm = true;                                     // HandMeasures::calm()
   bool pushed = false;                                  // others pushed a part against its bare tool
+  sync::Traffic sent;                                   // over the whole time
 };
 
 struct SimulationResult {

@@ -35,6 +35,7 @@
 #include "server/session.h"
 #include "sync/seal.h"
 #include "sync/socket_transport.h"
+#include "sync/state_stream.h"
 #include "sync/wire.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/forwarder.h"
@@ -190,14 +191,15 @@ struct End {
 
 std::optional<double> travelBetween(End& sender, End& receiver, const sync::WireFrame& frame,
                                     std::span<const std::byte> state, std::uint32_t sequence,
-                                    sync::StateMessage& message) {
+                                    sync::StateReceiver& states, sync::StateMessage& message) {
   const bench::Stopwatch watch;
   sender.transport->sendState(sender.peer, state);
   std::optional<double> took;
   while (!took && watch.seconds() * 1e6 < static_cast<double>(kLost)) {
     receiver.turn(kLost, [&](const sync::TransportEvent& event) {
       const double at = 1e6 * watch.seconds();
-      if (event.kind != Kind::state || !sync::decodeState(event.bytes, frame, message)) return;
+      using Outcome = sync::StateReceiver::Outcome;
+      if (event.kind != Kind::state || states.decode(event.bytes, frame, message) != Outcome::taken) return;
       const auto* update = std::get_if<sync::StateUpdate>(&message);
       if (update != nullptr && update->parts.size() == 1 && update->parts[0].sequence == sequence) took = at;
     });
@@ -230,7 +232,7 @@ class SealedPath final : public Path {
         });
   }
   std::optional<double> travel(std::span<const std::byte> state, std::uint32_t sequence) override {
-    return travelBetween(sender_, receiver_, frame_, state, sequence, message_);
+    return travelBetween(sender_, receiver_, frame_, state, sequence, states_, message_);
   }
   void idle(int) override {
     box_->turnTcp();
@@ -244,6 +246,7 @@ class SealedPath final : public Path {
 
  private:
   sync::WireFrame frame_;
+  sync::StateReceiver states_;
   sync::StateMessage message_{sync::StateUpdate{}};
   End sender_, receiver_;
   std::unique_ptr<test::Forwarder> box_;
@@ -271,7 +274,7 @@ class ServerPath final : public Path {
   ~ServerPath() override { relay_->stop(); }
 
   std::optional<double> travel(std::span<const std::byte> state, std::uint32_t sequence) override {
-    return travelBetween(sender_, receiver_, frame_, state, sequence, message_);
+    return travelBetween(sender_, receiver_, frame_, state, sequence, states_, message_);
   }
   void idle(int period) override {
     if (period % kPingEvery == 0) {
@@ -342,6 +345,7 @@ class ServerPath final : public Path {
 
   std::vector<std::byte> package_, bytes_;
   sync::WireFrame frame_;
+  sync::StateReceiver states_;
   sync::StateMessage message_{sync::StateUpdate{}};
   server::SessionConfig config_;
   server::MemoryJournal journal_;

@@ -113,7 +113,11 @@ def check_network(session, index, result, one_way, figures):
     for way in ("up", "down"):
         share = counts[way].get("lost", 0) / counts[way]["datagrams"]
         measured = result[f"loss_{way}"]
-        check(abs(share - measured) < 0.015, f"lost {way}: {share} says the relay, {measured} the site")
+        # The site counts updates alone, and hears few of hands that are still.
+        traffic = result["received" if way == "down" else "sent"]
+        updates = max(1, traffic["parts"]["packets"] + traffic["presence"]["packets"])
+        chance = 3 * (share * (1 - share) / updates) ** 0.5
+        check(abs(share - measured) < 0.015 + chance, f"lost {way}: {share} says the relay, {measured} the site")
     figures.setdefault("round_trip_ms", {})[session.sites[index].name] = result["round_trip_ms"]
 
 

@@ -6,6 +6,8 @@
 #include <cstdlib>
 
 #include "sync/link_stream.h"
+#include "sync/state_stream.h"
+#include "sync/traffic.h"
 #include "sync/wire.h"
 
 namespace {
@@ -44,6 +46,64 @@ void state(std::span<const std::byte> bytes) {
   if (!decodeState(again, kFrame, second).ok()) std::abort();
 }
 
+/// A receiver that has something to be told against: an update of two parts, kept under sequence 1 of site 3.
+StateReceiver begun() {
+  StateUpdate update;
+  update.site = 3;
+  update.sequence = 1;
+  update.parts.resize(2);
+  update.parts[0].part = 4;
+  update.parts[0].twist = {{0.1, 0.0, 0.2}, {1.0, 0.0, 0.0}};
+  update.parts[1].part = 5;
+  std::vector<std::byte> bytes;
+  StateSender().encode(update, kFrame, bytes);
+  StateReceiver receiver;
+  StateMessage message;
+  if (receiver.decode(bytes, kFrame, message) != StateReceiver::Outcome::taken) std::abort();
+  return receiver;
+}
+
+/// The bytes as they are, and told against what the receiver has: `bytes` then follow a head that says so.
+void streamed(std::span<const std::byte> bytes) {
+  StateReceiver receiver = begun();
+  StateMessage message;
+  Traffic traffic;
+  traffic.countState(bytes);
+  for (const bool headed : {false, true}) {
+    std::vector<std::byte> datagram;
+    if (headed)
+      for (const int byte : {int{kStateVersion}, 5, 3, 0, 2, 0, 0, 0, 0x0d, 0, 0})
+        datagram.push_back(static_cast<std::byte>(byte));
+    datagram.insert(datagram.end(), bytes.begin(), bytes.end());
+    if (receiver.decode(datagram, kFrame, message) != StateReceiver::Outcome::taken) continue;
+    if (const auto* update = std::get_if<StateUpdate>(&message))
+      for (const PartState& part : update->parts)
+        if (!tandem::isValid(part.worldFromPart) || part.part >= tandem::kMaxParts) std::abort();
+  }
+}
+
+/// As a difference alone, without the check that a stream has.
+void difference(std::span<const std::byte> bytes) {
+  PartBaseline baseline;
+  baseline.code.part = 1;
+  baseline.hasBefore = true;
+  baseline.sinceBefore = 1;
+  baseline.before.linear = {32767, -32767, 1};
+  BitReader reader(bytes);
+  PartCode code = baseline.code;
+  getDelta(reader, baseline, kLongestElapsed, kFrame, code);
+  if (reader.failed()) return;
+  PartState state;
+  if (!fromCode(code, kFrame, state) || !tandem::isValid(state.worldFromPart)) std::abort();
+  std::vector<std::byte> again(400);
+  BitWriter writer(again);
+  putDelta(writer, baseline, kLongestElapsed, code, kFrame);
+  PartCode second = baseline.code;
+  BitReader back(again);
+  getDelta(back, baseline, kLongestElapsed, kFrame, second);
+  if (back.failed() || !(second == code)) std::abort();
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -53,6 +113,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     control(bytes);
   } else {
     state(bytes);
+    streamed(bytes);
+    difference(bytes);
   }
   return 0;
 }

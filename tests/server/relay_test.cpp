@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <deque>
 #include <filesystem>
+#include <optional>
 
 #include "server/invitations.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
+#include "sync/state_stream.h"
 #include "sync/wire.h"
 #include "tests/support/allocation_counter.h"
 
@@ -49,9 +52,17 @@ class HandFedTransport final : public Transport {
     return true;
   }
   void sendControl(ConnectionId, std::span<const std::byte>) override {}
-  void sendState(ConnectionId, std::span<const std::byte> bytes) override {
+  void sendState(ConnectionId to, std::span<const std::byte> bytes) override {
     ++statesOut;
     bytesOut += bytes.size();
+    Last& last = last_[to % last_.size()];
+    std::copy(bytes.begin(), bytes.end(), last.bytes.begin());
+    last.size = bytes.size();
+  }
+  /// The newest datagram that this connection was sent.
+  std::span<const std::byte> lastTo(ConnectionId to) const {
+    const Last& last = last_[to % last_.size()];
+    return std::span(last.bytes).first(last.size);
   }
   std::size_t controlBacklog(ConnectionId) const override { return 0; }
   void close(ConnectionId) override {}
@@ -70,6 +81,11 @@ class HandFedTransport final : public Transport {
   std::span<const std::byte> state_;
   ConnectionId stateFrom_ = 0;
   TransportCounters counters_;
+  struct Last {
+    std::array<std::byte, kMaxStateBytes> bytes{};
+    std::size_t size = 0;
+  };
+  std::array<Last, 8> last_{};
 };
 
 /// Four ready sites; the first holds part 0.
@@ -83,11 +99,13 @@ struct Relay {
   std::uint32_t sequence = 0;
   std::vector<std::byte> bytes;
 
-  explicit Relay(RecordingWriter* recording = nullptr) {
+  explicit Relay(RecordingWriter* recording = nullptr, std::size_t parts = 1) {
     scene.bounds = {glm::dvec3(-0.5), glm::dvec3(0.5)};
-    scene.parts.resize(1);
-    scene.parts[0].name = "part";
-    scene.parts[0].movable = true;
+    scene.parts.resize(parts);
+    for (assets::Part& part : scene.parts) {
+      part.name = "part " + std::to_string(&part - scene.parts.data());
+      part.movable = true;
+    }
     SessionConfig config;
     config.key.seed.fill(7);
     session = std::make_unique<Session>(scene, package, config, transport, journal, recording, now, kUnix);
@@ -198,6 +216,90 @@ TEST(Relay, RecordsWhatItRelays) {
   EXPECT_EQ(updates, 50);
   EXPECT_EQ(grants, 1);
   std::filesystem::remove(pattern);
+}
+
+/// Of sixty parts that move, all of site 1, what reaches site 2, which has acknowledged nothing: they do not fit.
+std::vector<PartId> partsThatReach(Relay& relay, const std::optional<Presence>& presence) {
+  const WireFrame frame = wireFrame(relay.scene.bounds);
+  for (PartId part = 1; part < 60; ++part) {
+    relay.transport.control(1, Grab{1u + part, part});
+    relay.step();
+    relay.step();
+  }
+  StateUpdate eyes;
+  eyes.sequence = 1;
+  eyes.time = relay.session->sessionTime();
+  if (presence) {
+    eyes.presence = *presence;
+    encodeState(eyes, frame, relay.bytes);
+    relay.transport.state(2, relay.bytes);
+    relay.step();
+  }
+  StateSender sender;
+  StateReceiver receiver;
+  StateMessage message;
+  std::vector<PartId> reached;
+  for (int round = 0; round < 60; ++round) {
+    relay.pingNow(round);
+    StateUpdate update;
+    update.site = 1;
+    update.sequence = ++relay.sequence;
+    update.time = relay.session->sessionTime();
+    update.newPresence = round == 0;
+    for (PartId part = 0; part < 60; ++part) {
+      PartState state;
+      state.part = part;
+      state.epoch = relay.session->ownership().part(part).epoch;
+      state.sequence = update.sequence;
+      state.worldFromPart.position = {0.002 * part, 0.0, part % 2 == 0 ? -0.3 : 0.3};
+      state.twist.linear.x = 0.1;
+      update.parts.push_back(state);
+    }
+    sender.encode(update, frame, relay.bytes);
+    relay.transport.state(1, relay.bytes);
+    relay.step();
+    if (decodeState(relay.transport.lastTo(1), frame, message))
+      if (const auto* ack = std::get_if<StateAck>(&message)) sender.acknowledged(*ack);
+    if (receiver.decode(relay.transport.lastTo(2), frame, message) != StateReceiver::Outcome::taken) continue;
+    reached.clear();
+    for (const PartState& state : std::get<StateUpdate>(message).parts) reached.push_back(state.part);
+  }
+  return reached;
+}
+
+TEST(Relay, WhatAReceiverTouchesAndLooksAtGoesFirst) {
+  const auto has = [](const std::vector<PartId>& parts, PartId part) {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
+  };
+  Presence presence;  // its camera looks along -z, at the even ones
+  presence.touched = 51;
+  Relay relay(nullptr, 60);
+  const std::vector<PartId> reached = partsThatReach(relay, presence);
+  ASSERT_GT(reached.size(), 31u);
+  ASSERT_LT(reached.size(), 60u);
+  EXPECT_TRUE(has(reached, 51));
+  for (PartId part = 0; part < 60; part += 2) EXPECT_TRUE(has(reached, part)) << part;
+  // Control: of eyes that look the other way it sends others.
+  presence.worldFromCamera.orientation = fromRotationVector({0.0, 3.14159265358979, 0.0});
+  Relay turned(nullptr, 60);
+  const std::vector<PartId> others = partsThatReach(turned, presence);
+  EXPECT_TRUE(has(others, 51));
+  EXPECT_FALSE(has(others, 0));
+}
+
+TEST(Relay, CountsBytesByWhatTheyAreFor) {
+  Relay relay;
+  const Traffic before = relay.session->counters().received;
+  for (int i = 0; i < 50; ++i) relay.relayOne();
+  relay.pingNow(0);
+  const SessionCounters& counts = relay.session->counters();
+  EXPECT_EQ(counts.received.parts.packets - before.parts.packets, 50u);
+  EXPECT_EQ(counts.received.presence.bytes - before.presence.bytes, 50u * 40);
+  EXPECT_EQ(counts.received.pings.packets, 1u);
+  EXPECT_EQ(counts.sent.pings.packets, 1u);
+  EXPECT_EQ(counts.sent.parts.packets, 150u) << "to three others";
+  EXPECT_GT(counts.sent.control.bytes, counts.received.control.bytes);
+  EXPECT_EQ(counts.received.unknown.packets, 0u);
 }
 
 std::vector<std::string> linesOf(const std::string& text) {

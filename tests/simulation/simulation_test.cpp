@@ -50,7 +50,7 @@ std::string describe(const SimulationResult& result) {
 
 TEST(Simulation, TwoSitesGrabAtOnceHandOverAndTheServerRestarts) {
   const Loaded loaded = load("hand_over.json");
-  const SimulationResult result = run(loaded, 1);
+  const SimulationResult result = run(loaded, 11);
   EXPECT_TRUE(result.violations.empty()) << describe(result);
   EXPECT_TRUE(result.stable);
   // One of the two wins the first grab, the other is told; after the restart the other takes the part; then
@@ -66,7 +66,7 @@ TEST(Simulation, TwoSitesGrabAtOnceHandOverAndTheServerRestarts) {
 
 TEST(Simulation, TheWinnerMovesThePartAsFarAsItsHandWent) {
   const Loaded loaded = load("hand_over.json");
-  const SimulationResult result = run(loaded, 1);
+  const SimulationResult result = run(loaded, 11);
   const PartId peg = assets::findPart(loaded.scene, "peg_0.5");
   ASSERT_EQ(result.finalPoses.count("peg_0.5"), 1u);
   const glm::dvec3 moved =

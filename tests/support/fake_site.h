@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sync/state_stream.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
 
@@ -15,6 +16,7 @@ namespace tandem::test {
 struct FakeSite {
   std::unique_ptr<sync::Transport> transport;
   sync::WireFrame frame;
+  sync::StateReceiver receiver;
   bool connected = false, closed = false;
   std::vector<sync::ControlMessage> heard;
   std::vector<sync::StateUpdate> updates;
@@ -43,8 +45,8 @@ struct FakeSite {
       }
       if (event.kind != Kind::state) continue;
       sync::StateMessage message;
-      const Status decoded = sync::decodeState(event.bytes, frame, message);
-      ASSERT(decoded.ok());
+      const auto decoded = receiver.decode(event.bytes, frame, message);
+      ASSERT(decoded == sync::StateReceiver::Outcome::taken);
       if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
       if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
       if (const auto* link = std::get_if<sync::LinkUpdate>(&message)) links.push_back(*link);

@@ -276,9 +276,9 @@ TEST(StateWire, RefusesAPartThatAppearsTwiceAndOtherVersions) {
   update.parts[1].part = update.parts[0].part;
   EXPECT_FALSE(decodeState(encoded(update), kFrame, message).ok());
   auto bytes = encoded(Ping{});
-  bytes[0] = std::byte{kProtocolVersion + 1};
+  bytes[0] = std::byte{kStateVersion + 1};
   EXPECT_FALSE(decodeState(bytes, kFrame, message).ok());
-  bytes[0] = std::byte{kProtocolVersion};
+  bytes[0] = std::byte{kStateVersion};
   bytes[1] = std::byte{9};
   EXPECT_FALSE(decodeState(bytes, kFrame, message).ok());
 }
