@@ -228,7 +228,8 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
   const Owned* mine = ownedEntry(part);
   if (order.guest && !mine) mine = joinAsGuest(part, sessionNow);
   haptics::PartTie tie = order.tie;
-  tie.leashed = order.guest;
+  tie.leashed = order.guest && mine && !mine->handled;
+  if (order.guest && !tie.leashed) tie.link.farthest = haptics::TiedParts::kFarthestHeld;
   if (!order.guest || mine)
     ties_.order(tie);
   else
@@ -236,13 +237,13 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
 }
 
 /// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.
-bool HandLoop::meetsHeld(const NearParts::Moving& other) const {
+bool HandLoop::meetsHeld(const NearParts::Moving& other, double near) const {
   if (output_.tick.flags & haptics::kFlagHeldWithoutContact) return false;
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const haptics::OwnedPart& mine = output_.tick.owned[static_cast<std::size_t>(i)];
     if (!mine.held || mine.part == other.part) continue;
     if (near_.meet({mine.part, mine.worldFromPart, mine.twist}, other,
-                   sync::toSeconds(timeBase_.playOutDelay)))
+                   sync::toSeconds(timeBase_.playOutDelay), near))
       return true;
   }
   return false;
@@ -253,7 +254,8 @@ void HandLoop::askForNear() {
   for (std::size_t i = 0; i < movedCount_; ++i) {
     Followed* slot = slotOf(moved_[i].part);
     if (!slot || !slot->owned || slot->control != nullptr) continue;
-    const bool meets = meetsHeld({moved_[i].part, moved_[i].worldFromPart, moved_[i].twist});
+    const bool meets = meetsHeld({moved_[i].part, moved_[i].worldFromPart, moved_[i].twist},
+                                 slot->asked ? NearParts::kStillNear : NearParts::kNear);
     if (meets && !slot->asked) slot->asked = ask({HandIntent::Kind::grab, slot->part, 0, {}});
     if (!meets) slot->asked = false;
   }
@@ -268,7 +270,7 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
                       });
   Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
   if (!entry) return nullptr;
-  *entry = {part, 0, false, sessionNow, {}};
+  *entry = {part, 0, false, sessionNow, false, {}};
   entry->seen.restart(state_.worldFromPart(part), sessionNow);
   if (Followed* slot = slotOf(part)) {
     entry->seen = slot->seen;
@@ -276,8 +278,11 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
   }
   static_cast<void>(controls_.granted(part));
   command(PartCommand::Kind::own, part, state_.worldFromPart(part));
-  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
-    if (grasps_[hand].has(Stage::asked, part)) hold(hand);
+  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand) {
+    if (!grasps_[hand].has(Stage::asked, part)) continue;
+    entry->handled = true;
+    hold(hand);
+  }
   return entry;
 }
 
@@ -293,7 +298,8 @@ NearParts::Moving HandLoop::guestOf(PartId part) const {
 void HandLoop::leaveUntouched(sync::Micros sessionNow) {
   for (Owned& owned : owned_) {
     if (owned.part == kNoPart || !owned.guest()) continue;
-    if (isHeld(owned.part) || meetsHeld(guestOf(owned.part))) owned.idleSince = sessionNow;
+    if (isHeld(owned.part) || meetsHeld(guestOf(owned.part), NearParts::kStillNear))
+      owned.idleSince = sessionNow;
     if (sessionNow - owned.idleSince < kGuestStays) continue;
     if (!ask({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
     command(PartCommand::Kind::disown, owned.part);
@@ -323,7 +329,7 @@ bool HandLoop::takeControl(const sync::PartRecord& record) {
   if (!controls_.asked(record.part)) return false;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return false;
-  *entry = {record.part, record.epoch, false, 0, {}};
+  *entry = {record.part, record.epoch, false, 0, false, {}};
   if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, record.part,
           controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
@@ -336,6 +342,7 @@ bool HandLoop::takeControl(const sync::PartRecord& record) {
 void HandLoop::hold(std::uint8_t hand) {
   Grasp& grasp = grasps_[hand];
   grasp.stage = grasp.wantedBefore ? Stage::holding : Stage::idle;
+  if (Owned* mine = ownedEntry(grasp.part)) mine->handled = true;
   if (grasp.wantedBefore) command(PartCommand::Kind::grasp, grasp.part, {}, hand);
 }
 
@@ -347,7 +354,7 @@ void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionN
   if (grasp.stage == Stage::taking || grasp.stage == Stage::holding) {
     // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
     if (Owned* free = ownedEntry(kNoPart)) {
-      *free = {record.part, record.epoch, false, 0, {}};
+      *free = {record.part, record.epoch, false, 0, false, {}};
       if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
       command(PartCommand::Kind::own, record.part, record.worldFromPart);
     }
@@ -373,7 +380,7 @@ void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
   if (!there && sessionNow < grasp.takingUntil) return;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return;  // eight parts still settle: wait for one to rest
-  *entry = {taking.part, taking.epoch, false, 0, {}};
+  *entry = {taking.part, taking.epoch, false, 0, false, {}};
   if (Followed* slot = slotOf(taking.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, taking.part, taking.worldFromPart);
   hold(hand);  // unless it was let go while the answer was on its way: then it rests, and is released

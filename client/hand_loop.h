@@ -96,6 +96,7 @@ class HandLoop {
     Epoch epoch = 0;  // 0: as a guest of its owner
     bool releasing = false;
     sync::Micros idleSince = 0;  // a guest: since when nothing here touches it
+    bool handled = false;        // a guest: a hand here has held it
     sync::PosePrediction seen;   // a guest: the owner's, for the eyes
     bool guest() const { return epoch == 0; }
   };
@@ -124,7 +125,7 @@ class HandLoop {
   Owned* joinAsGuest(PartId part, sync::Micros sessionNow);
   void leaveUntouched(sync::Micros sessionNow);
   bool isHeld(PartId part) const;
-  bool meetsHeld(const NearParts::Moving& other) const;
+  bool meetsHeld(const NearParts::Moving& other, double near) const;
   NearParts::Moving guestOf(PartId part) const;
   void askForNear();
   void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);

@@ -29,7 +29,7 @@ NearParts::NearParts(const assets::Scene& scene) : scene_(scene) {
   for (const assets::Part& part : scene.parts) boxes_.push_back(boxOf(scene, part));
 }
 
-bool NearParts::meet(const Moving& held, const Moving& other, double playOutDelay) const {
+bool NearParts::meet(const Moving& held, const Moving& other, double playOutDelay, double near) const {
   if (!assets::mayCollide(scene_, held.part, other.part)) return false;
   const assets::Bounds a = haptics::boundsAt(boxes_[held.part], held.worldFromPart);
   const assets::Bounds b = haptics::boundsAt(boxes_[other.part], other.worldFromPart);
@@ -38,7 +38,7 @@ bool NearParts::meet(const Moving& held, const Moving& other, double playOutDela
   const double apart = glm::length(between);
   const double closing =
       apart > 0.0 ? glm::dot(held.twist.linear - other.twist.linear, between) / apart : 0.0;
-  return gap < kNear + std::clamp(closing, 0.0, kMostClosing) * (2.0 * playOutDelay + kComingUp);
+  return gap < near + std::clamp(closing, 0.0, kMostClosing) * (2.0 * playOutDelay + kComingUp);
 }
 
 }  // namespace tandem::client

@@ -20,13 +20,13 @@ class NearParts {
     Pose worldFromPart;
     Twist twist;
   };
-  /// Whether the boxes of two parts are near, or will be by the time that a question has been answered and a link has come
-  /// up. `playOutDelay` s, of what others move.
-  bool meet(const Moving& held, const Moving& other, double playOutDelay) const;
+  /// Whether the boxes of two parts are nearer than `near` m, or will be by the time that a question has been answered and
+  /// a link has come up. `playOutDelay` s, of what others move.
+  bool meet(const Moving& held, const Moving& other, double playOutDelay, double near) const;
 
-  static constexpr double kNear = 0.03;        // m
-  static constexpr double kComingUp = 0.5;     // s, of a link
-  static constexpr double kMostClosing = 0.5;  // m/s that is looked ahead for
+  static constexpr double kNear = 0.03, kStillNear = 0.04;  // m: to begin, and to go on
+  static constexpr double kComingUp = 0.5;                  // s, of a link
+  static constexpr double kMostClosing = 0.5;               // m/s that is looked ahead for
 
  private:
   const assets::Scene& scene_;

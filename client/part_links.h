@@ -44,7 +44,7 @@ class PartLinks {
   /// What the hand is to be told, drained by the caller.
   std::vector<NetworkEvent> takeEvents();
 
-  static constexpr sync::Micros kSilence = 3 * sync::kSecond;
+  static constexpr sync::Micros kSilence = 1500 * sync::kMillisecond;
 
  private:
   struct Line {

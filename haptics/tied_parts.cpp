@@ -59,6 +59,8 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
     slot->emplace(tie);
   }
   End& end = **slot;
+  end.leashed = tie.leashed;
+  end.link.setFarthest(tie.link.farthest);
   end.link.setImpedance(tie.link.impedance, tie.link.softImpedance);
   end.link.begin(tie.epoch, tie.delay);
   return true;

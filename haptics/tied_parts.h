@@ -31,7 +31,7 @@ struct PartTie {
       0;  // any number that this tie has at both ends, and that none between them had before
   /// The same link goes on under a new epoch: nothing is felt. Both ends must say so; a peer that lost its end may not.
   bool carriesOn = false;
-  /// Until the link has come up, a replica that no hand holds is led to where the peer has it by now: a guest's.
+  /// Until the link has come up, the replica is led to where the peer has it by now: a guest's that no hand holds.
   bool leashed = false;
 };
 
