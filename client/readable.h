@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <string>
 
+#include "haptics/tick.h"
+
 namespace tandem::client {
 
 /// Three significant digits, all of a number's whole ones; "<0.001" for less than that.
@@ -18,5 +20,8 @@ std::string readableMass(double mass);
 
 /// "512 B", "1.21 kB", "3.4 MB".
 std::string readableBytes(std::size_t bytes);
+
+/// How the other hands on the held part are felt, and by how long a way: "stiff (27 ms)"; empty if nobody shares it.
+std::string tieInWords(const haptics::TieReport& tie);
 
 }  // namespace tandem::client

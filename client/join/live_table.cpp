@@ -1,4 +1,5 @@
 #include "client/join/live_table.h"
+#include "client/readable.h"
 
 #include <unistd.h>
 
@@ -70,8 +71,10 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
               model.loop.realtime ? "" : "  (not real-time)");
   end();
-  std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
-              partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str());
+  const std::string shared = tieInWords(model.hand.tie);
+  std::printf("hand  %.2f N  touches %s  holds %s%s%s", glm::length(model.hand.force),
+              partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str(),
+              shared.empty() ? "" : ", shared: ", shared.c_str());
   end();
   if (!model.hand.fault.empty()) {
     std::fputs(("  ! " + faultLine(model)).c_str(), stdout);

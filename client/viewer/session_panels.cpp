@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "client/readable.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/strip_chart.h"
@@ -207,6 +208,7 @@ void drawHand(const PanelContext& context) {
   std::string part = hand.held != kNoPart ? partName(model, hand.held) : partName(model, hand.touched);
   const char* verb = hand.held != kNoPart ? "Holds" : hand.grabPending ? "Asks for" : "At";
   valueLine(verb, part.empty() ? "\xE2\x80\x93" : part);
+  if (hand.tie.links > 0) valueLine("Shared", tieInWords(hand.tie));
   drawNearest(model);
   StripChart chart;
   chart.id = "force";

@@ -27,6 +27,22 @@ TEST(Readable, MassesComeInTheUnitThatSuitsThem) {
   EXPECT_EQ(readableMass(33722.0), "33.7 t");
 }
 
+TEST(Readable, TiesAreSaidInPlainWords) {
+  haptics::TieReport tie;
+  EXPECT_EQ(tieInWords(tie), "");
+  tie.links = 1;
+  tie.delay = 0.0272;
+  EXPECT_EQ(tieInWords(tie), "coming up");
+  tie.fade = 1.0;
+  EXPECT_EQ(tieInWords(tie), "stiff (27 ms)");
+  tie.regime = haptics::LinkRegime::soft;
+  EXPECT_EQ(tieInWords(tie), "soft: far away (27 ms)");
+  tie.heard = false;
+  EXPECT_EQ(tieInWords(tie), "nothing is heard of the other hand");
+  tie.regime = haptics::LinkRegime::apart;
+  EXPECT_EQ(tieInWords(tie), "one at a time: too far away to be felt (27 ms)");
+}
+
 TEST(Readable, MemoryComesInDecimalUnits) {
   EXPECT_EQ(readableBytes(512), "512 B");
   EXPECT_EQ(readableBytes(1209), "1.21 kB");
