@@ -319,6 +319,7 @@ void SiteLink::take(EngageReply& message) {
   const std::optional<OpenGrab> asked = closeGrab(message.request, part);
   if (!asked) return;
   applyMembers(message.members);
+  if (asked->kind == OpenGrab::Kind::leave) return;
   if (message.denial == Denial::none) {
     if (asked->lapses == ownership_->lapses()) ownership_->engagementConfirmed(part);
     notice(Notice::Level::info, partName(part) + " is shared with " + siteName(owner(part)));
@@ -567,6 +568,8 @@ void SiteLink::sendIntents() {
         break;
       }
       case HandIntent::Kind::leave:
+        openGrabs_.push_back(
+            {ownership_->lapses(), nextRequest_, intent.part, OpenGrab::Kind::leave, 0});
         send(Disengage{nextRequest_++, intent.part});
         break;
     }

@@ -195,7 +195,7 @@ class SiteLink {
     std::uint32_t lapses = 0;  // of the lease, before it was sent
     sync::RequestId request = 0;
     PartId part = kNoPart;
-    enum class Kind : std::uint8_t { grab, reclaim, engage } kind = Kind::grab;
+    enum class Kind : std::uint8_t { grab, reclaim, engage, leave } kind = Kind::grab;
     int before = 0;  // questions that this one follows, as the part came and went
   };
   std::optional<OpenGrab> closeGrab(sync::RequestId request, PartId part);
