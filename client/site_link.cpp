@@ -589,11 +589,12 @@ void SiteLink::exchangeLinks(Micros now) {
   for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
-/// Whether somebody else's hand feels the part.
+/// Whether somebody else's hand feels the part as it is played out: those who share it feel the link.
 bool SiteLink::othersTouch(PartId part) const {
-  if (!ownership_->members(part).sites.empty()) return true;
+  const std::vector<SiteId>& members = ownership_->members(part).sites;
   return std::any_of(sites_.begin(), sites_.end(), [&](const SiteView& site) {
-    return !site.self && site.info.connected && site.seen && site.presence.touched == part;
+    const bool shares = std::find(members.begin(), members.end(), site.info.site) != members.end();
+    return !site.self && !shares && site.info.connected && site.seen && site.presence.touched == part;
   });
 }
 
