@@ -112,8 +112,9 @@ TEST(SharedHardCases, BothLetGoInTension) {
 /// One of two who share a part lets go at `at`. What the other one feels in the second after it, N in 20 ms, at most: it
 /// becomes the owner if that is who let go, else the roles stay as they are.
 double letGo(const char* scenario, double at, double delay, bool ownerDoes) {
+  constexpr std::uint64_t kCompared = 6;  // seeds: the greatest of each are compared
   double most = 0.0;
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+  for (std::uint64_t seed = 1; seed <= kCompared; ++seed) {
     SharedSession session(scenario);
     session.setDelay(delay);
     session.options.seed = seed;
