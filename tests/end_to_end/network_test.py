@@ -209,7 +209,7 @@ def test_hand_over(binaries, folder, figures):
             check([grab["answer"] for grab in result["grabs"]] == ["granted"], f"no grant is lost: {result['grabs']}")
         counts = session.relay.counts()
         # Of all sites together: one that says little may lose or double nothing in a few seconds.
-        check(all(sum(site[way][what] for site in counts["sites"]) > 0 for way in ("up", "down")
+        check(all(sum(site[way].get(what, 0) for site in counts["sites"]) > 0 for way in ("up", "down")
                   for what in ("lost", "duplicated", "overtaken")), f"the network was as bad as it should be: {counts}")
         figures["relay_late_ms_in_session"] = counts["late_ms"]
 
