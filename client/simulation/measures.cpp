@@ -86,6 +86,12 @@ bool HandMeasures::pushed() const {
   return std::any_of(samples_.begin(), samples_.end(), [](const HandSample& s) { return s.pushed; });
 }
 
+double HandMeasures::mostForce() const {
+  double most = 0.0;
+  for (const HandSample& s : samples_) most = std::max(most, glm::length(s.force));
+  return most;
+}
+
 double HandMeasures::rmsForce() const {
   if (samples_.empty()) return 0.0;
   double sum = 0.0;

@@ -37,7 +37,8 @@ class HandMeasures {
   /// N: the same in the 0.5 s after a role change, less its 99th percentile in the second before; 0 without.
   double handoverExcess() const;
   double rmsForce() const;
-  bool pushed() const;  // at any time
+  double mostForce() const;  // N
+  bool pushed() const;       // at any time
   /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more
   /// than 0.3 N in 20 ms while `allStill` (one entry a tick, for all hands).
   bool stable(const std::vector<bool>& allStill) const;

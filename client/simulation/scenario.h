@@ -19,7 +19,7 @@ struct ScenarioSite {
   haptics::ArmParameters arm;
   haptics::SimulatedDeviceParameters device;
   bool fit = false;  // limits, stiffnesses and passivity control as `tandem join` has them on such a device
-  double stiffness = 0.0;  // N/m, of contacts and grasps, whatever fits; 0: not stated
+  double stiffness = 0.0;                     // N/m, of contacts and grasps, whatever fits; 0: not stated
   double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
   std::string role = "participant";
   bool hasStart = false;

@@ -545,6 +545,7 @@ SimulationResult Simulation::result() {
     out.forceStep20ms = site->measures.forceStep();
     out.handoverExcess = site->measures.handoverExcess();
     out.rmsForce = site->measures.rmsForce();
+    out.mostForce = site->measures.mostForce();
     const TransportCounters counters =
         site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
     out.packetsPerSecond =

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -14,6 +15,7 @@
 namespace tandem::test {
 namespace {
 
+constexpr double kForce = 3.3;               // N, of a desktop arm
 constexpr double kEnergyBound = 1e-3;        // J
 constexpr double kQuiet = 7.0, kEnd = 10.0;  // s: when the last hand comes to rest
 
@@ -115,7 +117,8 @@ std::vector<bool> draw(client::Scenario& scenario, std::uint64_t seed) {
 
 struct Tally {
   double shared = 0.0;  // s
-  std::size_t grants = 0, restarts = 0, deaths = 0, pauses = 0, pushed = 0, unpushed = 0;
+  std::size_t grants = 0, restarts = 0, deaths = 0, pauses = 0, pushed = 0, unpushed = 0, gentle = 0,
+              rough = 0;
 };
 
 void check(SharedSession& session, const client::Scenario& plain, std::uint64_t seed, Tally& tally) {
@@ -127,13 +130,17 @@ void check(SharedSession& session, const client::Scenario& plain, std::uint64_t 
   SCOPED_TRACE("TANDEM_FIRST_SEED=" + std::to_string(seed) + " TANDEM_SEEDS=1");
   EXPECT_TRUE(result.violations.empty()) << describe(result);
   EXPECT_LE(result.energyOfLinks, kEnergyBound);
+  // Hands that pull harder than such a device can are let go of faster, too.
+  const bool gentle = std::all_of(result.sites.begin(), result.sites.end(),
+                                  [](const auto& site) { return site.second.mostForce < kForce; });
+  ++(gentle ? tally.gentle : tally.rough);
   for (std::size_t i = 0; i < disturbed.size(); ++i) {
     const client::SimulatedSiteResult& site = result.sites.at(session.scenario.sites[i].name);
     // What others do to a bare tool by pushing a part against it is theirs, and only roughly told from what it felt.
     EXPECT_TRUE(site.pushed || site.energyCreated <= kEnergyBound)
         << session.scenario.sites[i].name << " " << site.energyCreated;
     ++(site.pushed ? tally.pushed : tally.unpushed);
-    EXPECT_TRUE(site.calm || disturbed[i])
+    EXPECT_TRUE(site.calm || disturbed[i] || !gentle)
         << session.scenario.sites[i].name << " felt something while all stood still";
   }
   tally.shared += result.shared;
@@ -161,6 +168,7 @@ TEST_P(RandomSessions, KeepEveryRuleAndHurtNoHand) {
   EXPECT_GT(tally.shared, 0.5 * static_cast<double>(sessions() / kParts))
       << "too little is shared to tell anything";
   EXPECT_GT(tally.unpushed, tally.pushed);
+  EXPECT_GT(tally.gentle, tally.rough);
   EXPECT_GT(std::min({tally.grants, tally.restarts, tally.deaths, tally.pauses}), sessions() / kParts / 10);
 }
 
