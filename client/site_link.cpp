@@ -568,8 +568,7 @@ void SiteLink::sendIntents() {
         break;
       }
       case HandIntent::Kind::leave:
-        openGrabs_.push_back(
-            {ownership_->lapses(), nextRequest_, intent.part, OpenGrab::Kind::leave, 0});
+        openGrabs_.push_back({ownership_->lapses(), nextRequest_, intent.part, OpenGrab::Kind::leave, 0});
         send(Disengage{nextRequest_++, intent.part});
         break;
     }
@@ -617,8 +616,8 @@ void SiteLink::publish(Micros now) {
   hand_ = exchange_->output.latest();
   if (!clock_.known() || !publisher_->mayBeDue(now)) return;
   offerParts(now);
-  const Presence presence{welcome_.site, hand_.tick.worldFromProxy, worldFromCamera_,
-                          hand_.tick.toHand.force, hand_.tick.touched};
+  const Presence presence{welcome_.site, hand_.tick.worldFromProxy, worldFromCamera_, hand_.tick.toHand.force,
+                          hand_.tick.touched};
   bool newPresence = true;
   if (!publisher_->due(now, hand_.time, offered_, presence, newPresence)) return;
   StateUpdate& update = std::get<StateUpdate>(outgoingUpdate_);
