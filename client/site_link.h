@@ -33,7 +33,7 @@ namespace tandem::client {
 struct SiteLinkOptions {
   std::string name = "site";
   sync::SiteColour colour = sync::kAnyColour;
-  std::string token;         // of the join link
+  std::string token;  // of the join link
   PublishRates rates;
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;

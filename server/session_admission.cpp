@@ -87,9 +87,8 @@ void Session::State::resume(Peer& peer, const sync::Hello& hello, const Ticket& 
   }
   if (Peer* former = peerOf(ticket.site)) {
     // The site knows better than the server which of its connections is dead.
-    sendControl(
-        former->connection,
-        sync::encodeControl(sync::Refused{sync::Refusal::alreadyUsed, "the site has connected anew"}));
+    sendControl(former->connection, sync::encodeControl(sync::Refused{sync::Refusal::alreadyUsed,
+                                                                      "the site has connected anew"}));
     transport.close(former->connection);
     peers.erase(former->connection);
   } else if (full()) {
@@ -160,7 +159,7 @@ void Session::State::refuse(Peer& peer, sync::Refusal refusal, const std::string
   ++(peer.stage == Stage::hello ? counts.refusedHellos : counts.refusedMessages);
   const sync::ConnectionId connection = peer.connection;
   sendControl(connection,
-                        sync::encodeControl(sync::Refused{refusal, reason.substr(0, sync::kMaxTextLength)}));
+              sync::encodeControl(sync::Refused{refusal, reason.substr(0, sync::kMaxTextLength)}));
   transport.close(connection);
   if (peer.stage == Stage::hello)
     say("connection " + std::to_string(connection) + " refused (" + sync::toString(refusal) + "): " + reason);
