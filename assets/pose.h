@@ -47,6 +47,10 @@ inline glm::dvec3 transformVector(const Pose& aFromB, const glm::dvec3& vectorIn
   return aFromB.orientation * vectorInB;
 }
 
+inline bool isStill(const Twist& twist) {
+  return twist.linear == glm::dvec3(0.0) && twist.angular == glm::dvec3(0.0);
+}
+
 /// Velocity in m/s of the material point that is now at `pointInWorld`, for a body with this pose and twist.
 inline glm::dvec3 velocityAt(const Pose& worldFromBody, const Twist& twist, const glm::dvec3& pointInWorld) {
   return twist.linear + glm::cross(twist.angular, pointInWorld - worldFromBody.position);

@@ -263,18 +263,19 @@ void HandLoop::askForNear() {
 
 /// Simulates another site's part from where it is shown; null if nothing here wants that any more.
 HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
-  const Followed* followed = slotOf(part);
-  const bool wanted = controls_.asked(part) || (followed != nullptr && followed->asked) ||
+  Followed* slot = slotOf(part);
+  const bool wanted = controls_.asked(part) || (slot != nullptr && slot->asked) ||
                       std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
                         return grasp.has(Stage::asked, part) && grasp.wantedBefore;
                       });
   Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
   if (!entry) return nullptr;
-  *entry = {part, 0, false, sessionNow, false, {}};
-  entry->seen.restart(state_.worldFromPart(part), sessionNow);
-  if (Followed* slot = slotOf(part)) {
+  *entry = {.part = part, .idleSince = sessionNow};
+  if (slot != nullptr) {
     entry->seen = slot->seen;
     slot->part = kNoPart;
+  } else {
+    entry->seen.restart(state_.worldFromPart(part), sessionNow);
   }
   static_cast<void>(controls_.granted(part));
   command(PartCommand::Kind::own, part, state_.worldFromPart(part));
@@ -287,11 +288,9 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
 }
 
 NearParts::Moving HandLoop::guestOf(PartId part) const {
-  for (int i = 0; i < output_.tick.ownedCount; ++i) {
-    const haptics::OwnedPart& owned = output_.tick.owned[static_cast<std::size_t>(i)];
-    if (owned.part == part) return {part, owned.worldFromPart, owned.twist};
-  }
-  return {part, state_.worldFromPart(part), {}};
+  const haptics::OwnedPart* guest = output_.tick.simulated(part);
+  return guest != nullptr ? NearParts::Moving{part, guest->worldFromPart, guest->twist}
+                          : NearParts::Moving{part, state_.worldFromPart(part), {}};
 }
 
 /// What a guest's hands let be is the owner's alone again.
@@ -329,7 +328,7 @@ bool HandLoop::takeControl(const sync::PartRecord& record) {
   if (!controls_.asked(record.part)) return false;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return false;
-  *entry = {record.part, record.epoch, false, 0, false, {}};
+  *entry = {.part = record.part, .epoch = record.epoch};
   if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, record.part,
           controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
@@ -354,7 +353,7 @@ void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionN
   if (grasp.stage == Stage::taking || grasp.stage == Stage::holding) {
     // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
     if (Owned* free = ownedEntry(kNoPart)) {
-      *free = {record.part, record.epoch, false, 0, false, {}};
+      *free = {.part = record.part, .epoch = record.epoch};
       if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
       command(PartCommand::Kind::own, record.part, record.worldFromPart);
     }
@@ -380,7 +379,7 @@ void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
   if (!there && sessionNow < grasp.takingUntil) return;
   Owned* entry = ownedEntry(kNoPart);
   if (!entry) return;  // eight parts still settle: wait for one to rest
-  *entry = {taking.part, taking.epoch, false, 0, false, {}};
+  *entry = {.part = taking.part, .epoch = taking.epoch};
   if (Followed* slot = slotOf(taking.part)) slot->part = kNoPart;
   command(PartCommand::Kind::own, taking.part, taking.worldFromPart);
   hold(hand);  // unless it was let go while the answer was on its way: then it rests, and is released

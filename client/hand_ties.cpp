@@ -43,9 +43,7 @@ void HandTies::carryOut(const haptics::TickOutput& tick, haptics::TickState& sta
 /// Whether there is nothing left to do.
 bool HandTies::carryOut(const haptics::PartTie& tie, const haptics::TickOutput& tick,
                         haptics::TickState& state) const {
-  const auto end = tick.owned.begin() + tick.ownedCount;
-  const auto simulated = [&](const haptics::OwnedPart& part) { return part.part == tie.part; };
-  if (std::find_if(tick.owned.begin(), end, simulated) == end) return false;
+  if (tick.simulated(tie.part) == nullptr) return false;
   state.tie(tie);  // if there is no room, the peer is alone with its replica
   return true;
 }

@@ -235,12 +235,12 @@ void SiteLink::reclaimParts(bool all) {
     const auto index = static_cast<std::size_t>(i);
     const haptics::OwnedPart& part = hand_.tick.owned[index];
     if (hand_.ownedEpoch[index] == 0 || !(all || ownership_->needsReclaim(part.part))) continue;
-    const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(), [&](const OpenGrab& grab) {
-      return grab.kind == OpenGrab::Kind::reclaim && grab.part == part.part;
-    });
-    if (open != openGrabs_.end()) continue;
-    openGrabs_.push_back({ownership_->lapses(), nextRequest_, part.part, OpenGrab::Kind::reclaim, 0});
-    send(Reclaim{nextRequest_++, part.part, hand_.ownedEpoch[index], part.worldFromPart});
+    if (std::any_of(openGrabs_.begin(), openGrabs_.end(), [&](const OpenGrab& grab) {
+          return grab.kind == OpenGrab::Kind::reclaim && grab.part == part.part;
+        }))
+      continue;
+    send(Reclaim{open(part.part, OpenGrab::Kind::reclaim), part.part, hand_.ownedEpoch[index],
+                 part.worldFromPart});
   }
 }
 
@@ -253,14 +253,22 @@ void SiteLink::applyOwnership(const PartRecord& record) {
   event.kind = NetworkEvent::Kind::ownership;
   event.record = record;
   pushEvent(event);
-  links_->follow(*ownership_, record.part, sessionTime(now_));
+  followLinks(record.part);
+}
+
+/// Lines of a part as ownership now has it.
+void SiteLink::followLinks(PartId part) {
+  links_->follow(*ownership_, part, sessionTime(now_));
+  pushOrders();
+}
+
+void SiteLink::pushOrders() {
   for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
 void SiteLink::applyMembers(const MemberRecord& members) {
   if (!ownership_->apply(members)) return;
-  links_->follow(*ownership_, members.part, sessionTime(now_));
-  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
+  followLinks(members.part);
 }
 
 /// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
@@ -285,16 +293,22 @@ void SiteLink::take(OwnershipChanged& message) {
   applyOwnership(message.part);
 }
 
+/// A question that is about to be asked.
+RequestId SiteLink::open(PartId part, OpenGrab::Kind kind, int before) {
+  openGrabs_.push_back({ownership_->lapses(), nextRequest_, part, kind, before});
+  return nextRequest_++;
+}
+
 /// The question that a reply answers, taken off the list; nothing if it answers none.
 std::optional<SiteLink::OpenGrab> SiteLink::closeGrab(RequestId request, PartId part) {
-  const auto open = std::find_if(openGrabs_.begin(), openGrabs_.end(),
+  const auto found = std::find_if(openGrabs_.begin(), openGrabs_.end(),
                                  [&](const auto& entry) { return entry.request == request; });
-  if (open == openGrabs_.end() || !scene_ || part >= scene_->parts.size() || open->part != part) {
+  if (found == openGrabs_.end() || !scene_ || part >= scene_->parts.size() || found->part != part) {
     ++statistics_.malformed;
     return std::nullopt;
   }
-  const OpenGrab closed = *open;
-  openGrabs_.erase(open);
+  const OpenGrab closed = *found;
+  openGrabs_.erase(found);
   return closed;
 }
 
@@ -344,9 +358,7 @@ bool SiteLink::mayShare(PartId part) const {
 void SiteLink::askFor(PartId part, int before) {
   if (ownership_->owns(part)) return;  // it has been passed on to this site meanwhile
   const bool share = mayShare(part);
-  const RequestId request = nextRequest_++;
-  openGrabs_.push_back(
-      {ownership_->lapses(), request, part, share ? OpenGrab::Kind::engage : OpenGrab::Kind::grab, before});
+  const RequestId request = open(part, share ? OpenGrab::Kind::engage : OpenGrab::Kind::grab, before);
   if (share) return send(Engage{request, part});
   const Grab grab{request, part};
   if (observer_) observer_->onGrab(grab);
@@ -482,7 +494,7 @@ void SiteLink::acknowledge(Micros now) {
 void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
   if (!clock_.known()) return;
   const auto packet = links_->receive(update, *ownership_, sessionTime(now));
-  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
+  pushOrders();
   if (packet) static_cast<void>(exchange_->linksIn.push(*packet));  // a full ring is a hand that stands still
 }
 
@@ -568,8 +580,7 @@ void SiteLink::sendIntents() {
         break;
       }
       case HandIntent::Kind::leave:
-        openGrabs_.push_back({ownership_->lapses(), nextRequest_, intent.part, OpenGrab::Kind::leave, 0});
-        send(Disengage{nextRequest_++, intent.part});
+        send(Disengage{open(intent.part, OpenGrab::Kind::leave), intent.part});
         break;
     }
   }
@@ -585,7 +596,7 @@ void SiteLink::exchangeLinks(Micros now) {
     sendState(outgoingMessage_);
   }
   links_->beginSilentAnew(*ownership_, sessionTime(now));
-  for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
+  pushOrders();
 }
 
 /// Whether somebody else's hand feels the part as it is played out: those who share it feel the link.

@@ -143,6 +143,8 @@ class SiteLink {
   void askFor(PartId part, int before);
   bool mayShare(PartId part) const;
   void applyMembers(const sync::MemberRecord& members);
+  void followLinks(PartId part);
+  void pushOrders();
   void shareAgain();
   void rememberOwnership(const sync::PartRecord& record);
   void applyOwnership(const sync::PartRecord& record);
@@ -198,6 +200,7 @@ class SiteLink {
     enum class Kind : std::uint8_t { grab, reclaim, engage, leave } kind = Kind::grab;
     int before = 0;  // questions that this one follows, as the part came and went
   };
+  sync::RequestId open(PartId part, OpenGrab::Kind kind, int before = 0);
   std::optional<OpenGrab> closeGrab(sync::RequestId request, PartId part);
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;

@@ -20,9 +20,6 @@ constexpr double kPresenceForce = 0.05;     // N
 
 Micros period(double hz) { return static_cast<Micros>(1e6 / hz); }
 
-bool atRest(const PartState& state) {
-  return state.twist.linear == glm::dvec3(0.0) && state.twist.angular == glm::dvec3(0.0);
-}
 double angleBetween(const glm::dquat& a, const glm::dquat& b) {
   return glm::length(rotationVector(a * glm::conjugate(b)));
 }
@@ -85,8 +82,8 @@ double StatePublisher::distance(const Pose& a, const Pose& b, PartId part) const
 bool StatePublisher::partDue(const OfferedPart& part, Micros now, Micros time) const {
   const Sent* last = lastOf(part.state);
   if (last == nullptr || part.shared) return true;
-  const bool rests = atRest(part.state);
-  if (rests != atRest(last->state)) return true;
+  const bool rests = isStill(part.state.twist);
+  if (rests != isStill(last->state.twist)) return true;
   const Pose &pose = part.state.worldFromPart, &told = last->state.worldFromPart;
   if (rests) return pose.position != told.position || pose.orientation != told.orientation;
   if (rates_.deadband <= 0.0 || now - parts_.sentAt >= period(rates_.least)) return true;

@@ -200,8 +200,7 @@ bool HeldParts::drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt
     return true;
   }
   const bool awake = free && !atRest(entry);
-  if (!awake && entry.body.twist.linear == glm::dvec3(0.0) && entry.body.twist.angular == glm::dvec3(0.0))
-    return false;
+  if (!awake && isStill(entry.body.twist)) return false;
   const bool falls = free && gravity != glm::dvec3(0.0);
   step = coast(entry.body, falls ? 1.0 : std::exp(-dt / kSettleDecay));
   if (awake) step.freeVelocity += dt * gravity;

@@ -176,6 +176,13 @@ struct TickOutput {
   double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent
   std::uint32_t flags = 0;
   SecondHandOutput second;  // with TickInput::second
+
+  /// The part as this tick simulated it; null if it did not.
+  const OwnedPart* simulated(PartId part) const {
+    for (int i = 0; i < ownedCount; ++i)
+      if (owned[static_cast<std::size_t>(i)].part == part) return &owned[static_cast<std::size_t>(i)];
+    return nullptr;
+  }
 };
 
 /// Everything that a tick remembers from one to the next. Allocated once, for one scene.

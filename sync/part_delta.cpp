@@ -51,9 +51,11 @@ int threeBits(const Code3& code, int order) {
 }
 /// The order that takes the fewest bits.
 int bestOrder(const Code3& code) {
-  int best = 0;
-  for (int order = 1; order <= kHighestOrder; ++order)
-    if (threeBits(code, order) < threeBits(code, best)) best = order;
+  int best = 0, fewest = threeBits(code, 0);
+  for (int order = 1; order <= kHighestOrder; ++order) {
+    const int bits = threeBits(code, order);
+    if (bits < fewest) best = order, fewest = bits;
+  }
   return best;
 }
 void putThree(BitWriter& writer, const Code3& code, int order) {
@@ -157,13 +159,6 @@ class Prediction {
   double stepsPerMetre_;
 };
 
-int largestOf(const glm::dquat& q) {
-  const double w[4] = {q.w, q.x, q.y, q.z};
-  int largest = 0;
-  for (int i = 1; i < 4; ++i)
-    if (std::abs(w[i]) > std::abs(w[largest])) largest = i;
-  return largest;
-}
 /// The other three, for a quaternion that leaves out this one.
 Code3 threeOf(const glm::dquat& q, int leftOut) {
   const double w[4] = {q.w, q.x, q.y, q.z};

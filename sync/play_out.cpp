@@ -18,10 +18,6 @@ constexpr double kBlendEnd = 1e-4;           // of the largest offset: from here
 constexpr double kRateToEnd = 12.0;          // (1 + x) exp(-x) < kBlendEnd
 constexpr double kEuler = 2.718281828459045;
 
-bool atRest(const Twist& twist) {
-  return twist.linear == glm::dvec3(0.0) && twist.angular == glm::dvec3(0.0);
-}
-
 /// Cubic Hermite from 0 with rate v0 to `d` with rate v1 over `span` seconds; value and rate at s in [0, 1].
 void hermite(const glm::dvec3& d, const glm::dvec3& v0, const glm::dvec3& v1, double span, double s,
              glm::dvec3& value, glm::dvec3& rate) {
@@ -109,7 +105,7 @@ PlayOut::Shown PlayOut::sample(Micros t) const {
 
   const Entry& a = entries_[next - 1];
   if (next == count_) {
-    if (atRest(a.twist)) return {a.pose, {}, false, true};
+    if (isStill(a.twist)) return {a.pose, {}, false, true};
     const Micros beyond = std::min(t - a.time, kMaxExtrapolation);
     if (beyond == 0) return {a.pose, a.twist, false, false};
     // At full speed first, then the speed falls linearly to none at the bound.

@@ -37,7 +37,7 @@ void PosePrediction::push(const PartState& state, Micros time) {
   const glm::dvec3 rate = near ? (state.twist.linear - newest_.twist.linear) / step : glm::dvec3(0.0);
   const double share = near ? 1.0 - std::exp(-step / kAccelerationTime) : 1.0;
   acceleration_ += share * (rate - acceleration_);
-  if (state.twist.linear == glm::dvec3(0.0) && state.twist.angular == glm::dvec3(0.0)) acceleration_ = {};
+  if (isStill(state.twist)) acceleration_ = {};
   newest_ = state;
   time_ = time;
   known_ = true;

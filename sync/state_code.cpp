@@ -54,6 +54,14 @@ PoseCode getPoseCode(BitReader& reader) {
 
 }  // namespace
 
+int largestOf(const glm::dquat& q) {
+  const double w[4] = {q.w, q.x, q.y, q.z};
+  int largest = 0;
+  for (int i = 1; i < 4; ++i)
+    if (std::abs(w[i]) > std::abs(w[largest])) largest = i;
+  return largest;
+}
+
 PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped) {
   PoseCode code;
   for (int i = 0; i < 3; ++i) {
@@ -63,9 +71,7 @@ PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped) {
   }
   const glm::dquat& q = pose.orientation;
   const double w[4] = {q.w, q.x, q.y, q.z};
-  for (int i = 1; i < 4; ++i) {
-    if (std::abs(w[i]) > std::abs(w[code.largest])) code.largest = i;
-  }
+  code.largest = largestOf(q);
   const double sign = w[code.largest] < 0.0 ? -1.0 : 1.0;
   int ignored = 0;  // a unit quaternion is never out of range by more than rounding
   std::size_t k = 0;

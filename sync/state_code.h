@@ -48,6 +48,8 @@ struct PartCode {
   friend bool operator==(const PartCode&, const PartCode&) = default;
 };
 
+/// Which of w x y z is the largest in size: what a code leaves out.
+int largestOf(const glm::dquat& q);
 /// Counts in `clamped` what lay outside its range.
 PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped);
 TwistCode toCode(const Twist& twist, int& clamped);

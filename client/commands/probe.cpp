@@ -238,9 +238,7 @@ class Probe {
     const auto own = [&](PartId part) {
       const bool moved =
           std::any_of(moves.begin(), moves.end(), [&](const MovedPart& m) { return m.part == part; });
-      const bool owned = std::any_of(last.owned.begin(), last.owned.begin() + last.ownedCount,
-                                     [&](const haptics::OwnedPart& o) { return o.part == part; });
-      if (!moved && !owned && part != tool_.part && count < commands.size())
+      if (!moved && last.simulated(part) == nullptr && part != tool_.part && count < commands.size())
         commands[count++] = {Kind::own, part, state_.worldFromPart(part)};
     };
     for (const assets::Control& control : scene_.controls)

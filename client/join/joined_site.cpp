@@ -373,11 +373,8 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.contactCount = output.tick.contactCount;
   hand.touched = output.tick.touched;
   hand.held = output.tick.held;
-  hand.tie = {};
-  for (int i = 0; i < output.tick.ownedCount; ++i) {
-    const haptics::OwnedPart& part = output.tick.owned[static_cast<std::size_t>(i)];
-    if (part.part == hand.held) hand.tie = part.tie;
-  }
+  const haptics::OwnedPart* held = output.tick.simulated(hand.held);
+  hand.tie = held != nullptr ? held->tie : haptics::TieReport{};
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
   if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;

@@ -115,11 +115,8 @@ bool HandMeasures::calm(const std::vector<bool>& allStill) const { return restsU
 
 bool HandMeasures::stable(const std::vector<bool>& allStill) const {
   if (!restsUnshaken(allStill, true)) return false;
-  if (samples_.size() < kRestTicks + 500) return true;
-  const auto rest = allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size() - kRestTicks - 500);
-  if (std::find(rest, allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size()), false) !=
-      allStill.begin() + static_cast<std::ptrdiff_t>(samples_.size()))
-    return true;
+  const auto end = allStill.rend(), moving = std::find(allStill.rbegin(), end, false);
+  if (moving - allStill.rbegin() < static_cast<std::ptrdiff_t>(kRestTicks + 500)) return true;
   glm::dvec3 low = samples_.back().position, high = low;
   for (std::size_t i = samples_.size() - kRestTicks; i < samples_.size(); ++i) {
     low = glm::min(low, samples_[i].position);

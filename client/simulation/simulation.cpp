@@ -251,14 +251,6 @@ void SimulatedSite::step(Micros now) {
   if (link->stage() == SiteLink::Stage::ended) simulation.invariants.onConnection(index, false);
 }
 
-const haptics::OwnedPart* simulated(const SimulatedSite& site, PartId part) {
-  const haptics::TickOutput& tick = site.hand->output().tick;
-  const auto end = tick.owned.begin() + tick.ownedCount;
-  const auto found = std::find_if(tick.owned.begin(), end,
-                                  [&](const haptics::OwnedPart& owned) { return owned.part == part; });
-  return found == end ? nullptr : &*found;
-}
-
 void SimulatedSite::noteContact(PartId part, HandSample& measured) const {
   if (!simulation.scene.parts[part].movable) {
     measured.pressing = true;
@@ -296,7 +288,7 @@ void SimulatedSite::tickHand(Micros now) {
   simulation.fingerprint.add(wrench.force);
   simulation.fingerprint.add(measured.position);
   if (simulation.trace.is_open() && now % (10 * kMillisecond) == 0) {
-    const haptics::OwnedPart* held = simulated(*this, tick.held);
+    const haptics::OwnedPart* held = tick.simulated(tick.held);
     const haptics::TieReport tie = held != nullptr ? held->tie : haptics::TieReport{};
     char line[400];
     const glm::dvec3& p = tick.worldFromProxy.position;
@@ -471,11 +463,10 @@ void Simulation::compareReplicas() {
       if (owner->link->owner(part.part) != owner->id) continue;  // a guest
       for (const auto& other : sites) {
         if (other == owner || !other->inSession()) continue;
-        const double distance =
-            glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position);
         displayed.add(glm::length(other->drawn[part.part].position - part.worldFromPart.position));
-        if (simulated(*other, part.part) == nullptr) continue;
-        shared.add(distance);
+        if (other->hand->output().tick.simulated(part.part) == nullptr) continue;
+        shared.add(
+            glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position));
         anyShared = true;
       }
     }

@@ -60,7 +60,7 @@ class Watch {
     std::vector<haptics::TieReport> ties;
     std::vector<PartId> held;
     void add(double, const client::SimulatedSiteState& state) {
-      const haptics::OwnedPart* part = simulated(state, kBlock);
+      const haptics::OwnedPart* part = state.tick->simulated(kBlock);
       force.push_back(state.force);
       block.push_back(part != nullptr ? part->worldFromPart.position : glm::dvec3(NAN));
       ties.push_back(part != nullptr ? part->tie : haptics::TieReport{});

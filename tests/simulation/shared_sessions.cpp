@@ -47,13 +47,6 @@ std::uint64_t sessions() {
 
 std::uint64_t seedsUpTo(std::uint64_t most) { return std::clamp<std::uint64_t>(sessions() / 50, 1, most); }
 
-const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part) {
-  const auto end = site.tick->owned.begin() + site.tick->ownedCount;
-  const auto found = std::find_if(site.tick->owned.begin(), end,
-                                  [&](const haptics::OwnedPart& owned) { return owned.part == part; });
-  return found == end ? nullptr : &*found;
-}
-
 std::string describe(const client::SimulationResult& result) {
   std::string text;
   for (const client::Violation& violation : result.violations)

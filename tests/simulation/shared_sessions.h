@@ -42,9 +42,6 @@ class SharedSession {
 std::uint64_t sessions();
 std::uint64_t seedsUpTo(std::uint64_t most);
 
-/// The part that a site simulates; null if it does not.
-const haptics::OwnedPart* simulated(const client::SimulatedSiteState& site, PartId part);
-
 /// What was broken, for messages.
 std::string describe(const client::SimulationResult& result);
 

@@ -9,6 +9,8 @@
 #include <map>
 #include <set>
 
+#include "tests/simulation/shared_sessions.h"
+
 namespace tandem::client {
 namespace {
 
@@ -38,15 +40,7 @@ SimulationResult run(const Loaded& loaded, std::uint64_t seed) {
   return std::move(*result);
 }
 
-std::string describe(const SimulationResult& result) {
-  std::string text;
-  for (const Violation& violation : result.violations)
-    text += violation.rule + " at " + std::to_string(violation.at) + " s: " + violation.what + "\n";
-  for (const auto& grant : result.grants)
-    text += "grant at " + std::to_string(grant.at) + " s: part " + std::to_string(grant.part) + " to " +
-            std::to_string(grant.site) + " epoch " + std::to_string(grant.epoch) + "\n";
-  return text;
-}
+using test::describe;
 
 TEST(Simulation, TwoSitesGrabAtOnceHandOverAndTheServerRestarts) {
   const Loaded loaded = load("hand_over.json");

@@ -85,10 +85,8 @@ class MovingRig {
   haptics::TickState& state() { return state_; }
   const haptics::PartContact& contact() { return *state_.data().partContact; }
   const haptics::OwnedPart& owned(PartId part) const {
-    for (int i = 0; i < out.ownedCount; ++i) {
-      if (out.owned[static_cast<std::size_t>(i)].part == part) return out.owned[static_cast<std::size_t>(i)];
-    }
-    return out.owned[0];
+    const haptics::OwnedPart* found = out.simulated(part);
+    return found != nullptr ? *found : out.owned[0];
   }
   double jointValue(std::uint32_t joint, bool angular) { return contact().jointValue(joint, angular); }
 
