@@ -118,6 +118,7 @@ LineTerms PartLinks::termsFor(SiteId peer, std::size_t lines) const {
 void PartLinks::begin(Line& line, Micros now, bool guest) {
   line.receiver.forget();
   line.heardAt = now;
+  line.felt = false;
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::tie;
   event.guest = guest;
@@ -204,7 +205,9 @@ std::optional<haptics::TiedPacket> PartLinks::receive(const LinkUpdate& update, 
   const std::optional<LinkState> state = line->receiver.receive(update, now);
   if (!state) return std::nullopt;
   line->heardAt = now;
-  return haptics::TiedPacket{line->part, line->peer, packetOf(*state)};
+  const haptics::LinkPacket packet = packetOf(*state);
+  line->felt = packet.regime != haptics::LinkRegime::apart;
+  return haptics::TiedPacket{line->part, line->peer, packet};
 }
 
 std::optional<LinkUpdate> PartLinks::toWire(const haptics::TiedPacket& packet) const {
@@ -213,6 +216,11 @@ std::optional<LinkUpdate> PartLinks::toWire(const haptics::TiedPacket& packet) c
   LinkUpdate update = sync::toWire(stateOf(packet.packet), packet.peer, packet.part);
   update.terms = line->terms;
   return update;
+}
+
+bool PartLinks::felt(PartId part, SiteId peer) const {
+  const Line* line = find(part, peer);
+  return line != nullptr && line->felt;
 }
 
 std::vector<NetworkEvent> PartLinks::takeEvents() { return std::exchange(events_, {}); }

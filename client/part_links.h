@@ -41,6 +41,9 @@ class PartLinks {
   /// For the wire; nothing if there is no such line any more.
   std::optional<sync::LinkUpdate> toWire(const haptics::TiedPacket& packet) const;
 
+  /// Whether what the peer does to the part is felt here: there is a line, and its way is not too long for a link.
+  bool felt(PartId part, SiteId peer) const;
+
   /// What the hand is to be told, drained by the caller.
   std::vector<NetworkEvent> takeEvents();
 
@@ -54,6 +57,7 @@ class PartLinks {
     sync::LineTerms terms;
     sync::LinkReceiver receiver;
     sync::Micros heardAt = 0;
+    bool felt = false;  // as the peer measures the way
   };
   struct Age {
     SiteId site = kNoSite;

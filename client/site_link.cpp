@@ -599,12 +599,14 @@ void SiteLink::exchangeLinks(Micros now) {
   pushOrders();
 }
 
-/// Whether somebody else's hand feels the part as it is played out: those who share it feel the link.
+/// Whether somebody else's hand feels the part as it is played out: those who share it feel the link, if the way between
+/// bears one.
 bool SiteLink::othersTouch(PartId part) const {
   const std::vector<SiteId>& members = ownership_->members(part).sites;
   return std::any_of(sites_.begin(), sites_.end(), [&](const SiteView& site) {
+    if (site.self || !site.info.connected || links_->felt(part, site.info.site)) return false;
     const bool shares = std::find(members.begin(), members.end(), site.info.site) != members.end();
-    return !site.self && !shares && site.info.connected && site.seen && site.presence.touched == part;
+    return shares || (site.seen && site.presence.touched == part);
   });
 }
 
