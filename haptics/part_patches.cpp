@@ -23,12 +23,6 @@ void turnAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal
   gap = -gap;
 }
 
-glm::dvec3 sumOf(std::span<const glm::dvec3> normals) {
-  glm::dvec3 sum(0.0);
-  for (const glm::dvec3& normal : normals) sum += normal;
-  return sum;
-}
-
 }  // namespace
 
 double PartContact::evenness(const PartModel& to) { return kEven * to.field.tolerance(); }
@@ -39,10 +33,11 @@ void PartContact::addShapeRows(const AskedSide& side, std::uint32_t i, float& de
   ContactPatch patch;
   const bool patched = side.from->patchOf(sample, patch);
   if (patched) patch = patch.moved(side.toFromSamples);
-  const glm::dvec3 at = transformPoint(side.toFromSamples, sample.point);
+  const glm::dvec3 at = transformPoint(side.toFromSamples, sample.point),
+                   outward = side.toFromSamples.orientation * outwardOf(side.from->samples.normals(sample));
   for (const Primitive& shape : side.to->field.shapes()) {
     glm::dvec3 point = at;
-    SurfaceDistance read = shape.at(at);
+    SurfaceDistance read = shape.against(at, outward);
     if (patched) {
       // The shape is convex: its distance lies above the plane that touches it in one place.
       const double drop = glm::dot(read.gradient, patch.pointAt(patch.lowest(read.gradient, 0.0)) - at);
@@ -51,7 +46,7 @@ void PartContact::addShapeRows(const AskedSide& side, std::uint32_t i, float& de
         continue;
       }
       if (drop < -slack) {
-        const PatchTouch touch = deepestIn(shape, patch, slack);
+        const PatchTouch touch = deepestIn(shape, patch, slack, outward);
         point = touch.point;
         read = touch.read;
       }
@@ -59,8 +54,7 @@ void PartContact::addShapeRows(const AskedSide& side, std::uint32_t i, float& de
     deepest = std::max(deepest, static_cast<float>(-read.distance));
     if (side.contained || read.distance + allowed > static_cast<double>(side.limit)) continue;
     if (!shape.solid())
-      turnAgainst(side.toFromSamples.orientation * sumOf(side.from->samples.normals(sample)),
-                  side.to->field.tolerance(), read.gradient, read.distance);
+      turnAgainst(outward, side.to->field.tolerance(), read.gradient, read.distance);
     rows_.addPlane(side.world(read.gradient), side.arm(point), static_cast<float>(read.distance + allowed),
                    {side.pair, side.side, i});
   }
@@ -108,7 +102,7 @@ bool PartContact::touchShapes(const PartModel& from, const PartModel& to, const 
     if (one.count == 0) continue;
     TouchingPlane& plane = one.planes[0];
     if (!shape.solid())
-      turnAgainst(toFromSamples.orientation * sumOf(from.samples.normals(sample)), to.field.tolerance(),
+      turnAgainst(toFromSamples.orientation * outwardOf(from.samples.normals(sample)), to.field.tolerance(),
                   plane.normal, plane.gap);
     const double gap = plane.gap + glm::dot(plane.normal, asked.motion);
     if (gap < predicted[0]) {
@@ -152,10 +146,11 @@ double PartContact::depthOf(const PartModel& from, const PartModel& to, const Po
     if (sample.patch != assets::kNone) deepestPoint = deepestIn(to.field, patch, evenness(to), error).point;
     return 0.0;
   }
+  const glm::dvec3 outward = toFromSamples.orientation * outwardOf(from.samples.normals(sample));
   double depth = 0.0;
   for (const Primitive& shape : to.field.shapes()) {
-    const double distance =
-        patched ? deepestIn(shape, patch, evenness(to)).read.distance : shape.at(deepestPoint).distance;
+    const double distance = patched ? deepestIn(shape, patch, evenness(to), outward).read.distance
+                                    : shape.against(deepestPoint, outward).distance;
     depth = std::max(depth, -distance);
   }
   return depth;

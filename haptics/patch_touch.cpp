@@ -150,7 +150,14 @@ bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleA
 
 }  // namespace
 
-PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack) {
+glm::dvec3 outwardOf(std::span<const glm::dvec3> normals) {
+  glm::dvec3 sum(0.0);
+  for (const glm::dvec3& normal : normals) sum += normal;
+  return sum;
+}
+
+PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
+                     const glm::dvec3& outward) {
   PatchTouch touch;
   touch.place.out = patch.out;
   const double enough = 0.25 * slack, even = patch.along > 0.0 ? slack / (patch.along * patch.along) : 0.0;
@@ -187,7 +194,7 @@ PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double s
     }
   }
   touch.point = patch.pointAt(touch.place);
-  touch.read = shape.at(touch.point);
+  touch.read = shape.against(touch.point, outward);
   return touch;
 }
 
@@ -218,18 +225,16 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
 TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
                               SampleAtMesh asked) {
   const Primitive& shape = shapes[which];
-  SurfaceDistance read;
   std::array<glm::dvec3, 2> own;
   if (patch != nullptr) {
     const PatchTouch touch = deepestIn(shape, *patch, 0.1 * asked.slack);
-    read = touch.read;
     asked.point = touch.point;
     setEdge(*patch, touch.place, asked);
     if (const int count = patch->normalsAt(touch.place, own); count > 0)
       asked.normals = {own.data(), static_cast<std::size_t>(count)};
-  } else {
-    read = shape.at(asked.point);
   }
+  const glm::dvec3 outward = outwardOf(asked.normals);
+  const SurfaceDistance read = shape.against(asked.point, outward);
   TouchingFeature found;
   found.count = 1;
   found.distance = std::abs(read.distance);
@@ -238,7 +243,7 @@ TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t whi
   const double way = std::max(glm::length(asked.motion), 10.0 * asked.slack);
   if (read.distance > 2.0 * (way + asked.along + asked.range)) return found;
   MeshEdge edge;
-  if (!shape.edgeNear(asked.point, std::max(way, 1.001 * found.distance), edge)) return found;
+  if (!shape.edgeNear(asked.point, outward, std::max(way, 1.001 * found.distance), edge)) return found;
   if (!uncover(shapes, which, asked, edge)) {
     found.count = 0;
   } else if (edge.angle > 0.0) {

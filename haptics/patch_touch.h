@@ -20,9 +20,14 @@ struct PatchTouch {
   SurfaceDistance read;
 };
 
+/// About which way a place looks that has these normals; of any length, 0 on a sheet.
+glm::dvec3 outwardOf(std::span<const glm::dvec3> normals);
+
 /// Of a patch in a convex shape, in one frame: the least distance to within `slack` m (a rim's patch, whose distance
 /// is not convex, where it has only one least one).
-PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack);
+/// What holds it off there is read for a surface that looks along `outward`.
+PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
+                     const glm::dvec3& outward = glm::dvec3(0.0));
 
 /// In a field, by its gradients: nearer with each reading, as far as the field's cells tell.
 PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, double slack, float& error);

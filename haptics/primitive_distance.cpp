@@ -19,6 +19,16 @@ constexpr double kTangent = 0.1;
 constexpr double kTiny = 1e-290;
 constexpr double kPi = std::numbers::pi;
 
+// Cosine to a face's normal above which another surface does not look against the face.
+constexpr double kAgainst = -1e-3;
+// Of a shape's extent: what is no further out is on the surface but for rounding, and held off as what is inside.
+constexpr double kRounding = 1e-13;
+
+/// Whether a surface that looks along `outward` can rest on a face with this unit normal.
+bool restsOn(const glm::dvec3& outward, const glm::dvec3& normal) {
+  return glm::dot(outward, normal) <= kAgainst * glm::length(outward);
+}
+
 double signOf(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
 /// Across the Y axis, unit: any where p is on it.
@@ -83,14 +93,15 @@ Primitive::Primitive(const assets::ImplicitShape& shape, std::uint32_t triangle)
   }
   if (kind_ != Kind::cylinder) across_ = std::sqrt(std::max(0.0, (1.0 - grow_) * (1.0 + grow_)));
   extent_ = std::max({std::abs(centre_.x), std::abs(centre_.y), std::abs(centre_.z)}) + reach;
+  rounding_ = std::max(kTiny, kRounding * extent_);
 }
 
-SurfaceDistance Primitive::at(const glm::dvec3& inPart) const {
-  const glm::dvec3 p = shapeFromPart_ * (inPart - centre_);
+SurfaceDistance Primitive::against(const glm::dvec3& inPart, const glm::dvec3& outwardInPart) const {
+  const glm::dvec3 p = shapeFromPart_ * (inPart - centre_), outward = shapeFromPart_ * outwardInPart;
   SurfaceDistance found;
   switch (kind_) {
     case Kind::box:
-      found = ofBox(p);
+      found = ofBox(p, outward);
       break;
     case Kind::plane:
       found = ofPlane(p);
@@ -100,26 +111,31 @@ SurfaceDistance Primitive::at(const glm::dvec3& inPart) const {
       found = ofCapsule(p);
       break;
     case Kind::cylinder:
-      found = ofCylinder(p);
+      found = ofCylinder(p, outward);
       break;
   }
   found.gradient = found.gradient * shapeFromPart_;
   return found;
 }
 
-SurfaceDistance Primitive::ofBox(const glm::dvec3& p) const {
+SurfaceDistance Primitive::ofBox(const glm::dvec3& p, const glm::dvec3& outward) const {
   const glm::dvec3 beyond = glm::abs(p) - half_;
   const glm::dvec3 out = glm::max(beyond, glm::dvec3(0.0));
   const double square = glm::dot(out, out);
   const glm::dvec3 sign(signOf(p.x), signOf(p.y), signOf(p.z));
-  if (square > kTiny) {
+  if (square > rounding_ * rounding_) {
     const double length = std::sqrt(square);
     return {length, sign * out / length};
   }
-  const int axis = beyond.x >= beyond.y && beyond.x >= beyond.z ? 0 : beyond.y >= beyond.z ? 1 : 2;
-  glm::dvec3 gradient(0.0);
-  gradient[axis] = sign[axis];
-  return {beyond[axis], gradient};
+  SurfaceDistance nearest, held;
+  nearest.distance = held.distance = -1e300;
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 normal(0.0);
+    normal[axis] = sign[axis];
+    if (beyond[axis] > nearest.distance) nearest = {beyond[axis], normal};
+    if (beyond[axis] > held.distance && restsOn(outward, normal)) held = {beyond[axis], normal};
+  }
+  return held.distance > -1e300 ? held : nearest;
 }
 
 SurfaceDistance Primitive::ofPlane(const glm::dvec3& p) const {
@@ -146,7 +162,7 @@ SurfaceDistance Primitive::ofCapsule(const glm::dvec3& p) const {
 }
 
 /// In the half-plane of its axis and the point: a trapezoid with the axis as one side.
-SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p) const {
+SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p, const glm::dvec3& outward) const {
   const double radius = std::hypot(p.x, p.z);
   const glm::dvec3 out = radial(p, radius);
   const bool upper = p.y >= 0.0;
@@ -155,9 +171,12 @@ SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p) const {
   const double fromBottom = radius - bottom_, height = p.y + halfHeight_;
   const double slant = std::hypot(2.0 * halfHeight_, top_ - bottom_);
   const double side = across_ * fromBottom - grow_ * height, along = grow_ * fromBottom + across_ * height;
-  if (cap <= 0.0 && side <= 0.0)
-    return cap >= side ? SurfaceDistance{cap, capSign * kUp}
-                       : SurfaceDistance{side, across_ * out - grow_ * kUp};
+  if (cap <= rounding_ && side <= rounding_) {
+    const SurfaceDistance ofCap{cap, capSign * kUp}, ofSide{side, across_ * out - grow_ * kUp};
+    const bool capHolds = restsOn(outward, ofCap.gradient), sideHolds = restsOn(outward, ofSide.gradient);
+    if (capHolds != sideHolds) return capHolds ? ofCap : ofSide;
+    return cap >= side ? ofCap : ofSide;
+  }
   if (cap > 0.0 && radius <= (upper ? top_ : bottom_)) return {cap, capSign * kUp};
   if (along >= 0.0 && along <= slant && side > 0.0) return {side, across_ * out - grow_ * kUp};
   // A rim: of the side's end that is nearer, or of the cap under the point.
@@ -170,9 +189,9 @@ SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p) const {
   return {length, (off.x / length) * out + (off.y / length) * kUp};
 }
 
-bool Primitive::edgeNear(const glm::dvec3& inPart, double reach, MeshEdge& edge) const {
+bool Primitive::edgeNear(const glm::dvec3& inPart, const glm::dvec3& outward, double reach, MeshEdge& edge) const {
   const glm::dvec3 p = shapeFromPart_ * (inPart - centre_);
-  const bool found = kind_ == Kind::box        ? boxEdge(p, reach, edge)
+  const bool found = kind_ == Kind::box        ? boxEdge(p, shapeFromPart_ * outward, reach, edge)
                      : kind_ == Kind::plane    ? planeEdge(p, reach, edge)
                      : kind_ == Kind::cylinder ? rim(p, reach, edge)
                                                : false;
@@ -183,21 +202,26 @@ bool Primitive::edgeNear(const glm::dvec3& inPart, double reach, MeshEdge& edge)
   return true;
 }
 
-bool Primitive::boxEdge(const glm::dvec3& p, double reach, MeshEdge& edge) const {
+bool Primitive::boxEdge(const glm::dvec3& p, const glm::dvec3& outward, double reach, MeshEdge& edge) const {
   const glm::dvec3 sign(signOf(p.x), signOf(p.y), signOf(p.z)), beyond = glm::abs(p) - half_;
+  glm::dvec3 first(0.0), second(0.0);
   double least = reach * reach;
   int along = -1;
   for (int k = 0; k < 3; ++k) {
     const double i = beyond[(k + 1) % 3], j = beyond[(k + 2) % 3], end = std::max(0.0, beyond[k]);
     const double square = i * i + j * j + end * end;
     if (square > least) continue;
+    glm::dvec3 one(0.0), other(0.0);
+    one[(k + 1) % 3] = sign[(k + 1) % 3];
+    other[(k + 2) % 3] = sign[(k + 2) % 3];
+    if (!restsOn(outward, one) && !restsOn(outward, other)) continue;
     least = square;
     along = k;
+    first = one;
+    second = other;
   }
   if (along < 0) return false;
-  glm::dvec3 first(0.0), second(0.0), foot = sign * half_;
-  first[(along + 1) % 3] = sign[(along + 1) % 3];
-  second[(along + 2) % 3] = sign[(along + 2) % 3];
+  glm::dvec3 foot = sign * half_;
   foot[along] = 0.0;
   const double half = half_[along];
   edge = edgeOf(foot, glm::cross(first, second), half, first, second, 0.5 * kPi);

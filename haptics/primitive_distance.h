@@ -32,10 +32,15 @@ class Primitive {
   /// finite extents.
   explicit Primitive(const assets::ImplicitShape& shape, std::uint32_t triangle = 0);
 
-  SurfaceDistance at(const glm::dvec3& p) const;
+  SurfaceDistance at(const glm::dvec3& p) const { return against(p, glm::dvec3(0.0)); }
+  /// What holds off a place of another solid's surface that looks along `outward` (of any length, 0: any way). As at(), but
+  /// no face holds it off that looks the same way, however little below it p is: where two boxes of one size lie flush on
+  /// each other, their edges are nearest to the sides.
+  SurfaceDistance against(const glm::dvec3& p, const glm::dvec3& outward) const;
 
-  /// The sharp convex edge nearest to p, if one is within `reach` m; of a rim its tangent where it is nearest.
-  bool edgeNear(const glm::dvec3& p, double reach, MeshEdge& edge) const;
+  /// The sharp convex edge nearest to p, if one is within `reach` m; of a rim its tangent where it is nearest. Of a box one
+  /// that can hold off a place that looks along `outward`.
+  bool edgeNear(const glm::dvec3& p, const glm::dvec3& outward, double reach, MeshEdge& edge) const;
 
   /// Whether it has an inside.
   bool solid() const { return kind_ != assets::ImplicitShape::Kind::plane; }
@@ -44,12 +49,12 @@ class Primitive {
   double extent() const { return extent_; }
 
  private:
-  SurfaceDistance ofBox(const glm::dvec3& p) const;
+  SurfaceDistance ofBox(const glm::dvec3& p, const glm::dvec3& outward) const;
   SurfaceDistance ofPlane(const glm::dvec3& p) const;
   SurfaceDistance ofCapsule(const glm::dvec3& p) const;
-  SurfaceDistance ofCylinder(const glm::dvec3& p) const;
+  SurfaceDistance ofCylinder(const glm::dvec3& p, const glm::dvec3& outward) const;
   /// In the shape's own frame.
-  bool boxEdge(const glm::dvec3& p, double reach, MeshEdge& edge) const;
+  bool boxEdge(const glm::dvec3& p, const glm::dvec3& outward, double reach, MeshEdge& edge) const;
   bool planeEdge(const glm::dvec3& p, double reach, MeshEdge& edge) const;
   bool rim(const glm::dvec3& p, double reach, MeshEdge& edge) const;
 
@@ -61,7 +66,7 @@ class Primitive {
   double top_ = 0.0, bottom_ = 0.0;   // m, radii
   double grow_ = 0.0;                 // m a m of height: of the spheres that touch the side from inside
   double across_ = 1.0;               // sqrt(1 - grow^2): the side's normal is (across, -grow)
-  double extent_ = 0.0;
+  double extent_ = 0.0, rounding_ = 0.0;  // m
   std::uint32_t triangle_ = 0;
 };
 

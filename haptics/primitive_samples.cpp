@@ -21,6 +21,9 @@ constexpr int kAround = 32;      // patches of a rim, and of a side all around
 constexpr int kZones = 11;       // of a sphere from pole to pole
 constexpr int kMostRings = 12;   // of a side
 constexpr double kLonger = 4.0;  // times as long as wide is a patch of a side
+// Places of a face beside a rim that is sharper than a right angle, and how near to it, of its radius.
+constexpr int kBesideRim = 16;
+constexpr double kInset = 0x1p-7;
 // Patches of a zone are about square: half their diagonal over their side, and a little for the pole.
 constexpr double kHalfDiagonal = 0.75;
 constexpr double kOverlap = 1.02;  // of neighbouring patches: what is deepest is well within one of them
@@ -270,6 +273,13 @@ void ContactSamples::sampleRim(const Pose& pose, double y, double radius, double
     patch.radius = radius;
     patch.grow = face * grow;
     addPatch(patch, triangle);
+  }
+  // Where two such rims of one size lie on each other, both go past the other part's side, however deep the faces are.
+  if (face * grow <= 0.0) return;
+  const std::array<glm::dvec3, 1> up = {pose.orientation * glm::dvec3(0.0, face, 0.0)};
+  for (int i = 0; i < kBesideRim; ++i) {
+    const glm::dvec3 out = across(2.0 * kPi * i / kBesideRim);
+    addPoint(transformPoint(pose, glm::dvec3(0.0, y, 0.0) + (1.0 - kInset) * radius * out), up, triangle);
   }
 }
 

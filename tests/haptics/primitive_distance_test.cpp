@@ -205,11 +205,11 @@ TEST(PrimitiveDistance, IsANumberWithAUnitGradientWhereverItIsAsked) {
 TEST(PrimitiveDistance, EdgesAreWhereTwoFacesMeet) {
   const Primitive box(boxOf({0.02, 0.04, 0.06}));
   haptics::MeshEdge edge;
-  ASSERT_TRUE(box.edgeNear({0.011, 0.0205, 0.001}, 0.002, edge));
+  ASSERT_TRUE(box.edgeNear({0.011, 0.0205, 0.001}, {}, 0.002, edge));
   EXPECT_NEAR(glm::length(edge.b - edge.a), 0.06, 1e-15);
   EXPECT_NEAR(edge.a.x, 0.01, 1e-15);
   EXPECT_NEAR(edge.a.y, 0.02, 1e-15);
-  EXPECT_FALSE(box.edgeNear({0.0, 0.0205, 0.0}, 0.002, edge));
+  EXPECT_FALSE(box.edgeNear({0.0, 0.0205, 0.0}, {}, 0.002, edge));
   for (Named given : allShapes()) {
     given.shape.partFromShape = kTurned;
     const Primitive shape(given.shape);
@@ -218,7 +218,7 @@ TEST(PrimitiveDistance, EdgesAreWhereTwoFacesMeet) {
     int found = 0;
     for (int i = 0; i < 2000; ++i) {
       const glm::dvec3 p = kTurned.position + glm::dvec3(within(random), within(random), within(random));
-      if (!shape.edgeNear(p, 0.01, edge)) continue;
+      if (!shape.edgeNear(p, {}, 0.01, edge)) continue;
       ++found;
       const glm::dvec3 along = glm::normalize(edge.b - edge.a);
       // As EdgePlane in touching_feature.cpp unrolls it: from the first normal over the outside to the second.
@@ -279,7 +279,7 @@ TEST(PrimitiveSamples, PatchesCoverWhatIsRoundAndLieOnIt) {
         least = std::min(least, glm::length(patch.pointAt(patch.nearestTo(p)) - p));
       }
       haptics::MeshEdge rim;
-      if (given.shape.kind == Kind::cylinder && !shape.edgeNear(p, 1e-6, rim)) continue;
+      if (given.shape.kind == Kind::cylinder && !shape.edgeNear(p, {}, 1e-6, rim)) continue;
       EXPECT_LT(least, 1e-9) << given.name << " " << v;
     }
   }
