@@ -88,7 +88,7 @@ class HandLoop {
     const assets::Control* control = nullptr;
     bool asked = false;         // to be simulated here, for it comes near to what is held
     sync::PlayOut playOut;      // for the hand
-    sync::PosePrediction seen;  // for the eyes
+    sync::PosePrediction seen{};  // for the eyes
   };
   /// A part that is simulated here.
   struct Owned {
@@ -97,7 +97,7 @@ class HandLoop {
     bool releasing = false;
     sync::Micros idleSince = 0;  // a guest: since when nothing here touches it
     bool handled = false;        // a guest: a hand here has held it
-    sync::PosePrediction seen;   // a guest: the owner's, for the eyes
+    sync::PosePrediction seen{};   // a guest: the owner's, for the eyes
     bool guest() const { return epoch == 0; }
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };

@@ -7,13 +7,14 @@ namespace {
 
 constexpr double kSoft = 0.059, kStiffAgain = 0.049;  // s
 constexpr double kAgain = 0.93;                       // of the farthest, to begin again
-constexpr double kFilterTime = 0.1;                   // s
+constexpr double kFilterTime = 0.1, kSlowTime = 1.0;  // s
+constexpr double kSurelySoft = 0.07;                  // s: beyond the jitter of a way that is stiff
 constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
 
 }  // namespace
 
 void RegimeByAge::restart(double delay) {
-  age_ = delay;
+  age_ = slowAge_ = delay;
   better_ = 0.0;
   measured_ = regime_ = delay > farthest_ ? LinkRegime::apart
                         : delay > kSoft   ? LinkRegime::soft
@@ -23,18 +24,20 @@ void RegimeByAge::restart(double delay) {
 LinkRegime RegimeByAge::wanted(double age) const {
   if (age > farthest_ || age_ > farthest_) return LinkRegime::apart;
   if (measured_ == LinkRegime::apart && age_ > kAgain * farthest_) return LinkRegime::apart;
-  if (age_ > kSoft) return LinkRegime::soft;
+  if (age_ > kSurelySoft || slowAge_ > kSoft) return LinkRegime::soft;
   if (age_ < kStiffAgain || measured_ == LinkRegime::stiff) return LinkRegime::stiff;
   return LinkRegime::soft;
 }
 
 bool RegimeByAge::advance(double age, LinkRegime peers, double dt) {
   age_ += (age - age_) * dt / kFilterTime;
+  slowAge_ += (age - slowAge_) * dt / kSlowTime;
   const LinkRegime want = wanted(age);
   better_ = want < measured_ ? better_ + dt : 0.0;
   if (want > measured_ || better_ > kProof) {
     measured_ = want;
     better_ = 0.0;
+    slowAge_ = age_;
   }
   const LinkRegime before = regime_;
   regime_ = std::max(measured_, peers);

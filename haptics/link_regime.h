@@ -33,6 +33,7 @@ class RegimeByAge {
 
   double farthest_;      // s
   double age_ = 0.0;     // s
+  double slowAge_ = 0.0;  // s: jitter does not make a way soft
   double better_ = 0.0;  // s, for which a better regime was due
   LinkRegime measured_ = LinkRegime::apart, regime_ = LinkRegime::apart;
 };

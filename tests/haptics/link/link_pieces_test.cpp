@@ -124,6 +124,25 @@ TEST(LinkRegime, WorseAtOnceBetterAfterHalfASecond) {
   EXPECT_LT(ticks, 1200);
 }
 
+/// How often the regime changes in a minute in which the age swings about `mean` (s) by a quarter of it, as where queues on
+/// the way fill and empty.
+int changesAbout(double mean, double period) {
+  haptics::RegimeByAge regime;
+  regime.restart(0.052);
+  int changes = 0;
+  for (int tick = 0; tick < 60'000; ++tick) {
+    const double swing = std::sin(2.0 * 3.14159265 * 1e-3 * tick / period);
+    if (regime.advance(mean * (1.0 + 0.25 * swing), LinkRegime::stiff, 1e-3)) ++changes;
+  }
+  return changes;
+}
+
+TEST(LinkRegime, JitterDoesNotChangeIt) {
+  EXPECT_EQ(changesAbout(0.054, 0.4), 0);  // low-passed over a tenth of a second 61 ms, too far to be stiff
+  EXPECT_EQ(changesAbout(0.066, 0.4), 1);
+  EXPECT_GT(changesAbout(0.054, 20.0), 1);  // that is no jitter
+}
+
 TEST(LinkRegime, TheWorseOfBothEndsCounts) {
   haptics::RegimeByAge regime;
   regime.restart(0.025);
