@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kUnknownAge = 0.05;          // s, of a peer that was not heard yet
 constexpr double kFarImpedance = 10.0;        // N s/m, where only parts that touch are linked
+constexpr double kFarLineMass =
+    2.8;  // kg, of those lines together: they are there for as long as parts are near
 constexpr double kSoftDelay = 0.06;           // s, of play-out: the least in the regime soft
 constexpr std::uint32_t kEpochsAhead = 1000;  // that another clock may be: 16 s
 
@@ -107,12 +109,11 @@ LineTerms PartLinks::termsFor(SiteId peer, std::size_t lines) const {
   haptics::PlayOutDelay delay;
   delay.restart(ageOf(peer), packetPeriod_, standard.period);
   const double late = delay.seconds();
-  return {
-      rounded(haptics::lineImpedance(standard.impedance, late, count), kImpedanceQuantum),
-      rounded(haptics::lineImpedance(ageOf(peer) > standard.farthest ? kFarImpedance : standard.softImpedance,
-                                     std::max(late, kSoftDelay), count),
-              kImpedanceQuantum),
-      packetPeriod_};
+  const bool far = ageOf(peer) > standard.farthest;
+  const double soft = far ? std::min(kFarImpedance, kFarLineMass / (late * count))
+                          : haptics::lineImpedance(standard.softImpedance, std::max(late, kSoftDelay), count);
+  return {rounded(haptics::lineImpedance(standard.impedance, late, count), kImpedanceQuantum),
+          rounded(soft, kImpedanceQuantum), packetPeriod_};
 }
 
 void PartLinks::begin(Line& line, Micros now, bool guest) {
