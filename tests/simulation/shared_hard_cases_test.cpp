@@ -233,6 +233,50 @@ TEST(SharedHardCases, NoHandFeelsTheServerDieWhileAPartIsShared) {
   EXPECT_LE(most, 0.3);
 }
 
+/// A pin that one site holds over a bore 4 mm wider, pushed down into it by the part in another one's hand.
+TEST(SharedHardCases, OnePushesAnothersPartIntoABore) {
+  constexpr PartId kPin = 1;
+  constexpr double kHalfPin = 0.04, kRoom = 0.002, kAllowed = 20e-6;  // m
+  constexpr std::array<double, 4> kDelays{10.0, 25.0, 50.0, 100.0}, kApart{1e-3, 1.5e-3, 2e-3, 6e-3};
+  for (std::size_t i = 0; i < kDelays.size(); ++i) {
+    double shallowest = 1.0, beside = 0.0, apart = 0.0, ripple = 0.0;
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      SharedSession session("shared_bore");
+      session.setDelay(kDelays[i]);
+      session.options.seed = seed;
+      std::array<double, 2> least{1e300, 1e300}, most{-1e300, -1e300};
+      session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
+        if (t < 7.5 || t > 8.9) return;
+        std::array<glm::dvec3, 2> pin{};
+        for (const std::size_t site : {kA, kB}) {
+          const haptics::OwnedPart* part = sites[site].tick->simulated(kPin);
+          ASSERT_NE(part, nullptr);
+          pin[site] = part->worldFromPart.position;
+          shallowest = std::min(shallowest, kHalfPin - pin[site].y);
+          beside = std::max({beside, std::abs(pin[site].x), std::abs(pin[site].z)});
+          least[site] = std::min(least[site], sites[site].force.y);
+          most[site] = std::max(most[site], sites[site].force.y);
+        }
+        apart = std::max(apart, glm::length(pin[kA] - pin[kB]));
+      };
+      const client::SimulationResult result = session.run();
+      EXPECT_TRUE(result.violations.empty()) << describe(result);
+      EXPECT_TRUE(result.stable) << kDelays[i] << " ms, seed " << seed;
+      EXPECT_LE(result.energyOfLinks, kEnergyBound);
+      for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
+      EXPECT_GT(least[kA], 0.8) << "it was not pushed";
+      for (const std::size_t site : {kA, kB}) ripple = std::max(ripple, most[site] - least[site]);
+    }
+    print("into a bore: how deep", kDelays[i], "mm", 1e3 * shallowest);
+    print("into a bore: replicas apart", kDelays[i], "mm", 1e3 * apart);
+    print("into a bore: ripple, peak to peak", kDelays[i], "N", ripple);
+    EXPECT_GE(shallowest, 0.018) << kDelays[i];
+    EXPECT_LE(beside, kRoom + kAllowed) << kDelays[i];
+    EXPECT_LE(apart, kApart[i]) << kDelays[i];
+    EXPECT_LE(ripple, 0.3) << kDelays[i];
+  }
+}
+
 TEST(SharedHardCases, ManySitesOnOnePart) {
   struct Star {
     const char* scenario;
