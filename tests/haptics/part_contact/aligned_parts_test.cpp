@@ -45,6 +45,14 @@ Solid rodShape(double top, double bottom) {
   return {top == bottom ? "cylinder" : "cone", {shape}, {}};
 }
 Solid boxMesh() { return {"mesh of a box", {}, boxSoup({0.06, 2.0 * kHalf, 0.03}, 2)}; }
+/// Wider below, or above where it is upside down: where the wide ends meet, the sides of both lean away from each other.
+Solid wedgeMesh(double wider) {
+  Solid solid = boxMesh();
+  solid.name = "mesh of a frustum";
+  for (glm::dvec3& p : solid.soup.positions)
+    if (p.y < 0.0) p *= glm::dvec3(wider, 1.0, wider);
+  return solid;
+}
 
 assets::Scene stackOf(const Solid& upper, const Solid& lower) {
   assets::Scene scene;
@@ -119,12 +127,13 @@ double deepestOf(const Solid& upper, const Solid& lower, const Askew& askew, boo
 
 const Solid& upsideDown(Solid& solid) {
   for (ImplicitShape& shape : solid.shapes) std::swap(shape.radiusTop, shape.radiusBottom);
+  for (glm::dvec3& p : solid.soup.positions) p *= glm::dvec3(1.0, -1.0, -1.0);
   return solid;
 }
 
 TEST(AlignedParts, OfTheSameSizeDoNotComeIntoEachOther) {
   const Solid solids[] = {boxShape(), rodShape(0.02, 0.02), rodShape(0.02, 0.015), rodShape(0.015, 0.02),
-                          boxMesh()};
+                          boxMesh(),  wedgeMesh(1.3),       wedgeMesh(0.7)};
   for (const Solid& solid : solids) {
     Solid below = solid;
     upsideDown(below);
