@@ -55,7 +55,9 @@ void CoordinationLink::watchRegime(double now) {
   if (dry_ > kOutage && age <= delay()) playOutDelay_.lengthen(longestAge_);
   if (dry_ == 0.0 || age <= delay()) longestAge_ = 0.0;
   // A way that has become longer than what is played out needs a new start too.
-  if (regime_.advance(age, newest.regime, p_.period) || regime_.age() > delay()) enterRegime();
+  const bool tooLong = regime_.age() > delay();
+  if (tooLong) regime_.beginAnew();
+  if (regime_.advance(age, newest.regime, p_.period) || tooLong) enterRegime();
 }
 
 void CoordinationLink::follow(double now, const Pose& worldFromCentre, const Twist& twist, bool asks) {

@@ -8,7 +8,7 @@ namespace {
 constexpr double kSoft = 0.059, kStiffAgain = 0.049;  // s
 constexpr double kAgain = 0.93;                       // of the farthest, to begin again
 constexpr double kFilterTime = 0.1, kSlowTime = 1.0;  // s
-constexpr double kSurelySoft = 0.07;                  // s: beyond the jitter of a way that is stiff
+constexpr double kSurelySoft = 0.064;                 // s: beyond the jitter of a way that is stiff
 constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
 
 }  // namespace
@@ -24,9 +24,9 @@ void RegimeByAge::restart(double delay) {
 LinkRegime RegimeByAge::wanted(double age) const {
   if (age > farthest_ || age_ > farthest_) return LinkRegime::apart;
   if (measured_ == LinkRegime::apart && age_ > kAgain * farthest_) return LinkRegime::apart;
-  if (age_ > kSurelySoft || slowAge_ > kSoft) return LinkRegime::soft;
-  if (age_ < kStiffAgain || measured_ == LinkRegime::stiff) return LinkRegime::stiff;
-  return LinkRegime::soft;
+  if (measured_ == LinkRegime::stiff)
+    return age_ > kSurelySoft || slowAge_ > kSoft ? LinkRegime::soft : LinkRegime::stiff;
+  return age_ < kStiffAgain ? LinkRegime::stiff : LinkRegime::soft;
 }
 
 bool RegimeByAge::advance(double age, LinkRegime peers, double dt) {

@@ -21,6 +21,9 @@ class RegimeByAge {
   /// the regime changed. Worse at once, better after kProof; the worse of both ends counts, so that both agree.
   bool advance(double age, LinkRegime peers, double dt);
 
+  /// The link begins anew in any case: the age as it is now counts, however short it has been so.
+  void beginAnew() { slowAge_ = age_; }
+
   LinkRegime regime() const { return regime_; }
   /// Of this end's way alone.
   LinkRegime measured() const { return measured_; }
