@@ -119,6 +119,13 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   return best;
 }
 
+/// Which way a place of a patch looks whose middle looks along `outward`: the nearer to an end, the more also past that,
+/// for what touches the end may lie on what is beyond it.
+glm::dvec3 outwardAt(const ContactPatch& patch, const ContactPatch::Place& place, const glm::dvec3& outward) {
+  if (!(patch.along > 0.0) || outward == glm::dvec3(0.0)) return outward;
+  return outward + (place.t / patch.along) * patch.axis;
+}
+
 glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& other) {
   const double length = glm::length(v);
   return length > 1e-9 ? v / length : other;
@@ -194,7 +201,7 @@ PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double s
     }
   }
   touch.point = patch.pointAt(touch.place);
-  touch.read = shape.against(touch.point, outward);
+  touch.read = shape.against(touch.point, outwardAt(patch, touch.place, outward));
   return touch;
 }
 
@@ -226,14 +233,15 @@ TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t whi
                               SampleAtMesh asked) {
   const Primitive& shape = shapes[which];
   std::array<glm::dvec3, 2> own;
+  glm::dvec3 outward = outwardOf(asked.normals);
   if (patch != nullptr) {
     const PatchTouch touch = deepestIn(shape, *patch, 0.1 * asked.slack);
     asked.point = touch.point;
     setEdge(*patch, touch.place, asked);
     if (const int count = patch->normalsAt(touch.place, own); count > 0)
       asked.normals = {own.data(), static_cast<std::size_t>(count)};
+    outward = outwardAt(*patch, touch.place, outwardOf(asked.normals));
   }
-  const glm::dvec3 outward = outwardOf(asked.normals);
   const SurfaceDistance read = shape.against(asked.point, outward);
   TouchingFeature found;
   found.count = 1;

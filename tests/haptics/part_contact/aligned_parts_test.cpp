@@ -23,6 +23,7 @@ using assets::ImplicitShape;
 
 constexpr double kHalf = 0.02;   // m, of the height of either
 constexpr double kDeep = 10e-6;  // m
+constexpr double kLift = 50e-6;  // m, of what should not rise at all; what is driven out rises by millimetres
 
 struct Solid {
   const char* name;
@@ -155,6 +156,55 @@ TEST(AlignedParts, BoxOnMeshOfTheSameSizeAndTheOtherWayRound) {
     EXPECT_LT(deepestOf(boxShape(), boxMesh(), drawn(seed)), kDeep) << seed;
     EXPECT_LT(deepestOf(boxMesh(), boxShape(), drawn(seed)), kDeep) << seed;
   }
+}
+
+ImplicitShape boxAt(const glm::dvec3& size, const glm::dvec3& at) {
+  ImplicitShape shape;
+  shape.kind = ImplicitShape::Kind::box;
+  shape.size = size;
+  shape.partFromShape.position = at;
+  return shape;
+}
+
+/// m, how far a block is at most lifted off what it slides on along z, led `down` under that all the way.
+double liftedFrom(const Solid& ground, const Solid& block, const glm::dvec3& start, const glm::dvec3& down) {
+  assets::Scene scene = stackOf(block, ground);
+  scene.parts[0].worldFromPart.position = start;
+  const Pose from = scene.parts[0].worldFromPart;
+  MovingRig rig(std::move(scene));
+  const auto path = [&](double t) {
+    Pose pose = from;
+    pose.position += std::min(t / 0.1, 1.0) * down + glm::dvec3(0.0, 0.0, 0.02 * std::max(0.0, t - 0.1));
+    return pose;
+  };
+  rig.at(path(0.0));
+  rig.tick();
+  rig.own(0);
+  rig.grasp(0);
+  double lifted = 0.0;
+  rig.each = [&] { lifted = std::max(lifted, rig.pose(0).position.y - start.y); };
+  rig.lead(path, 0.5);
+  EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
+  EXPECT_NEAR(rig.pose(0).position.z, start.z + 0.008, 1e-3);
+  return lifted;
+}
+
+// An edge that stands on a face touches it with its end, where it looks past that as well.
+TEST(AlignedParts, BlockInSlotOfItsWidthIsNotDrivenOut) {
+  const glm::dvec3 wall(0.02, 0.04, 0.1);
+  const Solid slot{"slot",
+                   {boxAt({0.03, 0.02, 0.1}, {0.0, -0.01, 0.0}), boxAt(wall, {0.025, 0.0, 0.0}),
+                    boxAt(wall, {-0.025, 0.0, 0.0})},
+                   {}};
+  const Solid block{"block", {boxAt({0.03, 0.02, 0.03}, {0.0, 0.0, 0.0})}, {}};
+  EXPECT_LT(liftedFrom(slot, block, {0.0, 0.01, 0.0}, {0.0, -0.0005, 0.0}), kLift);
+  EXPECT_LT(liftedFrom(slot, block, {0.0, 0.011, 0.0}, {0.0, -0.0015, 0.0}), kLift);
+}
+
+TEST(AlignedParts, BlockOnTableBesideAnotherStaysDown) {
+  const Solid beside{
+      "table", {boxAt({0.4, 0.04, 0.4}, {0.0, -0.04, 0.0}), boxAt({0.06, 0.04, 0.03}, {0.0, 0.0, 0.0})}, {}};
+  EXPECT_LT(liftedFrom(beside, boxShape(), {0.061, 0.0, 0.0}, {-0.0015, -0.0003, 0.0}), kLift);
 }
 
 }  // namespace
