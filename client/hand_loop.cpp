@@ -113,18 +113,17 @@ void HandLoop::noteSecond() {
 bool HandLoop::noteStall(sync::Micros now) {
   const bool stalled = lastTick_ != 0 && now - lastTick_ > kStall;
   lastTick_ = now;
-  output_.stalls += stalled ? 1 : 0;
-  return stalled;
+  if (!stalled) return false;
+  ++output_.stalls;
+  state_.noteStall();
+  if (secondTool_) secondTool_->noteStall();
+  return true;
 }
 
 /// A loop that stood still has lost its hold on the world: the hands are elsewhere, and the devices' own watchdogs have
-/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are. A
-/// bare tool that has gone on meanwhile may be inside of anything: it is put back onto the device.
+/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are, and
+/// the tick puts the tool onto a hand that has gone on: it may be inside of anything.
 haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand) {
-  const glm::dvec3& now = sample.worldFromDevice.position;
-  const bool bare = hand == 0 && grasps_[0].stage != Stage::holding;
-  if (bare && stalled && !(glm::length(now - output_.device.worldFromDevice.position) < kStillInStall))
-    reseatTicks_ = kReseatTicks;
   if (hand == 0 && reseatTicks_ > 0) {
     --reseatTicks_;
     sample.valid = false;

@@ -72,8 +72,6 @@ class HandLoop {
   static constexpr double kTakeTolerance = 2e-5;
   /// A gap between ticks as long as a device's own watchdog: the hand was without force meanwhile.
   static constexpr sync::Micros kStall = 50 * sync::kMillisecond;
-  /// A hand that went less far in such a gap feels on, m.
-  static constexpr double kStillInStall = 1e-3;
   /// Without a reading for longer than a quarter of a second, the tick puts the proxy back onto the device.
   static constexpr int kReseatTicks = 300;
   static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;

@@ -28,6 +28,7 @@ class SecondTool {
 
   /// The part under the tool, as TickOutput::touched.
   PartId touched() const { return touched_; }
+  void noteStall() { state_.noteStall(); }
   void resetFault() { state_.resetFault(); }
   const haptics::FaultLatch& fault() const { return state_.fault(); }
 

@@ -18,6 +18,8 @@ using Data = TickState::Data;
 // A hand unseen for longer than this may be anywhere: dragging the old proxy after it would mean nothing to
 // it.
 constexpr double kProxyResetAfter = 0.25;  // s
+// A hand that went less far while ticks stood still feels on.
+constexpr double kStillInStall = 1e-3;  // m
 constexpr int kMaxTouchQueries = 32;
 
 bool samePose(const Pose& a, const Pose& b) {
@@ -81,7 +83,8 @@ class Tick {
     }
     data_.device = input_.device;
     atRest_ = data_.reading.note(input_.device.worldFromDevice.position, parameters_.dt);
-    const bool elsewhere = verdict == SampleGuard::Verdict::elsewhere;
+    const bool wentOn = std::exchange(data_.stalled, false) && handWay_ > kStillInStall;
+    const bool elsewhere = wentOn || verdict == SampleGuard::Verdict::elsewhere;
     if (!data_.started || elsewhere || data_.invalidTime > kProxyResetAfter) resetProxy();
     // A hand that is somewhere else holds its part where it now is: it did not draw it there.
     if (elsewhere && data_.held.held() != kNoPart) {

@@ -226,6 +226,11 @@ class TickState {
   /// What is to be sent after the last tick; what does not fit stays due. Returns how many.
   std::size_t takePackets(std::span<TiedPacket> packets);
 
+  /// The ticks have stood still for so long that the device's own watchdog let go of the hand. If the next reading that
+  /// counts shows it elsewhere, it has not gone there in contact: the proxy is put onto it, and it holds its part where
+  /// both now are. By the thread that ticks, between ticks.
+  void noteStall();
+
   /// Clears a latched fault.
   void resetFault();
 

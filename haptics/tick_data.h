@@ -55,6 +55,7 @@ struct TickState::Data {
   SecondHandPort second;
   DeviceSample device;                        // the last valid one
   double invalidTime = 0.0;                   // s since the last valid sample
+  bool stalled = false;                       // there was none since ticks have stood still
   double time = 0.0;                          // s, session clock, of the last tick
   MeshChange meshChange;                      // since the last tick
   bool started = false;                       // there has been a valid sample

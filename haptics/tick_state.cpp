@@ -78,6 +78,8 @@ std::size_t TickState::takePackets(std::span<TiedPacket> packets) {
   return data_->held.ties().takePackets(packets);
 }
 
+void TickState::noteStall() { data_->stalled = true; }
+
 void TickState::resetFault() { data_->fault = FaultLatch{}; }
 
 }  // namespace tandem::haptics

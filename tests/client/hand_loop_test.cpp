@@ -336,6 +336,69 @@ TEST_F(HandLoopTest, WithoutTheStallRuleThatHandWouldFeelAPull) {
   EXPECT_GT(largestStep_, 0.1);
 }
 
+class HandLoopStallTest : public HandLoopTest {
+ protected:
+  static constexpr Micros kNoGap = 0, kGap = 3 * sync::kSecond;
+
+  /// After a gap the hand is 8 mm deep in the second box; returns the largest force from then on, N.
+  double goIntoTheNextBox(Micros gap) {
+    now_ += gap;
+    device_.position = {0.2, 0.0, 0.012};
+    double largest = 0.0;
+    for (int i = 0; i < 500; ++i) largest = std::max(largest, glm::length(tick().force));
+    return largest;
+  }
+};
+
+TEST_F(HandLoopStallTest, ABareToolIsPutOntoTheHand) {
+  tick(5);
+  EXPECT_EQ(goIntoTheNextBox(kGap), 0.0);
+  EXPECT_EQ(hand_->output().tick.worldFromProxy.position, device_.position);
+}
+
+TEST_F(HandLoopStallTest, SoIsThatOfAHandThatHoldsAPart) {
+  take();
+  EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
+  EXPECT_EQ(hand_->output().tick.held, kBox);
+}
+
+TEST_F(HandLoopStallTest, SoIsThatOfAHandWhosePartWasGivenToAnotherMeanwhile) {
+  take();
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+}
+
+TEST_F(HandLoopStallTest, SoIsThatOfAHandWhoseSolidPartWasGivenToAnotherMeanwhile) {
+  ASSERT_TRUE(contact_->modelParts());
+  hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+  take();
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
+  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+}
+
+TEST_F(HandLoopStallTest, WithoutAGapABareToolPressesOnTheBox) {
+  tick(5);
+  EXPECT_GT(goIntoTheNextBox(kNoGap), 1.0);
+}
+
+TEST_F(HandLoopStallTest, WithoutAGapTheToolOfAHandThatLosesItsPartPressesOnTheBox) {
+  take();
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  EXPECT_GT(goIntoTheNextBox(kNoGap), 1.0);
+}
+
+TEST_F(HandLoopStallTest, AHandThatStoodStillInItPressesOn) {
+  tick(5);
+  device_.position.z = 0.012;
+  const double pressed = glm::length(tick(300).force);
+  ASSERT_GT(pressed, 1.0);
+  now_ += kGap;
+  EXPECT_EQ(tick().force, glm::dvec3(0.0));
+  EXPECT_NEAR(glm::length(tick(300).force), pressed, 1e-6);
+}
+
 TEST_F(HandLoopTest, ATipThatIsCaughtComesBackToTheDeviceWithoutForce) {
   tick(5);
   for (int i = 0; i < 600; ++i) {  // pushed through the box, the tip stays on the side where it came from

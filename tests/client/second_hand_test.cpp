@@ -229,6 +229,21 @@ TEST_F(SecondHandTest, AfterAStallBothGraspsBeginAnewWithoutForce) {
   EXPECT_LT(glm::length(felt().toHand.force), 1e-3);
 }
 
+TEST_F(SecondHandTest, AfterAStallItsBareToolIsPutOntoTheHand) {
+  tick(5);
+  now_ += 3 * sync::kSecond;
+  devices_[1].position = {0.2, 0.0, 0.012};
+  tick(300);
+  EXPECT_EQ(largestStep_, 0.0);
+}
+
+TEST_F(SecondHandTest, WithoutAStallThatToolPressesFromAbove) {
+  tick(5);
+  devices_[1].position = {0.2, 0.0, 0.012};
+  tick(300);
+  EXPECT_GT(felt().toHand.force.z, 1.0);
+}
+
 TEST_F(SecondHandTest, TicksWithoutUsingTheHeap) {
   takeWithBoth();
   const test::AllocationScope scope;
