@@ -278,11 +278,8 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
   }
   static_cast<void>(controls_.granted(part));
   command(PartCommand::Kind::own, part, state_.worldFromPart(part));
-  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand) {
-    if (!grasps_[hand].has(Stage::asked, part)) continue;
-    entry->handled = true;
-    hold(hand);
-  }
+  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
+    if (grasps_[hand].has(Stage::asked, part)) hold(hand);
   return entry;
 }
 

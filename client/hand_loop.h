@@ -84,8 +84,8 @@ class HandLoop {
     PartId part = kNoPart;
     bool owned = false;  // by somebody: keep the slot
     const assets::Control* control = nullptr;
-    bool asked = false;         // to be simulated here, for it comes near to what is held
-    sync::PlayOut playOut;      // for the hand
+    bool asked = false;           // to be simulated here, for it comes near to what is held
+    sync::PlayOut playOut;        // for the hand
     sync::PosePrediction seen{};  // for the eyes
   };
   /// A part that is simulated here.
@@ -93,9 +93,9 @@ class HandLoop {
     PartId part = kNoPart;
     Epoch epoch = 0;  // 0: as a guest of its owner
     bool releasing = false;
-    sync::Micros idleSince = 0;  // a guest: since when nothing here touches it
-    bool handled = false;        // a guest: a hand here has held it
-    sync::PosePrediction seen{};   // a guest: the owner's, for the eyes
+    sync::Micros idleSince = 0;   // a guest: since when nothing here touches it
+    bool handled = false;         // a guest: a hand here has held it
+    sync::PosePrediction seen{};  // a guest: the owner's, for the eyes
     bool guest() const { return epoch == 0; }
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };

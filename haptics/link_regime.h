@@ -34,10 +34,10 @@ class RegimeByAge {
   static constexpr double kFarthest = 0.15;
   LinkRegime wanted(double age) const;
 
-  double farthest_;      // s
-  double age_ = 0.0;     // s
+  double farthest_;       // s
+  double age_ = 0.0;      // s
   double slowAge_ = 0.0;  // s: jitter does not make a way soft
-  double better_ = 0.0;  // s, for which a better regime was due
+  double better_ = 0.0;   // s, for which a better regime was due
   LinkRegime measured_ = LinkRegime::apart, regime_ = LinkRegime::apart;
 };
 

@@ -163,26 +163,24 @@ glm::dvec3 outwardOf(std::span<const glm::dvec3> normals) {
   return sum;
 }
 
-PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
-                     const glm::dvec3& outward) {
-  PatchTouch touch;
-  touch.place.out = patch.out;
+ContactPatch::Place deepestPlace(const Primitive& shape, const ContactPatch& patch, double slack) {
+  ContactPatch::Place place{patch.out, 0.0};
   const double enough = 0.25 * slack, even = patch.along > 0.0 ? slack / (patch.along * patch.along) : 0.0;
   switch (patch.kind) {
     case Kind::cap:
       // The distance of a ball from a convex shape is its centre's less its radius.
-      touch.place = patch.lowest(shape.at(patch.centre).gradient, 0.0);
+      place = patch.lowest(shape.at(patch.centre).gradient, 0.0);
       break;
     case Kind::side: {
       const auto centre = [&](double t) { return patch.centre + t * patch.axis; };
-      touch.place.t = whereLeast(patch.along, enough, [&](double t) {
+      place.t = whereLeast(patch.along, enough, [&](double t) {
         return glm::dot(patch.axis, shape.at(centre(t)).gradient) - patch.grow + even * t;
       });
-      touch.place.out = patch.turned(-shape.at(centre(touch.place.t)).gradient, slack);
+      place.out = patch.turned(-shape.at(centre(place.t)).gradient, slack);
       break;
     }
     case Kind::straight:
-      touch.place.t = whereLeast(patch.along, enough, [&](double t) {
+      place.t = whereLeast(patch.along, enough, [&](double t) {
         return glm::dot(patch.axis, shape.at(patch.centre + t * patch.axis).gradient) + even * t;
       });
       break;
@@ -196,10 +194,17 @@ PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double s
                    glm::dot(tangentOf(patch, out), shape.at(patch.centre + patch.radius * out).gradient) +
                evenTurn * a;
       });
-      touch.place.out = outAt(turn);
+      place.out = outAt(turn);
       break;
     }
   }
+  return place;
+}
+
+PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
+                     const glm::dvec3& outward) {
+  PatchTouch touch;
+  touch.place = deepestPlace(shape, patch, slack);
   touch.point = patch.pointAt(touch.place);
   touch.read = shape.against(touch.point, outwardAt(patch, touch.place, outward));
   return touch;
@@ -235,12 +240,12 @@ TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t whi
   std::array<glm::dvec3, 2> own;
   glm::dvec3 outward = outwardOf(asked.normals);
   if (patch != nullptr) {
-    const PatchTouch touch = deepestIn(shape, *patch, 0.1 * asked.slack);
-    asked.point = touch.point;
-    setEdge(*patch, touch.place, asked);
-    if (const int count = patch->normalsAt(touch.place, own); count > 0)
+    const ContactPatch::Place place = deepestPlace(shape, *patch, 0.1 * asked.slack);
+    asked.point = patch->pointAt(place);
+    setEdge(*patch, place, asked);
+    if (const int count = patch->normalsAt(place, own); count > 0)
       asked.normals = {own.data(), static_cast<std::size_t>(count)};
-    outward = outwardAt(*patch, touch.place, outwardOf(asked.normals));
+    outward = outwardAt(*patch, place, outwardOf(asked.normals));
   }
   const SurfaceDistance read = shape.against(asked.point, outward);
   TouchingFeature found;

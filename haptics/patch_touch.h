@@ -23,9 +23,11 @@ struct PatchTouch {
 /// About which way a place looks that has these normals; of any length, 0 on a sheet.
 glm::dvec3 outwardOf(std::span<const glm::dvec3> normals);
 
-/// Of a patch in a convex shape, in one frame: the least distance to within `slack` m (a rim's patch, whose distance
-/// is not convex, where it has only one least one).
-/// What holds it off there is read for a surface that looks along `outward`.
+/// Where a patch is deepest in a convex shape, in one frame: the least distance to within `slack` m (a rim's patch, whose
+/// distance is not convex, where it has only one least one).
+ContactPatch::Place deepestPlace(const Primitive& shape, const ContactPatch& patch, double slack);
+
+/// That place, and what holds it off, read for a surface whose middle looks along `outward`.
 PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
                      const glm::dvec3& outward = glm::dvec3(0.0));
 

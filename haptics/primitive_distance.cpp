@@ -1,6 +1,7 @@
 #include "haptics/primitive_distance.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -27,6 +28,13 @@ constexpr double kRounding = 1e-13;
 /// Whether a surface that looks along `outward` can rest on a face with this unit normal.
 bool restsOn(const glm::dvec3& outward, const glm::dvec3& normal) {
   return glm::dot(outward, normal) <= kAgainst * glm::length(outward);
+}
+
+/// Of the three faces of a box that look along these signs, on which such a surface can rest.
+std::array<bool, 3> facesToRestOn(const glm::dvec3& outward, const glm::dvec3& sign) {
+  const glm::dvec3 looks = sign * outward;
+  const double most = kAgainst * glm::length(outward);
+  return {looks.x <= most, looks.y <= most, looks.z <= most};
 }
 
 double signOf(double x) { return x < 0.0 ? -1.0 : 1.0; }
@@ -127,15 +135,14 @@ SurfaceDistance Primitive::ofBox(const glm::dvec3& p, const glm::dvec3& outward)
     const double length = std::sqrt(square);
     return {length, sign * out / length};
   }
-  SurfaceDistance nearest, held;
-  nearest.distance = held.distance = -1e300;
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 normal(0.0);
-    normal[axis] = sign[axis];
-    if (beyond[axis] > nearest.distance) nearest = {beyond[axis], normal};
-    if (beyond[axis] > held.distance && restsOn(outward, normal)) held = {beyond[axis], normal};
-  }
-  return held.distance > -1e300 ? held : nearest;
+  const std::array<bool, 3> holds = facesToRestOn(outward, sign);
+  const bool any = holds[0] || holds[1] || holds[2];
+  int axis = -1;
+  for (int k = 0; k < 3; ++k)
+    if ((holds[static_cast<std::size_t>(k)] || !any) && (axis < 0 || beyond[k] > beyond[axis])) axis = k;
+  glm::dvec3 gradient(0.0);
+  gradient[axis] = sign[axis];
+  return {beyond[axis], gradient};
 }
 
 SurfaceDistance Primitive::ofPlane(const glm::dvec3& p) const {
@@ -189,7 +196,8 @@ SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p, const glm::dvec3& out
   return {length, (off.x / length) * out + (off.y / length) * kUp};
 }
 
-bool Primitive::edgeNear(const glm::dvec3& inPart, const glm::dvec3& outward, double reach, MeshEdge& edge) const {
+bool Primitive::edgeNear(const glm::dvec3& inPart, const glm::dvec3& outward, double reach,
+                         MeshEdge& edge) const {
   const glm::dvec3 p = shapeFromPart_ * (inPart - centre_);
   const bool found = kind_ == Kind::box        ? boxEdge(p, shapeFromPart_ * outward, reach, edge)
                      : kind_ == Kind::plane    ? planeEdge(p, reach, edge)
@@ -204,24 +212,21 @@ bool Primitive::edgeNear(const glm::dvec3& inPart, const glm::dvec3& outward, do
 
 bool Primitive::boxEdge(const glm::dvec3& p, const glm::dvec3& outward, double reach, MeshEdge& edge) const {
   const glm::dvec3 sign(signOf(p.x), signOf(p.y), signOf(p.z)), beyond = glm::abs(p) - half_;
-  glm::dvec3 first(0.0), second(0.0);
+  const std::array<bool, 3> holds = facesToRestOn(outward, sign);
   double least = reach * reach;
   int along = -1;
   for (int k = 0; k < 3; ++k) {
     const double i = beyond[(k + 1) % 3], j = beyond[(k + 2) % 3], end = std::max(0.0, beyond[k]);
     const double square = i * i + j * j + end * end;
-    if (square > least) continue;
-    glm::dvec3 one(0.0), other(0.0);
-    one[(k + 1) % 3] = sign[(k + 1) % 3];
-    other[(k + 2) % 3] = sign[(k + 2) % 3];
-    if (!restsOn(outward, one) && !restsOn(outward, other)) continue;
+    const auto axis = static_cast<std::size_t>(k);
+    if (square > least || (!holds[(axis + 1) % 3] && !holds[(axis + 2) % 3])) continue;
     least = square;
     along = k;
-    first = one;
-    second = other;
   }
   if (along < 0) return false;
-  glm::dvec3 foot = sign * half_;
+  glm::dvec3 first(0.0), second(0.0), foot = sign * half_;
+  first[(along + 1) % 3] = sign[(along + 1) % 3];
+  second[(along + 2) % 3] = sign[(along + 2) % 3];
   foot[along] = 0.0;
   const double half = half_[along];
   edge = edgeOf(foot, glm::cross(first, second), half, first, second, 0.5 * kPi);

@@ -173,7 +173,7 @@ void Session::State::onGoodbye(Peer& peer) {
   }
   const SiteId id = peer.site;
   const sync::ConnectionId connection = peer.connection;
-  freeParts(table.leave(id, now), "its owner left");
+  freeParts(table.leave(id), "its owner left");
   KnownSite& site = known[id];
   site.left = true;
   site.listed = false;

@@ -88,7 +88,7 @@ void Session::State::onRelease(Peer& peer, const sync::Release& request) {
                             partAsItIs(table, scene.parts.size(), request.part)});
     return;
   }
-  const auto decision = table.release(peer.site, request, now);
+  const auto decision = table.release(peer.site, request);
   if (!decision.changed) {
     if (decision.reply.denial != sync::Denial::none) ++counts.denials;
     tell(peer, decision.reply);

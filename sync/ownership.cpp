@@ -266,7 +266,7 @@ OwnershipTable::Decision OwnershipTable::reclaim(SiteId site, Role role, const R
   return decision;
 }
 
-OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request, Micros) {
+OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request) {
   ReleaseDecision decision;
   decision.reply.request = request.request;
   if (const Remembered* r =
@@ -364,7 +364,7 @@ void OwnershipTable::renew(SiteId site, Micros now) {
   found->second.engagedFrom = now;
 }
 
-std::vector<PartRecord> OwnershipTable::leave(SiteId site, Micros) {
+std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
   std::vector<PartRecord> freed;
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return freed;

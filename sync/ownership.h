@@ -78,7 +78,7 @@ class OwnershipTable {
     ReleaseReply reply;
     bool changed = false;
   };
-  ReleaseDecision release(SiteId site, const Release& request, Micros now);
+  ReleaseDecision release(SiteId site, const Release& request);
 
   struct EngageDecision {
     EngageReply reply;
@@ -104,7 +104,7 @@ class OwnershipTable {
   /// A site's ping arrived: all its leases run anew.
   void renew(SiteId site, Micros now);
   /// The site left for good: its parts are free now, or another's. (A lost connection is not a leave: the lease decides.)
-  std::vector<PartRecord> leave(SiteId site, Micros now);
+  std::vector<PartRecord> leave(SiteId site);
   /// The parts whose lease has run out, freed or another's. Sites that are heard of no more are engaged in nothing.
   std::vector<PartRecord> expire(Micros now);
   /// When the next lease runs out if it is not renewed; nothing if nobody owns a part.

@@ -1,11 +1,12 @@
 #include "client/join/live_table.h"
-#include "client/readable.h"
 
 #include <unistd.h>
 
 #include <cstdio>
 
 #include <glm/geometric.hpp>
+
+#include "client/readable.h"
 
 namespace tandem::client {
 

@@ -24,7 +24,7 @@ class Engagement : public ::testing::Test {
     return table.engage(site, kRole, {next++, part}, now).reply.denial;
   }
   void release(SiteId site, Epoch epoch) {
-    EXPECT_TRUE(table.release(site, {next++, 0, epoch, {}}, 0).changed);
+    EXPECT_TRUE(table.release(site, {next++, 0, epoch, {}}).changed);
   }
 
   RequestId next = 1;
@@ -98,10 +98,10 @@ TEST_F(Engagement, AStrangerDoesNotGetThePartOfAnOwnerWhoIsGone) {
 TEST_F(Engagement, LeavingEndsIt) {
   grab(kAnn);
   engage(kBen);
-  table.leave(kBen, 0);
+  table.leave(kBen);
   EXPECT_TRUE(table.members(0).sites.empty());
   engage(kCleo);
-  EXPECT_EQ(table.leave(kAnn, 0)[0].owner, kCleo);
+  EXPECT_EQ(table.leave(kAnn)[0].owner, kCleo);
 }
 
 TEST_F(Engagement, ARevocationEndsAllOfIt) {

@@ -296,7 +296,7 @@ class Model {
   void serverRelease(Site& site, const Release& request) {
     if (!table_ || !site.connected) return;
     if (mutation_ == Mutation::noHeir) forgetMembers(request.part);
-    const auto decision = table_->release(site.id, request, now_);
+    const auto decision = table_->release(site.id, request);
     if (decision.changed) ended(decision.reply.part, request.epoch, site.id, false);
     tellMembers();
   }

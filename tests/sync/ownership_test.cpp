@@ -31,13 +31,13 @@ TEST_F(Ownership, TwoGrabsAtOnceHaveOneWinner) {
 
 TEST_F(Ownership, ARepeatedRequestGetsTheSameAnswerWithoutANewGrant) {
   const auto first = table.grab(kAnn, kRole, {1, 0}, 0);
-  table.release(kAnn, {2, 0, 1, at(1)}, 1);
+  table.release(kAnn, {2, 0, 1, at(1)});
   const auto again = table.grab(kAnn, kRole, {1, 0}, 2);
   EXPECT_TRUE(again.repeated);
   EXPECT_FALSE(again.changed);
   EXPECT_EQ(again.reply.part.epoch, first.reply.part.epoch);
   EXPECT_EQ(table.part(0).owner, kNoSite);
-  EXPECT_FALSE(table.release(kAnn, {2, 0, 1, at(5)}, 3).changed);
+  EXPECT_FALSE(table.release(kAnn, {2, 0, 1, at(5)}).changed);
   EXPECT_EQ(table.part(0).worldFromPart.position.x, 1.0);
 }
 
@@ -46,7 +46,7 @@ TEST_F(Ownership, DeniesWithTheReason) {
   EXPECT_EQ(table.grab(kAnn, kRole, {2, 2}, 0).reply.denial, Denial::notMovable);
   EXPECT_EQ(table.grab(kAnn, kRole, {3, 9}, 0).reply.denial, Denial::unknownPart);
   EXPECT_EQ(table.reclaim(kAnn, kRole, {4, 0, 1, {}}, 0).reply.denial, Denial::stale);
-  EXPECT_EQ(table.release(kAnn, {5, 0, 0, {}}, 0).reply.denial, Denial::stale);
+  EXPECT_EQ(table.release(kAnn, {5, 0, 0, {}}).reply.denial, Denial::stale);
 }
 
 TEST_F(Ownership, ANewEpochIsLargerThanAnyBefore) {
@@ -56,7 +56,7 @@ TEST_F(Ownership, ANewEpochIsLargerThanAnyBefore) {
     ASSERT_TRUE(grant.changed);
     EXPECT_GT(grant.reply.part.epoch, last);
     last = grant.reply.part.epoch;
-    ASSERT_TRUE(table.release(grant.reply.part.owner, {i + 1, 0, last, at(0)}, i).changed);
+    ASSERT_TRUE(table.release(grant.reply.part.owner, {i + 1, 0, last, at(0)}).changed);
   }
 }
 
@@ -82,7 +82,7 @@ TEST_F(Ownership, TakesOnlyNewStatesOfTheOwnersEpoch) {
   EXPECT_FALSE(table.accept(kAnn, state(0, 1, 5)));
   EXPECT_FALSE(table.accept(kAnn, state(0, 1, 4)));
   EXPECT_EQ(table.part(0).worldFromPart.position.x, 0.5);
-  EXPECT_EQ(table.leave(kAnn, 1).at(0).worldFromPart.position.x, 0.5)
+  EXPECT_EQ(table.leave(kAnn).at(0).worldFromPart.position.x, 0.5)
       << "S6: the last state travels with the end";
   EXPECT_FALSE(table.accept(kAnn, state(0, 1, 9)));
 }
