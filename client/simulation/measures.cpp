@@ -99,19 +99,26 @@ double HandMeasures::rmsForce() const {
   return std::sqrt(sum / static_cast<double>(samples_.size()));
 }
 
-bool HandMeasures::restsUnshaken(const std::vector<bool>& allStill, bool brushed) const {
+bool HandMeasures::slidOff() const {
+  const std::size_t n = samples_.size();
+  return n > 1 && samples_[n - 2].brushes && !samples_[n - 1].brushes;
+}
+
+bool HandMeasures::restsUnshaken(const std::vector<bool>& undisturbed, bool brushed) const {
   for (const HandSample& s : samples_)
     if (!(glm::length(s.position - samples_.front().position) < kDiverged)) return false;
   std::size_t stillFor = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
-    stillFor = allStill[i] && (brushed || !samples_[i].brushes) ? stillFor + 1 : 0;
+    stillFor = undisturbed[i] && (brushed || !samples_[i].brushes) ? stillFor + 1 : 0;
     // The hands' targets must have stood for half a second: an arm needs that long to settle.
     if (stillFor > 500 && forceChange(i) > kRestForceStep) return false;
   }
   return true;
 }
 
-bool HandMeasures::calm(const std::vector<bool>& allStill) const { return restsUnshaken(allStill, false); }
+bool HandMeasures::calm(const std::vector<bool>& undisturbed) const {
+  return restsUnshaken(undisturbed, false);
+}
 
 bool HandMeasures::stable(const std::vector<bool>& allStill) const {
   if (!restsUnshaken(allStill, true)) return false;

@@ -42,14 +42,16 @@ class HandMeasures {
   /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more
   /// than 0.3 N in 20 ms while `allStill` (one entry a tick, for all hands).
   bool stable(const std::vector<bool>& allStill) const;
-  /// Nothing diverges, and no force changes by more than 0.3 N in 20 ms while all hands stand still and this one's bare
-  /// tool is not where others may push parts against it.
-  bool calm(const std::vector<bool>& allStill) const;
+  /// Whether in the last tick the bare tool came off a part that may move: who shares that part feels it, later.
+  bool slidOff() const;
+  /// Nothing diverges, and no force changes by more than 0.3 N in 20 ms while all hands stand still, no bare tool slides
+  /// off a part (`undisturbed`, one entry a tick) and this one's is not where others may push parts against it.
+  bool calm(const std::vector<bool>& undisturbed) const;
   const std::vector<HandSample>& samples() const { return samples_; }
 
  private:
   double forceChange(std::size_t tick) const;  // within the 20 ms that end at this tick
-  bool restsUnshaken(const std::vector<bool>& allStill, bool brushed) const;
+  bool restsUnshaken(const std::vector<bool>& undisturbed, bool brushed) const;
 
   std::vector<HandSample> samples_;
   std::vector<std::size_t> roleChanges_;

@@ -152,7 +152,7 @@ class Simulation {
   std::vector<std::unique_ptr<SimulatedSite>> sites;
   std::vector<bool> faultDone, blackoutDone, stepDone;
   std::vector<std::pair<Micros, std::size_t>> rejoin;
-  std::vector<bool> allStill;
+  std::vector<bool> allStill, undisturbed;  // a tick each
   std::vector<bool> everOwned;
   Fingerprint fingerprint;
   std::ofstream trace;
@@ -465,8 +465,7 @@ void Simulation::compareReplicas() {
         if (other == owner || !other->inSession()) continue;
         displayed.add(glm::length(other->drawn[part.part].position - part.worldFromPart.position));
         if (other->hand->output().tick.simulated(part.part) == nullptr) continue;
-        shared.add(
-            glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position));
+        shared.add(glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position));
         anyShared = true;
       }
     }
@@ -493,7 +492,7 @@ Status Simulation::run() {
     journal.advanceTo(now);
     applyFaults();
     stepServer();
-    bool still = true;
+    bool still = true, slidOff = false;
     for (auto& site : sites) {
       if (!site->link && site->joinsAt >= 0 && now >= site->joinsAt && session) {
         site->joinsAt = -1;
@@ -501,8 +500,10 @@ Status Simulation::run() {
       }
       site->step(now);
       still = still && site->measures.samples().back().still;
+      slidOff = slidOff || site->measures.slidOff();
     }
     allStill.push_back(still);
+    undisturbed.push_back(still && !slidOff);
     compareReplicas();
     if (watch) showSites();
   }
@@ -546,7 +547,7 @@ SimulationResult Simulation::result() {
     out.bytesPerSecond =
         static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
         scenario.duration;
-    out.calm = site->measures.calm(allStill);
+    out.calm = site->measures.calm(undisturbed);
     out.pushed = site->measures.pushed();
     result.stable = result.stable && site->measures.stable(allStill);
     result.siteNames[site->id] = site->name();
