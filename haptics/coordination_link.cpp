@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kOutage = PlayOutDelay::kOutage;
 constexpr double kCatchUpTime = 0.05;     // s
-constexpr double kRunOut = 6.5;           // N/s
+constexpr double kRunOut = 4.0;           // N/s
 constexpr double kCalmRunOut = 1.5;       // N/s, where an end has been put off: nobody is taken unawares
 constexpr double kFastestRunOut = 100.0;  // N/s
 constexpr double kJump = 0.1;             // of the share of the wave that counts
@@ -146,8 +146,8 @@ SixAxes CoordinationLink::catchUp(const PlayedWave& peer) const {
 }
 
 // Rule 6. Cumulative waves keep the poses together but for what cap, fade and outage have cut off. The peer is taken to
-// where it is by now; F D_p / b is the gap that belongs to the force. Free of charge where it opposes the wave, else from
-// the reserve.
+// where it is by now; F D_p / b is the gap that belongs to the force. Free of charge as far as it cancels the wave, else
+// from the reserve: both without a jump where the wave turns.
 SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave) {
   slowForce_ += (p_.period / kForceFilterTime) * (force_ - slowForce_);
   const SixAxes ahead = delay() * axesOf(peer.state.twist, p_.lever);
@@ -155,8 +155,11 @@ SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, con
                 (delay() / b_) * slowForce_;
   gap -= shortened(gap, kGapIgnored);
   const SixAxes correction = std::sqrt(0.5 * b_) * shortened(kGapRate * gap, kGapSpeed);
-  if (dot(correction, wave) <= 0.0) return correction;
-  return std::clamp((reserve_.energy() - kReserveKept) / kReserveEasy, 0.0, 1.0) * correction;
+  const double square = dot(correction, correction);
+  if (square == 0.0) return correction;
+  const double paid = std::clamp((reserve_.energy() - kReserveKept) / kReserveEasy, 0.0, 1.0);
+  const double free = std::min(1.0, -dot(correction, wave) / square);
+  return std::max(paid, free) * correction;
 }
 
 // Rule 3. Where the excess drives the replica, it must be gone before it has spent the reserve.

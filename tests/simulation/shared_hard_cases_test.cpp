@@ -19,8 +19,7 @@ namespace {
 
 const std::uint64_t kSeeds = seedsUpTo(6);
 constexpr double kEnergyBound = 1e-3;  // J
-constexpr double kOutageStep =
-    0.35;  // N in 20 ms: 0.3 is asked for; link_disturbed_test tells where it is passed
+constexpr double kOutageStep = 0.3;  // N in 20 ms, of which the drag itself makes up to 0.25
 constexpr double kQuantum = 0.06;  // N: of the device, through the grasp's spring
 constexpr std::size_t kA = 0, kB = 1;
 constexpr PartId kBlock = 0;
@@ -118,6 +117,8 @@ double letGo(const char* scenario, double at, double delay, bool ownerDoes) {
     SharedSession session(scenario);
     session.setDelay(delay);
     session.options.seed = seed;
+    // A coarser reading would hide what is asked for behind its own steps.
+    for (client::ScenarioSite& site : session.scenario.sites) site.device.quantum = 1e-6;
     if (!ownerDoes) session.delayGrasp(kA, 2.8);  // the other one has the part first
     Watch watch(session);
     const client::SimulationResult result = session.run();
@@ -149,7 +150,7 @@ TEST(SharedHardCases, WhoIsLeftWithAPartFeelsNothingOfBecomingItsOwner) {
         std::printf("%-30s %3.0f ms: %.3f N in 20 ms, where no owner changes %.3f\n", c.scenario, delay,
                     withChange, without);
       EXPECT_LE(withChange, without + 0.04) << c.scenario << " " << delay;
-      EXPECT_LE(withChange, 0.3 + kQuantum) << c.scenario << " " << delay;
+      EXPECT_LE(withChange, 0.15) << c.scenario << " " << delay;
     }
   }
 }
