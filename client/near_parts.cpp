@@ -38,7 +38,7 @@ bool NearParts::meet(const Moving& held, const Moving& other, double playOutDela
   const double apart = glm::length(between);
   const double closing =
       apart > 0.0 ? glm::dot(held.twist.linear - other.twist.linear, between) / apart : 0.0;
-  return gap < near + std::clamp(closing, 0.0, kMostClosing) * (2.0 * playOutDelay + kComingUp);
+  return gap < near + std::clamp(closing, kSetOut, kMostClosing) * (2.0 * playOutDelay + kComingUp);
 }
 
 }  // namespace tandem::client

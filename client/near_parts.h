@@ -24,8 +24,9 @@ class NearParts {
   /// a link has come up. `playOutDelay` s, of what others move.
   bool meet(const Moving& held, const Moving& other, double playOutDelay, double near) const;
 
-  static constexpr double kNear = 0.03, kStillNear = 0.04;  // m: to begin, and to go on
+  static constexpr double kNear = 0.02, kStillNear = 0.03;  // m: to begin, and to go on
   static constexpr double kComingUp = 0.5;                  // s, of a link
+  static constexpr double kSetOut = 0.02;                   // m/s: for what stands still now may set out
   static constexpr double kMostClosing = 0.5;               // m/s that is looked ahead for
 
  private:

@@ -10,7 +10,8 @@ using namespace sync;
 
 namespace {
 
-constexpr int kMostQuestions = 4;  // for a part that comes and goes: then the hand is denied it
+constexpr int kMostQuestions = 4;               // for a part that comes and goes: then the hand is denied it
+constexpr Micros kLinkGap = 15 * kMillisecond;  // longer without a packet, and none is waited for
 
 }  // namespace
 
@@ -31,22 +32,30 @@ void SiteLink::step(Micros now) {
   if (!transport_ && now >= retryAt_) connect(now);
   if (transport_) takeEvents(now);
   if (!transport_ || stage_ == Stage::connecting) return;
-  if (stage_ == Stage::ready && now >= nextPing_) {
-    nextPing_ = now + options_.pingInterval;
-    outgoingMessage_ = Ping{++pingSequence_, now};
-    updatesAtPing_ = updatesSent_;
-    sendState(outgoingMessage_);
-  }
   if (exchange_) {
     publishTimeBase(now);
     flushEvents();
     if (stage_ == Stage::ready) {
       sendIntents();
       exchangeLinks(now);
-      publish(now);
-      acknowledge(now);
+      if (!waitsForLink(now)) tell(now);
     }
   }
+  flushStates();
+}
+
+/// What is no link's goes along with the links' packets while there are any: it costs no datagram of its own then.
+bool SiteLink::waitsForLink(Micros now) const { return now != linkSentAt_ && now - linkSentAt_ < kLinkGap; }
+
+void SiteLink::tell(Micros now) {
+  if (now >= nextPing_) {
+    nextPing_ = now + options_.pingInterval;
+    outgoingMessage_ = Ping{++pingSequence_, now};
+    updatesAtPing_ = updatesSent_;
+    sendState(outgoingMessage_);
+  }
+  publish(now);
+  acknowledge(now);
 }
 
 // ---- connection ----
@@ -98,8 +107,8 @@ void SiteLink::takeEvents(Micros now) {
         takeControl(event.bytes, now);
         break;
       case TransportEvent::Kind::state:
-        statistics_.received.countState(event.bytes);
-        takeState(event.bytes, now);
+        do takeState(takeMessage(event.bytes), now);
+        while (!event.bytes.empty());
         break;
       case TransportEvent::Kind::closed:
         disconnected(event.reason, now);
@@ -302,7 +311,7 @@ RequestId SiteLink::open(PartId part, OpenGrab::Kind kind, int before) {
 /// The question that a reply answers, taken off the list; nothing if it answers none.
 std::optional<SiteLink::OpenGrab> SiteLink::closeGrab(RequestId request, PartId part) {
   const auto found = std::find_if(openGrabs_.begin(), openGrabs_.end(),
-                                 [&](const auto& entry) { return entry.request == request; });
+                                  [&](const auto& entry) { return entry.request == request; });
   if (found == openGrabs_.end() || !scene_ || part >= scene_->parts.size() || found->part != part) {
     ++statistics_.malformed;
     return std::nullopt;
@@ -460,6 +469,7 @@ std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {})
 // ---- state ----
 
 void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
+  statistics_.received.countState(bytes);
   if (!frame_ || stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
   const StateReceiver::Outcome outcome = statesIn_.decode(bytes, *frame_, incoming_);
   if (outcome != StateReceiver::Outcome::taken) {
@@ -594,6 +604,7 @@ void SiteLink::exchangeLinks(Micros now) {
     if (!update || !clock_.known()) continue;
     outgoingMessage_ = *update;
     sendState(outgoingMessage_);
+    linkSentAt_ = now;
   }
   links_->beginSilentAnew(*ownership_, sessionTime(now));
   pushOrders();
@@ -667,7 +678,14 @@ void SiteLink::sendState(const StateMessage& message) {
 void SiteLink::sendBytes() {
   if (!transport_) return;
   statistics_.sent.countState(bytes_);
-  transport_->sendState(0, bytes_);
+  if (unsent_.add(bytes_)) return;
+  flushStates();
+  unsent_.add(bytes_);
+}
+
+void SiteLink::flushStates() {
+  if (transport_ && !unsent_.bytes().empty()) transport_->sendState(0, unsent_.bytes());
+  unsent_.clear();
 }
 
 LinkStatistics SiteLink::statistics() const {

@@ -23,6 +23,7 @@
 #include "sync/play_out.h"
 #include "sync/recording.h"
 #include "sync/site_colours.h"
+#include "sync/state_bundle.h"
 #include "sync/state_stream.h"
 #include "sync/traffic.h"
 #include "sync/transport.h"
@@ -155,6 +156,8 @@ class SiteLink {
   void flushEvents();
   void sendIntents();
   void exchangeLinks(sync::Micros now);
+  bool waitsForLink(sync::Micros now) const;
+  void tell(sync::Micros now);
   void publish(sync::Micros now);
   void offerParts(sync::Micros now);
   bool othersTouch(PartId part) const;
@@ -163,6 +166,7 @@ class SiteLink {
   void send(const sync::ControlMessage& message);
   void sendState(const sync::StateMessage& message);
   void sendBytes();
+  void flushStates();
   void notice(Notice::Level level, std::string text);
   SiteView* siteView(SiteId site);
   std::string siteName(SiteId site) const;
@@ -205,6 +209,7 @@ class SiteLink {
   std::vector<OpenGrab> openGrabs_;
   std::uint32_t pingSequence_ = 0, updateSequence_ = 0;
   sync::Micros nextPing_ = 0;
+  sync::Micros linkSentAt_ = -sync::kSecond;
   HandOutput hand_;
   Pose worldFromCamera_;
 
@@ -223,6 +228,7 @@ class SiteLink {
   sync::StateReceiver statesIn_;
   sync::StateMessage incoming_, outgoingMessage_, outgoingUpdate_{sync::StateUpdate{}};
   std::vector<std::byte> bytes_;
+  sync::StateBundle unsent_;  // said in this step
 };
 
 }  // namespace tandem::client

@@ -11,6 +11,8 @@ using namespace sync;
 
 namespace {
 
+constexpr double kLeastPresence = 25.0;          // Hz: four updates of five may be without
+constexpr Micros kEarly = 3 * kMillisecond / 2;  // rather than a packet of a link later
 constexpr int kQuickRepeats = 4;  // at the least rate: 5 % of loss leave one chance in 3 million
 constexpr Micros kSlowestRepeat = 500 * kMillisecond;
 constexpr double kErrorFloor = 0x1p-18;     // of the frame's half extent: some steps of the wire
@@ -48,7 +50,7 @@ StatePublisher::StatePublisher(const assets::Scene& scene, const WireFrame& fram
     : frame_(frame), rates_(rates) {
   for (const assets::Part& part : scene.parts) reach_.push_back(reachOf(scene, part));
   rates_.least = std::min(rates_.least, rates_.most);
-  rates_.presence = std::min(rates_.presence, rates_.most);
+  rates_.presence = std::min(rates_.presence, std::max(kLeastPresence, 0.25 * rates_.most));
 }
 
 void StatePublisher::reset() {
@@ -60,7 +62,7 @@ void StatePublisher::reset() {
 bool StatePublisher::Repeated::due(Micros now, double least) const {
   if (unchanged < 0) return true;
   const int doublings = std::clamp(unchanged - kQuickRepeats, 0, 16);
-  return now - sentAt >= std::min(period(least) << doublings, kSlowestRepeat);
+  return now - sentAt + kEarly >= std::min(period(least) << doublings, kSlowestRepeat);
 }
 
 void StatePublisher::Repeated::sent(Micros now, bool changed) {
@@ -86,7 +88,7 @@ bool StatePublisher::partDue(const OfferedPart& part, Micros now, Micros time) c
   if (rests != isStill(last->state.twist)) return true;
   const Pose &pose = part.state.worldFromPart, &told = last->state.worldFromPart;
   if (rests) return pose.position != told.position || pose.orientation != told.orientation;
-  if (rates_.deadband <= 0.0 || now - parts_.sentAt >= period(rates_.least)) return true;
+  if (rates_.deadband <= 0.0 || now - parts_.sentAt + kEarly >= period(rates_.least)) return true;
   const Pose shown = integrate(told, last->state.twist, toSeconds(time - last->time));
   const double wrong = distance(pose, shown, part.state.part), way = distance(pose, told, part.state.part);
   return wrong > kErrorFloor * frame_.halfExtent + rates_.deadband * way;
@@ -115,8 +117,9 @@ bool StatePublisher::due(Micros now, Micros time, std::span<const OfferedPart> p
   if (!mayBeDue(now)) return false;
   const bool partsNew = partsDue(now, time, parts);  // no: there are none, or they are as the others think
   const bool partsGo = partsNew || (!parts.empty() && parts_.due(now, rates_.least));
-  const bool presenceNew = presenceChanged(presence) && now - presence_.sentAt >= period(rates_.presence);
-  newPresence = presenceNew || presence_.due(now, rates_.least);
+  const bool presenceNew =
+      presenceChanged(presence) && now - presence_.sentAt + kEarly >= period(rates_.presence);
+  newPresence = presenceNew || presence_.due(now, std::min(rates_.least, rates_.presence));
   if (!partsGo && !newPresence) return false;
 
   next_ = std::max(next_ + period(rates_.most), now - kMillisecond);

@@ -113,7 +113,10 @@ void Session::step(sync::Micros now, std::int64_t unixNow) {
   s.continueReset();
   s.tellMembers();
   s.flushOutbox();
-  for (auto& [connection, peer] : s.peers) s.sendChunks(peer);
+  for (auto& [connection, peer] : s.peers) {
+    s.flushStates(peer);
+    s.sendChunks(peer);
+  }
 }
 
 sync::Micros Session::nextDeadline() const {
@@ -157,7 +160,8 @@ void Session::State::takeEvents() {
         onControl(at->second, event.bytes);
         break;
       case sync::TransportEvent::Kind::state:
-        onState(at->second, event.bytes);
+        do onState(at->second, sync::takeMessage(event.bytes));
+        while (!event.bytes.empty());
         break;
       default:
         forget(event.connection, event.reason.empty() ? "connection closed" : event.reason);

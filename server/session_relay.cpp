@@ -24,10 +24,18 @@ bool Session::State::withinRate(Peer& peer) {
   return true;
 }
 
-/// What stateBytes holds.
-void Session::State::sendState(sync::ConnectionId connection) {
+/// What stateBytes holds, at the end of the step.
+void Session::State::sendState(Peer& peer) {
   counts.sent.countState(stateBytes);
-  transport.sendState(connection, stateBytes);
+  if (peer.unsent.add(stateBytes)) return;
+  flushStates(peer);
+  peer.unsent.add(stateBytes);
+}
+
+void Session::State::flushStates(Peer& peer) {
+  if (peer.unsent.bytes().empty()) return;
+  transport.sendState(peer.connection, peer.unsent.bytes());
+  peer.unsent.clear();
 }
 
 void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
@@ -69,7 +77,7 @@ void Session::State::onLink(Peer& peer, sync::StateMessage& message) {
     ++counts.droppedEarly;
     return;
   }
-  const Peer* other = link.part < scene.parts.size() ? peerOf(link.peer) : nullptr;
+  Peer* other = link.part < scene.parts.size() ? peerOf(link.peer) : nullptr;
   if (other == nullptr || other->stage != Stage::ready || !table.tied(link.part, peer.site, link.peer)) {
     ++counts.droppedLinks;
     return;
@@ -77,7 +85,7 @@ void Session::State::onLink(Peer& peer, sync::StateMessage& message) {
   link.peer = peer.site;
   ++counts.relayedLinks;
   sync::encodeState(message, frame, stateBytes);
-  sendState(other->connection);
+  sendState(*other);
 }
 
 void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
@@ -88,7 +96,7 @@ void Session::State::onPing(Peer& peer, const sync::Ping& ping) {
   // A site that is still loading cannot own anything that it feels: only ready sites renew (S3).
   if (peer.stage == Stage::ready) table.renew(peer.site, now);
   sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, now, peer.updatesIn}, frame, stateBytes);
-  sendState(peer.connection);
+  sendState(peer);
 }
 
 /// The site may tell what follows against what has come.
@@ -96,7 +104,7 @@ void Session::State::acknowledge(Peer& peer) {
   const std::optional<sync::StateAck> ack = peer.statesIn.takeAck(now);
   if (!ack) return;
   sync::encodeState(*ack, frame, stateBytes);
-  sendState(peer.connection);
+  sendState(peer);
 }
 
 /// Of a site that is not coming back.
@@ -166,7 +174,7 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     update.sequence = ++other.sequenceOut;
     if (update.parts.size() > kAlwaysFit) orderFor(other, update.parts);
     other.statesOut.encode(update, frame, stateBytes);
-    sendState(connection);
+    sendState(other);
   }
 }
 

@@ -14,6 +14,7 @@
 #include "server/outbox.h"
 #include "server/session.h"
 #include "sync/site_colours.h"
+#include "sync/state_bundle.h"
 #include "sync/state_stream.h"
 #include "sync/wire.h"
 
@@ -41,6 +42,7 @@ struct Peer {
   sync::Presence presence;  // the newest
   sync::StateSender statesOut;
   sync::StateReceiver statesIn{1};
+  sync::StateBundle unsent;           // said in this step
   double allowance = kDatagramBurst;  // datagrams that it may send at once
   sync::Micros allowanceAt = 0;
 };
@@ -160,7 +162,8 @@ struct Session::State {
   void onUpdate(Peer& peer, sync::StateMessage& message);
   void acknowledge(Peer& peer);
   void forgetStates(SiteId origin);
-  void sendState(sync::ConnectionId connection);
+  void sendState(Peer& peer);
+  void flushStates(Peer& peer);
   void orderFor(const Peer& peer, std::vector<sync::PartState>& parts) const;
   bool plausible(const sync::StateUpdate& update) const;
   bool withinRate(Peer& peer);

@@ -1,7 +1,7 @@
 #pragma once
 
 // The numbers of a coordination link as they travel: sums and clocks whole at both ends, by their low bits on the wire, and
-// the pose in every second datagram only.
+// the pose in every eighth datagram only.
 //
 // 1. Datagrams may be lost, doubled and reordered. What is made whole is what lies nearest to the newest one known.
 // 2. Energy is rounded down: nobody receives more than was sent.

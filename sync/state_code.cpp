@@ -136,12 +136,15 @@ void putTime(BitWriter& writer, Micros time) {
   writer.putSigned(std::min(kMaxMicros, std::max(-kMaxMicros, time)), kTimeBits);
 }
 
-void putPresence(BitWriter& writer, const Presence& presence, const WireFrame& frame, int& clamped) {
+void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
+                 int& clamped) {
   // A pose that is no pose (a device that failed) is shown at the centre rather than sent as nonsense.
   const Pose fallback{frame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
-  for (const Pose* pose : {&presence.worldFromTool, &presence.worldFromCamera}) {
-    put(writer, toCode(isValid(*pose) ? *pose : fallback, frame, clamped));
-  }
+  const auto putPose = [&](const Pose& pose) {
+    put(writer, toCode(isValid(pose) ? pose : fallback, frame, clamped));
+  };
+  putPose(presence.worldFromTool);
+  if (camera) putPose(presence.worldFromCamera);
   putSpeed(writer, speedCode(presence.force, kMaxPresenceForce, clamped));
   const bool touches = presence.touched < kMaxParts;
   writer.put(touches ? 1 : 0, 1);
@@ -174,9 +177,9 @@ Micros getTime(BitReader& reader) {
   return time;
 }
 
-void getPresence(BitReader& reader, const WireFrame& frame, Presence& presence) {
+void getPresence(BitReader& reader, const WireFrame& frame, bool camera, Presence& presence) {
   getPose(reader, frame, presence.worldFromTool);
-  getPose(reader, frame, presence.worldFromCamera);
+  if (camera) getPose(reader, frame, presence.worldFromCamera);
   presence.force = fromSpeedCode(getSpeed(reader), kMaxPresenceForce);
   const bool touches = reader.get(1) == 1;
   const auto part = static_cast<PartId>(reader.get(kPartBits));

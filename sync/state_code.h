@@ -18,7 +18,8 @@ inline constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, 
                      kTimeBits = 56;
 inline constexpr int kPoseBits = 3 * kPositionBits + 2 + 3 * kQuaternionBits;
 inline constexpr int kTwistBits = 6 * kSpeedBits;
-inline constexpr int kPresenceBits = 2 * kPoseBits + 3 * kSpeedBits + 1 + kPartBits;
+inline constexpr int kHandBits = kPoseBits + 3 * kSpeedBits + 1 + kPartBits;
+inline constexpr int kPresenceBits = kHandBits + kPoseBits;  // hand and eyes
 inline constexpr int kSmallestPartBits = kPartBits + 8 + 8 + kPoseBits + 1;
 inline constexpr std::int64_t kPositionMax = (std::int64_t{1} << (kPositionBits - 1)) - 1;
 inline constexpr std::int64_t kQuaternionMax = (1 << (kQuaternionBits - 1)) - 1;
@@ -65,7 +66,9 @@ bool sendable(const PartState& state);
 void put(BitWriter& writer, const PoseCode& code);
 void put(BitWriter& writer, const TwistCode& code);
 void putTime(BitWriter& writer, Micros time);
-void putPresence(BitWriter& writer, const Presence& presence, const WireFrame& frame, int& clamped);
+/// `camera`: or without the eyes.
+void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
+                 int& clamped);
 /// A part by itself, whatever else is known of it.
 void putWhole(BitWriter& writer, const PartCode& code);
 int wholeBits(const PartCode& code);
@@ -73,7 +76,7 @@ int wholeBits(const PartCode& code);
 void getPose(BitReader& reader, const WireFrame& frame, Pose& pose);
 Twist getTwist(BitReader& reader);
 Micros getTime(BitReader& reader);
-void getPresence(BitReader& reader, const WireFrame& frame, Presence& presence);
+void getPresence(BitReader& reader, const WireFrame& frame, bool camera, Presence& presence);
 PartCode getWhole(BitReader& reader);
 
 }  // namespace tandem::sync

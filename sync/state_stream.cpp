@@ -8,7 +8,8 @@ namespace tandem::sync {
 namespace {
 
 constexpr int kDistanceBits = 16, kCheckBits = 16;
-constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1;
+constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1 + 1;
+constexpr int kCameraEvery = 8;  // presences, of eyes that are still: datagrams get lost
 constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
 constexpr std::size_t kReceiverSpare =
     8;  // of reordering: a newer mark may come before what its baseline was for
@@ -124,7 +125,7 @@ void StateSender::plan(const KeptUpdate* baseline, Micros elapsed, std::optional
 }
 
 void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, std::uint32_t step, bool keep,
-                        bool presence, const WireFrame& frame, std::vector<std::byte>& bytes,
+                        With with, const WireFrame& frame, std::vector<std::byte>& bytes,
                         EncodeLosses& losses) {
   bytes.resize(kMaxStateBytes);
   BitWriter writer(bytes);
@@ -133,8 +134,9 @@ void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, s
   writer.put(update.site, 16);
   writer.put(update.sequence, 32);
   writer.put(keep ? 1 : 0, 1);
-  writer.put(presence ? 1 : 0, 1);
+  writer.put(with.presence ? 1 : 0, 1);
   writer.put(baseline != nullptr ? 1 : 0, 1);
+  writer.put(with.camera ? 1 : 0, 1);
   if (baseline == nullptr) {
     putTime(writer, update.time);
   } else {
@@ -147,7 +149,7 @@ void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, s
     writer.putVarint(step);
     writer.put(check.value(), kCheckBits);
   }
-  if (presence) putPresence(writer, update.presence, frame, losses.clamped);
+  if (with.presence) putPresence(writer, update.presence, with.camera, frame, losses.clamped);
   for (Plan& plan : plans_) {
     const bool told = plan.code >= 0;
     writer.put(told && plan.same ? 0 : 1, 1);
@@ -185,6 +187,17 @@ void StateSender::keep(Stream& stream, const StateUpdate& update, Micros elapsed
   stream.keptAt = update.time;
 }
 
+/// What else goes into this update: presence where it is new, or new to this receiver; the eyes where they moved.
+StateSender::With StateSender::Stream::goesAlong(const StateUpdate& update) {
+  if (!update.newPresence && presences > 0) return {};
+  const Pose& now = update.presence.worldFromCamera;
+  const bool moved = now.position != camera.position || now.orientation != camera.orientation;
+  With with{true, moved || presences % kCameraEvery == 0};
+  presences = with.camera ? 1 : presences + 1;
+  camera = now;
+  return with;
+}
+
 void StateSender::encode(const StateUpdate& update, const WireFrame& frame, std::vector<std::byte>& bytes,
                          EncodeLosses* losses) {
   EncodeLosses counted;
@@ -196,15 +209,14 @@ void StateSender::encode(const StateUpdate& update, const WireFrame& frame, std:
   const std::optional<std::uint32_t> step = baseline != nullptr ? stepFrom(*baseline) : std::nullopt;
   if (!step) baseline = nullptr;
   const Micros elapsed = baseline != nullptr ? update.time - baseline->time : 0;
-  const bool presence = update.newPresence || !stream.presenceSent;
-  stream.presenceSent = true;
+  const With with = stream.goesAlong(update);
   const int head =
-      kHeadBits + 8 + (presence ? kPresenceBits : 0) +
+      kHeadBits + 8 + (with.presence ? (with.camera ? kPresenceBits : kHandBits) : 0) +
       (baseline != nullptr ? kDistanceBits + kElapsedBits + varintBits(*step) + kCheckBits : kTimeBits);
   plan(baseline, elapsed, step, frame, static_cast<int>(kMaxStateBytes) * 8 - head);
   const bool keeps = !codes_.empty() && (!stream.everKept || update.time - stream.keptAt >= kKeepInterval ||
                                          update.time < stream.keptAt);
-  write(update, baseline, step.value_or(0), keeps, presence, frame, bytes, counted);
+  write(update, baseline, step.value_or(0), keeps, with, frame, bytes, counted);
   std::size_t told = whole_.size();
   for (const Plan& plan : plans_) told += plan.code >= 0 ? 1 : 0;
   counted.leftOut += static_cast<int>(update.parts.size() - told);
@@ -284,8 +296,8 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
   update.sequence = static_cast<std::uint32_t>(reader.get(32));
   const bool keeps = reader.get(1) == 1;
   update.newPresence = reader.get(1) == 1;
-  const bool against = reader.get(1) == 1;
-  if (reader.failed()) return Outcome::malformed;
+  const bool against = reader.get(1) == 1, camera = reader.get(1) == 1;
+  if (reader.failed() || (camera && !update.newPresence)) return Outcome::malformed;
   Stream* stream = streamOf(update.site);
   if (stream == nullptr) return Outcome::malformed;
 
@@ -307,7 +319,11 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
   } else {
     update.time = getTime(reader);
   }
-  if (update.newPresence) getPresence(reader, frame, update.presence);
+  if (update.newPresence) {
+    update.presence.worldFromCamera = stream->presence.worldFromCamera;
+    getPresence(reader, frame, camera, update.presence);
+    update.newPresence = camera || stream->hasPresence;  // a hand without eyes is not shown
+  }
 
   parts_.clear();
   if (baseline != nullptr)

@@ -42,7 +42,7 @@ struct KeptUpdate {
 class StateSender {
  public:
   /// Replaces `bytes`. Parts from the back of update.parts are left out if they do not fit; presence goes along where
-  /// it is new (StateUpdate::newPresence), or new to this receiver.
+  /// it is new (StateUpdate::newPresence), or new to this receiver; of it the camera where that moved, and at times.
   void encode(const StateUpdate& update, const WireFrame& frame, std::vector<std::byte>& bytes,
               EncodeLosses* losses = nullptr);
   void acknowledged(const StateAck& ack);
@@ -52,13 +52,20 @@ class StateSender {
   void forget(SiteId origin);
 
  private:
+  /// What goes into an update beside the parts.
+  struct With {
+    bool presence = false, camera = false;
+  };
   struct Stream {
     SiteId origin = kNoSite;
-    bool presenceSent = false;
+    int presences = 0;  // sent since the camera was, with that one
+    Pose camera;        // as sent last
     bool everKept = false;
     Micros keptAt = 0;
     std::size_t next = 0;  // in `kept`, to be replaced
     std::vector<KeptUpdate> kept;
+
+    With goesAlong(const StateUpdate& update);
   };
   /// What becomes of a part of the baseline.
   struct Plan {
@@ -73,8 +80,8 @@ class StateSender {
   std::optional<std::uint32_t> stepFrom(const KeptUpdate& baseline) const;
   void plan(const KeptUpdate* baseline, Micros elapsed, std::optional<std::uint32_t> step,
             const WireFrame& frame, int room);
-  void write(const StateUpdate& update, const KeptUpdate* baseline, std::uint32_t step, bool keep,
-             bool presence, const WireFrame& frame, std::vector<std::byte>& bytes, EncodeLosses& losses);
+  void write(const StateUpdate& update, const KeptUpdate* baseline, std::uint32_t step, bool keep, With with,
+             const WireFrame& frame, std::vector<std::byte>& bytes, EncodeLosses& losses);
   void keep(Stream& stream, const StateUpdate& update, Micros elapsed);
 
   std::vector<Stream> streams_;

@@ -5,10 +5,9 @@
 namespace tandem::sync {
 namespace {
 
-constexpr std::size_t kPresenceBytes = (kPresenceBits + 7) / 8;
 constexpr std::size_t bytesOf(int bits) { return static_cast<std::size_t>((bits + 7) / 8); }
 constexpr std::size_t kEmptyUpdate = bytesOf(8 + 8 + 16 + 32 + kTimeBits + kPresenceBits + 8);
-constexpr int kEmptyStreamedBits = 8 + 8 + 16 + 32 + 3 + kTimeBits + 8;
+constexpr int kEmptyStreamedBits = 8 + 8 + 16 + 32 + 4 + kTimeBits + 8;
 constexpr std::size_t kFlags = 8;  // the byte of a streamed update that holds them
 
 void count(Flow& flow, std::size_t bytes) {
@@ -20,7 +19,8 @@ void count(Flow& flow, std::size_t bytes) {
 
 void Traffic::countState(std::span<const std::byte> datagram) {
   const std::size_t size = datagram.size();
-  bool hasPresence = true, hasParts = size > kEmptyUpdate;
+  bool hasParts = size > kEmptyUpdate;
+  int presenceBits = kPresenceBits;
   switch (size > kFlags ? static_cast<StateKind>(datagram[1]) : StateKind{}) {
     case StateKind::ping:
     case StateKind::pong:
@@ -29,9 +29,9 @@ void Traffic::countState(std::span<const std::byte> datagram) {
       return count(links, size);
     case StateKind::streamed: {
       const auto flags = std::to_integer<unsigned>(datagram[kFlags]);
-      hasPresence = (flags & 2u) != 0;
+      presenceBits = (flags & 2u) == 0 ? 0 : (flags & 8u) != 0 ? kPresenceBits : kHandBits;
       const bool against = (flags & 4u) != 0;  // only what has parts is told against others
-      hasParts = against || size > bytesOf(kEmptyStreamedBits + (hasPresence ? kPresenceBits : 0));
+      hasParts = against || size > bytesOf(kEmptyStreamedBits + presenceBits);
       break;
     }
     case StateKind::update:
@@ -40,7 +40,7 @@ void Traffic::countState(std::span<const std::byte> datagram) {
       return count(size > 1 && datagram[1] == static_cast<std::byte>(StateKind::ack) ? acks : unknown, size);
   }
   if (!hasParts) return count(presence, size);
-  const std::size_t ofPresence = hasPresence && size > kPresenceBytes ? kPresenceBytes : 0;
+  const std::size_t ofPresence = size > bytesOf(presenceBits) ? bytesOf(presenceBits) : 0;
   presence.bytes += ofPresence;
   count(parts, size - ofPresence);
 }

@@ -30,8 +30,17 @@ std::vector<std::byte> encodeControl(const ControlMessage& message);
 /// version is decoded, so that the server can answer it.
 Result<ControlMessage> decodeControl(std::span<const std::byte> bytes);
 
-/// What a state datagram's second byte says. A streamed update is one that StateSender writes (state_stream.h).
-enum class StateKind : std::uint8_t { update = 1, ping = 2, pong = 3, link = 4, streamed = 5, ack = 6 };
+/// What a state datagram's second byte says. A streamed update is one that StateSender writes (state_stream.h); a pair is a
+/// message and another one, or pair, behind it (state_bundle.h).
+enum class StateKind : std::uint8_t {
+  update = 1,
+  ping = 2,
+  pong = 3,
+  link = 4,
+  streamed = 5,
+  ack = 6,
+  pair = 7
+};
 
 /// What an encoding had to change. Zero in normal use.
 struct EncodeLosses {

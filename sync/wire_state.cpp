@@ -37,7 +37,7 @@ void encodeUpdate(const StateUpdate& update, const WireFrame& frame, std::vector
   writer.put(update.site, 16);
   writer.put(update.sequence, 32);
   putTime(writer, update.time);
-  putPresence(writer, update.presence, frame, losses.clamped);
+  putPresence(writer, update.presence, true, frame, losses.clamped);
   writer.put(static_cast<std::uint64_t>(count), 8);
   for (std::size_t i = 0; i < end; ++i) {
     if (sendable(update.parts[i])) putWhole(writer, toCode(update.parts[i], frame, losses.clamped));
@@ -113,7 +113,7 @@ void decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update
   update.site = static_cast<SiteId>(reader.get(16));
   update.sequence = static_cast<std::uint32_t>(reader.get(32));
   update.time = getTime(reader);
-  getPresence(reader, frame, update.presence);
+  getPresence(reader, frame, true, update.presence);
   update.presence.site = update.site;
   update.newPresence = true;
   update.parts.clear();

@@ -27,6 +27,7 @@
 #include "server/session.h"
 #include "server/sqlite_journal.h"
 #include "sync/socket_transport.h"
+#include "sync/state_bundle.h"
 #include "sync/wire.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/shapes.h"
@@ -188,9 +189,12 @@ class Site {
     sync::encodeState(sync::Ping{++pings_, now()}, frame_, bytes_);
     transport_->sendState(0, bytes_);
     waitFor([&](const sync::TransportEvent& event) {
-      if (event.kind != Kind::state || !sync::decodeState(event.bytes, frame_, state_)) return false;
-      const auto* pong = std::get_if<sync::Pong>(&state_);
-      return pong != nullptr && pong->sequence == pings_;
+      for (auto rest = event.bytes; event.kind == Kind::state && !rest.empty();) {
+        if (!sync::decodeState(sync::takeMessage(rest), frame_, state_)) continue;
+        const auto* pong = std::get_if<sync::Pong>(&state_);
+        if (pong != nullptr && pong->sequence == pings_) return true;
+      }
+      return false;
     });
     return 1e3 * watch.seconds();
   }

@@ -35,6 +35,7 @@
 #include "server/session.h"
 #include "sync/seal.h"
 #include "sync/socket_transport.h"
+#include "sync/state_bundle.h"
 #include "sync/state_stream.h"
 #include "sync/wire.h"
 #include "tests/bench/bench_report.h"
@@ -199,9 +200,12 @@ std::optional<double> travelBetween(End& sender, End& receiver, const sync::Wire
     receiver.turn(kLost, [&](const sync::TransportEvent& event) {
       const double at = 1e6 * watch.seconds();
       using Outcome = sync::StateReceiver::Outcome;
-      if (event.kind != Kind::state || states.decode(event.bytes, frame, message) != Outcome::taken) return;
-      const auto* update = std::get_if<sync::StateUpdate>(&message);
-      if (update != nullptr && update->parts.size() == 1 && update->parts[0].sequence == sequence) took = at;
+      for (auto rest = event.bytes; event.kind == Kind::state && !rest.empty();) {
+        if (states.decode(sync::takeMessage(rest), frame, message) != Outcome::taken) continue;
+        const auto* update = std::get_if<sync::StateUpdate>(&message);
+        if (update != nullptr && update->parts.size() == 1 && update->parts[0].sequence == sequence)
+          took = at;
+      }
     });
   }
   return took;

@@ -120,6 +120,31 @@ TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
   }
 }
 
+/// What a site sends in a session that is cut off at `end` s, bytes: all messages, and 32 for the seal of each datagram.
+double sentBy(SharedSession& session, const std::string& site, double end) {
+  session.scenario.duration = end;
+  const client::SimulatedSiteResult& sent = session.run().sites.at(site);
+  return end * (sent.bytesPerSecond + 32.0 * sent.packetsPerSecond);
+}
+
+// Links, states, hands and eyes, pings and acknowledgements together, while a part is dragged to and fro by two.
+TEST(SharedFigures, ASharedPartTakesFewBytesASecond) {
+  struct Rate {
+    double hz, most;  // kB/s
+  };
+  for (const Rate& rate : {Rate{250.0, 24.0}, Rate{100.0, 10.0}}) {
+    SharedSession session("shared_drag");
+    session.setDelay(25.0);
+    session.scenario.packetHz = rate.hz;
+    for (const char* site : {"a", "b"}) {
+      const double each = 1e-3 * (sentBy(session, site, 13.0) - sentBy(session, site, 5.0)) / 8.0;
+      if (prints()) std::printf("sent by %s at %.0f packets a second: %.2f kB/s\n", site, rate.hz, each);
+      EXPECT_LE(each, rate.most) << site << " " << rate.hz;
+      EXPECT_GE(each, 0.032 * rate.hz) << "less than the seals of its packets";
+    }
+  }
+}
+
 TEST(SharedFigures, GuestFeelsTheWallAsIfAlone) {
   for (const double delay : kDelays) {
     SharedSession session("shared_wall");

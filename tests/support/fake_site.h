@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "sync/state_bundle.h"
 #include "sync/state_stream.h"
 #include "sync/transport.h"
 #include "sync/wire.h"
@@ -44,13 +45,16 @@ struct FakeSite {
         heard.push_back(*message);
       }
       if (event.kind != Kind::state) continue;
-      sync::StateMessage message;
-      const auto decoded = receiver.decode(event.bytes, frame, message);
-      ASSERT(decoded == sync::StateReceiver::Outcome::taken);
-      if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
-      if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
-      if (const auto* link = std::get_if<sync::LinkUpdate>(&message)) links.push_back(*link);
+      while (!event.bytes.empty()) hear(sync::takeMessage(event.bytes));
     }
+  }
+  void hear(std::span<const std::byte> bytes) {
+    sync::StateMessage message;
+    const auto decoded = receiver.decode(bytes, frame, message);
+    ASSERT(decoded == sync::StateReceiver::Outcome::taken);
+    if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
+    if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
+    if (const auto* link = std::get_if<sync::LinkUpdate>(&message)) links.push_back(*link);
   }
 
   /// The latest message of a kind, or null.

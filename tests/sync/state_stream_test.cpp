@@ -282,9 +282,46 @@ TEST(StateStream, PresenceComesWhereItIsNewAndIsRememberedOtherwise) {
   EXPECT_EQ(got.presence.site, 9);
   pair.update.newPresence = true;
   pair.advance();
-  EXPECT_EQ(pair.bytes.size(), without + 40);
+  EXPECT_EQ(pair.bytes.size(), without + 24);
   ASSERT_EQ(pair.deliver(), Outcome::taken);
   EXPECT_EQ(got.presence.touched, 8);
+}
+
+TEST(StateStream, TheCameraIsToldWhereItMovesAndAtTimes) {
+  Pair pair;
+  pair.update.newPresence = true;
+  pair.advance();
+  const std::size_t with = pair.bytes.size();
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  const auto& got = std::get<StateUpdate>(pair.message);
+  std::size_t least = with;
+  const auto advance = [&](double x, bool arrives) {
+    pair.update.presence.worldFromCamera.position.x = x;
+    pair.advance();
+    least = std::min(least, pair.bytes.size());
+    if (arrives) ASSERT_EQ(pair.deliver(), Outcome::taken);
+  };
+  advance(0.0, true);
+  EXPECT_EQ(least, with - 16);
+  advance(0.5, true);
+  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.5, 1e-5);
+  advance(0.25, false);  // lost
+  advance(0.25, true);
+  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.5, 1e-5);
+  for (int i = 0; i < 8; ++i) advance(0.25, true);
+  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.25, 1e-5);
+}
+
+TEST(StateStream, AHandWithoutEyesIsNotShown) {
+  Pair pair;
+  pair.update.newPresence = true;
+  pair.advance();  // with the camera: lost
+  pair.advance();
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  EXPECT_FALSE(std::get<StateUpdate>(pair.message).newPresence);
+  for (int i = 0; i < 7; ++i) pair.advance();
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  EXPECT_TRUE(std::get<StateUpdate>(pair.message).newPresence);
 }
 
 TEST(StateStream, HostileBytesGiveValidStatesOrNone) {
