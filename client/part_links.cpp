@@ -13,7 +13,7 @@ namespace {
 constexpr double kUnknownAge = 0.05;    // s, of a peer that was not heard yet
 constexpr double kFarImpedance = 10.0;  // N s/m, where only parts that touch are linked
 // Of those lines together, kg: they are there for as long as parts are near each other.
-constexpr double kFarLineMass = 3.1;
+constexpr double kFarLineMass = 3.4;
 constexpr double kSoftDelay = 0.06;           // s, of play-out: the least in the regime soft
 constexpr std::uint32_t kEpochsAhead = 1000;  // that another clock may be: 16 s
 

@@ -11,8 +11,8 @@ using namespace sync;
 
 namespace {
 
-constexpr double kLeastPresence = 25.0;          // Hz: four updates of five may be without
-constexpr Micros kEarly = 3 * kMillisecond / 2;  // rather than a packet of a link later
+constexpr double kSmoothEnough = 25.0;           // Hz, of hand and eyes where updates are few
+constexpr Micros kEarly = 3 * kMillisecond / 2;  // that something may go, rather than a link's packet later
 constexpr int kQuickRepeats = 4;  // at the least rate: 5 % of loss leave one chance in 3 million
 constexpr Micros kSlowestRepeat = 500 * kMillisecond;
 constexpr double kErrorFloor = 0x1p-18;     // of the frame's half extent: some steps of the wire
@@ -50,7 +50,7 @@ StatePublisher::StatePublisher(const assets::Scene& scene, const WireFrame& fram
     : frame_(frame), rates_(rates) {
   for (const assets::Part& part : scene.parts) reach_.push_back(reachOf(scene, part));
   rates_.least = std::min(rates_.least, rates_.most);
-  rates_.presence = std::min(rates_.presence, std::max(kLeastPresence, 0.25 * rates_.most));
+  rates_.presence = std::min(rates_.presence, std::max(kSmoothEnough, 0.25 * rates_.most));
 }
 
 void StatePublisher::reset() {

@@ -34,8 +34,8 @@ LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part);
 /// Of one peer and one part.
 class LinkReceiver {
  public:
-  /// The whole of a datagram that came at `now` (session time); nothing if it is of an earlier epoch or no pose is known
-  /// yet. A larger epoch begins anew.
+  /// The whole of a datagram that came at `now` (session time); nothing if it is of an earlier epoch, lies in the future, or
+  /// no pose is known yet. A larger epoch begins anew.
   std::optional<LinkState> receive(const LinkUpdate& update, Micros now);
   void forget() { begun_ = false; }
 

@@ -6,6 +6,7 @@
 #include <cstdlib>
 
 #include "sync/link_stream.h"
+#include "sync/state_bundle.h"
 #include "sync/state_stream.h"
 #include "sync/traffic.h"
 #include "sync/wire.h"
@@ -104,6 +105,17 @@ void difference(std::span<const std::byte> bytes) {
   if (back.failed() || !(second == code)) std::abort();
 }
 
+/// Every message of a datagram, as often as there is one.
+void bundled(std::span<const std::byte> bytes) {
+  std::size_t most = bytes.size();
+  do {
+    const std::span<const std::byte> message = takeMessage(bytes);
+    if (message.size() > most || bytes.size() + message.size() > most) std::abort();
+    most = bytes.size();
+    state(message);
+  } while (!bytes.empty());
+}
+
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -112,7 +124,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (data[0] % 2 == 0) {
     control(bytes);
   } else {
-    state(bytes);
+    bundled(bytes);
     streamed(bytes);
     difference(bytes);
   }
