@@ -10,8 +10,8 @@ using namespace sync;
 
 namespace {
 
-constexpr int kMostQuestions = 4;               // for a part that comes and goes: then the hand is denied it
-constexpr Micros kLinkGap = 15 * kMillisecond;  // longer without a packet, and none is waited for
+constexpr int kMostQuestions = 4;  // for a part that comes and goes: then the hand is denied it
+constexpr Micros kMostPatience = 15 * kMillisecond;  // that a link's packet is waited for
 
 }  // namespace
 
@@ -45,7 +45,10 @@ void SiteLink::step(Micros now) {
 }
 
 /// What is no link's goes along with the links' packets while there are any: it costs no datagram of its own then.
-bool SiteLink::waitsForLink(Micros now) const { return now != linkSentAt_ && now - linkSentAt_ < kLinkGap; }
+bool SiteLink::waitsForLink(Micros now) const {
+  const auto patience = static_cast<Micros>(1.5e6 / options_.rates.most);
+  return patience <= kMostPatience && now != linkSentAt_ && now - linkSentAt_ < patience;
+}
 
 void SiteLink::tell(Micros now) {
   if (now >= nextPing_) {
@@ -54,8 +57,8 @@ void SiteLink::tell(Micros now) {
     updatesAtPing_ = updatesSent_;
     sendState(outgoingMessage_);
   }
-  publish(now);
   acknowledge(now);
+  publish(now);
 }
 
 // ---- connection ----
@@ -107,8 +110,9 @@ void SiteLink::takeEvents(Micros now) {
         takeControl(event.bytes, now);
         break;
       case TransportEvent::Kind::state:
-        do takeState(takeMessage(event.bytes), now);
-        while (!event.bytes.empty());
+        do {
+          takeState(takeMessage(event.bytes), now);
+        } while (!event.bytes.empty());
         break;
       case TransportEvent::Kind::closed:
         disconnected(event.reason, now);
@@ -529,12 +533,12 @@ void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
   const auto ahead = static_cast<std::int32_t>(update.sequence - last->second);
   if (ahead > 0) {
     last->second = update.sequence;
-    if (SiteView* site = siteView(update.site)) {
+    if (SiteView* site = siteView(update.site); site != nullptr && update.presenceKnown) {
       site->presence = update.presence;
       site->seen = true;
     }
   }
-  if (recording_) recording_->write(update.time, incoming_);
+  if (recording_ && update.presenceKnown) recording_->write(update.time, incoming_);
   if (!clock_.known()) return;
   playOutDelay_.observe(update.time, clock_.sessionTime(now));
   links_->heard(update.site, clock_.sessionTime(now) - update.time);

@@ -50,7 +50,7 @@ StatePublisher::StatePublisher(const assets::Scene& scene, const WireFrame& fram
     : frame_(frame), rates_(rates) {
   for (const assets::Part& part : scene.parts) reach_.push_back(reachOf(scene, part));
   rates_.least = std::min(rates_.least, rates_.most);
-  rates_.presence = std::min(rates_.presence, std::max(kSmoothEnough, 0.25 * rates_.most));
+  rates_.presence = std::min({rates_.presence, rates_.most, std::max(kSmoothEnough, 0.25 * rates_.most)});
 }
 
 void StatePublisher::reset() {

@@ -22,7 +22,7 @@ namespace tandem::client {
 struct PublishRates {
   double most = 250.0;     // Hz, of updates
   double least = 60.0;     // Hz, of a part that moves
-  double presence = 60.0;  // Hz at most, of hand and eyes; less where there are few updates
+  double presence = 60.0;  // Hz at most, about, of hand and eyes; less where there are few updates
   /// Weber fraction: the noticeable error as a share of the way gone. 0: none is tolerated, all goes at the full rate.
   double deadband = 0.1;
 };

@@ -109,14 +109,12 @@ void Session::step(sync::Micros now, std::int64_t unixNow) {
   s.journal.noteTime(s.now);
   s.watchJournal();
   s.takeEvents();
+  for (auto& [connection, peer] : s.peers) s.flushStates(peer);
   s.runTimers();
   s.continueReset();
   s.tellMembers();
   s.flushOutbox();
-  for (auto& [connection, peer] : s.peers) {
-    s.flushStates(peer);
-    s.sendChunks(peer);
-  }
+  for (auto& [connection, peer] : s.peers) s.sendChunks(peer);
 }
 
 sync::Micros Session::nextDeadline() const {
@@ -160,8 +158,7 @@ void Session::State::takeEvents() {
         onControl(at->second, event.bytes);
         break;
       case sync::TransportEvent::Kind::state:
-        do onState(at->second, sync::takeMessage(event.bytes));
-        while (!event.bytes.empty());
+        while (onState(at->second, sync::takeMessage(event.bytes)) && !event.bytes.empty()) continue;
         break;
       default:
         forget(event.connection, event.reason.empty() ? "connection closed" : event.reason);

@@ -9,7 +9,7 @@
 //    a message that does not belong closes that connection with a Refused, and changes nothing.
 // 2. A reply that depends on a journal record leaves only after that record is durable; replies keep their
 // order.
-// 3. State is relayed at once, to every other ready site, if ownership accepts it; the rest is dropped and
+// 3. State is relayed in the step in which it came, to every other ready site, if ownership accepts it; the rest is dropped and
 // counted.
 // 4. Session time runs with the caller's clock, from the latest time in the journal on, so it survives
 // restarts.
@@ -51,7 +51,7 @@ struct SessionCounters {
   std::uint64_t droppedEarly = 0;      // datagrams of a connection that is not ready
   std::uint64_t relayedLinks = 0;      // LinkUpdates passed on
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that no part ties
-  std::uint64_t droppedFlood = 0;      // datagrams beyond kMaxDatagramRate
+  std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
@@ -64,7 +64,7 @@ struct LogLine {
   bool error = false;
 };
 
-/// Datagrams a second that one site may send; the protocol's own rates stay under a quarter of it.
+/// State messages a second that one site may send, however many go in a datagram; the protocol's own rates stay under a quarter of it.
 inline constexpr double kMaxDatagramRate = 2000.0;
 
 class Session {

@@ -38,11 +38,12 @@ void Session::State::flushStates(Peer& peer) {
   peer.unsent.clear();
 }
 
-void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
+/// False beyond what the site may say.
+bool Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
   counts.received.countState(bytes);
   if (!withinRate(peer)) {
     ++counts.droppedFlood;
-    return;
+    return false;
   }
   // An update is decoded into storage of its own, so that nothing else frees its vector.
   sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming : incomingShort;
@@ -50,12 +51,12 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
   const Outcome outcome = peer.statesIn.decode(bytes, frame, message);
   if (outcome == Outcome::malformed) {
     ++counts.droppedMalformed;
-    return;
+    return true;
   }
   peer.lastHeard = now;
   if (outcome != Outcome::taken) {
     ++counts.droppedBaselines;
-    return;
+    return true;
   }
   if (const auto* ping = std::get_if<sync::Ping>(&message)) {
     onPing(peer, *ping);
@@ -68,6 +69,7 @@ void Session::State::onState(Peer& peer, std::span<const std::byte> bytes) {
   } else {
     ++counts.droppedMalformed;  // only the server says this
   }
+  return true;
 }
 
 /// From one who simulates a part to another: guest to owner, or owner to guest.
@@ -150,7 +152,8 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
   const bool newest =
       peer.updatesIn == 1 || static_cast<std::int32_t>(update.sequence - peer.lastSequenceIn) > 0;
   if (newest) peer.lastSequenceIn = update.sequence;
-  if (newest && update.newPresence) peer.presence = update.presence;
+  update.newPresence = newest && update.newPresence;
+  if (update.newPresence) peer.presence = update.presence;
 
   const auto refused =
       std::remove_if(update.parts.begin(), update.parts.end(),
@@ -163,10 +166,10 @@ void Session::State::onUpdate(Peer& peer, sync::StateMessage& message) {
     movedParts.push_back(state.part);
   }
   // An old presence, or none, and nothing else of use.
-  if (update.parts.empty() && !(newest && update.newPresence)) return;
+  if (update.parts.empty() && !update.newPresence) return;
 
   update.site = update.presence.site = peer.site;
-  if (recording != nullptr) recording->write(now, message);
+  if (recording != nullptr && update.presenceKnown) recording->write(now, message);
   ++counts.relayedUpdates;
   counts.relayedParts += update.parts.size();
   for (auto& [connection, other] : peers) {

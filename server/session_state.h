@@ -22,7 +22,7 @@ namespace tandem::server {
 
 enum class Stage : std::uint8_t { hello, loading, ready };
 
-/// Datagrams that a site may send at once after a pause.
+/// State messages that a site may send at once after a pause.
 inline constexpr double kDatagramBurst = 400.0;
 
 /// One connection.
@@ -43,7 +43,7 @@ struct Peer {
   sync::StateSender statesOut;
   sync::StateReceiver statesIn{1};
   sync::StateBundle unsent;           // said in this step
-  double allowance = kDatagramBurst;  // datagrams that it may send at once
+  double allowance = kDatagramBurst;  // messages that it may send at once
   sync::Micros allowanceAt = 0;
 };
 
@@ -156,7 +156,7 @@ struct Session::State {
   void keepPoses();
 
   // session_relay.cpp
-  void onState(Peer& peer, std::span<const std::byte> bytes);
+  bool onState(Peer& peer, std::span<const std::byte> bytes);
   void onPing(Peer& peer, const sync::Ping& ping);
   void onLink(Peer& peer, sync::StateMessage& message);
   void onUpdate(Peer& peer, sync::StateMessage& message);

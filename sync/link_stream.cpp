@@ -6,6 +6,7 @@
 namespace tandem::sync {
 namespace {
 
+constexpr double kWhole24 = 16777216.0;
 constexpr std::uint32_t kLow24 = (1u << 24) - 1;
 constexpr Micros kMostAhead = kSecond / 2;  // more than two clocks differ by: made before its clock was set
 constexpr std::uint32_t kPoseEvery = 8;     // datagrams: it only keeps gaps from growing
@@ -27,7 +28,13 @@ Pose advanced(const Pose& pose, const Twist& twist, double seconds) {
           glm::normalize(fromRotationVector(seconds * twist.angular) * pose.orientation)};
 }
 
+Micros timeOf(const LinkUpdate& update, Micros now) {
+  return static_cast<Micros>(nearest(static_cast<double>(now), update.time, kWhole24));
+}
+
 }  // namespace
+
+bool fromTheFuture(const LinkUpdate& update, Micros now) { return timeOf(update, now) > now + kMostAhead; }
 
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part) {
   LinkUpdate update;
@@ -50,9 +57,7 @@ LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part) {
 }
 
 std::optional<LinkState> LinkReceiver::receive(const LinkUpdate& update, Micros now) {
-  constexpr double kWhole24 = 16777216.0, kWhole32 = 4294967296.0;
-  const auto time = static_cast<Micros>(nearest(static_cast<double>(now), update.time, kWhole24));
-  if (time > now + kMostAhead) return std::nullopt;
+  if (fromTheFuture(update, now)) return std::nullopt;
   if (!begun_ || update.epoch > newest_.epoch) {
     begun_ = true;
     posed_ = false;
@@ -62,12 +67,13 @@ std::optional<LinkState> LinkReceiver::receive(const LinkUpdate& update, Micros 
   } else if (update.epoch < newest_.epoch) {
     return std::nullopt;
   }
+  constexpr double kWhole32 = 4294967296.0;
   LinkState state;
   state.epoch = update.epoch;
   const auto ahead =
       static_cast<std::int16_t>(update.sequence - static_cast<std::uint16_t>(newest_.sequence));
   state.sequence = newest_.sequence + static_cast<std::uint32_t>(std::int32_t{ahead});
-  state.time = time;
+  state.time = timeOf(update, now);
   for (std::size_t i = 0; i < 6; ++i)
     state.wave[i] = kWaveQuantum * nearest(newest_.wave[i] / kWaveQuantum, update.wave[i], kWhole24);
   state.energy =

@@ -31,6 +31,9 @@ struct LinkState {
 /// For the wire. A pose that is no pose is left out.
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part);
 
+/// Whether its time is later than clocks can differ: it was made before its sender's clock was set.
+bool fromTheFuture(const LinkUpdate& update, Micros now);
+
 /// Of one peer and one part.
 class LinkReceiver {
  public:

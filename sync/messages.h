@@ -239,6 +239,7 @@ struct StateUpdate {
   Micros time = 0;             // session time at which these states held, by the owning site's estimate
   Presence presence;
   bool newPresence = true;       // false: it did not come along, and is what was known
+  bool presenceKnown = true;     // false: nothing has come of it yet
   std::vector<PartState> parts;  // what fits into kMaxStateBytes; a part in it appears once
 };
 

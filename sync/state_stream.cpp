@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kDistanceBits = 16, kCheckBits = 16;
 constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1 + 1;
-constexpr int kCameraEvery = 8;  // presences, of eyes that are still: datagrams get lost
+constexpr int kCameraAtFirst = 4, kCameraEvery = 8;  // presences, of eyes that are still: datagrams get lost
 constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
 constexpr std::size_t kReceiverSpare =
     8;  // of reordering: a newer mark may come before what its baseline was for
@@ -187,13 +187,15 @@ void StateSender::keep(Stream& stream, const StateUpdate& update, Micros elapsed
   stream.keptAt = update.time;
 }
 
-/// What else goes into this update: presence where it is new, or new to this receiver; the eyes where they moved.
+/// What else goes into this update: presence where it is new, or new to this receiver; the eyes where they moved, a few
+/// times.
 StateSender::With StateSender::Stream::goesAlong(const StateUpdate& update) {
-  if (!update.newPresence && presences > 0) return {};
+  if (!update.presenceKnown || (!update.newPresence && presences > 0)) return {};
   const Pose& now = update.presence.worldFromCamera;
   const bool moved = now.position != camera.position || now.orientation != camera.orientation;
-  With with{true, moved || presences % kCameraEvery == 0};
-  presences = with.camera ? 1 : presences + 1;
+  if (moved) presences = 0;
+  const With with{true, presences < kCameraAtFirst || presences % kCameraEvery == 0};
+  ++presences;
   camera = now;
   return with;
 }
@@ -320,9 +322,9 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
     update.time = getTime(reader);
   }
   if (update.newPresence) {
-    update.presence.worldFromCamera = stream->presence.worldFromCamera;
+    update.presence.worldFromCamera = stream->camera;
     getPresence(reader, frame, camera, update.presence);
-    update.newPresence = camera || stream->hasPresence;  // a hand without eyes is not shown
+    update.newPresence = camera || stream->hasCamera;  // a hand without eyes is not shown
   }
 
   parts_.clear();
@@ -337,21 +339,25 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
     if (!fromCode(parts_[i].code, frame, update.parts[i])) return Outcome::malformed;
   }
   if (baseline != nullptr && check.value() != expected) return Outcome::spoilt;
-  takePresence(*stream, update);
+  takePresence(*stream, camera, update);
   if (keeps) keep(*stream, update);
   return Outcome::taken;
 }
 
-void StateReceiver::takePresence(Stream& stream, StateUpdate& update) {
-  update.presence.site = update.site;
-  if (!update.newPresence) {
-    update.presence = stream.presence;
-    update.presence.site = update.site;
-  } else if (!stream.hasPresence || newer(update.sequence, stream.presenceSequence)) {
+void StateReceiver::takePresence(Stream& stream, bool camera, StateUpdate& update) {
+  if (camera && (!stream.hasCamera || newer(update.sequence, stream.cameraSequence))) {
+    stream.hasCamera = true;
+    stream.cameraSequence = update.sequence;
+    stream.camera = update.presence.worldFromCamera;
+  }
+  if (update.newPresence && (!stream.hasPresence || newer(update.sequence, stream.presenceSequence))) {
     stream.hasPresence = true;
     stream.presenceSequence = update.sequence;
     stream.presence = update.presence;
   }
+  if (!update.newPresence) update.presence = stream.presence;
+  update.presence.site = update.site;
+  update.presenceKnown = stream.hasPresence;
 }
 
 /// Keeps the newest; a datagram that came twice, or so late that it is older than all of them, is not kept again.

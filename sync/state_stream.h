@@ -58,7 +58,7 @@ class StateSender {
   };
   struct Stream {
     SiteId origin = kNoSite;
-    int presences = 0;  // sent since the camera was, with that one
+    int presences = 0;  // sent since the camera moved
     Pose camera;        // as sent last
     bool everKept = false;
     Micros keptAt = 0;
@@ -112,9 +112,10 @@ class StateReceiver {
  private:
   struct Stream {
     SiteId origin = kNoSite;
-    bool hasPresence = false;
-    std::uint32_t presenceSequence = 0;
+    bool hasPresence = false, hasCamera = false;
+    std::uint32_t presenceSequence = 0, cameraSequence = 0;
     Presence presence;
+    Pose camera;
     std::vector<KeptUpdate> kept;
   };
 
@@ -123,7 +124,7 @@ class StateReceiver {
                       const WireFrame& frame);
   Outcome readWhole(BitReader& reader);
   Stream* streamOf(SiteId origin);
-  void takePresence(Stream& stream, StateUpdate& update);
+  void takePresence(Stream& stream, bool camera, StateUpdate& update);
   void keep(Stream& stream, const StateUpdate& update);
 
   std::size_t origins_;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Datagrams and control messages of one direction, counted by what they are for. Bytes are those of the messages: on
-// sockets sealing adds 32 to each datagram, and a frame 5 and TLS some 22 to each control message.
+// State and control messages of one direction, counted by what they are for. Bytes are those of the messages: on
+// sockets a datagram of several has 3 more for each but the last, sealing adds 32 to each datagram (the transport counts them),
+// and a frame 5 and TLS some 22 to each control message.
 
 #include <cstddef>
 #include <cstdint>

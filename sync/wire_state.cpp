@@ -115,7 +115,7 @@ void decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update
   update.time = getTime(reader);
   getPresence(reader, frame, true, update.presence);
   update.presence.site = update.site;
-  update.newPresence = true;
+  update.newPresence = update.presenceKnown = true;
   update.parts.clear();
   const std::size_t count = reader.get(8);
   // A count is believed only as far as the bits for it are there.

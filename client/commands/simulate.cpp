@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <memory>
+#include <string>
 
 #include <CLI/CLI.hpp>
 
@@ -16,12 +17,19 @@ struct Arguments {
   bool quiet = false, noPartContact = false;
 };
 
+/// What a hand that pressed a fixed part felt of it, N/m; a dash for one that pressed none.
+std::string feltBy(const SimulatedSiteResult& site) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.1f", site.feltStiffness);
+  return site.feltStiffness == 0.0 ? "-" : text;
+}
+
 void printSummary(const SimulationResult& result) {
   std::printf("%-14s %12s %12s %12s %10s %10s\n", "site", "energy mJ", "felt N/m", "step N/20ms", "packets/s",
               "kB/s");
   for (const auto& [name, site] : result.sites)
-    std::printf("%-14s %12.4f %12.1f %12.3f %10.1f %10.2f\n", name.c_str(), site.energyCreated * 1e3,
-                site.feltStiffness, site.forceStep20ms, site.packetsPerSecond, site.bytesPerSecond / 1e3);
+    std::printf("%-14s %12.4f %12s %12.3f %10.1f %10.2f\n", name.c_str(), site.energyCreated * 1e3,
+                feltBy(site).c_str(), site.forceStep20ms, site.packetsPerSecond, site.bytesPerSecond / 1e3);
   for (const auto& grant : result.grants) {
     const auto name = result.siteNames.find(grant.site);
     std::printf("%8.3f s  %s -> %s (epoch %u)\n", grant.at, result.partNames[grant.part].c_str(),
@@ -79,8 +87,11 @@ void addSimulate(CLI::App& app, int& exitCode) {
       "\"fit\": true in\n"
       "the scenario's site takes those of 'tandem join' instead, \"stiffness\": K states one. See "
       "client/README.md.\n"
+      "Printed for each site: energy that its device gave for nothing, the stiffness that it felt of a fixed "
+      "part,\n"
+      "the largest change of force in 20 ms, and what it sent a second (without seals).\n"
       "The same scenario and seed give the same result, to the bit.\n"
-      "Exit code 1: the run was not stable, or a rule of the protocol (S1-S8, L1-L5) was broken.\n"
+      "Exit code 1: the run was not stable, or a rule of the protocol (sync/README.md) was broken.\n"
       "Example: tandem simulate tests/simulation/scenarios/hand_over.json --seed 7 --json out.json");
   command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
 }

@@ -282,7 +282,7 @@ TEST(StateStream, PresenceComesWhereItIsNewAndIsRememberedOtherwise) {
   EXPECT_EQ(got.presence.site, 9);
   pair.update.newPresence = true;
   pair.advance();
-  EXPECT_EQ(pair.bytes.size(), without + 24);
+  EXPECT_EQ(pair.bytes.size(), without + 40);
   ASSERT_EQ(pair.deliver(), Outcome::taken);
   EXPECT_EQ(got.presence.touched, 8);
 }
@@ -290,38 +290,64 @@ TEST(StateStream, PresenceComesWhereItIsNewAndIsRememberedOtherwise) {
 TEST(StateStream, TheCameraIsToldWhereItMovesAndAtTimes) {
   Pair pair;
   pair.update.newPresence = true;
-  pair.advance();
-  const std::size_t with = pair.bytes.size();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
-  const auto& got = std::get<StateUpdate>(pair.message);
-  std::size_t least = with;
+  std::vector<std::size_t> sizes;
   const auto advance = [&](double x, bool arrives) {
     pair.update.presence.worldFromCamera.position.x = x;
     pair.advance();
-    least = std::min(least, pair.bytes.size());
+    sizes.push_back(pair.bytes.size());
     if (arrives) ASSERT_EQ(pair.deliver(), Outcome::taken);
   };
-  advance(0.0, true);
-  EXPECT_EQ(least, with - 16);
-  advance(0.5, true);
-  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.5, 1e-5);
-  advance(0.25, false);  // lost
+  const auto shown = [&] { return std::get<StateUpdate>(pair.message).presence.worldFromCamera.position.x; };
+  for (int i = 0; i < 9; ++i) advance(0.5, true);
+  const std::size_t with = sizes[0];
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(sizes[i], with - (i < 4 || i == 8 ? 0 : 16)) << i;
+  EXPECT_NEAR(shown(), 0.5, 1e-5);
+  for (int i = 0; i < 3; ++i) advance(0.25, false);
   advance(0.25, true);
+  EXPECT_NEAR(shown(), 0.25, 1e-5) << "three lost in a row are made up for";
+}
+
+TEST(StateStream, ACameraThatWasOvertakenCounts) {
+  Pair pair;
+  pair.update.newPresence = true;
+  for (int i = 0; i < 4; ++i) {
+    pair.advance();
+    ASSERT_EQ(pair.deliver(), Outcome::taken);
+  }
+  pair.update.presence.worldFromCamera.position.x = 0.5;
+  pair.advance();
+  const auto late = pair.bytes;
+  for (int i = 0; i < 3; ++i) pair.advance();
+  pair.advance();  // without the camera
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  const auto& got = std::get<StateUpdate>(pair.message);
+  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.0, 1e-5);
+  pair.bytes = late;
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  pair.advance();
+  ASSERT_EQ(pair.deliver(), Outcome::taken);
   EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.5, 1e-5);
-  for (int i = 0; i < 8; ++i) advance(0.25, true);
-  EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.25, 1e-5);
 }
 
 TEST(StateStream, AHandWithoutEyesIsNotShown) {
   Pair pair;
   pair.update.newPresence = true;
-  pair.advance();  // with the camera: lost
+  for (int i = 0; i < 4; ++i) pair.advance();  // with the camera: lost
   pair.advance();
   ASSERT_EQ(pair.deliver(), Outcome::taken);
-  EXPECT_FALSE(std::get<StateUpdate>(pair.message).newPresence);
-  for (int i = 0; i < 7; ++i) pair.advance();
+  auto& got = std::get<StateUpdate>(pair.message);
+  EXPECT_FALSE(got.newPresence);
+  EXPECT_FALSE(got.presenceKnown);
+  StateSender onward;
+  StateReceiver other;
+  StateMessage message;
+  onward.encode(got, kFrame, pair.bytes);
+  ASSERT_EQ(other.decode(pair.bytes, kFrame, message), Outcome::taken);
+  EXPECT_FALSE(std::get<StateUpdate>(message).presenceKnown) << "nor by who passes it on";
+  for (int i = 0; i < 4; ++i) pair.advance();
   ASSERT_EQ(pair.deliver(), Outcome::taken);
-  EXPECT_TRUE(std::get<StateUpdate>(pair.message).newPresence);
+  EXPECT_TRUE(got.newPresence);
+  EXPECT_TRUE(got.presenceKnown);
 }
 
 TEST(StateStream, HostileBytesGiveValidStatesOrNone) {
