@@ -191,11 +191,12 @@ void HandLoop::takeState(const sync::PartState& state, sync::Micros time, sync::
 void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow) {
   Owned* mine = ownedEntry(record.part);
   if (record.owner == timeBase_.self && timeBase_.self != kNoSite) {
-    if (mine)
-      mine->epoch =
-          record.epoch;  // reclaimed after an outage, or passed on by the owner that it was shared with
-    else if (!takeControl(record))
+    if (mine) {  // reclaimed after an outage, or passed on by the owner that it was shared with
+      mine->releasing = mine->releasing && mine->epoch == record.epoch;
+      mine->epoch = record.epoch;
+    } else if (!takeControl(record)) {
       beginTaking(record, sessionNow);
+    }
     return;
   }
   if (!mine) return follow(record, sessionNow, kBlend);
@@ -229,10 +230,11 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
   haptics::PartTie tie = order.tie;
   tie.leashed = order.guest && mine && !mine->handled;
   if (order.guest && !tie.leashed) tie.link.farthest = haptics::TiedParts::kFarthestHeld;
-  if (!order.guest || mine)
-    ties_.order(tie);
-  else
-    ask({HandIntent::Kind::leave, part, 0, {}});
+  if (!order.guest || mine) return ties_.order(tie);
+  // The hand that asked has let go since: it may ask again.
+  ask({HandIntent::Kind::leave, part, 0, {}});
+  for (Grasp& grasp : grasps_)
+    if (grasp.has(Stage::asked, part)) grasp.stage = Stage::idle;
 }
 
 /// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.

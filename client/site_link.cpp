@@ -204,6 +204,7 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   exchange_ = &exchange;
   frame_ = wireFrame(scene.bounds);
   ownership_.emplace(scene.parts.size(), options_.lease);
+  givenBack_.assign(scene.parts.size(), 0);
   publisher_.emplace(scene, *frame_, options_.rates);
   links_.emplace(scene, 1.0 / options_.rates.most);
   if (stage_ == Stage::haveScene) enterReady();
@@ -369,7 +370,8 @@ bool SiteLink::mayShare(PartId part) const {
 
 /// To own a part, or to share it where another site owns it; as it came and went after `before` earlier questions.
 void SiteLink::askFor(PartId part, int before) {
-  if (ownership_->owns(part)) return;  // it has been passed on to this site meanwhile
+  // It has been passed on to this site meanwhile; but what was given back is asked for anew before the answer to that.
+  if (ownership_->owns(part) && givenBack_[part] != ownership_->part(part).epoch) return;
   const bool share = mayShare(part);
   const RequestId request = open(part, share ? OpenGrab::Kind::engage : OpenGrab::Kind::grab, before);
   if (share) return send(Engage{request, part});
@@ -589,6 +591,7 @@ void SiteLink::sendIntents() {
         break;
       case HandIntent::Kind::release: {
         const Release release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart};
+        givenBack_[intent.part] = intent.epoch;
         if (observer_) observer_->onRelease(release);
         send(release);
         break;

@@ -189,6 +189,7 @@ class SiteLink {
   Exchange* exchange_ = nullptr;
   std::optional<sync::WireFrame> frame_;
   std::optional<sync::OwnershipView> ownership_;
+  std::vector<Epoch> givenBack_;  // by part, in which it was released last
   std::optional<PartLinks> links_;
   std::vector<NetworkEvent> waitingEvents_;  // ownership events that found the ring full: none may be lost
   sync::ClockOffset clock_;

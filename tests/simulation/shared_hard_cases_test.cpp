@@ -19,8 +19,8 @@ namespace {
 
 const std::uint64_t kSeeds = seedsUpTo(6);
 constexpr double kEnergyBound = 1e-3;  // J
-constexpr double kOutageStep = 0.3;  // N in 20 ms, of which the drag itself makes up to 0.25
-constexpr double kQuantum = 0.06;  // N: of the device, through the grasp's spring
+constexpr double kOutageStep = 0.3;    // N in 20 ms, of which the drag itself makes up to 0.25
+constexpr double kQuantum = 0.06;      // N: of the device, through the grasp's spring
 constexpr std::size_t kA = 0, kB = 1;
 constexpr PartId kBlock = 0;
 
@@ -151,6 +151,38 @@ TEST(SharedHardCases, WhoIsLeftWithAPartFeelsNothingOfBecomingItsOwner) {
                     withChange, without);
       EXPECT_LE(withChange, without + 0.04) << c.scenario << " " << delay;
       EXPECT_LE(withChange, 0.15) << c.scenario << " " << delay;
+    }
+  }
+}
+
+// Thirteen times each lets go of the part and wants it again before word of that can have come back.
+TEST(SharedHardCases, WhoLetsGoAndGrabsAgainHoldsThePart) {
+  for (const double delay : {10.0, 50.0, 100.0, 150.0}) {
+    forSeeds("shared_grabs_again", delay, [&](const client::SimulationResult& result, const Watch& watch) {
+      EXPECT_TRUE(result.stable);
+      for (const std::size_t site : {kA, kB}) {
+        EXPECT_TRUE(watch.holds(site, 16.5)) << site;
+        EXPECT_FALSE(watch.holds(site, 17.9)) << site;
+        EXPECT_TRUE(watch.holds(site, 22.9)) << site;
+      }
+    });
+  }
+}
+
+// The hand is still closed on the part that went on to the other one meanwhile: it is shared again.
+TEST(SharedHardCases, OwnerThatStoodStillHoldsThePartAgain) {
+  for (const double pause : {0.05, 0.5, 1.8}) {
+    for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+      SharedSession session("shared_pull");
+      session.setDelay(25.0);
+      session.scenario.faults.push_back({client::Fault::Kind::pauseSite, 8.0, pause, "a"});
+      session.scenario.duration = 14.0;
+      session.options.seed = seed;
+      Watch watch(session);
+      const client::SimulationResult result = session.run();
+      SCOPED_TRACE("pause of " + std::to_string(pause) + " s, seed " + std::to_string(seed));
+      EXPECT_TRUE(result.violations.empty()) << describe(result);
+      for (const std::size_t site : {kA, kB}) EXPECT_TRUE(watch.holds(site, 13.9)) << site;
     }
   }
 }
