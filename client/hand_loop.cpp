@@ -215,9 +215,13 @@ bool HandLoop::isHeld(PartId part) const {
                      [&](const Grasp& grasp) { return grasp.has(Stage::holding, part); });
 }
 
-void HandLoop::takeDenial(const sync::PartRecord& record, sync::Micros sessionNow) {
+void HandLoop::stopAsking(PartId part) {
   for (Grasp& grasp : grasps_)
-    if (grasp.has(Stage::asked, record.part)) grasp.stage = Stage::idle;
+    if (grasp.has(Stage::asked, part)) grasp.stage = Stage::idle;
+}
+
+void HandLoop::takeDenial(const sync::PartRecord& record, sync::Micros sessionNow) {
+  stopAsking(record.part);
   controls_.denied(record.part);
   Owned* mine = ownedEntry(record.part);
   if (mine && mine->guest()) loseOwned(*mine, record, sessionNow);
@@ -233,8 +237,7 @@ void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
   if (!order.guest || mine) return ties_.order(tie);
   // The hand that asked has let go since: it may ask again.
   ask({HandIntent::Kind::leave, part, 0, {}});
-  for (Grasp& grasp : grasps_)
-    if (grasp.has(Stage::asked, part)) grasp.stage = Stage::idle;
+  stopAsking(part);
 }
 
 /// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.

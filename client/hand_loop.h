@@ -118,6 +118,7 @@ class HandLoop {
   void takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow);
   void beginTaking(const sync::PartRecord& record, sync::Micros sessionNow);
   void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
+  void stopAsking(PartId part);
   void takeDenial(const sync::PartRecord& record, sync::Micros sessionNow);
   void takeTie(const NetworkEvent& order, sync::Micros sessionNow);
   Owned* joinAsGuest(PartId part, sync::Micros sessionNow);

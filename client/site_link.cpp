@@ -41,7 +41,7 @@ void SiteLink::step(Micros now) {
       if (!waitsForLink(now)) tell(now);
     }
   }
-  flushStates();
+  unsent_.flush([this](auto datagram) { transport_->sendState(0, datagram); });
 }
 
 /// What is no link's goes along with the links' packets while there are any: it costs no datagram of its own then.
@@ -685,14 +685,7 @@ void SiteLink::sendState(const StateMessage& message) {
 void SiteLink::sendBytes() {
   if (!transport_) return;
   statistics_.sent.countState(bytes_);
-  if (unsent_.add(bytes_)) return;
-  flushStates();
-  unsent_.add(bytes_);
-}
-
-void SiteLink::flushStates() {
-  if (transport_ && !unsent_.bytes().empty()) transport_->sendState(0, unsent_.bytes());
-  unsent_.clear();
+  unsent_.add(bytes_, [this](auto datagram) { transport_->sendState(0, datagram); });
 }
 
 LinkStatistics SiteLink::statistics() const {

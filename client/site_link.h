@@ -166,7 +166,6 @@ class SiteLink {
   void send(const sync::ControlMessage& message);
   void sendState(const sync::StateMessage& message);
   void sendBytes();
-  void flushStates();
   void notice(Notice::Level level, std::string text);
   SiteView* siteView(SiteId site);
   std::string siteName(SiteId site) const;

@@ -27,15 +27,11 @@ bool Session::State::withinRate(Peer& peer) {
 /// What stateBytes holds, at the end of the step.
 void Session::State::sendState(Peer& peer) {
   counts.sent.countState(stateBytes);
-  if (peer.unsent.add(stateBytes)) return;
-  flushStates(peer);
-  peer.unsent.add(stateBytes);
+  peer.unsent.add(stateBytes, [&](auto datagram) { transport.sendState(peer.connection, datagram); });
 }
 
 void Session::State::flushStates(Peer& peer) {
-  if (peer.unsent.bytes().empty()) return;
-  transport.sendState(peer.connection, peer.unsent.bytes());
-  peer.unsent.clear();
+  peer.unsent.flush([&](auto datagram) { transport.sendState(peer.connection, datagram); });
 }
 
 /// False beyond what the site may say.

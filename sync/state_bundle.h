@@ -16,6 +16,18 @@ class StateBundle {
  public:
   /// False if this message does not fit beside those that are there: they are to be sent first. By itself it always fits.
   bool add(std::span<const std::byte> message);
+  /// The same; those that are there are sent first where it does not fit. `send` is given a datagram.
+  template <typename Send>
+  void add(std::span<const std::byte> message, const Send& send) {
+    if (add(message)) return;
+    flush(send);
+    add(message);
+  }
+  template <typename Send>
+  void flush(const Send& send) {
+    if (!bytes_.empty()) send(bytes());
+    clear();
+  }
   /// The datagram, to be sent and then cleared. Empty without messages.
   std::span<const std::byte> bytes() const { return bytes_; }
   void clear() { bytes_.clear(), last_ = 0; }
