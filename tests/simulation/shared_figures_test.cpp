@@ -123,7 +123,7 @@ TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
 /// What a site sends in a session that is cut off at `end` s, bytes: all messages, and 32 for the seal of each datagram.
 double sentBy(SharedSession& session, const std::string& site, double end) {
   session.scenario.duration = end;
-  const client::SimulatedSiteResult& sent = session.run().sites.at(site);
+  const client::SimulatedSiteResult sent = session.run().sites.at(site);
   return end * (sent.bytesPerSecond + 32.0 * sent.packetsPerSecond);
 }
 
