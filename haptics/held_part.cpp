@@ -231,8 +231,7 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
     const LinkPull link = ties_.pull(entry.part, entry.body, held, now, dt);
     load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
-    if (const auto leash = held ? std::nullopt : ties_.leash(entry.part, entry.body))
-      couplings[count++] = *leash;
+    if (const auto leash = ties_.leash(entry.part, entry.body)) couplings[count++] = *leash;
     entry.sinceLetGo = 0.0;
   }
   step = coupleBody(entry.body, {couplings.data(), count}, load, gravity, dt);
@@ -249,7 +248,10 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
     onHands[h] = onHands[h] + grip.onHand;
   }
-  if (ties_.has(entry.part)) ties_.settle(entry.part, entry.body, velocity, spin);
+  if (!ties_.has(entry.part)) return;
+  if (entry.tool.stiffness > 0.0) ++coupling;
+  const Wrench back = step.couplings[coupling + 1].onHand(velocity, spin);  // after the link's
+  ties_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
 }
 
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,

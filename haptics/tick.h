@@ -139,6 +139,7 @@ struct TieReport {
   double delay = 0.0;                     // s, the longest of the play-out delays
   double share = 1.0;                     // of the part's mass, that the replica here goes to
   Wrench pull;                            // on the replica about its centre of mass, in this tick
+  Wrench lead;                            // the same of what leads it until its link carries it (leash.h)
   double work = 0.0, lent = 0.0;          // J, on the replica; spent beyond what had arrived
 };
 

@@ -137,6 +137,7 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, do
   forEachEnd(part, [&](End& end) {
     if (end.leashed) end.link.setFarthest(held ? kFarthestHeld : kFarthestTouched);
     const LinkPull pull = end.link.pull(now, centre, twist);
+    if (end.leashed) lead(end, centre, twist, held, dt);
     sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
     sum.rotDamping += pull.rotDamping;
@@ -145,33 +146,32 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, do
   return sum;
 }
 
+void TiedParts::lead(End& end, const Pose& centre, const Twist& twist, bool held, double dt) const {
+  constexpr double kOldNews = 0.05;  // s, later than what is played out: the peer may be anywhere
+  const LinkPacket* peer = end.link.newest();
+  const double age = peer != nullptr ? std::max(0.0, now_ - peer->time) : 0.0;
+  const double delay = std::min(end.link.delay(), kFarthestTouched);
+  const bool isNews = peer != nullptr && age < delay + kOldNews;
+  const bool wanted = peer != nullptr && end.link.on() && end.link.fade() < 1.0;
+  end.leash.advance(centre, twist, {peer, age, delay, isNews, wanted, held}, end.parameters.lever, dt);
+}
+
 std::optional<Coupling> TiedParts::leash(PartId part, const RigidBody& body) const {
-  constexpr double kFarthest = 0.3;  // s, that a peer's velocity is carried on
-  constexpr CouplingGains kLead{400.0, 28.0, 0.4, 0.03};
-  for (const std::optional<End>& end : ends_) {
-    if (!end || end->part != part || !end->leashed || !end->link.on()) continue;
-    const LinkPacket* peer = end->link.newest();
-    const double lead = 1.0 - end->link.fade();
-    if (peer == nullptr || lead <= 0.0) continue;
-    const double age = std::clamp(now_ - peer->time, 0.0, kFarthest);
-    return Coupling{
-        {body.centreOfMass, {1.0, 0.0, 0.0, 0.0}},
-        integrate(peer->worldFromDrawn, peer->twist, age),
-        peer->twist,
-        {lead * kLead.stiffness, lead * kLead.damping, lead * kLead.rotStiffness, lead * kLead.rotDamping}};
-  }
+  for (const std::optional<End>& end : ends_)
+    if (end && end->part == part && end->leash.leads()) return end->leash.coupling(body.centreOfMass);
   return std::nullopt;
 }
 
-void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& velocity,
-                       const glm::dvec3& spin) {
+void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
+                       const Wrench& lead) {
   const Pose centre = centreOf(body);
   bool tied = false;
   for (std::optional<End>& end : ends_) {
     if (!end || end->part != part) continue;
     end->acting = end->link.settle(centre, {velocity, spin});
     const double torque = glm::length(end->acting.torque) / end->parameters.lever;
-    const bool left = std::max(glm::length(end->acting.force), torque) > kForceLeft;
+    const bool left = end->leash.leads() || std::max(glm::length(end->acting.force), torque) > kForceLeft;
+    end->lead = end->leash.leads() ? lead : Wrench{};
     if (!end->link.on() && !left)
       end.reset();
     else
@@ -196,6 +196,8 @@ TieReport TiedParts::report(PartId part) const {
     report.delay = std::max(report.delay, link.delay());
     report.pull.force += end->acting.force;
     report.pull.torque += end->acting.torque;
+    report.lead.force += end->lead.force;
+    report.lead.torque += end->lead.torque;
     report.work += link.account().work;
     report.lent += link.account().lent;
   }

@@ -16,6 +16,7 @@
 
 #include "assets/ids.h"
 #include "haptics/coordination_link.h"
+#include "haptics/leash.h"
 #include "haptics/replica_mass.h"
 #include "haptics/tick.h"
 
@@ -69,10 +70,11 @@ class TiedParts {
   /// Begins the step of a part that is tied: ramps its mass, and says what its links put on it. `now` s, session clock;
   /// `held`: by a hand here.
   LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
-  /// What leads a part that no hand holds while a link comes up, if anything does.
+  /// What leads a part while a link does not carry it, if anything does.
   std::optional<Coupling> leash(PartId part, const RigidBody& body) const;
-  /// Ends it: the velocity of the centre of mass and the spin that the body took.
-  void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin);
+  /// Ends it: the velocity of the centre of mass and the spin that the body took, and what led it, if anything did.
+  void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
+              const Wrench& lead);
   TieReport report(PartId part) const;
 
  private:
@@ -89,8 +91,9 @@ class TiedParts {
     CoordinationLink link;
     LinkParameters parameters;
     bool leashed;
-    Wrench acting;     // of the last step
-    double sinceSent;  // s; nothing is due before the first step: there is nothing to tell
+    Leash leash;
+    Wrench acting, lead;  // of the last step
+    double sinceSent;     // s; nothing is due before the first step: there is nothing to tell
   };
   /// A part with links, or whose mass is on its way back.
   struct Shared {
@@ -109,6 +112,7 @@ class TiedParts {
   assets::MassProperties shareOf(Shared& shared);
   void setMass(Shared& shared, RigidBody& body, double dt);
   void drop(Shared& shared);
+  void lead(End& end, const Pose& centre, const Twist& twist, bool held, double dt) const;
 
   std::array<std::optional<End>, kMaxTies> ends_;
   std::array<Shared, kMaxOwnedParts> shared_;

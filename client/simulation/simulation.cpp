@@ -313,10 +313,13 @@ void SimulatedSite::addSources(const haptics::TickOutput& tick) {
     if (part.tie.links == 0) continue;
     const glm::dvec3 centre =
         transformPoint(part.worldFromPart, scene.parts[part.part].massProperties.centreOfMass);
-    const double work = toSeconds(kTick) *
-                        (glm::dot(part.tie.pull.force, velocityAt(part.worldFromPart, part.twist, centre)) +
-                         glm::dot(part.tie.pull.torque, part.twist.angular));
-    sourceEnergy += work;
+    const glm::dvec3 velocity = velocityAt(part.worldFromPart, part.twist, centre);
+    const auto workOf = [&](const Wrench& wrench) {
+      return toSeconds(kTick) *
+             (glm::dot(wrench.force, velocity) + glm::dot(wrench.torque, part.twist.angular));
+    };
+    const double work = workOf(part.tie.pull);
+    sourceEnergy += work + workOf(part.tie.lead);
     simulation.linkWork += work;
   }
   if (tick.held != kNoPart) {

@@ -72,12 +72,14 @@ class Watch {
 };
 
 /// Every session, whatever happens in it: no rule broken, no energy made.
-template <typename Check>
-void forSeeds(const char* scenario, double delay, const Check& check) {
-  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+template <typename Change, typename Check>
+void forSeeds(const char* scenario, double delay, std::uint64_t seeds, const Change& change,
+              const Check& check) {
+  for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     SharedSession session(scenario);
     session.setDelay(delay);
     session.options.seed = seed;
+    change(session.scenario);
     Watch watch(session);
     const client::SimulationResult result = session.run();
     SCOPED_TRACE(std::string(scenario) + ", " + std::to_string(delay) + " ms, seed " + std::to_string(seed));
@@ -86,6 +88,11 @@ void forSeeds(const char* scenario, double delay, const Check& check) {
     for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
     check(result, watch);
   }
+}
+template <typename Check>
+void forSeeds(const char* scenario, double delay, const Check& check) {
+  forSeeds(
+      scenario, delay, kSeeds, [](client::Scenario&) {}, check);
 }
 
 void print(const char* what, double delay, const char* unit, double value) {
@@ -264,6 +271,44 @@ TEST(SharedHardCases, NoHandFeelsTheServerDieWhileAPartIsShared) {
   });
   print("server restarts", 25.0, "N in 20 ms", most);
   EXPECT_LE(most, 0.3);
+}
+
+/// Parts of two owners press on each other while nothing comes from one site, or no server is there.
+TEST(SharedHardCases, NoHandFeelsAnOutageWhileTheirPartsPressOnEachOther) {
+  struct Pressing {
+    const char* scenario;
+    double from, to;  // s: the hands press and stand still
+  };
+  struct Outage {
+    const char* site;  // "": the server dies and is restarted
+    double lasts;      // s
+  };
+  for (const Pressing& press : {Pressing{"pressed_together", 5.5, 8.0}, Pressing{"shared_bore", 6.0, 9.0}}) {
+    for (const double delay : {25.0, 100.0, 250.0}) {
+      double most = 0.0;
+      for (const Outage& outage : {Outage{"a", 0.3}, Outage{"b", 1.0}, Outage{"", 0.1}}) {
+        const auto cut = [&](client::Scenario& scenario) {
+          if (*outage.site != '\0')
+            scenario.blackouts.push_back({outage.site, press.from, outage.lasts});
+          else
+            scenario.faults.push_back({client::Fault::Kind::killServer, press.from, outage.lasts, ""});
+        };
+        forSeeds(press.scenario, delay, seedsUpTo(2), cut,
+                 [&](const client::SimulationResult&, const Watch& watch) {
+                   for (const std::size_t site : {kA, kB}) {
+                     EXPECT_GT(watch.force(site, press.from - 0.1), 0.2) << "nothing was pressed";
+                     EXPECT_GT(watch.force(site, press.to - 0.1), 0.2) << "it did not hold";
+                     // From a quarter of a second away it takes up to 3 s.
+                     EXPECT_GT(watch.tie(site, press.to - 0.1).fade, delay < 200.0 ? 0.99 : 0.0)
+                         << "the link did not come back";
+                     most = std::max(most, watch.step(site, press.from, press.to));
+                   }
+                 });
+      }
+      print(press.scenario, delay, "N in 20 ms, in outages", most);
+      EXPECT_LE(most, kOutageStep) << press.scenario << " " << delay;
+    }
+  }
 }
 
 /// A pin that one site holds over a bore 4 mm wider, pushed down into it by the part in another one's hand.

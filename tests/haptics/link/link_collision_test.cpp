@@ -10,6 +10,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/leash.h"
 #include "haptics/link_engagement.h"
 #include "haptics/minimum_jerk.h"
 #include "tests/haptics/link/link_checks.h"
@@ -26,7 +27,10 @@ constexpr glm::dvec3 kSize{0.04, 0.06, 0.05};           // m
 constexpr double kStiffness = 5000.0, kDamping = 20.0;  // of a contact
 constexpr haptics::CouplingGains kGrasp{1000.0, 2.0, 2.5, 5e-3};
 
-enum class Guest { linked, kinematic };
+/// What a replica of the other's part is: tied to it; that, and led by a plain spring to where the other one has it until
+/// the link carries it; or put there.
+enum class Guest { linked, sprung, kinematic };
+constexpr double kCutAt = 4.4, kSettled = 4.2;  // s: of an outage; from when on the parts stand
 
 assets::MassProperties block() {
   const glm::dvec3 s = kSize * kSize / 12.0;
@@ -48,6 +52,7 @@ struct Replica {
   haptics::CoordinationLink link;
   LinkLine out;
   LinkEngagement engagement;
+  haptics::Leash leash;
   Wrench load;         // of this tick, about the centre of mass
   double acted = 0.0;  // N, of the link in the last tick
 };
@@ -55,7 +60,8 @@ struct Replica {
 /// Part p is at home at site p; replica[s][p].
 class Collision {
  public:
-  Collision(const Network& network, Guest guest, unsigned seed) : guest_(guest), network_(network) {
+  Collision(const Network& network, Guest guest, double outage, unsigned seed)
+      : guest_(guest), network_(network), outage_(outage) {
     haptics::LinkParameters p;
     p.lever = 0.03;
     p.fadeTime = LinkEngagement::kFadeTime;
@@ -76,9 +82,9 @@ class Collision {
       moveOwn(s);
       moveGuest(s);
     }
-    if (ticks_ % 4 == 0)
-      for (auto& site : replicas_)
-        for (Replica& r : site) r.out.send(now(), r.link.packet(now()));
+    for (int s = 0; s < 2 && ticks_ % 4 == 0; ++s)
+      if (s == 1 || now() < kCutAt || now() >= kCutAt + outage_)
+        for (Replica& r : replicas_[s]) r.out.send(now(), r.link.packet(now()));
     moveArms(way);
     ++ticks_;
   }
@@ -136,7 +142,7 @@ class Collision {
   void moveOwn(int s) {
     Replica& own = replicas_[s][s];
     const haptics::LinkPacket* peer = own.link.newest();
-    const bool asked = peer != nullptr && peer->asks && guest_ == Guest::linked;
+    const bool asked = peer != nullptr && peer->asks && guest_ != Guest::kinematic;
     if (own.link.on() != asked) own.link.setOn(asked);
     if (asked) tied_[s] = true;
     if (!asked && own.acted < 0.01) tied_[s] = false;
@@ -156,9 +162,10 @@ class Collision {
         way * (guest.body.worldFromBody.position.x - own.body.worldFromBody.position.x) - kSize.x;
     const double closing = way * (own.body.twist.linear.x - owner->twist.linear.x);
     const auto role = guest.engagement.advance(gap, closing, guest.link.delay(),
-                                               owner->on && guest_ == Guest::linked, guest.acted, kTick);
+                                               owner->on && guest_ != Guest::kinematic, guest.acted, kTick);
     if (role == LinkEngagement::Role::follower) {
       guest.link.setOn(false);
+      guest.leash = {};
       guest.acted = 0.0;
       const Twist twist = haptics::followTwist(guest.body.worldFromBody, target, owner->twist);
       haptics::moveBody(guest.body, twist.linear, twist.angular, kTick);
@@ -166,11 +173,17 @@ class Collision {
     }
     guest.link.setOn(guest.engagement.asks());
     setMass(guest, true);
-    // Until the link has come up the replica is still led to where its owner has it.
     const double lead = 1.0 - guest.link.fade();
-    const haptics::Coupling leash{
+    haptics::Coupling coupling{
         {}, target, owner->twist, {400.0 * lead, 28.0 * lead, 0.4 * lead, 0.03 * lead}};
-    advance(guest, &leash, true);
+    if (guest_ == Guest::linked) {
+      const double delay = std::min(0.35, guest.link.delay());
+      guest.leash.advance(guest.body.worldFromBody, guest.twist(),
+                          {owner, age, delay, now() - owner->time<delay + 0.05, lead> 0.0, false}, 0.03,
+                          kTick);
+      coupling = guest.leash.coupling({});
+    }
+    advance(guest, &coupling, true);
   }
 
   void setMass(Replica& r, bool shared) {
@@ -223,6 +236,7 @@ class Collision {
 
   Guest guest_;
   Network network_;
+  double outage_;  // s, of what site 0 sends
   std::array<std::vector<Replica>, 2> replicas_;
   std::vector<SixAxisArm> arms_;
   std::array<bool, 2> tied_{};
@@ -237,23 +251,25 @@ struct CollisionFigures : Tally {
   double held = 0.0;       // N in 20 ms, while they are held together
 };
 
-CollisionFigures pressTogether(double delay, Guest guest, unsigned seed) {
+/// Pressed together for a while, in which nothing comes from one of the sites for `outage` s.
+CollisionFigures pressTogether(double delay, Guest guest, double outage, unsigned seed) {
+  const double apartAt = outage > 0.0 ? 8.0 : 5.0;
   Network network;
   network.delay = delay;
-  Collision bench(network, guest, seed);
-  const auto way = [](double t, int who) {
-    const double share = minimumJerk((t - 2.0) / 0.6) * (1.0 - minimumJerk((t - 5.0) / 0.8));
+  Collision bench(network, guest, outage, seed);
+  const auto way = [apartAt](double t, int who) {
+    const double share = minimumJerk((t - 2.0) / 0.6) * (1.0 - minimumJerk((t - apartAt) / 0.8));
     return (who == 0 ? 1.0 : -1.0) * (0.5 * kGap + 0.009) * share;
   };
   CollisionFigures f;
   double force = 0.0, in = 0.0;
   bool touched = false;
-  while (bench.now() < 9.0 && !bench.tally().astray) {
+  while (bench.now() < apartAt + 4.0 && !bench.tally().astray) {
     bench.step(way);
     const double t = bench.now();
     touched = touched || bench.push[0] > 0.0 || bench.push[1] > 0.0;
     if (t > 1.0 && !touched) f.before = std::max(f.before, bench.change);
-    if (t < 4.2 || t > 5.0) continue;
+    if (t < kSettled || t > apartAt) continue;
     force += glm::length(bench.onHand[1].force);
     in += bench.overlap();
     f.held = std::max(f.held, bench.change);
@@ -270,7 +286,7 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
   for (const Row& row :
        {Row{0.010, 330.0}, Row{0.025, 280.0}, Row{0.050, 235.0}, Row{0.100, 100.0}, Row{0.250, 44.0}}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
-      const CollisionFigures f = pressTogether(row.delay, Guest::linked, static_cast<unsigned>(seed));
+      const CollisionFigures f = pressTogether(row.delay, Guest::linked, 0.0, static_cast<unsigned>(seed));
       if (std::getenv("TANDEM_FULL_SIZE") != nullptr && seed <= 2)
         std::printf(
             "pressed together %3.0f ms: %3.0f N/m, %.2f N in 20 ms before they touch, %.2f N while held, "
@@ -284,9 +300,35 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
   }
 }
 
+/// N in 20 ms: what either hand feels of outages while the parts press on each other.
+double outagesFelt(double delay, Guest guest, const char* what) {
+  double most = 0.0;
+  for (const double outage : {0.1, 0.3, 1.0}) {
+    for (int seed = 1; seed <= seeds(1); ++seed) {
+      const CollisionFigures f = pressTogether(delay, guest, outage, static_cast<unsigned>(seed));
+      EXPECT_LE(f.inLinks, 1e-6) << delay;
+      most = f.astray ? INFINITY : std::max(most, f.held);
+    }
+  }
+  if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
+    std::printf("outages while pressed, %s, %3.0f ms: %.2f N in 20 ms\n", what, 1e3 * delay, most);
+  return most;
+}
+
+TEST(LinkCollision, OutagesWhilePressedAreNotFelt) {
+  for (const double delay : {0.010, 0.025, 0.050, 0.100, 0.150, 0.250})
+    EXPECT_LE(outagesFelt(delay, Guest::linked, "leash"), 0.3) << delay;
+}
+
+TEST(LinkCollision, OutagesWhilePressedAreFeltWhereAPlainSpringLeads) {
+  // The control: its end is where the other one is said to be by now, and it lets go as the link comes up.
+  for (const double delay : {0.025, 0.250})
+    EXPECT_GT(outagesFelt(delay, Guest::sprung, "plain spring"), 0.6) << delay;
+}
+
 TEST(LinkCollision, KinematicReplicasAtBothSitesMakeEnergy) {
   // The control: nobody's part gives way at the other's site.
-  const CollisionFigures f = pressTogether(0.025, Guest::kinematic, 1);
+  const CollisionFigures f = pressTogether(0.025, Guest::kinematic, 0.0, 1);
   if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
     std::printf("kinematic: %.0f N/m, %.2f N while held, %.2f mJ%s\n", f.stiffness, f.held, 1e3 * f.created,
                 f.astray ? " ASTRAY" : "");
