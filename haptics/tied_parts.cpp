@@ -137,7 +137,7 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, do
   forEachEnd(part, [&](End& end) {
     if (end.leashed) end.link.setFarthest(held ? kFarthestHeld : kFarthestTouched);
     const LinkPull pull = end.link.pull(now, centre, twist);
-    if (end.leashed) lead(end, centre, twist, held, dt);
+    if (end.leashed || end.leash.leads()) lead(end, centre, twist, held, dt);
     sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
     sum.rotDamping += pull.rotDamping;
@@ -152,7 +152,7 @@ void TiedParts::lead(End& end, const Pose& centre, const Twist& twist, bool held
   const double age = peer != nullptr ? std::max(0.0, now_ - peer->time) : 0.0;
   const double delay = std::min(end.link.delay(), kFarthestTouched);
   const bool isNews = peer != nullptr && age < delay + kOldNews;
-  const bool wanted = peer != nullptr && end.link.on() && end.link.fade() < 1.0;
+  const bool wanted = end.leashed && peer != nullptr && end.link.on() && end.link.fade() < 1.0;
   end.leash.advance(centre, twist, {peer, age, delay, isNews, wanted, held}, end.parameters.lever, dt);
 }
 

@@ -302,16 +302,19 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
 
 /// N in 20 ms: what either hand feels of outages while the parts press on each other.
 double outagesFelt(double delay, Guest guest, const char* what) {
-  double most = 0.0;
+  double most = 0.0, created = 0.0;
   for (const double outage : {0.1, 0.3, 1.0}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
       const CollisionFigures f = pressTogether(delay, guest, outage, static_cast<unsigned>(seed));
       EXPECT_LE(f.inLinks, 1e-6) << delay;
+      if (guest == Guest::linked) EXPECT_LE(f.created, 1e-3) << delay;
       most = f.astray ? INFINITY : std::max(most, f.held);
+      created = std::max(created, f.created);
     }
   }
   if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
-    std::printf("outages while pressed, %s, %3.0f ms: %.2f N in 20 ms\n", what, 1e3 * delay, most);
+    std::printf("outages while pressed, %s, %3.0f ms: %.2f N in 20 ms, %.4f mJ\n", what, 1e3 * delay, most,
+                1e3 * created);
   return most;
 }
 
