@@ -227,14 +227,18 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
   const bool held = count > 0;
   if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
   Wrench load = endedPull(entry, dt);
+  double weighs = 1.0;
   if (tied) {
     const LinkPull link = ties_.pull(entry.part, entry.body, held, now, dt);
     load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
-    if (const auto leash = ties_.leash(entry.part, entry.body)) couplings[count++] = *leash;
+    if (const Leash* leash = ties_.leash(entry.part)) {
+      couplings[count++] = leash->coupling(entry.body);
+      weighs -= leash->share();
+    }
     entry.sinceLetGo = 0.0;
   }
-  step = coupleBody(entry.body, {couplings.data(), count}, load, gravity, dt);
+  step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
   return true;
 }
 

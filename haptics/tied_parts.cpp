@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <glm/geometric.hpp>
 
@@ -45,6 +46,7 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
   std::optional<End>* slot = slotOf(tie.part, tie.peer);
   if (slot != nullptr && tie.carriesOn && (*slot)->link.on()) {
     (*slot)->link.carryOn(tie.epoch);
+    (*slot)->leashed = tie.leashed;
     return true;
   }
   if (slot == nullptr) {
@@ -60,6 +62,11 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
   }
   End& end = **slot;
   end.leashed = tie.leashed;
+  // What leads the part goes on to another owner.
+  forEachEnd(tie.part, [&](End& other) {
+    if (tie.leashed && &other != &end && other.leash.share() > 0.0)
+      end.leash = std::exchange(other.leash, {});
+  });
   end.link.setFarthest(tie.link.farthest);
   end.link.setImpedance(tie.link.impedance, tie.link.softImpedance);
   end.link.begin(tie.epoch, tie.delay);
@@ -137,7 +144,11 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, do
   forEachEnd(part, [&](End& end) {
     if (end.leashed) end.link.setFarthest(held ? kFarthestHeld : kFarthestTouched);
     const LinkPull pull = end.link.pull(now, centre, twist);
-    if (end.leashed || end.leash.leads()) lead(end, centre, twist, held, dt);
+    if (end.leashed || end.leash.share() > 0.0) {
+      Leash::Lead lead = Leash::leadOf(end.link, now, held);
+      lead.wanted = lead.wanted && end.leashed;
+      end.leash.advance(centre, twist, lead, end.parameters.lever, dt);
+    }
     sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
     sum.rotDamping += pull.rotDamping;
@@ -146,20 +157,10 @@ LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, do
   return sum;
 }
 
-void TiedParts::lead(End& end, const Pose& centre, const Twist& twist, bool held, double dt) const {
-  constexpr double kOldNews = 0.05;  // s, later than what is played out: the peer may be anywhere
-  const LinkPacket* peer = end.link.newest();
-  const double age = peer != nullptr ? std::max(0.0, now_ - peer->time) : 0.0;
-  const double delay = std::min(end.link.delay(), kFarthestTouched);
-  const bool isNews = peer != nullptr && age < delay + kOldNews;
-  const bool wanted = end.leashed && peer != nullptr && end.link.on() && end.link.fade() < 1.0;
-  end.leash.advance(centre, twist, {peer, age, delay, isNews, wanted, held}, end.parameters.lever, dt);
-}
-
-std::optional<Coupling> TiedParts::leash(PartId part, const RigidBody& body) const {
+const Leash* TiedParts::leash(PartId part) const {
   for (const std::optional<End>& end : ends_)
-    if (end && end->part == part && end->leash.leads()) return end->leash.coupling(body.centreOfMass);
-  return std::nullopt;
+    if (end && end->part == part && end->leash.share() > 0.0) return &end->leash;
+  return nullptr;
 }
 
 void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
@@ -170,8 +171,9 @@ void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& vel
     if (!end || end->part != part) continue;
     end->acting = end->link.settle(centre, {velocity, spin});
     const double torque = glm::length(end->acting.torque) / end->parameters.lever;
-    const bool left = end->leash.leads() || std::max(glm::length(end->acting.force), torque) > kForceLeft;
-    end->lead = end->leash.leads() ? lead : Wrench{};
+    const bool left =
+        end->leash.share() > 0.0 || std::max(glm::length(end->acting.force), torque) > kForceLeft;
+    end->lead = end->leash.share() > 0.0 ? lead : Wrench{};
     if (!end->link.on() && !left)
       end.reset();
     else

@@ -32,7 +32,7 @@ struct PartTie {
       0;  // any number that this tie has at both ends, and that none between them had before
   /// The same link goes on under a new epoch: nothing is felt. Both ends must say so; a peer that lost its end may not.
   bool carriesOn = false;
-  /// Until the link has come up, the replica is led to where the peer has it by now: a guest's that no hand holds.
+  /// Where the link does not carry it, the replica is led to the peer's (leash.h): a guest's that no hand holds.
   bool leashed = false;
 };
 
@@ -70,8 +70,8 @@ class TiedParts {
   /// Begins the step of a part that is tied: ramps its mass, and says what its links put on it. `now` s, session clock;
   /// `held`: by a hand here.
   LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
-  /// What leads a part while a link does not carry it, if anything does.
-  std::optional<Coupling> leash(PartId part, const RigidBody& body) const;
+  /// What leads a part while a link does not carry it, or null.
+  const Leash* leash(PartId part) const;
   /// Ends it: the velocity of the centre of mass and the spin that the body took, and what led it, if anything did.
   void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
               const Wrench& lead);
@@ -112,7 +112,6 @@ class TiedParts {
   assets::MassProperties shareOf(Shared& shared);
   void setMass(Shared& shared, RigidBody& body, double dt);
   void drop(Shared& shared);
-  void lead(End& end, const Pose& centre, const Twist& twist, bool held, double dt) const;
 
   std::array<std::optional<End>, kMaxTies> ends_;
   std::array<Shared, kMaxOwnedParts> shared_;

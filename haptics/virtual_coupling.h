@@ -30,7 +30,7 @@ struct RigidBody {
   Twist twist;  // of the body frame's origin
 };
 
-inline constexpr int kMostCouplings = 4;  // on one body: two hands, what a tool puts on it, its links
+inline constexpr int kMostCouplings = 4;  // on one body: two hands, or one and a tool; its links; what leads it
 
 /// A coupling from a grip on a body to a device.
 struct Coupling {

@@ -27,11 +27,13 @@ class Led {
     peer.worldFromDrawn = body_.worldFromBody;
   }
 
-  /// A tick; the peer goes on as it says.
-  void step(bool isNews = true, bool wanted = true, bool held = false) {
+  /// A tick; the peer goes on as it says, heard or not.
+  void step(bool heard = true, bool wanted = true, bool held = false) {
     peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kTick);
-    leash.advance(body_.worldFromBody, body_.twist, {&peer, 0.0, delay, isNews, wanted, held}, kLever, kTick);
-    const haptics::Coupling coupling = leash.coupling({});
+    peer.time += kTick;
+    if (heard) said_ = peer;
+    leash.advance(body_.worldFromBody, body_.twist, {&said_, 0.0, delay, wanted, held}, kLever, kTick);
+    const haptics::Coupling coupling = leash.coupling(body_);
     const haptics::CoupledStep next =
         haptics::coupleBody(body_, {&coupling, 1}, {{push, 0.0, 0.0}, {}}, {}, kTick);
     haptics::moveBody(body_, next.freeVelocity, next.freeSpin, kTick);
@@ -39,8 +41,8 @@ class Led {
     change = glm::length(back.force + force);
     force = -back.force;
   }
-  void run(double seconds, bool isNews = true, bool wanted = true, bool held = false) {
-    for (int i = 0; i < std::lround(seconds / kTick); ++i) step(isNews, wanted, held);
+  void run(double seconds, bool heard = true, bool wanted = true, bool held = false) {
+    for (int i = 0; i < std::lround(seconds / kTick); ++i) step(heard, wanted, held);
   }
   double x() const { return body_.worldFromBody.position.x; }
   double behind() const { return glm::length(peer.worldFromDrawn.position - body_.worldFromBody.position); }
@@ -53,6 +55,7 @@ class Led {
 
  private:
   haptics::RigidBody body_;
+  haptics::LinkPacket said_;
 };
 
 TEST(Leash, BeginsSlackWhereverItIsToLead) {
@@ -117,7 +120,7 @@ TEST(Leash, LetsGoSlowlyAndHoldsAgainWithoutAJump) {
   EXPECT_LT(most, 0.03) << "N in a tick";
   led.push = 0.0;
   led.run(1.0, true, false);
-  EXPECT_FALSE(led.leash.leads());
+  EXPECT_FALSE(led.leash.share() > 0.0);
   EXPECT_EQ(led.force, glm::dvec3(0.0));
 }
 
@@ -131,7 +134,7 @@ TEST(Leash, GoesAlongWithAHandThatTakesTheReplica) {
   double most = 0.0;
   for (int i = 0; i < 600; ++i) led.step(true, true, true), most = std::max(most, glm::length(led.force));
   EXPECT_LE(most, held + 0.15);
-  EXPECT_FALSE(led.leash.leads());
+  EXPECT_FALSE(led.leash.share() > 0.0);
 }
 
 }  // namespace

@@ -177,11 +177,9 @@ class Collision {
     haptics::Coupling coupling{
         {}, target, owner->twist, {400.0 * lead, 28.0 * lead, 0.4 * lead, 0.03 * lead}};
     if (guest_ == Guest::linked) {
-      const double delay = std::min(0.35, guest.link.delay());
       guest.leash.advance(guest.body.worldFromBody, guest.twist(),
-                          {owner, age, delay, now() - owner->time<delay + 0.05, lead> 0.0, false}, 0.03,
-                          kTick);
-      coupling = guest.leash.coupling({});
+                          haptics::Leash::leadOf(guest.link, now(), false), 0.03, kTick);
+      coupling = guest.leash.coupling(guest.body);
     }
     advance(guest, &coupling, true);
   }
@@ -249,6 +247,7 @@ struct CollisionFigures : Tally {
   double stiffness = 0.0;  // N/m between the hands
   double before = 0.0;     // N in 20 ms, before the parts touch
   double held = 0.0;       // N in 20 ms, while they are held together
+  double least = 1e300;    // N, on either hand in the last second of that
 };
 
 /// Pressed together for a while, in which nothing comes from one of the sites for `outage` s.
@@ -273,6 +272,8 @@ CollisionFigures pressTogether(double delay, Guest guest, double outage, unsigne
     force += glm::length(bench.onHand[1].force);
     in += bench.overlap();
     f.held = std::max(f.held, bench.change);
+    if (t < apartAt - 1.0) continue;
+    for (const Wrench& wrench : bench.onHand) f.least = std::min(f.least, glm::length(wrench.force));
   }
   static_cast<Tally&>(f) = bench.tally();
   f.stiffness = force / std::max(1e-6, in);
@@ -307,8 +308,11 @@ double outagesFelt(double delay, Guest guest, const char* what) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
       const CollisionFigures f = pressTogether(delay, guest, outage, static_cast<unsigned>(seed));
       EXPECT_LE(f.inLinks, 1e-6) << delay;
-      if (guest == Guest::linked) EXPECT_LE(f.created, 1e-3) << delay;
-      most = f.astray ? INFINITY : std::max(most, f.held);
+      if (guest == Guest::linked) EXPECT_LE(f.created, 1.3e-6) << delay;
+      EXPECT_FALSE(f.astray) << delay;
+      if (guest == Guest::linked)
+        EXPECT_GT(f.least, 0.1) << delay << ": they do not press on each other any more";
+      most = std::max(most, f.held);
       created = std::max(created, f.created);
     }
   }

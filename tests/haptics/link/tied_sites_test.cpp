@@ -389,6 +389,52 @@ TEST(TiedSites, WhatALinkSaysItGaveThePartHasGot) {
   EXPECT_GT(steady, 50);
 }
 
+TEST(TiedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
+  // A peer that never fades in: the link carries nothing, what leads the part all of it.
+  constexpr SiteId kPeer = 9;
+  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.parameters.gravity = {0.0, 0.0, -9.81};
+  TiedSites::Site& site = sites.site(0);
+  const Pose start = site.state.worldFromPart(1);
+  sites.command(0, {Kind::own, 1, start});
+  const auto still = [](double, int) { return SixAxes{}; };
+  sites.step(still);
+  haptics::PartTie tie{1, kPeer, {}, 0.025, 1};
+  tie.leashed = true;
+  ASSERT_TRUE(site.state.tie(tie));
+  const haptics::RigidBody& body = site.state.data().held.parts()[1].body;
+  const auto velocity = [&] {
+    return velocityAt(body.worldFromBody, body.twist, transformPoint(body.worldFromBody, body.centreOfMass));
+  };
+  haptics::LinkPacket peer;
+  peer.epoch = 1;
+  peer.worldFromDrawn = start * Pose{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
+  const double begun = sites.time();
+  double mostForce = 0.0;
+  int steady = 0;
+  while (sites.time() < begun + 3.0) {
+    const double t = sites.time() - begun;
+    peer.twist.linear.y = t > 0.5 && t < 1.5 ? 0.05 : 0.0;
+    peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kTick);
+    ++peer.sequence;
+    peer.time = sites.time();
+    ASSERT_TRUE(site.state.receive(1, kPeer, peer));
+    const double mass = body.mass;
+    const glm::dvec3 before = velocity();
+    sites.step(still);
+    const haptics::TieReport& told = site.out.simulated(1)->tie;
+    if (t < 0.1 || body.mass != mass) continue;  // it is not fully led yet; its mass follows that of the line
+    ++steady;
+    ASSERT_LT(glm::length(mass * (velocity() - before) / kTick - told.pull.force - told.lead.force), 1e-9)
+        << t;
+    mostForce = std::max(mostForce, glm::length(told.lead.force));
+  }
+  EXPECT_GT(steady, 100);
+  EXPECT_GT(mostForce, 0.1);
+  const Pose centre = body.worldFromBody * Pose{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
+  EXPECT_LT(glm::length(centre.position - peer.worldFromDrawn.position), 1e-4) << "m";
+}
+
 TEST(TiedSites, PullHarderThanTheirDevicesCan) {
   for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
     TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
