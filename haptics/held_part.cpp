@@ -225,7 +225,6 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
   const bool tied = ties_.has(entry.part);
   if (count == 0 && !tied) return false;
   const bool held = count > 0;
-  if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
   Wrench load = endedPull(entry, dt);
   double weighs = 1.0;
   if (tied) {
@@ -238,6 +237,7 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
     }
     entry.sinceLetGo = 0.0;
   }
+  if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
   step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
   return true;
 }
@@ -253,8 +253,8 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     onHands[h] = onHands[h] + grip.onHand;
   }
   if (!ties_.has(entry.part)) return;
-  if (entry.tool.stiffness > 0.0) ++coupling;
-  const Wrench back = step.couplings[coupling + 1].onHand(velocity, spin);  // after the link's
+  const Wrench back =
+      step.couplings[coupling + 1].onHand(velocity, spin);  // of what leads it: after the links'
   ties_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
 }
 

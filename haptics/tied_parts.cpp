@@ -63,10 +63,10 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
   End& end = **slot;
   end.leashed = tie.leashed;
   // What leads the part goes on to another owner.
-  forEachEnd(tie.part, [&](End& other) {
-    if (tie.leashed && &other != &end && other.leash.share() > 0.0)
-      end.leash = std::exchange(other.leash, {});
-  });
+  if (tie.leashed)
+    forEachEnd(tie.part, [&](End& other) {
+      if (&other != &end && other.leash.share() > 0.0) end.leash = std::exchange(other.leash, {});
+    });
   end.link.setFarthest(tie.link.farthest);
   end.link.setImpedance(tie.link.impedance, tie.link.softImpedance);
   end.link.begin(tie.epoch, tie.delay);

@@ -304,7 +304,8 @@ void SimulatedSite::tickHand(Micros now) {
 
 /// What the scene itself gave to this hand in this tick was not created: the weight of a held part, the
 /// work of parts that others push against the tool, and what force fields give by their laws. Nor was what came over
-/// links: whether those create energy is seen in all of them together. What leads a replica may give some: no sum of it is kept.
+/// links: whether those create energy is seen in all of them together. What leads a replica may give some: no sum of it
+/// is kept.
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   const assets::Scene& scene = simulation.scene;
   sourceEnergy += tick.sourcePower * toSeconds(kTick);
