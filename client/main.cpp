@@ -9,7 +9,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "assets/near_names.h"
+#include "assets/scene/near_names.h"
 #include "client/commands/command.h"
 
 namespace {

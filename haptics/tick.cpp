@@ -6,8 +6,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/finite.h"
-#include "haptics/contact_force.h"
+#include "assets/base/finite.h"
+#include "haptics/proxy/contact_force.h"
 #include "haptics/tick_data.h"
 
 namespace tandem::haptics {

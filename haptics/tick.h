@@ -11,180 +11,19 @@
 // Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still. One that other sites
 // simulate too is tied to their replicas (tied_parts.h).
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <span>
 
-#include "assets/ids.h"
-#include "assets/pose.h"
-#include "haptics/contact_effort.h"
-#include "haptics/contact_scene.h"
-#include "haptics/device.h"
-#include "haptics/fault.h"
-#include "haptics/link_packet.h"
+#include "haptics/base/fault.h"
+#include "haptics/base/tick_types.h"
+#include "haptics/scene/contact_scene.h"
 
 namespace tandem::haptics {
 
-inline constexpr int kMaxContacts = 3;    // simultaneous constraints of the proxy
-inline constexpr int kMaxOwnedParts = 8;  // that one hand simulates at once: held, or settling after release
-inline constexpr int kMaxPartCommands = 8;
-inline constexpr int kMaxPushed = 4;
-inline constexpr int kHands = 2;  // of one person, that one tick lets hold parts
-
 struct PartTie;
 struct TiedPacket;
-
-/// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
-struct TickParameters {
-  double dt = 1e-3;                   // s
-  double toolRadius = 0.0;            // m; 0 = point tool
-  double stiffness = 800.0;           // N/m, proxy coupling where the material states none
-  double damping = 1.0;               // N·s/m
-  double graspStiffness = 800.0;      // N/m, virtual coupling to the held part
-  double graspDamping = 4.0;          // N·s/m
-  double graspRotStiffness = 4.0;     // N·m/rad
-  double graspRotDamping = 0.02;      // N·m·s/rad
-  double forceLimit = 3.3;            // N
-  double torqueLimit = 0.2;           // N·m
-  double fieldDampingLimit = 10.0;    // N·s/m, of all damping force fields together
-  double slewLimit = 400.0;           // N/s: how fast a change grows that the hand did not make
-  double torqueSlewLimit = 24.0;      // N·m/s: the same for the torque
-  double deviceSlewLimit = 0.0;       // N/s: what the device can follow, whatever the cause; 0 = any
-  double stiffnessLimit = 0.0;        // N/m, of any contact, whatever its material states; 0 = any
-  double dampingLimit = 0.0;          // N·s/m, of a surface, as damping or viscosity; 0 = any
-  double maxDeviceSpeed = 0.0;        // m/s: a reading that would need more is a jump; 0 = any
-  double staleAfter = 0.05;           // s that a reading's time stamp may stand still; 0 = for ever
-  bool passivity = false;             // passivity_controller.h
-  double deviceDamping = 0.0;         // N·s/m of the device that it may count on
-  double fadeTime = 0.3;              // s, over which the force of a coupling that ends fades away
-  double gain = 1.0;                  // 0..1, of the wrench sent
-  bool zeroForce = false;             // the user's emergency key
-  glm::dvec3 gravity{0.0, 0.0, 0.0};  // m/s^2, felt as the weight of the held part
-  ContactEffort effort;               // of parts that move here
-};
-
-/// A part that others move: its pose and velocity for this tick.
-struct PartMotion {
-  PartId part = kNoPart;
-  Pose worldFromPart;
-  Twist twist;
-};
-
-/// What the owner's side decides about parts; carried out in order at the start of a tick.
-struct PartCommand {
-  enum class Kind : std::uint8_t {
-    own,  // this tick simulates the part from now on, from `pose`; held_part.h tells which ones move by themselves
-    grasp,    // couple the device to an owned part, at the relative pose they have now: no force at first
-    letGo,    // end the coupling; the force fades; the part settles and stays where it is left
-    disown,   // others move the part from now on; a coupling to it ends as in letGo
-    setPose,  // put a part that is not owned somewhere (state restored, reset)
-  };
-  Kind kind = Kind::own;
-  PartId part = kNoPart;
-  Pose pose;
-  std::uint8_t hand = 0;  // of grasp and letGo: which hand; 1 = TickInput::second
-};
-
-/// The other hand of the same person, on a device of its own. It holds parts that this tick simulates: the same one as
-/// the first hand, or another. What its bare tool feels is for a TickState of its own.
-struct SecondHand {
-  DeviceSample device;
-  // Of its device, with the same dt; null: those of the first hand.
-  const TickParameters* parameters = nullptr;
-  Wrench tool;  // what its bare tool feels, while it holds nothing; fades when it takes a part
-};
-
-struct TickInput {
-  DeviceSample device;
-  std::span<const PartMotion> moved;      // at most one entry a part
-  std::span<const PartCommand> commands;  // at most kMaxPartCommands
-  // s, the session's clock, for links and for fields that change with time; not finite: the reading's own time
-  double sessionTime = std::numeric_limits<double>::quiet_NaN();
-  const SecondHand* second = nullptr;  // null: there is none, or it holds nothing
-};
-
-/// One constraint that the proxy rests on.
-struct Contact {
-  PartId part = kNoPart;
-  glm::dvec3 point{0.0, 0.0, 0.0};   // world
-  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, unit, away from the part
-  double force = 0.0;                // N along the normal, before limits
-};
-
-enum TickFlag : std::uint32_t {
-  kFlagInvalidSample = 1u << 0,  // zero force this tick
-  kFlagForceLimited = 1u << 1,
-  kFlagSlewLimited = 1u << 2,
-  kFlagOverflow = 1u << 3,  // something did not fit a fixed capacity and was dropped
-  kFlagFault = 1u << 4,     // a broken invariant in the tick: force ramps to zero until resetFault()
-  kFlagSqueezed = 1u << 5,  // the proxy could not stay outside everything
-  kFlagHeldWithoutContact = 1u << 6,  // nothing tells what the held part touches: it passes through others
-  kFlagProxyReset = 1u << 7,          // the proxy was put back onto the device (start, recovery)
-  kFlagStaleSample = 1u << 8,         // zero force: the reading's time stamp stands still
-  kFlagSampleJump = 1u << 9,          // zero force: no hand moves this fast
-  kFlagPassivity = 1u << 10,          // the passivity controller damps
-  kFlagPopThrough = 1u << 11,    // a surface gave way in this tick; passed through until the tool has left it
-  kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
-  kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
-};
-
-/// What ties a part to other sites' replicas of it.
-struct TieReport {
-  int links = 0;                          // those that run out included; 0: nothing does
-  LinkRegime regime = LinkRegime::stiff;  // the worst of them
-  double fade = 0.0;                      // 0..1: the least of how far they have come up
-  bool heard = true;                      // false: one has nothing to play out, its force runs out
-  double delay = 0.0;                     // s, the longest of the play-out delays
-  double share = 1.0;                     // of the part's mass, that the replica here goes to
-  Wrench pull;                            // on the replica about its centre of mass, in this tick
-  Wrench lead;                            // the same of what leads it until its link carries it (leash.h)
-  double work = 0.0, lent = 0.0;          // J, on the replica; spent beyond what had arrived
-};
-
-/// A part simulated in this tick.
-struct OwnedPart {
-  PartId part = kNoPart;
-  Pose worldFromPart;
-  Twist twist;
-  bool held = false;    // by either hand
-  bool atRest = false;  // nothing moves it: its owner may release it
-  TieReport tie;
-};
-
-/// What a second hand gets from the part that it holds.
-struct SecondHandOutput {
-  Wrench toHand;       // at its device's tip, limited
-  Pose worldFromGrip;  // where it is seen: at the part that it holds, else at its device
-  PartId held = kNoPart;
-  std::uint32_t flags = 0;  // those of its readings and limits
-};
-
-struct TickOutput {
-  Wrench toHand;        // at the device's tip, limited: what the device gets
-  Pose worldFromProxy;  // where the tool is seen: on the surface
-  std::array<Contact, kMaxContacts> contacts;
-  int contactCount = 0;
-  PartId touched = kNoPart;  // the part under the tool: first contact, else the nearest to be grasped
-  std::array<OwnedPart, kMaxOwnedParts> owned;
-  int ownedCount = 0;
-  PartId held = kNoPart;
-  // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on or is joined
-  // to: `own` lets them.
-  std::array<PartId, kMaxPushed> pushed;
-  int pushedCount = 0;
-  double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent
-  std::uint32_t flags = 0;
-  SecondHandOutput second;  // with TickInput::second
-
-  /// The part as this tick simulated it; null if it did not.
-  const OwnedPart* simulated(PartId part) const {
-    for (int i = 0; i < ownedCount; ++i)
-      if (owned[static_cast<std::size_t>(i)].part == part) return &owned[static_cast<std::size_t>(i)];
-    return nullptr;
-  }
-};
 
 /// Everything that a tick remembers from one to the next. Allocated once, for one scene.
 class TickState {

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <string>
 
-#include "assets/result.h"
-#include "sync/messages.h"
+#include "assets/base/result.h"
+#include "sync/wire/messages.h"
 
 namespace tandem::server {
 

@@ -7,9 +7,9 @@
 #include <string>
 #include <utility>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 #include "server/admission.h"
-#include "sync/socket_transport.h"
+#include "sync/transport/socket_transport.h"
 
 namespace tandem::server {
 

@@ -10,7 +10,7 @@
 
 #include "server/options.h"
 #include "server/session.h"
-#include "sync/join_link.h"
+#include "sync/transport/join_link.h"
 
 namespace tandem::server {
 

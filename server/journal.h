@@ -11,7 +11,7 @@
 #include <variant>
 #include <vector>
 
-#include "sync/messages.h"
+#include "sync/wire/messages.h"
 
 namespace tandem::server {
 

@@ -18,14 +18,14 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
-#include "assets/scene_package.h"
-#include "assets/scene_size.h"
+#include "assets/scene/scene_package.h"
+#include "assets/scene/scene_size.h"
 #include "server/data_directory.h"
 #include "server/invitations.h"
 #include "server/options.h"
 #include "server/session.h"
 #include "server/sqlite_journal.h"
-#include "sync/socket_transport.h"
+#include "sync/transport/socket_transport.h"
 
 namespace tandem::server {
 namespace {

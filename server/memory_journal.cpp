@@ -8,7 +8,7 @@ void MemoryJournal::advanceTo(sync::Micros now) {
   now_ = std::max(now_, now);
   if (!failure_.empty()) return;
   while (!pending_.empty() && pending_.front().durableAt <= now_) {
-    apply(contents_, pending_.front().record);
+    server::apply(contents_, pending_.front().record);
     pending_.pop_front();
   }
 }

@@ -12,7 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "assets/number_option.h"
+#include "assets/base/number_option.h"
 
 namespace tandem::server {
 namespace {

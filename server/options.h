@@ -8,10 +8,10 @@
 #include <utility>
 #include <variant>
 
-#include "assets/load_gltf.h"
-#include "assets/result.h"
-#include "sync/messages.h"
-#include "sync/time.h"
+#include "assets/base/result.h"
+#include "assets/gltf/load_gltf.h"
+#include "sync/wire/messages.h"
+#include "sync/wire/time.h"
 
 namespace tandem::server {
 

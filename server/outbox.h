@@ -8,7 +8,7 @@
 #include <deque>
 #include <memory>
 
-#include "sync/messages.h"
+#include "sync/wire/messages.h"
 
 namespace tandem::server {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "assets/scene_package.h"
+#include "assets/scene/scene_package.h"
 #include "server/session_state.h"
 
 namespace tandem::server {

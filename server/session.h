@@ -24,13 +24,13 @@
 #include <string>
 #include <vector>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 #include "server/admission.h"
 #include "server/journal.h"
-#include "sync/ownership.h"
-#include "sync/recording.h"
-#include "sync/traffic.h"
-#include "sync/transport.h"
+#include "sync/replica/ownership.h"
+#include "sync/transport/transport.h"
+#include "sync/wire/recording.h"
+#include "sync/wire/traffic.h"
 
 namespace tandem::server {
 

@@ -13,10 +13,10 @@
 
 #include "server/outbox.h"
 #include "server/session.h"
-#include "sync/site_colours.h"
-#include "sync/state_bundle.h"
-#include "sync/state_stream.h"
-#include "sync/wire.h"
+#include "sync/wire/site_colours.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/state_stream.h"
+#include "sync/wire/wire.h"
 
 namespace tandem::server {
 

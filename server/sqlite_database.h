@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 
 struct sqlite3;
 struct sqlite3_stmt;

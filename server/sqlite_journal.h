@@ -13,7 +13,7 @@
 #include <memory>
 #include <string>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 #include "server/journal.h"
 
 namespace tandem::server {

@@ -10,7 +10,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/mesh_analysis.h"
+#include "assets/mesh/mesh_analysis.h"
 
 namespace tandem::generate {
 namespace {

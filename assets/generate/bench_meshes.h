@@ -11,7 +11,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::generate {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "assets/surface.h"
+#include "assets/scene/surface.h"
 
 namespace tandem::generate {
 

@@ -8,9 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/force_field.h"
 #include "assets/generate/shapes.h"
-#include "assets/surface.h"
+#include "assets/scene/force_field.h"
+#include "assets/scene/surface.h"
 
 namespace tandem::generate {
 

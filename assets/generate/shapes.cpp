@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "assets/assert.h"
+#include "assets/base/assert.h"
 #include "assets/generate/triangulate.h"
 
 namespace tandem::generate {

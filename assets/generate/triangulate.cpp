@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/assert.h"
+#include "assets/base/assert.h"
 
 namespace tandem::generate {
 namespace {

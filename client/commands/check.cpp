@@ -5,19 +5,19 @@
 #include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
-#include "assets/fit_findings.h"
-#include "assets/percentiles.h"
-#include "assets/scene_size.h"
+#include "assets/base/percentiles.h"
+#include "assets/mesh/fit_findings.h"
+#include "assets/scene/scene_size.h"
+#include "client/base/readable.h"
 #include "client/commands/check_clashes.h"
 #include "client/commands/check_contact.h"
 #include "client/commands/command.h"
-#include "client/device_class.h"
-#include "client/part_stroke.h"
-#include "client/readable.h"
-#include "client/scene_features.h"
-#include "haptics/device_defaults.h"
+#include "client/review/device_class.h"
+#include "client/review/part_stroke.h"
+#include "client/review/scene_features.h"
+#include "haptics/body/virtual_coupling.h"
+#include "haptics/safety/device_defaults.h"
 #include "haptics/tick.h"
-#include "haptics/virtual_coupling.h"
 
 namespace tandem::client {
 

@@ -7,11 +7,11 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/near_names.h"
-#include "client/clash_check.h"
+#include "assets/scene/near_names.h"
+#include "client/base/readable.h"
 #include "client/commands/command.h"
-#include "client/readable.h"
-#include "haptics/contact_scene.h"
+#include "client/review/clash_check.h"
+#include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::client {
 

@@ -6,9 +6,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "assets/percentiles.h"
+#include "assets/base/percentiles.h"
+#include "client/base/readable.h"
 #include "client/commands/command.h"
-#include "client/readable.h"
 
 namespace tandem::client {
 namespace {

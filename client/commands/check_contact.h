@@ -6,8 +6,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "assets/scene.h"
-#include "client/contact_models.h"
+#include "assets/scene/scene.h"
+#include "client/review/contact_models.h"
 
 namespace tandem::client {
 

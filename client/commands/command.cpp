@@ -12,7 +12,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "haptics/contact_scene.h"
+#include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
 

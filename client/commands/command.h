@@ -7,9 +7,9 @@
 #include <chrono>
 #include <string>
 
-#include "assets/load_gltf.h"
-#include "assets/number_option.h"
-#include "assets/result.h"
+#include "assets/base/number_option.h"
+#include "assets/base/result.h"
+#include "assets/gltf/load_gltf.h"
 
 namespace CLI {
 class App;

@@ -10,7 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/commands/command.h"
-#include "haptics/colocation.h"
+#include "haptics/devices/colocation.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/devices/hid_record.h"
 #include "haptics/devices/udev_rule.h"

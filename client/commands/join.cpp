@@ -14,18 +14,18 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "client/clash_search.h"
-#include "client/clearance_watch.h"
+#include "client/base/rounded_json.h"
+#include "client/base/tick_flags.h"
+#include "client/base/traffic_json.h"
 #include "client/commands/command.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
-#include "client/rounded_json.h"
-#include "client/tick_flags.h"
-#include "client/traffic_json.h"
+#include "client/review/clash_search.h"
+#include "client/review/clearance_watch.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
-#include "haptics/devices/steered_hand.h"
-#include "haptics/devices/virtual_stylus.h"
+#include "haptics/operator/steered_hand.h"
+#include "haptics/operator/virtual_stylus.h"
 
 namespace tandem::client {
 

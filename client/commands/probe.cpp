@@ -11,17 +11,17 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
-#include "assets/allocation_counter.h"
-#include "assets/near_names.h"
-#include "assets/percentiles.h"
+#include "assets/base/allocation_counter.h"
+#include "assets/base/percentiles.h"
+#include "assets/scene/near_names.h"
+#include "client/base/tick_flags.h"
 #include "client/commands/command.h"
-#include "client/contact_log.h"
-#include "client/device_class.h"
-#include "client/device_path.h"
-#include "client/swept_path.h"
-#include "client/tick_flags.h"
-#include "haptics/device_defaults.h"
-#include "haptics/held_depth.h"
+#include "client/review/contact_log.h"
+#include "client/review/device_class.h"
+#include "client/review/device_path.h"
+#include "client/review/swept_path.h"
+#include "haptics/measure/held_depth.h"
+#include "haptics/safety/device_defaults.h"
 #include "haptics/tick.h"
 
 namespace tandem::client {

@@ -8,14 +8,14 @@
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 
+#include "client/base/readable.h"
+#include "client/base/rounded_json.h"
 #include "client/commands/command.h"
 #include "client/join/scene_store.h"
-#include "client/readable.h"
-#include "client/rounded_json.h"
 #include "client/viewer/viewer.h"
-#include "sync/ownership.h"
-#include "sync/recording.h"
-#include "sync/site_colours.h"
+#include "sync/replica/ownership.h"
+#include "sync/wire/recording.h"
+#include "sync/wire/site_colours.h"
 
 namespace tandem::client {
 

@@ -7,7 +7,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "assets/allocation_counter.h"
+#include "assets/base/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/report/html.h"
 #include "client/report/link_page.h"

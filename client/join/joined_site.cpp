@@ -5,7 +5,7 @@
 #include <future>
 #include <map>
 
-#include "haptics/device_defaults.h"
+#include "haptics/safety/device_defaults.h"
 
 namespace tandem::client {
 

@@ -11,16 +11,16 @@
 #include <thread>
 #include <vector>
 
-#include "client/exchange.h"
-#include "client/hand_loop.h"
+#include "client/hand/hand_loop.h"
+#include "client/hand/scripted_device.h"
 #include "client/join/scene_store.h"
-#include "client/scripted_device.h"
-#include "client/site_link.h"
-#include "client/view_model.h"
-#include "haptics/servo_loop.h"
-#include "sync/join_link.h"
-#include "sync/site_colours.h"
-#include "sync/socket_transport.h"
+#include "client/session/exchange.h"
+#include "client/session/site_link.h"
+#include "client/session/view_model.h"
+#include "haptics/servo/servo_loop.h"
+#include "sync/transport/join_link.h"
+#include "sync/transport/socket_transport.h"
+#include "sync/wire/site_colours.h"
 
 namespace tandem::client {
 

@@ -6,7 +6,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "client/readable.h"
+#include "client/base/readable.h"
 
 namespace tandem::client {
 

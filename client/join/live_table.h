@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "client/view_model.h"
+#include "client/session/view_model.h"
 
 namespace tandem::client {
 

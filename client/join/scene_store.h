@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/result.h"
-#include "assets/scene_package.h"
+#include "assets/base/result.h"
+#include "assets/scene/scene_package.h"
 
 namespace tandem::client {
 

@@ -13,7 +13,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::client::report {
 

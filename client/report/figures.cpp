@@ -7,14 +7,14 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/percentiles.h"
 #include "assets/generate/bench_meshes.h"
-#include "assets/percentiles.h"
 #include "client/report/asked.h"
 #include "client/report/bare_spring.h"
-#include "haptics/contact_scene.h"
-#include "haptics/simulated_hand.h"
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/operator/simulated_hand.h"
+#include "haptics/scene/contact_scene.h"
 #include "haptics/tick.h"
-#include "haptics/triangle_bvh.h"
 
 namespace tandem::client::report {
 namespace {

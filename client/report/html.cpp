@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <map>
 
+#include "client/plot/svg_plot.h"
+#include "client/plot/words.h"
 #include "client/report/asked.h"
 #include "client/report/link_page.h"
 #include "client/report/part_page.h"
-#include "client/report/svg_plot.h"
-#include "client/report/words.h"
 
 namespace tandem::client::report {
 namespace {

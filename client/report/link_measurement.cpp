@@ -5,11 +5,11 @@
 #include <cmath>
 #include <limits>
 
+#include "client/base/thread_clock.h"
 #include "client/report/link_recording.h"
-#include "client/thread_clock.h"
-#include "sync/link_stream.h"
-#include "sync/seal.h"
-#include "sync/wire.h"
+#include "sync/transport/seal.h"
+#include "sync/wire/link_stream.h"
+#include "sync/wire/wire.h"
 
 namespace tandem::client::report {
 namespace {

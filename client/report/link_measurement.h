@@ -5,7 +5,7 @@
 #include <string>
 
 #include "client/report/link_rivals.h"
-#include "haptics/bench/link_runs.h"
+#include "haptics/link_bench/link_runs.h"
 
 namespace tandem::client::report {
 

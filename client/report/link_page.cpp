@@ -4,9 +4,9 @@
 #include <cmath>
 #include <functional>
 
+#include "client/plot/panel_plot.h"
+#include "client/plot/words.h"
 #include "client/report/asked.h"
-#include "client/report/panel_plot.h"
-#include "client/report/words.h"
 
 namespace tandem::client::report {
 namespace {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <vector>
 
-#include "haptics/bench/tie_end.h"
+#include "haptics/link_bench/tie_end.h"
 
 namespace tandem::client::report {
 

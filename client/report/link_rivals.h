@@ -7,9 +7,9 @@
 #include <array>
 #include <vector>
 
-#include "haptics/bench/delayed_line.h"
-#include "haptics/bench/hand_bench.h"
-#include "haptics/bench/tie_end.h"
+#include "haptics/link_bench/delayed_line.h"
+#include "haptics/link_bench/hand_bench.h"
+#include "haptics/link_bench/tie_end.h"
 
 namespace tandem::client::report {
 

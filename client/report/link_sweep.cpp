@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "haptics/link_regime.h"
+#include "haptics/link/link_regime.h"
 
 namespace tandem::client::report {
 namespace {

@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/percentiles.h"
+#include "assets/base/percentiles.h"
 
 namespace tandem::client::report {
 namespace {

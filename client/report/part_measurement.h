@@ -8,7 +8,7 @@
 
 #include "client/report/measurement.h"
 #include "client/report/part_experiment.h"
-#include "haptics/contact_effort.h"
+#include "haptics/base/contact_effort.h"
 
 namespace tandem::client::report {
 

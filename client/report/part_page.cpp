@@ -5,9 +5,9 @@
 #include <map>
 #include <numbers>
 
+#include "client/plot/svg_plot.h"
+#include "client/plot/words.h"
 #include "client/report/asked.h"
-#include "client/report/svg_plot.h"
-#include "client/report/words.h"
 
 namespace tandem::client::report {
 namespace {

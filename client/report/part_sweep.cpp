@@ -11,9 +11,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "client/thread_clock.h"
-#include "haptics/contact_scene_data.h"
-#include "haptics/held_depth.h"
+#include "client/base/thread_clock.h"
+#include "haptics/measure/held_depth.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
 
 namespace tandem::client::report {

@@ -8,7 +8,7 @@
 
 #include "client/report/part_measurement.h"
 #include "client/report/sweep.h"
-#include "haptics/contact_scene.h"
+#include "haptics/scene/contact_scene.h"
 
 namespace tandem::client::report {
 

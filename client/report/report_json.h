@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 #include "client/report/sweep.h"
 
 namespace tandem::client::report {

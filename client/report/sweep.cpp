@@ -11,7 +11,7 @@
 #include "client/report/baseline_proxy.h"
 #include "client/report/link_sweep.h"
 #include "client/report/part_sweep.h"
-#include "haptics/contact_scene.h"
+#include "haptics/scene/contact_scene.h"
 #include "haptics/tick.h"
 #include "haptics/tick_data.h"
 

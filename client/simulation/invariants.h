@@ -10,8 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/site_link.h"
-#include "sync/ownership.h"
+#include "client/session/site_link.h"
+#include "sync/replica/ownership.h"
 
 namespace tandem::client {
 

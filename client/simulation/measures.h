@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "assets/pose.h"
+#include "assets/base/pose.h"
 
 namespace tandem::client {
 

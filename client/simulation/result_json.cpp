@@ -1,7 +1,7 @@
 #include <nlohmann/json.hpp>
 
+#include "client/base/traffic_json.h"
 #include "client/simulation/simulation.h"
-#include "client/traffic_json.h"
 
 namespace tandem::client {
 

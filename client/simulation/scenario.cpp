@@ -7,9 +7,9 @@
 
 #include <nlohmann/json.hpp>
 
-#include "client/hand_script.h"
-#include "client/json_input.h"
-#include "sync/messages.h"
+#include "client/base/json_input.h"
+#include "client/hand/hand_script.h"
+#include "sync/wire/messages.h"
 
 namespace tandem::client {
 

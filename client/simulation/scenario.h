@@ -6,11 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "assets/load_gltf.h"
-#include "assets/result.h"
-#include "client/state_publisher.h"
-#include "haptics/simulated_hand.h"
-#include "sync/virtual_network.h"
+#include "assets/base/result.h"
+#include "assets/gltf/load_gltf.h"
+#include "client/session/state_publisher.h"
+#include "haptics/operator/simulated_hand.h"
+#include "sync/transport/virtual_network.h"
 
 namespace tandem::client {
 

@@ -10,12 +10,12 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/scene_package.h"
-#include "client/hand_loop.h"
-#include "client/scripted_device.h"
+#include "assets/scene/scene_package.h"
+#include "client/hand/hand_loop.h"
+#include "client/hand/scripted_device.h"
+#include "client/session/site_link.h"
 #include "client/simulation/measures.h"
-#include "client/site_link.h"
-#include "haptics/device_defaults.h"
+#include "haptics/safety/device_defaults.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
 

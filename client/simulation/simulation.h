@@ -13,7 +13,7 @@
 
 #include "client/simulation/invariants.h"
 #include "client/simulation/scenario.h"
-#include "haptics/contact_scene.h"
+#include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
 

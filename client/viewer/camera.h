@@ -10,7 +10,7 @@
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 
-#include "client/view_model.h"
+#include "client/session/view_model.h"
 
 namespace tandem::client {
 

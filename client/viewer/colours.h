@@ -6,7 +6,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "client/view_model.h"
+#include "client/session/view_model.h"
 
 namespace tandem::client {
 

@@ -5,7 +5,7 @@
 
 #include <glm/gtc/constants.hpp>
 
-#include "haptics/field_path.h"
+#include "haptics/fields/field_path.h"
 
 namespace tandem::client {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "client/view_model.h"
+#include "client/session/view_model.h"
 #include "client/viewer/glyphs.h"
 
 namespace tandem::client {

@@ -14,7 +14,7 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 
 namespace tandem::client {
 

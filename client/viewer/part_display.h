@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include "client/view_model.h"
+#include "client/session/view_model.h"
 #include "client/viewer/scene_renderer.h"
 
 namespace tandem::client {

@@ -5,7 +5,7 @@
 #define STB_IMAGE_WRITE_IMPLEMENTATION
 #include <stb/stb_image_write.h>
 
-#include "assets/assert.h"
+#include "assets/base/assert.h"
 
 namespace tandem::client {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::client {
 

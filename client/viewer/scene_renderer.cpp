@@ -14,7 +14,7 @@ namespace {
 constexpr double kLinePull = 1.2e-3;  // share of the distance by which edges stand before their surfaces
 constexpr double kEdgesFrom = 14.0;   // pixels across a part below which its edges are not drawn
 constexpr double kEdgesFull = 90.0;   // and from which on they are fully dark
-constexpr float kFaint = 0.15f;  // opacity of a part below which its edges are no stronger
+constexpr float kFaint = 0.15f;       // opacity of a part below which its edges are no stronger
 constexpr float kEdgeOpacity = 0.62f;
 constexpr glm::vec3 kThinEdgeColour(0.10f, 0.12f, 0.15f);
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "client/readable.h"
+#include "client/base/readable.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/strip_chart.h"

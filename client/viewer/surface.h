@@ -10,7 +10,7 @@
 
 #include <glm/vec2.hpp>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 #include "client/viewer/viewer.h"
 
 namespace tandem::client {

@@ -13,7 +13,7 @@
 #include <limits>
 #include <optional>
 
-#include "assets/assert.h"
+#include "assets/base/assert.h"
 #include "client/viewer/field_glyphs.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"

@@ -5,8 +5,8 @@
 #include <memory>
 #include <string>
 
-#include "assets/result.h"
-#include "client/view_model.h"
+#include "assets/base/result.h"
+#include "client/session/view_model.h"
 
 namespace tandem::client {
 

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <thread>
 
+#include "haptics/base/triple_buffer.h"
 #include "haptics/devices/dualsense.h"
 #include "haptics/devices/haply_device.h"
 #include "haptics/devices/null_device.h"
@@ -21,9 +22,8 @@
 #include "haptics/devices/simulated_device.h"
 #include "haptics/devices/spacemouse.h"
 #include "haptics/devices/udev_rule.h"
-#include "haptics/devices/virtual_stylus.h"
-#include "haptics/servo_loop.h"
-#include "haptics/triple_buffer.h"
+#include "haptics/operator/virtual_stylus.h"
+#include "haptics/servo/servo_loop.h"
 
 namespace tandem::haptics {
 namespace {

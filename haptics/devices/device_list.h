@@ -9,8 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "haptics/colocation.h"
-#include "haptics/device.h"
+#include "haptics/base/device.h"
+#include "haptics/devices/colocation.h"
 #include "haptics/devices/hid_transport.h"
 
 namespace tandem::haptics {

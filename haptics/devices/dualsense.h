@@ -13,7 +13,7 @@
 
 #include "haptics/devices/dualsense_codec.h"
 #include "haptics/devices/hid_transport.h"
-#include "haptics/devices/steered_hand.h"
+#include "haptics/operator/steered_hand.h"
 
 namespace tandem::haptics {
 

@@ -12,7 +12,7 @@
 #include <span>
 #include <vector>
 
-#include "assets/pose.h"
+#include "assets/base/pose.h"
 
 namespace tandem::haptics {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <string_view>
 
-#include "assets/pose.h"
+#include "assets/base/pose.h"
 
 namespace tandem::haptics {
 

@@ -15,10 +15,10 @@
 #include <optional>
 #include <thread>
 
+#include "haptics/base/triple_buffer.h"
 #include "haptics/devices/haply_codec.h"
 #include "haptics/devices/hid_worker.h"
-#include "haptics/simulated_hand.h"
-#include "haptics/triple_buffer.h"
+#include "haptics/operator/simulated_hand.h"
 
 namespace tandem::haptics {
 namespace {

@@ -18,7 +18,7 @@
 #include <memory>
 #include <string>
 
-#include "haptics/device.h"
+#include "haptics/base/device.h"
 
 namespace tandem::haptics {
 

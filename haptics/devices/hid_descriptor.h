@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 
 namespace tandem::haptics {
 

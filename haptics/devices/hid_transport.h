@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/result.h"
+#include "assets/base/result.h"
 
 namespace tandem::haptics {
 

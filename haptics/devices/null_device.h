@@ -2,7 +2,7 @@
 
 // No device: no input, no force. For sites that only watch. Always built.
 
-#include "haptics/device.h"
+#include "haptics/base/device.h"
 
 namespace tandem::haptics {
 

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <optional>
 
+#include "haptics/base/triple_buffer.h"
 #include "haptics/devices/hid_worker.h"
 #include "haptics/devices/pacer.h"
 #include "haptics/devices/pid_codec.h"
-#include "haptics/triple_buffer.h"
 
 namespace tandem::haptics {
 namespace {

@@ -14,7 +14,7 @@
 
 #include <memory>
 
-#include "haptics/device.h"
+#include "haptics/base/device.h"
 #include "haptics/devices/hid_transport.h"
 
 namespace tandem::haptics {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <optional>
 
-#include "haptics/device_mapping.h"
+#include "haptics/devices/device_mapping.h"
 
 namespace tandem::haptics {
 

@@ -12,9 +12,9 @@
 //
 // Threads: setTarget(), setButtons() from any one thread; poll() and apply() from the servo thread.
 
-#include "haptics/devices/hand_device.h"
-#include "haptics/impedance_arm.h"
-#include "haptics/triple_buffer.h"
+#include "haptics/base/triple_buffer.h"
+#include "haptics/operator/hand_device.h"
+#include "haptics/operator/impedance_arm.h"
 
 namespace tandem::haptics {
 

@@ -4,8 +4,8 @@
 //
 // Threads: setTarget(), setButtons() from any one thread; poll() and apply() from the servo thread.
 
-#include "haptics/devices/hand_device.h"
-#include "haptics/triple_buffer.h"
+#include "haptics/base/triple_buffer.h"
+#include "haptics/operator/hand_device.h"
 
 namespace tandem::haptics {
 

@@ -10,10 +10,10 @@
 
 #include <memory>
 
+#include "haptics/base/triple_buffer.h"
 #include "haptics/devices/hid_transport.h"
 #include "haptics/devices/spacemouse_decoder.h"
-#include "haptics/devices/steered_hand.h"
-#include "haptics/triple_buffer.h"
+#include "haptics/operator/steered_hand.h"
 
 namespace tandem::haptics {
 

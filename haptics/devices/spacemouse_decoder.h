@@ -14,7 +14,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <span>
 
-#include "assets/pose.h"
+#include "assets/base/pose.h"
 
 namespace tandem::haptics {
 

@@ -17,12 +17,12 @@
 #include <string>
 #include <vector>
 
-#include "assets/load_gltf.h"
-#include "client/clash_check.h"
-#include "haptics/contact_scene.h"
-#include "haptics/contact_scene_data.h"
-#include "haptics/mesh_distance.h"
-#include "haptics/mesh_overlap.h"
+#include "assets/gltf/load_gltf.h"
+#include "client/review/clash_check.h"
+#include "haptics/geometry/mesh_distance.h"
+#include "haptics/geometry/mesh_overlap.h"
+#include "haptics/scene/contact_scene.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/bench_meshes.h"
 #include "tests/support/part_meshes.h"

@@ -28,7 +28,7 @@
 #include <glm/vec2.hpp>
 
 #include "client/report/asked.h"
-#include "haptics/contact_scene_data.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/embree_yardstick.h"

@@ -12,9 +12,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/load_gltf.h"
-#include "haptics/distance_field.h"
-#include "haptics/triangle_bvh.h"
+#include "assets/gltf/load_gltf.h"
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/scene/distance_field.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/bench_meshes.h"
 #include "tests/support/shapes.h"
@@ -170,7 +170,8 @@ bool file(const std::string& path, const std::string& unit, Bench& run, bench::R
     seconds += took;
     bytes += size;
   }
-  std::fflush(stdout);report.value("all meshes, bake", "s", seconds);
+  std::fflush(stdout);
+  report.value("all meshes, bake", "s", seconds);
   report.value("all meshes, memory", "MB", 1e-6 * bytes);
   return true;
 }

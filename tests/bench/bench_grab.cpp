@@ -23,12 +23,12 @@
 #include <mutex>
 #include <thread>
 
-#include "assets/scene_package.h"
+#include "assets/scene/scene_package.h"
 #include "server/session.h"
 #include "server/sqlite_journal.h"
-#include "sync/socket_transport.h"
-#include "sync/state_bundle.h"
-#include "sync/wire.h"
+#include "sync/transport/socket_transport.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/wire.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/shapes.h"
 

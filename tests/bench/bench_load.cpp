@@ -16,9 +16,9 @@
 #include <string>
 #include <vector>
 
-#include "assets/load_gltf.h"
-#include "assets/scene_package.h"
-#include "haptics/contact_scene.h"
+#include "assets/gltf/load_gltf.h"
+#include "assets/scene/scene_package.h"
+#include "haptics/scene/contact_scene.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/gltf_builder.h"
 

@@ -13,8 +13,8 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
-#include "assets/load_gltf.h"
-#include "haptics/contact_scene_data.h"
+#include "assets/gltf/load_gltf.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/part_cases.h"
 

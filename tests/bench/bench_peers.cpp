@@ -20,7 +20,7 @@
 #include "client/report/part_sweep.h"
 #include "client/report/report_json.h"
 #include "client/report/sweep.h"
-#include "haptics/triangle_math.h"
+#include "haptics/geometry/triangle_math.h"
 #include "tests/bench/embree_yardstick.h"
 #include "tests/bench/part_peers/measure_part_peers.h"
 

@@ -30,14 +30,14 @@
 #include <optional>
 #include <thread>
 
-#include "assets/scene_package.h"
+#include "assets/scene/scene_package.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
-#include "sync/seal.h"
-#include "sync/socket_transport.h"
-#include "sync/state_bundle.h"
-#include "sync/state_stream.h"
-#include "sync/wire.h"
+#include "sync/transport/seal.h"
+#include "sync/transport/socket_transport.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/state_stream.h"
+#include "sync/wire/wire.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/forwarder.h"
 #include "tests/support/shapes.h"

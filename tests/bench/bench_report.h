@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "assets/percentiles.h"
+#include "assets/base/percentiles.h"
 
 namespace tandem::bench {
 

@@ -16,7 +16,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/apply_surface.h"
+#include "haptics/surface/apply_surface.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/embree_yardstick.h"

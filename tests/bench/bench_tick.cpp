@@ -14,8 +14,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/load_gltf.h"
-#include "haptics/contact_scene_data.h"
+#include "assets/gltf/load_gltf.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/embree_yardstick.h"

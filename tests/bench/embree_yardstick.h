@@ -12,7 +12,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
 
-#include "assets/scene.h"
+#include "assets/scene/scene.h"
 #include "tests/bench/bench_report.h"
 
 namespace tandem::bench {

@@ -255,7 +255,7 @@ def test_follow(binaries, folder, figures):
         figures["follower_error_mm"] = {"max": 1e3 * max(moving), "mean": 1e3 * sum(moving) / len(moving),
                                         "peak_speed_m_s": max(speed for _, speed in errors)}
         check(max(speed for _, speed in errors) > 0.4, "the part moved at about 0.5 m/s")
-        # The bound for every pose is held on virtual time (tests/sync/play_out_test.cpp). Here a process that the
+        # The bound for every pose is held on virtual time (tests/sync/replica/play_out_test.cpp). Here a process that the
         # machine puts to sleep in the middle of a motion shows for a moment: the tail is printed, the median judged.
         moving.sort()
         median, p95 = moving[len(moving) // 2], moving[int(0.95 * len(moving))]

@@ -7,7 +7,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "haptics/colocation.h"
+#include "haptics/devices/colocation.h"
 #include "haptics/devices/dualsense_codec.h"
 #include "haptics/devices/haply_codec.h"
 #include "haptics/devices/pid_codec.h"

@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
-#include "assets/load_gltf.h"
-#include "assets/scene_check.h"
-#include "assets/scene_codec.h"
-#include "assets/scene_package.h"
+#include "assets/gltf/load_gltf.h"
+#include "assets/scene/scene_check.h"
+#include "assets/scene/scene_codec.h"
+#include "assets/scene/scene_package.h"
 #include "tests/support/gltf_builder.h"
 
 namespace {

@@ -5,11 +5,11 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include "sync/link_stream.h"
-#include "sync/state_bundle.h"
-#include "sync/state_stream.h"
-#include "sync/traffic.h"
-#include "sync/wire.h"
+#include "sync/wire/link_stream.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/state_stream.h"
+#include "sync/wire/traffic.h"
+#include "sync/wire/wire.h"
 
 namespace {
 

@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "sync/recording.h"
+#include "sync/wire/recording.h"
 
 namespace {
 

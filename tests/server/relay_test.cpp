@@ -12,8 +12,8 @@
 #include "server/invitations.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
-#include "sync/state_stream.h"
-#include "sync/wire.h"
+#include "sync/wire/state_stream.h"
+#include "sync/wire/wire.h"
 #include "tests/support/allocation_counter.h"
 
 namespace tandem::server {

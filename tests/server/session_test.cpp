@@ -6,8 +6,8 @@
 #include <random>
 
 #include "server/memory_journal.h"
-#include "sync/site_colours.h"
-#include "sync/virtual_network.h"
+#include "sync/transport/virtual_network.h"
+#include "sync/wire/site_colours.h"
 #include "tests/support/fake_site.h"
 
 namespace tandem::server {

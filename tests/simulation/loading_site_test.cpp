@@ -7,11 +7,11 @@
 #include <memory>
 #include <vector>
 
-#include "client/site_link.h"
+#include "client/session/site_link.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
-#include "sync/recording.h"
-#include "sync/virtual_network.h"
+#include "sync/transport/virtual_network.h"
+#include "sync/wire/recording.h"
 #include "tests/support/fake_site.h"
 
 namespace tandem::client {

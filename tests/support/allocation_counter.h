@@ -1,11 +1,11 @@
 #pragma once
 
-// Heap allocations of a piece of code: compile assets/allocation_counter.cpp into the test or bench that wants
+// Heap allocations of a piece of code: compile assets/base/allocation_counter.cpp into the test or bench that wants
 // to know.
 
 #include <cstdint>
 
-#include "assets/allocation_counter.h"
+#include "assets/base/allocation_counter.h"
 
 namespace tandem::test {
 

@@ -7,10 +7,10 @@
 #include <string>
 #include <vector>
 
-#include "sync/state_bundle.h"
-#include "sync/state_stream.h"
-#include "sync/transport.h"
-#include "sync/wire.h"
+#include "sync/transport/transport.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/state_stream.h"
+#include "sync/wire/wire.h"
 
 namespace tandem::test {
 

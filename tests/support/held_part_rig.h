@@ -14,7 +14,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/held_depth.h"
+#include "haptics/measure/held_depth.h"
 #include "haptics/tick.h"
 #include "tests/support/part_cases.h"
 

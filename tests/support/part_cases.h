@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "assets/pose.h"
-#include "assets/scene.h"
+#include "assets/base/pose.h"
+#include "assets/scene/scene.h"
 #include "tests/support/part_meshes.h"
 
 namespace tandem::test {

@@ -16,7 +16,7 @@
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
-#include "assets/mesh_analysis.h"
+#include "assets/mesh/mesh_analysis.h"
 
 namespace tandem::test {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "assets/mesh_analysis.h"
-#include "assets/scene.h"
+#include "assets/mesh/mesh_analysis.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::test {
 

@@ -7,7 +7,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/device.h"
+#include "haptics/base/device.h"
 
 namespace tandem::test {
 

@@ -8,7 +8,7 @@
 
 #include <glm/vec3.hpp>
 
-#include "assets/mesh_analysis.h"
+#include "assets/mesh/mesh_analysis.h"
 
 namespace tandem::test {
 

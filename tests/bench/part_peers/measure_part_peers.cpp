@@ -11,7 +11,7 @@
 
 #include "client/report/part_experiment.h"
 #include "client/report/part_sweep.h"
-#include "haptics/held_depth.h"
+#include "haptics/measure/held_depth.h"
 #include "tests/bench/part_peers/part_peer.h"
 
 namespace tandem::bench {

@@ -6,8 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "assets/pose.h"
-#include "assets/scene.h"
+#include "assets/base/pose.h"
+#include "assets/scene/scene.h"
 
 namespace tandem::bench {
 

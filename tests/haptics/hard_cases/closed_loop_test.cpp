@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "haptics/device_defaults.h"
-#include "haptics/simulated_hand.h"
+#include "haptics/operator/simulated_hand.h"
+#include "haptics/safety/device_defaults.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::test {

@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/contact_scene_data.h"
+#include "haptics/scene/contact_scene_data.h"
 #include "tests/haptics/hard_cases/hard_case.h"
 #include "tests/support/allocation_counter.h"
 #include "tests/support/bench_meshes.h"

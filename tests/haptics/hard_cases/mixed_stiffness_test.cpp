@@ -1,8 +1,8 @@
 #include <cmath>
 #include <random>
 
-#include "haptics/contact_force.h"
-#include "haptics/plane_projection.h"
+#include "haptics/geometry/plane_projection.h"
+#include "haptics/proxy/contact_force.h"
 #include "tests/haptics/hard_cases/hard_case.h"
 
 namespace tandem::test {

@@ -8,9 +8,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/device_defaults.h"
-#include "haptics/sample_guard.h"
-#include "haptics/virtual_coupling.h"
+#include "haptics/body/virtual_coupling.h"
+#include "haptics/safety/device_defaults.h"
+#include "haptics/safety/sample_guard.h"
 #include "tests/haptics/hand_probe.h"
 
 namespace tandem::test {

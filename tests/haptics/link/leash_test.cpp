@@ -1,6 +1,6 @@
 // What leads a replica while its link does not carry it. What two hands feel of it is in link_collision_test.cpp.
 
-#include "haptics/leash.h"
+#include "haptics/link/leash.h"
 
 #include <gtest/gtest.h>
 

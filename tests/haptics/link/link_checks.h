@@ -2,7 +2,7 @@
 
 // What tests of links have in common: bounds of every run, how many seeds, and the control that must fail.
 
-#include "haptics/bench/link_runs.h"
+#include "haptics/link_bench/link_runs.h"
 
 namespace tandem::test {
 

@@ -10,9 +10,9 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/leash.h"
-#include "haptics/link_engagement.h"
-#include "haptics/minimum_jerk.h"
+#include "haptics/base/minimum_jerk.h"
+#include "haptics/link/leash.h"
+#include "haptics/link/link_engagement.h"
 #include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {

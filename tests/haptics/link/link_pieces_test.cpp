@@ -8,9 +8,9 @@
 #include <random>
 #include <vector>
 
-#include "haptics/coordination_link.h"
-#include "haptics/replica_mass.h"
-#include "haptics/wave_play_out.h"
+#include "haptics/link/coordination_link.h"
+#include "haptics/link/replica_mass.h"
+#include "haptics/link/wave_play_out.h"
 #include "tests/haptics/link/link_checks.h"
 #include "tests/support/allocation_counter.h"
 

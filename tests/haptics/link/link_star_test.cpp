@@ -8,7 +8,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/minimum_jerk.h"
+#include "haptics/base/minimum_jerk.h"
 #include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {

@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/allocation_counter.h"
+#include "assets/base/allocation_counter.h"
 #include "haptics/tick_data.h"
 #include "tests/support/part_cases.h"
 #include "tests/support/part_meshes.h"

@@ -8,8 +8,8 @@
 #include <memory>
 #include <vector>
 
+#include "haptics/link/tied_parts.h"
 #include "haptics/tick.h"
-#include "haptics/tied_parts.h"
 #include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {

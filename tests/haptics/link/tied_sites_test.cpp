@@ -10,8 +10,8 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/held_depth.h"
-#include "haptics/minimum_jerk.h"
+#include "haptics/base/minimum_jerk.h"
+#include "haptics/measure/held_depth.h"
 #include "haptics/tick_data.h"
 #include "tests/haptics/link/link_checks.h"
 #include "tests/haptics/link/tied_sites.h"

@@ -1,0 +1,406 @@
+#include "assets/gltf/gltf_decode.h"
+
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <memory>
+
+#include <draco/compression/decode.h>
+#include <meshoptimizer.h>
+#include <glm/common.hpp>
+
+namespace tandem::assets {
+namespace {
+
+using nlohmann::json;
+
+// The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec); beyond this a count is a
+// lie.
+constexpr std::size_t kMaxMeshoptRatio = 256;
+// A Draco connectivity symbol takes a fraction of a bit at best; real meshes spend 1 to 2 bits a face.
+constexpr std::size_t kMaxDracoFacesPerByte = 256;
+
+std::size_t fileBytes(const GltfDocument& document) {
+  std::size_t size = document.file.size();
+  for (const ByteView& external : document.externals) size += external.size();
+  return size;
+}
+
+std::size_t componentSize(int componentType, const std::string& place) {
+  switch (componentType) {
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      return 1;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      return 2;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      return 4;
+  }
+  throw GltfError(place, "component type " + std::to_string(componentType) + " is unknown");
+}
+
+/// Elements at a stride inside checked bytes.
+struct Elements {
+  const unsigned char* data = nullptr;
+  std::size_t count = 0, stride = 0;
+  std::unique_ptr<Bytes> owned;  // holds the data of sparse accessors
+
+  const unsigned char* at(std::size_t i) const { return data + i * stride; }
+};
+
+/// `count` elements from `offset` of a view; a stride of 0 means tightly packed.
+Elements elementsIn(ByteView view, std::size_t offset, std::size_t count, std::size_t stride,
+                    std::size_t size, const std::string& place) {
+  if (stride == 0) stride = size;
+  if (stride < size) throw GltfError(place, "the stride is smaller than an element");
+  // All factors are below 2^31, so the product cannot wrap.
+  if (count > 0 && (offset > view.size() || (count - 1) * stride + size > view.size() - offset))
+    throw GltfError(place, std::to_string(count) + " elements do not fit into its buffer view of " +
+                               std::to_string(view.size()) + " bytes");
+  Elements elements;
+  elements.data = count > 0 ? view.data() + offset : nullptr;
+  elements.count = count;
+  elements.stride = stride;
+  return elements;
+}
+
+std::uint32_t readUnsigned(const unsigned char* at, std::size_t size) {
+  std::uint32_t value = 0;  // little-endian, as glTF is
+  std::memcpy(&value, at, size);
+  return value;
+}
+
+void applySparse(const GltfDocument& document, std::size_t index, std::size_t size, Elements& base) {
+  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  const auto& sparse = accessor.sparse;
+  const std::string place = placeName("accessors", index, "sparse");
+  const auto count = static_cast<std::size_t>(sparse.count);
+  if (count > base.count) throw GltfError(place + ".count", "is larger than the accessor's");
+  if (sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
+    throw GltfError(place + ".indices", "must be unsigned integers");
+  const std::size_t indexSize = componentSize(sparse.indices.componentType, place + ".indices.componentType");
+  const Elements indices = elementsIn(
+      viewBytes(document, static_cast<std::size_t>(sparse.indices.bufferView)),
+      static_cast<std::size_t>(sparse.indices.byteOffset), count, 0, indexSize, place + ".indices");
+  const Elements values =
+      elementsIn(viewBytes(document, static_cast<std::size_t>(sparse.values.bufferView)),
+                 static_cast<std::size_t>(sparse.values.byteOffset), count, 0, size, place + ".values");
+  auto dense = std::make_unique<Bytes>(base.count * size, 0);
+  if (base.data != nullptr)
+    for (std::size_t i = 0; i < base.count; ++i) std::memcpy(dense->data() + i * size, base.at(i), size);
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uint32_t target = readUnsigned(indices.at(i), indexSize);
+    if (target >= base.count)
+      throw GltfError(place + ".indices", "index " + std::to_string(target) + " is out of range");
+    std::memcpy(dense->data() + target * size, values.at(i), size);
+  }
+  base.data = dense->data();
+  base.stride = size;
+  base.owned = std::move(dense);
+}
+
+/// The elements of an accessor of `components` numbers each, sparse ones put in.
+Elements accessorElements(const GltfDocument& document, std::size_t index, int type, std::size_t components) {
+  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  const std::string place = placeName("accessors", index);
+  if (accessor.type != type) throw GltfError(place + ".type", "is not the one needed here");
+  const std::size_t size = components * componentSize(accessor.componentType, place + ".componentType");
+  Elements elements;
+  if (accessor.bufferView >= 0) {
+    const auto view = static_cast<std::size_t>(accessor.bufferView);
+    elements = elementsIn(viewBytes(document, view), accessor.byteOffset, accessor.count,
+                          document.model.bufferViews[view].byteStride, size, place);
+  } else {
+    // Such elements are zeros that cost the file nothing, so that their count needs a bound of its own.
+    if (!accessor.sparse.isSparse) throw GltfError(place, "has neither a buffer view nor sparse values");
+    elements.count = elementCount(document, index);
+  }
+  if (accessor.sparse.isSparse) applySparse(document, index, size, elements);
+  return elements;
+}
+
+template <typename T>
+void convertPositions(const Elements& elements, double divisor, std::vector<glm::dvec3>& out) {
+  for (std::size_t i = 0; i < elements.count; ++i) {
+    T values[3];
+    std::memcpy(values, elements.at(i), sizeof values);
+    const glm::dvec3 position(static_cast<double>(values[0]), static_cast<double>(values[1]),
+                              static_cast<double>(values[2]));
+    // A normalised signed integer's most negative value stands for -1 too (glTF 2.0, 3.6.2.2).
+    out.push_back(divisor == 1.0 ? position : glm::max(position / divisor, glm::dvec3(-1.0)));
+  }
+}
+
+template <typename T>
+void convertIntegers(const Elements& elements, bool normalized, std::vector<glm::dvec3>& out) {
+  convertPositions<T>(elements, normalized ? static_cast<double>(std::numeric_limits<T>::max()) : 1.0, out);
+}
+
+template <typename T>
+void convertTexCoords(const Elements& elements, float divisor, std::vector<glm::vec2>& out) {
+  for (std::size_t i = 0; i < elements.count; ++i) {
+    T values[2];
+    std::memcpy(values, elements.at(i), sizeof values);
+    out.push_back(glm::vec2(static_cast<float>(values[0]), static_cast<float>(values[1])) / divisor);
+  }
+}
+
+void requireFinite(const std::vector<glm::dvec3>& positions, const std::string& place) {
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const glm::dvec3& p = positions[i];
+    if (!std::isfinite(p.x) || !std::isfinite(p.y) || !std::isfinite(p.z))
+      throw GltfError(place, "position " + std::to_string(i) + " is not finite");
+  }
+}
+
+std::size_t wholeIn(const json& object, const char* key, const std::string& place, bool required,
+                    std::size_t limit) {
+  const auto it = object.find(key);
+  if (it == object.end()) {
+    if (required) throw GltfError(place + "." + key, "is missing");
+    return 0;
+  }
+  const bool good = it->is_number_unsigned() && it->get<std::uint64_t>() <= limit;
+  if (!good) throw GltfError(place + "." + key, "must be a whole number of at most " + std::to_string(limit));
+  return it->get<std::size_t>();
+}
+
+void applyMeshoptFilter(const std::string& filter, Bytes& bytes, std::size_t count, std::size_t stride,
+                        const std::string& place) {
+  if (filter == "NONE") return;
+  if (filter == "OCTAHEDRAL" && (stride == 4 || stride == 8))
+    return meshopt_decodeFilterOct(bytes.data(), count, stride);
+  if (filter == "QUATERNION" && stride == 8) return meshopt_decodeFilterQuat(bytes.data(), count, stride);
+  if (filter == "EXPONENTIAL" && stride % 4 == 0) return meshopt_decodeFilterExp(bytes.data(), count, stride);
+  throw GltfError(place + ".filter",
+                  "'" + filter.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
+}
+
+Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::size_t viewLength,
+                    const std::string& place) {
+  constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+  const std::size_t bufferIndex = wholeIn(extension, "buffer", place, true, kMax);
+  if (bufferIndex >= document.buffers.size()) throw GltfError(place + ".buffer", "is out of range");
+  const ByteView buffer = document.buffers[bufferIndex];
+  const std::size_t offset = wholeIn(extension, "byteOffset", place, false, kMax);
+  const std::size_t length = wholeIn(extension, "byteLength", place, true, kMax);
+  const std::size_t stride = wholeIn(extension, "byteStride", place, true, 256);
+  const std::size_t count = wholeIn(extension, "count", place, true, kMax);
+  if (offset > buffer.size() || length > buffer.size() - offset)
+    throw GltfError(place, "reaches past the end of its buffer");
+  if (count * stride != viewLength)
+    throw GltfError(place, "count times byteStride is not the view's byteLength");
+  if (viewLength == 0 || viewLength / kMaxMeshoptRatio > length)
+    throw GltfError(place, "claims more data than its bytes can hold");
+  const std::string mode = extension.value("mode", json("")).is_string() ? extension.value("mode", "") : "";
+  const json filterValue = extension.value("filter", json("NONE"));
+  const std::string filter = filterValue.is_string() ? filterValue.get<std::string>() : "";
+  Bytes out(viewLength);
+  const unsigned char* in = buffer.data() + offset;
+  int failed = 1;
+  if (mode == "ATTRIBUTES" && stride > 0 && stride % 4 == 0) {
+    failed = meshopt_decodeVertexBuffer(out.data(), count, stride, in, length);
+    if (failed == 0) applyMeshoptFilter(filter, out, count, stride, place);
+  } else if (mode == "TRIANGLES" && (stride == 2 || stride == 4) && count % 3 == 0) {
+    failed = meshopt_decodeIndexBuffer(out.data(), count, stride, in, length);
+  } else if (mode == "INDICES" && (stride == 2 || stride == 4)) {
+    failed = meshopt_decodeIndexSequence(out.data(), count, stride, in, length);
+  } else {
+    throw GltfError(place + ".mode",
+                    "'" + mode.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
+  }
+  if (failed != 0) throw GltfError(place, "the meshopt data cannot be decoded");
+  return out;
+}
+
+/// Reads LEB128 numbers and bytes off a Draco header.
+struct DracoHeader {
+  ByteView bytes;
+  std::size_t at = 0;
+
+  unsigned byte(const std::string& place) {
+    if (at >= bytes.size()) throw GltfError(place, "the Draco data is truncated");
+    return bytes[at++];
+  }
+  std::uint64_t varint(const std::string& place) {
+    std::uint64_t value = 0;
+    for (int shift = 0; shift < 35; shift += 7) {
+      const unsigned b = byte(place);
+      value |= std::uint64_t(b & 127u) << shift;
+      if ((b & 128u) == 0) return value;
+    }
+    throw GltfError(place, "the Draco header is broken");
+  }
+};
+
+/// The decoder allocates by the header's counts before it meets the end of the data, so they are checked
+/// against the length here. Layout: Draco bitstream specification 2.2, sections 3 and 5; glTF allows no other
+/// version.
+void checkDracoHeader(ByteView bytes, const std::string& place) {
+  DracoHeader header{bytes};
+  for (const char expected : {'D', 'R', 'A', 'C', 'O'})
+    if (header.byte(place) != static_cast<unsigned char>(expected))
+      throw GltfError(place, "is not Draco data");
+  const unsigned major = header.byte(place), minor = header.byte(place);
+  if (major != 2 || minor != 2)
+    throw GltfError(place,
+                    "Draco version " + std::to_string(major) + "." + std::to_string(minor) + " is not 2.2");
+  if (header.byte(place) != 1) throw GltfError(place, "is a Draco point cloud, not a mesh");
+  const unsigned method = header.byte(place);
+  const unsigned flags = header.byte(place) | header.byte(place) << 8;
+  if ((flags & 0x8000u) != 0) throw GltfError(place, "carries Draco metadata, which is not supported");
+  if (method > 1) throw GltfError(place, "Draco method " + std::to_string(method) + " is unknown");
+  if (method == 1) header.byte(place);  // the edgebreaker's traversal type
+  const std::uint64_t a = header.varint(place), b = header.varint(place);
+  const std::uint64_t limit = std::uint64_t(bytes.size()) * kMaxDracoFacesPerByte;
+  if (a > limit || b > limit) throw GltfError(place, "claims more faces than its bytes can hold");
+}
+
+}  // namespace
+
+ByteView viewBytes(const GltfDocument& document, std::size_t index) {
+  if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
+    return document.ownedViews[index];
+  const tinygltf::BufferView& view = document.model.bufferViews[index];
+  const ByteView buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
+  if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
+    throw GltfError(placeName("bufferViews", index),
+                    "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
+                        std::to_string(view.byteLength) + " of " + std::to_string(buffer.size()) + " bytes)");
+  return buffer.subspan(view.byteOffset, view.byteLength);
+}
+
+void decodeMeshoptViews(GltfDocument& document) {
+  const std::size_t count = document.model.bufferViews.size();
+  document.ownedViews.resize(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const json* extension = findExtension(document.json["bufferViews"][i], "EXT_meshopt_compression");
+    if (extension == nullptr) continue;
+    document.ownedViews[i] = decodeMeshopt(document, *extension, document.model.bufferViews[i].byteLength,
+                                           placeName("bufferViews", i, "EXT_meshopt_compression"));
+  }
+}
+
+std::size_t elementCount(const GltfDocument& document, std::size_t index) {
+  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  // An element takes a byte at least, or comes out of nothing and must then not outnumber the file's bytes.
+  const std::size_t available =
+      accessor.bufferView >= 0 ? viewBytes(document, static_cast<std::size_t>(accessor.bufferView)).size()
+                               : fileBytes(document);
+  if (accessor.count > available)
+    throw GltfError(
+        placeName("accessors", index),
+        std::to_string(accessor.count) + " elements do not fit into " + std::to_string(available) + " bytes");
+  return accessor.count;
+}
+
+std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor) {
+  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_VEC3, 3);
+  const bool normalized = document.model.accessors[accessor].normalized;
+  std::vector<glm::dvec3> positions;
+  positions.reserve(elements.count);
+  switch (document.model.accessors[accessor].componentType) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      convertPositions<float>(elements, 1.0, positions);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_BYTE:
+      convertIntegers<std::int8_t>(elements, normalized, positions);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      convertIntegers<std::uint8_t>(elements, normalized, positions);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_SHORT:
+      convertIntegers<std::int16_t>(elements, normalized, positions);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      convertIntegers<std::uint16_t>(elements, normalized, positions);
+      break;
+    default:
+      throw GltfError(placeName("accessors", accessor, "componentType"), "positions cannot be of this type");
+  }
+  requireFinite(positions, placeName("accessors", accessor));
+  return positions;
+}
+
+std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor) {
+  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_VEC2, 2);
+  const bool normalized = document.model.accessors[accessor].normalized;
+  std::vector<glm::vec2> out;
+  out.reserve(elements.count);
+  switch (document.model.accessors[accessor].componentType) {
+    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+      convertTexCoords<float>(elements, 1.0f, out);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+      convertTexCoords<std::uint8_t>(elements, normalized ? 255.0f : 1.0f, out);
+      break;
+    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+      convertTexCoords<std::uint16_t>(elements, normalized ? 65535.0f : 1.0f, out);
+      break;
+    default:
+      throw GltfError(placeName("accessors", accessor, "componentType"),
+                      "texture coordinates cannot be of this type");
+  }
+  for (const glm::vec2& uv : out)
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y))
+      throw GltfError(placeName("accessors", accessor), "a texture coordinate is not finite");
+  return out;
+}
+
+std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor) {
+  const int componentType = document.model.accessors[accessor].componentType;
+  if (componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
+      componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
+      componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+    throw GltfError(placeName("accessors", accessor, "componentType"), "indices must be unsigned integers");
+  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_SCALAR, 1);
+  const std::size_t size = componentSize(componentType, "");
+  std::vector<std::uint32_t> indices(elements.count);
+  for (std::size_t i = 0; i < elements.count; ++i) indices[i] = readUnsigned(elements.at(i), size);
+  return indices;
+}
+
+DracoMesh decodeDraco(const GltfDocument& document, const json& extension, const std::string& place) {
+  constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
+  const std::size_t view = wholeIn(extension, "bufferView", place, true, kMax);
+  if (view >= document.model.bufferViews.size()) throw GltfError(place + ".bufferView", "is out of range");
+  const auto attributes = extension.find("attributes");
+  if (attributes == extension.end() || !attributes->is_object())
+    throw GltfError(place + ".attributes", "is missing");
+  const std::size_t positionId = wholeIn(*attributes, "POSITION", place + ".attributes", true, kMax);
+  const ByteView bytes = viewBytes(document, view);
+  checkDracoHeader(bytes, place);
+
+  draco::DecoderBuffer buffer;
+  buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  draco::Decoder decoder;
+  auto decoded = decoder.DecodeMeshFromBuffer(&buffer);
+  if (!decoded.ok())
+    throw GltfError(place, std::string("the Draco data cannot be decoded: ") + decoded.status().error_msg());
+  const draco::Mesh& mesh = *decoded.value();
+  const draco::PointAttribute* position = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(positionId));
+  if (position == nullptr || position->num_components() != 3)
+    throw GltfError(place, "has no positions of three components");
+
+  DracoMesh out;
+  out.positions.resize(mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const draco::AttributeValueIndex value = position->mapped_index(draco::PointIndex(i));
+    double numbers[3];
+    if (value.value() >= position->size() || !position->ConvertValue<double, 3>(value, numbers))
+      throw GltfError(place, "has a position that cannot be read");
+    out.positions[i] = {numbers[0], numbers[1], numbers[2]};
+  }
+  requireFinite(out.positions, place);
+  out.indices.reserve(std::size_t(mesh.num_faces()) * 3);
+  for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)
+    for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {
+      if (corner.value() >= mesh.num_points()) throw GltfError(place, "has an index out of range");
+      out.indices.push_back(corner.value());
+    }
+  return out;
+}
+
+}  // namespace tandem::assets

@@ -1,0 +1,47 @@
+#pragma once
+
+// Numbers out of a glTF file's buffers: accessors (strided, sparse, quantised), Draco, meshopt. Every byte
+// range and every count is checked against the bytes that are there before anything is allocated. For the
+// loader's sources only.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
+#include "assets/gltf/gltf_document.h"
+
+namespace tandem::assets {
+
+/// Decompresses every buffer view that carries EXT_meshopt_compression into document.ownedViews.
+void decodeMeshoptViews(GltfDocument& document);
+
+/// How many elements an accessor has; refused if its bytes cannot hold them, so that the count may be trusted before
+/// anything is read. 0 <= accessor < accessors.size(), here and below.
+std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
+
+/// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All
+/// finite.
+std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor);
+
+/// The bytes of a buffer view, as they are after decompression; its range is checked.
+ByteView viewBytes(const GltfDocument& document, std::size_t view);
+
+/// A VEC2 accessor as texture coordinates, all finite: floats, or integers, normalised or not.
+std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor);
+
+/// A SCALAR accessor of unsigned integers.
+std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor);
+
+struct DracoMesh {
+  std::vector<glm::dvec3> positions;   // file units, all finite
+  std::vector<std::uint32_t> indices;  // a triangle list, all in range
+};
+
+/// The geometry of a primitive with KHR_draco_mesh_compression; `extension` is that object.
+DracoMesh decodeDraco(const GltfDocument& document, const nlohmann::json& extension,
+                      const std::string& place);
+
+}  // namespace tandem::assets

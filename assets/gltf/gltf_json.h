@@ -1,0 +1,59 @@
+#pragma once
+
+// Typed, checked reading of JSON properties. Each names the place in the GltfError that it throws.
+
+#include <optional>
+#include <string>
+
+#include <glm/vec3.hpp>
+
+#include "assets/gltf/gltf_document.h"
+#include "assets/scene/value_ranges.h"
+
+namespace tandem::assets {
+
+/// One JSON object and where it stands in the file.
+class JsonObject {
+ public:
+  JsonObject(const nlohmann::json& value, std::string place);
+
+  const std::string& place() const { return place_; }
+  bool has(const char* key) const { return value_->contains(key); }
+
+  /// A property that is an object; nothing if it is absent.
+  std::optional<JsonObject> object(const char* key) const;
+  /// Elements of a property that is an array of objects; empty if it is absent.
+  std::vector<JsonObject> objects(const char* key) const;
+  /// A finite number.
+  std::optional<double> number(const char* key) const;
+  double numberOr(const char* key, double fallback) const { return number(key).value_or(fallback); }
+  /// A finite number >= 0.
+  double sizeOr(const char* key, double fallback) const;
+  /// `count` finite numbers.
+  std::optional<std::vector<double>> numbers(const char* key, std::size_t count) const;
+  std::optional<glm::dvec3> vector(const char* key) const;
+  bool flag(const char* key, bool fallback) const;
+  std::string text(const char* key, const std::string& fallback) const;
+  std::vector<std::string> texts(const char* key) const;
+  /// An index below `size`; a message says "of `what`".
+  std::optional<std::size_t> index(const char* key, std::size_t size, const char* what) const;
+  std::size_t requiredIndex(const char* key, std::size_t size, const char* what) const;
+
+  [[noreturn]] void fail(const char* key, const std::string& reason) const;
+  const nlohmann::json& raw() const { return *value_; }
+
+ private:
+  const nlohmann::json* find(const char* key) const;
+
+  const nlohmann::json* value_;
+  std::string place_;
+};
+
+/// Throws what a check of value ranges has found, if anything, as a fault of `place`.
+void refuseFault(const std::optional<RangeFault>& fault, const std::string& place);
+
+/// value.extensions[name] as a checked object.
+std::optional<JsonObject> extensionOf(const nlohmann::json& value, const char* name,
+                                      const std::string& place);
+
+}  // namespace tandem::assets

@@ -1,0 +1,49 @@
+#pragma once
+
+// Decides which nodes of a glTF file make up which part: plain CAD gives a static part a mesh node, a node
+// with `motion` gathers what its descendants without a motion of their own hold. For the loader's sources
+// only.
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "assets/gltf/gltf_geometry.h"
+#include "assets/gltf/gltf_nodes.h"
+#include "assets/gltf/gltf_physics.h"
+#include "assets/scene/scene.h"
+
+namespace tandem::assets {
+
+/// A part before its mesh has been read.
+struct PartPlan {
+  std::string name;            // unique
+  std::uint32_t flatNode = 0;  // into the flat nodes, which are Scene::tree
+  Pose worldFromPart;
+  std::vector<MeshPiece> pieces;
+  std::vector<ImplicitShape> shapes;    // m
+  std::optional<PhysicsMotion> motion;  // file units
+  std::optional<std::size_t> filter;    // into GltfPhysics::filters
+  double contactTolerance = 0.0;        // m, the strictest of its nodes'; 0: none states one
+  std::uint32_t geometry = kNone;       // into ScenePlan::geometries
+};
+
+/// What there is to read, and who uses it.
+struct ScenePlan {
+  std::vector<FlatNode> nodes;
+  std::vector<PartPlan> parts;
+  std::vector<std::vector<MeshPiece>> geometries;  // distinct piece lists; instances share one
+  std::vector<std::uint32_t> partOfNode;  // a flat node: its part or that of its nearest ancestor, else kNone
+  std::vector<Material> materials;
+  std::vector<Surface> surfaces;  // texture.image is still a glTF texture
+  std::vector<Finding> findings;
+};
+
+/// Plans all parts of the default scene. `unitScale` in m per file unit; more than `maxTriangles` in all
+/// distinct geometries together is refused.
+ScenePlan planParts(const GltfDocument& document, const GltfPhysics& physics, double unitScale,
+                    std::size_t maxTriangles);
+
+}  // namespace tandem::assets

@@ -1,0 +1,49 @@
+#pragma once
+
+// The door through which files enter. Everything in a file is hostile until it has been checked here.
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "assets/base/result.h"
+#include "assets/scene/scene.h"
+
+namespace tandem::assets {
+
+/// What a user may say about a file that does not say it itself.
+struct LoadOptions {
+  double unitScale = 1.0;                   // m per unit of the file
+  bool allMovable = false;                  // every part with a mesh becomes movable
+  std::vector<std::string> movable;         // parts that become movable, by name
+  double density = 2700.0;                  // kg/m^3, for the mass of parts that state none
+  double creaseAngle = 0.5235987755982988;  // rad; sharper edges are kEdgeSharp
+  glm::dvec3 gravity{0.0, 0.0, 0.0};        // m/s^2; zero leaves it to the file, which by default has none
+  std::size_t maxTriangles = 20'000'000;    // of all distinct meshes; a file with more is refused
+  /// Called from the loading thread with the share done, 0..1, and what is being done.
+  std::function<void(double, const char*)> progress;
+};
+
+/// m per unit for "m", "mm", "cm", "inch", "foot"; an error that lists them otherwise.
+Result<double> parseUnits(const std::string& name);
+
+/// Loads a .gltf or .glb file into a scene: geometry welded and analysed, extensions read, every index
+/// checked. Parts that cannot be decoded, extensionsRequired that are unknown, and broken references refuse
+/// the whole file, with one line that names the file, the place in it and the reason. Uses up to all cores.
+Result<Scene> loadGltf(const std::string& path, const LoadOptions& options);
+
+/// The same from memory, for scenes without external buffers (tests, fuzzing). `name` stands in error
+/// messages.
+Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsigned char>& bytes,
+                                 const LoadOptions& options);
+
+/// loadGltf() through a cache: the prepared scene is kept under `cacheDirectory` by the content hash of the
+/// file, its buffers and the options, and a damaged cache file is ignored and written anew. Empty directory:
+/// no cache.
+Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
+                        const std::string& cacheDirectory);
+
+/// Where caches belong for this user: $XDG_CACHE_HOME/tandem or ~/.cache/tandem; empty if neither is known.
+std::string defaultCacheDirectory();
+
+}  // namespace tandem::assets

@@ -1,0 +1,96 @@
+#include <cstdlib>
+#include <filesystem>
+#include <optional>
+
+#include "assets/base/cache_file.h"
+#include "assets/gltf/gltf_loader.h"
+#include "assets/scene/scene_package.h"
+
+namespace tandem::assets {
+namespace {
+
+// Raised whenever the loader makes something else of the same file.
+constexpr std::uint32_t kLoaderVersion = 5;
+
+/// Everything that the scene depends on, hashed.
+class KeyBuilder {
+ public:
+  template <typename T>
+  void number(T value) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(&value);
+    bytes_.insert(bytes_.end(), bytes, bytes + sizeof value);
+  }
+  void text(const std::string& value) {
+    number(std::uint64_t(value.size()));
+    const auto* bytes = reinterpret_cast<const std::byte*>(value.data());
+    bytes_.insert(bytes_.end(), bytes, bytes + value.size());
+  }
+  void content(ByteView bytes) {
+    number(std::uint64_t(bytes.size()));
+    for (const std::uint8_t byte : contentHash(std::as_bytes(bytes))) number(byte);
+  }
+  std::string name() const { return toHex(contentHash(bytes_)); }
+
+ private:
+  std::vector<std::byte> bytes_;
+};
+
+std::string cacheKey(const std::string& name, const GltfDocument& document, const LoadOptions& options) {
+  KeyBuilder key;
+  key.number(kLoaderVersion);
+  key.text(name);
+  key.number(options.unitScale);
+  key.number(options.allMovable);
+  key.number(std::uint64_t(options.movable.size()));
+  for (const std::string& part : options.movable) key.text(part);
+  key.number(options.density);
+  key.number(options.creaseAngle);
+  key.number(options.gravity.x);
+  key.number(options.gravity.y);
+  key.number(options.gravity.z);
+  key.number(std::uint64_t(options.maxTriangles));
+  key.content(document.file);
+  for (const ByteView& external : document.externals) key.content(external);
+  return key.name();
+}
+
+std::optional<Scene> readCached(const std::filesystem::path& path) {
+  const std::optional<std::vector<std::byte>> package = readCacheFile(path);
+  if (!package) return std::nullopt;
+  Result<Scene> scene = unpackScene(*package);
+  if (!scene) return std::nullopt;
+  return std::move(scene).value();
+}
+
+}  // namespace
+
+Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
+                        const std::string& cacheDirectory) {
+  if (cacheDirectory.empty()) return loadGltf(path, options);
+  try {
+    GltfDocument document;
+    openFromDisk(path, document);
+    const std::string name = std::filesystem::path(path).filename().string();
+    const std::filesystem::path cached =
+        std::filesystem::path(cacheDirectory) / (cacheKey(name, document, options) + ".scene");
+    if (std::optional<Scene> scene = readCached(cached)) {
+      if (options.progress) options.progress(1.0, "read from the cache");
+      return std::move(*scene);
+    }
+    Scene scene = buildScene(name, document, options);
+    writeCacheFile(cached, packScene(scene));
+    return scene;
+  } catch (...) {
+    return describeError(path);
+  }
+}
+
+std::string defaultCacheDirectory() {
+  const char* cache = std::getenv("XDG_CACHE_HOME");
+  if (cache != nullptr && *cache != '\0') return std::string(cache) + "/tandem";
+  const char* home = std::getenv("HOME");
+  if (home != nullptr && *home != '\0') return std::string(home) + "/.cache/tandem";
+  return "";
+}
+
+}  // namespace tandem::assets

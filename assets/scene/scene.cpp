@@ -1,0 +1,21 @@
+#include "assets/scene/scene.h"
+
+namespace tandem::assets {
+
+std::size_t triangleCount(const Scene& scene, const Part& part) {
+  return part.mesh == kNone ? 0 : scene.meshes[part.mesh].triangles.size();
+}
+
+std::size_t triangleCount(const Scene& scene) {
+  std::size_t count = 0;
+  for (const Part& part : scene.parts) count += triangleCount(scene, part);
+  return count;
+}
+
+PartId findPart(const Scene& scene, std::string_view name) {
+  for (std::size_t i = 0; i < scene.parts.size(); ++i)
+    if (scene.parts[i].name == name) return static_cast<PartId>(i);
+  return kNoPart;
+}
+
+}  // namespace tandem::assets

@@ -1,0 +1,496 @@
+#include "assets/scene/scene_codec.h"
+
+#include <bit>
+#include <cstring>
+#include <type_traits>
+
+#include "assets/scene/scene_check.h"
+
+namespace tandem::assets {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "the codec writes numbers as they stand in memory");
+
+/// Thrown by the reader, caught by decodeScene().
+struct Truncated {
+  const char* reason;
+};
+
+class Writer {
+ public:
+  template <typename T>
+  void number(const T& value) {
+    static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
+    raw(&value, sizeof value);
+  }
+  void flag(const bool& value) { number(static_cast<std::uint8_t>(value)); }
+  void text(const std::string& value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    raw(value.data(), value.size());
+  }
+  /// Announces an array; `minimum` bytes an element follow at least.
+  template <typename T>
+  void count(const std::vector<T>& values, std::size_t minimum) {
+    (void)minimum;
+    number(static_cast<std::uint32_t>(values.size()));
+  }
+
+  std::byte* room(std::size_t size) {
+    bytes_.resize(bytes_.size() + size);
+    return bytes_.data() + bytes_.size() - size;
+  }
+  std::vector<std::byte> take() { return std::move(bytes_); }
+
+ private:
+  void raw(const void* data, std::size_t size) {
+    if (size > 0) std::memcpy(room(size), data, size);
+  }
+
+  std::vector<std::byte> bytes_;
+};
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  void number(T& value) {
+    static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
+    std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
+  }
+  void flag(bool& value) {
+    std::uint8_t byte = 0;
+    number(byte);
+    if (byte > 1) throw Truncated{"a flag is neither 0 nor 1"};
+    value = byte == 1;
+  }
+  void text(std::string& value) {
+    std::uint32_t size = 0;
+    number(size);
+    const std::byte* data = take(size);
+    value.assign(reinterpret_cast<const char*>(data), size);
+  }
+  template <typename T>
+  void count(std::vector<T>& values, std::size_t minimum) {
+    std::uint32_t size = 0;
+    number(size);
+    if (std::uint64_t(size) * minimum > bytes_.size() - at_)
+      throw Truncated{"a count is larger than the bytes that are left"};
+    values.resize(size);
+  }
+
+  const std::byte* take(std::size_t size) {
+    if (size > bytes_.size() - at_) throw Truncated{"the bytes end too early"};
+    at_ += size;
+    return bytes_.data() + at_ - size;
+  }
+  bool atEnd() const { return at_ == bytes_.size(); }
+
+ private:
+  std::span<const std::byte> bytes_;
+  std::size_t at_ = 0;
+};
+
+// --- arrays in planes
+// -------------------------------------------------------------------------------------------------
+
+/// Signed differences as small unsigned numbers; a bijection of 32 bits.
+std::uint32_t zigzag(std::uint32_t d) { return (d << 1) ^ (0u - (d >> 31)); }
+std::uint32_t unzigzag(std::uint32_t z) { return (z >> 1) ^ (0u - (z & 1u)); }
+
+template <typename T>
+void toPlanes(const T* values, std::size_t count, std::byte* out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned char bytes[sizeof(T)];
+    std::memcpy(bytes, values + i, sizeof(T));
+    for (std::size_t b = 0; b < sizeof(T); ++b) out[b * count + i] = std::byte{bytes[b]};
+  }
+}
+
+template <typename T>
+void fromPlanes(const std::byte* in, std::size_t count, T* values) {
+  for (std::size_t i = 0; i < count; ++i) {
+    unsigned char bytes[sizeof(T)];
+    for (std::size_t b = 0; b < sizeof(T); ++b) bytes[b] = static_cast<unsigned char>(in[b * count + i]);
+    std::memcpy(values + i, bytes, sizeof(T));
+  }
+}
+
+using Triples = std::vector<std::array<std::uint32_t, 3>>;
+
+/// Triples as differences: to the corner before (own = false), or to the index of the triple itself (own =
+/// true), which suits neighbours, since meshes list near triangles one after the other. Wraps, so that kNone
+/// needs no case.
+void putTriples(Writer& out, const Triples& values, bool own) {
+  std::vector<std::uint32_t> differences(values.size() * 3);
+  std::uint32_t previous = 0;
+  for (std::size_t t = 0; t < values.size(); ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      differences[t * 3 + k] = zigzag(values[t][k] - (own ? static_cast<std::uint32_t>(t) : previous));
+      previous = values[t][k];
+    }
+  toPlanes(differences.data(), differences.size(), out.room(differences.size() * 4));
+}
+
+void getTriples(Reader& in, Triples& values, std::size_t count, bool own) {
+  const std::byte* bytes = in.take(count * 12);
+  std::vector<std::uint32_t> differences(count * 3);
+  fromPlanes(bytes, differences.size(), differences.data());
+  values.resize(count);
+  std::uint32_t previous = 0;
+  for (std::size_t t = 0; t < count; ++t)
+    for (std::size_t k = 0; k < 3; ++k) {
+      values[t][k] = unzigzag(differences[t * 3 + k]) + (own ? static_cast<std::uint32_t>(t) : previous);
+      previous = values[t][k];
+    }
+}
+
+bool fitsFloat(const std::vector<glm::dvec3>& positions) {
+  for (const glm::dvec3& p : positions)
+    for (int i = 0; i < 3; ++i)
+      // Compared as bits, so that -0.0 and tiny numbers come back as they were.
+      if (std::bit_cast<std::uint64_t>(static_cast<double>(static_cast<float>(p[i]))) !=
+          std::bit_cast<std::uint64_t>(p[i]))
+        return false;
+  return true;
+}
+
+template <typename T>
+void putPositions(Writer& out, const std::vector<glm::dvec3>& positions) {
+  std::vector<T> numbers(positions.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    for (std::size_t i = 0; i < positions.size(); ++i) numbers[i] = static_cast<T>(positions[i][axis]);
+    toPlanes(numbers.data(), numbers.size(), out.room(numbers.size() * sizeof(T)));
+  }
+}
+
+template <typename T>
+void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
+  std::vector<T> numbers(positions.size());
+  for (int axis = 0; axis < 3; ++axis) {
+    fromPlanes(in.take(numbers.size() * sizeof(T)), numbers.size(), numbers.data());
+    for (std::size_t i = 0; i < positions.size(); ++i) positions[i][axis] = static_cast<double>(numbers[i]);
+  }
+}
+
+// --- one function a type, for both directions: Writer takes const references, Reader mutable ones ---
+
+/// An array of things that are written one by one; each takes at least `minimum` bytes.
+template <typename Archive, typename List, typename Each>
+void list(Archive& a, List& values, std::size_t minimum, Each&& each) {
+  a.count(values, minimum);
+  for (auto& value : values) each(value);
+}
+
+/// An array of plain numbers.
+template <typename Archive, typename Numbers>
+void numbers(Archive& a, Numbers& values) {
+  list(a, values, sizeof(values[0]), [&a](auto& value) { a.number(value); });
+}
+
+template <typename Archive, typename Pose_>
+void pose(Archive& a, Pose_& p) {
+  a.number(p.position);
+  a.number(p.orientation.w);
+  a.number(p.orientation.x);
+  a.number(p.orientation.y);
+  a.number(p.orientation.z);
+}
+
+template <typename Archive, typename Material_>
+void material(Archive& a, Material_& m) {
+  a.text(m.name);
+  a.number(m.baseColour);
+  a.number(m.metallic);
+  a.number(m.roughness);
+  a.number(m.stiffness);
+  a.number(m.damping);
+  a.number(m.staticFriction);
+  a.number(m.dynamicFriction);
+  a.number(m.restitution);
+  a.number(m.surface);
+}
+
+template <typename Archive, typename Surface_>
+void surface(Archive& a, Surface_& s) {
+  a.number(s.creaseAngle);
+  a.number(s.viscosity);
+  a.number(s.texture.pattern);
+  a.number(s.texture.image);
+  a.number(s.texture.amplitude);
+  a.number(s.texture.amplitudeForce);
+  a.number(s.texture.wavelength);
+  a.number(s.texture.frictionScale);
+  a.number(s.vibrationFrequency);
+  a.number(s.vibrationAmplitude);
+  a.number(s.stickSlipForce);
+  a.number(s.stickSlipStiffness);
+  a.number(s.magneticForce);
+  a.number(s.magneticDistance);
+  a.number(s.popThroughForce);
+  a.number(s.law);
+  a.number(s.stiffness2);
+  a.number(s.relaxation);
+  a.number(s.yieldForce);
+  a.number(s.hardening);
+}
+
+void texture(Writer& out, const TextureImage& image) {
+  out.number(image.width);
+  out.number(image.height);
+  out.count(image.texels, 1);
+  if (!image.texels.empty())
+    std::memcpy(out.room(image.texels.size()), image.texels.data(), image.texels.size());
+}
+
+void texture(Reader& in, TextureImage& image) {
+  in.number(image.width);
+  in.number(image.height);
+  in.count(image.texels, 1);
+  const std::size_t size = image.texels.size();
+  if (size > 0) std::memcpy(image.texels.data(), in.take(size), size);
+}
+
+template <typename Archive, typename Shape_>
+void shape(Archive& a, Shape_& s) {
+  a.number(s.kind);
+  pose(a, s.partFromShape);
+  a.number(s.size);
+  a.number(s.height);
+  a.number(s.radiusTop);
+  a.number(s.radiusBottom);
+  a.number(s.material);
+}
+
+template <typename Archive, typename Part_>
+void part(Archive& a, Part_& p) {
+  a.text(p.name);
+  a.number(p.treeNode);
+  a.number(p.mesh);
+  list(a, p.shapes, 100, [&a](auto& s) { shape(a, s); });
+  pose(a, p.worldFromPart);
+  a.flag(p.movable);
+  a.flag(p.kinematic);
+  a.number(p.massProperties.mass);
+  a.number(p.massProperties.centreOfMass);
+  a.number(p.massProperties.inertia);
+  a.number(p.gravityFactor);
+  a.number(p.filter.memberOf);
+  a.number(p.filter.collidesWith);
+  a.number(p.contactTolerance);
+}
+
+template <typename Archive, typename Joint_>
+void joint(Archive& a, Joint_& j) {
+  a.text(j.name);
+  a.number(j.partA);
+  a.number(j.partB);
+  pose(a, j.aFromJoint);
+  pose(a, j.bFromJoint);
+  list(a, j.limits, 34, [&a](auto& l) {
+    a.flag(l.angular);
+    a.number(l.axes);
+    a.number(l.min);
+    a.number(l.max);
+    a.number(l.stiffness);
+    a.number(l.damping);
+  });
+  list(a, j.drives, 43, [&a](auto& d) {
+    a.flag(d.angular);
+    a.flag(d.acceleration);
+    a.number(d.axis);
+    a.number(d.maxForce);
+    a.number(d.positionTarget);
+    a.number(d.velocityTarget);
+    a.number(d.stiffness);
+    a.number(d.damping);
+  });
+  a.number(j.pitch);
+  numbers(a, j.detents.places);
+  a.number(j.detents.force);
+  a.number(j.detents.width);
+  a.flag(j.detentsTurn);
+  a.flag(j.collide);
+}
+
+template <typename Archive, typename Region_>
+void fieldRegion(Archive& a, Region_& r) {
+  a.number(r.kind);
+  a.number(r.halfSize);
+  a.number(r.radius);
+  a.number(r.fade);
+}
+
+template <typename Archive, typename Waveform_>
+void waveform(Archive& a, Waveform_& w) {
+  a.number(w.kind);
+  a.number(w.frequency);
+  a.number(w.endFrequency);
+  a.number(w.sweep);
+  a.number(w.phase);
+  a.number(w.width);
+  a.number(w.start);
+  a.number(w.stop);
+}
+
+template <typename Archive, typename Field_>
+void field(Archive& a, Field_& f) {
+  a.text(f.name);
+  a.number(f.kind);
+  a.number(f.part);
+  pose(a, f.partFromField);
+  a.number(f.maxForce);
+  fieldRegion(a, f.region);
+  a.number(f.force);
+  waveform(a, f.waveform);
+  a.number(f.anchor);
+  a.number(f.axis);
+  a.flag(f.oneSided);
+  numbers(a, f.points);
+  a.flag(f.closed);
+  a.flag(f.smooth);
+  a.number(f.stiffness);
+  a.number(f.radius);
+  a.number(f.range);
+  a.number(f.fade);
+  a.number(f.drive);
+  a.number(f.damping);
+  a.number(f.strength);
+  a.number(f.potential);
+  a.number(f.depth);
+  a.number(f.sigma);
+  list(a, f.terms, 11, [&a](auto& t) {
+    a.number(t.coefficient);
+    a.number(t.powers);
+  });
+}
+
+template <typename Archive, typename Control_>
+void control(Archive& a, Control_& c) {
+  a.text(c.name);
+  a.number(c.part);
+  a.number(c.kind);
+  pose(a, c.worldFromAxis);
+  pose(a, c.axisFromPart);
+  a.flag(c.endless);
+  for (auto* value :
+       {&c.min, &c.max, &c.initial, &c.inertia, &c.springStiffness, &c.springRest, &c.damping, &c.friction,
+        &c.detents.force, &c.detents.width, &c.click.at, &c.click.drop, &c.click.width, &c.threshold})
+    a.number(*value);
+  numbers(a, c.detents.places);
+  a.number(c.roles);
+  numbers(a, c.shows);
+}
+
+template <typename Archive, typename Mesh_>
+void meshHead(Archive& a, Mesh_& m) {
+  a.number(m.shellCount);
+  a.flag(m.closed);
+  a.number(m.volume);
+  a.number(m.bounds.min);
+  a.number(m.bounds.max);
+}
+
+void mesh(Writer& out, const Mesh& mesh) {
+  meshHead(out, mesh);
+  const bool asFloat = fitsFloat(mesh.positions);
+  out.flag(asFloat);
+  out.count(mesh.positions, 12);
+  if (asFloat)
+    putPositions<float>(out, mesh.positions);
+  else
+    putPositions<double>(out, mesh.positions);
+  const std::size_t count = mesh.triangles.size();
+  out.count(mesh.triangles, 33);
+  putTriples(out, mesh.triangles, false);
+  putTriples(out, mesh.neighbours, true);
+  std::vector<std::uint32_t> shells(count);
+  for (std::size_t t = 0; t < count; ++t)
+    shells[t] = zigzag(mesh.triangleShell[t] - (t > 0 ? mesh.triangleShell[t - 1] : 0));
+  toPlanes(shells.data(), count, out.room(count * 4));
+  toPlanes(mesh.triangleMaterial.data(), count, out.room(count * 2));
+  if (count > 0) std::memcpy(out.room(count * 3), mesh.edgeFlags.data(), count * 3);
+  out.count(mesh.triangleUv, 24);
+  const float* uv = reinterpret_cast<const float*>(mesh.triangleUv.data());
+  toPlanes(uv, mesh.triangleUv.size() * 6, out.room(mesh.triangleUv.size() * 24));
+}
+
+void mesh(Reader& in, Mesh& mesh) {
+  meshHead(in, mesh);
+  bool asFloat = false;
+  in.flag(asFloat);
+  in.count(mesh.positions, asFloat ? 12 : 24);
+  if (asFloat)
+    getPositions<float>(in, mesh.positions);
+  else
+    getPositions<double>(in, mesh.positions);
+  in.count(mesh.triangles, 33);
+  const std::size_t count = mesh.triangles.size();
+  getTriples(in, mesh.triangles, count, false);
+  getTriples(in, mesh.neighbours, count, true);
+  mesh.triangleShell.resize(count);
+  fromPlanes(in.take(count * 4), count, mesh.triangleShell.data());
+  for (std::size_t t = 0; t < count; ++t)
+    mesh.triangleShell[t] = unzigzag(mesh.triangleShell[t]) + (t > 0 ? mesh.triangleShell[t - 1] : 0);
+  mesh.triangleMaterial.resize(count);
+  fromPlanes(in.take(count * 2), count, mesh.triangleMaterial.data());
+  mesh.edgeFlags.resize(count);
+  const std::byte* flags = in.take(count * 3);
+  if (count > 0) std::memcpy(mesh.edgeFlags.data(), flags, count * 3);
+  in.count(mesh.triangleUv, 24);
+  float* uv = reinterpret_cast<float*>(mesh.triangleUv.data());
+  fromPlanes(in.take(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
+}
+
+template <typename Archive, typename Finding_>
+void finding(Archive& a, Finding_& f) {
+  a.number(f.severity);
+  a.text(f.code);
+  a.text(f.where);
+  a.number(f.count);
+  a.text(f.message);
+}
+
+template <typename Archive, typename Scene_>
+void sceneBody(Archive& a, Scene_& s) {
+  a.text(s.name);
+  a.number(s.gravity);
+  a.number(s.bounds.min);
+  a.number(s.bounds.max);
+  list(a, s.materials, 72, [&a](auto& m) { material(a, m); });
+  list(a, s.surfaces, 134, [&a](auto& f) { surface(a, f); });
+  list(a, s.textures, 12, [&a](auto& t) { texture(a, t); });
+  list(a, s.meshes, 74, [&a](auto& m) { mesh(a, m); });
+  list(a, s.tree, 8, [&a](auto& n) {
+    a.text(n.name);
+    a.number(n.parent);
+  });
+  list(a, s.parts, 200, [&a](auto& p) { part(a, p); });
+  list(a, s.joints, 158, [&a](auto& j) { joint(a, j); });
+  list(a, s.fields, 334, [&a](auto& f) { field(a, f); });
+  list(a, s.controls, 244, [&a](auto& c) { control(a, c); });
+  list(a, s.findings, 21, [&a](auto& f) { finding(a, f); });
+}
+
+}  // namespace
+
+std::vector<std::byte> encodeScene(const Scene& scene) {
+  Writer writer;
+  sceneBody(writer, scene);
+  return writer.take();
+}
+
+Result<Scene> decodeScene(std::span<const std::byte> bytes) {
+  Scene scene;
+  try {
+    Reader reader(bytes);
+    sceneBody(reader, scene);
+    if (!reader.atEnd()) return Error{"bytes are left over"};
+  } catch (const Truncated& e) {
+    return Error{e.reason};
+  }
+  if (Status status = checkScene(scene); !status) return status.error();
+  return scene;
+}
+
+}  // namespace tandem::assets

@@ -1,0 +1,43 @@
+#pragma once
+
+// The range of every number of a surface, field, control or shape: the one place that both the loader and the check of
+// scenes that came over a network go by. README.md lists them.
+//
+// The ranges are far wider than anything a hand can feel and far narrower than what arithmetic can bear: they
+// catch wrong units and hostile files, not taste.
+
+#include <optional>
+#include <string>
+
+#include "assets/scene/scene.h"
+
+namespace tandem::assets {
+
+/// m, of any coordinate of a mesh, a shape or a pose. Beyond, it is a mistake in the file's units, and squares
+/// and products of it lose their meaning.
+inline constexpr double kMaxCoordinate = 1e9;
+
+/// Whether all coordinates are nearer to the origin than kMaxCoordinate; false for what is not a number.
+bool nearOrigin(const glm::dvec3& p);
+
+/// A number that lies outside of its range.
+struct RangeFault {
+  std::string property;  // as the glTF property, from the object that holds it: "stickSlip.force"
+  std::string reason;    // "is 1e+308 N; it must lie between 0 and 10000 N"
+};
+
+/// The first number that is outside of its range or not a number; nothing if all are good.
+std::optional<RangeFault> outOfRange(const Material& material);
+std::optional<RangeFault> outOfRange(const Surface& surface);
+std::optional<RangeFault> outOfRange(const ForceField& field);
+std::optional<RangeFault> outOfRange(const Control& control);
+std::optional<RangeFault> outOfRange(const Joint& joint);
+/// The scene's gravity, m/s^2, and a part's share of it.
+std::optional<RangeFault> gravityFault(const glm::dvec3& gravity);
+std::optional<RangeFault> gravityFactorFault(double factor);
+/// A tolerance that somebody stated for contact of a part, m.
+std::optional<RangeFault> toleranceFault(double tolerance);
+/// Sizes and place of a primitive, m.
+std::optional<RangeFault> outOfRange(const ImplicitShape& shape);
+
+}  // namespace tandem::assets

@@ -1,0 +1,48 @@
+#include "client/base/readable.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace tandem::client {
+
+std::string threeDigits(double value) {
+  const double size = std::abs(value);
+  if (size > 0.0 && size < 1e-3) return "<0.001";
+  char text[64];
+  std::snprintf(text, sizeof text, size < 999.5 ? "%.3g" : "%.0f", value);
+  return text;
+}
+
+std::string readableLength(double length) {
+  const double size = std::abs(length);
+  if (size >= 0.9995) return threeDigits(length) + " m";
+  if (size >= 0.9995e-3) return threeDigits(1e3 * length) + " mm";
+  return threeDigits(1e6 * length) + " um";
+}
+
+std::string readableMass(double mass) {
+  if (mass >= 999.5) return threeDigits(1e-3 * mass) + " t";
+  if (mass >= 0.9995) return threeDigits(mass) + " kg";
+  return threeDigits(1e3 * mass) + " g";
+}
+
+std::string readableBytes(std::size_t bytes) {
+  const auto size = static_cast<double>(bytes);
+  if (size >= 999.5e6) return threeDigits(1e-9 * size) + " GB";
+  if (size >= 999.5e3) return threeDigits(1e-6 * size) + " MB";
+  if (size >= 999.5) return threeDigits(1e-3 * size) + " kB";
+  return threeDigits(size) + " B";
+}
+
+std::string tieInWords(const haptics::TieReport& tie) {
+  if (tie.links == 0) return "";
+  char way[32];
+  std::snprintf(way, sizeof way, " (%.0f ms)", 1e3 * tie.delay);
+  if (tie.regime == haptics::LinkRegime::apart)
+    return std::string("one at a time: too far away to be felt") + way;
+  if (!tie.heard) return "nothing is heard of the other hand";
+  if (tie.fade < 0.99) return "coming up";
+  return (tie.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(way);
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,83 @@
+#pragma once
+
+// Which parts of the scene this hand asks for on its own: controls that the tool presses on or that are to be set to
+// a value, and parts that would give way to what it pushes. They are owned without a grasp, and released like every
+// part once they rest.
+//
+// Runs in the haptic thread; allocates nothing.
+
+#include <array>
+#include <optional>
+#include <span>
+
+#include "assets/scene/scene.h"
+#include "client/session/exchange.h"
+#include "haptics/tick.h"
+
+namespace tandem::client {
+
+class ControlHand {
+ public:
+  explicit ControlHand(const assets::Scene& scene) : scene_(scene) {}
+
+  /// A control shall have a value, clamped to what it can have. Not a control's part, or nine at once: no
+  /// effect.
+  void set(PartId part, double value);
+
+  /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set, that is
+  /// neither owned here nor asked for. One that was denied is asked for again when the tool
+  /// comes back to it. `owned(part)` tells whether this site owns it.
+  template <typename Owned>
+  PartId wanted(const haptics::TickOutput& last, const Owned& owned) {
+    if (scene_.controls.empty() && last.pushedCount == 0 && !any()) return kNoPart;
+    forgetUntouched(last);
+    for (Entry& entry : entries_)
+      if (entry.part != kNoPart && entry.stage == Stage::wanted && !owned(entry.part)) return ask(entry);
+    for (const PartId part : pressed(last))
+      if (part != kNoPart && !find(part) && !owned(part))
+        if (Entry* entry = add(part)) return ask(*entry);
+    return kNoPart;
+  }
+  /// The question could not be sent: it will be asked again.
+  void askLater(PartId part);
+
+  /// Whether this hand asked for the part.
+  bool asked(PartId part) const;
+  /// The server has said no, or has taken it away: it is not asked for again until the tool has left it.
+  void denied(PartId part);
+  /// The connection is gone: nothing that was asked for will be answered.
+  void lost();
+  /// It is granted, or owned already: the pose at which to own it, if a value is to be set; then nothing is
+  /// left to do.
+  std::optional<Pose> granted(PartId part);
+  /// A control that is owned here and is to be set: taken off the list with its pose.
+  template <typename Owned>
+  std::optional<PartId> toSet(const Owned& owned) const {
+    for (const Entry& entry : entries_)
+      if (entry.part != kNoPart && entry.hasValue && owned(entry.part)) return entry.part;
+    return std::nullopt;
+  }
+
+ private:
+  enum class Stage : std::uint8_t { wanted, asked, denied };
+  struct Entry {
+    PartId part = kNoPart;
+    Stage stage = Stage::wanted;
+    bool hasValue = false;
+    double value = 0.0;
+  };
+  static constexpr std::size_t kAtOnce = 8;
+
+  using Pressed = std::array<PartId, haptics::kMaxContacts + haptics::kMaxPushed>;
+  bool any() const;
+  Pressed pressed(const haptics::TickOutput& last) const;
+  void forgetUntouched(const haptics::TickOutput& last);
+  PartId ask(Entry& entry);
+  Entry* find(PartId part);
+  Entry* add(PartId part);
+
+  const assets::Scene& scene_;
+  std::array<Entry, kAtOnce> entries_;
+};
+
+}  // namespace tandem::client

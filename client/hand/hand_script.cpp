@@ -1,0 +1,393 @@
+#include "client/hand/hand_script.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/gtc/constants.hpp>
+#include <nlohmann/json.hpp>
+
+#include "client/base/json_input.h"
+#include "haptics/base/minimum_jerk.h"
+#include "haptics/geometry/primitive_distance.h"
+
+namespace tandem::client {
+
+using nlohmann::json;
+
+namespace {
+
+constexpr double kApproachSpeed = 0.25;    // m/s, mean, when a hand goes to a part
+constexpr double kApproachShortest = 0.3;  // s
+
+// Far beyond any session, yet small enough that nothing computed from them overflows.
+constexpr double kLongest = 1e5;   // s
+constexpr double kMostTurn = 1e4;  // rad
+constexpr double kMostHz = 500.0;  // half the rate of the loop
+
+/// A field's number within +-most; throws a message for a person.
+double number(const json& step, const char* key, double most = kFarthest) {
+  if (!step.contains(key)) throw std::string("lacks \"") + key + "\"";
+  if (!step[key].is_number() || !std::isfinite(step[key].get<double>()))
+    throw std::string("\"") + key + "\" must be a finite number";
+  const double value = step[key].get<double>();
+  if (std::abs(value) > most)
+    throw std::string("\"") + key + "\" must be at most " + std::to_string(static_cast<int>(most)) +
+        " in size";
+  return value;
+}
+
+double duration(const json& step, const char* key) {
+  const double seconds = number(step, key, kLongest);
+  if (seconds < 0.0) throw std::string("\"") + key + "\" must not be negative";
+  return seconds;
+}
+
+glm::dvec3 vector(const json& step, const char* key) {
+  if (!step.contains(key) || !step[key].is_array() || step[key].size() != 3)
+    throw std::string("needs \"") + key + "\": [x, y, z]";
+  glm::dvec3 value;
+  for (int i = 0; i < 3; ++i) {
+    const json& entry = step[key][static_cast<std::size_t>(i)];
+    if (!entry.is_number() || !std::isfinite(entry.get<double>()))
+      throw std::string("\"") + key + "\" must hold three finite numbers";
+    if (std::abs(entry.get<double>()) > kFarthest)
+      throw std::string("\"") + key + "\" must be within " + std::to_string(static_cast<int>(kFarthest));
+    value[i] = entry.get<double>();
+  }
+  return value;
+}
+
+glm::dvec3 axis(const json& step) {
+  if (step.contains("axis") && step["axis"].is_string()) {
+    const std::string name = step["axis"].get<std::string>();
+    if (name == "x") return {1.0, 0.0, 0.0};
+    if (name == "y") return {0.0, 1.0, 0.0};
+    if (name == "z") return {0.0, 0.0, 1.0};
+    throw std::string("\"axis\" must be x, y, z or [x, y, z]");
+  }
+  const glm::dvec3 value = vector(step, "axis");
+  if (glm::length(value) < 1e-12) throw std::string("\"axis\" must not be zero");
+  return glm::normalize(value);
+}
+
+/// Without a scene (null) any name will do: it is looked up once the scene is there.
+PartId part(const json& step, const assets::Scene* scene) {
+  if (!step.contains("part") || !step["part"].is_string()) throw std::string("needs \"part\": \"NAME\"");
+  if (scene == nullptr) return kNoPart;
+  const std::string name = step["part"].get<std::string>();
+  const PartId id = assets::findPart(*scene, name);
+  if (id == kNoPart) throw "no part is named \"" + name + "\"";
+  return id;
+}
+
+PartId controlPart(const json& step, const assets::Scene* scene) {
+  if (!step.contains("control") || !step["control"].is_string())
+    throw std::string("needs \"control\": \"NAME\"");
+  if (scene == nullptr) return kNoPart;
+  const std::string name = step["control"].get<std::string>();
+  for (const assets::Control& control : scene->controls)
+    if (control.name == name || scene->parts[control.part].name == name) return control.part;
+  throw "no control is named \"" + name + "\"";
+}
+
+/// A misspelt key would silently do something else.
+void refuseUnknown(const json& step) {
+  static const char* const known[] = {"t",     "do",        "part", "over_s", "to",    "by",      "axis",
+                                      "angle", "amplitude", "hz",   "for_s",  "depth", "control", "value"};
+  for (const auto& item : step.items())
+    if (std::find(std::begin(known), std::end(known), item.key()) == std::end(known))
+      throw "does not know \"" + item.key() + "\"";
+}
+
+ScriptStep parseStep(const json& entry, const assets::Scene* scene) {
+  using Verb = ScriptStep::Verb;
+  if (!entry.is_object()) throw std::string("must be an object");
+  refuseUnknown(entry);
+  ScriptStep step;
+  step.at = duration(entry, "t");
+  if (!entry.contains("do") || !entry["do"].is_string()) throw std::string("needs \"do\": \"VERB\"");
+  const std::string verb = entry["do"].get<std::string>();
+  if (verb == "grasp") {
+    step.verb = Verb::grasp;
+    step.part = part(entry, scene);
+    step.over = entry.contains("over_s") ? duration(entry, "over_s") : -1.0;
+  } else if (verb == "release") {
+    step.verb = Verb::release;
+  } else if (verb == "move" || verb == "move_relative") {
+    step.verb = verb == "move" ? Verb::move : Verb::moveRelative;
+    step.vector = vector(entry, verb == "move" ? "to" : "by");
+    step.over = duration(entry, "over_s");
+  } else if (verb == "turn") {
+    step.verb = Verb::turn;
+    step.vector = axis(entry);
+    step.amount = number(entry, "angle", kMostTurn);
+    step.over = duration(entry, "over_s");
+  } else if (verb == "sine") {
+    step.verb = Verb::sine;
+    step.vector = axis(entry);
+    step.amount = number(entry, "amplitude");
+    step.hz = number(entry, "hz", kMostHz);
+    step.over = duration(entry, "for_s");
+  } else if (verb == "hold") {
+    step.verb = Verb::hold;
+  } else if (verb == "press") {
+    step.verb = Verb::press;
+    step.part = part(entry, scene);
+    step.amount = number(entry, "depth");
+    step.over = entry.contains("over_s") ? duration(entry, "over_s") : -1.0;
+  } else if (verb == "set") {
+    step.verb = Verb::set;
+    step.part = controlPart(entry, scene);
+    step.amount = number(entry, "value");
+  } else if (verb == "let_go") {
+    step.verb = Verb::letGo;
+  } else {
+    throw "does not know \"" + verb +
+        "\"; verbs: grasp release move move_relative turn sine hold press set let_go";
+  }
+  return step;
+}
+
+/// Closest point of a triangle (Ericson 2005, section 5.1.5).
+glm::dvec3 closestOnTriangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b,
+                             const glm::dvec3& c) {
+  const glm::dvec3 ab = b - a, ac = c - a, ap = p - a;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+  if (d1 <= 0.0 && d2 <= 0.0) return a;
+  const glm::dvec3 bp = p - b;
+  const double d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+  if (d3 >= 0.0 && d4 <= d3) return b;
+  const double vc = d1 * d4 - d3 * d2;
+  if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) return a + ab * (d1 / (d1 - d3));
+  const glm::dvec3 cp = p - c;
+  const double d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d6 >= 0.0 && d5 <= d6) return c;
+  const double vb = d5 * d2 - d1 * d6;
+  if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) return a + ac * (d2 / (d2 - d6));
+  const double va = d3 * d6 - d5 * d4;
+  if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0)
+    return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+  const double scale = 1.0 / (va + vb + vc);
+  return a + ab * (vb * scale) + ac * (vc * scale);
+}
+
+/// Minimum-jerk progress and its first two derivatives at s in [0, 1].
+struct Progress {
+  double value, rate, acceleration;
+};
+Progress progressAt(double s) {
+  if (s <= 0.0) return {0.0, 0.0, 0.0};
+  if (s >= 1.0) return {1.0, 0.0, 0.0};
+  return {haptics::minimumJerk(s), 30.0 * s * s * (1.0 - s) * (1.0 - s),
+          60.0 * s * (1.0 - s) * (1.0 - 2.0 * s)};
+}
+
+}  // namespace
+
+namespace {
+
+Result<json> parseSteps(const std::string& text, const std::string& source) {
+  Result<json> document = parseJson(text, source);
+  if (!document) return document;
+  json steps = document->is_object() && document->contains("script") ? (*document)["script"] : *document;
+  if (!steps.is_array()) return Error{source + ": a script is a list of steps"};
+  return steps;
+}
+
+Result<HandScript> parseScript(const std::string& text, const std::string& source,
+                               const assets::Scene* scene) {
+  const Result<json> parsed = parseSteps(text, source);
+  if (!parsed) return parsed.error();
+  const json& steps = *parsed;
+  HandScript script;
+  for (std::size_t i = 0; i < steps.size(); ++i) {
+    try {
+      script.steps.push_back(parseStep(steps[i], scene));
+    } catch (const std::string& reason) {
+      return Error{source + ": step " + std::to_string(i + 1) + ": " + reason};
+    }
+  }
+  std::stable_sort(script.steps.begin(), script.steps.end(),
+                   [](const ScriptStep& a, const ScriptStep& b) { return a.at < b.at; });
+  return script;
+}
+
+}  // namespace
+
+Status checkHandScript(const std::string& path) {
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  const Result<HandScript> script = parseScript(*text, path, nullptr);
+  return script ? Status{} : Status{script.error()};
+}
+
+Result<HandScript> parseHandScript(const std::string& text, const std::string& source,
+                                   const assets::Scene& scene) {
+  return parseScript(text, source, &scene);
+}
+
+Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene) {
+  const Result<std::string> text = readTextFile(path);
+  if (!text) return text.error();
+  return parseHandScript(*text, path, scene);
+}
+
+namespace {
+
+/// Of planes, which may have no end, only their own point counts.
+SurfacePoint nearestOfShapes(const assets::Part& part, const Pose& worldFromPart, const glm::dvec3& from) {
+  const glm::dvec3 p = transformPoint(inverse(worldFromPart), from);
+  SurfacePoint nearest{{0.0, 0.0, 0.0}, {0.0, 1.0, 0.0}};
+  double least = 1e300;
+  for (const assets::ImplicitShape& shape : part.shapes) {
+    if (shape.kind == assets::ImplicitShape::Kind::plane) continue;
+    const haptics::SurfaceDistance d = haptics::Primitive(shape).at(p);
+    if (d.distance >= least) continue;
+    least = d.distance;
+    nearest = {p - d.distance * d.gradient, d.gradient};
+  }
+  return {transformPoint(worldFromPart, nearest.point), transformVector(worldFromPart, nearest.normal)};
+}
+
+}  // namespace
+
+SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, const Pose& worldFromPart,
+                                 const glm::dvec3& from) {
+  const assets::Part& part = scene.parts[partId];
+  if (part.mesh == assets::kNone) return nearestOfShapes(part, worldFromPart, from);
+  const assets::Mesh& mesh = scene.meshes[part.mesh];
+  const glm::dvec3 p = transformPoint(inverse(worldFromPart), from);
+  double best = 1e300;
+  SurfacePoint result;
+  for (const auto& triangle : mesh.triangles) {
+    const glm::dvec3 &a = mesh.positions[triangle[0]], &b = mesh.positions[triangle[1]],
+                     &c = mesh.positions[triangle[2]];
+    const glm::dvec3 q = closestOnTriangle(p, a, b, c);
+    const double distance = glm::dot(p - q, p - q);
+    if (distance >= best) continue;
+    best = distance;
+    result = {q, glm::cross(b - a, c - a)};
+  }
+  const double length = glm::length(result.normal);
+  result.normal = length > 0.0 ? result.normal / length : glm::dvec3(0.0, 1.0, 0.0);
+  // Seen from outside the closest feature may be an edge: the way to the hand is then the better normal.
+  const double distance = std::sqrt(best);
+  if (distance > 1e-9 && glm::dot(p - result.point, result.normal) > 0.0)
+    result.normal = (p - result.point) / distance;
+  return {transformPoint(worldFromPart, result.point), transformVector(worldFromPart, result.normal)};
+}
+
+ScriptedPerson::ScriptedPerson(const assets::Scene& scene, HandScript script, const Pose& worldFromStart)
+    : scene_(scene), script_(std::move(script)), from_(worldFromStart), to_(worldFromStart) {}
+
+void ScriptedPerson::moveTo(const Pose& goal, double start, double over) {
+  from_ = evaluate(start).target.worldFromTarget;
+  to_ = goal;
+  motion_ = Motion::straight;
+  motionStart_ = start;
+  motionLength_ = over;
+}
+
+void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, const Pose& worldFromPart) {
+  const Pose present = evaluate(step.at).target.worldFromTarget;
+  Pose goal = present;
+  switch (step.verb) {
+    case ScriptStep::Verb::grasp:
+    case ScriptStep::Verb::press: {
+      const SurfacePoint surface =
+          nearestSurfacePoint(scene_, step.part, worldFromPart, worldFromHand.position);
+      const bool press = step.verb == ScriptStep::Verb::press;
+      goal.position = press ? surface.point - surface.normal * step.amount : surface.point;
+      const double way = glm::length(goal.position - present.position);
+      const double over = step.over >= 0.0 ? step.over : std::max(kApproachShortest, way / kApproachSpeed);
+      moveTo(goal, step.at, over);
+      if (!press) {
+        wish_ = step.part;
+        buttonDownAt_ = step.at + over;
+      }
+      break;
+    }
+    case ScriptStep::Verb::release:
+      button_ = false;
+      buttonDownAt_ = -1.0;
+      wish_ = kNoPart;
+      break;
+    case ScriptStep::Verb::move:
+      goal.position = step.vector;
+      moveTo(goal, step.at, step.over);
+      break;
+    case ScriptStep::Verb::moveRelative:
+      goal.position += step.vector;
+      moveTo(goal, step.at, step.over);
+      break;
+    case ScriptStep::Verb::turn:
+      moveTo(present, step.at, step.over);
+      to_.orientation = glm::normalize(glm::angleAxis(step.amount, step.vector) * present.orientation);
+      axis_ = step.vector;
+      amount_ = step.amount;
+      motion_ = Motion::turn;
+      break;
+    case ScriptStep::Verb::sine:
+      moveTo(present, step.at, step.over);
+      axis_ = step.vector;
+      amount_ = step.amount;
+      hz_ = step.hz;
+      motion_ = Motion::sine;
+      break;
+    case ScriptStep::Verb::hold:
+      goal.position = worldFromHand.position;
+      moveTo(goal, step.at, 0.0);
+      break;
+    case ScriptStep::Verb::set:
+      control_ = {step.part, step.amount, control_.count + 1};
+      break;
+    case ScriptStep::Verb::letGo:
+      holdsStylus_ = false;
+      break;
+  }
+}
+
+ScriptedPerson::Intent ScriptedPerson::evaluate(double t) {
+  if (buttonDownAt_ >= 0.0 && t >= buttonDownAt_) {
+    button_ = true;
+    buttonDownAt_ = -1.0;
+  }
+  Intent intent;
+  intent.graspButton = button_;
+  intent.wish = wish_;
+  intent.control = control_;
+  haptics::HandTarget& target = intent.target;
+  target.holdsStylus = holdsStylus_;
+  const double since = t - motionStart_;
+  const bool over = since >= motionLength_;
+  const double length = std::max(motionLength_, 1e-9);
+  const Progress p = progressAt(over ? 1.0 : since / length);
+  target.worldFromTarget = to_;
+  switch (motion_) {
+    case Motion::still:
+      break;
+    case Motion::straight: {
+      const glm::dvec3 way = to_.position - from_.position;
+      target.worldFromTarget.position = from_.position + way * p.value;
+      target.velocity = way * (p.rate / length);
+      target.acceleration = way * (p.acceleration / (length * length));
+      break;
+    }
+    case Motion::turn:
+      target.worldFromTarget.orientation =
+          glm::normalize(glm::angleAxis(amount_ * p.value, axis_) * from_.orientation);
+      break;
+    case Motion::sine: {
+      if (over) break;
+      const double omega = glm::two_pi<double>() * hz_;
+      target.worldFromTarget.position += axis_ * (amount_ * std::sin(omega * since));
+      target.velocity = axis_ * (amount_ * omega * std::cos(omega * since));
+      target.acceleration = axis_ * (-amount_ * omega * omega * std::sin(omega * since));
+      break;
+    }
+  }
+  return intent;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,111 @@
+#pragma once
+
+// What a scripted person does: a list of timed verbs, as in a simulation scenario or in `tandem join --hand
+// FILE`.
+//
+//   [{"t": 0.5, "do": "grasp", "part": "shaft"}, {"t": 1.5, "do": "move_relative", "by": [0.1, 0, 0],
+//   "over_s": 1}, ...]
+//
+// Verbs (t in s; lengths in m; angles in rad; motions are minimum-jerk, Flash & Hogan 1985):
+//   grasp {part [, over_s]}   the hand goes to the part's surface, then the grasp button goes down
+//   release                   the grasp button goes up
+//   move {to, over_s}         the target goes to a place in the world
+//   move_relative {by, over_s}
+//   turn {axis, angle, over_s}
+//   sine {axis, amplitude, hz, for_s}
+//   set {control, value}      asks for a control (its own or its part's name), gives it a value (m, rad)
+//   hold                      the target is where the hand is
+//   press {part, depth [, over_s]}
+//                             the target goes to `depth` inside the nearest point of that part's surface
+//   let_go                    the person lets go of the stylus; what it has latched stays
+
+#include <string>
+#include <vector>
+
+#include "assets/base/result.h"
+#include "assets/scene/scene.h"
+#include "client/session/exchange.h"
+#include "haptics/operator/simulated_hand.h"
+
+namespace tandem::client {
+
+/// Lengths in scripts and scenarios beyond this are mistakes, m.
+inline constexpr double kFarthest = 1e6;
+
+struct ScriptStep {
+  enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo, set };
+  double at = 0.0;  // s
+  Verb verb = Verb::hold;
+  PartId part = kNoPart;
+  glm::dvec3 vector{0.0, 0.0, 0.0};  // to, by, or axis (unit)
+  double over = 0.0;                 // s: over_s, for_s
+  double amount = 0.0;               // angle, amplitude, depth or value
+  double hz = 0.0;
+};
+
+struct HandScript {
+  std::vector<ScriptStep> steps;  // in the order of their times
+};
+
+/// Reads the JSON text of a script. An error names `source`, the step and the reason.
+Result<HandScript> parseHandScript(const std::string& json, const std::string& source,
+                                   const assets::Scene& scene);
+/// All that can be said of a script before its scene is known: everything but whether its parts and controls
+/// are there.
+Status checkHandScript(const std::string& path);
+Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
+
+/// Nearest point of a part's surface (its mesh, or else its shapes) to a point, world frame, with
+/// outward normal.
+struct SurfacePoint {
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  glm::dvec3 normal{0.0, 1.0, 0.0};
+};
+SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId part, const Pose& worldFromPart,
+                                 const glm::dvec3& from);
+
+/// Plays a script: where the person aims at each instant, and what the fingers do.
+class ScriptedPerson {
+ public:
+  ScriptedPerson(const assets::Scene& scene, HandScript script, const Pose& worldFromStart);
+
+  struct Intent {
+    haptics::HandTarget target;
+    bool graspButton = false;
+    PartId wish = kNoPart;
+    ControlWish control;  // of the last `set`
+  };
+  /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts
+  /// are.
+  template <typename WorldFromPart>
+  Intent at(double t, const Pose& worldFromHand, const WorldFromPart& worldFromPart) {
+    while (next_ < script_.steps.size() && script_.steps[next_].at <= t) {
+      const ScriptStep& step = script_.steps[next_++];
+      begin(step, worldFromHand, step.part == kNoPart ? Pose{} : worldFromPart(step.part));
+    }
+    return evaluate(t);
+  }
+
+  /// No step is left, and no motion under way at time t.
+  bool finished(double t) const { return next_ == script_.steps.size() && t >= motionStart_ + motionLength_; }
+
+ private:
+  enum class Motion : std::uint8_t { still, straight, turn, sine };
+  void begin(const ScriptStep& step, const Pose& worldFromHand, const Pose& worldFromPart);
+  void moveTo(const Pose& goal, double start, double over);
+  Intent evaluate(double t);
+
+  const assets::Scene& scene_;
+  HandScript script_;
+  std::size_t next_ = 0;
+  Motion motion_ = Motion::still;
+  Pose from_, to_;  // of the motion under way
+  glm::dvec3 axis_{0.0, 0.0, 0.0};
+  double motionStart_ = 0.0, motionLength_ = 0.0, amount_ = 0.0, hz_ = 0.0;
+  bool holdsStylus_ = true, button_ = false;
+  PartId wish_ = kNoPart;
+  ControlWish control_;
+  double buttonDownAt_ = -1.0;  // a grasp's button waits for the hand to arrive
+};
+
+}  // namespace tandem::client

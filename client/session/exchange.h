@@ -1,0 +1,126 @@
+#pragma once
+
+// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (SiteLink), main
+// thread (window or terminal). Latest values go through triple buffers, events through single-producer rings;
+// nobody waits.
+//
+//   SiteLink --events, time base--> HandLoop --output, intents--> SiteLink
+//   main ----settings, wish-------> HandLoop --view, poses------> main
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "haptics/base/spsc_ring.h"
+#include "haptics/base/triple_buffer.h"
+#include "haptics/link/tied_parts.h"
+#include "haptics/tick.h"
+#include "sync/wire/messages.h"
+#include "sync/wire/time.h"
+
+namespace tandem::client {
+
+/// Network to hand: what the others did. Already checked against ownership.
+struct NetworkEvent {
+  enum class Kind : std::uint8_t {
+    state,       // `state` of a part that another site owns, holding at session time `time`
+    ownership,   // `record` is how things stand now
+    denied,      // the grab of `record.part` was refused
+    lost,        // the connection is gone: grabs that were asked for get no answer
+    tie,         // the replica of `record.part` is to be tied to a peer's by `tie`; `guest`: that one owns it
+    untie,       // no longer to `tie.peer`'s
+    simulators,  // so many sites simulate `record.part`
+  };
+  Kind kind = Kind::state;
+  sync::Micros time = 0;
+  sync::PartState state;
+  sync::PartRecord record;
+  haptics::PartTie tie;
+  bool guest = false;
+  int simulators = 1;
+};
+
+/// Hand to network: what the person asks for.
+struct HandIntent {
+  enum class Kind : std::uint8_t {
+    grab,     // to own the part, or to share it with its owner
+    release,  // it rests, or is left to those who share it
+    leave,    // not to share it any more
+  };
+  Kind kind = Kind::grab;
+  PartId part = kNoPart;
+  Epoch epoch = 0;     // release: of the ownership that ends
+  Pose worldFromPart;  // release: where the part rests
+  std::uint32_t lost =
+      0;  // connections that the hand knew to be lost: a question from before the last one is void
+};
+
+/// Session time for the haptic thread: session = local + offset; parts are shown `playOutDelay` late.
+struct TimeBase {
+  sync::Micros offset = 0;
+  sync::Micros playOutDelay = 0;
+  SiteId self = kNoSite;
+};
+
+/// The state of the hand after a tick, at local time `time`.
+struct HandOutput {
+  sync::Micros time = 0;
+  haptics::DeviceSample device;
+  haptics::TickOutput tick;
+  std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned; 0: not to be published
+  bool grabPending = false;
+  std::uint32_t flagsSeen = 0;        // of all ticks so far
+  std::uint32_t stalls = 0;           // times that the loop stood still for over HandLoop::kStall
+  bool gaveWay = false;               // a surface was passed through within the last second
+  haptics::DeviceSample second;       // the second hand's reading, where there is one
+  std::uint32_t secondFlagsSeen = 0;  // of all ticks so far
+  double secondMost = 0.0;            // N, the largest force that it got
+  const char* fault = nullptr;        // why force is off: the broken condition, while kFlagFault is set
+};
+
+/// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.
+struct ControlWish {
+  PartId part = kNoPart;
+  double value = 0.0;
+  std::uint32_t count = 0;
+};
+
+/// What the person set, and a part to grasp whatever the stylus touches (kNoPart: the touched one).
+struct HandSettingsInput {
+  haptics::TickParameters parameters, second;  // of the two hands
+  PartId wish = kNoPart;
+  bool graspButton = false;       // of the window or a script, besides the device's own button 0
+  std::uint32_t faultResets = 0;  // counts up
+  std::uint32_t reseats = 0;      // counts up: put the tip back onto the device, without force meanwhile
+  ControlWish control;
+};
+
+/// One part's pose for the window and for traces.
+struct ShownPose {
+  PartId part = kNoPart;
+  bool owned = false;     // simulated here; else played out, `time` lying the play-out delay before now
+  sync::Micros time = 0;  // of the session
+  Pose worldFromPart;     // how the part stood at that time, as the hand has it
+  Pose worldFromDrawn;    // where the eyes are shown it now: what others move is predicted
+};
+
+inline constexpr std::size_t kEventRing = 1024;
+inline constexpr std::size_t kIntentRing = 64;
+inline constexpr std::size_t kShownRing = 16384;
+inline constexpr std::size_t kForceRing = 4096;
+inline constexpr std::size_t kLinkRing = 256;
+
+struct Exchange {
+  haptics::SpscRing<NetworkEvent, kEventRing> events;  // network -> hand
+  haptics::TripleBuffer<TimeBase> timeBase;            // network -> hand
+  haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
+  haptics::TripleBuffer<HandOutput> output;            // hand -> network
+  haptics::SpscRing<haptics::TiedPacket, kLinkRing> linksIn,
+      linksOut;                                       // of shared parts: network -> hand, and back
+  haptics::TripleBuffer<HandSettingsInput> settings;  // main -> hand
+  haptics::TripleBuffer<HandOutput> view;             // hand -> main
+  haptics::SpscRing<ShownPose, kShownRing> shown;     // hand -> main: poses that changed
+  haptics::SpscRing<float, kForceRing> forces;        // hand -> main: |force| each tick, N, for the plot
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,184 @@
+#include "haptics/contact/contact_rows.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "haptics/base/simd4.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr std::size_t kAlignment = 16;
+
+float* aligned(float* p) {
+  const auto address = reinterpret_cast<std::uintptr_t>(p);
+  return reinterpret_cast<float*>((address + kAlignment - 1) / kAlignment * kAlignment);
+}
+
+}  // namespace
+
+ContactRows::ContactRows()
+    : storage_(new float[7 * kMostPlanes + kAlignment]),
+      source_(new RowSource[kMostPlanes]),
+      ball_(new Ball[kMostBalls]),
+      rows_(new ExactRow[kMostExact]) {
+  float* next = aligned(storage_.get());
+  for (float*& column : wrench_) {
+    column = next;
+    next += kMostPlanes;
+  }
+  gap_ = next;
+}
+
+void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
+  if (planes_ == kMostPlanes) {
+    ++dropped_;
+    return;
+  }
+  const glm::vec3 moment = glm::cross(arm, normal);
+  for (int k = 0; k < 3; ++k) {
+    wrench_[k][planes_] = normal[k];
+    wrench_[k + 3][planes_] = moment[k];
+  }
+  gap_[planes_] = gap;
+  source_[planes_++] = source;
+}
+
+void ContactRows::addBall(const glm::vec3& arm, float room, RowSource source) {
+  if (balls_ == kMostBalls) {
+    ++dropped_;
+    return;
+  }
+  ball_[balls_++] = {arm, room, source};
+}
+
+int ContactRows::addExact(const ExactRow& row) {
+  if (exact_ == kMostExact) {
+    ++dropped_;
+    return -1;
+  }
+  rows_[exact_] = row;
+  if (row.asksOut() && holds(row.source.pair)) rows_[exact_].gap = 0.0;
+  anySoft_ = anySoft_ || row.give > 0.0;
+  return exact_++;
+}
+
+void ContactRows::hold(int pair) {
+  held_.set(static_cast<std::size_t>(pair));
+  for (int i = 0; i < exact_; ++i) {
+    if (rows_[i].source.pair == pair && rows_[i].asksOut()) rows_[i].gap = 0.0;
+  }
+}
+
+bool ContactRows::beginPair() {
+  if (pairs_ == kMostPairs) return false;
+  // Four planes are read at once: those of a pair begin where four begin.
+  while (planes_ % 4 != 0) {
+    for (float* const column : wrench_) column[planes_] = 0.0f;
+    gap_[planes_++] = 1e30f;
+  }
+  firstPlane_[static_cast<std::size_t>(pairs_++)] = planes_;
+  return true;
+}
+
+int ContactRows::worstPlaneOf(int begin, int end, const Displacement& u, float& least) const {
+  const float w[6] = {static_cast<float>(u.linear.x),  static_cast<float>(u.linear.y),
+                      static_cast<float>(u.linear.z),  static_cast<float>(u.angular.x),
+                      static_cast<float>(u.angular.y), static_cast<float>(u.angular.z)};
+  Float4 c[6];
+  for (int k = 0; k < 6; ++k) c[k] = Float4(w[k]);
+  const float before = least;
+  Float4 lowest(before);
+  const auto room = [&](int i) {
+    Float4 sum = Float4::load(gap_ + i);
+    for (int k = 0; k < 6; ++k) sum = sum + Float4::load(wrench_[k] + i) * c[k];
+    return sum;
+  };
+  const int whole = begin + (end - begin) / 4 * 4;
+  for (int i = begin; i < whole; i += 4) lowest = min(lowest, room(i));
+  alignas(16) float lane[4];
+  lowest.store(lane);
+  for (const float x : lane) least = x < least ? x : least;
+  int found = -1;
+  for (int i = whole; i < end; ++i) {
+    float sum = gap_[i];
+    for (int k = 0; k < 6; ++k) sum = sum + wrench_[k][i] * w[k];
+    if (sum < least) {
+      least = sum;
+      found = i;
+    }
+  }
+  if (found >= 0 || least == before) return found;
+  for (int i = begin; i < whole; i += 4) {
+    const int mask = lessEqualMask(room(i), Float4(least));
+    if (mask == 0) continue;
+    for (int k = 0; k < 4; ++k) {
+      if ((mask >> k & 1) != 0) return i + k;
+    }
+  }
+  return -1;
+}
+
+int ContactRows::worstPlane(PairMotions u, double limit) const {
+  float least = static_cast<float>(-limit);
+  int worst = -1;
+  for (int pair = 0; pair < pairs_; ++pair) {
+    const auto at = static_cast<std::size_t>(pair);
+    const int found = worstPlaneOf(firstPlane_[at], endOf(pair), u[at], least);
+    if (found >= 0) worst = found;
+  }
+  return worst;
+}
+
+int ContactRows::nextBall(PairMotions u, int from) const {
+  int pair = -1;
+  glm::vec3 t(0.0f), w(0.0f);
+  for (int i = from; i < balls_; ++i) {
+    if (ball_[i].source.pair != pair) {
+      pair = ball_[i].source.pair;
+      const Displacement& of = u[static_cast<std::size_t>(pair)];
+      t = glm::vec3(of.linear);
+      w = glm::vec3(of.angular);
+    }
+    const glm::vec3 way = t + glm::cross(w, ball_[i].arm);
+    const float room = ball_[i].room > 0.0f ? ball_[i].room : 0.0f;
+    if (glm::dot(way, way) > room * room) return i;
+  }
+  return -1;
+}
+
+double ContactRows::safeShare(PairMotions u) const {
+  double share = 1.0;
+  for (int i = 0; i < balls_; ++i) {
+    const Displacement& of = u[ball_[i].source.pair];
+    const float way = glm::length(glm::vec3(of.linear) + glm::cross(glm::vec3(of.angular), ball_[i].arm));
+    if (way > ball_[i].room)
+      share = std::min(share, static_cast<double>(std::max(ball_[i].room, 0.0f) / way));
+  }
+  for (int pair = 0; pair < pairs_; ++pair) {
+    const auto at = static_cast<std::size_t>(pair);
+    const glm::vec3 t(u[at].linear), w(u[at].angular);
+    for (int i = firstPlane_[at]; i < endOf(pair); ++i) {
+      const float way = -(glm::dot(glm::vec3(wrench_[0][i], wrench_[1][i], wrench_[2][i]), t) +
+                          glm::dot(glm::vec3(wrench_[3][i], wrench_[4][i], wrench_[5][i]), w));
+      if (way > 0.0f && way > gap_[i])
+        share = std::min(share, static_cast<double>(std::max(gap_[i], 0.0f) / way));
+    }
+  }
+  return share;
+}
+
+int ContactRows::worstExact(PairMotions u, double limit, int from) const {
+  double most = limit;
+  int found = -1;
+  for (int i = from; i < exact_; ++i) {
+    const double violation = rows_[i].violation(u[rows_[i].source.pair]);
+    if (violation <= most || rows_[i].give > 0.0) continue;
+    most = violation;
+    found = i;
+  }
+  return found;
+}
+
+}  // namespace tandem::haptics

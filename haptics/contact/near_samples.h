@@ -1,0 +1,90 @@
+#pragma once
+
+// The samples of one part that may be near the surface of another, by its distance field. For part_contact only.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "assets/base/pose.h"
+#include "haptics/scene/contact_samples.h"
+#include "haptics/scene/distance_field.h"
+
+namespace tandem::haptics {
+
+static_assert(ContactSamples::kMostInLeaf <= DistanceField::kMostAtOnce);
+
+/// A rigid motion for many points, in float: relative to the origin of the field that is asked.
+struct FloatMotion {
+  FloatMotion(const Pose& toFromSamples, const glm::dvec3& origin)
+      : turn(glm::mat3_cast(toFromSamples.orientation)), shift(toFromSamples.position - origin) {}
+  glm::vec3 operator()(const glm::vec3& p) const { return turn * p + shift; }
+  glm::mat3 turn;
+  glm::vec3 shift;
+};
+
+/// Calls visit(sample, where it is in the field, reading) for the samples that may be within `reach` of a field's surface or behind it, with
+/// what the field says there. `allInside` becomes false where a sample may be outside; `passedBy` at least the depth
+/// (m) that any other sample may have, below 0 outside.
+template <typename Visit>
+void forEachNear(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
+                 float reach, bool& allInside, float& passedBy, Visit&& visit) {
+  const auto nodes = samples.nodes();
+  if (nodes.empty()) return;
+  // A patch may be deeper than its sample.
+  const float patched = samples.patches().empty() ? 0.0f : 1.0f;
+  constexpr std::uint32_t kAtOnce = DistanceField::kMostAtOnce;
+  std::array<glm::vec3, kAtOnce> at;
+  std::array<DistanceField::Reading, kAtOnce> readings;
+  // Several nodes are taken at a time, so that their readings wait for memory together. A tree of 2^32 samples is 28
+  // levels deep, and each level leaves at most kAtOnce nodes behind.
+  std::array<std::uint32_t, 40 * kAtOnce> stack;
+  std::array<std::uint32_t, kAtOnce> leaves;
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const auto taken = static_cast<std::uint32_t>(std::min<std::size_t>(top, kAtOnce));
+    top -= taken;
+    std::array<std::uint32_t, kAtOnce> batch;
+    for (std::uint32_t k = 0; k < taken; ++k) {
+      batch[k] = stack[top + k];
+      const ContactSamples::Node& node = nodes[batch[k]];
+      at[k] = motion({node.centre[0], node.centre[1], node.centre[2]});
+    }
+    field.read(at.data(), taken, readings.data());
+    std::uint32_t leafCount = 0;
+    for (std::uint32_t k = 0; k < taken; ++k) {
+      const ContactSamples::Node& node = nodes[batch[k]];
+      const float least = readings[k].distance - readings[k].error - node.radius;
+      if (least > reach) {
+        allInside = allInside && readings[k].distance + readings[k].error + node.radius < 0.0f;
+        passedBy = std::max(passedBy, -least);
+      } else if (node.second != 0) {
+        stack[top++] = node.second;
+        stack[top++] = batch[k] + 1;
+      } else {
+        leaves[leafCount++] = batch[k];
+      }
+    }
+    for (std::uint32_t l = 0; l < leafCount; ++l) {
+      const ContactSamples::Node& node = nodes[leaves[l]];
+      const std::uint32_t count = node.end - node.begin;
+      const glm::vec4* const points = samples.points().data() + node.begin;
+      for (std::uint32_t k = 0; k < count; ++k) at[k] = motion(glm::vec3(points[k]));
+      field.read(at.data(), count, readings.data());
+      for (std::uint32_t k = 0; k < count; ++k) {
+        if (readings[k].distance + readings[k].error >= 0.0f) allInside = false;
+        if (readings[k].distance - readings[k].error - points[k].w <= reach)
+          visit(node.begin + k, at[k], readings[k]);
+        else
+          passedBy = std::max(passedBy, readings[k].error - readings[k].distance + patched * points[k].w);
+      }
+    }
+  }
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,251 @@
+#include "haptics/contact/touching_feature.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/contact/edge_directions.h"
+#include "haptics/geometry/segment.h"
+
+namespace tandem::haptics {
+namespace {
+
+// Two edges cross where they differ by more; along each other they touch in a whole line.
+constexpr double kCrossing = 0.05;  // sine of the angle between them
+
+/// Whether the edge goes through what lies behind all the sample's faces, within `reach` of it.
+bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) {
+  const double length = glm::length(edge.b - edge.a);
+  const glm::dvec3 along = (edge.b - edge.a) / length, from = edge.a - sample.point;
+  const double foot = -glm::dot(from, along);
+  double low = std::max(0.0, foot - reach), high = std::min(length, foot + reach);
+  for (const glm::dvec3& normal : sample.normals) {
+    const double at = glm::dot(normal, from), rate = glm::dot(normal, along);
+    if (std::abs(rate) < 1e-9) {
+      if (at > 0.0) return false;
+    } else if (rate > 0.0) {
+      high = std::min(high, -at / rate);
+    } else {
+      low = std::max(low, -at / rate);
+    }
+  }
+  return low < high;
+}
+
+/// Two edges that cross: normal to both, where each is an edge of its body that way.
+bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleAtMesh& sample,
+                   TouchingPlane& found) {
+  const double length = glm::length(edge.b - edge.a);
+  const glm::dvec3 along = (edge.b - edge.a) / length;
+  glm::dvec3 normal = glm::cross(sample.edge, along);
+  const double sine = glm::length(normal);
+  if (sine < kCrossing) return false;
+  normal /= sine;
+  if (glm::dot(normal, plane.direction(0.5 * plane.end())) < 0.0) normal = -normal;
+  const double a = plane.angle(normal), slack = 1e-3;
+  if (a < -slack || a > plane.end() + slack) return false;
+  // The sample's own normals enclose the opposite direction: it lies on the inner side of the plane of each.
+  const glm::dvec3 &n0 = sample.normals[0], &n1 = sample.normals[1];
+  const glm::dvec3 across0 = n1 - n0 * glm::dot(n0, n1), across1 = n0 - n1 * glm::dot(n0, n1);
+  if (glm::dot(-normal, across0) < -slack || glm::dot(-normal, across1) < -slack) return false;
+  // Closest points of the two lines (Ericson, Real-Time Collision Detection, 5.1.9).
+  const glm::dvec3 r = sample.point - edge.a;
+  const double b = glm::dot(sample.edge, along), c = glm::dot(sample.edge, r), f = glm::dot(along, r);
+  const double s = (b * f - c) / (sine * sine), t = f + s * b;
+  if (std::abs(s) > sample.along || t < 0.0 || t > length) return false;
+  found.point = sample.point + s * sample.edge;
+  found.normal = normal;
+  found.gap = glm::dot(normal, found.point - (edge.a + t * along));
+  return true;
+}
+
+/// The least gap to a convex edge of the list that crosses the sample's; false if none does within `reach`.
+bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleAtMesh& sample, double reach,
+                  TouchingPlane& least) {
+  bool any = false;
+  for (const std::uint32_t i : edges.around(triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    if (edge.angle < 0.0) continue;
+    const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, edge.a, edge.b);
+    TouchingPlane found;
+    if (glm::dot(offset, offset) > reach * reach || !crossingEdges(edge, EdgePlane(edge), sample, found))
+      continue;
+    if (any && found.gap >= least.gap) continue;
+    any = true;
+    least = found;
+  }
+  return any;
+}
+
+/// The convex edge of the list that is nearest to p, within `reach`.
+const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& p,
+                              double reach, glm::dvec3& foot) {
+  const MeshEdge* nearest = nullptr;
+  double least = reach * reach;
+  for (const std::uint32_t i : edges.around(triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    if (edge.angle < 0.0) continue;
+    const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
+    const double square = glm::dot(p - q, p - q);
+    if (square > least) continue;
+    least = square;
+    nearest = &edge;
+    foot = q;
+  }
+  return nearest;
+}
+
+/// Adds the plane beyond a hollow edge beside the triangle that is predicted to be violated most, if there is one
+/// within `reach`: a plane that ends further away than that means nothing here. Nor, to a sample before the mesh, does one
+/// that it is less far behind than it is from the mesh: that one ends before it.
+void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample, double reach,
+                    TouchingFeature& feature) {
+  const glm::dvec3& p = sample.point;
+  const glm::dvec3& known = edges.normal(feature.triangle);
+  const bool behind = feature.planes[0].gap < 0.0;
+  double least = 1e300;
+  for (const std::uint32_t i : edges.around(feature.triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    if (edge.angle > 0.0) continue;
+    const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
+    if (glm::dot(p - q, p - q) > 4.0 * reach * reach) continue;
+    for (std::size_t side = 0; side < 2; ++side) {
+      const glm::dvec3& normal = edge.normals[side];
+      const double gap = glm::dot(normal, p - edge.a), predicted = gap + glm::dot(normal, sample.motion);
+      if (predicted >= least || gap > reach || glm::dot(normal, known) > 1.0 - 1e-9) continue;
+      if (!behind && gap < 0.0 && -gap < (1.0 - 1e-9) * feature.distance) continue;
+      const Triangle beyond = tree.triangle(edge.triangles[side]);
+      if (glm::length(p - closestPointOnTriangle(p, beyond).point) > reach) continue;
+      least = predicted;
+      feature.planes[1] = {p, normal, gap};
+      feature.count = 2;
+    }
+  }
+}
+
+/// By which a gap may be below zero.
+double slackOf(const SampleAtMesh& sample, double reach) { return std::max(sample.slack, 1e-9 * reach); }
+
+/// The square of the distance up to which points are the same.
+double same(double reach) { return 1e-18 * reach * reach + 1e-24; }
+
+/// Whether the edge goes through the point, of all that is within `reach`.
+bool passes(const MeshEdge& edge, const glm::dvec3& point, double reach) {
+  const glm::dvec3 offset = point - closestPointOnSegment(point, edge.a, edge.b);
+  return glm::dot(offset, offset) <= same(reach);
+}
+
+/// Whether the point is the end of a convex edge where no hollow one passes.
+bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEdge& edge,
+                    const glm::dvec3& point, double reach) {
+  const glm::dvec3 a = point - edge.a, b = point - edge.b;
+  if (std::min(glm::dot(a, a), glm::dot(b, b)) > same(reach)) return false;
+  return std::none_of(edges.around(triangle).begin(), edges.around(triangle).end(), [&](std::uint32_t i) {
+    return edges.edges()[i].angle < 0.0 && passes(edges.edges()[i], point, reach);
+  });
+}
+
+/// Of an edge whose point nearest to the sample is `foot`, in a direction across it that parts them best.
+TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, const glm::dvec3& foot,
+                           const SampleAtMesh& sample, double reach) {
+  const glm::dvec3 offset = sample.point - foot;
+  const glm::dvec3 normal =
+      partingDirection(plane, shared, offset, offset + sample.motion, slackOf(sample, reach));
+  return {sample.point, normal, glm::dot(normal, offset)};
+}
+
+/// The same in a direction that is normal to both. False if there is none, or none that parts them although they are
+/// apart: then it is not here that the two bodies are nearest to each other.
+bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3& foot,
+                 const SampleAtMesh& sample, double reach, TouchingPlane& found) {
+  const Directions shared = commonDirections(plane, sample.normals);
+  if (shared.none()) return false;
+  found = partingPlane(plane, shared, foot, sample, reach);
+  return found.gap >= -slackOf(sample, reach) || cutsSample(edge, sample, 4.0 * reach);
+}
+
+/// In a direction that is normal to both, where a corner tells; two edges that run along each other touch beyond the
+/// sample as well, and what is nearly normal to both parts them there.
+TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
+                          double reach) {
+  const EdgePlane plane(edge);
+  TouchingPlane found;
+  if (sample.normals.size() > 2 && commonPlane(edge, plane, foot, sample, reach, found)) return found;
+  return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
+}
+
+/// Of all convex edges that meet in the corner `foot` the plane that parts best; false if none is normal to both.
+bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& foot,
+                   const SampleAtMesh& sample, double reach, TouchingPlane& found) {
+  double most = -1e300;
+  for (const std::uint32_t i : edges.around(triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    TouchingPlane plane;
+    if (edge.angle < 0.0 || !passes(edge, foot, reach) ||
+        !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
+      continue;
+    const double predicted = plane.gap + glm::dot(plane.normal, sample.motion);
+    if (predicted <= most) continue;
+    most = predicted;
+    found = plane;
+  }
+  return most > -1e300;
+}
+
+/// Of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that is as near, any
+/// that parts the two is enough, unless the corner is hollow too.
+TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
+                           const SampleAtMesh& sample, double reach) {
+  const glm::dvec3& p = sample.point;
+  TouchingPlane crossing;
+  if (sample.along > 0.0 && crossingNear(edges, triangle, sample, reach + sample.along, crossing))
+    return crossing;
+  glm::dvec3 foot(0.0);
+  const MeshEdge* const edge = nearestConvex(edges, triangle, p, reach, foot);
+  if (edge == nullptr) {
+    const glm::dvec3& normal = edges.normal(triangle);
+    return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
+  }
+  TouchingPlane found;
+  if (isConvexCorner(edges, triangle, *edge, foot, reach) &&
+      planeOfCorner(edges, triangle, foot, sample, reach, found))
+    return found;
+  return planeOfEdge(*edge, foot, sample, reach);
+}
+
+}  // namespace
+
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample) {
+  TouchingPlane found;
+  if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, found)) return found;
+  return planeOfEdge(edge, closestPointOnSegment(sample.point, edge.a, edge.b), sample,
+                     std::max(glm::length(sample.motion), 10.0 * sample.slack));
+}
+
+bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
+                     double reach, std::uint32_t hint, TouchingFeature& found) {
+  const glm::dvec3& p = sample.point;
+  double limit = reach;
+  if (hint < tree.mesh().triangles.size()) {
+    limit = std::min(limit, glm::length(p - closestPointOnTriangle(p, tree.triangle(hint)).point));
+  }
+  MeshPoint nearest;
+  if (!tree.closestPoint(p, limit * (1.0 + 1e-12), nearest)) return false;
+  found.triangle = nearest.triangle;
+  found.distance = nearest.distance;
+  const double way = std::max(glm::length(sample.motion), 10.0 * sample.slack);
+  if (sample.outside && nearest.distance > sample.along + sample.range) {
+    // Out of reach, it is held off by its distance alone: the planes of features mean nothing far from them.
+    found.planes[0] = {p, (p - nearest.point) / nearest.distance, nearest.distance};
+    found.count = 1;
+    return true;
+  }
+  const double near = std::max(way, 1.001 * nearest.distance);
+  found.planes[0] = nearestPlane(tree, edges, nearest.triangle, sample, near);
+  found.count = 1;
+  addPlaneBeyond(tree, edges, sample, near, found);
+  return true;
+}
+
+}  // namespace tandem::haptics

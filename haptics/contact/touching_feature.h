@@ -1,0 +1,55 @@
+#pragma once
+
+// The exact contact between one sample of a part and the surface of another: which way it holds them apart, and
+// how far they are from each other that way.
+//
+// Where two convex features meet, any one direction that parts them is enough: of those that are normal to
+// both (the edge's normals and the negated normals of the sample) the one is taken in which the predicted
+// positions are furthest apart. Where the surface is hollow all its planes hold. A normal from the closest points alone makes a peg jam at the rim of its bore.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "haptics/geometry/mesh_edges.h"
+#include "haptics/geometry/triangle_bvh.h"
+
+namespace tandem::haptics {
+
+/// A sample of the other part, in the frame of the mesh that is asked; m.
+struct SampleAtMesh {
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  glm::dvec3 motion{0.0, 0.0, 0.0};     // where it is predicted to go in this step
+  std::span<const glm::dvec3> normals;  // unit, outward from its own part
+  glm::dvec3 edge{0.0, 0.0, 0.0};       // unit; zero where the sample is not on an edge
+  double along = 0.0;                   // it stands for the edge this far to both sides
+  double slack = 0.0;                   // by which a gap may be below zero if the prediction then passes
+  bool outside = false;                 // it is known not to be inside the mesh
+  double range = 0.0;                   // m that it may go before it asks again
+};
+
+/// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.
+struct TouchingPlane {
+  glm::dvec3 point{0.0, 0.0, 0.0};   // m
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, away from the mesh
+  double gap = 0.0;                  // m, of the point now; below 0 inside
+};
+
+/// What holds a sample off a mesh: the feature nearest to it, and beside a hollow edge the plane beyond that.
+struct TouchingFeature {
+  std::array<TouchingPlane, 2> planes;
+  int count = 0;
+  double distance = 0.0;  // m, from the sample's point to the mesh, without a sign
+  std::uint32_t triangle = kNoTriangle;
+};
+
+/// False if the mesh is further than `reach` away. `hint`: a triangle that may be near, or any other number.
+bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
+                     double reach, std::uint32_t hint, TouchingFeature& found);
+
+/// The plane of one convex edge, which is near the sample.
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample);
+
+}  // namespace tandem::haptics

@@ -1,0 +1,67 @@
+#pragma once
+
+// All force fields of a scene as one hand feels them.
+//
+// 1. step() is free of allocation; the constructor allocates. A scene without fields costs one comparison.
+// 2. Not shared between threads: each TickState owns one.
+
+#include <cstdint>
+#include <vector>
+
+#include "haptics/base/device.h"
+#include "haptics/fields/field_force.h"
+#include "haptics/scene/contact_world.h"
+
+namespace tandem::haptics {
+
+/// What all fields together do to the hand in one tick.
+struct FieldForces {
+  glm::dvec3 force{0.0, 0.0, 0.0};         // N, world axes, at the device's tip, before the output's limits
+  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, by which time alone has changed the force since the last tick
+  double sourcePower = 0.0;  // W, what the fields by their laws gave the hand since the last tick
+  std::uint32_t flags = 0;   // kFlagOverflow, kFlagFieldLimited
+};
+
+/// What holds for all fields.
+struct FieldSettings {
+  double dt = 1e-3;            // s
+  double fadeTime = 0.3;       // s, over which a field comes or goes that the hand takes hold of
+  double dampingLimit = 10.0;  // N·s/m, of all dampers together
+  PartId held = kNoPart;       // its own fields do not act on the hand that holds it
+};
+
+class ForceFields {
+ public:
+  /// The scene must outlive this. Fields beyond kMaxForceFields are left out, which step() flags.
+  explicit ForceFields(const assets::Scene& scene);
+
+  bool empty() const { return entries_.empty(); }
+
+  /// The forces on a hand with this reading, which must be valid, at a time in s of the session's clock.
+  FieldForces step(const ContactWorld& world, const DeviceSample& device, double time,
+                   const FieldSettings& settings);
+  /// There was no reading: paths are found anew at the next one, and no work is counted until then.
+  void forgetHand();
+
+ private:
+  struct Entry {
+    explicit Entry(const assets::ForceField& field) : law(field) {}
+    FieldForce law;
+    double at = 0.0;         // on the path
+    double potential = 0.0;  // J, of the last tick
+    double weight = 1.0;     // 0..1
+    bool known = false;      // at and potential are of the last tick
+  };
+  struct Sum;
+
+  void addEntry(Entry& entry, const ContactWorld& world, const DeviceSample& device, double time,
+                const FieldSettings& settings, Sum& sum);
+  static void findPlace(Entry& entry, const glm::dvec3& x);
+
+  std::vector<Entry> entries_;
+  double lastTime_ = 0.0;  // s, of the last step
+  bool started_ = false;
+  bool overflow_ = false;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,220 @@
+#pragma once
+
+// Walks two triangle trees at once: which pairs of leaves come near each other. The construction behind
+// mesh_distance and mesh_overlap.
+//
+// 1. A pair is left out only if its boxes prove it further than `reach`; boxes are compared as floats in both
+// meshes' frames, less what floats may lose.
+// 2. The nearer of several pairs is visited first, so that a reach that shrinks to the least distance seen
+// soon shuts out the rest. The order depends on the meshes and poses alone.
+// 3. Allocates a stack.
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <glm/gtc/quaternion.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "assets/base/pose.h"
+#include "haptics/base/simd4.h"
+#include "haptics/geometry/outward.h"
+#include "haptics/geometry/triangle_bvh.h"
+
+namespace tandem::haptics {
+
+/// An axis-aligned box as centre and half extents, m, with the slab of what it holds (0: none).
+struct CentredBox {
+  glm::vec3 centre, half;
+  std::uint32_t slab = 0;
+
+  glm::vec3 slabNormal() const {
+    return {static_cast<std::int8_t>(slab), static_cast<std::int8_t>(slab >> 8),
+            static_cast<std::int8_t>(slab >> 16)};
+  }
+  /// How far what it holds reaches from the centre along the slab's normal, times that one's length.
+  float slabOffset() const {
+    return static_cast<float>(static_cast<std::int8_t>(slab >> 24)) * 0x1p-7f *
+           glm::dot(glm::abs(slabNormal()), half);
+  }
+  /// A bound of how far it reaches along `v`, times the length of v: what of v lies along the slab's normal
+  /// counts with the slab, the rest with the box.
+  float reachAlong(const glm::vec3& v) const {
+    if (slab == 0) return glm::dot(glm::abs(v), half);
+    const glm::vec3 normal = slabNormal();
+    const float along = std::max(0.0f, glm::dot(v, normal)) / glm::dot(normal, normal);
+    return along * slabOffset() + glm::dot(glm::abs(v - normal * along), half);
+  }
+};
+
+/// What turns boxes of one frame into boxes of another.
+class BoxFrame {
+ public:
+  BoxFrame(const glm::dmat3& rotation, const glm::dvec3& shift) {
+    for (int row = 0; row < 3; ++row) {
+      for (int column = 0; column < 3; ++column) {
+        turn_[row][column] = static_cast<float>(rotation[column][row]);
+        size_[row][column] = std::abs(turn_[row][column]);
+      }
+      shift_[row] = static_cast<float>(shift[row]);
+    }
+  }
+  CentredBox apply(const CentredBox& box) const {
+    CentredBox out;
+    for (int row = 0; row < 3; ++row) {
+      out.centre[row] = shift_[row];
+      out.half[row] = 0.0f;
+      for (int column = 0; column < 3; ++column) {
+        out.centre[row] += turn_[row][column] * box.centre[column];
+        out.half[row] += size_[row][column] * box.half[column];
+      }
+    }
+    return out;
+  }
+  glm::vec3 point(const glm::vec3& p) const { return vector(p) + glm::vec3(shift_[0], shift_[1], shift_[2]); }
+  glm::vec3 vector(const glm::vec3& v) const {
+    glm::vec3 out;
+    for (int row = 0; row < 3; ++row) {
+      out[row] = turn_[row][0] * v.x + turn_[row][1] * v.y + turn_[row][2] * v.z;
+    }
+    return out;
+  }
+  /// The same for four boxes.
+  void apply(const Float4 centre[3], const Float4 half[3], Float4 turned[3], Float4 grown[3]) const {
+    for (int row = 0; row < 3; ++row) {
+      turned[row] = Float4(shift_[row]);
+      grown[row] = Float4();
+      for (int column = 0; column < 3; ++column) {
+        turned[row] = turned[row] + Float4(turn_[row][column]) * centre[column];
+        grown[row] = grown[row] + Float4(size_[row][column]) * half[column];
+      }
+    }
+  }
+
+ private:
+  float turn_[3][3], size_[3][3], shift_[3];
+};
+
+/// See the head of this file.
+class BvhPairs {
+ public:
+  BvhPairs(const TriangleBvh& a, const TriangleBvh& b, const Pose& aFromB)
+      : a_(a), b_(b), aFromB_(frame(a, b, aFromB)), bFromA_(frame(b, a, inverse(aFromB))) {
+    const double largest = glm::length(a.bounds().max - a.bounds().min) +
+                           glm::length(b.bounds().max - b.bounds().min) +
+                           glm::length(transformPoint(aFromB, b.centre()) - a.centre());
+    rounding_ = roundUp(largest * 0x1p-19 + 0x1p-48 * glm::length(aFromB.position));
+  }
+
+  /// Calls visit(firstA, countA, firstB, countB) for all pairs of leaves (places for leafTriangle()) that may
+  /// be as near as `reach`, m, which the visitor may shrink meanwhile; below 0 it ends the walk.
+  template <typename Visit>
+  void forEach(const double& reach, Visit&& visit) const {
+    if (a_.empty() || b_.empty()) return;
+    std::vector<Pending> stack{{0, 0, 0.0f, boxOf(a_), boxOf(b_)}};
+    while (!stack.empty()) {
+      const Pending next = stack.back();
+      stack.pop_back();
+      if (next.bound > reach || slabGap(next.boxA, next.boxB, aFromB_, bFromA_) > reach ||
+          slabGap(next.boxB, next.boxA, bFromA_, aFromB_) > reach) {
+        continue;
+      }
+      const bool leafA = (next.a & TriangleBvh::kLeafBit) != 0, leafB = (next.b & TriangleBvh::kLeafBit) != 0;
+      if (leafA && leafB) {
+        visit(next.a & TriangleBvh::kLeafFirstMask, TriangleBvh::leafCount(next.a),
+              next.b & TriangleBvh::kLeafFirstMask, TriangleBvh::leafCount(next.b));
+      } else if (leafB || (!leafA && size(next.boxA) >= size(next.boxB))) {
+        descend<true>(next, reach, stack);
+      } else {
+        descend<false>(next, reach, stack);
+      }
+    }
+  }
+
+ private:
+  struct Pending {
+    std::uint32_t a, b;
+    float bound;  // m, below the distance of all that they hold
+    CentredBox boxA, boxB;
+  };
+
+  static BoxFrame frame(const TriangleBvh& to, const TriangleBvh& from, const Pose& toFromFrom) {
+    return {glm::mat3_cast(toFromFrom.orientation), transformPoint(toFromFrom, from.centre()) - to.centre()};
+  }
+  static float size(const CentredBox& box) { return glm::dot(box.half, box.half); }
+  static CentredBox boxOf(const TriangleBvh& tree) {
+    CentredBox box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.centre[axis] =
+          static_cast<float>(0.5 * (tree.bounds().min[axis] + tree.bounds().max[axis]) - tree.centre()[axis]);
+      box.half[axis] = roundUp(0.5 * (tree.bounds().max[axis] - tree.bounds().min[axis]));
+    }
+    return box;
+  }
+  /// By how much the slab of `own` keeps `other` away, m; below 0 where it does not.
+  float slabGap(const CentredBox& own, const CentredBox& other, const BoxFrame& ownFromOther,
+                const BoxFrame& otherFromOwn) const {
+    if (own.slab == 0) return 0.0f;
+    const glm::vec3 normal = own.slabNormal();
+    const float gap = glm::dot(normal, ownFromOther.point(other.centre) - own.centre) - own.slabOffset() -
+                      other.reachAlong(-otherFromOwn.vector(normal));
+    return gap / glm::length(normal) - rounding_;
+  }
+  static Float4 squaredGap(const Float4 centre[3], const Float4 half[3], const CentredBox& other) {
+    Float4 square;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 gap = max(
+          abs(centre[axis] - Float4(other.centre[axis])) - (half[axis] + Float4(other.half[axis])), Float4());
+      square = square + gap * gap;
+    }
+    return square;
+  }
+
+  /// Replaces one of the two by its children: of the first mesh where kFirst, else of the second.
+  template <bool kFirst>
+  void descend(const Pending& pair, double reach, std::vector<Pending>& stack) const {
+    const TriangleBvh::Node& node = kFirst ? a_.nodes()[pair.a] : b_.nodes()[pair.b];
+    const CentredBox& other = kFirst ? pair.boxB : pair.boxA;
+    const BoxFrame& nodeFromOther = kFirst ? aFromB_ : bFromA_;
+    const BoxFrame& otherFromNode = kFirst ? bFromA_ : aFromB_;
+    Float4 centre[3], half[3], turned[3], grown[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 low = Float4::load(node.low[axis]), high = Float4::load(node.high[axis]);
+      centre[axis] = (low + high) * Float4(0.5f);
+      half[axis] = (high - low) * Float4(0.5f);
+    }
+    otherFromNode.apply(centre, half, turned, grown);
+    const Float4 square =
+        max(squaredGap(centre, half, nodeFromOther.apply(other)), squaredGap(turned, grown, other));
+    alignas(16) float bound[4], centres[3][4], halves[3][4];
+    (sqrt(square) - Float4(rounding_)).store(bound);
+    for (int axis = 0; axis < 3; ++axis) {
+      centre[axis].store(centres[axis]);
+      half[axis].store(halves[axis]);
+    }
+    const std::size_t first = stack.size();
+    for (int i = 0; i < 4; ++i) {
+      if (node.child[i] == TriangleBvh::kEmptyChild || bound[i] > reach) continue;
+      Pending next = pair;
+      next.bound = bound[i];
+      (kFirst ? next.a : next.b) = node.child[i];
+      CentredBox& box = kFirst ? next.boxA : next.boxB;
+      box.slab = node.slab[i];
+      for (int axis = 0; axis < 3; ++axis) {
+        box.centre[axis] = centres[axis][i];
+        box.half[axis] = halves[axis][i];
+      }
+      // The nearest comes off the stack first.
+      stack.push_back(next);
+      for (std::size_t at = stack.size() - 1; at > first && stack[at - 1].bound < stack[at].bound; --at) {
+        std::swap(stack[at - 1], stack[at]);
+      }
+    }
+  }
+
+  const TriangleBvh &a_, &b_;
+  BoxFrame aFromB_, bFromA_;  // between the trees' own frames, whose origins are their centres
+  float rounding_;            // m, that a float bound may be too large
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,151 @@
+#include "haptics/geometry/mesh_edges.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <unordered_map>
+#include <utility>
+
+#include <glm/common.hpp>
+#include <glm/ext/vector_int3_sized.hpp>
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+// Faces that turn by less are one plane: a cylinder of 60,000 segments turns by more.
+constexpr double kFlat = 1e-4;  // rad
+constexpr double kSharp = 0.5;  // rad
+constexpr std::size_t kMostAround = 16;
+
+std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uint32_t to) {
+  for (std::uint32_t e = 0; e < 3; ++e) {
+    if (mesh.neighbours[from][e] == to) return e;
+  }
+  return 0;
+}
+
+}  // namespace
+
+MeshEdges::MeshEdges(const assets::Mesh& mesh) {
+  normals_.resize(mesh.triangles.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& c = mesh.triangles[t];
+    const glm::dvec3 area =
+        glm::cross(mesh.positions[c[1]] - mesh.positions[c[0]], mesh.positions[c[2]] - mesh.positions[c[0]]);
+    const double length = glm::length(area);
+    normals_[t] = length > 0.0 ? area / length : glm::dvec3(0.0);
+  }
+  std::vector<std::array<std::uint32_t, 3>> edgeOf(mesh.triangles.size());
+  findEdges(mesh, edgeOf);
+  listAround(mesh, edgeOf);
+}
+
+/// edgeOf: a triangle's edge as an index into edges_, or kNone where it is flat.
+void MeshEdges::findEdges(const assets::Mesh& mesh, std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+  for (auto& edges : edgeOf) edges.fill(assets::kNone);
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (std::uint32_t e = 0; e < 3; ++e) {
+      const std::uint32_t other = mesh.neighbours[t][e];
+      if (other != assets::kNone && other < t) continue;
+      const std::uint32_t ia = mesh.triangles[t][e], ib = mesh.triangles[t][(e + 1) % 3];
+      MeshEdge edge{mesh.positions[ia], mesh.positions[ib], {}, {}, {ia, ib}, 0.0};
+      if (other == assets::kNone) {
+        edge.normals = {normals_[t], -normals_[t]};
+        edge.triangles = {t, t};
+        edge.angle = std::acos(-1.0);
+      } else {
+        edge.normals = {normals_[t], normals_[other]};
+        edge.triangles = {t, other};
+        const glm::dvec3 along = glm::normalize(edge.b - edge.a);
+        edge.angle = std::atan2(glm::dot(glm::cross(edge.normals[0], edge.normals[1]), along),
+                                glm::dot(edge.normals[0], edge.normals[1]));
+        if (!(std::abs(edge.angle) > kFlat)) continue;
+      }
+      const auto index = static_cast<std::uint32_t>(edges_.size());
+      edges_.push_back(edge);
+      edgeOf[t][e] = index;
+      if (other != assets::kNone) edgeOf[other][edgeTowards(mesh, other, t)] = index;
+    }
+  }
+}
+
+void MeshEdges::listAround(const assets::Mesh& mesh,
+                           const std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+  first_.reserve(mesh.triangles.size() + 1);
+  first_.push_back(0);
+  std::array<std::uint32_t, 10> plane;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    plane[0] = t;
+    std::size_t known = 1, ring = 0;
+    for (int hop = 0; hop < 2; ++hop) {
+      const std::size_t end = known;
+      for (; ring < end; ++ring) {
+        for (std::uint32_t e = 0; e < 3; ++e) {
+          const std::uint32_t other = mesh.neighbours[plane[ring]][e];
+          if (edgeOf[plane[ring]][e] != assets::kNone || other == assets::kNone) continue;
+          if (std::find(plane.begin(), plane.begin() + static_cast<std::ptrdiff_t>(known), other) ==
+                  plane.begin() + static_cast<std::ptrdiff_t>(known) &&
+              known < plane.size())
+            plane[known++] = other;
+        }
+      }
+    }
+    const std::size_t begin = around_.size();
+    for (std::size_t i = 0; i < known; ++i) {
+      for (const std::uint32_t edge : edgeOf[plane[i]]) {
+        if (edge != assets::kNone && around_.size() - begin < kMostAround) around_.push_back(edge);
+      }
+    }
+    first_.push_back(static_cast<std::uint32_t>(around_.size()));
+  }
+}
+
+double MeshEdges::sharpSpacing(double cube) const {
+  const double cell = cube / 3.0;
+  const auto keyOf = [](const glm::i64vec3& at) {
+    const auto part = [](std::int64_t x) { return static_cast<std::uint64_t>(x) & 0x1fffffu; };
+    return part(at.x) | part(at.y) << 21 | part(at.z) << 42;
+  };
+  struct Cell {
+    glm::i64vec3 at;
+    double length = 0.0;  // m, of the sharp edges in it
+  };
+  std::unordered_map<std::uint64_t, Cell> cells;
+  for (const MeshEdge& edge : edges_) {
+    if (std::abs(edge.angle) < kSharp || edge.triangles[0] == edge.triangles[1]) continue;
+    const double length = glm::length(edge.b - edge.a);
+    const int pieces = static_cast<int>(std::min(std::ceil(2.0 * length / cell), 1e4));
+    for (int i = 0; i < pieces; ++i) {
+      const glm::i64vec3 at(glm::floor((edge.a + (edge.b - edge.a) * ((i + 0.5) / pieces)) / cell));
+      Cell& in = cells.try_emplace(keyOf(at), Cell{at}).first->second;
+      in.length += length / pieces;
+    }
+  }
+  // Of each cell: the length about it, in the cube of three by three by three, and its own.
+  std::vector<std::pair<double, double>> lengths;
+  double sum = 0.0;
+  for (const auto& [key, in] : cells) {
+    double about = 0.0;
+    for (std::int64_t i = 0; i < 27; ++i) {
+      const auto near = cells.find(keyOf(in.at + glm::i64vec3(i % 3 - 1, i / 3 % 3 - 1, i / 9 - 1)));
+      if (near != cells.end()) about += near->second.length;
+    }
+    lengths.emplace_back(about, in.length);
+    sum += in.length;
+  }
+  std::sort(lengths.begin(), lengths.end(), std::greater<>());
+  double before = 0.0;
+  for (const auto& [about, own] : lengths) {
+    before += own;
+    if (2.0 * before >= sum) return std::min(cube, cube * cube / about);
+  }
+  return cube;
+}
+
+std::size_t MeshEdges::memory() const {
+  return edges_.size() * sizeof(MeshEdge) + normals_.size() * sizeof(glm::dvec3) +
+         (first_.size() + around_.size()) * sizeof(std::uint32_t);
+}
+
+}  // namespace tandem::haptics

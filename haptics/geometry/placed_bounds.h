@@ -1,0 +1,25 @@
+#pragma once
+
+// The box around a box that has been turned.
+
+#include <glm/common.hpp>
+
+#include "assets/base/pose.h"
+#include "assets/scene/scene.h"
+
+namespace tandem::haptics {
+
+/// In the frame that `pose` leads to.
+inline assets::Bounds boundsAt(const assets::Bounds& own, const Pose& pose) {
+  assets::Bounds box;
+  for (int i = 0; i < 8; ++i) {
+    const glm::dvec3 p =
+        transformPoint(pose, {(i & 1) != 0 ? own.max.x : own.min.x, (i & 2) != 0 ? own.max.y : own.min.y,
+                              (i & 4) != 0 ? own.max.z : own.min.z});
+    box.min = glm::min(box.min, p);
+    box.max = glm::max(box.max, p);
+  }
+  return box;
+}
+
+}  // namespace tandem::haptics

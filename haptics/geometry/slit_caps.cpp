@@ -1,0 +1,140 @@
+#include "haptics/geometry/slit_caps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+/// Cutting ears takes the square of the count.
+constexpr std::size_t kLongestLoop = 512;
+
+/// A directed edge that the mesh lacks to be closed.
+struct Missing {
+  std::uint32_t from = 0, to = 0;
+};
+
+/// What is missing so that every edge is run through equally often each way.
+std::vector<Missing> missingEdges(const assets::Mesh& mesh) {
+  struct Use {
+    std::uint64_t key = 0;
+    int forward = 0;
+  };
+  std::vector<Use> uses;
+  uses.reserve(3 * mesh.triangles.size());
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t e = 0; e < 3; ++e) {
+      const std::uint32_t a = t[e], b = t[(e + 1) % 3];
+      uses.push_back({std::uint64_t{std::min(a, b)} << 32 | std::max(a, b), a < b ? 1 : -1});
+    }
+  }
+  std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.key < b.key; });
+  std::vector<Missing> missing;
+  for (std::size_t first = 0, last = 0; first < uses.size(); first = last) {
+    int balance = 0;
+    for (; last < uses.size() && uses[last].key == uses[first].key; ++last) balance += uses[last].forward;
+    const auto low = static_cast<std::uint32_t>(uses[first].key >> 32);
+    const auto high = static_cast<std::uint32_t>(uses[first].key);
+    for (; balance > 0; --balance) missing.push_back({high, low});
+    for (; balance < 0; ++balance) missing.push_back({low, high});
+  }
+  return missing;
+}
+
+/// Parts directed edges, of which as many enter a vertex as leave it, into loops that meet no vertex twice.
+std::vector<std::vector<std::uint32_t>> simpleLoops(const std::vector<Missing>& edges) {
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> leaving;
+  for (const Missing& edge : edges) leaving[edge.from].push_back(edge.to);
+  std::unordered_map<std::uint32_t, std::size_t> place;  // on the way so far
+  std::vector<std::vector<std::uint32_t>> loops;
+  for (const Missing& edge : edges) {
+    std::vector<std::uint32_t> way = {edge.from};
+    place.clear();
+    place[edge.from] = 0;
+    while (!way.empty()) {
+      auto& next = leaving[way.back()];
+      if (next.empty()) {
+        place.erase(way.back());
+        way.pop_back();
+        continue;
+      }
+      const std::uint32_t to = next.back();
+      next.pop_back();
+      const auto met = place.find(to);
+      if (met == place.end()) {
+        place[to] = way.size();
+        way.push_back(to);
+        continue;
+      }
+      const std::size_t first = met->second;
+      loops.emplace_back(way.begin() + static_cast<std::ptrdiff_t>(first), way.end());
+      while (way.size() > first + 1) {
+        place.erase(way.back());
+        way.pop_back();
+      }
+    }
+  }
+  return loops;
+}
+
+/// Distance of b from the segment a c.
+double heightOver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  const glm::dvec3 along = c - a;
+  const double square = glm::dot(along, along);
+  const double t = square > 0.0 ? std::clamp(glm::dot(b - a, along) / square, 0.0, 1.0) : 0.0;
+  return glm::distance(b, a + t * along);
+}
+
+/// A corner of what is left of a loop, and how far the side from it to the next may be off the mesh.
+struct Corner {
+  std::uint32_t vertex = 0;
+  double off = 0.0;  // m
+};
+
+/// Cuts the flattest ear first. False, with nothing added, if a cap would be further than `widest` off.
+bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, double widest,
+             SlitCaps& caps) {
+  if (loop.size() > kLongestLoop) return false;
+  std::vector<Corner> left;
+  for (const std::uint32_t vertex : loop) left.push_back({vertex, 0.0});
+  SlitCaps own;
+  while (left.size() >= 3) {
+    const std::size_t count = left.size();
+    std::size_t flattest = 0;
+    double least = 1e300, off = 0.0;
+    for (std::size_t i = 0; i < count; ++i) {
+      const Corner &before = left[(i + count - 1) % count], &here = left[i], &after = left[(i + 1) % count];
+      const double height = heightOver(mesh.positions[before.vertex], mesh.positions[here.vertex],
+                                       mesh.positions[after.vertex]);
+      // A point of the new side is within the ear's height of the two old ones.
+      const double reach = height + std::max(before.off, here.off);
+      if (!(reach < least)) continue;
+      least = reach;
+      flattest = i;
+      off = reach;
+    }
+    if (off > widest) return false;
+    const std::size_t before = (flattest + count - 1) % count, after = (flattest + 1) % count;
+    own.triangles.push_back({left[before].vertex, left[flattest].vertex, left[after].vertex});
+    own.width.push_back(off);
+    left[before].off = off;
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(flattest));
+  }
+  caps.triangles.insert(caps.triangles.end(), own.triangles.begin(), own.triangles.end());
+  caps.width.insert(caps.width.end(), own.width.begin(), own.width.end());
+  return true;
+}
+
+}  // namespace
+
+SlitCaps capSlits(const assets::Mesh& mesh, double widest) {
+  SlitCaps caps;
+  for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
+    if (!capLoop(mesh, loop, widest, caps)) caps.complete = false;
+  return caps;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,145 @@
+#pragma once
+
+// A bounding volume hierarchy over the triangles of one mesh: who is near a point, what does a moving ball
+// meet.
+//
+// 1. Boxes are floats, rounded outwards and relative to the mesh's centre; decisions on triangles are in
+// double.
+// 2. Four children a node, at most kMaxLeaf triangles a leaf, depth at most kMaxDepth: queries use a fixed
+// stack.
+// 3. Immutable between construction and refit(), and safe in every thread. The tree does not depend on the
+// number of threads.
+// 4. The mesh must outlive the tree.
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "assets/scene/scene.h"
+#include "haptics/geometry/triangle_filter.h"
+#include "haptics/geometry/triangle_math.h"
+
+namespace tandem::haptics {
+
+inline constexpr std::uint32_t kNoTriangle = 0xffffffffu;
+
+/// Nearest point of a mesh.
+struct MeshPoint {
+  double distance = 0.0;  // m
+  std::uint32_t triangle = kNoTriangle;
+  glm::dvec3 point{0.0, 0.0, 0.0};
+  bool onFace = false;
+};
+
+/// First touch of a moving ball with a mesh.
+struct MeshBallHit : BallHit {
+  std::uint32_t triangle = kNoTriangle;
+};
+
+class TriangleBvh {
+ public:
+  static constexpr int kMaxLeaf = 4;
+  static constexpr int kMaxDepth = 64;
+
+  /// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": binned surface-area
+  /// heuristic, here with four-way nodes made directly and subtrees built on up to `threads` threads (0 = all
+  /// cores).
+  explicit TriangleBvh(const assets::Mesh& mesh, int threads = 0);
+
+  /// After positions of the mesh have changed in place (the triangles must be the same): fits boxes and slabs
+  /// anew, in the shape that the tree has. Answers stay exact; queries slow down as triangles stray from
+  /// their old neighbours. Not while a query runs. Allocates and starts threads for large meshes.
+  void refit(int threads = 0);
+
+  /// The nearest point within `maxDistance` of p; false if there is none.
+  bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
+
+  /// The first triangle that a ball moving from `from` by `motion` meets, earlier than hit.t; see sweepBall()
+  /// of triangle_math.h. On a tie the triangle met most squarely wins.
+  bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
+                 MeshBallHit& hit) const;
+
+  /// How often a segment crosses the surface outwards less how often inwards: the winding number of `from`
+  /// where the segment ends outside, save where it meets an edge exactly.
+  int signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const;
+
+  /// Writes the triangles whose boxes meet `box`; returns how many there are, of which the first found.size()
+  /// are kept.
+  std::size_t gather(const assets::Bounds& box, std::span<std::uint32_t> found) const;
+
+  Triangle triangle(std::uint32_t index) const {
+    const auto& corners = mesh_->triangles[index];
+    return {mesh_->positions[corners[0]], mesh_->positions[corners[1]], mesh_->positions[corners[2]]};
+  }
+  const assets::Mesh& mesh() const { return *mesh_; }
+  const assets::Bounds& bounds() const { return bounds_; }  // exact, of the points of the mesh
+  bool empty() const { return order_.empty(); }
+  std::size_t memory() const { return nodeCount_ * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
+  /// Levels of nodes; for tests.
+  int depth() const;
+
+  /// Four child boxes side by side, m relative to the centre. A child is a node index, or a leaf: kLeafBit,
+  /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild where there is
+  /// none. `slab` says how flat a child is: a direction N of three signed bytes (x lowest), and in the top
+  /// byte h with
+  ///     N . (x - c) <= h / 128 * (|N_x|, |N_y|, |N_z|) . e
+  /// for all points x of its triangles; c, e the box's centre and half extents; 0 where that would say
+  /// nothing. See leaf_slab.h.
+  struct alignas(64) Node {
+    float low[3][4];
+    float high[3][4];
+    std::uint32_t child[4];
+    std::uint32_t slab[4];
+
+    Vec4 lows() const { return {Float4::load(low[0]), Float4::load(low[1]), Float4::load(low[2])}; }
+    Vec4 highs() const { return {Float4::load(high[0]), Float4::load(high[1]), Float4::load(high[2])}; }
+  };
+  static constexpr std::uint32_t kLeafBit = 0x80000000u;
+  static constexpr std::uint32_t kEmptyChild = 0xffffffffu;
+  static constexpr std::uint32_t kLeafFirstMask = 0x0fffffffu;
+
+  static std::uint32_t leafCount(std::uint32_t child) { return (child >> 28) & 7u; }
+
+  /// For walks over two trees at once: nodes()[0] is the root (none where empty()); boxes are relative to
+  /// centre(); leafTriangle(i) is the triangle at place i of the leaves' order.
+  std::span<const Node> nodes() const { return {nodes_.get(), nodeCount_}; }
+  const glm::dvec3& centre() const { return centre_; }  // m, mesh frame
+  std::uint32_t leafTriangle(std::uint32_t place) const { return order_[place]; }
+
+ private:
+  template <typename Visit>
+  void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
+  /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
+  Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
+  // bvh_fit.cpp
+  /// Slabs of all children, and before that their boxes if the triangles have moved.
+  void fit(int workers, bool haveMoved);
+  /// Slabs, and boxes if the triangles have moved, of the leaves of nodes [begin, end); of other children
+  /// slab 0.
+  void fitLeaves(std::size_t begin, std::size_t end, bool haveMoved);
+  /// Exact bounds of points [begin, end) of the mesh; none is unused (assets/mesh/mesh_analysis.h).
+  assets::Bounds boundsOf(std::size_t begin, std::size_t end) const;
+  /// Boxes of all children that are nodes.
+  void fitInner();
+  /// Slabs of children that are nodes of [begin, end), the last one first.
+  void fitInnerSlabs(std::size_t begin, std::size_t end);
+  /// Bounds of all from those of shares, the extent, and before there are nodes the centre.
+  void setBounds(std::span<const assets::Bounds> shares);
+  /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
+  /// error.
+  double coordinateRounding(const glm::dvec3& p) const {
+    return 0x1p-48 * (glm::length(centre_) + extent_ + glm::length(p));
+  }
+
+  const assets::Mesh* mesh_;
+  glm::dvec3 centre_{0.0, 0.0, 0.0};
+  assets::Bounds bounds_;
+  float extent_ = 0.0f;            // m, largest coordinate relative to the centre
+  std::unique_ptr<Node[]> nodes_;  // nodes_[0] is the root
+  std::size_t nodeCount_ = 0;
+  std::vector<std::uint32_t> order_;  // triangles in leaf order
+};
+
+}  // namespace tandem::haptics

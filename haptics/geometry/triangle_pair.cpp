@@ -1,0 +1,139 @@
+#include "haptics/geometry/triangle_pair.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/common.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+/// Keeps the nearest pair of points seen.
+void take(const glm::dvec3& onA, const glm::dvec3& onB, TrianglePairGap& best) {
+  const glm::dvec3 way = onA - onB;
+  const double square = glm::dot(way, way);
+  if (square < best.square) best = {square, onA, onB};
+}
+
+/// Where both nearest points lie within the edges p + s u and q + t v. Elsewhere an end is the nearest point,
+/// and the corners' turn tells. Any s and t in range name true points of both, so that rounding of nearly
+/// parallel edges costs tightness of the second order alone.
+void takeEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, const glm::dvec3& v,
+               TrianglePairGap& best) {
+  const glm::dvec3 r = p - q;
+  const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v);
+  const double determinant = uu * vv - uv * uv;
+  if (!(determinant > 0x1p-50 * uu * vv)) return;
+  const double ur = glm::dot(u, r), vr = glm::dot(v, r);
+  const double s = (uv * vr - vv * ur) / determinant, t = (uu * vr - uv * ur) / determinant;
+  if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) take(p + u * s, q + v * t, best);
+}
+
+/// Flatter than about 1e-3: the nearest point of its face is known to 1e-5 of its length only.
+bool isSliver(const Triangle& t) {
+  const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, n = glm::cross(ab, ac);
+  return glm::dot(n, n) < 1e-6 * glm::dot(ab, ab) * glm::dot(ac, ac);
+}
+
+/// The corners of one against the edges of another that is a sliver, which are known exactly.
+template <typename Take>
+void takeCornersAndEdges(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& sliver,
+                         Take&& taken) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const glm::dvec3 &from = sliver[i], way = sliver[(i + 1) % 3] - from;
+    const double square = glm::dot(way, way);
+    for (const glm::dvec3& corner : corners) {
+      const double share = square > 0.0 ? std::clamp(glm::dot(corner - from, way) / square, 0.0, 1.0) : 0.0;
+      taken(corner, from + way * share);
+    }
+  }
+}
+
+/// Where an edge goes through the face of `t` they meet, if that point lies on the face but for rounding: of a
+/// sliver the plane is hardly known, and where the edge passes by it the nearest corners and edges tell.
+bool meets(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, TrianglePairGap& best) {
+  const double share = pierceShare(from, to, t);
+  if (share < 0.0) return false;
+  const glm::dvec3 point = from + (to - from) * share;
+  const double off = glm::length(closestPointOnTriangle(point, t).point - point);
+  const double size = glm::length(to - from) + glm::length(t.b - t.a) + glm::length(t.c - t.a);
+  if (off > 0x1p-44 * size + 0x1p-50 * glm::length(point)) return false;
+  best = {0.0, point, point};
+  return true;
+}
+
+/// By how much the plane of `facet` keeps `t` off, m; below 0 by how little it takes to move `t` to one side.
+double planeGap(const Facet& facet, const Triangle& t) {
+  const double a = glm::dot(facet.normal, t.a - facet.t.a), b = glm::dot(facet.normal, t.b - facet.t.a),
+               c = glm::dot(facet.normal, t.c - facet.t.a);
+  return std::max(std::min({a, b, c}), -std::max({a, b, c}));
+}
+
+/// The nearest points, or any as near as the root of `enough` (m^2).
+TrianglePairGap search(const Triangle& a, const Triangle& b, double enough) {
+  const std::array<glm::dvec3, 3> p{a.a, a.b, a.c}, q{b.a, b.b, b.c};
+  TrianglePairGap best;
+  best.square = HUGE_VAL;
+  for (const glm::dvec3& corner : p) take(corner, closestPointOnTriangle(corner, b).point, best);
+  for (const glm::dvec3& corner : q) take(closestPointOnTriangle(corner, a).point, corner, best);
+  if (best.square <= enough) return best;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      takeEdges(p[i], p[(i + 1) % 3] - p[i], q[j], q[(j + 1) % 3] - q[j], best);
+    }
+  }
+  if (isSliver(b)) {
+    takeCornersAndEdges(p, q, [&](const glm::dvec3& onA, const glm::dvec3& onB) { take(onA, onB, best); });
+  }
+  if (isSliver(a)) {
+    takeCornersAndEdges(q, p, [&](const glm::dvec3& onB, const glm::dvec3& onA) { take(onA, onB, best); });
+  }
+  if (furtherThan(0.0, facetOf(a), facetOf(b))) return best;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const std::size_t next = (i + 1) % 3;
+    if (meets(p[i], p[next], b, best) || meets(q[i], q[next], a, best)) break;
+  }
+  return best;
+}
+
+}  // namespace
+
+Facet facetOf(const Triangle& t) {
+  const glm::dvec3 n = areaVector(t);
+  const double length = glm::length(n);
+  return {t, length > 0.0 ? n / length : glm::dvec3(0.0), glm::min(t.a, glm::min(t.b, t.c)),
+          glm::max(t.a, glm::max(t.b, t.c))};
+}
+
+bool furtherThan(double reach, const Facet& a, const Facet& b) {
+  const glm::dvec3 gap = glm::max(glm::max(a.low - b.high, b.low - a.high), glm::dvec3(0.0));
+  return glm::dot(gap, gap) > reach * reach || planeGap(a, b.t) > reach || planeGap(b, a.t) > reach;
+}
+
+double pierceShare(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t) {
+  constexpr double kMissed = -1.0;
+  const glm::dvec3 normal = areaVector(t);
+  const double start = glm::dot(normal, from - t.a), end = glm::dot(normal, to - t.a);
+  if ((start > 0.0) == (end > 0.0) && start != 0.0 && end != 0.0) return kMissed;
+  if (start == end) return kMissed;
+  // Signed volumes of the line with the three edges: one sign means that it passes through the triangle.
+  const glm::dvec3 way = to - from, a = t.a - from, b = t.b - from, c = t.c - from;
+  const double u = glm::dot(way, glm::cross(b, a)), v = glm::dot(way, glm::cross(c, b)),
+               w = glm::dot(way, glm::cross(a, c));
+  const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
+  if (!negative && !positive) return kMissed;
+  return std::clamp(start / (start - end), 0.0, 1.0);
+}
+
+double standThrough(const Facet& a, const Facet& b) {
+  return std::max(0.0, std::min(-planeGap(a, b.t), -planeGap(b, a.t)));
+}
+
+TrianglePairGap nearestPoints(const Triangle& a, const Triangle& b) { return search(a, b, 0.0); }
+
+bool comeNear(const Triangle& a, const Triangle& b, double distance) {
+  return search(a, b, distance * distance).square <= distance * distance;
+}
+
+}  // namespace tandem::haptics

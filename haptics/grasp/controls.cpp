@@ -1,0 +1,102 @@
+#include "haptics/grasp/controls.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+/// Velocity of a point of the part for each unit of the control's rate: m/s for 1 m/s, or for 1 rad/s.
+glm::dvec3 leverAt(const assets::Control& control, const glm::dvec3& point) {
+  const glm::dvec3 axis = assets::axisOf(control);
+  return assets::turns(control) ? glm::cross(axis, point - control.worldFromAxis.position) : axis;
+}
+
+void place(const MovedControl& moved, Pose& worldFromPart, Twist& twist) {
+  worldFromPart = assets::poseAt(*moved.control, moved.state.value);
+  twist = assets::twistAt(*moved.control, worldFromPart, moved.state.rate);
+}
+
+AxisLoad sum(const AxisLoad& a, const AxisLoad& b) {
+  return {a.force + b.force, a.stiffness + b.stiffness, a.damping + b.damping};
+}
+
+}  // namespace
+
+MovedControl takeControl(const ContactWorld& world, PartId part) {
+  MovedControl moved;
+  moved.control = assets::controlOf(world.scene(), part);
+  if (moved.control == nullptr) return moved;
+  moved.steepest = steepestResistance(*moved.control);
+  moved.state.value =
+      assets::admissible(*moved.control, assets::controlValue(*moved.control, world.pose(part)));
+  return moved;
+}
+
+AxisLoad toolLoad(const ContactWorld& world, const Proxy& proxy, const assets::Control& control,
+                  const glm::dvec3& force, const TickParameters& parameters) {
+  glm::dvec3 point(0.0);
+  double depths = 0.0, stiffness = 0.0, damping = 0.0;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (plane.surface.part != control.part || !presses(plane)) continue;
+    const assets::Material& material = world.material(plane.surface.part, plane.surface.triangle);
+    point += plane.multiplier * plane.surface.point;
+    depths += plane.multiplier;
+    stiffness = std::max(stiffness, material.stiffness > 0.0 ? material.stiffness : parameters.stiffness);
+    damping = std::max(damping, material.damping > 0.0 ? material.damping : parameters.damping);
+  }
+  if (!(depths > 0.0)) return {};
+  const glm::dvec3 lever = leverAt(control, point / depths);
+  const double scale = glm::dot(lever, lever);
+  return {-glm::dot(lever, force), stiffness * scale, damping * scale};
+}
+
+void stepFree(MovedControl& moved, double dt, Pose& worldFromPart, Twist& twist) {
+  stepControl(*moved.control, moved.steepest, moved.tool, dt, moved.state);
+  place(moved, worldFromPart, twist);
+}
+
+Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSample& device,
+                const CouplingGains& gains, double dt, Pose& worldFromPart, Twist& twist) {
+  const assets::Control& control = *moved.control;
+  const Pose worldFromGrip = worldFromPart * partFromGrip;
+  const glm::dvec3 lever = leverAt(control, worldFromGrip.position);
+  const glm::dvec3 spin = assets::turns(control) ? assets::axisOf(control) : glm::dvec3(0.0);
+  const glm::dvec3 gap = device.worldFromDevice.position - worldFromGrip.position;
+  const glm::dvec3 angle =
+      rotationVector(device.worldFromDevice.orientation * glm::conjugate(worldFromGrip.orientation));
+  // What the coupling gives if the part stood still.
+  const glm::dvec3 force = gains.stiffness * gap + gains.damping * device.twist.linear;
+  const glm::dvec3 torque = gains.rotStiffness * angle + gains.rotDamping * device.twist.angular;
+  const double lever2 = glm::dot(lever, lever), spin2 = glm::dot(spin, spin);
+  const double damping = gains.damping * lever2 + gains.rotDamping * spin2;
+  const AxisLoad hand{glm::dot(lever, force) + glm::dot(spin, torque) - damping * moved.state.rate,
+                      gains.stiffness * lever2 + gains.rotStiffness * spin2, damping};
+  const double before = moved.state.value;
+  stepControl(control, moved.steepest, sum(hand, moved.tool), dt, moved.state);
+  place(moved, worldFromPart, twist);
+  // What it gives at the end of the step: the exact reaction to what acted on the part. At a stop the part
+  // moved less than its rate says, so that the way counts, not the rate.
+  double way = moved.state.value - before;
+  if (control.endless) way = std::remainder(way, control.max - control.min);
+  const double rate = way / dt;
+  const double drag = gains.damping + dt * gains.stiffness;
+  const double rotDrag = gains.rotDamping + dt * gains.rotStiffness;
+  return {drag * rate * lever - force, rotDrag * rate * spin - torque};
+}
+
+bool isQuiet(const MovedControl& moved) {
+  constexpr double kSlow = 1e-3;  // of the range, 1/s
+  const double range = moved.control->max - moved.control->min;
+  return moved.tool.stiffness == 0.0 && std::abs(moved.state.rate) <= kSlow * range;
+}
+
+Layers::Layers(const assets::Scene& scene) {
+  for (const assets::Control& control : scene.controls)
+    if (control.kind == assets::ControlKind::layer) layers_.push_back(&control);
+}
+
+}  // namespace tandem::haptics

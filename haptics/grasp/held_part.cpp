@@ -1,0 +1,358 @@
+#include "haptics/grasp/held_part.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+/// Mass properties fit for integration. Where the scene has none, or an inertia that no body can have, those
+/// of a ball of aluminium of half the part's extent: heavy enough to feel, and of the right order in every
+/// unit.
+RigidBody bodyOf(const ContactWorld& world, PartId part) {
+  const assets::MassProperties& given = world.scene().parts[part].massProperties;
+  const Collider& collider = world.collider(part);
+  const double radius = collider.radius > 0.0 ? 0.5 * collider.radius : 0.01;
+  RigidBody body;
+  const bool known = given.mass > 0.0;
+  body.mass = known ? given.mass : 2700.0 * 4.18879 * radius * radius * radius;
+  body.centreOfMass = known ? given.centreOfMass : collider.centre;
+  const glm::dmat3& i = given.inertia;
+  const double minor = i[0][0] * i[1][1] - i[0][1] * i[1][0];
+  const bool definite = i[0][0] > 0.0 && minor > 0.0 && glm::determinant(i) > 0.0;
+  body.inertia = definite && known ? i : glm::dmat3(0.4 * body.mass * radius * radius);
+  body.worldFromBody = world.pose(part);
+  return body;
+}
+
+/// Whether a hand that is read draws at a part.
+bool isDrawn(const SimulatedPart& entry, const HandPulls& hands) {
+  for (std::size_t h = 0; h < kHands; ++h) {
+    if (entry.grips[h].holds && hands[h].device != nullptr) return true;
+  }
+  return false;
+}
+
+/// One step of a part that is a control; adds what the hand that holds it feels.
+void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
+                    std::array<Wrench, kHands>& onHands) {
+  bool drawn = false;
+  for (std::size_t h = 0; h < kHands && !drawn; ++h) {
+    Grip& grip = entry.grips[h];
+    drawn = grip.holds && hands[h].device != nullptr;
+    if (!drawn) continue;
+    grip.onHand = stepHeld(entry.moved, grip.bodyFromGrip, *hands[h].device, hands[h].gains, dt,
+                           entry.body.worldFromBody, entry.body.twist);
+    onHands[h] = onHands[h] + grip.onHand;
+  }
+  if (!drawn) stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
+  entry.sinceLetGo = !entry.held() && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
+}
+
+/// What pulls a part down, m/s^2.
+glm::dvec3 gravityOn(PartId part, const TickParameters& parameters, const assets::Scene& scene) {
+  return parameters.gravity * scene.parts[part].gravityFactor;
+}
+
+/// What fades of the pull of a hand that has let go, about the centre of mass.
+Wrench endedPull(SimulatedPart& entry, double dt) {
+  if (!entry.ended.active()) return {};
+  const RigidBody& body = entry.body;
+  const glm::dvec3 at = transformPoint(body.worldFromBody, entry.endedAt);
+  entry.ended.advance(dt * velocityAt(body.worldFromBody, body.twist, at), dt * body.twist.angular, dt);
+  const Wrench now = entry.ended.now();
+  const glm::dvec3 arm = at - transformPoint(body.worldFromBody, body.centreOfMass);
+  return {now.force, now.torque + glm::cross(arm, now.force)};
+}
+
+/// The tool's spring, as if it held the part where it presses: so it is implicit, and any mass is stable.
+Coupling couplingOf(const ToolPush& tool, const Pose& worldFromBody) {
+  const Pose grip{tool.point, worldFromBody.orientation};
+  return {inverse(worldFromBody) * grip,
+          {grip.position + tool.force / tool.stiffness, grip.orientation},
+          {},
+          {tool.stiffness, 0.0, 0.0, 0.0}};
+}
+
+/// What a link's force falls by as the part moves: a coupling without a spring at the centre of mass.
+Coupling couplingOf(const LinkPull& link, const RigidBody& body) {
+  const Pose bodyFromCentre{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
+  return {bodyFromCentre, body.worldFromBody * bodyFromCentre, {}, {0.0, link.damping, 0.0, link.rotDamping}};
+}
+
+/// Radius of gyration, m: the size of a body to itself.
+double sizeOf(const RigidBody& body) {
+  const glm::dmat3& i = body.inertia;
+  return std::sqrt((i[0][0] + i[1][1] + i[2][2]) / (2.0 * body.mass));
+}
+
+/// Whether a part has fallen out of its scene.
+bool isLost(const RigidBody& body, const assets::Scene& scene) {
+  const glm::dvec3 size = scene.bounds.max - scene.bounds.min,
+                   middle = 0.5 * (scene.bounds.max + scene.bounds.min);
+  return glm::length(body.worldFromBody.position - middle) > 10.0 * glm::length(size);
+}
+
+}  // namespace
+
+bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
+  if (owns(part)) return true;
+  if (count_ == kMaxOwnedParts) return false;
+  SimulatedPart& entry = parts_[static_cast<std::size_t>(count_++)];
+  entry = SimulatedPart{};
+  entry.part = part;
+  entry.body = bodyOf(world, part);
+  entry.sinceLetGo = awake ? 0.0 : kSettleTime;
+  entry.restPose = entry.body.worldFromBody;
+  entry.moved = takeControl(world, part);
+  if (entry.moved.control != nullptr) entry.sinceLetGo = 0.0;  // its springs may move it from here
+  return true;
+}
+
+void HeldParts::disown(PartId part) {
+  SimulatedPart* entry = find(part);
+  if (entry == nullptr) return;
+  ties_.forget(part);
+  // Order is kept: it is the order in which the output lists them.
+  for (SimulatedPart* next = entry + 1; next != parts_.data() + count_; ++next) *(next - 1) = *next;
+  --count_;
+}
+
+bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand) {
+  SimulatedPart* entry = find(part);
+  if (entry == nullptr) return false;
+  const auto index = static_cast<std::size_t>(hand);
+  if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
+  letGo(parameters, hand);
+  if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
+  entry->grips[index] = {true, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
+  return true;
+}
+
+bool HeldParts::letGo(const TickParameters& parameters, int hand) {
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    Grip& grip = entry.grips[static_cast<std::size_t>(hand)];
+    if (!grip.holds) continue;
+    grip.holds = false;
+    entry.tool = ToolPush{};
+    if (!entry.held()) {
+      entry.sinceLetGo = 0.0;
+      entry.restPose = entry.body.worldFromBody;
+    }
+    if (entry.held() || ties_.has(entry.part)) {
+      // Half of what the spring held goes to the part, half to the hand: as two springs of twice the stiffness.
+      entry.ended.start({-grip.onHand.force, -grip.onHand.torque},
+                        {2.0 * parameters.graspStiffness, 2.0 * parameters.graspRotStiffness},
+                        parameters.fadeTime);
+      entry.endedAt = grip.bodyFromGrip.position;
+      return true;
+    }
+    entry.ended = Fade{};
+    return false;
+  }
+  return false;
+}
+
+bool HeldParts::tie(const PartTie& tie) {
+  const SimulatedPart* const entry = find(tie.part);
+  if (entry == nullptr || entry->moved.control != nullptr) return false;
+  return ties_.tie(tie, entry->body);
+}
+
+void HeldParts::load(PartId part, const AxisLoad& tool) {
+  if (SimulatedPart* entry = find(part)) entry->moved.tool = tool;
+}
+
+bool HeldParts::isFree(PartId part, const glm::dvec3& gravity, const PartContact* contact) {
+  if (contact == nullptr) return false;
+  return contact->joined(part) || (contact->collides(part) && gravity != glm::dvec3(0.0));
+}
+
+void HeldParts::noteRest(SimulatedPart& entry, double dt) {
+  const double size = sizeOf(entry.body);
+  const Pose &now = entry.body.worldFromBody, &then = entry.restPose;
+  const double way = glm::length(now.position - then.position) +
+                     size * glm::length(rotationVector(now.orientation * glm::conjugate(then.orientation)));
+  entry.sinceLetGo += dt;
+  if (way < 1e-3 * size) return;
+  entry.sinceLetGo = 0.0;
+  entry.restPose = now;
+}
+
+bool HeldParts::drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
+                      const assets::Scene& scene, CoupledStep& step) {
+  const bool free = isFree(entry.part, gravity, contact);
+  if (free) {
+    if (atRest(entry) && contact->disturbed(entry.part)) entry.sinceLetGo = 0.0;
+    if (isLost(entry.body, scene)) entry.sinceLetGo = kSettleTime;
+  } else if (!entry.held()) {
+    entry.sinceLetGo += dt;
+  }
+  if (atRest(entry)) entry.body.twist = Twist{};
+  if (free && entry.tool.stiffness > 0.0) {
+    entry.sinceLetGo = 0.0;
+    const Coupling tool = couplingOf(entry.tool, entry.body.worldFromBody);
+    step = coupleBody(entry.body, {&tool, 1}, {}, gravity, dt);
+    return true;
+  }
+  const bool awake = free && !atRest(entry);
+  if (!awake && isStill(entry.body.twist)) return false;
+  const bool falls = free && gravity != glm::dvec3(0.0);
+  step = coast(entry.body, falls ? 1.0 : std::exp(-dt / kSettleDecay));
+  if (awake) step.freeVelocity += dt * gravity;
+  return true;
+}
+
+void HeldParts::push(PartId part, const ToolPush& tool) {
+  if (SimulatedPart* entry = find(part)) entry->tool = tool;
+}
+
+bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
+                     double now, CoupledStep& step) {
+  std::array<Coupling, kMostCouplings> couplings;
+  std::size_t count = 0;
+  for (std::size_t h = 0; h < kHands; ++h) {
+    Grip& grip = entry.grips[h];
+    grip.onHand = Wrench{};
+    if (!grip.holds || hands[h].device == nullptr) continue;
+    const DeviceSample& device = *hands[h].device;
+    couplings[count++] = {grip.bodyFromGrip, device.worldFromDevice, device.twist, hands[h].gains};
+  }
+  const bool tied = ties_.has(entry.part);
+  if (count == 0 && !tied) return false;
+  const bool held = count > 0;
+  Wrench load = endedPull(entry, dt);
+  double weighs = 1.0;
+  if (tied) {
+    const LinkPull link = ties_.pull(entry.part, entry.body, held, now, dt);
+    load = load + link.held;
+    couplings[count++] = couplingOf(link, entry.body);
+    if (const Leash* leash = ties_.leash(entry.part)) {
+      couplings[count++] = leash->coupling(entry.body);
+      weighs -= leash->share();
+    }
+    entry.sinceLetGo = 0.0;
+  }
+  if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
+  step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
+  return true;
+}
+
+void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
+                      const glm::dvec3& velocity, const glm::dvec3& spin,
+                      std::array<Wrench, kHands>& onHands) {
+  std::size_t coupling = 0;
+  for (std::size_t h = 0; h < kHands; ++h) {
+    Grip& grip = entry.grips[h];
+    if (!grip.holds || hands[h].device == nullptr) continue;
+    grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
+    onHands[h] = onHands[h] + grip.onHand;
+  }
+  if (!ties_.has(entry.part)) return;
+  const Wrench back =
+      step.couplings[coupling + 1].onHand(velocity, spin);  // of what leads it: after the links'
+  ties_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
+}
+
+std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
+                                           const assets::Scene& scene, PartContact* contact, double now) {
+  std::array<Wrench, kHands> onHands;
+  std::array<MovingPart, kMaxOwnedParts> moving;
+  std::array<SimulatedPart*, kMaxOwnedParts> entries;
+  std::size_t count = 0;
+  const double dt = parameters.dt;
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    if (entry.moved.control != nullptr) {
+      stepControlled(entry, hands, dt, onHands);
+      continue;
+    }
+    glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
+    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless it is free.
+    const bool falls = isDrawn(entry, hands) || (!entry.held() && isFree(entry.part, gravity, contact));
+    if (!falls) gravity = glm::dvec3(0.0);
+    CoupledStep step;
+    if (!draw(entry, hands, gravity, dt, now, step) && !drift(entry, gravity, dt, contact, scene, step))
+      continue;
+    if (contact != nullptr && contact->constrains(entry.part)) {
+      entries[count] = &entry;
+      moving[count++] = {entry.part, step, &entry.body, {}};
+      continue;
+    }
+    moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
+    react(entry, hands, step, step.freeVelocity, step.freeSpin, onHands);
+  }
+  if (count == 0) return onHands;
+  contact->move({moving.data(), count}, dt, parameters.effort);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Displacement& way = moving[i].way;
+    SimulatedPart& entry = *entries[i];
+    react(entry, hands, moving[i].step, way.linear / dt, way.angular / dt, onHands);
+    if (!entry.held() && !ties_.has(entry.part) &&
+        isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
+      noteRest(entry, dt);
+  }
+  if (count > 1) wakeTouched(*contact, parameters, scene);
+  if (count_ > 1) wakeJoined(*contact, parameters, scene);
+  return onHands;
+}
+
+void HeldParts::wakeTouched(const PartContact& contact, const TickParameters& parameters,
+                            const assets::Scene& scene) {
+  for (const PartTouch& touch : contact.touches()) {
+    SimulatedPart *of = find(touch.of), *on = find(touch.part);
+    if (of != nullptr && on != nullptr && touch.force > 0.0)
+      restTogether(*of, *on, contact, parameters, scene);
+  }
+}
+
+void HeldParts::wakeJoined(const PartContact& contact, const TickParameters& parameters,
+                           const assets::Scene& scene) {
+  for (int i = 0; i < count_; ++i) {
+    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+    contact.forEachJoined(entry.part, [&](PartId other) {
+      if (SimulatedPart* joined = find(other)) restTogether(entry, *joined, contact, parameters, scene);
+    });
+  }
+}
+
+void HeldParts::restTogether(SimulatedPart& a, SimulatedPart& b, const PartContact& contact,
+                             const TickParameters& parameters, const assets::Scene& scene) {
+  const double since = std::min(a.held() ? 0.0 : a.sinceLetGo, b.held() ? 0.0 : b.sinceLetGo);
+  for (SimulatedPart* entry : {&a, &b}) {
+    if (isFree(entry->part, gravityOn(entry->part, parameters, scene), &contact))
+      entry->sinceLetGo = std::min(entry->sinceLetGo, since);
+  }
+}
+
+PartId HeldParts::held(int hand) const {
+  const SimulatedPart* const entry = heldPart(hand);
+  return entry != nullptr ? entry->part : kNoPart;
+}
+
+const SimulatedPart* HeldParts::heldPart(int hand) const {
+  for (const SimulatedPart& entry : parts()) {
+    if (entry.grips[static_cast<std::size_t>(hand)].holds) return &entry;
+  }
+  return nullptr;
+}
+
+bool HeldParts::owns(PartId part) const {
+  for (const SimulatedPart& entry : parts()) {
+    if (entry.part == part) return true;
+  }
+  return false;
+}
+
+SimulatedPart* HeldParts::find(PartId part) {
+  for (int i = 0; i < count_; ++i) {
+    if (parts_[static_cast<std::size_t>(i)].part == part) return &parts_[static_cast<std::size_t>(i)];
+  }
+  return nullptr;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,135 @@
+#pragma once
+
+// The parts that one person's hands simulate: those they hold, and those that settle after they let go.
+//
+// 1. They collide where the scene has part models, and joints hold them (part_contact.h).
+// 2. A part is *free* if gravity pulls it and it has a model, or if a joint holds it: nobody holding it, it falls, is
+//    pushed and pushes. Any other loses its velocity within kSettleTime and stays where it is left.
+// 3. A free part that has not gone further than a thousandth of its size within kSettleTime is at rest and costs
+//    nothing, until something touches it or moves beside it.
+// 4. A part that both hands hold is drawn by both couplings in one implicit step, and each hand feels its own. Where one
+//    of them lets go, what it put on the part fades.
+// 5. A part that other sites simulate too is tied to their replicas by links, which draw at it in the same implicit step
+//    (tied_parts.h). It never rests while it is tied.
+// 6. Nothing here allocates.
+
+#include <array>
+#include <span>
+
+#include "haptics/base/tick_types.h"
+#include "haptics/body/fade.h"
+#include "haptics/body/virtual_coupling.h"
+#include "haptics/contact/part_contact.h"
+#include "haptics/grasp/controls.h"
+#include "haptics/link/tied_parts.h"
+#include "haptics/scene/contact_world.h"
+
+namespace tandem::haptics {
+
+/// What the tool puts on a free part.
+struct ToolPush {
+  glm::dvec3 force{0.0, 0.0, 0.0};  // N, world
+  glm::dvec3 point{0.0, 0.0, 0.0};  // m, world: where
+  double stiffness = 0.0;           // N/m, by which the force falls as the part gives way; 0 = there is none
+};
+
+/// A hand's hold of a part.
+struct Grip {
+  bool holds = false;
+  Pose bodyFromGrip;
+  Wrench onHand;  // of the last step
+};
+
+/// A part simulated here.
+struct SimulatedPart {
+  PartId part = kNoPart;
+  RigidBody body;
+  std::array<Grip, kHands> grips;
+  Fade ended;  // on the part: what a hand put on it that let go while the other one, or another site, held on
+  glm::dvec3 endedAt{0.0, 0.0, 0.0};  // m, body frame: where
+  double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
+  Pose restPose;            // of a free part, where it was then
+  ToolPush tool;            // of the last tick
+  MovedControl moved;       // a control moves along its axis only
+
+  bool held() const { return grips[0].holds || grips[1].holds; }
+};
+
+/// What draws at the parts that a hand holds.
+struct HandPull {
+  const DeviceSample* device = nullptr;  // null: no valid reading, or no such hand: nothing
+  CouplingGains gains;
+
+  static CouplingGains gainsOf(const TickParameters& p) {
+    return {p.graspStiffness, p.graspDamping, p.graspRotStiffness, p.graspRotDamping};
+  }
+};
+using HandPulls = std::array<HandPull, kHands>;
+
+class HeldParts {
+ public:
+  /// Time constant of a released part's velocity and the time after which it is at rest, s: ten time
+  /// constants leave e^-10 of the velocity, which is then dropped.
+  static constexpr double kSettleDecay = 0.03;
+  static constexpr double kSettleTime = 0.3;
+
+  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it. False if
+  /// there is no room. Again: no effect.
+  bool own(const ContactWorld& world, PartId part, bool awake = false);
+  void disown(PartId part);
+  /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not owned, or is
+  /// a control that the other hand holds. `parameters` are the hand's.
+  bool grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand = 0);
+  /// A hand lets go of what it holds, if anything. Whether the other one still holds that, or another site may.
+  bool letGo(const TickParameters& parameters, int hand = 0);
+
+  /// Ties an owned part to a peer's replica; false if it is not owned, is a control, or there is no room.
+  bool tie(const PartTie& tie);
+  TiedParts& ties() { return ties_; }
+  const TiedParts& ties() const { return ties_; }
+
+  /// What the tool puts on an owned control in the next step.
+  void load(PartId part, const AxisLoad& tool);
+  /// What the tool puts on an owned free part in the next step.
+  void push(PartId part, const ToolPush& tool);
+
+  /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on each hand.
+  /// `contact`: what keeps the parts off their neighbours, or null. `now` s: the session's clock, for links.
+  std::array<Wrench, kHands> step(const HandPulls& hands, const TickParameters& parameters,
+                                  const assets::Scene& scene, PartContact* contact, double now);
+
+  std::span<const SimulatedPart> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
+  PartId held(int hand = 0) const;
+  /// What a hand holds, or null.
+  const SimulatedPart* heldPart(int hand = 0) const;
+  bool owns(PartId part) const;
+  static bool atRest(const SimulatedPart& part) { return !part.held() && part.sinceLetGo >= kSettleTime; }
+
+  /// Whether a part that nobody holds moves by itself, under this gravity.
+  static bool isFree(PartId part, const glm::dvec3& gravity, const PartContact* contact);
+
+ private:
+  SimulatedPart* find(PartId part);
+  /// The step of a part that hands or links draw at; false if none does.
+  bool draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt, double now,
+            CoupledStep& step);
+  /// Notes what the couplings put on the hands when the part has moved so, and adds it up; tells its links.
+  void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
+             const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
+  /// The step of a part that nobody holds; false if it stays where it is.
+  static bool drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
+                    const assets::Scene& scene, CoupledStep& step);
+  static void noteRest(SimulatedPart& entry, double dt);
+  /// Parts that press on each other, or that a joint ties together, rest together or not at all.
+  void wakeTouched(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
+  void wakeJoined(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
+  /// Neither has rested for longer than the other.
+  static void restTogether(SimulatedPart& a, SimulatedPart& b, const PartContact& contact,
+                           const TickParameters& parameters, const assets::Scene& scene);
+
+  std::array<SimulatedPart, kMaxOwnedParts> parts_;
+  int count_ = 0;
+  TiedParts ties_;
+};
+
+}  // namespace tandem::haptics

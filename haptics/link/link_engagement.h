@@ -1,0 +1,59 @@
+#pragma once
+
+// When a site's replica of a part that another site holds becomes dynamic: before the two parts touch. A kinematic
+// replica in contact at both sites makes energy, and a link that is asked for at contact comes too late.
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/pose.h"
+
+namespace tandem::haptics {
+
+/// The guest's side. It asks, stays a follower until it sees the owner's end on, then goes dynamic.
+class LinkEngagement {
+ public:
+  enum class Role { follower, engaged };
+
+  /// Advances by dt (s). `gap` m to what this site holds, `closing` m/s, `playOutDelay` s of the link; `ownerOn`: the
+  /// owner's end is seen to be on; `force` N that the link puts on the replica.
+  Role advance(double gap, double closing, double playOutDelay, bool ownerOn, double force, double dt) {
+    // What closes in while request and answer travel and the link fades in.
+    const bool wants = gap < kNear + std::max(0.0, closing) * (2.0 * playOutDelay + kFadeTime);
+    idle_ = wants ? 0.0 : idle_ + dt;
+    if (wants) asks_ = true;
+    if (idle_ > kPatience && gap > kNear + kMargin) asks_ = false;
+    if (role_ == Role::follower && asks_ && ownerOn) role_ = Role::engaged;
+    if (role_ == Role::engaged && !asks_ && force < kForceLeft) role_ = Role::follower;
+    return role_;
+  }
+
+  Role role() const { return role_; }
+  bool asks() const { return asks_; }
+
+  static constexpr double kFadeTime = 0.3;  // s: of such a link
+
+ private:
+  static constexpr double kNear = 0.03, kMargin = 0.01;  // m
+  static constexpr double kPatience = 0.5;               // s
+  static constexpr double kForceLeft = 0.01;             // N
+
+  Role role_ = Role::follower;
+  bool asks_ = false;
+  double idle_ = 0.0;  // s, without a wish
+};
+
+/// The velocity with which a follower goes to where the owner's part is by now, and at most this gap of it at a time.
+inline Twist followTwist(const Pose& from, const Pose& target, const Twist& targetTwist) {
+  constexpr double kTime = 0.03, kMost = 0.01, kMostTurn = 0.2;  // s, m, rad
+  const auto within = [](const glm::dvec3& v, double limit) {
+    const double size = glm::length(v);
+    return size > limit ? v * (limit / size) : v;
+  };
+  const glm::dvec3 turn = rotationVector(target.orientation * glm::conjugate(from.orientation));
+  return {targetTwist.linear + within(target.position - from.position, kMost) / kTime,
+          targetTwist.angular + within(turn, kMostTurn) / kTime};
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,80 @@
+#pragma once
+
+// One end of what ties two replicas of a part across the network, as LinkBench drives it.
+
+#include <functional>
+#include <memory>
+
+#include "haptics/link/coordination_link.h"
+
+namespace tandem::bench {
+
+class TieEnd {
+ public:
+  virtual ~TieEnd() = default;
+  virtual void receive(const haptics::LinkPacket& packet) = 0;
+  /// Begins a tick, as CoordinationLink::pull(), and ends it.
+  virtual haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) = 0;
+  virtual void settle(const Pose& worldFromCentre, const Twist& twist) = 0;
+  virtual haptics::LinkPacket packet(double now) = 0;
+
+  /// Mass that the tie itself adds to the part, kg.
+  virtual double lineMass() const { return 0.0; }
+  /// There is no tie at this delay: the replica is as heavy as the part.
+  virtual bool apart() const { return false; }
+  /// s, by which the peer is played out late.
+  virtual double delay() const { return 0.0; }
+  virtual haptics::LinkAccount account() const { return {}; }
+};
+
+/// Makes an end for a way of `delay` s.
+using TieMaker =
+    std::function<std::unique_ptr<TieEnd>(const haptics::LinkParameters& parameters, double delay)>;
+
+/// The link that sessions use.
+class LinkEnd : public TieEnd {
+ public:
+  LinkEnd(const haptics::LinkParameters& parameters, double delay) : link_(parameters) {
+    link_.begin(1, delay);
+  }
+  void receive(const haptics::LinkPacket& packet) override { link_.receive(packet); }
+  haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override {
+    return link_.pull(now, worldFromCentre, twist);
+  }
+  void settle(const Pose& worldFromCentre, const Twist& twist) override {
+    link_.settle(worldFromCentre, twist);
+  }
+  haptics::LinkPacket packet(double now) override { return link_.packet(now); }
+  double lineMass() const override { return link_.lineMass(); }
+  bool apart() const override { return link_.regime() == haptics::LinkRegime::apart; }
+  double delay() const override { return link_.delay(); }
+  haptics::LinkAccount account() const override { return link_.account(); }
+
+ private:
+  haptics::CoordinationLink link_;
+};
+
+/// A spring and a damper to where the peer's replica was when it was last heard of: what a link is compared with. Stable
+/// only while stiffness times delay is small against the damping around it.
+class PlainSpringEnd : public TieEnd {
+ public:
+  struct Gains {
+    double stiffness = 400.0, damping = 5.0;  // N/m, N s/m
+  };
+  PlainSpringEnd(const Gains& gains, const haptics::LinkParameters& parameters)
+      : gains_(gains), period_(parameters.period), lever_(parameters.lever) {}
+
+  void receive(const haptics::LinkPacket& packet) override;
+  haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override;
+  void settle(const Pose& worldFromCentre, const Twist& twist) override;
+  haptics::LinkPacket packet(double now) override;
+
+ private:
+  static constexpr double kDrag = 0.1;  // N s/m, as a link has on its replica
+  Gains gains_;
+  double period_, lever_;  // s, m
+  haptics::LinkPacket peer_, own_;
+  bool heard_ = false;
+};
+
+}  // namespace tandem::bench

@@ -1,0 +1,91 @@
+#include "haptics/proxy/crease.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+/// Calls visit(triangle) for the triangles that meet where a contact lies, as far as the mesh knows its
+/// neighbours.
+template <typename Visit>
+void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::dvec3& q, double skin,
+                   Visit&& visit) {
+  constexpr std::size_t kMaxAround = 24;
+  const auto& neighbours = tree.mesh().neighbours;
+  std::array<std::uint32_t, kMaxAround> around{triangle};
+  std::size_t count = 1;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Triangle t = tree.triangle(around[i]);
+    visit(around[i], t);
+    if (around[i] >= neighbours.size()) continue;
+    const glm::dvec3 corners[3] = {t.a, t.b, t.c};
+    for (std::size_t e = 0; e < 3 && count < kMaxAround; ++e) {
+      const std::uint32_t next = neighbours[around[i]][e];
+      if (next == assets::kNone) continue;
+      const glm::dvec3 along = corners[(e + 1) % 3] - corners[e], off = q - corners[e];
+      const double square = glm::dot(along, along);
+      const double place = square > 0.0 ? std::clamp(glm::dot(off, along) / square, 0.0, 1.0) : 0.0;
+      if (glm::length(off - place * along) > 2.0 * skin) continue;
+      if (std::find(around.begin(), around.begin() + count, next) == around.begin() + count) {
+        around[count++] = next;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+Crease creaseUnder(const ContactWorld& world, const SurfacePoint& contact, double skin) {
+  const Triangle t = world.triangle(contact.part, contact.triangle);
+  const glm::dvec3 corners[3] = {t.a, t.b, t.c};
+  const glm::dvec3& q = contact.point;
+  Crease nearest{corners[0], corners[0]};
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % 3];
+    if (glm::length(q - a) <= skin) return {a, a};
+    const glm::dvec3 along = b - a;
+    const double square = glm::dot(along, along);
+    if (!(square > 0.0)) continue;
+    const glm::dvec3 off = q - a - along * (glm::dot(q - a, along) / square);
+    if (glm::dot(off, off) < least) {
+      least = glm::dot(off, off);
+      nearest = {a, b};
+    }
+  }
+  return nearest;
+}
+
+double wayOver(const Crease& crease, const glm::dvec3& way) {
+  const glm::dvec3 axis = crease.b - crease.a;
+  const double square = glm::dot(axis, axis);
+  return glm::length(square > 0.0 ? way - axis * (glm::dot(way, axis) / square) : way);
+}
+
+RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, double skin,
+                    const glm::dvec3& tangent) {
+  const Pose& pose = world.pose(contact.part);
+  const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+  const glm::dvec3 normal = partFromWorld * contact.normal, ahead = partFromWorld * tangent;
+  const glm::dvec3 q = partFromWorld * (contact.point - pose.position);
+  RollLimit limit;
+  const TriangleBvh& tree = *world.collider(contact.part).tree;
+  forEachAround(tree, contact.triangle, q, skin, [&](std::uint32_t triangle, const Triangle& t) {
+    for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
+      const glm::dvec3 d = corner - q;
+      const double forward = glm::dot(ahead, d);
+      // Along an edge the ball does not leave it.
+      if (glm::length(d) <= 2.0 * skin || forward <= 1e-6 * glm::length(d)) continue;
+      const double turn = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
+      if (turn < limit.turn) limit = {turn, triangle};
+    }
+  });
+  return limit;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,159 @@
+#include "haptics/proxy/mesh_change.h"
+
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+constexpr int kMaxSteps = 32;  // out of corners; flat and convex surfaces take one
+
+/// Unit normal of a triangle's front, world; zero where it has no area.
+glm::dvec3 frontOf(const ContactWorld& world, PartId part, std::uint32_t triangle) {
+  const glm::dvec3 n = areaVector(world.collider(part).tree->triangle(triangle));
+  const double length = glm::length(n);
+  return length > 0.0 ? transformVector(world.pose(part), n / length) : glm::dvec3(0.0);
+}
+
+/// If the first triangle that the way out meets is met from behind, the surface has come over the point: puts
+/// it `rest` before that triangle.
+void putBefore(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double rest,
+               glm::dvec3& p) {
+  WorldHit hit;
+  const Collider& collider = world.collider(part);
+  const glm::dvec3 centre = transformPoint(world.pose(part), collider.centre);
+  const double reach = glm::length(p - centre) + collider.radius;
+  if (!world.sweepPart(part, p, normal * reach, 0.0, hit)) return;
+  const glm::dvec3 face = frontOf(world, part, hit.triangle) * (front ? 1.0 : -1.0);
+  if (glm::dot(face, normal) > 0.0) p = hit.point + face * rest;
+}
+
+/// Away from the nearest triangles until the tool is free of all of them.
+bool clear(const ContactWorld& world, PartId part, double radius, glm::dvec3& p) {
+  for (int step = 0; step < kMaxSteps; ++step) {
+    const double skin = world.skin(part, p), rest = radius + skin;
+    SurfacePoint near;
+    if (!world.nearest(part, p, rest, near) || near.distance >= radius + 0.5 * skin) return true;
+    // A little further at each step: corners are left in few.
+    p += near.normal * (rest - near.distance) * (1.0 + 0.02 * step);
+  }
+  return false;
+}
+
+/// The way in which the contacts together hold the proxy off the device, unit; zero if none presses.
+glm::dvec3 heldAlong(const Proxy& proxy) {
+  glm::dvec3 sum(0.0);
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    sum += plane.multiplier * plane.surface.normal;
+  }
+  const double length = glm::length(sum);
+  return length > 0.0 ? sum / length : sum;
+}
+
+/// Moves the proxy out of one part, by preference along `normal`, which may be zero. False if another part is
+/// in the way or the tool fits nowhere near.
+bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double radius,
+               Proxy& proxy) {
+  glm::dvec3 p = proxy.position;
+  const double rest = radius + world.skin(part, p);
+  if (normal != glm::dvec3(0.0)) {
+    putBefore(world, part, normal, front, rest, p);
+  } else if (world.encloses(part, p)) {
+    SurfacePoint near;
+    if (world.nearest(part, p, 2.0 * world.collider(part).radius, near)) p = near.point - near.normal * rest;
+  }
+  if (!clear(world, part, radius, p)) return false;
+  if (p == proxy.position) return true;
+  WorldHit obstacle;
+  const glm::dvec3 way = p - proxy.position;
+  if (!world.sweep(proxy.position, way, radius, part, obstacle)) {
+    proxy.position = p;
+    return true;
+  }
+  proxy.position += way * obstacle.t;
+  return false;
+}
+
+/// Finds the triangles that stand for the old contacts and drops contacts that are gone.
+void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
+  int kept = 0;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    ProxyPlane plane = proxy.planes[static_cast<std::size_t>(i)];
+    const PartId part = plane.surface.part;
+    if (!world.touchable(part)) continue;
+    // Under the old contact, so that of two walls the right one is found.
+    const double rest = radius + world.skin(part, proxy.position);
+    const glm::dvec3 foot = proxy.position - plane.surface.normal * rest;
+    SurfacePoint found;
+    if (!world.nearest(part, foot, rest, found)) continue;
+    plane.surface = world.surfaceAt(part, found.triangle, proxy.position);
+    plane.skin = world.skin(part, proxy.position);
+    plane.arriving = false;
+    bool known = false;
+    for (int k = 0; k < kept; ++k) {
+      const SurfacePoint& other = proxy.planes[static_cast<std::size_t>(k)].surface;
+      known = known || (other.part == part && other.triangle == found.triangle);
+    }
+    if (!known) proxy.planes[static_cast<std::size_t>(kept++)] = plane;
+  }
+  proxy.planeCount = kept;
+}
+
+/// Touchable parts near the proxy that none of its contacts names. They are listed before any of them is
+/// left: that asks for near parts itself.
+int listNear(const ContactWorld& world, double radius, const Proxy& proxy,
+             std::array<PartId, kMaxNearParts>& near, bool& overflow) {
+  int count = 0;
+  const glm::dvec3 p = proxy.position, grow(radius);
+  world.forEachNear({p - grow, p + grow}, [&](PartId part) {
+    if (!world.touchable(part)) return;
+    for (int i = 0; i < proxy.planeCount; ++i) {
+      if (proxy.planes[static_cast<std::size_t>(i)].surface.part == part) return;
+    }
+    if (count == kMaxNearParts) {
+      overflow = true;
+    } else {
+      near[static_cast<std::size_t>(count++)] = part;
+    }
+  });
+  return count;
+}
+
+}  // namespace
+
+void noteSides(const ContactWorld& world, const Proxy& proxy, MeshChange& change) {
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const SurfacePoint& at = proxy.planes[index].surface;
+    change.front[index] = world.collider(at.part).tree == nullptr ||
+                          glm::dot(frontOf(world, at.part, at.triangle), at.normal) >= 0.0;
+  }
+}
+
+FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& change, Proxy& proxy) {
+  change.pending = false;
+  FollowedMeshes followed;
+  const auto squeezedBy = [&](PartId part) {
+    world.setIgnored(part, true);
+    followed.parts[static_cast<std::size_t>(followed.count++)] = part;
+  };
+  const glm::dvec3 held = heldAlong(proxy);
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const SurfacePoint& old = proxy.planes[index].surface;
+    if (!world.touchable(old.part)) continue;
+    const bool free =
+        (held == glm::dvec3(0.0) || leavePart(world, old.part, held, change.front[index], radius, proxy)) &&
+        leavePart(world, old.part, old.normal, change.front[index], radius, proxy);
+    if (!free) squeezedBy(old.part);
+  }
+  std::array<PartId, kMaxNearParts> near{};
+  const int count = listNear(world, radius, proxy, near, followed.overflow);
+  for (const PartId part : std::span(near).first(static_cast<std::size_t>(count))) {
+    if (!leavePart(world, part, glm::dvec3(0.0), true, radius, proxy)) squeezedBy(part);
+  }
+  renewPlanes(world, radius, proxy);
+  return followed;
+}
+
+}  // namespace tandem::haptics

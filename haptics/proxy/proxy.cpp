@@ -1,0 +1,322 @@
+#include "haptics/proxy/proxy.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/proxy/crease.h"
+#include "haptics/proxy/friction_scale.h"
+#include "haptics/proxy/proxy_planes.h"
+#include "haptics/proxy/proxy_steps.h"
+#include "haptics/proxy/surface_walk.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr int kMaxRounds = 24;
+constexpr int kMaxFrictionRounds = 4;
+constexpr double kConeError = 1e-3;  // of the friction ratio
+// By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
+// if the surface is not curved as expected it ends nearer than it began.
+constexpr double kMaxStretch = 1.5;
+// Of a ball's radius: a step that is cut because the ground turns is no shorter. Along a tangent of that length
+// the ball rises by half a hundredth of its radius.
+constexpr double kLeastStep = 0.1;
+constexpr int kEdgeRounds = 4;
+constexpr double kWellPast = 8.0;     // skins, from an edge: what holds the proxy there is no longer near
+constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
+
+using Walks = std::array<SurfaceWalk, kMaxPlanes>;
+
+/// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
+/// the contacts that stay on it arrive. True if the way was cut.
+bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
+                  bool& onCrease) {
+  const double length = glm::length(way);
+  double share = 1.0;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
+    walk = walkSurface(world, plane.surface, way, plane.skin);
+    // On a crease already: over it by a few skins for a point, by no more than it can roll for a ball.
+    const double over = 3.0 * plane.skin / length;
+    if (walk.sharp || walk.share < over) {
+      onCrease = true;
+      const double leaves = wayOver(creaseUnder(world, plane.surface, plane.skin), way);
+      walk.share = leaves > 0.0 ? (3.0 * plane.skin + 0.5 * radius) / leaves : 1.0;
+    } else if (walk.share < 1.0) {
+      walk.share += over;
+    }
+    // Features far smaller than the ball are no creases of its way.
+    share = std::min(share, std::max(walk.share, std::min(1.0, kLeastStep * radius / length)));
+  }
+  if (share >= 1.0) return false;
+  way *= share;
+  return true;
+}
+
+/// Puts the pressing planes onto the triangles to which the walk has led, once the proxy is there.
+void arrive(const Walks& walks, Proxy& proxy) {
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    const SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
+    if (!presses(plane) || walk.sharp || walk.share < 1.0) continue;
+    plane.arriving =
+        walk.arrival.triangle != plane.surface.triangle || walk.arrival.part != plane.surface.part;
+    plane.surface.part = walk.arrival.part;
+    plane.surface.triangle = walk.arrival.triangle;
+  }
+}
+
+/// Puts a contact that has passed a crease onto the face behind it.
+void passCrease(const Walks& walks, Proxy& proxy) {
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    const std::uint32_t beyond = walks[static_cast<std::size_t>(i)].beyond;
+    if (!presses(plane) || beyond == kNoTriangle) continue;
+    plane.surface.triangle = beyond;
+    plane.arriving = true;
+  }
+}
+
+/// Friction reach of the pressing planes, m: the tangential lag that the normal depth can hold.
+double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
+  double reach = 0.0;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    const assets::Material& m = world.material(plane.surface.part, plane.surface.triangle);
+    const double coefficient = sliding ? m.dynamicFriction : std::max(m.staticFriction, m.dynamicFriction);
+    if (coefficient > 0.0) reach += plane.multiplier * coefficient * frictionScale(world, plane.surface);
+  }
+  return reach;
+}
+
+/// How near is near enough: a share of the skin, or of the depth where facets, edges and corners stand for a
+/// curve.
+double closeEnough(const Proxy& proxy, double radius) {
+  double depth = 0.0;
+  bool curved = false;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (!presses(plane)) continue;
+    depth += plane.multiplier;
+    curved = curved || (radius > 0.0 && !plane.surface.onFace);
+  }
+  return std::max(0.01 * smallestSkin(proxy), curved ? kNearEnough * depth : 0.0);
+}
+
+/// One move of the proxy towards a goal: rounds of projection, walk and sweep.
+class Descent {
+ public:
+  Descent(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy)
+      : world_(world), goal_(goal), radius_(radius), proxy_(proxy), mayRoll_(radius > 0.0) {}
+
+  /// From planes that are up to date.
+  void run() {
+    for (int round = 0; round < kMaxRounds; ++round) {
+      if (settled()) return;
+    }
+    leaveOff();
+  }
+
+  /// As run(), the first of a tick: it begins as far along the tangent as the last one turned out to go.
+  void runAhead() {
+    const glm::dvec3 start = proxy_.position;
+    stretch_ = proxy_.stretch;
+    proxy_.stretch = 1.0;
+    run();
+    const double square = glm::dot(tangent_, tangent_);
+    if (!curved_ || !(square > 0.0)) return;
+    proxy_.stretch = std::clamp(glm::dot(proxy_.position - start, tangent_) / square, 1.0, kMaxStretch);
+  }
+
+ private:
+  void leaveOff() {
+    // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
+    // out.
+    const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
+    if (touches(proxy_)) return;
+    advance(world_, way, radius_, proxy_);
+    wayToGoal(world_, goal_, radius_, proxy_);
+  }
+
+  /// One round; true if the proxy has arrived.
+  bool settled() {
+    glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
+    if (glm::length(way) <= closeEnough(proxy_, radius_)) return !passEdge();
+    if (!touches(proxy_))
+      return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
+
+    const int alone = onlyPressing(proxy_);
+    if (alone >= 0 && !planeAt(alone).surface.onFace) {
+      ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(alone)];
+      if (mayRoll_ && roll(alone, way)) return false;
+      if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, way, plane)) {
+        way = wayToGoal(world_, goal_, radius_, proxy_);
+      }
+    }
+    // The goal is under the crease itself, whose other side is not known: the ball creeps off it.
+    if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) way *= kMaxStretch;
+    const bool first = stretch_ > 0.0, stretched = stretch_ > 1.0;
+    if (first) {
+      tangent_ = way;
+      way *= stretch_;
+      stretch_ = 0.0;
+    }
+    bool onCrease = false;
+    Walks walks;
+    const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
+    if (onCrease && alone >= 0 && mayRoll_ && roll(alone, way)) return false;
+    mayRoll_ = radius_ > 0.0;
+    if (!advance(world_, way, radius_, proxy_)) return false;
+    if (!cut) {
+      arrive(walks, proxy_);
+    } else if (alone >= 0 || radius_ == 0.0) {
+      passCrease(walks, proxy_);
+    }
+    const bool changed = refreshPlanes(world_, radius_, proxy_);
+    curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
+    return !changed && !cut && !stretched;
+  }
+
+  /// Where a face that presses beyond its edge holds the proxy: tries whether the edge alone lets it pass. True
+  /// if it has.
+  bool passEdge() {
+    const auto end = proxy_.planes.begin() + proxy_.planeCount;
+    const auto isBeyond = [](const ProxyPlane& plane) { return plane.beyondEdge && presses(plane); };
+    if (triedEdge_ || std::none_of(proxy_.planes.begin(), end, isBeyond)) return false;
+    triedEdge_ = true;
+    const Proxy before = proxy_;
+    refreshPlanes(world_, radius_, proxy_);
+    const double far = kWellPast * smallestSkin(proxy_);
+    for (int i = 0; i < kEdgeRounds; ++i) {
+      const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_, Covered::asEdge);
+      if (glm::length(way) <= far) break;
+      if (advance(world_, way, radius_, proxy_)) refreshPlanes(world_, radius_, proxy_);
+      if (glm::length(proxy_.position - before.position) > far) return true;
+    }
+    const int sweeps = proxy_.sweeps;
+    proxy_ = before;
+    proxy_.sweeps = sweeps;
+    return false;
+  }
+
+  /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
+  /// way.
+  bool stillOnSameCrease(const ProxyPlane& plane) {
+    const bool same =
+        !plane.surface.onFace && !lastOnFace_ &&
+        glm::length(plane.surface.point - lastPoint_) < 0.25 * glm::length(proxy_.position - lastPosition_);
+    lastOnFace_ = plane.surface.onFace;
+    lastPoint_ = plane.surface.point;
+    lastPosition_ = proxy_.position;
+    return same;
+  }
+
+  /// True if the round is over: the ball has rolled on, or has met something that the next projection must
+  /// know.
+  bool roll(int index, const glm::dvec3& way) {
+    const int sweeps = proxy_.sweeps;
+    const glm::dvec3 from = proxy_.position;
+    if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) {
+      // Stopped at once by another plane: the projection knows it, the arc does not.
+      mayRoll_ = glm::length(proxy_.position - from) > 2.0 * smallestSkin(proxy_);
+      return true;
+    }
+    mayRoll_ = false;
+    return proxy_.sweeps != sweeps;
+  }
+
+  const ProxyPlane& planeAt(int index) const { return proxy_.planes[static_cast<std::size_t>(index)]; }
+
+  const ContactWorld& world_;
+  const glm::dvec3 goal_;
+  const double radius_;
+  Proxy& proxy_;
+  bool mayRoll_;
+  bool triedEdge_ = false;
+  bool lastOnFace_ = true;
+  double stretch_ = 0.0;     // of the first tangent; 0 = none
+  glm::dvec3 tangent_{0.0};  // m, the first one
+  bool curved_ = false;      // it ended above the surface
+  glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
+};
+
+void descendAhead(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  Descent(world, goal, radius, proxy).runAhead();
+}
+
+void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  Descent(world, goal, radius, proxy).run();
+}
+
+}  // namespace
+
+void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  proxy.sweeps = 0;
+  refreshPlanes(world, radius, proxy);
+  descendAhead(world, goal, radius, proxy);
+}
+
+void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  proxy.sweeps = 0;
+  refreshPlanes(world, radius, proxy);
+  glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
+  if (!touches(proxy)) {
+    // Friction begins where the tool lands.
+    proxy.sliding = false;
+    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
+    if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
+    way = wayToGoal(world, goal, radius, proxy);
+  }
+  const double hold = frictionReach(world, proxy, proxy.sliding);
+  if (hold > 0.0 && glm::length(way) <= hold) {
+    proxy.sliding = false;
+    return;
+  }
+  for (int round = 0; round < kMaxFrictionRounds; ++round) {
+    const double reach = frictionReach(world, proxy, true), lag = glm::length(way);
+    if (!(reach > 0.0) || !(lag > 0.0)) {
+      proxy.sliding = false;
+      return round == 0 ? descendAhead(world, goal, radius, proxy) : descend(world, goal, radius, proxy);
+    }
+    // On a plane the cone is reached exactly; on a curved surface the depth changes on the way.
+    const double error = lag / reach - 1.0;
+    if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
+    (round == 0 ? descendAhead : descend)(world, goal - way * (reach / lag), radius, proxy);
+    way = wayToGoal(world, goal, radius, proxy);
+  }
+  proxy.sliding = true;
+}
+
+bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy) {
+  if (!world.touchable(part)) return true;
+  glm::dvec3 target = proxy.position;
+  bool carriedByFriction = false;
+  for (int i = 0; i < proxy.planeCount; ++i) {
+    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+    if (plane.surface.part != part || !presses(plane)) continue;
+    const assets::Material& m = world.material(part, plane.surface.triangle);
+    carriedByFriction = carriedByFriction || std::max(m.staticFriction, m.dynamicFriction) > 0.0;
+  }
+  if (carriedByFriction) {
+    target = transformPoint(world.pose(part), transformPoint(inverse(before), proxy.position));
+  } else {
+    WorldHit hit;
+    if (!world.sweepAgainstMoved(part, before, proxy.position, radius, hit, target)) return true;
+  }
+  WorldHit obstacle;
+  const glm::dvec3 way = target - proxy.position;
+  if (!world.sweep(proxy.position, way, radius, part, obstacle)) {
+    proxy.position = target;
+    return true;
+  }
+  proxy.position += way * obstacle.t;
+  return false;
+}
+
+}  // namespace tandem::haptics

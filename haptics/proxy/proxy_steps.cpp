@@ -1,0 +1,144 @@
+#include "haptics/proxy/proxy_steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/proxy/crease.h"
+#include "haptics/proxy/proxy_planes.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr double kMaxRoll = 0.7;  // rad a round: where two tangents of the arc meet, 6.5 % of its radius off
+// Arcs of a crease: a way longer than that leads over the creases behind it too. Along the tangent it skims
+// over all of them at once, and the next round comes down.
+constexpr double kSkim = 8.0;
+// Of the arc between where a roll is free and where it is stopped: to 2^-40 of it.
+constexpr int kBisections = 40;
+// Sine of the angle between a way and a face. To step back to its full height the ball goes half a skin / sine
+// along its way: on flatter ways, more than 32 skins, it stays where it was stopped.
+constexpr double kSteepEnough = 1.0 / 64.0;
+
+/// The first touch on a straight way. A way back to a surface that the tool has just lost is tried against
+/// the triangle touched last: nothing that is met later than that one needs a look.
+bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, const Proxy& proxy,
+              WorldHit& hit) {
+  if (proxy.planeCount == 0) {
+    hit.t = world.sweepOne(proxy.position, way, radius, proxy.lastPart, proxy.lastTriangle);
+    if (hit.t < 1.0 && world.sweep(proxy.position, way, radius, kNoPart, hit)) return true;
+    hit.t = 1.0;
+  }
+  return world.sweep(proxy.position, way, radius, kNoPart, hit);
+}
+
+/// Moves along a straight way until a part stops it, and where; true if none did.
+bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy, WorldHit& hit) {
+  hit = {};
+  ++proxy.sweeps;
+  if (!sweepWay(world, way, radius, proxy, hit)) {
+    proxy.position += way;
+    return true;
+  }
+  // It is stopped at half a skin. Where the way met the surface steeply enough, stepping back along it to the
+  // full height is short and free.
+  const double length = glm::length(way), slope = -glm::dot(hit.normal, way) / length;
+  const double back =
+      slope > kSteepEnough ? 0.5 * world.skin(hit.part, proxy.position) / (slope * length) : 0.0;
+  proxy.position += way * (hit.t > 2.0 * back ? hit.t - back : hit.t);
+  refreshPlanes(world, radius, proxy);
+  addPlane(world, hit, proxy);
+  return false;
+}
+
+}  // namespace
+
+bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
+  WorldHit hit;
+  return advance(world, way, radius, proxy, hit);
+}
+
+bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const glm::dvec3& way,
+                    int index, Proxy& proxy) {
+  const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
+  const Crease crease = creaseUnder(world, plane.surface, plane.skin);
+  const glm::dvec3 axis = crease.b - crease.a;
+  const double square = glm::dot(axis, axis);
+  const double place = square > 0.0 ? glm::dot(goal - crease.a, axis) / square : 0.0;
+  const glm::dvec3 foot = crease.a + axis * std::clamp(place, 0.0, 1.0);
+  const glm::dvec3 normal = plane.surface.normal;
+  const glm::dvec3 out = goal - (crease.a + axis * place);
+  const double reach = radius + plane.skin, length = glm::length(out);
+  if (!(length > 0.0)) return false;
+  const double cosine = std::clamp(glm::dot(normal, out) / length, -1.0, 1.0);
+  const glm::dvec3 sideways = out / length - cosine * normal;
+  const double sine = glm::length(sideways);
+  // Right behind the crease: no side is nearer than the other.
+  if (sine < 1e-6 && cosine < 0.0) return false;
+  const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
+  const double angle = std::atan2(sine, cosine);
+  RollLimit limit;
+  if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
+  const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
+  // A way that is far longer than the arc skims over it, and the creases behind it.
+  if (leaves && glm::length(way) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
+  // Over a crease whose other side is not known the ball would roll too far, if the goal is under it.
+  if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
+  const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
+  const glm::dvec3 shift = (foot - plane.surface.point) * share;
+  if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
+  if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
+  // Of the way over the crease, and that far from it.
+  const auto over = [&](double part, double distance) {
+    const double t = part * turn;
+    return plane.surface.point + shift * part + distance * (std::cos(t) * normal + std::sin(t) * tangent);
+  };
+  WorldHit stop;
+  const auto rollTo = [&](double part, const glm::dvec3& end) {
+    const double t = part * turn;
+    const glm::dvec3 middle = over(0.5 * part, reach / std::cos(0.5 * t));
+    return (reach * t * t <= plane.skin || advance(world, middle - proxy.position, radius, proxy, stop)) &&
+           advance(world, end - proxy.position, radius, proxy, stop);
+  };
+  const Proxy before = proxy;
+  glm::dvec3 end = over(1.0, reach);
+  if (leaves) end += 3.0 * plane.skin * (std::cos(turn) * tangent - std::sin(turn) * normal);
+  if (rollTo(1.0, end)) {
+    refreshPlanes(world, radius, proxy);
+    return true;
+  }
+  // Stopped above the arc, on a tangent of it: where the arc itself touches what was met, both hold the ball.
+  const WorldHit met = stop;
+  const double contact = radius + world.skin(met.part, proxy.position);
+  const auto isFree = [&](double part) { return glm::length(over(part, reach) - met.point) > contact; };
+  if (!isFree(0.0) || isFree(1.0)) return true;
+  double free = 0.0, blocked = 1.0;
+  for (int i = 0; i < kBisections; ++i) {
+    const double middle = 0.5 * (free + blocked);
+    (isFree(middle) ? free : blocked) = middle;
+  }
+  const int sweeps = proxy.sweeps;
+  proxy = before;
+  proxy.sweeps = sweeps;
+  if (rollTo(free, over(free, reach))) {
+    addPlane(world, met, proxy);
+    refreshPlanes(world, radius, proxy);
+  }
+  return true;
+}
+
+bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& way,
+                  ProxyPlane& plane) {
+  SurfacePoint at = plane.surface;
+  const std::uint32_t ahead = rollLimit(world, plane.surface, plane.skin, way / glm::length(way)).triangle;
+  if (ahead == kNoTriangle) return false;
+  at.triangle = ahead;
+  takeFacePlane(world.triangle(at.part, ahead), position, at);
+  // Lower over that face, its sweep would meet the ridge.
+  if (at.distance < 0.75 * plane.skin) return false;
+  plane.surface = at;
+  return true;
+}
+
+}  // namespace tandem::haptics

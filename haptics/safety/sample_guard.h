@@ -1,0 +1,42 @@
+#pragma once
+
+// Which readings of a device a tick may act on.
+
+#include <cstdint>
+
+#include "haptics/base/device.h"
+#include "haptics/base/tick_types.h"
+
+namespace tandem::haptics {
+
+/// Judges one reading a tick.
+///
+/// 1. Not valid, not finite or absurd: refused.
+/// 2. Stale: its time stamp has stood still for longer than TickParameters::staleAfter; refused until it
+/// moves on. A
+///    stamp of 0 means that the device has none.
+/// 3. A jump: farther from the last good reading than a hand can have gone since at
+/// TickParameters::maxDeviceSpeed.
+///    Refused; a single glitch is over with the next reading. A place that stays for kJumpTicks ticks is
+///    where the hand now is: accepted, with the proxy put onto it.
+class SampleGuard {
+ public:
+  static constexpr int kJumpTicks = 5;
+
+  enum class Verdict : std::uint8_t { good, refused, elsewhere /* good, but not reached by moving there */ };
+
+  /// `silence`: s since the last good reading. Sets the flags that apply.
+  Verdict judge(const DeviceSample& sample, const TickParameters& parameters, double silence,
+                std::uint32_t& flags);
+
+ private:
+  bool stale(const DeviceSample& sample, const TickParameters& parameters);
+  Verdict judgePlace(const glm::dvec3& place, double speed, double dt, double silence, std::uint32_t& flags);
+
+  bool started_ = false;
+  glm::dvec3 good_{0.0, 0.0, 0.0}, candidate_{0.0, 0.0, 0.0};
+  int candidateTicks_ = 0;
+  double stamp_ = 0.0, age_ = 0.0;  // s
+};
+
+}  // namespace tandem::haptics

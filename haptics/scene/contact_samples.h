@@ -1,0 +1,108 @@
+#pragma once
+
+// The points of a part with which it can touch another one first: on its sharp convex edges, at its corners
+// and on its smooth convex surfaces. Flat and hollow surfaces need none, for what touches them is a sample of
+// the other part (every contact of two polyhedra is of a corner with a face, or of two edges).
+//
+// 1. Immutable; sorted into a tree of balls; part frame.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+
+#include "haptics/geometry/mesh_edges.h"
+#include "haptics/geometry/primitive_distance.h"
+#include "haptics/scene/contact_patch.h"
+
+namespace tandem::haptics {
+
+/// One point, with the directions in which the part's surface looks there.
+struct ContactSample {
+  glm::dvec3 point{0.0, 0.0, 0.0};     // m
+  std::uint32_t firstNormal = 0;       // into ContactSamples::normals()
+  std::uint32_t normalCount = 0;       // of the faces that meet here
+  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
+  std::uint32_t triangle = 0;          // one of those that meet here
+  float along = 0.0f;  // m: it stands for its edge this far to both sides, or for its patch all around
+  std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); none of a mesh
+};
+
+class ContactSamples {
+ public:
+  struct Options {
+    double spacing = 0.0;        // m between samples of a sharp edge; 0: usualSpacing()
+    double smoothSpacing = 0.0;  // m on smooth surfaces; 0: 1.25 times `spacing`
+    double sharp = 0.14;         // rad: an edge that turns by more is sampled along its length
+  };
+
+  /// A ball that holds the samples [begin, end), with the lengths of edge that they stand for. Its halves are the
+  /// node after this one and `second`, which is 0 in a leaf.
+  struct Node {
+    float centre[3];
+    float radius;
+    std::uint32_t begin, end, second;
+  };
+  static constexpr std::uint32_t kMostInLeaf = 16;
+
+  /// m: 1/64 of the mesh's diagonal. A straight edge needs no more, for a sample stands for its piece of it; a smooth
+  /// surface is known to the sag of that length.
+  static double usualSpacing(const assets::Mesh& mesh);
+
+  ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options);
+  /// Of implicit shapes: edges and corners of boxes and planes as of a mesh, and a patch a sample on what is round, a
+  /// few hundred of a shape. `mesh` is the one that stands for them elsewhere.
+  ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
+                 const Options& options);
+
+  std::span<const ContactSample> samples() const { return samples_; }
+  /// Points and lengths `along` of the same samples, m, as a tick reads them.
+  std::span<const glm::vec4> points() const { return points_; }
+  std::span<const glm::dvec3> normals(const ContactSample& sample) const {
+    return {normals_.data() + sample.firstNormal, sample.normalCount};
+  }
+  /// Of implicit shapes, part frame.
+  std::span<const ContactPatch> patches() const { return patches_; }
+  /// Whether it stands for a piece of a round surface or a rim: not for a point or a piece of a straight edge.
+  bool isRound(const ContactSample& sample) const {
+    return sample.patch != assets::kNone && patches_[sample.patch].kind != ContactPatch::Kind::straight;
+  }
+  /// Root first; empty without samples.
+  std::span<const Node> nodes() const { return nodes_; }
+  /// Spacings as used, m.
+  double spacing() const { return spacing_; }
+  double smoothSpacing() const { return smoothSpacing_; }
+  std::size_t memory() const;
+
+ private:
+  void sampleSharpEdges(const MeshEdges& edges, double sharp, std::vector<bool>& corner);
+  void sampleSmooth(const assets::Mesh& mesh, const MeshEdges& edges, double sharp, std::vector<bool>& taken);
+  void addCorners(const assets::Mesh& mesh, const MeshEdges& edges, const std::vector<bool>& corner);
+  void sampleShape(const assets::ImplicitShape& shape, std::uint32_t triangle);
+  void addPatch(const ContactPatch& patch, std::uint32_t triangle);
+  void addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals, std::uint32_t triangle);
+  void sampleBox(const Pose& pose, const glm::dvec3& half, bool flat, std::uint32_t triangle);
+  /// A zone of a sphere, between two angles from the Y axis of the pose.
+  void sampleZone(const Pose& pose, double y, double radius, double from, double to, std::uint32_t triangle);
+  void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
+                  std::uint32_t triangle);
+  void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
+  /// Samples of one of several shapes as they are seen: without what others cover.
+  void uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample);
+  /// The normals of a sample, each where a face ends there; false if none of them is seen.
+  bool uncoverNormals(std::span<const Primitive> shapes, std::size_t which, const ContactSample& sample);
+  /// The tree, and the samples in its order.
+  void finish();
+  std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
+
+  double spacing_ = 0.0, smoothSpacing_ = 0.0;
+  std::vector<ContactSample> samples_;
+  std::vector<glm::vec4> points_;
+  std::vector<glm::dvec3> normals_;
+  std::vector<ContactPatch> patches_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace tandem::haptics

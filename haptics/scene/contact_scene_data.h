@@ -1,0 +1,47 @@
+#pragma once
+
+// What ContactScene holds. For the sources of this folder and their tests.
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/scene/contact_scene.h"
+#include "haptics/scene/part_model.h"
+#include "haptics/scene/part_tolerance.h"
+
+namespace tandem::haptics {
+
+/// The contact geometry of one part; instances share the tree.
+struct Collider {
+  const TriangleBvh* tree = nullptr;  // null: nothing to touch
+  glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
+  double radius = 0.0;                // m, of the ball around that centre that holds the part
+  double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
+  const PartModel* model = nullptr;   // null: parts in the hand pass through it
+
+  bool operator==(const Collider&) const = default;
+};
+
+struct SurfaceScene;  // surface_scene.h
+
+struct ContactScene::Data {
+  Data();
+  ~Data();
+  /// Colliders of the parts that use a mesh, and the surfaces.
+  void measure(std::uint32_t mesh);
+
+  const assets::Scene* scene = nullptr;
+  std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
+  std::vector<std::vector<assets::ImplicitShape>> shapes;  // one a tree, of finite extents; empty for a mesh
+  std::vector<std::shared_ptr<const assets::Mesh>> replacements;  // a scene mesh: what stands for it, or null
+  std::vector<std::shared_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
+  /// One a tree, or none at all; null for a mesh that was exchanged or refitted.
+  std::vector<std::shared_ptr<const PartModel>> models;
+  std::vector<Collider> colliders;         // one a part
+  std::vector<PartTolerance> tolerances;   // one a part once models were asked for, else none
+  std::unique_ptr<SurfaceScene> surfaces;  // null: no material asks for more than stiffness and friction
+};
+
+}  // namespace tandem::haptics

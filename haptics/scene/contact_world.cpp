@@ -1,0 +1,275 @@
+#include "haptics/scene/contact_world.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+#include <glm/mat3x3.hpp>
+
+#include "assets/base/assert.h"
+#include "haptics/geometry/segment.h"
+
+namespace tandem::haptics {
+namespace {
+
+const assets::Material kDefaultMaterial;
+constexpr int kSettleATick = 32;  // parts put back into the tree, some 130 ns each
+
+assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
+  if (collider.tree == nullptr) return {};
+  const assets::Bounds& local = collider.tree->bounds();
+  const glm::dvec3 half = 0.5 * (local.max - local.min);
+  const glm::dmat3 turn = glm::mat3_cast(pose.orientation);
+  // The box of a turned box: the absolute matrix times its half extents (Arvo 1990, Graphics Gems).
+  const glm::dvec3 reach =
+      glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
+  const glm::dvec3 centre = transformPoint(pose, collider.centre);
+  const glm::dvec3 slack(collider.skin + 0x1p-42 * (glm::length(pose.position) + collider.radius));
+  return {centre - reach - slack, centre + reach + slack};
+}
+
+glm::dvec3 toPart(const Pose& worldFromPart, const glm::dvec3& p) {
+  return glm::conjugate(worldFromPart.orientation) * (p - worldFromPart.position);
+}
+
+}  // namespace
+
+ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
+  const std::vector<assets::Part>& parts = data_->scene->parts;
+  std::vector<assets::Bounds> boxes(parts.size());
+  parts_.resize(parts.size());
+  poses_.resize(parts.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    poses_[i] = parts[i].worldFromPart;
+    boxes[i] = worldBox(data_->colliders[i], poses_[i]);
+  }
+  broad_ = SceneBvh(boxes);
+  loose_ = LooseParts(parts.size());
+  for (PartId i = 0; has(i); ++i) measure(i);
+}
+
+void ContactWorld::adopt(const ContactScene& scene) {
+  ASSERT(scene.data().scene == data_->scene);
+  const ContactScene::Data& before = *data_;
+  data_ = &scene.data();
+  for (PartId i = 0; has(i); ++i) {
+    if (data_->colliders[i] != before.colliders[i]) measure(i);
+  }
+}
+
+void ContactWorld::meshChanged(std::uint32_t mesh) {
+  const TriangleBvh* const changed = data_->trees[mesh].get();
+  for (PartId i = 0; has(i); ++i) {
+    if (changed != nullptr && data_->colliders[i].tree == changed) measure(i);
+  }
+}
+
+void ContactWorld::measure(PartId part) {
+  const Collider& collider = data_->colliders[part];
+  const assets::CollisionFilter& filter = data_->scene->parts[part].filter;
+  const bool empty = collider.tree == nullptr;
+  // The tool belongs to every system and collides with every system: only a part that shuts out all is
+  // untouchable.
+  parts_[part].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
+  loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
+  loose_.drop(part);
+  if (!empty && broad_.contains(part)) broad_.update(part, worldBox(collider, poses_[part]));
+}
+
+void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  poses_[part] = worldFromPart;
+  parts_[part].twist = twist;
+  loose_.drop(part);
+  broad_.update(part, worldBox(data_->colliders[part], worldFromPart));
+}
+
+void ContactWorld::noteNear(PartId part, const Pose& worldFromPart) {
+  const assets::Bounds before = worldBox(data_->colliders[part], poses_[part]);
+  const assets::Bounds after = worldBox(data_->colliders[part], worldFromPart);
+  loose_.addNear(part, {glm::min(before.min, after.min), glm::max(before.max, after.max)});
+}
+
+void ContactWorld::setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  poses_[part] = worldFromPart;
+  parts_[part].twist = twist;
+  if (loose_.widened()) loose_.renew(part, worldBox(data_->colliders[part], worldFromPart));
+}
+
+void ContactWorld::findNear(const assets::Bounds& box) const {
+  loose_.widen(
+      box, [this](PartId part) { return poses_[part].position; },
+      [this](PartId part) { loose_.addNear(part, worldBox(data_->colliders[part], poses_[part])); });
+}
+
+void ContactWorld::endMotions() {
+  if (!loose_.anyAtRest()) return;
+  int settled = 0;
+  loose_.forEachAtRest([&](PartId part) {
+    if (settled++ < kSettleATick) {
+      loose_.drop(part);
+      broad_.update(part, worldBox(data_->colliders[part], poses_[part]));
+    } else if (loose_.within(part, poses_[part].position)) {
+      loose_.addNear(part, worldBox(data_->colliders[part], poses_[part]));
+    }
+  });
+}
+
+bool ContactWorld::mayCollide(PartId a, PartId b) const {
+  return assets::mayCollide(scene().parts[a].filter, scene().parts[b].filter);
+}
+
+double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
+  return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(poses_[part].position));
+}
+
+bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
+                             WorldHit& hit) const {
+  const Pose& pose = poses_[part];
+  const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+  const double off = skin(part, p);
+  MeshBallHit local;
+  local.t = hit.t;
+  if (!data_->colliders[part].tree->sweepBall(toPart(pose, p), partFromWorld * motion, radius + 0.5 * off,
+                                              0.125 * off, local)) {
+    return false;
+  }
+  hit.t = local.t;
+  hit.point = transformPoint(pose, local.point);
+  hit.normal = transformVector(pose, local.normal);
+  hit.onFace = local.onFace;
+  hit.part = part;
+  hit.triangle = local.triangle;
+  return true;
+}
+
+bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
+                         WorldHit& hit) const {
+  const glm::dvec3 grow(radius);
+  const assets::Bounds box{glm::min(p, p + motion) - grow, glm::max(p, p + motion) + grow};
+  bool found = false;
+  forEachNear(box, [&](PartId part) {
+    if (part == except || !touchable(part)) return;
+    // Of two touches at the same instant the more squarely met one is kept, as within a part.
+    WorldHit candidate;
+    candidate.t = hit.t;
+    if (!sweepPart(part, p, motion, radius, candidate)) return;
+    if (found && candidate.t == hit.t && glm::dot(candidate.normal, motion) >= glm::dot(hit.normal, motion))
+      return;
+    hit = candidate;
+    found = true;
+  });
+  return found;
+}
+
+double ContactWorld::sweepOne(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId part,
+                              std::uint32_t triangle) const {
+  if (!has(part) || !touchable(part)) return 1.0;
+  const TriangleBvh& tree = *data_->colliders[part].tree;
+  if (triangle >= tree.mesh().triangles.size()) return 1.0;
+  const Pose& pose = poses_[part];
+  const double off = skin(part, p);
+  BallHit hit;
+  haptics::sweepBall(toPart(pose, p), glm::conjugate(pose.orientation) * motion, radius + 0.5 * off,
+                     0.125 * off, tree.triangle(triangle), hit);
+  return hit.t;
+}
+
+bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius,
+                                     WorldHit& hit, glm::dvec3& carried) const {
+  const Collider& collider = data_->colliders[part];
+  if (!touchable(part)) return false;
+  const Pose& now = poses_[part];
+  const double off = skin(part, p);
+  const double reach = collider.radius + radius + 2.0 * off;
+  const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
+  if (glm::length(p - closestPointOnSegment(p, c0, c1)) > reach) return false;
+
+  // Seen from the part the ball moves along an arc; chords of at most 3 degrees follow it, and end points are
+  // exact.
+  const double turn = glm::length(rotationVector(now.orientation * glm::conjugate(before.orientation)));
+  const int pieces = std::clamp(static_cast<int>(std::ceil(turn / 0.05)), 1, 64);
+  glm::dvec3 from = toPart(before, p);
+  for (int i = 1; i <= pieces; ++i) {
+    const glm::dvec3 to =
+        toPart(i == pieces ? now : interpolate(before, now, static_cast<double>(i) / pieces), p);
+    MeshBallHit local;
+    if (collider.tree->sweepBall(from, to - from, radius + 0.5 * off, 0.125 * off, local)) {
+      hit.t = (i - 1 + local.t) / pieces;
+      hit.point = transformPoint(now, local.point);
+      hit.normal = transformVector(now, local.normal);
+      hit.onFace = local.onFace;
+      hit.part = part;
+      hit.triangle = local.triangle;
+      carried = transformPoint(now, from + (to - from) * local.t);
+      return true;
+    }
+    from = to;
+  }
+  return false;
+}
+
+Triangle ContactWorld::triangle(PartId part, std::uint32_t triangle) const {
+  const Pose& pose = poses_[part];
+  const Triangle t = data_->colliders[part].tree->triangle(triangle);
+  return {transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c)};
+}
+
+SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {
+  const Pose& pose = poses_[part];
+  const glm::dvec3 local = toPart(pose, p);
+  const Triangle t = data_->colliders[part].tree->triangle(triangle);
+  const TrianglePoint closest = closestPointOnTriangle(local, t);
+  const glm::dvec3 normal = contactNormal(local, t, closest);
+  return {part,
+          triangle,
+          transformPoint(pose, closest.point),
+          transformVector(pose, normal),
+          glm::dot(local - closest.point, normal),
+          closest.onFace};
+}
+
+bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const {
+  MeshPoint local;
+  const Collider& collider = data_->colliders[part];
+  if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(poses_[part], p), reach, local)) {
+    return false;
+  }
+  found = surfaceAt(part, local.triangle, p);
+  return true;
+}
+
+bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) const {
+  const Collider& collider = data_->colliders[part];
+  if (collider.tree == nullptr) return false;
+  const glm::dvec3 local = toPart(poses_[part], p);
+  const double margin = radius + skin(part, p);
+  if (glm::length(local - collider.centre) > collider.radius + margin) return false;
+  MeshPoint near;
+  return collider.tree->closestPoint(local, margin, near) || encloses(part, p);
+}
+
+bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
+  const Collider& collider = data_->colliders[part];
+  const glm::dvec3 local = toPart(poses_[part], p);
+  // Directions without zeros or equal components: CAD faces are axis-parallel, their edges often at 45
+  // degrees. From inside a solid every ray leaves once more often than it enters; from before an open surface
+  // those that meet it enter.
+  static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
+  const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
+  int leaving = 0;
+  for (const auto& ray : kRays) {
+    const glm::dvec3 way = glm::dvec3(ray[0], ray[1], ray[2]) * length;
+    leaving += collider.tree->signedCrossings(local, local + way) > 0 ? 1 : 0;
+    leaving += collider.tree->signedCrossings(local, local - way) > 0 ? 1 : 0;
+  }
+  return leaving >= 5;
+}
+
+const assets::Material& ContactWorld::material(PartId part, std::uint32_t triangle) const {
+  const assets::Mesh& mesh = data_->colliders[part].tree->mesh();
+  if (triangle >= mesh.triangleMaterial.size()) return kDefaultMaterial;
+  const std::uint16_t index = mesh.triangleMaterial[triangle];
+  return index < scene().materials.size() ? scene().materials[index] : kDefaultMaterial;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,158 @@
+#pragma once
+
+// A signed distance field of one mesh: a few loads tell how far the surface is and how wrong that may be.
+//
+// 1. Cubes in a hierarchy of fixed branching: a grid of large cubes, which may hold 8 x 8 x 8 blocks, which
+// may hold blocks again. Each cube that is not divided has an affine model of the distance and a bound of its
+// error, which is proven (cube_fit.h).
+// 2. Immutable after construction and safe in every thread. Needs neither the tree nor the mesh afterwards.
+// 3. The same for any number of threads.
+// 4. A part that consists of implicit shapes needs none of that: its distance is known by formula everywhere.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+
+#include "assets/base/result.h"
+#include "haptics/geometry/primitive_distance.h"
+
+namespace tandem::haptics {
+
+class TriangleBvh;
+
+class DistanceField {
+ public:
+  struct Options {
+    double tolerance = 0.0;  // m, wanted error where the surface is smooth; 0 = 2^-14 of the part's diagonal
+    double smallestCell = 0.0;  // m, side; 0 = 80 tolerances, within 1/1024 and 1/128 of the diagonal
+    double band = 0.0;          // m, around the surface where the tolerance matters; 0 = two smallest cells
+    std::size_t memory = 64u << 20;        // bytes; smallestCell is doubled until the field fits
+    int threads = 0;                       // 0 = all cores
+    std::function<void(double)> progress;  // share done, from the calling thread
+  };
+
+  /// |signed distance(p) - distance| <= error within the grid. The gradient is that of the cell's model, not
+  /// normalised, and zero where the cell only culls.
+  struct Reading {
+    float distance;  // m, negative inside
+    float error;     // m
+    glm::vec3 gradient;
+  };
+
+  /// Bakes the field. See MeshSides for what is inside of a mesh with defects. The tree is not kept.
+  DistanceField(const TriangleBvh& tree, const Options& options);
+
+  /// Of implicit shapes, exact but for rounding, everywhere: no cells, nothing to bake or to keep. Outside it is the
+  /// distance of the nearest shape, and in one shape alone the depth in that. Where shapes overlap it is the depth in
+  /// the one that holds p deepest, which is a lower bound of the depth in all of them together. `tolerance`: as it
+  /// stands for the part in steps of contact, m.
+  DistanceField(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh, double tolerance);
+
+  /// At p, in m relative to origin(), part axes. Outside of the grid a lower bound of the distance, with an
+  /// error of 0 that means "at least". A point that is not finite may read anything. For ticks.
+  Reading read(const glm::vec3& p) const {
+    if (!shapes_.empty()) return ofShapes(p);
+    const std::uint32_t* const entry = entryOf(p);
+    return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
+  }
+
+  static constexpr std::uint32_t kMostAtOnce = 16;
+  /// The same for up to kMostAtOnce points: they wait for memory together, which is most of what a reading costs.
+  void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
+    if (!shapes_.empty()) return ofShapes(points, count, readings);
+    std::array<const std::uint32_t*, kMostAtOnce> entries;
+    std::array<const Cell*, kMostAtOnce> cells;
+    for (std::uint32_t k = 0; k < count; ++k) {
+      entries[k] = entryOf(points[k]);
+      __builtin_prefetch(entries[k]);
+    }
+    for (std::uint32_t k = 0; k < count; ++k) {
+      cells[k] = entries[k] != nullptr ? &cells_[*entries[k] & ~kLeaf] : nullptr;
+      __builtin_prefetch(cells[k]);
+    }
+    for (std::uint32_t k = 0; k < count; ++k)
+      readings[k] = cells[k] != nullptr ? readingAt(*cells[k], points[k]) : beyond(points[k]);
+  }
+
+  glm::dvec3 origin() const { return origin_; }
+  /// What it consists of where it is exact, part frame; none of a mesh.
+  std::span<const Primitive> shapes() const { return shapes_; }
+  /// Whether there is an inside. If not, the distance is not negative anywhere.
+  bool solid() const { return solid_; }
+  std::size_t memory() const;
+  std::size_t cells() const { return cells_.size(); }
+  double tolerance() const { return tolerance_; }
+  double smallestCell() const { return smallestCell_; }
+  double band() const { return band_; }
+  /// Whether the memory allowed made the smallest cell larger than asked for.
+  bool coarsened() const { return coarsened_; }
+  /// The largest error of a cell with a model that the surface passes, where it turns by less than 20 degrees, m. Above
+  /// tolerance() where the smallest cell is too large for a curve.
+  double worstSmoothError() const { return worstSmoothError_; }
+
+  /// For a cache: all of it as bytes, for machines of this byte order.
+  std::vector<std::byte> pack() const;
+  /// The field in `bytes`, which may hold anything: what does not add up is refused, and read() of the rest
+  /// is safe.
+  static Result<DistanceField> unpack(std::span<const std::byte> bytes);
+
+ private:
+  friend class FieldBake;
+
+  static constexpr std::uint32_t kLeaf =
+      0x80000000u;  // an entry's other bits are a cell's index, else a block's
+  static constexpr std::uint32_t kBlock = 512;
+  static constexpr std::uint32_t kSpan = 64;  // smallest cells along a cube of the grid
+
+  /// distance(p) = dot(gradient, p) + offset: taken about the origin, so that no level need be known. What
+  /// float loses by that is within `error`.
+  struct Cell {
+    glm::vec3 gradient;
+    float offset;  // m
+    float error;   // m
+  };
+
+  DistanceField() = default;
+  static std::uint32_t inBlock(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return (z & 7u) << 6 | (y & 7u) << 3 | (x & 7u);
+  }
+  /// The entry of the cell that a point is in, not read yet; null outside of the grid.
+  const std::uint32_t* entryOf(const glm::vec3& p) const {
+    const float x = (p.x - low_.x) * perCell_, y = (p.y - low_.y) * perCell_, z = (p.z - low_.z) * perCell_;
+    if (!(x >= 0.0f && y >= 0.0f && z >= 0.0f && x < size_.x && y < size_.y && z < size_.z)) return nullptr;
+    const auto ix = static_cast<std::uint32_t>(x), iy = static_cast<std::uint32_t>(y),
+               iz = static_cast<std::uint32_t>(z);
+    const std::uint32_t* const top = &top_[((iz >> 6) * count_[1] + (iy >> 6)) * count_[0] + (ix >> 6)];
+    if ((*top & kLeaf) != 0) return top;
+    const std::uint32_t* const middle = &blocks_[*top * kBlock + inBlock(ix >> 3, iy >> 3, iz >> 3)];
+    return (*middle & kLeaf) != 0 ? middle : &blocks_[*middle * kBlock + inBlock(ix, iy, iz)];
+  }
+  static Reading readingAt(const Cell& cell, const glm::vec3& p) {
+    return {glm::dot(cell.gradient, p) + cell.offset, cell.error, cell.gradient};
+  }
+  Reading beyond(const glm::vec3& p) const;
+  Reading ofShapes(const glm::vec3& p) const;
+  void ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const;
+  bool entriesAreSound() const;
+
+  glm::vec3 low_{0.0f, 0.0f, 0.0f};     // m, corner of the grid relative to the origin
+  float perCell_ = 0.0f;                // 1 / m
+  glm::vec3 size_{0.0f, 0.0f, 0.0f};    // smallest cells along each axis
+  std::uint32_t count_[3] = {0, 0, 0};  // cubes of the grid along each axis
+  std::vector<Primitive> shapes_;
+  std::vector<std::uint32_t> top_;
+  std::vector<std::uint32_t> blocks_;  // kBlock entries each
+  std::vector<Cell> cells_;
+  glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
+  glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame
+  double tolerance_ = 0.0, smallestCell_ = 0.0, band_ = 0.0, worstSmoothError_ = 0.0;  // m
+  bool solid_ = false, coarsened_ = false;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,454 @@
+// How a distance field is made: cubes of a grid in parallel, each divided into eighths until the model of a
+// cube is good enough. A cube's triangles are those of the cube around it that can still be nearest.
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <numeric>
+#include <thread>
+#include <utility>
+
+#include <glm/common.hpp>
+
+#include "haptics/base/in_parallel.h"
+#include "haptics/geometry/mesh_sides.h"
+#include "haptics/geometry/outward.h"
+#include "haptics/geometry/slit_caps.h"
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/scene/cube_fit.h"
+#include "haptics/scene/distance_field.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr double kTolerance = 0x1p-14;  // of the diagonal
+constexpr double kCellOfTolerance = 80.0;
+constexpr double kFinest = 0x1p-10, kCoarsest = 0x1p-7;  // smallest cell, of the diagonal
+constexpr double kBandCells = 2.0;
+/// An error of this share of the distance will do within the band, and beyond it of what is more.
+constexpr double kNearShare = 1.0 / 8.0;
+constexpr double kFarShare = 0.25;
+/// Readings lose this share of the grid's diagonal at most: the index of the cell, and the sum about the
+/// origin, each some units in the last place of a float.
+constexpr double kRounding = 0x1p-20;
+constexpr std::size_t kMostCubes = std::size_t{1} << 18;
+constexpr double kSmoothTurn = 0.94;  // cosine of 20 degrees
+/// More triangles than this are asked through the tree.
+constexpr std::size_t kMany = 48;
+constexpr int kLevels = 7;  // sides of 64, 32 .. 1 smallest cells
+
+/// Slits up to this share of the diagonal are closed before the field is made.
+constexpr double kWidestSlit = 0x1p-14;
+/// What a cap as wide as 1 may be wrong by: it is not there, and the side may change on its other side.
+constexpr double kErrorOfWidth = 4.0;
+
+/// A cube of two smallest cells is not divided where the surface is further from it than this many of its radii.
+constexpr double kAlone = 3.0;
+
+/// A model this many times worse than allowed may become good enough along the mean of the faces' normals.
+constexpr double kSecondTry = 4.0;
+
+/// Balls about the triangles, m relative to the origin: a first answer to how far one is.
+struct Ball {
+  glm::vec3 centre;
+  float radius;
+  glm::vec3 normal;  // of the triangle's plane, not longer than 1
+};
+
+int threadsOf(const DistanceField::Options& options) {
+  return options.threads > 0 ? options.threads
+                             : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+}
+
+/// A mesh with caps over its slits, and the tree of it.
+struct CappedMesh {
+  assets::Mesh mesh;
+  std::unique_ptr<TriangleBvh> tree;
+  std::size_t firstCap = 0;
+  std::vector<double> error;  // m, of each triangle; empty if there are no caps
+
+  CappedMesh(const TriangleBvh& bare, int threads) {
+    const assets::Mesh& given = bare.mesh();
+    const SlitCaps caps = capSlits(given, kWidestSlit * glm::distance(bare.bounds().min, bare.bounds().max));
+    firstCap = given.triangles.size();
+    if (caps.triangles.empty()) return;
+    mesh.positions = given.positions;
+    mesh.triangles = given.triangles;
+    mesh.triangles.insert(mesh.triangles.end(), caps.triangles.begin(), caps.triangles.end());
+    mesh.triangleMaterial.assign(mesh.triangles.size(), 0);
+    mesh.bounds = given.bounds;
+    tree = std::make_unique<TriangleBvh>(mesh, threads);
+    error.assign(firstCap, 0.0);
+    for (const double width : caps.width) error.push_back(kErrorOfWidth * width);
+  }
+};
+
+}  // namespace
+
+class FieldBake {
+ public:
+  FieldBake(const TriangleBvh& tree, const DistanceField::Options& options, DistanceField& field)
+      : capped_(tree, options.threads),
+        tree_(capped_.tree != nullptr ? *capped_.tree : tree),
+        options_(options),
+        field_(field),
+        sides_(tree_, capped_.firstCap, threadsOf(options)),
+        fit_(tree_, sides_) {}
+
+  void run();
+
+ private:
+  /// What becomes of one cube of the grid; indices are its own.
+  struct Piece {
+    std::uint32_t root = 0;
+    std::vector<std::uint32_t> blocks;
+    std::vector<DistanceField::Cell> cells;
+    double worstSmooth = 0.0;
+  };
+  /// A cube on its way down.
+  struct Job {
+    FieldCube cube;
+    std::array<std::uint32_t, 3> at;  // smallest cells from the corner of the grid's cube
+    std::uint32_t side;               // smallest cells
+    int level;
+  };
+  /// What is known of the cube around one.
+  struct Known {
+    glm::dvec3 centre{0.0, 0.0, 0.0};
+    double distance = -1.0;
+    MeshSides::Side side{1.0, false};
+  };
+  using Lists = std::array<std::vector<std::uint32_t>, kLevels>;
+  struct Worker {
+    Lists near;
+    std::vector<std::pair<std::uint32_t, double>> measured;  // scratch: triangles and distances
+  };
+
+  void setLengths();
+  void setGrid();
+  bool bakePieces(std::vector<Piece>& pieces);
+  void join(std::vector<Piece>& pieces);
+  void bakePiece(std::size_t index, Worker& worker, Piece& piece) const;
+  void refine(const Job& job, std::span<const std::uint32_t> candidates, const Known& around, Worker& worker,
+              Piece& piece) const;
+  /// The nearest point to a cube's centre, and all triangles (and few more) within two radii more.
+  MeshPoint nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates, const Known& around,
+                      Worker& worker, std::vector<std::uint32_t>& near) const;
+  MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
+  /// What the caps of slits near a cube may be wrong by, m.
+  double errorOfCaps(std::span<const std::uint32_t> near) const;
+  void store(const Job& job, const CubeModel& model, Piece& piece) const;
+  /// Whether the surface turns by less than 20 degrees in and around a cube.
+  bool isSmooth(const FieldCube& cube, std::span<const std::uint32_t> near, const MeshPoint& nearest) const;
+  double allowed(double distance, double radius) const {
+    const double least = std::max(0.0, distance - radius);
+    return std::max(field_.tolerance_ - rounding_, 0.5 * field_.tolerance_) +
+           kNearShare * std::min(least, field_.band_) + kFarShare * std::max(0.0, least - field_.band_);
+  }
+
+  CappedMesh capped_;
+  const TriangleBvh& tree_;
+  const DistanceField::Options& options_;
+  DistanceField& field_;
+  MeshSides sides_;
+  CubeFit fit_;
+  std::vector<Ball> balls_;
+  double rounding_ = 0.0;  // m
+  bool unlimited_ = false;
+};
+
+DistanceField::DistanceField(const TriangleBvh& tree, const Options& options) {
+  if (tree.empty()) {
+    // Nothing anywhere: at least as far as a float can say.
+    boxLow_ = boxHigh_ = glm::vec3(std::numeric_limits<float>::max());
+    return;
+  }
+  FieldBake(tree, options, *this).run();
+}
+
+void FieldBake::run() {
+  setLengths();
+  field_.solid_ = sides_.solid();
+  balls_.resize(tree_.mesh().triangles.size());
+  for (std::uint32_t t = 0; t < balls_.size(); ++t) {
+    const Triangle corners = tree_.triangle(t);
+    const glm::vec3 centre((corners.a + corners.b + corners.c) / 3.0 - field_.origin_);
+    double radius = 0.0;
+    for (const glm::dvec3& corner : {corners.a, corners.b, corners.c})
+      radius = std::max(radius, glm::distance(glm::dvec3(centre), corner - field_.origin_));
+    const glm::dvec3 normal = areaVector(corners);
+    const double area = glm::length(normal);
+    balls_[t] = {centre, roundUp(radius), glm::vec3(area > 0.0 ? normal * ((1.0 - 0x1p-20) / area) : normal)};
+  }
+  std::vector<Piece> pieces;
+  for (;;) {
+    setGrid();
+    if (bakePieces(pieces)) break;
+    // A field of so few cells cannot be made smaller.
+    if (16.0 * field_.smallestCell_ > glm::length(tree_.bounds().max - tree_.bounds().min)) unlimited_ = true;
+    field_.smallestCell_ *= 2.0;
+    field_.coarsened_ = true;
+  }
+  join(pieces);
+}
+
+void FieldBake::setLengths() {
+  const assets::Bounds& box = tree_.bounds();
+  const double diagonal = glm::distance(box.min, box.max);
+  field_.origin_ = 0.5 * (box.min + box.max);
+  for (int axis = 0; axis < 3; ++axis) {
+    field_.boxLow_[axis] = roundDown(box.min[axis] - field_.origin_[axis]);
+    field_.boxHigh_[axis] = roundUp(box.max[axis] - field_.origin_[axis]);
+  }
+  const auto orElse = [](double given, double derived) { return given > 0.0 ? given : derived; };
+  field_.tolerance_ = orElse(options_.tolerance, kTolerance * diagonal);
+  field_.smallestCell_ = orElse(options_.smallestCell, std::clamp(kCellOfTolerance * field_.tolerance_,
+                                                                  kFinest * diagonal, kCoarsest * diagonal));
+  field_.smallestCell_ = std::max(field_.smallestCell_, 0x1p-16 * diagonal);
+  field_.band_ = orElse(options_.band, kBandCells * field_.smallestCell_);
+}
+
+void FieldBake::setGrid() {
+  const assets::Bounds& box = tree_.bounds();
+  std::size_t cubes = 0;
+  for (;; field_.smallestCell_ *= 2.0) {
+    // A float, so that cells are where read() looks for them.
+    field_.smallestCell_ = static_cast<float>(field_.smallestCell_);
+    const double side = DistanceField::kSpan * field_.smallestCell_;
+    const double margin = field_.band_ + 2.0 * field_.smallestCell_;
+    cubes = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      field_.count_[axis] =
+          static_cast<std::uint32_t>(std::ceil((box.max[axis] - box.min[axis] + 2.0 * margin) / side));
+      field_.size_[axis] = static_cast<float>(field_.count_[axis] * DistanceField::kSpan);
+      field_.low_[axis] = static_cast<float>(-0.5 * side * field_.count_[axis]);
+      cubes *= field_.count_[axis];
+    }
+    if (cubes <= kMostCubes) break;
+    field_.coarsened_ = true;
+  }
+  field_.perCell_ = static_cast<float>(1.0 / field_.smallestCell_);
+  rounding_ = kRounding * field_.smallestCell_ * glm::length(glm::dvec3(field_.size_));
+  field_.top_.assign(cubes, 0);
+}
+
+bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
+  pieces.assign(field_.top_.size(), {});
+  const std::size_t limit = unlimited_ ? std::numeric_limits<std::size_t>::max() : options_.memory;
+  std::atomic<std::size_t> next{0}, memory{0};
+  onThreads(threadsOf(options_), [&](int number) {
+    Worker worker;
+    for (;;) {
+      const std::size_t index = next.fetch_add(1);
+      // The sum of all decides, whatever the order: past the limit it stays past it.
+      if (index >= pieces.size() || memory.load() > limit) break;
+      Piece& piece = pieces[index];
+      bakePiece(index, worker, piece);
+      piece.cells.shrink_to_fit();
+      piece.blocks.shrink_to_fit();
+      memory.fetch_add(piece.blocks.size() * sizeof(std::uint32_t) +
+                       piece.cells.size() * sizeof(DistanceField::Cell) + sizeof(std::uint32_t));
+      if (number == 0 && options_.progress)
+        options_.progress(static_cast<double>(index) / static_cast<double>(pieces.size()));
+    }
+  });
+  return memory.load() <= limit;
+}
+
+void FieldBake::bakePiece(std::size_t index, Worker& worker, Piece& piece) const {
+  const std::size_t nx = field_.count_[0], ny = field_.count_[1];
+  const glm::dvec3 place(static_cast<double>(index % nx), static_cast<double>(index / nx % ny),
+                         static_cast<double>(index / nx / ny));
+  const double side = DistanceField::kSpan * field_.smallestCell_;
+  Job job{{field_.origin_ + glm::dvec3(field_.low_) + side * (place + 0.5), 0.5 * side},
+          {0, 0, 0},
+          DistanceField::kSpan,
+          0};
+  MeshPoint nearest;
+  tree_.closestPoint(job.cube.centre, 1e300, nearest);
+  const double reach = nearest.distance + 2.0 * job.cube.radius();
+  const assets::Bounds box{job.cube.centre - reach, job.cube.centre + reach};
+  std::vector<std::uint32_t> candidates(tree_.gather(box, {}));
+  tree_.gather(box, candidates);
+  std::sort(candidates.begin(), candidates.end());
+  refine(job, candidates, {}, worker, piece);
+}
+
+MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates,
+                               const Known& around, Worker& worker, std::vector<std::uint32_t>& near) const {
+  const glm::vec3 centre(cube.centre - field_.origin_);
+  const double within = 2.0 * cube.radius();
+  const auto isFar = [&](std::uint32_t t, float reach) {
+    const Ball& ball = balls_[t];
+    const glm::vec3 off = centre - ball.centre;
+    const float beyond = reach + ball.radius;
+    return glm::dot(off, off) > beyond * beyond || std::abs(glm::dot(off, ball.normal)) > reach;
+  };
+  MeshPoint nearest;
+  nearest.distance = 1e300;
+  near.clear();
+  if (candidates.size() > kMany) {
+    const double bound = around.distance + glm::distance(around.centre, cube.centre) + rounding_;
+    tree_.closestPoint(cube.centre, around.distance >= 0.0 ? bound : 1e300, nearest);
+    const float reach = roundUp(nearest.distance + within + rounding_);
+    for (const std::uint32_t t : candidates)
+      if (!isFar(t, reach)) near.push_back(t);
+    return nearest;
+  }
+  float reach = 1e38f;
+  worker.measured.clear();
+  for (const std::uint32_t t : candidates) {
+    if (isFar(t, reach)) continue;
+    const TrianglePoint closest = closestPointOnTriangle(cube.centre, tree_.triangle(t));
+    const double distance = glm::distance(cube.centre, closest.point);
+    worker.measured.emplace_back(t, distance);
+    if (distance >= nearest.distance) continue;
+    nearest = {distance, t, closest.point, closest.onFace};
+    reach = roundUp(distance + within + rounding_);
+  }
+  for (const auto& [t, distance] : worker.measured)
+    if (distance <= nearest.distance + within) near.push_back(t);
+  return nearest;
+}
+
+MeshSides::Side FieldBake::sideOf(const FieldCube& cube, const MeshPoint& nearest,
+                                  const Known& around) const {
+  // No surface lies on the way from the centre of the cube around it.
+  const double way = glm::distance(around.centre, cube.centre);
+  if (around.side.certain && std::max(around.distance, nearest.distance) > way) return around.side;
+  return sides_.sideOf(cube.centre, nearest, cube.radius());
+}
+
+void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates, const Known& around,
+                       Worker& worker, Piece& piece) const {
+  std::vector<std::uint32_t>& near = worker.near[static_cast<std::size_t>(job.level)];
+  const double radius = job.cube.radius();
+  const MeshPoint nearest = nearestOf(job.cube, candidates, around, worker, near);
+  // Where the surface passes the middle of a cube, a model through it needs no side.
+  const bool passed = nearest.distance < job.cube.half;
+  MeshSides::Side side{0.0, false};
+  if (!passed) side = sideOf(job.cube, nearest, around);
+  const bool certain = passed ? sides_.isCertain(job.cube.centre, radius) : side.certain;
+  const double caps = errorOfCaps(near);
+  const double enough = std::max(0.0, allowed(nearest.distance, radius) - caps);
+  // The smallest cells are for those that the surface may pass, and for narrow slits and grooves, where it is near on
+  // several sides.
+  const bool last = job.side == 1 || (job.side == 2 && nearest.distance > kAlone * radius);
+  CubeModel model;
+  model.error = radius;
+  bool found = false;
+  if (certain && radius > enough) {
+    found = fit_.fit(job.cube, near, nearest, side.sign, enough,
+                     last ? std::max(kSecondTry * enough, 0.25 * radius) : kSecondTry * enough, model);
+  }
+  const bool hopeless = !certain && nearest.distance > 4.0 * radius;
+  if (last || hopeless || (certain && model.error <= enough)) {
+    if (!found && passed) side = sideOf(job.cube, nearest, around);
+    // A distance changes by a metre a metre at most; where the side is open, its sign may change too.
+    if (!found) model = {glm::dvec3(0.0), side.sign * nearest.distance, radius};
+    if (!certain) model = {glm::dvec3(0.0), 0.0, nearest.distance + radius};
+    model.error += caps;
+    store(job, model, piece);
+    // What only culls, between sheets of a wrong file for one, says nothing of how well the surface is known.
+    if (found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest))
+      piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
+    return;
+  }
+  const Known known{job.cube.centre, nearest.distance, side};
+  const double half = 0.5 * job.cube.half;
+  const std::uint32_t step = job.side / 2;
+  for (std::uint32_t i = 0; i < 8; ++i) {
+    const std::array<std::uint32_t, 3> bit = {i & 1u, i >> 1 & 1u, i >> 2 & 1u};
+    Job child{{job.cube.centre, half}, job.at, step, job.level + 1};
+    for (int axis = 0; axis < 3; ++axis) {
+      child.cube.centre[axis] += bit[static_cast<std::size_t>(axis)] != 0 ? half : -half;
+      child.at[static_cast<std::size_t>(axis)] += bit[static_cast<std::size_t>(axis)] * step;
+    }
+    refine(child, near, known, worker, piece);
+  }
+}
+
+double FieldBake::errorOfCaps(std::span<const std::uint32_t> near) const {
+  double most = 0.0;
+  if (!capped_.error.empty())
+    for (const std::uint32_t t : near) most = std::max(most, capped_.error[t]);
+  return most;
+}
+
+bool FieldBake::isSmooth(const FieldCube& cube, std::span<const std::uint32_t> near,
+                         const MeshPoint& nearest) const {
+  const glm::dvec3 outwards = sides_.outwards(nearest);
+  const double reach = nearest.distance + 2.0 * cube.radius();
+  return std::all_of(near.begin(), near.end(), [&](std::uint32_t t) {
+    const Triangle corners = tree_.triangle(t);
+    const glm::dvec3 normal = areaVector(corners);
+    return sides_.facing() * glm::dot(normal, outwards) >=
+               kSmoothTurn * glm::length(normal) * glm::length(outwards) ||
+           glm::distance(closestPointOnTriangle(cube.centre, corners).point, cube.centre) > reach;
+  });
+}
+
+void FieldBake::store(const Job& job, const CubeModel& model, Piece& piece) const {
+  const glm::vec3 gradient(model.gradient);
+  const double offset = model.value - glm::dot(glm::dvec3(gradient), job.cube.centre - field_.origin_);
+  const std::uint32_t entry = DistanceField::kLeaf | static_cast<std::uint32_t>(piece.cells.size());
+  piece.cells.push_back({gradient, static_cast<float>(offset), roundUp(model.error + rounding_)});
+  const auto newBlock = [&piece] {
+    piece.blocks.resize(piece.blocks.size() + DistanceField::kBlock);
+    return static_cast<std::uint32_t>(piece.blocks.size() / DistanceField::kBlock - 1);
+  };
+  const auto fill = [&](std::uint32_t block, std::uint32_t unit) {
+    const std::uint32_t count = job.side / unit;
+    for (std::uint32_t z = 0; z < count; ++z)
+      for (std::uint32_t y = 0; y < count; ++y)
+        for (std::uint32_t x = 0; x < count; ++x)
+          piece.blocks[block * DistanceField::kBlock + DistanceField::inBlock(job.at[0] / unit + x,
+                                                                              job.at[1] / unit + y,
+                                                                              job.at[2] / unit + z)] = entry;
+  };
+  if (job.side == DistanceField::kSpan) {
+    piece.root = entry;
+    return;
+  }
+  // The first block is that of the cube; an entry of 0 in it can be no block's.
+  if (piece.blocks.empty()) piece.root = newBlock();
+  if (job.side >= 8) {
+    fill(0, 8);
+    return;
+  }
+  const std::uint32_t place = DistanceField::inBlock(job.at[0] / 8, job.at[1] / 8, job.at[2] / 8);
+  if (piece.blocks[place] == 0) {
+    const std::uint32_t block = newBlock();
+    piece.blocks[place] = block;
+  }
+  fill(piece.blocks[place], 1);
+}
+
+void FieldBake::join(std::vector<Piece>& pieces) {
+  std::size_t blocks = 0, cells = 0;
+  for (const Piece& piece : pieces) {
+    blocks += piece.blocks.size();
+    cells += piece.cells.size();
+  }
+  field_.blocks_.reserve(blocks);
+  field_.cells_.reserve(cells);
+  for (std::size_t i = 0; i < pieces.size(); ++i) {
+    Piece& piece = pieces[i];
+    const auto firstBlock = static_cast<std::uint32_t>(field_.blocks_.size() / DistanceField::kBlock);
+    const auto firstCell = static_cast<std::uint32_t>(field_.cells_.size());
+    const auto moved = [&](std::uint32_t entry) {
+      return entry + ((entry & DistanceField::kLeaf) != 0 ? firstCell : firstBlock);
+    };
+    field_.top_[i] = moved(piece.root);
+    for (const std::uint32_t entry : piece.blocks) field_.blocks_.push_back(moved(entry));
+    field_.cells_.insert(field_.cells_.end(), piece.cells.begin(), piece.cells.end());
+    field_.worstSmoothError_ = std::max(field_.worstSmoothError_, piece.worstSmooth);
+    piece = {};
+  }
+  if (options_.progress) options_.progress(1.0);
+}
+
+}  // namespace tandem::haptics

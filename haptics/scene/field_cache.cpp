@@ -1,0 +1,105 @@
+#include "haptics/scene/field_cache.h"
+
+#include <algorithm>
+#include <array>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "assets/base/cache_file.h"
+#include "assets/scene/scene_package.h"
+#include "haptics/geometry/triangle_bvh.h"
+
+namespace tandem::haptics {
+namespace {
+
+// Raised whenever a bake makes something else of the same mesh and options.
+constexpr std::uint64_t kBakeVersion = 2;
+
+constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
+
+/// What a file begins with: what it holds, by what that was made from, and a hash of the rest.
+struct Header {
+  std::array<char, 8> mark = kMark;
+  assets::ContentHash key{}, content{};
+};
+static_assert(sizeof(Header) == 8 + 2 * sizeof(assets::ContentHash), "read and written as it lies in memory");
+
+template <typename T>
+void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
+  const auto* begin = reinterpret_cast<const std::byte*>(values);
+  bytes.insert(bytes.end(), begin, begin + count * sizeof(T));
+}
+
+/// The field depends on positions and triangles alone, not on what the mesh says of its topology.
+assets::ContentHash keyOf(const assets::Mesh& mesh, const DistanceField::Options& options) {
+  std::vector<std::byte> bytes;
+  const std::array<std::uint64_t, 4> counts = {kBakeVersion, mesh.positions.size(), mesh.triangles.size(),
+                                               options.memory};
+  const std::array<double, 3> lengths = {options.tolerance, options.smallestCell, options.band};
+  bytes.reserve(sizeof counts + sizeof lengths + mesh.positions.size() * sizeof(glm::dvec3) +
+                mesh.triangles.size() * sizeof(mesh.triangles[0]));
+  append(bytes, counts.data(), counts.size());
+  append(bytes, lengths.data(), lengths.size());
+  append(bytes, mesh.positions.data(), mesh.positions.size());
+  append(bytes, mesh.triangles.data(), mesh.triangles.size());
+  return assets::contentHash(bytes);
+}
+
+std::optional<DistanceField> read(const std::filesystem::path& path, const assets::ContentHash& key) {
+  const std::optional<std::vector<std::byte>> bytes = assets::readCacheFile(path);
+  Header header;
+  if (!bytes || bytes->size() < sizeof header) return std::nullopt;
+  std::memcpy(&header, bytes->data(), sizeof header);
+  const std::span<const std::byte> content = std::span<const std::byte>(*bytes).subspan(sizeof header);
+  if (header.mark != kMark || header.key != key || header.content != assets::contentHash(content))
+    return std::nullopt;
+  Result<DistanceField> field = DistanceField::unpack(content);
+  if (!field) return std::nullopt;
+  return std::move(field).value();
+}
+
+void write(const std::filesystem::path& path, const assets::ContentHash& key, const DistanceField& field) {
+  const std::vector<std::byte> content = field.pack();
+  Header header;
+  header.key = key;
+  header.content = assets::contentHash(content);
+  std::vector<std::byte> bytes;
+  bytes.reserve(sizeof header + content.size());
+  append(bytes, &header, 1);
+  append(bytes, content.data(), content.size());
+  assets::writeCacheFile(path, bytes);
+}
+
+std::filesystem::path pathOf(const std::string& directory, const assets::ContentHash& key) {
+  return std::filesystem::path(directory) / (assets::toHex(key) + ".field");
+}
+
+}  // namespace
+
+DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options& options,
+                          const std::string& directory, bool& cached) {
+  cached = false;
+  if (directory.empty()) return DistanceField(tree, options);
+  const assets::ContentHash key = keyOf(tree.mesh(), options);
+  const std::filesystem::path path = pathOf(directory, key);
+  if (std::optional<DistanceField> field = read(path, key)) {
+    cached = true;
+    if (options.progress) options.progress(1.0);
+    return std::move(*field);
+  }
+  DistanceField field(tree, options);
+  write(path, key, field);
+  return field;
+}
+
+std::optional<DistanceField> readField(const TriangleBvh& tree, const DistanceField::Options& options,
+                                       const std::string& directory) {
+  if (directory.empty()) return std::nullopt;
+  const assets::ContentHash key = keyOf(tree.mesh(), options);
+  return read(pathOf(directory, key), key);
+}
+
+}  // namespace tandem::haptics

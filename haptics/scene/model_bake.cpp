@@ -1,0 +1,154 @@
+#include "haptics/scene/model_bake.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include <glm/geometric.hpp>
+
+#include "haptics/base/in_parallel.h"
+#include "haptics/scene/field_cache.h"
+#include "haptics/scene/field_resolution.h"
+#include "haptics/scene/part_tolerance.h"
+
+namespace tandem::haptics {
+namespace {
+
+// Meshes above this many triangles are baked one after the other on all threads, smaller ones side by side.
+constexpr std::size_t kBakedAlone = 50'000;
+// The fields of a scene share what may be spent on them: of `n` meshes each may have smallest cells of n / kShared
+// of its own diagonal, and of kCoarsest at most.
+constexpr double kShared = 4096.0, kCoarsest = 1.0 / 128.0, kFinest = 1.0 / 1024.0;
+// Sharp edges nearer to each other than this share of the diagonal are those of grooves: cells become smaller with them.
+constexpr double kGroove = 1.0 / 16.0;
+// What DistanceField makes of a tolerance by itself.
+constexpr double kCellOfTolerance = 80.0;
+constexpr const char* kWhat = "making parts ready to collide";
+
+class Bake {
+ public:
+  Bake(const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
+       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held,
+       const ModelOptions& options)
+      : trees_(trees),
+        tolerances_(tolerances),
+        shapes_(shapes),
+        held_(held),
+        options_(options),
+        models_(trees.size()) {
+    const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+    threads_ = options.threads > 0 ? options.threads : cores;
+    for (std::size_t i = 0; i < trees.size(); ++i) {
+      if (trees[i] == nullptr || trees[i]->empty()) continue;
+      if (!shapes[i].empty()) {
+        modelShapes(i);
+        continue;
+      }
+      order_.push_back(i);
+      total_ += weight(i);
+    }
+    // Largest first, so that none of the long ones is left for the end.
+    std::stable_sort(order_.begin(), order_.end(),
+                     [this](std::size_t a, std::size_t b) { return weight(a) > weight(b); });
+  }
+
+  std::vector<std::shared_ptr<const PartModel>> run() {
+    std::size_t first = 0;
+    while (first < order_.size() && triangles(order_[first]) > kBakedAlone && !stopped_)
+      bake(order_[first++], threads_, true);
+    const int small = static_cast<int>(order_.size() - first);
+    const int workers = std::clamp(small, 1, threads_), each = std::max(1, threads_ / workers);
+    std::atomic<std::size_t> next{first};
+    onThreads(workers, [&](int worker) {
+      for (std::size_t i = next++; i < order_.size() && !stopped_; i = next++)
+        bake(order_[i], each, worker == 0);
+    });
+    if (stopped_) return {};
+    return std::move(models_);
+  }
+
+ private:
+  std::size_t triangles(std::size_t tree) const { return trees_[tree]->mesh().triangles.size(); }
+  /// What a bake costs, roughly: even a box has a surface.
+  double weight(std::size_t tree) const { return static_cast<double>(triangles(tree)) + 5e3; }
+
+  void modelShapes(std::size_t i) {
+    const auto start = std::chrono::steady_clock::now();
+    const TriangleBvh& tree = *trees_[i];
+    const double size = glm::length(tree.bounds().max - tree.bounds().min);
+    ContactSamples::Options sampling;
+    sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
+    // As exact as the smallest part asks for, however large this one is: it costs nothing.
+    const double tolerance = std::min(usableTolerance(tolerances_[i], size), usualTolerance(held_, held_));
+    auto model = std::make_shared<PartModel>(tree, shapes_[i], sampling, tolerance);
+    model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    models_[i] = std::move(model);
+  }
+
+  /// In the calling thread of run() only.
+  void tell(double within) {
+    if (options_.progress && !options_.progress((static_cast<double>(done_) + within) / total_, kWhat))
+      stopped_ = true;
+  }
+
+  void bake(std::size_t i, int threads, bool telling) {
+    const auto start = std::chrono::steady_clock::now();
+    if (telling) tell(0.0);
+    const TriangleBvh& tree = *trees_[i];
+    const double size = glm::length(tree.bounds().max - tree.bounds().min);
+    DistanceField::Options field;
+    field.tolerance = usableTolerance(tolerances_[i], size);
+    MeshEdges edges(tree.mesh());
+    const double finest = std::min(kCoarsest, static_cast<double>(order_.size()) / kShared);
+    // Edges ask for cells that are small beside the smallest part, and beside the grooves that they make; curves for
+    // what brings them within tolerance.
+    const double ofEdges = kCellOfTolerance * usualTolerance(held_, size),
+                 ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
+    const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
+    field.smallestCell = std::clamp(cell, std::max(kFinest, finest) * size, kCoarsest * size);
+    field.tolerance *= options_.fieldScale;
+    field.smallestCell *= options_.fieldScale;
+    ContactSamples::Options sampling;
+    sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
+    field.threads = threads;
+    if (telling) field.progress = [this, i](double share) { tell(share * weight(i)); };
+    bool cached = options_.onlyCached;
+    std::optional<DistanceField> found;
+    if (options_.onlyCached)
+      found = readField(tree, field, options_.cacheDirectory);
+    else
+      found = cachedField(tree, field, options_.cacheDirectory, cached);
+    if (found) {
+      auto model = std::make_shared<PartModel>(tree, std::move(edges), sampling, std::move(*found));
+      model->cached = cached;
+      model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      models_[i] = std::move(model);
+    }
+    done_ += static_cast<std::uint64_t>(weight(i));
+    if (telling) tell(0.0);
+  }
+
+  const std::vector<std::shared_ptr<TriangleBvh>>& trees_;
+  const std::vector<double>& tolerances_;  // m, one a tree
+  const std::vector<std::vector<assets::ImplicitShape>>& shapes_;
+  double held_;  // m
+  const ModelOptions& options_;
+  int threads_ = 1;
+  double total_ = 0.0;
+  std::vector<std::size_t> order_;  // of trees
+  std::vector<std::shared_ptr<const PartModel>> models_;
+  std::atomic<std::uint64_t> done_{0};
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace
+
+std::vector<std::shared_ptr<const PartModel>> bakeModels(
+    const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
+    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options) {
+  return Bake(trees, tolerances, shapes, held, options).run();
+}
+
+}  // namespace tandem::haptics

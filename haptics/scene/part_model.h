@@ -1,0 +1,65 @@
+#pragma once
+
+// What contact between parts needs to know of a mesh, made once: where it can touch (samples), where it turns
+// (edges), and how far away it is (field). Instances share it; immutable.
+
+#include <span>
+#include <utility>
+
+#include "haptics/geometry/mesh_edges.h"
+#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/scene/contact_samples.h"
+#include "haptics/scene/distance_field.h"
+
+namespace tandem::haptics {
+
+struct PartModel {
+  struct Options {
+    ContactSamples::Options samples;
+    DistanceField::Options field;
+  };
+
+  PartModel(const TriangleBvh& bvh, const Options& options)
+      : PartModel(bvh, MeshEdges(bvh.mesh()), options.samples, DistanceField(bvh, options.field)) {}
+  /// With edges and a field of this mesh that were made before.
+  PartModel(const TriangleBvh& bvh, MeshEdges found, const ContactSamples::Options& sampling,
+            DistanceField made)
+      : tree(&bvh), edges(std::move(found)), samples(bvh.mesh(), edges, sampling), field(std::move(made)) {}
+
+  /// Of implicit shapes: by formula. The tree is that of the mesh which stands for them elsewhere.
+  PartModel(const TriangleBvh& bvh, std::span<const assets::ImplicitShape> shapes,
+            const ContactSamples::Options& sampling, double tolerance)
+      : tree(&bvh), samples(shapes, bvh.mesh(), sampling), field(shapes, bvh.mesh(), tolerance) {}
+
+  bool byFormula() const { return !field.shapes().empty(); }
+  /// The piece of the surface that a sample stands for, part frame; false where that is a point.
+  bool patchOf(const ContactSample& sample, ContactPatch& patch) const;
+
+  /// Bytes, the tree's not counted.
+  std::size_t memory() const { return edges.memory() + samples.memory() + field.memory(); }
+
+  const TriangleBvh* tree;  // must outlive this
+  MeshEdges edges;
+  ContactSamples samples;
+  DistanceField field;
+  // How it was made, for reports.
+  double seconds = 0.0;
+  bool cached = false;  // the field was read from the cache
+};
+
+inline bool PartModel::patchOf(const ContactSample& sample, ContactPatch& patch) const {
+  if (sample.patch != assets::kNone) {
+    patch = samples.patches()[sample.patch];
+    return true;
+  }
+  if (sample.edge == assets::kNone || !(sample.along > 0.0f)) return false;
+  const MeshEdge& edge = edges.edges()[sample.edge];
+  patch = ContactPatch{};
+  patch.kind = ContactPatch::Kind::straight;
+  patch.centre = sample.point;
+  patch.axis = glm::normalize(edge.b - edge.a);
+  patch.along = static_cast<double>(sample.along);
+  return true;
+}
+
+}  // namespace tandem::haptics

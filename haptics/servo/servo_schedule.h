@@ -1,0 +1,89 @@
+#pragma once
+
+// The bookkeeping of the servo loop, apart from the clock and the thread so that tests run it on virtual
+// times.
+
+#include <array>
+#include <atomic>
+#include <cstdint>
+
+#include "haptics/base/contact_effort.h"
+
+namespace tandem::haptics {
+
+/// When to wake. Deadlines stay on the grid start + n * period; periods that have already passed are skipped.
+class ServoSchedule {
+ public:
+  ServoSchedule(std::int64_t start_ns, std::int64_t period_ns);
+
+  std::int64_t deadline_ns() const { return deadline_ns_; }
+
+  /// Notes a wake-up at `woken_ns` for the present deadline; true when it is more than half a period late.
+  bool woke(std::int64_t woken_ns) const { return woken_ns - deadline_ns_ > period_ns_ / 2; }
+
+  /// Moves to the next deadline after `done_ns`, when the tick's work was done; returns how many periods are
+  /// skipped.
+  std::int64_t advance(std::int64_t done_ns);
+
+ private:
+  std::int64_t period_ns_;
+  std::int64_t deadline_ns_;
+};
+
+/// Decides when a callback overruns its budget too often: at kLimit overruns within the last kWindow ticks it
+/// trips, and it clears after kWindow ticks in a row without one.
+class OverrunGuard {
+ public:
+  static constexpr int kWindow = 64;
+  static constexpr int kLimit = 16;
+
+  /// Notes a tick; true while the force must be zero.
+  bool note(bool overran);
+  bool tripped() const { return tripped_; }
+
+ private:
+  std::uint64_t history_ = 0;  // bit i: i ticks ago
+  bool tripped_ = false;
+};
+
+/// Takes contact between parts less effort while ticks run short of their period, in this order: half the looks, a
+/// quarter of them and two steps, an eighth and one step. Parts then go less far in a tick than they could; what they
+/// touch stays exact. Effort is given back a stage at a time, once ticks have been short for kCalm of them.
+class EffortGuard {
+ public:
+  static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMostStages = 3;
+  static constexpr double kShort = 0.7, kEasy = 0.35;  // of a period
+
+  /// Notes the share of its period that a tick took.
+  void note(double share);
+  /// What the next tick may spend, of what is set.
+  ContactEffort limited(ContactEffort set) const;
+  int stage() const { return stage_; }
+
+ private:
+  std::uint64_t history_ = 0;  // bit i: i ticks ago
+  int stage_ = 0, calm_ = 0;
+};
+
+/// Durations from 0 to about 1 s in buckets of 1/16 of an octave (6 % wide): one thread records, any thread
+/// reads.
+class DurationHistogram {
+ public:
+  void record(std::int64_t duration_ns);
+  std::uint64_t count() const;
+  /// The duration in ns that a share `q` in [0, 1] of the records does not exceed, to one bucket; 0 when
+  /// empty.
+  double quantile_ns(double q) const;
+  std::int64_t max_ns() const { return max_ns_.load(std::memory_order_relaxed); }
+
+ private:
+  static constexpr int kSubBuckets = 16, kOctaves = 27;
+  static constexpr int kBuckets = kSubBuckets * kOctaves;
+  static int bucketOf(std::int64_t duration_ns);
+  static double upperEdge(int bucket);
+
+  std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
+  std::atomic<std::int64_t> max_ns_{0};
+};
+
+}  // namespace tandem::haptics

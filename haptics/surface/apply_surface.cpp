@@ -1,0 +1,463 @@
+#include "haptics/surface/apply_surface.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/finite.h"
+#include "haptics/proxy/contact_force.h"
+#include "haptics/proxy/friction_scale.h"
+#include "haptics/scene/haptic_texture.h"
+#include "haptics/scene/surface_scene.h"
+
+namespace tandem::haptics {
+namespace {
+
+using assets::Material;
+using assets::Surface;
+using assets::SurfaceTexture;
+
+constexpr int kMaxNear = 4;    // parts that may act before they are touched, a tick
+constexpr int kMaxAsked = 16;  // parts whose nearest point is looked up for that
+
+/// One contact of the proxy with a surface: one pressing plane, or several of one smooth surface.
+struct Touch {
+  PartId part = kNoPart;
+  std::uint32_t triangle = kNoTriangle;
+  const Material* material = nullptr;
+  const Surface* surface = nullptr;
+  glm::dvec3 point{0.0, 0.0, 0.0};   // m, world, on the triangle
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, of the facet, to the tool
+  glm::dvec3 goal{0.0, 0.0, 0.0};    // m, world
+  glm::dvec3 old{0.0, 0.0, 0.0};     // N, what contactForce() made of it
+  double strongest = 0.0;            // m, largest depth of its planes
+  int contact = -1;                  // into TickOutput::contacts; -1 = not touched, only near
+};
+
+class SurfaceTick {
+ public:
+  SurfaceTick(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
+              const TickParameters& parameters, SurfaceState& state, TickOutput& out)
+      : world_(world),
+        surfaces_(*world.surfaces()),
+        proxy_(proxy),
+        device_(device),
+        parameters_(parameters),
+        state_(state),
+        out_(out) {}
+
+  glm::dvec3 run(const glm::dvec3& force) {
+    state_.letGo = kNoPart;
+    glm::dvec3 friction = force;
+    for (int i = 0; i < out_.contactCount; ++i) {
+      const Contact& contact = out_.contacts[static_cast<std::size_t>(i)];
+      friction -= contact.force * contact.normal;
+    }
+    findTouches();
+    findNear();
+    for (SurfaceSlot& slot : state_.slots) slot.active = false;
+    glm::dvec3 total = force;
+    double before = plainPressing_, now = plainPressing_;  // N, of all contacts together
+    for (int i = 0; i < count_; ++i) {
+      const Touch& touch = touches_[static_cast<std::size_t>(i)];
+      const glm::dvec3 felt = forceOf(touch);
+      total += felt - touch.old;
+      const double old = glm::length(touch.old);
+      if (!(old > 0.0)) continue;
+      before += old;
+      now += glm::dot(felt, touch.old) / old;
+    }
+    // What presses less holds less: friction stays within the cone. More pressing does not stiffen its
+    // spring.
+    if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
+    for (SurfaceSlot& slot : state_.slots)
+      if (!slot.active) rest(slot);
+    return isFinite(total) ? total : force;
+  }
+
+ private:
+  const Surface* surfaceOf(PartId part, std::uint32_t triangle, const Material*& material) const {
+    material = &world_.material(part, triangle);
+    const auto& all = world_.scene().surfaces;
+    return material->surface < all.size() ? &all[material->surface] : nullptr;
+  }
+
+  void findTouches() {
+    int contact = 0;
+    for (int i = 0; i < proxy_.planeCount; ++i) {
+      const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+      if (!presses(plane)) continue;
+      addPlane(plane, contact < out_.contactCount ? contact : -1);
+      ++contact;
+    }
+  }
+
+  void addPlane(const ProxyPlane& plane, int contact) {
+    const SurfacePoint& at = plane.surface;
+    const Material* material = nullptr;
+    const Surface* surface = surfaceOf(at.part, at.triangle, material);
+    if (contact < 0) return;
+    const Contact& known = out_.contacts[static_cast<std::size_t>(contact)];
+    if (surface == nullptr) {
+      plainPressing_ += known.force;
+      return;
+    }
+    const glm::dvec3 push = plane.multiplier * at.normal;
+    Touch* touch = nullptr;
+    for (int i = 0; i < count_ && touch == nullptr; ++i) {
+      Touch& other = touches_[static_cast<std::size_t>(i)];
+      if (joined(other, at, surface)) touch = &other;
+    }
+    if (touch == nullptr) {
+      if (count_ == kMaxTouches) return;
+      touch = &touches_[static_cast<std::size_t>(count_++)];
+      *touch = Touch{at.part,   at.triangle,     material, surface, at.point,
+                     at.normal, proxy_.position, {},       0.0,     contact};
+    }
+    touch->goal -= push;
+    touch->old += known.force * known.normal;
+    if (plane.multiplier > touch->strongest) {
+      touch->strongest = plane.multiplier;
+      touch->triangle = at.triangle;
+      touch->point = at.point;
+      touch->normal = at.normal;
+    }
+  }
+
+  /// Whether two planes are facets of one smooth surface.
+  static bool joined(const Touch& touch, const SurfacePoint& at, const Surface* surface) {
+    return touch.part == at.part && touch.surface == surface && surface->creaseAngle > 0.0 &&
+           glm::dot(touch.normal, at.normal) > std::cos(surface->creaseAngle);
+  }
+
+  /// Surfaces that act before the facets are touched: patches and relief above them, magnets. Of those within
+  /// reach the nearest by their bounding spheres are asked first.
+  void findNear() {
+    const double most = reachOf(surfaces_.reach, surfaces_.forceReach);
+    if (!(most > 0.0)) return;
+    NearList near;
+    const glm::dvec3 grow(parameters_.toolRadius + most);
+    world_.forEachNear({proxy_.position - grow, proxy_.position + grow},
+                       [&](PartId part) { considerNear(part, near); });
+    int acting = 0;
+    for (int i = 0; i < near.count; ++i) {
+      const PartId part = near.parts[static_cast<std::size_t>(i)].part;
+      const PartSurface& special = surfaces_.parts[part];
+      SurfacePoint at;
+      const double reach = parameters_.toolRadius + reachOf(special.reach, special.forceReach);
+      if (!world_.nearest(part, proxy_.position, reach, at)) continue;
+      const Material* material = nullptr;
+      const Surface* surface = surfaceOf(part, at.triangle, material);
+      if (surface == nullptr) continue;
+      if (acting == kMaxNear || count_ == kMaxTouches) {
+        out_.flags |= kFlagOverflow;
+        return;
+      }
+      ++acting;
+      touches_[static_cast<std::size_t>(count_++)] =
+          Touch{part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1};
+    }
+  }
+
+  double reachOf(double length, double force) const { return length + force / parameters_.stiffness; }
+
+  /// Parts whose bounding spheres are within reach, nearest first.
+  struct NearPart {
+    double gap = 0.0;  // m, from the proxy to the sphere; 0 inside
+    PartId part = kNoPart;
+    bool before(const NearPart& other) const {
+      return gap < other.gap || (gap == other.gap && part < other.part);
+    }
+  };
+  struct NearList {
+    std::array<NearPart, kMaxAsked> parts;
+    int count = 0;
+  };
+
+  void considerNear(PartId part, NearList& near) {
+    const PartSurface& special = surfaces_.parts[part];
+    const double own = reachOf(special.reach, special.forceReach);
+    if (!(own > 0.0) || !world_.touchable(part) || touches(part)) return;
+    const Collider& collider = world_.collider(part);
+    const double away = glm::distance(proxy_.position, transformPoint(world_.pose(part), collider.centre));
+    const NearPart entry{std::max(0.0, away - collider.radius), part};
+    if (entry.gap > own + parameters_.toolRadius) return;
+    if (near.count == kMaxAsked) {
+      out_.flags |= kFlagOverflow;
+      if (!entry.before(near.parts.back())) return;
+      --near.count;
+    }
+    int at = near.count++;
+    for (; at > 0 && entry.before(near.parts[static_cast<std::size_t>(at) - 1]); --at)
+      near.parts[static_cast<std::size_t>(at)] = near.parts[static_cast<std::size_t>(at) - 1];
+    near.parts[static_cast<std::size_t>(at)] = entry;
+  }
+
+  bool touches(PartId part) const {
+    return std::any_of(touches_.begin(), touches_.begin() + count_,
+                       [part](const Touch& touch) { return touch.part == part; });
+  }
+
+  SurfaceSlot& slotOf(PartId part) {
+    SurfaceSlot* free = &state_.slots[0];
+    for (SurfaceSlot& slot : state_.slots) {
+      if (slot.part == part && !slot.active) return slot;
+      if (!slot.active && (free->active || slot.part == kNoPart)) free = &slot;
+    }
+    *free = SurfaceSlot{};
+    free->part = part;
+    return *free;
+  }
+
+  /// A contact that has ended: viscoelastic surfaces go on recovering, all else is forgotten.
+  void rest(SurfaceSlot& slot) {
+    if (slot.part == kNoPart) return;
+    slot.anchor.set = false;
+    slot.phase = 0.0;
+    slot.velocity = glm::dvec3(0.0);
+    constexpr double kFarOut = -1e30;  // m: nothing touches it
+    if (slot.law.depth > 0.0)
+      viscoelasticForce(slot.stiffness, slot.stiffness2, slot.relaxation, kFarOut, parameters_.dt, slot.law);
+  }
+
+  glm::dvec3 forceOf(const Touch& touch) {
+    const Pose& pose = world_.pose(touch.part);
+    const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
+    const auto toPart = [&](const glm::dvec3& p) { return partFromWorld * (p - pose.position); };
+    const assets::Mesh& mesh = world_.collider(touch.part).tree->mesh();
+    const ShadedMesh* shaded =
+        touch.surface->creaseAngle > 0.0 ? surfaces_.parts[touch.part].shaded : nullptr;
+    const glm::dvec3 facet = facetDirection(mesh, touch.triangle);
+    const double side = glm::dot(partFromWorld * touch.normal, facet) < 0.0 ? -1.0 : 1.0;
+    PatchPoint patch;
+    if (!projectOntoPatch(mesh, shaded, touch.triangle, toPart(touch.point), toPart(touch.goal), side,
+                          patch) ||
+        leavesCone(touch, partFromWorld * touch.normal, patch.normal)) {
+      return touch.contact < 0 ? pullOf(touch) : touch.old;
+    }
+    return transformVector(pose, respond(touch, mesh, patch, partFromWorld));
+  }
+
+  /// What a magnet does beyond its edges and corners: its potential goes on with the distance.
+  glm::dvec3 pullOf(const Touch& touch) const {
+    const double height = glm::dot(touch.goal - touch.point, touch.normal) - parameters_.toolRadius;
+    return -touch.normal *
+           magneticPull(touch.surface->magneticForce, touch.surface->magneticDistance, height);
+  }
+
+  static glm::dvec3 facetDirection(const assets::Mesh& mesh, std::uint32_t t) {
+    const auto& c = mesh.triangles[t];
+    return areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
+  }
+
+  /// Whether the tool rests on an edge or corner that is not smooth: there the plain contact is right.
+  static bool leavesCone(const Touch& touch, const glm::dvec3& contact, const glm::dvec3& smooth) {
+    constexpr double kFlat = 0.9999;  // cos of 0.8 degrees: a flat facet's own normal
+    const double crease = touch.surface->creaseAngle;
+    return glm::dot(contact, smooth) < (crease > 0.0 ? std::min(std::cos(crease), kFlat) : kFlat);
+  }
+
+  /// Force in the part's frame.
+  glm::dvec3 respond(const Touch& touch, const assets::Mesh& mesh, const PatchPoint& patch,
+                     const glm::dquat& partFromWorld) {
+    const Surface& surface = *touch.surface;
+    const double stated = touch.material->stiffness > 0.0 ? touch.material->stiffness : parameters_.stiffness;
+    const double share = shareOfStiffness(surface, stated), stiffness = share * stated;
+    const double flatDepth = patch.depth + parameters_.toolRadius;
+    glm::dvec3 gradient = patch.depthGradient;
+    const double depth = flatDepth + relief(surface.texture, mesh, patch, stated, gradient);
+    glm::dvec3 force =
+        patch.depthGradient * magneticPull(surface.magneticForce, surface.magneticDistance, -flatDepth);
+    if (!(depth > 0.0)) return force;
+
+    SurfaceSlot& slot = slotOf(touch.part);
+    slot.active = true;
+    const double pressing =
+        contactLaw(touch, patch, depth, stiffness, share * surface.stiffness2, gradient, slot);
+    if (!(pressing > 0.0)) {
+      // In a dent that it has left, or that has not come back yet: nothing is touched there.
+      slot.velocity = glm::dvec3(0.0);
+      slot.anchor.set = false;
+      if (touch.contact >= 0) noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
+      return force;
+    }
+    if (surface.popThroughForce > 0.0 && pressing > surface.popThroughForce) {
+      state_.letGo = touch.part;
+      noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
+      return glm::dvec3(0.0);
+    }
+    force -= pressing * gradient;
+    force += dissipation(touch, patch, force, partFromWorld, slot);
+    force += shaking(touch, patch, glm::dot(force, patch.normal), partFromWorld, slot);
+    noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, glm::dot(force, patch.normal));
+    return force;
+  }
+
+  /// What the device's limit leaves of all springs along the normal together.
+  double shareOfStiffness(const Surface& surface, double stated) const {
+    const double all = stated + (surface.law == Surface::Law::viscoelastic ? surface.stiffness2 : 0.0);
+    return parameters_.stiffnessLimit > 0.0 ? std::min(1.0, parameters_.stiffnessLimit / all) : 1.0;
+  }
+
+  /// Force along the depth's gradient, which plastic dents turn.
+  double contactLaw(const Touch& touch, const PatchPoint& patch, double depth, double stiffness,
+                    double stiffness2, glm::dvec3& gradient, SurfaceSlot& slot) {
+    const Surface& surface = *touch.surface;
+    if (surface.law == Surface::Law::viscoelastic) {
+      slot.stiffness = stiffness;
+      slot.stiffness2 = stiffness2;
+      slot.relaxation = surface.relaxation;
+      return viscoelasticForce(stiffness, stiffness2, surface.relaxation, depth, parameters_.dt, slot.law);
+    }
+    if (surface.law == Surface::Law::elastic) return stiffness * depth;
+    glm::dvec3 slope(0.0);
+    const double before = dented(touch.part, patch.point, slope);
+    double set = before;
+    const double force = plasticForce(stiffness, surface.yieldForce, surface.hardening, depth, set);
+    const double natural = 4.0 * surface.yieldForce / stiffness + 2.0 * parameters_.toolRadius;
+    if (set > before) dent(touch.part, patch.point, set - before, natural > 0.0 ? natural : 4.0 * depth);
+    gradient -=
+        glm::dot(slope, patch.pointU) * patch.uGradient + glm::dot(slope, patch.pointV) * patch.vGradient;
+    return force;
+  }
+
+  /// Permanent set of a place, m, and its slope.
+  double dented(PartId part, const glm::dvec3& x, glm::dvec3& slope) const {
+    double set = 0.0;
+    for (int i = 0; i < state_.dentCount; ++i) {
+      const Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+      const double share = dent.part == part ? shareOf(dent, x) : 0.0;
+      if (!(share > 0.0)) continue;
+      set += dent.depth * share * share;
+      slope += (x - dent.point) * (-4.0 * dent.depth * share / (dent.width * dent.width));
+    }
+    return set;
+  }
+
+  static double shareOf(const Dent& dent, const glm::dvec3& x) {
+    const glm::dvec3 off = (x - dent.point) / dent.width;
+    return std::max(0.0, 1.0 - glm::dot(off, off));
+  }
+
+  /// Makes the set at x larger by `growth`: a dent near by grows, else there is a new one.
+  void dent(PartId part, const glm::dvec3& x, double growth, double width) {
+    constexpr double kNear = 0.94;  // (1 - 1/4^2): within a quarter of the width
+    double best = 0.0;
+    Dent* nearest = nullptr;
+    for (int i = 0; i < state_.dentCount; ++i) {
+      Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+      const double share = dent.part == part ? shareOf(dent, x) : 0.0;
+      if (share > best) best = share, nearest = &dent;
+    }
+    if (best > kNear) {
+      nearest->depth += growth / (best * best);
+      return;
+    }
+    if (state_.dentCount == kMaxDents) forgetOldest();
+    state_.dents[static_cast<std::size_t>(state_.dentCount++)] = {part, x, growth, width};
+  }
+
+  void forgetOldest() {
+    std::move(state_.dents.begin() + 1, state_.dents.end(), state_.dents.begin());
+    --state_.dentCount;
+  }
+
+  /// Buzz along the normal, and the spring across it.
+  glm::dvec3 shaking(const Touch& touch, const PatchPoint& patch, double pressing,
+                     const glm::dquat& partFromWorld, SurfaceSlot& slot) {
+    const Surface& surface = *touch.surface;
+    glm::dvec3 force(0.0);
+    if (surface.vibrationAmplitude > 0.0) {
+      force += patch.normal * vibration(surface.vibrationFrequency, surface.vibrationAmplitude, pressing,
+                                        parameters_.dt, slot.phase);
+    }
+    if (surface.stickSlipForce > 0.0) {
+      const glm::dvec3 tip =
+          partFromWorld * (device_.worldFromDevice.position - world_.pose(touch.part).position);
+      const double most = parameters_.stiffnessLimit;
+      const double stiffness =
+          most > 0.0 ? std::min(most, surface.stickSlipStiffness) : surface.stickSlipStiffness;
+      force += stickSlip(surface.stickSlipForce, stiffness, tip, patch.normal, slot.anchor);
+    }
+    return force;
+  }
+
+  /// Height of the relief; adds its gradient to that of the depth.
+  double relief(const SurfaceTexture& texture, const assets::Mesh& mesh, const PatchPoint& patch,
+                double stiffness, glm::dvec3& gradient) const {
+    const double amplitude = texture.amplitude + texture.amplitudeForce / stiffness;
+    if (texture.pattern == SurfaceTexture::Pattern::none || !(amplitude > 0.0)) return 0.0;
+    double byU = 0.0, byV = 0.0, value = 0.0;
+    if (texture.pattern == SurfaceTexture::Pattern::image) {
+      if (patch.triangle >= mesh.triangleUv.size()) return 0.0;
+      const auto& uv = mesh.triangleUv[patch.triangle];
+      const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin,
+                                      alongV = glm::dvec2(uv[2]) - origin;
+      const Height h =
+          imageHeight(world_.scene().textures[texture.image], origin + patch.u * alongU + patch.v * alongV);
+      value = h.value;
+      byU = glm::dot(h.uvGradient, alongU);
+      byV = glm::dot(h.uvGradient, alongV);
+    } else {
+      const Height h = patternHeight(texture.pattern, texture.wavelength, patch.point);
+      value = h.value;
+      byU = glm::dot(h.gradient, patch.pointU);
+      byV = glm::dot(h.gradient, patch.pointV);
+    }
+    gradient += amplitude * (byU * patch.uGradient + byV * patch.vGradient);
+    return amplitude * value;
+  }
+
+  /// Damping and drag; along the normal they never outdo what presses.
+  glm::dvec3 dissipation(const Touch& touch, const PatchPoint& patch, const glm::dvec3& pressing,
+                         const glm::dquat& partFromWorld, SurfaceSlot& slot) {
+    const glm::dvec3 surfaceVelocity =
+        velocityAt(world_.pose(touch.part), world_.twist(touch.part), touch.point);
+    const glm::dvec3 velocity = partFromWorld * (device_.twist.linear - surfaceVelocity);
+    const double damping = contactDamping(*touch.material, parameters_);
+    glm::dvec3 drag =
+        viscousDrag(limitedDamping(touch.surface->viscosity, parameters_), velocity, slot.velocity);
+    slot.velocity = velocity;
+    drag -= damping * glm::dot(velocity, patch.normal) * patch.normal;
+    const double along = glm::dot(drag, patch.normal);
+    const double least = -std::max(0.0, glm::dot(pressing, patch.normal));
+    return along < least ? drag + (least - along) * patch.normal : drag;
+  }
+
+  void noteContact(const Touch& touch, const glm::dvec3& normal, double force) {
+    int at = touch.contact;
+    if (at < 0) {
+      if (out_.contactCount == kMaxContacts) return;
+      at = out_.contactCount++;
+      out_.contacts[static_cast<std::size_t>(at)] = {touch.part, touch.point, normal, force};
+      return;
+    }
+    Contact& contact = out_.contacts[static_cast<std::size_t>(at)];
+    contact.normal = normal;
+    contact.force = force;
+  }
+
+  static constexpr int kMaxTouches = kMaxContacts + kMaxNear;
+
+  const ContactWorld& world_;
+  const SurfaceScene& surfaces_;
+  const Proxy& proxy_;
+  const DeviceSample& device_;
+  const TickParameters& parameters_;
+  SurfaceState& state_;
+  TickOutput& out_;
+  std::array<Touch, kMaxTouches> touches_;
+  int count_ = 0;
+  double plainPressing_ = 0.0;  // N, of contacts without a surface
+};
+
+}  // namespace
+
+glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
+                               const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
+                               TickOutput& out) {
+  return SurfaceTick(world, proxy, device, parameters, state, out).run(force);
+}
+
+}  // namespace tandem::haptics

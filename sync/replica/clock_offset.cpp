@@ -1,0 +1,54 @@
+#include "sync/replica/clock_offset.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::sync {
+
+void ClockOffset::observe(Micros sent, Micros serverTime, Micros received) {
+  const Micros roundTrip = received - sent;
+  if (roundTrip < 0) return;
+  lastRoundTrip_ = roundTrip;
+  samples_[next_] = {roundTrip, serverTime - (sent + roundTrip / 2), received};
+  next_ = (next_ + 1) % kWindow;
+  count_ = std::min(count_ + 1, kWindow);
+
+  const Sample* best = nullptr;
+  double bestBound = 0.0;
+  bestRoundTrip_ = roundTrip;
+  for (std::size_t i = 0; i < count_; ++i) {
+    const Sample& sample = samples_[i];
+    const auto age = static_cast<double>(std::max<Micros>(0, received - sample.received));
+    const double bound = 0.5 * static_cast<double>(sample.roundTrip) + age * kDriftPpm * 1e-6;
+    if (best == nullptr || bound < bestBound) {
+      best = &sample;
+      bestBound = bound;
+    }
+    bestRoundTrip_ = std::min(bestRoundTrip_, sample.roundTrip);
+  }
+  target_us_ = static_cast<double>(best->offset);
+  // Until somebody has used the time there is nothing to be smooth for.
+  if (!started_) current_us_ = target_us_;
+}
+
+void ClockOffset::reset() { *this = ClockOffset{}; }
+
+Micros ClockOffset::sessionTime(Micros local) {
+  if (!known()) return local;
+  if (!started_) {
+    started_ = true;
+    lastLocal_ = local;
+    lastSession_ = local + static_cast<Micros>(std::llround(current_us_));
+  } else if (local <= lastLocal_) {
+    return lastSession_ - (lastLocal_ - local);
+  } else {
+    const double most = kSlew * static_cast<double>(local - lastLocal_);
+    current_us_ += std::clamp(target_us_ - current_us_, -most, most);
+    lastLocal_ = local;
+    // Rounding may take back a microsecond that was already given out.
+    lastSession_ = std::max(lastSession_, local + static_cast<Micros>(std::llround(current_us_)));
+  }
+  return lastSession_;
+}
+
+}  // namespace tandem::sync

@@ -1,0 +1,433 @@
+#include "sync/replica/ownership.h"
+
+#include <algorithm>
+#include <deque>
+#include <limits>
+#include <map>
+#include <set>
+
+#include "assets/base/assert.h"
+
+namespace tandem::sync {
+namespace {
+
+struct PartEntry {
+  PartRecord record;
+  Pose atRest;
+  bool movable = false;
+  bool awaited = false;      // restored with an owner that has not come back yet
+  bool hasSequence = false;  // whether a state of this epoch was accepted since the table began
+  std::uint32_t sequence = 0;
+  Micros leaseFrom = 0;
+  MemberRecord members;
+};
+
+enum class RequestKind : std::uint8_t { grab, reclaim, release };
+
+/// A request and what was answered, to be answered again (S7).
+struct Remembered {
+  RequestKind kind = RequestKind::grab;
+  RequestId request = 0;
+  PartId part = kNoPart;
+  Epoch epoch = 0;
+  Denial denial = Denial::none;
+  PartRecord record;
+};
+
+struct SiteEntry {
+  std::set<PartId> owned;  // ordered: what is freed together is told in the same order everywhere
+  std::set<PartId> engaged;
+  Micros engagedFrom = 0;  // when it was last heard of, for all that it is engaged in
+  std::deque<Remembered> requests;
+};
+
+bool isOlder(const PartRecord& a, const PartRecord& b) {
+  if (a.epoch != b.epoch) return a.epoch < b.epoch;
+  return a.owner != kNoSite && b.owner == kNoSite;
+}
+
+}  // namespace
+
+struct OwnershipTable::State {
+  std::vector<PartEntry> parts;
+  std::map<SiteId, SiteEntry> sites;
+  LeaseRules rules;
+  Micros recoveringUntil = std::numeric_limits<Micros>::min();
+  std::size_t awaited = 0;
+
+  std::vector<PartId> changedMembers;
+
+  bool recovering(Micros now) const { return awaited > 0 && now < recoveringUntil; }
+  bool expired(const PartEntry& part, Micros now) const {
+    return now - part.leaseFrom >= rules.serverLease();
+  }
+
+  void cameBack(PartEntry& part) {
+    if (!part.awaited) return;
+    part.awaited = false;
+    --awaited;
+  }
+  void own(PartEntry& part, SiteId site, Micros now) {
+    part.record.owner = site;
+    part.leaseFrom = now;
+    part.hasSequence = false;
+    sites[site].owned.insert(part.record.part);
+  }
+  const PartRecord& disown(PartEntry& part) {
+    cameBack(part);
+    sites[part.record.owner].owned.erase(part.record.part);
+    part.record.owner = kNoSite;
+    part.hasSequence = false;
+    return part.record;
+  }
+  /// The same where somebody may be engaged in the part: it is that one's.
+  const PartRecord& passOn(PartEntry& part) {
+    disown(part);
+    if (part.members.sites.empty()) return part.record;
+    const SiteId heir = part.members.sites.front();
+    disengage(part, heir);
+    if (part.record.epoch == std::numeric_limits<Epoch>::max()) {
+      disengageAll(part);
+      return part.record;
+    }
+    ++part.record.epoch;
+    own(part, heir, sites[heir].engagedFrom);  // its lease runs from when it was last heard of (L2)
+    return part.record;
+  }
+
+  void membersChanged(PartEntry& part) {
+    ++part.members.version;
+    const PartId id = part.record.part;
+    if (std::find(changedMembers.begin(), changedMembers.end(), id) == changedMembers.end())
+      changedMembers.push_back(id);
+  }
+  bool disengage(PartEntry& part, SiteId site) {
+    if (std::erase(part.members.sites, site) == 0) return false;
+    sites[site].engaged.erase(part.record.part);
+    membersChanged(part);
+    return true;
+  }
+  void disengageAll(PartEntry& part) {
+    while (!part.members.sites.empty()) disengage(part, part.members.sites.back());
+  }
+  void disengageFromAll(SiteEntry& entry, SiteId site) {
+    const std::set<PartId> engaged = entry.engaged;
+    for (const PartId id : engaged) disengage(parts[id], site);
+  }
+  MemberRecord membersOf(const PartEntry& part) const {
+    MemberRecord members = part.members;
+    members.part = part.record.part;
+    members.epoch = part.record.epoch;
+    return members;
+  }
+  /// The answer to an Engage or a Disengage: what `decide` says of a part that there is.
+  template <typename Request, typename Decide>
+  EngageDecision answer(const Request& request, const Decide& decide) {
+    EngageDecision decision;
+    decision.reply.request = request.request;
+    decision.reply.members.part = request.part;
+    if (request.part >= parts.size()) {
+      decision.reply.denial = Denial::unknownPart;
+      return decision;
+    }
+    PartEntry& part = parts[request.part];
+    decision.reply.denial = decide(part, decision.changed);
+    decision.reply.members = membersOf(part);
+    return decision;
+  }
+  Denial decideEngage(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
+    if (role == Role::observer) return Denial::roleForbids;
+    if (!part.movable) return Denial::notMovable;
+    if (part.record.owner == kNoSite || part.record.owner == site) return Denial::notOwned;
+    SiteEntry& entry = sites[site];
+    entry.engagedFrom = now;
+    if (!entry.engaged.insert(part.record.part).second) return Denial::none;
+    part.members.sites.push_back(site);
+    membersChanged(part);
+    changed = true;
+    return Denial::none;
+  }
+
+  /// What was answered to this very request before, or null.
+  const Remembered* remembered(SiteId site, RequestKind kind, RequestId request, PartId part,
+                               Epoch epoch) const {
+    const auto found = sites.find(site);
+    if (found == sites.end()) return nullptr;
+    for (const Remembered& r : found->second.requests) {
+      // A site that began to count anew may use a number again; that is another request.
+      if (r.request == request && r.kind == kind && r.part == part && r.epoch == epoch) return &r;
+    }
+    return nullptr;
+  }
+  void remember(SiteId site, const Remembered& answer) {
+    std::deque<Remembered>& requests = sites[site].requests;
+    if (requests.size() == kRememberedRequests) requests.pop_front();
+    requests.push_back(answer);
+  }
+
+  Denial decideGrab(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
+    if (role == Role::observer) return Denial::roleForbids;
+    if (!part.movable) return Denial::notMovable;
+    if (part.record.owner == site) {  // again, or after a restart: it has it already
+      cameBack(part);
+      part.leaseFrom = now;
+      return Denial::none;
+    }
+    if (part.record.owner != kNoSite && !expired(part, now)) return Denial::ownedByOther;
+    if (part.record.owner != kNoSite && !part.members.sites.empty()) {
+      changed = true;
+      return passOn(part).owner == site ? Denial::none : Denial::ownedByOther;
+    }
+    if (recovering(now)) return Denial::recovering;
+    if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
+    if (part.record.owner != kNoSite) disown(part);
+    ++part.record.epoch;
+    own(part, site, now);
+    changed = true;
+    return Denial::none;
+  }
+  Denial decideReclaim(SiteId site, Role role, const Reclaim& request, PartEntry& part, Micros now) {
+    if (role == Role::observer) return Denial::roleForbids;
+    if (part.record.owner != site || part.record.epoch != request.epoch) return Denial::stale;
+    cameBack(part);
+    part.leaseFrom = now;
+    part.record.worldFromPart = request.worldFromPart;
+    return Denial::none;
+  }
+};
+
+OwnershipTable::OwnershipTable(std::vector<bool> movable, std::vector<Pose> worldFromPartAtRest,
+                               LeaseRules rules)
+    : state_(std::make_unique<State>()) {
+  ASSERT(movable.size() == worldFromPartAtRest.size() && movable.size() <= kMaxParts);
+  state_->rules = rules;
+  state_->parts.resize(movable.size());
+  for (std::size_t i = 0; i < movable.size(); ++i) {
+    PartEntry& part = state_->parts[i];
+    part.movable = movable[i];
+    part.atRest = worldFromPartAtRest[i];
+    part.record = {static_cast<PartId>(i), kNoSite, 0, worldFromPartAtRest[i]};
+  }
+}
+OwnershipTable::~OwnershipTable() = default;
+OwnershipTable::OwnershipTable(OwnershipTable&&) noexcept = default;
+
+void OwnershipTable::restore(std::span<const PartRecord> records, Micros now) {
+  for (const PartRecord& record : records) {
+    if (record.part >= state_->parts.size()) continue;
+    PartEntry& part = state_->parts[record.part];
+    if (isOlder(record, part.record)) continue;
+    if (part.record.owner != kNoSite) state_->disown(part);
+    part.record = record;
+    if (record.owner == kNoSite) continue;
+    state_->own(part, record.owner, now);
+    part.awaited = true;
+    ++state_->awaited;
+  }
+  state_->recoveringUntil = now + state_->rules.serverLease();
+}
+
+OwnershipTable::Decision OwnershipTable::grab(SiteId site, Role role, const Grab& request, Micros now) {
+  Decision decision;
+  decision.reply.request = request.request;
+  if (const Remembered* r = state_->remembered(site, RequestKind::grab, request.request, request.part, 0)) {
+    return {{request.request, r->denial, r->record}, false, true};
+  }
+  if (request.part >= state_->parts.size()) {
+    decision.reply.denial = Denial::unknownPart;
+    decision.reply.part.part = request.part;
+  } else {
+    PartEntry& part = state_->parts[request.part];
+    decision.reply.denial = state_->decideGrab(site, role, part, now, decision.changed);
+    decision.reply.part = part.record;
+  }
+  state_->remember(site, {RequestKind::grab, request.request, request.part, 0, decision.reply.denial,
+                          decision.reply.part});
+  return decision;
+}
+
+OwnershipTable::Decision OwnershipTable::reclaim(SiteId site, Role role, const Reclaim& request, Micros now) {
+  Decision decision;
+  decision.reply.request = request.request;
+  if (const Remembered* r =
+          state_->remembered(site, RequestKind::reclaim, request.request, request.part, request.epoch)) {
+    return {{request.request, r->denial, r->record}, false, true};
+  }
+  if (request.part >= state_->parts.size()) {
+    decision.reply.denial = Denial::unknownPart;
+    decision.reply.part.part = request.part;
+  } else {
+    PartEntry& part = state_->parts[request.part];
+    decision.reply.denial = state_->decideReclaim(site, role, request, part, now);
+    decision.reply.part = part.record;
+  }
+  state_->remember(site, {RequestKind::reclaim, request.request, request.part, request.epoch,
+                          decision.reply.denial, decision.reply.part});
+  return decision;
+}
+
+OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request) {
+  ReleaseDecision decision;
+  decision.reply.request = request.request;
+  if (const Remembered* r =
+          state_->remembered(site, RequestKind::release, request.request, request.part, request.epoch)) {
+    return {{request.request, r->denial, r->record}, false};
+  }
+  if (request.part >= state_->parts.size()) {
+    decision.reply.denial = Denial::unknownPart;
+    decision.reply.part.part = request.part;
+  } else {
+    PartEntry& part = state_->parts[request.part];
+    if (part.record.owner == site && part.record.epoch == request.epoch) {
+      part.record.worldFromPart = request.worldFromPart;
+      state_->passOn(part);
+      decision.changed = true;
+    } else {
+      decision.reply.denial = Denial::stale;
+    }
+    decision.reply.part = part.record;
+  }
+  state_->remember(site, {RequestKind::release, request.request, request.part, request.epoch,
+                          decision.reply.denial, decision.reply.part});
+  return decision;
+}
+
+OwnershipTable::EngageDecision OwnershipTable::engage(SiteId site, Role role, const Engage& request,
+                                                      Micros now) {
+  return state_->answer(request, [&](PartEntry& part, bool& changed) {
+    return state_->decideEngage(site, role, part, now, changed);
+  });
+}
+
+OwnershipTable::EngageDecision OwnershipTable::disengage(SiteId site, const Disengage& request) {
+  return state_->answer(request, [&](PartEntry& part, bool& changed) {
+    changed = state_->disengage(part, site);
+    return Denial::none;
+  });
+}
+
+MemberRecord OwnershipTable::members(PartId id) const {
+  ASSERT(id < state_->parts.size());
+  return state_->membersOf(state_->parts[id]);
+}
+
+bool OwnershipTable::tied(PartId id, SiteId a, SiteId b) const {
+  ASSERT(id < state_->parts.size());
+  const PartEntry& part = state_->parts[id];
+  const auto engaged = [&](SiteId site) {
+    const std::vector<SiteId>& sites = part.members.sites;
+    return std::find(sites.begin(), sites.end(), site) != sites.end();
+  };
+  return (part.record.owner == a && engaged(b)) || (part.record.owner == b && engaged(a));
+}
+
+std::vector<MemberRecord> OwnershipTable::allMembers() const {
+  std::vector<MemberRecord> all;
+  for (const PartEntry& part : state_->parts) {
+    if (!part.members.sites.empty()) all.push_back(state_->membersOf(part));
+  }
+  return all;
+}
+
+std::vector<MemberRecord> OwnershipTable::takeChangedMembers() {
+  std::vector<MemberRecord> changed;
+  for (const PartId id : state_->changedMembers) changed.push_back(members(id));
+  state_->changedMembers.clear();
+  return changed;
+}
+
+std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
+  if (id >= state_->parts.size()) return std::nullopt;
+  PartEntry& part = state_->parts[id];
+  if (part.record.owner == kNoSite || part.record.epoch == std::numeric_limits<Epoch>::max())
+    return std::nullopt;
+  state_->disown(part);
+  ++part.record.epoch;
+  state_->disengageAll(part);
+  return part.record;
+}
+
+std::optional<PartRecord> OwnershipTable::reset(PartId id, Micros /*now*/) {
+  if (id >= state_->parts.size()) return std::nullopt;
+  PartEntry& part = state_->parts[id];
+  const bool exhausted = part.record.epoch == std::numeric_limits<Epoch>::max();
+  if (part.record.owner != kNoSite || part.record.epoch == 0 || exhausted) return std::nullopt;
+  ++part.record.epoch;
+  part.record.worldFromPart = part.atRest;
+  return part.record;
+}
+
+void OwnershipTable::renew(SiteId site, Micros now) {
+  const auto found = state_->sites.find(site);
+  if (found == state_->sites.end()) return;
+  for (const PartId id : found->second.owned) state_->parts[id].leaseFrom = now;
+  found->second.engagedFrom = now;
+}
+
+std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
+  std::vector<PartRecord> freed;
+  const auto found = state_->sites.find(site);
+  if (found == state_->sites.end()) return freed;
+  state_->disengageFromAll(found->second, site);
+  const std::set<PartId> owned = found->second.owned;
+  for (const PartId id : owned) freed.push_back(state_->passOn(state_->parts[id]));
+  state_->sites.erase(site);
+  return freed;
+}
+
+std::vector<PartRecord> OwnershipTable::expire(Micros now) {
+  std::vector<PartId> over;
+  // First who simulates no more, so that no part goes to one of them.
+  for (auto& [site, entry] : state_->sites) {
+    if (now - entry.engagedFrom >= state_->rules.serverLease()) state_->disengageFromAll(entry, site);
+  }
+  for (const auto& [site, entry] : state_->sites) {
+    for (const PartId id : entry.owned) {
+      if (state_->expired(state_->parts[id], now)) over.push_back(id);
+    }
+  }
+  std::sort(over.begin(), over.end());
+  std::vector<PartRecord> freed;
+  for (const PartId id : over) freed.push_back(state_->passOn(state_->parts[id]));
+  return freed;
+}
+
+std::optional<Micros> OwnershipTable::nextExpiry() const {
+  std::optional<Micros> next;
+  for (const auto& [site, entry] : state_->sites) {
+    for (const PartId id : entry.owned) {
+      const Micros at = state_->parts[id].leaseFrom + state_->rules.serverLease();
+      next = next ? std::min(*next, at) : at;
+    }
+  }
+  return next;
+}
+
+bool OwnershipTable::accept(SiteId site, const PartState& state) {
+  if (state.part >= state_->parts.size()) return false;
+  PartEntry& part = state_->parts[state.part];
+  if (part.record.owner != site || site == kNoSite || part.record.epoch != state.epoch) return false;
+  if (part.hasSequence && state.sequence <= part.sequence) return false;
+  part.hasSequence = true;
+  part.sequence = state.sequence;
+  part.record.worldFromPart = state.worldFromPart;
+  state_->cameBack(part);
+  return true;
+}
+
+const PartRecord& OwnershipTable::part(PartId id) const {
+  ASSERT(id < state_->parts.size());
+  return state_->parts[id].record;
+}
+
+std::vector<PartRecord> OwnershipTable::records() const {
+  std::vector<PartRecord> records;
+  for (const PartEntry& part : state_->parts) {
+    if (part.record.epoch > 0) records.push_back(part.record);
+  }
+  return records;
+}
+
+bool OwnershipTable::recovering(Micros now) const { return state_->recovering(now); }
+
+}  // namespace tandem::sync

@@ -1,0 +1,75 @@
+#pragma once
+
+// The UDP path of one connection: seals and opens its datagrams, and decides from probes whether state may
+// use it. No socket and no clock: whoever owns it moves the bytes and passes the time.
+//
+// 1. The client probes; the server answers. A probe says whether its sender hears the other end, so both know
+// both ways.
+// 2. Probes and answers are as large as the largest state: a path that passes them passes every state.
+// 3. Silence for kPathSilence means that the path is gone; probing goes on, so state returns when the path
+// does.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include "sync/transport/seal.h"
+#include "sync/wire/messages.h"
+#include "sync/wire/time.h"
+
+namespace tandem::sync {
+
+inline constexpr std::size_t kMaxDatagramBytes = kMaxStateBytes + kSealOverheadBytes;
+inline constexpr Micros kProbeBurst = kSecond;            // how long a new client probes often
+inline constexpr Micros kProbeOften = 50 * kMillisecond;  // while nothing is known
+inline constexpr Micros kProbeSeldom =
+    500 * kMillisecond;  // to keep the path and any address translation open
+/// Half of a lease (LeaseRules): the pings that renew it are state too, and go over TLS in time.
+inline constexpr Micros kPathSilence = kSecond;
+
+/// What the exporter of a TLS session gives: a key for each direction.
+struct StateKeys {
+  SealKey clientToServer, serverToClient;
+};
+
+class StateChannel {
+ public:
+  enum class Side : std::uint8_t { client, server };
+  StateChannel(Side side, SealAlgorithm algorithm, const StateKeys& keys, std::uint64_t wireId, Micros now);
+
+  std::uint64_t wireId() const { return wireId_; }
+  /// Whether state sent now arrives, as far as is known.
+  bool usable() const { return usable_; }
+  /// Notices silence.
+  void update(Micros now);
+
+  /// Seals into `out` (kMaxDatagramBytes); 0: the key is used up and the connection must end.
+  [[nodiscard]] std::size_t sealState(std::span<const std::byte> plain, std::byte* out);
+  /// The client's probe if one is due, else 0.
+  [[nodiscard]] std::size_t probeIfDue(Micros now, std::byte* out);
+
+  struct Received {
+    Opener::Verdict verdict = Opener::Verdict::forged;
+    bool isState = false;  // `size` bytes of state stand in `out`
+    std::size_t size = 0;
+    bool newest = false;         // the sender's address is where it is now
+    std::size_t replyBytes = 0;  // a datagram to send back, in `reply`
+  };
+  /// `out` and `reply` have room for kMaxDatagramBytes each.
+  [[nodiscard]] Received receive(std::span<const std::byte> datagram, Micros now, std::byte* out,
+                                 std::byte* reply);
+
+ private:
+  std::size_t sealProbe(DatagramKind kind, std::byte* out);
+
+  Side side_;
+  std::uint64_t wireId_;
+  Sealer sealer_;
+  Opener opener_;
+  Micros started_, lastHeard_, nextProbe_;
+  bool heard_ = false;  // the other end, lately
+  bool usable_ = false;
+};
+
+}  // namespace tandem::sync

@@ -1,0 +1,54 @@
+#pragma once
+
+// Datagrams in batches, straight from the system calls: no allocation and no copy per packet. Used with a
+// socket that somebody else owns and watches.
+
+#include <netinet/in.h>
+
+#include <array>
+#include <cstddef>
+#include <memory>
+#include <span>
+
+#include "sync/transport/state_channel.h"
+
+namespace tandem::sync {
+
+/// An IPv4 or IPv6 address with its port, as the kernel has it.
+struct UdpAddress {
+  sockaddr_in6 storage{};
+  socklen_t size = 0;
+};
+
+class UdpBatch {
+ public:
+  static constexpr std::size_t kCapacity = 32;
+
+  UdpBatch();
+  ~UdpBatch();
+
+  /// Takes what has arrived on a non-blocking socket; true if there may be more.
+  bool receive(int socket);
+  bool empty() const { return next_ == count_; }
+
+  struct Datagram {
+    std::span<const std::byte> bytes;  // valid until receive()
+    const UdpAddress* from = nullptr;
+    bool oversized = false;
+  };
+  /// The next datagram of a batch that is not empty.
+  Datagram take();
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+  std::size_t count_ = 0, next_ = 0;
+};
+
+/// Sends without blocking; `to` null: to where the socket is connected. False: the send queue was full.
+bool sendDatagram(int socket, const UdpAddress* to, std::span<const std::byte> bytes);
+
+/// As large as the system lets us: a burst from many sites must not be lost before we run.
+void enlargeBuffers(int socket);
+
+}  // namespace tandem::sync

@@ -1,0 +1,335 @@
+#include "sync/transport/virtual_network.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <queue>
+#include <random>
+#include <vector>
+
+#include "assets/base/assert.h"
+#include "sync/wire/messages.h"
+
+namespace tandem::sync {
+namespace {
+
+constexpr Micros kResendPause =
+    10 * kMillisecond;  // a lost segment is noticed a round trip and this much later
+constexpr int kMostResends = 10;
+
+struct Received {
+  TransportEvent::Kind kind = TransportEvent::Kind::closed;
+  ConnectionId connection = 0;
+  std::vector<std::byte> bytes;
+  std::string reason;
+};
+
+/// What an endpoint has received and what it counts.
+struct Link;
+struct Endpoint {
+  std::deque<Received> inbox;
+  TransportCounters counters;
+  std::map<ConnectionId, std::shared_ptr<Link>> links;
+};
+
+/// One direction of the control stream of a connection: first in, first out.
+struct Channel {
+  struct Item {
+    bool closes = false;
+    std::vector<std::byte> bytes;
+    std::string reason;
+  };
+  std::deque<Item> items;
+  Micros lastArrival = 0;
+  std::size_t bytesInFlight = 0;
+};
+
+enum Side : int { kServerSide = 0, kSiteSide = 1 };
+
+struct Link {
+  std::string site;
+  ConnectionId id = 0;    // as the server sees it
+  Endpoint* end[2] = {};  // null once that side has gone
+  bool open[2] = {};      // whether that side still gets events other than `closed`
+  Channel toward[2];      // toward[side]: what that side will receive
+};
+
+struct Delivery {
+  enum class Kind : std::uint8_t { connect, control, state };
+  Micros at = 0;
+  std::uint64_t order = 0;
+  Kind kind = Kind::control;
+  Side to = kServerSide;
+  std::shared_ptr<Link> link;
+  std::vector<std::byte> bytes;  // state only: control waits in its channel
+};
+struct Later {
+  bool operator()(const Delivery& a, const Delivery& b) const {
+    return a.at != b.at ? a.at > b.at : a.order > b.order;
+  }
+};
+
+/// The wires between the endpoints.
+struct Core {
+  explicit Core(std::uint64_t seed) : random(seed) {}
+
+  std::mt19937_64 random;
+  NetworkConditions conditions;
+  Micros now = 0;
+  std::uint64_t order = 0;
+  std::priority_queue<Delivery, std::vector<Delivery>, Later> deliveries;
+  std::map<std::string, Micros> blackoutUntil;
+  Endpoint* server = nullptr;
+  ConnectionId lastConnection = 0;
+
+  /// Uniform in [0, 1). The standard's distributions differ between libraries; this does not.
+  double uniform() { return static_cast<double>(random() >> 11) * 0x1p-53; }
+  /// A chance that on two legs together is `whole`.
+  bool chance(double whole) { return whole > 0.0 && uniform() < 1.0 - std::sqrt(1.0 - std::min(whole, 1.0)); }
+  Micros legDelay() {
+    const double half = 0.5 * static_cast<double>(conditions.oneWay);
+    const double factor = conditions.jitter > 0.0 ? 1.0 + conditions.jitter * (2.0 * uniform() - 1.0) : 1.0;
+    return static_cast<Micros>(std::llround(std::max(0.0, half * factor)));
+  }
+  bool blackedOut(const std::string& site) const {
+    const auto found = blackoutUntil.find(site);
+    return found != blackoutUntil.end() && now < found->second;
+  }
+
+  void schedule(Delivery delivery) {
+    delivery.order = ++order;
+    deliveries.push(std::move(delivery));
+  }
+  void sendControl(const std::shared_ptr<Link>& link, Side to, Channel::Item item, Micros extra = 0) {
+    Micros arrival = now + legDelay() + extra;
+    for (int i = 0; i < kMostResends && chance(conditions.loss); ++i)
+      arrival += conditions.oneWay + kResendPause;
+    Channel& channel = link->toward[to];
+    channel.lastArrival = std::max(channel.lastArrival, arrival);
+    channel.bytesInFlight += item.bytes.size();
+    channel.items.push_back(std::move(item));
+    schedule({.at = channel.lastArrival,
+              .order = 0,
+              .kind = Delivery::Kind::control,
+              .to = to,
+              .link = link,
+              .bytes = {}});
+  }
+  void sendState(const std::shared_ptr<Link>& link, Side to, std::span<const std::byte> bytes) {
+    // Every draw is made whatever the outcome, so that one condition does not shift the others' random
+    // numbers.
+    const bool lost = chance(conditions.loss), twice = chance(conditions.duplicate);
+    for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
+      Micros delay = legDelay();
+      if (chance(conditions.reorder)) delay += std::max(legDelay(), kMillisecond);
+      if (lost || blackedOut(link->site)) continue;
+      schedule({.at = now + delay,
+                .order = 0,
+                .kind = Delivery::Kind::state,
+                .to = to,
+                .link = link,
+                .bytes = {bytes.begin(), bytes.end()}});
+    }
+  }
+
+  void close(Link& link, Side side, const std::string& reason) {
+    if (!link.open[side]) return;
+    link.open[side] = false;
+    if (link.end[side] == nullptr) return;
+    const ConnectionId id = side == kServerSide ? link.id : 0;
+    link.end[side]->inbox.push_back({TransportEvent::Kind::closed, id, {}, reason});
+  }
+  void deliverConnect(Delivery& delivery) {
+    Link& link = *delivery.link;
+    if (link.end[kSiteSide] == nullptr) return;
+    if (server == nullptr) return close(link, kSiteSide, "connection refused: no server");
+    link.end[kServerSide] = server;
+    server->links[link.id] = delivery.link;
+    link.open[kServerSide] = true;
+    link.end[kServerSide]->inbox.push_back({TransportEvent::Kind::connected, link.id, {}, {}});
+    link.end[kSiteSide]->inbox.push_back({TransportEvent::Kind::connected, 0, {}, {}});
+  }
+  void deliverControl(Delivery& delivery) {
+    Link& link = *delivery.link;
+    Channel& channel = link.toward[delivery.to];
+    if (channel.items.empty()) return;
+    Channel::Item item = std::move(channel.items.front());
+    channel.items.pop_front();
+    channel.bytesInFlight -= item.bytes.size();
+    if (item.closes) return close(link, delivery.to, item.reason);
+    Endpoint* end = link.end[delivery.to];
+    if (end == nullptr || !link.open[delivery.to]) return;
+    end->counters.controlBytesIn += item.bytes.size();
+    const ConnectionId id = delivery.to == kServerSide ? link.id : 0;
+    end->inbox.push_back({TransportEvent::Kind::control, id, std::move(item.bytes), {}});
+  }
+  void deliverState(Delivery& delivery) {
+    Link& link = *delivery.link;
+    Endpoint* end = link.end[delivery.to];
+    if (end == nullptr || !link.open[delivery.to]) return;
+    end->counters.stateBytesIn += delivery.bytes.size();
+    ++end->counters.statePacketsIn;
+    const ConnectionId id = delivery.to == kServerSide ? link.id : 0;
+    end->inbox.push_back({TransportEvent::Kind::state, id, std::move(delivery.bytes), {}});
+  }
+  void deliver(Delivery delivery) {
+    if (blackedOut(delivery.link->site)) {
+      if (delivery.kind == Delivery::Kind::state) return;
+      delivery.at = blackoutUntil[delivery.link->site];
+      return deliveries.push(
+          std::move(delivery));  // with its old order: it stays in front of what came later
+    }
+    switch (delivery.kind) {
+      case Delivery::Kind::connect:
+        return deliverConnect(delivery);
+      case Delivery::Kind::control:
+        return deliverControl(delivery);
+      case Delivery::Kind::state:
+        return deliverState(delivery);
+    }
+  }
+};
+
+/// Either end of connections: the server has many, a site one.
+class VirtualTransport : public Transport {
+ public:
+  VirtualTransport(std::shared_ptr<Core> core, Side side, Micros deathNoticed)
+      : core_(std::move(core)), side_(side), deathNoticed_(deathNoticed) {}
+  ~VirtualTransport() override;
+
+  Endpoint& endpoint() { return endpoint_; }
+
+  bool poll(TransportEvent& event) override;
+  void sendControl(ConnectionId connection, std::span<const std::byte> bytes) override;
+  void sendState(ConnectionId connection, std::span<const std::byte> bytes) override;
+  std::size_t controlBacklog(ConnectionId connection) const override;
+  void close(ConnectionId connection) override;
+  const TransportCounters& counters() const override { return endpoint_.counters; }
+
+ private:
+  Side peer() const { return side_ == kServerSide ? kSiteSide : kServerSide; }
+  /// Null if there is no such connection or it is closed.
+  std::shared_ptr<Link> openLink(ConnectionId connection) const {
+    const auto found = endpoint_.links.find(connection);
+    return found != endpoint_.links.end() && found->second->open[side_] ? found->second : nullptr;
+  }
+
+  std::shared_ptr<Core> core_;
+  Side side_;
+  Micros deathNoticed_;
+  Endpoint endpoint_;
+  Received current_;  // keeps the bytes of the last polled event
+};
+
+VirtualTransport::~VirtualTransport() {
+  if (core_->server == &endpoint_) core_->server = nullptr;
+  for (auto& [id, link] : endpoint_.links) {
+    const bool wasOpen = link->open[side_];
+    link->open[side_] = false;
+    link->end[side_] = nullptr;
+    if (wasOpen)
+      core_->sendControl(link, peer(), {true, {}, "connection lost: the peer is gone"}, deathNoticed_);
+  }
+}
+
+bool VirtualTransport::poll(TransportEvent& event) {
+  if (endpoint_.inbox.empty()) return false;
+  current_ = std::move(endpoint_.inbox.front());
+  endpoint_.inbox.pop_front();
+  if (current_.kind == TransportEvent::Kind::closed) endpoint_.links.erase(current_.connection);
+  event = {current_.kind, current_.connection, current_.bytes, current_.reason};
+  return true;
+}
+
+void VirtualTransport::sendControl(ConnectionId connection, std::span<const std::byte> bytes) {
+  ASSERT(bytes.size() <= kMaxControlBytes);
+  const std::shared_ptr<Link> link = openLink(connection);
+  if (!link) return;
+  endpoint_.counters.controlBytesOut += bytes.size();
+  core_->sendControl(link, peer(), {false, {bytes.begin(), bytes.end()}, {}});
+}
+
+void VirtualTransport::sendState(ConnectionId connection, std::span<const std::byte> bytes) {
+  if (bytes.size() > kMaxStateBytes) {
+    ++endpoint_.counters.droppedOversized;
+    return;
+  }
+  const std::shared_ptr<Link> link = openLink(connection);
+  if (!link) return;
+  endpoint_.counters.stateBytesOut += bytes.size();
+  ++endpoint_.counters.statePacketsOut;
+  core_->sendState(link, peer(), bytes);
+}
+
+std::size_t VirtualTransport::controlBacklog(ConnectionId connection) const {
+  const std::shared_ptr<Link> link = openLink(connection);
+  return link ? link->toward[peer()].bytesInFlight : 0;
+}
+
+void VirtualTransport::close(ConnectionId connection) {
+  const std::shared_ptr<Link> link = openLink(connection);
+  if (!link) return;
+  core_->sendControl(link, peer(), {true, {}, "closed by the peer"});
+  std::erase_if(endpoint_.inbox, [&](const Received& r) { return r.connection == connection; });
+  core_->close(*link, side_, "");
+}
+
+}  // namespace
+
+struct VirtualNetwork::Impl : Core {
+  using Core::Core;
+};
+
+VirtualNetwork::VirtualNetwork(std::uint64_t seed, const NetworkConditions& conditions)
+    : impl_(std::make_shared<Impl>(seed)) {
+  impl_->conditions = conditions;
+}
+VirtualNetwork::~VirtualNetwork() = default;
+
+void VirtualNetwork::advanceTo(Micros now) {
+  ASSERT(now >= impl_->now);
+  while (!impl_->deliveries.empty() && impl_->deliveries.top().at <= now) {
+    Delivery next = impl_->deliveries.top();
+    impl_->deliveries.pop();
+    impl_->now = std::max(impl_->now, next.at);
+    impl_->deliver(std::move(next));
+  }
+  impl_->now = now;
+}
+
+std::optional<Micros> VirtualNetwork::nextDelivery() const {
+  if (impl_->deliveries.empty()) return std::nullopt;
+  return impl_->deliveries.top().at;
+}
+
+std::unique_ptr<Transport> VirtualNetwork::listen() {
+  ASSERT(impl_->server == nullptr);
+  auto transport = std::make_unique<VirtualTransport>(impl_, kServerSide, 0);
+  impl_->server = &transport->endpoint();
+  return transport;
+}
+
+std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micros deathNoticed) {
+  auto transport = std::make_unique<VirtualTransport>(impl_, kSiteSide, deathNoticed);
+  auto link = std::make_shared<Link>();
+  link->site = site;
+  link->id = ++impl_->lastConnection;
+  link->end[kSiteSide] = &transport->endpoint();
+  link->open[kSiteSide] = true;
+  transport->endpoint().links[0] = link;
+  const Micros at = impl_->now + impl_->legDelay();
+  link->toward[kServerSide].lastArrival = link->toward[kSiteSide].lastArrival = at;
+  impl_->schedule(
+      {.at = at, .order = 0, .kind = Delivery::Kind::connect, .to = kServerSide, .link = link, .bytes = {}});
+  return transport;
+}
+
+void VirtualNetwork::setConditions(const NetworkConditions& conditions) { impl_->conditions = conditions; }
+
+void VirtualNetwork::blackout(const std::string& site, Micros until) {
+  Micros& end = impl_->blackoutUntil[site];
+  end = std::max(end, until);
+}
+
+}  // namespace tandem::sync

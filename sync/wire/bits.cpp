@@ -1,0 +1,94 @@
+#include "sync/wire/bits.h"
+
+#include <algorithm>
+
+#include "assets/base/assert.h"
+
+namespace tandem::sync {
+
+BitWriter::BitWriter(std::span<std::byte> bytes) : bytes_(bytes) {
+  std::fill(bytes_.begin(), bytes_.end(), std::byte{0});
+}
+
+void BitWriter::put(std::uint64_t value, int bits) {
+  ASSERT(bits >= 0 && bits <= 64);
+  if (position_ + static_cast<std::size_t>(bits) > bytes_.size() * 8) {
+    overflowed_ = true;
+    return;
+  }
+  while (bits > 0) {
+    const int offset = static_cast<int>(position_ % 8);
+    const int taken = std::min(8 - offset, bits);
+    const auto low = static_cast<unsigned>(value & ((1u << taken) - 1u));
+    bytes_[position_ / 8] |= static_cast<std::byte>(low << offset);
+    value >>= taken;
+    bits -= taken;
+    position_ += static_cast<std::size_t>(taken);
+  }
+}
+
+void BitWriter::putSigned(std::int64_t value, int bits) {
+  ASSERT(bits == 64 ||
+         (value >= -(std::int64_t{1} << (bits - 1)) && value < (std::int64_t{1} << (bits - 1))));
+  put(static_cast<std::uint64_t>(value), bits);
+}
+
+void BitWriter::putVarint(std::uint32_t value) {
+  do {
+    const std::uint32_t group = value & 0x7fu;
+    value >>= 7;
+    put(group | (value != 0 ? 0x80u : 0u), 8);
+  } while (value != 0);
+}
+
+std::uint64_t BitReader::get(int bits) {
+  ASSERT(bits >= 0 && bits <= 64);
+  if (failed_ || position_ + static_cast<std::size_t>(bits) > bytes_.size() * 8) {
+    failed_ = true;
+    return 0;
+  }
+  std::uint64_t value = 0;
+  for (int done = 0; done < bits;) {
+    const int offset = static_cast<int>(position_ % 8);
+    const int taken = std::min(8 - offset, bits - done);
+    const unsigned part = (std::to_integer<unsigned>(bytes_[position_ / 8]) >> offset) & ((1u << taken) - 1u);
+    value |= static_cast<std::uint64_t>(part) << done;
+    done += taken;
+    position_ += static_cast<std::size_t>(taken);
+  }
+  return value;
+}
+
+std::int64_t BitReader::getSigned(int bits) {
+  ASSERT(bits >= 1 && bits <= 64);
+  const std::uint64_t raw = get(bits);
+  const std::uint64_t sign = std::uint64_t{1} << (bits - 1);
+  return static_cast<std::int64_t>((raw ^ sign) - sign);
+}
+
+std::uint32_t BitReader::getVarint() {
+  std::uint64_t value = 0;
+  for (int shift = 0; shift < 35; shift += 7) {
+    const std::uint64_t group = get(8);
+    value |= (group & 0x7fu) << shift;
+    if ((group & 0x80u) == 0) {
+      if ((shift > 0 && group == 0) || value > 0xffffffffu) break;
+      return static_cast<std::uint32_t>(value);
+    }
+  }
+  failed_ = true;
+  return 0;
+}
+
+bool BitReader::atEnd() {
+  if (failed_ || remaining() >= 8) return false;
+  return get(static_cast<int>(remaining())) == 0;
+}
+
+int varintBits(std::uint32_t value) {
+  int bits = 8;
+  while (value >>= 7) bits += 8;
+  return bits;
+}
+
+}  // namespace tandem::sync

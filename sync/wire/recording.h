@@ -1,0 +1,69 @@
+#pragma once
+
+// A recording of a session: what happened when, enough to show it again with its forces. One file, appended
+// to while the session runs; a file cut off by a crash is readable up to the cut.
+//
+// Layout: header (magic "TNDMREC1", scene hash, position range, checksum), then records (length, kind,
+// session time, payload, checksum); sync/WIRE.md has the bytes. Payloads are control and state messages as on
+// the wire, so a recording speaks one language with the network.
+
+#include <cstdio>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+
+#include "assets/base/result.h"
+#include "sync/wire/messages.h"
+#include "sync/wire/wire.h"
+
+namespace tandem::sync {
+
+struct RecordingHeader {
+  std::array<std::uint8_t, 32> sceneHash{};
+  WireFrame frame;
+};
+
+struct RecordingEntry {
+  Micros time = 0;
+  std::variant<ControlMessage, StateMessage> message;  // as the server relayed it, or as a site saw it
+};
+
+class RecordingWriter {
+ public:
+  static Result<RecordingWriter> create(const std::string& path, const RecordingHeader& header);
+  RecordingWriter(RecordingWriter&&) noexcept;
+  RecordingWriter& operator=(RecordingWriter&&) noexcept;
+  ~RecordingWriter();  // flushes
+
+  /// A failed write is told by the next flush(); what comes after it is dropped.
+  void write(Micros time, const ControlMessage& message);
+  void write(Micros time, const StateMessage& message);
+  Status flush();
+
+ private:
+  struct State;
+  explicit RecordingWriter(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+class RecordingReader {
+ public:
+  static Result<RecordingReader> open(const std::string& path);
+  RecordingReader(RecordingReader&&) noexcept;
+  RecordingReader& operator=(RecordingReader&&) noexcept;
+  ~RecordingReader();
+
+  const RecordingHeader& header() const;
+  /// The next entry; nothing at the end, or where the file is damaged (see damaged()).
+  std::optional<RecordingEntry> next();
+  /// Why reading ended before the end of the file; empty if it did not.
+  const std::string& damaged() const;
+
+ private:
+  struct State;
+  explicit RecordingReader(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tandem::sync

@@ -1,0 +1,391 @@
+// Control messages: byte 0 is the kind, then the fields of messages.h in their order, little-endian.
+//
+// One list of fields serves both directions: fields(archive, message) is run with a Writer or with a Reader,
+// so what is written and what is read cannot drift apart.
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <concepts>
+#include <cstring>
+#include <type_traits>
+
+#include "sync/wire/wire.h"
+
+namespace tandem::sync {
+namespace {
+
+constexpr double kMaxCoordinate = 1e9;  // m
+
+/// Length of the UTF-8 sequence at text[i] if it may be shown to a person (valid, shortest form, no control
+/// character), else 0.
+std::size_t printableSequence(const std::string& text, std::size_t i) {
+  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
+  const unsigned lead = byte(i);
+  if (lead < 0x80) return lead >= 0x20 && lead != 0x7f ? 1 : 0;
+  const std::size_t length = lead >= 0xf0 && lead < 0xf5   ? 4
+                             : lead >= 0xe0 && lead < 0xf0 ? 3
+                             : lead >= 0xc2 && lead < 0xe0 ? 2
+                                                           : 0;
+  if (length == 0 || i + length > text.size()) return 0;
+  std::uint32_t code = lead & (0xffu >> (length + 1));
+  for (std::size_t k = 1; k < length; ++k) {
+    if ((byte(i + k) & 0xc0u) != 0x80u) return 0;
+    code = code << 6 | (byte(i + k) & 0x3fu);
+  }
+  const std::uint32_t smallest = length == 2 ? 0x80 : length == 3 ? 0x800 : 0x10000;
+  const bool surrogate = code >= 0xd800 && code < 0xe000;
+  const bool control = code < 0xa0;  // C1: some terminals obey these
+  return code < smallest || code > 0x10ffff || surrogate || control ? 0 : length;
+}
+
+bool isPrintable(const std::string& text) {
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = printableSequence(text, i);
+    if (length == 0) return false;
+    i += length;
+  }
+  return true;
+}
+
+std::string printable(const std::string& text, std::size_t limit) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = printableSequence(text, i);
+    if (out.size() + std::max<std::size_t>(length, 1) > limit) break;
+    if (length == 0) {
+      out += '?';
+    } else {
+      out.append(text, i, length);
+    }
+    i += std::max<std::size_t>(length, 1);
+  }
+  return out;
+}
+
+bool isCredential(const std::string& text) {
+  for (const char c : text) {
+    if (c <= 0x20 || c >= 0x7f) return false;
+  }
+  return true;
+}
+
+class Writer {
+ public:
+  std::vector<std::byte> bytes;
+
+  template <std::unsigned_integral T>
+  void number(T value) {
+    for (std::size_t i = 0; i < sizeof(T); ++i)
+      bytes.push_back(static_cast<std::byte>(value >> (8 * i) & 0xffu));
+  }
+  void flag(bool value) { number<std::uint8_t>(value ? 1 : 0); }
+  void time(Micros value) { number(static_cast<std::uint64_t>(value)); }
+  void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
+  void part(PartId value) { number(value); }
+  template <typename E>
+  void enumeration(E value, E /*last*/) {
+    number(static_cast<std::uint8_t>(value));
+  }
+  void text(const std::string& value, std::size_t limit) { string(printable(value, limit)); }
+  void credential(const std::string& value) { string(value.substr(0, kMaxCredentialLength)); }
+  template <std::size_t N>
+  void raw(const std::array<std::uint8_t, N>& value) {
+    for (const std::uint8_t byte : value) number(byte);
+  }
+  void blob(const std::vector<std::uint8_t>& value) {
+    number(static_cast<std::uint32_t>(value.size()));
+    for (const std::uint8_t byte : value) number(byte);
+  }
+  /// `count` more elements follow.
+  template <typename T>
+  void count(const std::vector<T>& values, std::size_t limit, std::size_t /*smallest*/) {
+    ASSERT(values.size() <= limit);
+    number(static_cast<std::uint16_t>(values.size()));
+  }
+  void pose(const Pose& value) {
+    for (int i = 0; i < 3; ++i) real(value.position[i]);
+    const glm::dquat& q = value.orientation;
+    for (const double x : {q.w, q.x, q.y, q.z}) real(x);
+  }
+
+ private:
+  void string(const std::string& value) {
+    number(static_cast<std::uint16_t>(value.size()));
+    for (const char c : value) bytes.push_back(static_cast<std::byte>(c));
+  }
+};
+
+class Reader {
+ public:
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  const char* problem() const { return problem_; }
+  bool ok() const { return problem_ == nullptr; }
+  std::size_t remaining() const { return bytes_.size() - position_; }
+  void fail(const char* problem) {
+    if (problem_ == nullptr) problem_ = problem;
+  }
+
+  template <std::unsigned_integral T>
+  void number(T& value) {
+    value = 0;
+    if (!need(sizeof(T))) return;
+    for (std::size_t i = 0; i < sizeof(T); ++i) {
+      value = static_cast<T>(value | static_cast<T>(std::to_integer<T>(bytes_[position_++])) << (8 * i));
+    }
+  }
+  void flag(bool& value) {
+    std::uint8_t byte = 0;
+    number(byte);
+    if (byte > 1) fail("a flag is neither 0 nor 1");
+    value = byte == 1;
+  }
+  void time(Micros& value) {
+    std::uint64_t raw = 0;
+    number(raw);
+    value = static_cast<Micros>(raw);
+    if (value > kMaxMicros || value < -kMaxMicros) {
+      value = 0;
+      fail("a time is out of range");
+    }
+  }
+  void real(double& value) {
+    std::uint64_t raw = 0;
+    number(raw);
+    value = std::bit_cast<double>(raw);
+  }
+  void part(PartId& value) {
+    number(value);
+    if (value >= kMaxParts && value != kNoPart) fail("a part id is out of range");
+  }
+  template <typename E>
+  void enumeration(E& value, E last) {
+    std::uint8_t byte = 0;
+    number(byte);
+    if (byte > static_cast<std::uint8_t>(last)) {
+      byte = 0;
+      fail("an enumeration is out of range");
+    }
+    value = static_cast<E>(byte);
+  }
+  void text(std::string& value, std::size_t limit) {
+    string(value, limit);
+    if (!isPrintable(value)) fail("text is not printable UTF-8");
+  }
+  void credential(std::string& value) {
+    string(value, kMaxCredentialLength);
+    if (!isCredential(value)) fail("a credential is not printable ASCII");
+  }
+  template <std::size_t N>
+  void raw(std::array<std::uint8_t, N>& value) {
+    for (std::uint8_t& byte : value) number(byte);
+  }
+  void blob(std::vector<std::uint8_t>& value) {
+    std::uint32_t size = 0;
+    number(size);
+    if (size == 0 || size > kMaxChunkBytes) fail("a chunk is empty or too long");
+    if (!ok() || !need(size)) return;
+    value.resize(size);
+    std::memcpy(value.data(), bytes_.data() + position_, size);
+    position_ += size;
+  }
+  template <typename T>
+  void count(std::vector<T>& values, std::size_t limit, std::size_t smallest) {
+    std::uint16_t size = 0;
+    number(size);
+    if (size > limit) fail("a list is too long");
+    // A count is believed only as far as the bytes for it are there.
+    if (!ok() || !need(size * smallest)) return;
+    values.resize(size);
+  }
+  void pose(Pose& value) {
+    for (int i = 0; i < 3; ++i) real(value.position[i]);
+    glm::dquat& q = value.orientation;
+    for (double* x : {&q.w, &q.x, &q.y, &q.z}) real(*x);
+    const glm::dvec3 distance = glm::abs(value.position);
+    const bool near =
+        distance.x <= kMaxCoordinate && distance.y <= kMaxCoordinate && distance.z <= kMaxCoordinate;
+    if (!near || !isValid(value)) fail("a pose is not finite or its quaternion not a unit one");
+  }
+
+ private:
+  bool need(std::size_t count) {
+    if (count > remaining()) {
+      fail("the message is cut off");
+      position_ = bytes_.size();
+      return false;
+    }
+    return ok();
+  }
+  void string(std::string& value, std::size_t limit) {
+    value.clear();
+    std::uint16_t size = 0;
+    number(size);
+    if (size > limit) fail("text is too long");
+    if (!ok() || !need(size)) return;
+    for (std::size_t i = 0; i < size; ++i) value.push_back(std::to_integer<char>(bytes_[position_++]));
+  }
+
+  std::span<const std::byte> bytes_;
+  std::size_t position_ = 0;
+  const char* problem_ = nullptr;
+};
+
+template <typename M, typename T>
+concept Is = std::same_as<std::remove_const_t<M>, T>;
+
+void fields(auto& a, Is<SiteInfo> auto& m) {
+  a.number(m.site);
+  a.enumeration(m.role, Role::instructor);
+  a.text(m.name, kMaxNameLength);
+  a.raw(m.colour);
+  a.flag(m.connected);
+}
+constexpr std::size_t kSmallestSiteInfo = 2 + 1 + 2 + 3 + 1;
+
+void fields(auto& a, Is<PartRecord> auto& m) {
+  a.part(m.part);
+  a.number(m.owner);
+  a.number(m.epoch);
+  a.pose(m.worldFromPart);
+}
+constexpr std::size_t kPartRecordBytes = 2 + 2 + 4 + 7 * 8;
+
+void fields(auto& a, Is<MemberRecord> auto& m) {
+  a.part(m.part);
+  a.number(m.epoch);
+  a.number(m.version);
+  a.count(m.sites, kMaxSites, sizeof(SiteId));
+  for (auto& site : m.sites) a.number(site);
+}
+
+template <typename A>
+void fields(A& a, Is<Hello> auto& m) {
+  a.number(m.protocolVersion);
+  if (m.protocolVersion != kProtocolVersion) return;
+  a.flag(m.resume);
+  a.credential(m.credential);
+  a.text(m.name, kMaxNameLength);
+  a.raw(m.colour);
+}
+void fields(auto& a, Is<SceneRequest> auto& m) { a.number(m.offset); }
+void fields(auto&, Is<Ready> auto&) {}
+void fields(auto& a, Is<Grab> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+/// Release and Reclaim say the same.
+void holding(auto& a, auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+  a.number(m.epoch);
+  a.pose(m.worldFromPart);
+}
+void fields(auto& a, Is<Release> auto& m) { holding(a, m); }
+void fields(auto& a, Is<Reclaim> auto& m) { holding(a, m); }
+void fields(auto& a, Is<Revoke> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+void fields(auto& a, Is<ResetParts> auto& m) { a.number(m.request); }
+void fields(auto&, Is<Goodbye> auto&) {}
+
+void fields(auto& a, Is<Welcome> auto& m) {
+  a.number(m.site);
+  a.enumeration(m.role, Role::instructor);
+  a.credential(m.resumeTicket);
+  a.raw(m.sceneHash);
+  a.number(m.sceneBytes);
+  a.time(m.sessionTime);
+  a.time(m.lease);
+  a.count(m.sites, kMaxSites, kSmallestSiteInfo);
+  for (auto& site : m.sites) fields(a, site);
+  a.count(m.parts, kMaxParts, kPartRecordBytes);
+  for (auto& part : m.parts) fields(a, part);
+}
+void fields(auto& a, Is<Refused> auto& m) {
+  a.enumeration(m.refusal, Refusal::malformed);
+  a.text(m.reason, kMaxTextLength);
+}
+void fields(auto& a, Is<SceneChunk> auto& m) {
+  a.number(m.offset);
+  a.blob(m.bytes);
+}
+void fields(auto& a, Is<SiteChanged> auto& m) { fields(a, m.site); }
+void fields(auto& a, Is<SiteLeft> auto& m) { a.number(m.site); }
+/// GrabReply and ReleaseReply say the same.
+void reply(auto& a, auto& m) {
+  a.number(m.request);
+  a.enumeration(m.denial, Denial::notOwned);
+  fields(a, m.part);
+}
+void fields(auto& a, Is<GrabReply> auto& m) { reply(a, m); }
+void fields(auto& a, Is<ReleaseReply> auto& m) { reply(a, m); }
+void fields(auto& a, Is<CommandReply> auto& m) {
+  a.number(m.request);
+  a.flag(m.done);
+  a.text(m.reason, kMaxTextLength);
+}
+void fields(auto& a, Is<OwnershipChanged> auto& m) { fields(a, m.part); }
+void fields(auto& a, Is<Engage> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+void fields(auto& a, Is<Disengage> auto& m) {
+  a.number(m.request);
+  a.part(m.part);
+}
+void fields(auto& a, Is<EngageReply> auto& m) {
+  a.number(m.request);
+  a.enumeration(m.denial, Denial::notOwned);
+  fields(a, m.members);
+}
+void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.members); }
+
+constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
+static_assert(kKinds == 22, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+
+using DecodeFunction = ControlMessage (*)(Reader&);
+template <std::size_t... I>
+constexpr std::array<DecodeFunction, kKinds> decodeTable(std::index_sequence<I...>) {
+  return {+[](Reader& reader) {
+    ControlMessage message(std::in_place_index<I>);
+    fields(reader, std::get<I>(message));
+    return message;
+  }...};
+}
+
+}  // namespace
+
+std::vector<std::byte> encodeControl(const ControlMessage& message) {
+  Writer writer;
+  if (const auto* chunk = std::get_if<SceneChunk>(&message)) {
+    ASSERT(!chunk->bytes.empty() && chunk->bytes.size() <= kMaxChunkBytes);
+    writer.bytes.reserve(chunk->bytes.size() + 16);
+  }
+  writer.number(static_cast<std::uint8_t>(message.index() + 1));
+  std::visit([&](const auto& m) { fields(writer, m); }, message);
+  return std::move(writer.bytes);
+}
+
+Result<ControlMessage> decodeControl(std::span<const std::byte> bytes) {
+  if (bytes.empty()) return Error{"control message: empty"};
+  if (bytes.size() > kMaxControlBytes) return Error{"control message: too long"};
+  const auto kind = std::to_integer<std::size_t>(bytes[0]);
+  if (kind < 1 || kind > kKinds) return Error{"control message: unknown kind " + std::to_string(kind)};
+  static constexpr auto kDecode = decodeTable(std::make_index_sequence<kKinds>{});
+  Reader reader(bytes.subspan(1));
+  ControlMessage message = kDecode[kind - 1](reader);
+  if (const auto* hello = std::get_if<Hello>(&message);
+      hello != nullptr && reader.ok() && hello->protocolVersion != kProtocolVersion) {
+    return message;
+  }
+  if (reader.ok() && reader.remaining() > 0) reader.fail("bytes are left over");
+  if (!reader.ok()) {
+    return Error{"control message of kind " + std::to_string(kind) + ": " + reader.problem()};
+  }
+  return message;
+}
+
+}  // namespace tandem::sync

@@ -1,0 +1,53 @@
+#include "client/base/readable.h"
+
+#include <gtest/gtest.h>
+
+namespace tandem::client {
+namespace {
+
+TEST(Readable, NumbersHaveThreeDigitsAndNoExponent) {
+  EXPECT_EQ(threeDigits(0.0), "0");
+  EXPECT_EQ(threeDigits(0.0123456), "0.0123");
+  EXPECT_EQ(threeDigits(1.31e3), "1310");
+  EXPECT_EQ(threeDigits(999.6), "1000");
+  EXPECT_EQ(threeDigits(3e-10), "<0.001");
+}
+
+TEST(Readable, LengthsComeInTheUnitThatSuitsThem) {
+  EXPECT_EQ(readableLength(1.31e-3), "1.31 mm");
+  EXPECT_EQ(readableLength(0.99999e-3), "1 mm");
+  EXPECT_EQ(readableLength(2.5e-7), "0.25 um");
+  EXPECT_EQ(readableLength(12.345), "12.3 m");
+  EXPECT_EQ(readableLength(0.0), "0 um");
+}
+
+TEST(Readable, MassesComeInTheUnitThatSuitsThem) {
+  EXPECT_EQ(readableMass(0.0176), "17.6 g");
+  EXPECT_EQ(readableMass(1.611), "1.61 kg");
+  EXPECT_EQ(readableMass(33722.0), "33.7 t");
+}
+
+TEST(Readable, TiesAreSaidInPlainWords) {
+  haptics::TieReport tie;
+  EXPECT_EQ(tieInWords(tie), "");
+  tie.links = 1;
+  tie.delay = 0.0272;
+  EXPECT_EQ(tieInWords(tie), "coming up");
+  tie.fade = 1.0;
+  EXPECT_EQ(tieInWords(tie), "stiff (27 ms)");
+  tie.regime = haptics::LinkRegime::soft;
+  EXPECT_EQ(tieInWords(tie), "soft: far away (27 ms)");
+  tie.heard = false;
+  EXPECT_EQ(tieInWords(tie), "nothing is heard of the other hand");
+  tie.regime = haptics::LinkRegime::apart;
+  EXPECT_EQ(tieInWords(tie), "one at a time: too far away to be felt (27 ms)");
+}
+
+TEST(Readable, MemoryComesInDecimalUnits) {
+  EXPECT_EQ(readableBytes(512), "512 B");
+  EXPECT_EQ(readableBytes(1209), "1.21 kB");
+  EXPECT_EQ(readableBytes(345678901), "346 MB");
+}
+
+}  // namespace
+}  // namespace tandem::client

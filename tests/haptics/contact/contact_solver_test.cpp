@@ -1,0 +1,311 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <vector>
+
+#include "haptics/contact/contact_solver.h"
+
+namespace tandem::test {
+namespace {
+
+using haptics::ContactRows;
+using haptics::ContactSolver;
+using haptics::Displacement;
+using haptics::ExactRow;
+using haptics::RowSource;
+using haptics::StepGoal;
+using Matrix6 = std::array<std::array<double, 6>, 6>;
+using Vector6 = std::array<double, 6>;
+
+Vector6 flat(const Displacement& u) {
+  return {u.linear.x, u.linear.y, u.linear.z, u.angular.x, u.angular.y, u.angular.z};
+}
+
+Vector6 wrench(const ExactRow& row) {
+  const glm::dvec3 m = glm::cross(row.arm, row.normal);
+  return {row.normal.x, row.normal.y, row.normal.z, m.x, m.y, m.z};
+}
+
+/// A (u - u0), from the factor that the goal holds.
+Vector6 pull(const StepGoal& goal, const Displacement& u) {
+  Vector6 d = flat(u), t{}, result{};
+  const Vector6 free = flat(goal.free);
+  for (std::size_t k = 0; k < 6; ++k) d[k] -= free[k];
+  for (std::size_t k = 0; k < 6; ++k) {
+    for (std::size_t i = k; i < 6; ++i) t[k] += goal.root[i][k] * d[i];
+  }
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k <= i; ++k) result[i] += goal.root[i][k] * t[k];
+  }
+  return result;
+}
+
+/// Shows the rows that it was given when it is asked for them.
+class Shelf final : public haptics::RowRefiner {
+ public:
+  void refine(RowSource source, const Displacement&, ContactRows& rows) override {
+    ++looks;
+    rows.addExact(exact[source.sample]);
+  }
+  glm::dvec3 surfaceMotion(const ExactRow&) const override { return ground; }
+
+  std::vector<ExactRow> exact;
+  glm::dvec3 ground{0.0, 0.0, 0.0};
+  int looks = 0;
+};
+
+class Numbers {
+ public:
+  explicit Numbers(unsigned seed) : random_(seed) {}
+  double operator()() { return spread_(random_); }
+  glm::dvec3 vector() { return {(*this)(), (*this)(), (*this)()}; }
+
+ private:
+  std::mt19937 random_;
+  std::uniform_real_distribution<double> spread_{-1.0, 1.0};
+};
+
+/// Something like a part of 0.1 kg and 2 cm on a coupling.
+StepGoal randomGoal(Numbers& number) {
+  StepGoal goal;
+  for (std::size_t i = 0; i < 6; ++i) {
+    for (std::size_t k = 0; k < i; ++k) goal.root[i][k] = 0.02 * number() * (i < 3 ? 1.0 : 0.02);
+    goal.root[i][i] = (0.3 + 0.05 * number()) * (i < 3 ? 1.0 : 0.02);
+  }
+  goal.free = {1e-4 * number.vector(), 5e-3 * number.vector()};
+  return goal;
+}
+
+ExactRow randomRow(Numbers& number, std::uint32_t sample) {
+  ExactRow row;
+  row.normal = glm::normalize(number.vector());
+  row.arm = 0.02 * number.vector();
+  row.gap = 2e-5 * std::abs(number());
+  row.source.sample = sample;
+  return row;
+}
+
+constexpr double kTolerance = 1e-10;
+
+/// One body, and one pair of it with something that does not give way.
+Displacement solveOne(ContactSolver& solver, const StepGoal& goal, double tolerance, ContactRows& rows,
+                      Shelf& shelf) {
+  const haptics::RowPair pair;
+  solver.solve({&goal, 1}, {&pair, 1}, tolerance, 400, rows, shelf);
+  return solver.displacement(0);
+}
+
+/// Feasible, every multiplier at least zero, nothing pulls but active rows.
+void expectOptimal(const StepGoal& goal, const Shelf& shelf, const ContactSolver& solver,
+                   const ContactRows& rows, const Displacement& u) {
+  for (const ExactRow& row : shelf.exact) EXPECT_LT(row.violation(u), 2.0 * kTolerance);
+  Vector6 left = pull(goal, u);
+  double size = 0.0;
+  for (const double x : left) size = std::max(size, std::abs(x));
+  for (const ContactSolver::ActiveRow& active : solver.active()) {
+    EXPECT_GE(active.multiplier, 0.0);
+    const Vector6 w = wrench(rows.exact(active.row));
+    for (std::size_t k = 0; k < 6; ++k) left[k] -= active.multiplier * w[k];
+  }
+  // Rows that are nearly the same share their force in any proportion: to a hundred-thousandth of it.
+  for (const double x : left) EXPECT_LT(std::abs(x), 1e-5 * size + 1e-18);
+}
+
+TEST(ContactSolver, GoesWhereItWouldWithoutRows) {
+  Numbers number(1);
+  const StepGoal goal = randomGoal(number);
+  ContactRows rows;
+  Shelf shelf;
+  ContactSolver solver;
+  const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+  EXPECT_EQ(u.linear, goal.free.linear);
+  EXPECT_EQ(u.angular, goal.free.angular);
+}
+
+TEST(ContactSolver, FindsTheOneOptimumOfRandomRowsHoweverMuchIsKnownOfThem) {
+  Numbers number(2);
+  std::size_t most = 0;
+  for (int run = 0; run < 300; ++run) {
+    const StepGoal goal = randomGoal(number);
+    Shelf shelf;
+    for (std::uint32_t i = 0; i < 40; ++i) shelf.exact.push_back(randomRow(number, i));
+    Displacement answers[3];
+    for (int kind = 0; kind < 3; ++kind) {
+      ContactRows rows;
+      rows.beginPair();
+      for (std::uint32_t i = 0; i < shelf.exact.size(); ++i) {
+        const ExactRow& row = shelf.exact[i];
+        const RowSource source{0, 0, i};
+        // A field that is off by up to a micrometre and says so; a ball of the room that is left.
+        if (kind == 0) rows.addExact(row);
+        if (kind == 1)
+          rows.addPlane(glm::vec3(row.normal), glm::vec3(row.arm), static_cast<float>(row.gap), source);
+        if (kind == 2) rows.addBall(glm::vec3(row.arm), static_cast<float>(0.999 * row.gap), source);
+      }
+      ContactSolver solver;
+      answers[kind] = solveOne(solver, goal, kTolerance, rows, shelf);
+      most = std::max(most, solver.active().size());
+      EXPECT_EQ(solver.infeasible(), 0);
+      expectOptimal(goal, shelf, solver, rows, answers[kind]);
+    }
+    for (int kind = 1; kind < 3; ++kind) {
+      EXPECT_LT(glm::length(answers[kind].linear - answers[0].linear), 1e-8);
+      EXPECT_LT(glm::length(answers[kind].angular - answers[0].angular), 1e-6);
+    }
+  }
+  EXPECT_EQ(most, 6u);
+}
+
+TEST(ContactSolver, LooksCloselyOnlyAtWhatIsViolated) {
+  Numbers number(3);
+  StepGoal goal = randomGoal(number);
+  goal.free = {{0.0, 0.0, -1e-4}, {0.0, 0.0, 0.0}};
+  Shelf shelf;
+  ContactRows rows;
+  rows.beginPair();
+  for (std::uint32_t i = 0; i < 1000; ++i) {
+    const glm::dvec3 arm(0.02 * number(), 0.02 * number(), -0.01);
+    shelf.exact.push_back({{0.0, 0.0, 1.0}, arm, i < 3 ? 1e-5 : 1e-3, 0.0, 0.0, {0, 0, i}});
+    rows.addPlane({0.0f, 0.0f, 1.0f}, glm::vec3(arm), static_cast<float>(shelf.exact.back().gap), {0, 0, i});
+  }
+  ContactSolver solver;
+  solveOne(solver, goal, kTolerance, rows, shelf);
+  EXPECT_LE(shelf.looks, 3);
+  EXPECT_GE(shelf.looks, 1);
+}
+
+/// A block of 1 kg with its centre 1 cm above the ground, on four feet.
+struct Block {
+  explicit Block(double friction) {
+    for (std::size_t i = 0; i < 6; ++i) goal.root[i][i] = i < 3 ? 1.0 : 0.01;
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const glm::dvec3 arm((i & 1) != 0 ? 0.01 : -0.01, (i & 2) != 0 ? 0.01 : -0.01, -0.01);
+      shelf.exact.push_back({{0.0, 0.0, 1.0}, arm, 0.0, friction, friction, {0, 0, i}});
+    }
+  }
+  Displacement solve(const glm::dvec3& push) {
+    goal.free = {push, {0.0, 0.0, 0.0}};
+    rows.clear();
+    for (const ExactRow& row : shelf.exact) rows.addExact(row);
+    return solveOne(solver, goal, 1e-12, rows, shelf);
+  }
+  StepGoal goal;
+  Shelf shelf;
+  ContactRows rows;
+  ContactSolver solver;
+};
+
+TEST(ContactSolver, FrictionHoldsInsideTheConeAndDragsOnItsBorder) {
+  Block block(0.3);
+  for (const double angle : {0.0, 0.7, 2.0}) {
+    const glm::dvec3 way(std::cos(angle), std::sin(angle), 0.0);
+    Displacement u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * way);
+    EXPECT_LT(glm::length(u.linear), 1e-7);
+    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * way);
+    EXPECT_LT(glm::length(u.linear), 2e-8);
+    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 1e-4 * way);
+    EXPECT_NEAR(glm::dot(u.linear, way), 0.7e-4, 1e-7);
+    EXPECT_LT(std::abs(u.linear.z), 1e-8);
+  }
+}
+
+TEST(ContactSolver, WithoutFrictionNothingHolds) {
+  Block block(0.0);
+  EXPECT_NEAR(block.solve({1e-5, 0.0, -1e-4}).linear.x, 1e-5, 1e-15);
+}
+
+TEST(ContactSolver, FrictionCarriesThePartAlongWithTheGround) {
+  Block block(0.5);
+  block.shelf.ground = {2e-5, 0.0, 0.0};
+  Displacement u;
+  for (int i = 0; i < 4; ++i) u = block.solve({0.0, 0.0, -1e-4});
+  EXPECT_NEAR(u.linear.x, 2e-5, 1e-7);
+}
+
+TEST(ContactSolver, RowsThatContradictEachOtherAreCountedAndLetNothingInDeeper) {
+  ContactRows rows;
+  Shelf shelf;
+  ContactSolver solver;
+  Numbers number(4);
+  const StepGoal goal = randomGoal(number);
+  rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
+  rows.addExact({{0.0, 0.0, -1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
+  const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+  EXPECT_GT(solver.infeasible(), 0);
+  EXPECT_LT(std::abs(u.linear.z), 2.0 * kTolerance);
+  EXPECT_LT(glm::length(u.linear), 1e-3);
+  EXPECT_LT(glm::length(u.angular), 0.1);
+}
+
+TEST(ContactSolver, ARowThatCanBeObeyedAloneIsObeyed) {
+  ContactRows rows;
+  Shelf shelf;
+  ContactSolver solver;
+  Numbers number(4);
+  rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
+  EXPECT_NEAR(solveOne(solver, randomGoal(number), kTolerance, rows, shelf).linear.z, 1e-4, 2.0 * kTolerance);
+  EXPECT_EQ(solver.infeasible(), 0);
+}
+
+TEST(ContactSolver, AmongRandomRowsASqueezedBodyGoesInDeeperNowhere) {
+  Numbers number(6);
+  for (int run = 0; run < 300; ++run) {
+    const StepGoal goal = randomGoal(number);
+    Shelf shelf;
+    for (std::uint32_t i = 0; i < 30; ++i) {
+      shelf.exact.push_back(randomRow(number, i));
+      if (i % 3 == 0) shelf.exact.back().gap *= -10.0;
+    }
+    // Two jaws nearer to each other than the body is wide, whatever it does.
+    ExactRow jaw = randomRow(number, 30);
+    jaw.gap = -1e-4;
+    shelf.exact.push_back(jaw);
+    jaw.normal = -jaw.normal;
+    jaw.source.sample = 31;
+    shelf.exact.push_back(jaw);
+    ContactRows rows;
+    rows.beginPair();
+    for (const ExactRow& row : shelf.exact) rows.addBall(glm::vec3(row.arm), 0.0f, row.source);
+    ContactSolver solver;
+    const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+    EXPECT_GT(solver.infeasible(), 0);
+    for (ExactRow& row : shelf.exact) row.gap = std::max(row.gap, 0.0);
+    expectOptimal(goal, shelf, solver, rows, u);
+  }
+}
+
+TEST(ContactRows, DropsWhatDoesNotFitAndSaysSo) {
+  ContactRows rows;
+  for (int i = 0; i < ContactRows::kMostExact + 5; ++i) rows.addExact({});
+  EXPECT_EQ(rows.exactRows(), ContactRows::kMostExact);
+  EXPECT_EQ(rows.dropped(), 5);
+  rows.clear();
+  EXPECT_EQ(rows.dropped(), 0);
+}
+
+TEST(ContactRows, TellsTheWorstOfAnyNumberOfPlanes) {
+  Numbers number(5);
+  for (const int count : {1, 2, 3, 4, 5, 7, 8, 30, 31}) {
+    ContactRows rows;
+    rows.beginPair();
+    std::vector<ExactRow> list;
+    for (int i = 0; i < count; ++i) {
+      list.push_back(randomRow(number, static_cast<std::uint32_t>(i)));
+      rows.addPlane(glm::vec3(list.back().normal), glm::vec3(list.back().arm),
+                    static_cast<float>(list.back().gap), {});
+    }
+    const Displacement u{1e-3 * number.vector(), 1e-2 * number.vector()};
+    int worst = -1;
+    double most = 0.0;
+    for (int i = 0; i < count; ++i) {
+      const double violation = list[static_cast<std::size_t>(i)].violation(u);
+      if (violation > most) most = violation, worst = i;
+    }
+    EXPECT_EQ(rows.worstPlane({&u, 1}, 0.0), worst) << count;
+    EXPECT_EQ(rows.worstPlane({&u, 1}, 2.0 * most + 1e-3), -1) << count;
+  }
+}
+
+}  // namespace
+}  // namespace tandem::test

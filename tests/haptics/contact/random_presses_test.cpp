@@ -1,0 +1,115 @@
+// Sharp, thin, hollow and round shapes pressed onto each other in any pose.
+
+#include <algorithm>
+#include <cmath>
+#include <random>
+
+#include "tests/haptics/contact/part_contact_case.h"
+
+namespace tandem::test {
+namespace {
+
+/// A wedge of 20 mm along z whose edge lies in x = 0, y = 6 mm, `half` m to each side of it 11 mm below.
+assets::TriangleSoup blade(double half) {
+  return moved(prismSoup({{-half, -0.011}, {half, -0.011}, {0.0, 0.0}}, 0.02), {0.0, 0.006, -0.01});
+}
+
+assets::TriangleSoup star() {
+  std::vector<glm::dvec2> outline;
+  const glm::dvec2 tip(0.01, 0.0), notch(0.003, 0.002);
+  for (int i = 0; i < 4; ++i) {
+    const double c = i % 2 == 0 ? 1.0 - i : 0.0, s = i % 2 == 1 ? 2.0 - i : 0.0;
+    for (const glm::dvec2& p : {tip, notch}) outline.emplace_back(c * p.x - s * p.y, s * p.x + c * p.y);
+  }
+  return prismSoup(outline, 0.006);
+}
+
+assets::TriangleSoup shape(unsigned kind) {
+  switch (kind) {
+    case 0:
+      return boxSoup({0.01, 0.01, 0.01});
+    case 1:
+      return blade(0.003);
+    case 2:
+      return boxSoup({0.02, 0.02, 0.0005});
+    case 3:
+      return star();
+    case 4:
+      return pegSoup({0.005, 0.02, 0.001, {32, 3}});
+    case 5:
+      return ballSoup(0.008, {32, 12});
+    case 6:
+      return stairSoup(4, 0.004, 0.003, 0.02);
+    case 7:
+      return boxSoup({0.0006, 0.0006, 0.02});
+    default:
+      return blade(0.001);
+  }
+}
+
+struct Pressed {
+  double deepest = 0.0, end = 0.0;  // m
+};
+
+/// One shape is led 38 mm down onto the other, up to 17 mm beyond the touch, while it turns and sways.
+Pressed press(unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> share(-1.0, 1.0);
+  const unsigned under = static_cast<unsigned>(random() % 9), held = static_cast<unsigned>(random() % 9);
+  const auto vector = [&](double size) {
+    return size * glm::dvec3{share(random), share(random), share(random)};
+  };
+  const glm::dquat lying = fromRotationVector(vector(3.0)), above = fromRotationVector(vector(3.0));
+  const glm::dvec3 aside = vector(0.004), turn = vector(0.3);
+  const Pose start{{aside.x, aside.y, 0.04}, above};
+  const double way = 0.038, speed = seed % 3 == 0 ? 0.2 : 0.05;
+  const DevicePath path = [=](double time) {
+    const double gone = std::min(speed * time, way);
+    return Pose{start.position + glm::dvec3(0.002 * std::sin(3.0 * time), 0.0, -gone),
+                fromRotationVector(turn * (gone / way)) * start.orientation};
+  };
+  assets::Scene scene = sceneOfParts(
+      {{.name = "under", .mesh = meshOf(shape(under)), .worldFromPart = {{0.0, 0.0, 0.0}, lying}},
+       {.name = "held", .mesh = meshOf(shape(held)), .worldFromPart = start, .movable = true, .mass = 0.05}});
+  HeldPartRig rig({"press", std::move(scene), 1, path, way / speed + 0.3, {}});
+  rig.run(5);
+  return {rig.deepest(), rig.deepest(rig.last().time - 0.05)};
+}
+
+void expectWithinBounds(unsigned seed) {
+  const Pressed found = press(seed);
+  EXPECT_LE(found.deepest, kFastDepth) << seed;
+  EXPECT_LE(found.end, kSteadyDepth) << seed;
+}
+
+TEST(RandomPresses, GoNoDeeperThanTheirBounds) {
+  for (unsigned seed = 0; seed < 24; ++seed) expectWithinBounds(seed);
+}
+
+/// A corner lies askew to the edge of a blade: of the directions across the edge few are normal to the corner too.
+TEST(RandomPresses, AnEdgeDoesNotCutACornerThatLiesAskewToIt) {
+  for (const unsigned seed : {46u, 128u}) expectWithinBounds(seed);
+}
+
+/// The tip of a blade slides down a notch: the further flank holds it too, however little it is behind that one.
+TEST(RandomPresses, ATipStaysInItsNotch) {
+  for (const unsigned seed : {445u, 690u, 975u}) expectWithinBounds(seed);
+}
+
+/// Not all do: where an edge passes a corner of a notch or of a blade. No more than are known of, no deeper.
+TEST(RandomPresses, BeyondTheirBoundsAreFew) {
+  if (!atFullSize()) GTEST_SKIP() << "set TANDEM_FULL_SIZE";
+  int beyond = 0;
+  double deepest = 0.0;
+  for (unsigned seed = 0; seed < 1000; ++seed) {
+    const Pressed found = press(seed);
+    beyond += found.deepest > kFastDepth || found.end > kSteadyDepth ? 1 : 0;
+    deepest = std::max(deepest, found.deepest);
+  }
+  printf("%d of 1000 beyond their bounds, %.1f um at most\n", beyond, 1e6 * deepest);
+  EXPECT_LE(beyond, 5);
+  EXPECT_LT(deepest, 35e-6);
+}
+
+}  // namespace
+}  // namespace tandem::test

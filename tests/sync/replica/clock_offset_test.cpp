@@ -1,0 +1,85 @@
+#include "sync/replica/clock_offset.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/sync/wire/random_messages.h"
+
+namespace tandem::sync {
+namespace {
+
+TEST(ClockOffset, IsLocalTimeBeforeTheFirstPong) {
+  ClockOffset clock;
+  EXPECT_FALSE(clock.known());
+  EXPECT_EQ(clock.sessionTime(123), 123);
+}
+
+TEST(ClockOffset, TakesTheFirstPongAtOnce) {
+  ClockOffset clock;
+  clock.observe(1000, 501000, 3000);
+  EXPECT_TRUE(clock.known());
+  EXPECT_EQ(clock.sessionTime(3000), 502000);
+  EXPECT_EQ(clock.bestRoundTrip(), 2000);
+}
+
+TEST(ClockOffset, IgnoresAPongFromTheFuture) {
+  ClockOffset clock;
+  clock.observe(5000, 0, 4000);
+  EXPECT_FALSE(clock.known());
+}
+
+/// Uplink and downlink delays with one-sided jitter, local clock `ppm` fast; the error's bound of the header
+/// must hold.
+TEST(ClockOffset, StaysWithinHalfTheBestRoundTripUnderAsymmetricJitter) {
+  for (std::uint64_t seed = 1; seed <= 50; ++seed) {
+    testing::RandomMessages random(seed);
+    ClockOffset clock;
+    const double ppm = random.real(-50.0, 50.0);
+    const Micros ahead = static_cast<Micros>(random.real(-1e9, 1e9));
+    const auto localAt = [&](Micros trueTime) {
+      return trueTime + ahead + static_cast<Micros>(static_cast<double>(trueTime) * ppm * 1e-6);
+    };
+    Micros last = std::numeric_limits<Micros>::min();
+    for (Micros t = 0; t < 60 * kSecond; t += 250 * kMillisecond) {
+      const auto up = static_cast<Micros>(10000 + 40000 * random.real(0, 1) * random.real(0, 1));
+      const auto down = static_cast<Micros>(12000 + 5000 * random.real(0, 1));
+      clock.observe(localAt(t), t + up, localAt(t + up + down));
+      for (Micros s = t + up + down; s < t + 250 * kMillisecond; s += 7 * kMillisecond) {
+        const Micros estimate = clock.sessionTime(localAt(s));
+        EXPECT_GE(estimate, last) << "monotonic";
+        last = estimate;
+        const double bound = 0.5 * static_cast<double>(clock.bestRoundTrip()) + 100e-6 * 16 * 250000 + 2;
+        if (t > 10 * kSecond) {
+          EXPECT_LE(std::abs(static_cast<double>(estimate - s)), bound) << "seed " << seed;
+        }
+      }
+    }
+  }
+}
+
+TEST(ClockOffset, SlewsAfterAStepInsteadOfJumping) {
+  ClockOffset clock;
+  clock.observe(0, 0, 0);
+  Micros last = clock.sessionTime(0);
+  for (int i = 1; i <= 16; ++i) clock.observe(i, i + 100000, i);  // 0.1 s off from now on
+  for (Micros t = 1000; t <= 6 * kSecond; t += 1000) {
+    const Micros now = clock.sessionTime(t);
+    EXPECT_GE(now - last, 980 - 1);
+    EXPECT_LE(now - last, 1020 + 1);
+    last = now;
+  }
+  EXPECT_EQ(last, 6 * kSecond + 100000);
+  EXPECT_LE(clock.sessionTime(5 * kSecond), last) << "an earlier local time";
+}
+
+TEST(ClockOffset, ForgetsOnReset) {
+  ClockOffset clock;
+  clock.observe(0, 5000, 10);
+  clock.sessionTime(20);
+  clock.reset();
+  EXPECT_FALSE(clock.known());
+  clock.observe(100, 50, 100);
+  EXPECT_EQ(clock.sessionTime(100), 50);
+}
+
+}  // namespace
+}  // namespace tandem::sync

@@ -1,0 +1,132 @@
+// Who simulates a part beside its owner, and who owns it after that one.
+
+#include <gtest/gtest.h>
+
+#include "sync/replica/ownership.h"
+
+namespace tandem::sync {
+namespace {
+
+constexpr SiteId kAnn = 1, kBen = 2, kCleo = 3;
+constexpr Role kRole = Role::participant;
+
+class Engagement : public ::testing::Test {
+ protected:
+  LeaseRules rules;
+  OwnershipTable table{{true, true, false}, std::vector<Pose>(3), rules};
+
+  Epoch grab(SiteId site, Micros now = 0) {
+    const auto decision = table.grab(site, kRole, {next++, 0}, now);
+    EXPECT_EQ(decision.reply.denial, Denial::none);
+    return decision.reply.part.epoch;
+  }
+  Denial engage(SiteId site, Micros now = 0, PartId part = 0) {
+    return table.engage(site, kRole, {next++, part}, now).reply.denial;
+  }
+  void release(SiteId site, Epoch epoch) { EXPECT_TRUE(table.release(site, {next++, 0, epoch, {}}).changed); }
+
+  RequestId next = 1;
+};
+
+TEST_F(Engagement, IsForPartsThatSomebodyElseOwns) {
+  EXPECT_EQ(engage(kBen), Denial::notOwned);
+  grab(kAnn);
+  EXPECT_EQ(engage(kAnn), Denial::notOwned);
+  EXPECT_EQ(engage(kBen, 0, 2), Denial::notMovable);
+  EXPECT_EQ(engage(kBen, 0, 9), Denial::unknownPart);
+  EXPECT_EQ(table.engage(kBen, Role::observer, {1, 0}, 0).reply.denial, Denial::roleForbids);
+  EXPECT_EQ(engage(kBen), Denial::none);
+  EXPECT_EQ(table.members(0).sites, std::vector<SiteId>{kBen});
+}
+
+TEST_F(Engagement, EachChangeOfTheListIsANewVersionToldOnce) {
+  grab(kAnn);
+  engage(kBen);
+  const auto first = table.takeChangedMembers();
+  ASSERT_EQ(first.size(), 1u);
+  EXPECT_EQ(engage(kBen), Denial::none);  // again: nothing changes
+  EXPECT_TRUE(table.takeChangedMembers().empty());
+  engage(kCleo);
+  EXPECT_TRUE(table.disengage(kBen, {9, 0}).changed);
+  EXPECT_FALSE(table.disengage(kBen, {9, 0}).changed);
+  const auto second = table.takeChangedMembers();
+  ASSERT_EQ(second.size(), 1u);
+  EXPECT_GT(second[0].version, first[0].version);
+  EXPECT_EQ(second[0].sites, std::vector<SiteId>{kCleo});
+}
+
+TEST_F(Engagement, WhoHasBeenEngagedForLongestOwnsItNext) {
+  const Epoch epoch = grab(kAnn);
+  engage(kBen);
+  engage(kCleo);
+  release(kAnn, epoch);
+  EXPECT_EQ(table.part(0).owner, kBen);
+  EXPECT_EQ(table.part(0).epoch, epoch + 1);
+  EXPECT_EQ(table.members(0).sites, std::vector<SiteId>{kCleo});
+  EXPECT_EQ(table.members(0).epoch, epoch + 1);
+  EXPECT_FALSE(table.accept(kAnn, {0, epoch, 5, {}, {}}));
+  EXPECT_TRUE(table.accept(kBen, {0, epoch + 1, 1, {}, {}}));
+}
+
+TEST_F(Engagement, ALeaseThatRunsOutPassesThePartOnToWhoIsStillThere) {
+  const Epoch epoch = grab(kAnn);
+  engage(kBen);
+  engage(kCleo);
+  const Micros later = rules.serverLease() - 1;
+  table.renew(kCleo, later);
+  const auto over = table.expire(later + 1);
+  ASSERT_EQ(over.size(), 1u);
+  EXPECT_EQ(over[0].owner, kCleo);
+  EXPECT_EQ(over[0].epoch, epoch + 1);
+  EXPECT_TRUE(table.members(0).sites.empty()) << "Ben is heard of no more";
+}
+
+TEST_F(Engagement, AStrangerDoesNotGetThePartOfAnOwnerWhoIsGone) {
+  const Epoch epoch = grab(kAnn);
+  engage(kBen);
+  const Micros later = rules.serverLease();
+  table.renew(kBen, later);
+  const auto decision = table.grab(kCleo, kRole, {next++, 0}, later);
+  EXPECT_EQ(decision.reply.denial, Denial::ownedByOther);
+  EXPECT_TRUE(decision.changed);
+  EXPECT_EQ(decision.reply.part.owner, kBen);
+  EXPECT_EQ(decision.reply.part.epoch, epoch + 1);
+}
+
+TEST_F(Engagement, LeavingEndsIt) {
+  grab(kAnn);
+  engage(kBen);
+  table.leave(kBen);
+  EXPECT_TRUE(table.members(0).sites.empty());
+  engage(kCleo);
+  EXPECT_EQ(table.leave(kAnn)[0].owner, kCleo);
+}
+
+TEST_F(Engagement, ARevocationEndsAllOfIt) {
+  const Epoch epoch = grab(kAnn);
+  engage(kBen);
+  const auto record = table.revoke(0, 0);
+  ASSERT_TRUE(record);
+  EXPECT_EQ(record->owner, kNoSite);
+  EXPECT_EQ(record->epoch, epoch + 1);
+  EXPECT_TRUE(table.members(0).sites.empty());
+}
+
+TEST_F(Engagement, ASiteTakesWhatIsNewer) {
+  OwnershipView view(3, rules);
+  view.setSelf(kBen);
+  EXPECT_TRUE(view.apply(PartRecord{0, kAnn, 4, {}}));
+  EXPECT_TRUE(view.apply(MemberRecord{0, 4, 2, {kBen, kCleo}}));
+  EXPECT_FALSE(view.apply(MemberRecord{0, 4, 1, {}}));
+  EXPECT_TRUE(view.engaged(0));
+  EXPECT_EQ(view.simulators(0), 3u);
+  EXPECT_TRUE(view.apply(MemberRecord{0, 5, 1, {kCleo}}));
+  EXPECT_FALSE(view.engaged(0));
+  EXPECT_FALSE(view.apply(MemberRecord{7, 5, 1, {}}));
+  // A server that was started again counts from the start.
+  view.forgetMembers();
+  EXPECT_TRUE(view.apply(MemberRecord{0, 4, 1, {kBen}}));
+}
+
+}  // namespace
+}  // namespace tandem::sync
