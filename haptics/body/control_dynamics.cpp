@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The well that a value is nearest to, seen from it.
+/// The detent well nearest to a value.
 struct Well {
   double offset = 0.0;  // of the value from the well
   double width = 0.0;   // 0 = there is no well
@@ -19,14 +19,14 @@ double widthIn(const assets::Detents& detents, double gap) {
   return detents.width > 0.0 ? std::min(detents.width, gap) : gap;
 }
 
-/// Distance between the last place of an endless dial and the first, one turn on; 0 of others.
+/// Distance from the last detent of an endless dial to the first one, one turn on; 0 for other controls.
 double closingGap(const assets::Control& control) {
   const std::vector<double>& places = control.detents.places;
   if (!control.endless || places.empty()) return 0.0;
   return control.max - control.min - (places.back() - places.front());
 }
 
-/// Outside of all wells: those of the ends are as wide there as inside.
+/// The well of a value beyond the first or last detent; end wells are as wide outside as inside.
 Well endWell(const assets::Detents& detents, double closing, double value, bool last) {
   const std::vector<double>& places = detents.places;
   const std::size_t n = places.size();
@@ -40,7 +40,7 @@ Well endWell(const assets::Detents& detents, double closing, double value, bool 
   return {value - (last ? places.back() : places.front()), width};
 }
 
-/// `closing`: as of closingGap().
+/// `closing` is that of closingGap().
 Well nearestWell(const assets::Detents& detents, double closing, double value) {
   const std::vector<double>& places = detents.places;
   if (places.empty() || detents.force == 0.0) return {};

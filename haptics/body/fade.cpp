@@ -16,7 +16,7 @@ void Fading::start(const glm::dvec3& ended, double stiffness) {
 
 void Fading::advance(const glm::dvec3& way, double timeShare) {
   left_ = std::max(0.0, left_ - glm::dot(now(), way));
-  // The force of a spring is the root of its energy.
+  // The force of a spring is proportional to the square root of its energy.
   share_ = full_ > 0.0 ? std::min(timeShare, std::sqrt(left_ / full_)) : 0.0;
   left_ = std::min(left_, share_ * share_ * full_);
 }

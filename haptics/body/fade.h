@@ -1,6 +1,6 @@
 #pragma once
 
-// Forces of contacts and couplings that have ended, on their way to zero.
+// Fades the forces of contacts and couplings that have ended to zero.
 
 #include <glm/vec3.hpp>
 
@@ -8,16 +8,17 @@
 
 namespace tandem::haptics {
 
-/// A force (N; way in m) or torque (N·m; way in rad) that fades in a straight line over time, and as that of a
-/// spring which lets go: it gives the hand no more than the energy F^2 / 2k that the spring held when it ended.
-/// A hand that follows the force loses it at k per metre; one that goes against it does not raise it.
+/// A force (N, displacement in m) or torque (N·m, displacement in rad) that fades linearly over time, and no
+/// later than a released spring would: it gives the hand no more than the energy F^2 / 2k that the spring
+/// held when it ended. A hand that yields to the force lowers it at k per metre; a hand that moves against it
+/// does not raise it.
 class Fading {
  public:
-  /// Adds a force that ended in the last tick, and that a spring of this stiffness (N/m, N·m/rad) held.
+  /// Adds a force that ended in the last tick and that a spring of this stiffness (N/m, N·m/rad) held.
   void start(const glm::dvec3& ended, double stiffness);
 
-  /// `way` is what the hand went while the last tick's force was held, `timeShare` how much of the time is
-  /// left, 0..1.
+  /// `way` is the hand's displacement while the last tick's force was held; `timeShare` is the fraction of
+  /// time left, 0..1.
   void advance(const glm::dvec3& way, double timeShare);
 
   glm::dvec3 now() const { return from_ * share_; }
@@ -25,20 +26,20 @@ class Fading {
  private:
   glm::dvec3 from_{0.0, 0.0, 0.0};
   double share_ = 0.0;              // of from_
-  double full_ = 0.0, left_ = 0.0;  // J: of the spring at from_, and what it may still give
+  double full_ = 0.0, left_ = 0.0;  // J: energy of the spring at from_, and what it may still give
 };
 
-/// Force and torque together, over one time.
+/// Force and torque together, over one duration.
 class Fade {
  public:
   struct Stiffness {
     double linear = 0.0, angular = 0.0;  // N/m, N·m/rad
   };
 
-  /// Adds a wrench that ended in the last tick; what still fades starts anew with it, over `time` s.
+  /// Adds a wrench that ended in the last tick; what still fades restarts with it, over `time` s.
   void start(const Wrench& ended, const Stiffness& stiffness, double time);
 
-  /// `way` and `turn` (rotation vector): what the hand went since the last tick, m and rad.
+  /// `way` (m) and `turn` (rotation vector, rad) are the hand's displacement since the last tick.
   void advance(const glm::dvec3& way, const glm::dvec3& turn, double dt);
 
   bool active() const { return left_ > 0.0; }

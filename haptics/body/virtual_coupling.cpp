@@ -11,8 +11,8 @@
 namespace tandem::haptics {
 namespace {
 
-/// A symmetric positive definite 6 x 6 system: factor() puts Cholesky's L into the lower triangle of `a`, then
-/// solve() the solution into `b`.
+/// A symmetric positive definite 6 x 6 system. factor() puts the Cholesky factor L into the lower triangle of
+/// `a`; solve() puts the solution into `b`.
 struct System6 {
   std::array<std::array<double, 6>, 6> a{};
   std::array<double, 6> b{};
@@ -50,7 +50,7 @@ void setBlock(System6& system, std::size_t row, std::size_t column, const glm::d
   }
 }
 
-/// What a coupling gives if the body stood still, and what each unit of the body's new velocity takes off that.
+/// Force of a virtual coupling on a body at rest, and the drag coefficients of the body's new velocity.
 CouplingForce forceOf(const Pose& worldFromBody, const glm::dvec3& com, const Coupling& coupling, double dt) {
   const Pose worldFromGrip = worldFromBody * coupling.bodyFromGrip;
   const Pose& device = coupling.worldFromDevice;
@@ -75,8 +75,8 @@ CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> coupling
   const glm::dvec3 comVelocity = velocityAt(body.worldFromBody, body.twist, com);
   const glm::dmat3 inertia = turn * body.inertia * glm::transpose(turn);
   CoupledStep step;
-  // Grip velocity = v - [arm] w. With G = (1, -[arm]): (M + dt sum G^T drag G) (v, w) = M (v0, w0) + dt (forces at
-  // rest).
+  // The velocity of the grip is v - [arm] w. With G = (1, -[arm]), the step solves (M + dt sum G^T drag G)
+  // (v, w) = M (v0, w0) + dt (forces at rest).
   double linear = body.mass;
   glm::dmat3 lever(0.0), angular = inertia;
   glm::dvec3 momentum = body.mass * (comVelocity + dt * acceleration) + dt * load.force;
@@ -151,7 +151,7 @@ double stiffestStable(double deviceDamping, double period, double delay, double 
 
 namespace {
 
-/// A device that reads more slowly than the loop runs holds each force for longer.
+/// A device that updates more slowly than the loop holds each force for longer.
 double periodOf(const DeviceLimits& device, double dt) {
   return device.rate > 0.0 ? std::max(dt, 1.0 / device.rate) : dt;
 }

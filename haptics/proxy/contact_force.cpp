@@ -9,15 +9,15 @@
 namespace tandem::haptics {
 namespace {
 
-// Between two faces that are nearly one plane, the potential climbs from one stiffness to the other within a
-// sliver of a normal cone: the force across is then k d / angle. Beyond this multiple of the stiffest
-// spring's force the step is no longer rendered as a gradient.
+// Between two nearly coplanar faces of different stiffness the potential changes within a sliver of a normal
+// cone, where the force across is k d / angle. That force is capped at this multiple of the stiffest spring's
+// force.
 constexpr double kSteepest = 4.0;
 
 double determinant(const std::array<glm::dvec3, 3>& c) { return glm::dot(c[0], glm::cross(c[1], c[2])); }
 
-/// The vector F in the span of `count` unit normals with normal[i] . F = wanted[i]; zero if they are not
-/// independent.
+/// The vector F in the span of `count` unit normals with normal[i] . F = wanted[i]; zero if the normals are
+/// dependent.
 glm::dvec3 spanned(const std::array<glm::dvec3, 3>& n, const std::array<double, 3>& wanted, int count) {
   if (count == 1) return wanted[0] * n[0];
   if (count == 2) {
@@ -32,7 +32,7 @@ glm::dvec3 spanned(const std::array<glm::dvec3, 3>& n, const std::array<double, 
          volume;
 }
 
-/// Shares of a vector along unit normals that span it.
+/// Components of a vector along unit normals that span it.
 std::array<double, 3> shares(const std::array<glm::dvec3, 3>& n, const glm::dvec3& v, int count) {
   if (count == 1) return {glm::dot(n[0], v), 0.0, 0.0};
   if (count == 2) {
@@ -67,8 +67,8 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) result.along[i] = mean * depths[i];
   if (softest == stiffest) return result;
 
-  // dU/dlambda_i = mean (N^T N lambda)_i + lambda_i (k_i - mean) |N lambda|^2 / sum lambda^2; the first term
-  // is there.
+  // dU/dlambda_i = mean (N^T N lambda)_i + lambda_i (k_i - mean) |N lambda|^2 / sum lambda^2; result.along
+  // already holds the first term.
   std::array<double, 3> wanted{};
   const double share = glm::dot(lag, lag) / squares;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -114,7 +114,7 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
         velocityAt(world.pose(surface.part), world.twist(surface.part), surface.point);
     const double leaving = glm::dot(device.twist.linear - surfaceVelocity, surface.normal);
     const double spring = springs.along[i];
-    // Damping alone must not pull; a share of the gradient may point inwards.
+    // Damping alone must not pull, but a component of the gradient may point inwards.
     const double along = std::max(std::min(0.0, spring), spring - dampings[i] * leaving);
     force += along * surface.normal;
     rest -= depths[i] * surface.normal;
@@ -123,8 +123,8 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     out.contacts[static_cast<std::size_t>(out.contactCount++)] = {surface.part, surface.point, surface.normal,
                                                                   along};
   }
-  // What is left is the lag that friction keeps. Its reach is mu depths, so that this stiffness gives mu
-  // forces.
+  // The remainder is the lag held by friction. Its reach is mu times the depths, so this stiffness makes the
+  // friction force mu times the normal forces.
   return force + rest * std::max(0.0, springSum / depthSum);
 }
 

@@ -10,7 +10,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// Calls visit(triangle) for the triangles that meet where a contact lies, as far as the mesh knows its
+/// Calls visit(triangle, corners) for the triangles that meet at a contact, as far as the mesh knows its
 /// neighbours.
 template <typename Visit>
 void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::dvec3& q, double skin,
@@ -79,7 +79,7 @@ RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, doub
     for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
       const glm::dvec3 d = corner - q;
       const double forward = glm::dot(ahead, d);
-      // Along an edge the ball does not leave it.
+      // A corner straight along the crease does not end the roll.
       if (glm::length(d) <= 2.0 * skin || forward <= 1e-6 * glm::length(d)) continue;
       const double turn = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
       if (turn < limit.turn) limit = {turn, triangle};

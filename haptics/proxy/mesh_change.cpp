@@ -5,7 +5,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr int kMaxSteps = 32;  // out of corners; flat and convex surfaces take one
+constexpr int kMaxSteps = 32;  // steps out of a corner; flat and convex surfaces take one
 
 /// Unit normal of a triangle's front, world; zero where it has no area.
 glm::dvec3 frontOf(const ContactWorld& world, PartId part, std::uint32_t triangle) {
@@ -14,8 +14,8 @@ glm::dvec3 frontOf(const ContactWorld& world, PartId part, std::uint32_t triangl
   return length > 0.0 ? transformVector(world.pose(part), n / length) : glm::dvec3(0.0);
 }
 
-/// If the first triangle that the way out meets is met from behind, the surface has come over the point: puts
-/// it `rest` before that triangle.
+/// Puts the point `rest` in front of the first triangle along the exit direction if that triangle is met from
+/// behind, which means that the surface has passed over the point.
 void putBefore(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double rest,
                glm::dvec3& p) {
   WorldHit hit;
@@ -27,19 +27,19 @@ void putBefore(const ContactWorld& world, PartId part, const glm::dvec3& normal,
   if (glm::dot(face, normal) > 0.0) p = hit.point + face * rest;
 }
 
-/// Away from the nearest triangles until the tool is free of all of them.
+/// Moves away from the nearest triangles until the tool is free of all of them.
 bool clear(const ContactWorld& world, PartId part, double radius, glm::dvec3& p) {
   for (int step = 0; step < kMaxSteps; ++step) {
     const double skin = world.skin(part, p), rest = radius + skin;
     SurfacePoint near;
     if (!world.nearest(part, p, rest, near) || near.distance >= radius + 0.5 * skin) return true;
-    // A little further at each step: corners are left in few.
+    // Each step goes slightly further than the last, which leaves corners in few steps.
     p += near.normal * (rest - near.distance) * (1.0 + 0.02 * step);
   }
   return false;
 }
 
-/// The way in which the contacts together hold the proxy off the device, unit; zero if none presses.
+/// Unit direction in which the contacts together hold the proxy away from the device; zero if none presses.
 glm::dvec3 heldAlong(const Proxy& proxy) {
   glm::dvec3 sum(0.0);
   for (int i = 0; i < proxy.planeCount; ++i) {
@@ -50,8 +50,8 @@ glm::dvec3 heldAlong(const Proxy& proxy) {
   return length > 0.0 ? sum / length : sum;
 }
 
-/// Moves the proxy out of one part, by preference along `normal`, which may be zero. False if another part is
-/// in the way or the tool fits nowhere near.
+/// Moves the proxy out of one part, preferably along `normal`, which may be zero. False if another part is in
+/// the way or the tool fits nowhere near.
 bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double radius,
                Proxy& proxy) {
   glm::dvec3 p = proxy.position;
@@ -74,14 +74,14 @@ bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal,
   return false;
 }
 
-/// Finds the triangles that stand for the old contacts and drops contacts that are gone.
+/// Finds the triangles that replace those of the old contacts, and drops contacts that no longer exist.
 void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
   int kept = 0;
   for (int i = 0; i < proxy.planeCount; ++i) {
     ProxyPlane plane = proxy.planes[static_cast<std::size_t>(i)];
     const PartId part = plane.surface.part;
     if (!world.touchable(part)) continue;
-    // Under the old contact, so that of two walls the right one is found.
+    // The search starts under the old contact, so that of two walls the right one is found.
     const double rest = radius + world.skin(part, proxy.position);
     const glm::dvec3 foot = proxy.position - plane.surface.normal * rest;
     SurfacePoint found;
@@ -99,8 +99,8 @@ void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
   proxy.planeCount = kept;
 }
 
-/// Touchable parts near the proxy that none of its contacts names. They are listed before any of them is
-/// left: that asks for near parts itself.
+/// Lists touchable parts near the proxy that none of its contacts names. The list is complete before
+/// leavePart() runs, because leavePart() itself queries near parts.
 int listNear(const ContactWorld& world, double radius, const Proxy& proxy,
              std::array<PartId, kMaxNearParts>& near, bool& overflow) {
   int count = 0;

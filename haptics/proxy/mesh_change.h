@@ -1,12 +1,12 @@
 #pragma once
 
-// The proxy when the triangles under it are exchanged: a mesh is deformed in place, tessellated anew, or
-// gives way to another shape, while the tool may rest on it.
+// Keeps the proxy outside when the triangles under it are exchanged: a mesh is deformed in place, tessellated
+// anew or replaced while the tool may rest on it.
 //
-// 1. noteSides() while the triangles that the contacts name still exist; followMeshes() before anything else
-// uses them.
-// 2. Neither allocates; both are bounded: at most 2 rays, 2 sweeps and 65 nearest-point queries a contact; 6
-// rays, a sweep and 33 queries for each of at most kMaxNearParts other parts.
+// 1. Call noteSides() while the triangles named by the contacts still exist, and followMeshes() before
+//    anything else uses those contacts.
+// 2. Neither function allocates. The work is bounded: at most 2 rays, 2 sweeps and 65 nearest-point queries
+//    per contact, and 6 rays, a sweep and 33 queries for each of at most kMaxNearParts other parts.
 
 #include <array>
 #include <span>
@@ -15,9 +15,10 @@
 
 namespace tandem::haptics {
 
-/// A change that the proxy has not followed yet.
+/// A mesh change that the proxy has not followed yet.
 struct MeshChange {
   bool pending = false;
+  // 22 Whether each plane of the proxy is touched from the front of its triangle.
   std::array<bool, kMaxPlanes>
       front{};  // a plane of the proxy: whether it is touched from its triangle's front
 };
@@ -25,21 +26,22 @@ struct MeshChange {
 /// Notes from which side the proxy touches its triangles.
 void noteSides(const ContactWorld& world, const Proxy& proxy, MeshChange& change);
 
-inline constexpr int kMaxNearParts = 16;  // beside those that the proxy touches
+inline constexpr int kMaxNearParts = 16;  // parts near the proxy, besides those that it touches
 
-/// Parts that the proxy could not be kept out of.
+/// Parts from which the proxy could not be freed.
 struct FollowedMeshes {
   std::array<PartId, kMaxPlanes + kMaxNearParts> parts{};
   int count = 0;
-  bool overflow = false;  // more parts were near; the proxy may be inside of others
+  bool overflow = false;  // more parts were near than fit; the proxy may be inside others
 
   std::span<const PartId> squeezed() const { return {parts.data(), static_cast<std::size_t>(count)}; }
 };
 
-/// Puts the proxy outside the parts as they are now, on the side of each on which it was: out of a surface
-/// that has come over it along the way in which its old contacts held it, or along the normal of one of them,
-/// else by the nearest way; it stays where it is free. Its contacts then name triangles that exist. A part
-/// that it could not be kept out of is ignored from then on (ContactWorld::setIgnored()) and returned.
+/// Puts the proxy outside the parts as they are now, on the side of each where it was. If a surface has
+/// passed over the proxy, the proxy leaves along the direction in which its old contacts held it, or along
+/// the normal of one of them, or else by the shortest path. A free proxy stays where it is. Afterwards its
+/// contacts name triangles that exist. A part from which it could not be freed is returned, and is ignored
+/// from then on (ContactWorld::setIgnored()).
 FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& change, Proxy& proxy);
 
 }  // namespace tandem::haptics

@@ -18,20 +18,20 @@ namespace {
 constexpr int kMaxRounds = 24;
 constexpr int kMaxFrictionRounds = 4;
 constexpr double kConeError = 1e-3;  // of the friction ratio
-// By how much a step may go beyond the point of its line that is nearest to the goal: below 2, so that even
-// if the surface is not curved as expected it ends nearer than it began.
+// Overrelaxation of a step beyond the point of its line nearest to the goal. It is below 2, so a step ends
+// nearer to the goal than it began even if the surface is not curved as expected.
 constexpr double kMaxStretch = 1.5;
-// Of a ball's radius: a step that is cut because the ground turns is no shorter. Along a tangent of that length
-// the ball rises by half a hundredth of its radius.
+// Shortest step that is cut where the ground turns, as a fraction of the ball's radius. Along a tangent of
+// that length the ball rises by 0.005 of its radius.
 constexpr double kLeastStep = 0.1;
 constexpr int kEdgeRounds = 4;
-constexpr double kWellPast = 8.0;     // skins, from an edge: what holds the proxy there is no longer near
-constexpr double kNearEnough = 1e-6;  // of the depth: a force error of as little
+constexpr double kWellPast = 8.0;     // skins from an edge, at which the edge no longer holds the proxy
+constexpr double kNearEnough = 1e-6;  // of the depth, which is also the relative force error
 
 using Walks = std::array<SurfaceWalk, kMaxPlanes>;
 
-/// Cuts a way short where the ground under one of the pressing contacts ends, and notes on which triangles
-/// the contacts that stay on it arrive. True if the way was cut.
+/// Cuts a displacement short where the surface under one of the pressing contacts ends, and notes the
+/// triangles at which the contacts that stay on it arrive. True if the displacement was cut.
 bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
                   bool& onCrease) {
   const double length = glm::length(way);
@@ -41,7 +41,7 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     if (!presses(plane)) continue;
     SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
     walk = walkSurface(world, plane.surface, way, plane.skin);
-    // On a crease already: over it by a few skins for a point, by no more than it can roll for a ball.
+    // On a crease already: a point crosses it by a few skins, a ball by no more than it can roll.
     const double over = 3.0 * plane.skin / length;
     if (walk.sharp || walk.share < over) {
       onCrease = true;
@@ -50,7 +50,7 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     } else if (walk.share < 1.0) {
       walk.share += over;
     }
-    // Features far smaller than the ball are no creases of its way.
+    // Features far smaller than the ball do not count as creases.
     share = std::min(share, std::max(walk.share, std::min(1.0, kLeastStep * radius / length)));
   }
   if (share >= 1.0) return false;
@@ -58,7 +58,7 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
   return true;
 }
 
-/// Puts the pressing planes onto the triangles to which the walk has led, once the proxy is there.
+/// Moves the pressing planes to the triangles that the walk has reached, once the proxy is there.
 void arrive(const Walks& walks, Proxy& proxy) {
   for (int i = 0; i < proxy.planeCount; ++i) {
     ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
@@ -71,7 +71,7 @@ void arrive(const Walks& walks, Proxy& proxy) {
   }
 }
 
-/// Puts a contact that has passed a crease onto the face behind it.
+/// Moves a contact that has passed a crease to the face behind it.
 void passCrease(const Walks& walks, Proxy& proxy) {
   for (int i = 0; i < proxy.planeCount; ++i) {
     ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
@@ -82,7 +82,8 @@ void passCrease(const Walks& walks, Proxy& proxy) {
   }
 }
 
-/// Friction reach of the pressing planes, m: the tangential lag that the normal depth can hold.
+/// Friction reach of the pressing planes, m: the tangential lag that their depths hold inside the friction
+/// cone, sum mu_i lambda_i (Harwin & Melder 2002).
 double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
   double reach = 0.0;
   for (int i = 0; i < proxy.planeCount; ++i) {
@@ -95,8 +96,8 @@ double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding
   return reach;
 }
 
-/// How near is near enough: a share of the skin, or of the depth where facets, edges and corners stand for a
-/// curve.
+/// Distance at which the proxy counts as arrived: a fraction of the skin, or of the depth where facets, edges
+/// and corners approximate a curve.
 double closeEnough(const Proxy& proxy, double radius) {
   double depth = 0.0;
   bool curved = false;
@@ -109,13 +110,13 @@ double closeEnough(const Proxy& proxy, double radius) {
   return std::max(0.01 * smallestSkin(proxy), curved ? kNearEnough * depth : 0.0);
 }
 
-/// One move of the proxy towards a goal: rounds of projection, walk and sweep.
+/// One move of the proxy towards a goal, in rounds of projection, surface walk and sweep.
 class Descent {
  public:
   Descent(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy)
       : world_(world), goal_(goal), radius_(radius), proxy_(proxy), mayRoll_(radius > 0.0) {}
 
-  /// From planes that are up to date.
+  /// Runs from planes that are up to date.
   void run() {
     for (int round = 0; round < kMaxRounds; ++round) {
       if (settled()) return;
@@ -123,7 +124,7 @@ class Descent {
     leaveOff();
   }
 
-  /// As run(), the first of a tick: it begins as far along the tangent as the last one turned out to go.
+  /// run() for the first move of a tick: it starts with the stretch that the last move ended with.
   void runAhead() {
     const glm::dvec3 start = proxy_.position;
     stretch_ = proxy_.stretch;
@@ -136,8 +137,8 @@ class Descent {
 
  private:
   void leaveOff() {
-    // Out of rounds, somewhere on the way. What holds the proxy there must be known, or the force would drop
-    // out.
+    // The rounds are used up before the proxy has arrived. The planes that hold it must still be known, or
+    // the force would drop to zero.
     const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
     if (touches(proxy_)) return;
     advance(world_, way, radius_, proxy_);
@@ -159,7 +160,7 @@ class Descent {
         way = wayToGoal(world_, goal_, radius_, proxy_);
       }
     }
-    // The goal is under the crease itself, whose other side is not known: the ball creeps off it.
+    // The goal is under a crease whose other side is unknown, so the ball creeps off it.
     if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) way *= kMaxStretch;
     const bool first = stretch_ > 0.0, stretched = stretch_ > 1.0;
     if (first) {
@@ -183,8 +184,8 @@ class Descent {
     return !changed && !cut && !stretched;
   }
 
-  /// Where a face that presses beyond its edge holds the proxy: tries whether the edge alone lets it pass. True
-  /// if it has.
+  /// Tests whether the edge alone would let the proxy pass where a face presses beyond its edge. True if the
+  /// proxy has passed.
   bool passEdge() {
     const auto end = proxy_.planes.begin() + proxy_.planeCount;
     const auto isBeyond = [](const ProxyPlane& plane) { return plane.beyondEdge && presses(plane); };
@@ -205,8 +206,7 @@ class Descent {
     return false;
   }
 
-  /// Whether the last step has left the ball on the corner or edge on which it was: then its arc is the exact
-  /// way.
+  /// Whether the last step has left the ball on the same corner or edge; its arc is then the exact path.
   bool stillOnSameCrease(const ProxyPlane& plane) {
     const bool same =
         !plane.surface.onFace && !lastOnFace_ &&
@@ -217,13 +217,14 @@ class Descent {
     return same;
   }
 
-  /// True if the round is over: the ball has rolled on, or has met something that the next projection must
-  /// know.
+  /// True if the round is over: the ball has rolled on, or has hit something that the next projection must
+  /// include.
   bool roll(int index, const glm::dvec3& way) {
     const int sweeps = proxy_.sweeps;
     const glm::dvec3 from = proxy_.position;
     if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) {
-      // Stopped at once by another plane: the projection knows it, the arc does not.
+      // A roll that another plane stops at once is not repeated: the projection accounts for that plane, the
+      // arc does not.
       mayRoll_ = glm::length(proxy_.position - from) > 2.0 * smallestSkin(proxy_);
       return true;
     }
@@ -242,7 +243,7 @@ class Descent {
   bool lastOnFace_ = true;
   double stretch_ = 0.0;     // of the first tangent; 0 = none
   glm::dvec3 tangent_{0.0};  // m, the first one
-  bool curved_ = false;      // it ended above the surface
+  bool curved_ = false;      // the first tangent step has ended above the surface
   glm::dvec3 lastPoint_{0.0}, lastPosition_{0.0};
 };
 
@@ -267,7 +268,7 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
   refreshPlanes(world, radius, proxy);
   glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
   if (!touches(proxy)) {
-    // Friction begins where the tool lands.
+    // Friction restarts at each landing.
     proxy.sliding = false;
     if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
     if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
@@ -284,7 +285,7 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
       proxy.sliding = false;
       return round == 0 ? descendAhead(world, goal, radius, proxy) : descend(world, goal, radius, proxy);
     }
-    // On a plane the cone is reached exactly; on a curved surface the depth changes on the way.
+    // One move reaches the cone exactly on a plane; on a curved surface the depth changes along the path.
     const double error = lag / reach - 1.0;
     if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
     (round == 0 ? descendAhead : descend)(world, goal - way * (reach / lag), radius, proxy);

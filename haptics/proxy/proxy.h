@@ -1,19 +1,17 @@
 #pragma once
 
-// The proxy of a point or ball tool: it follows the device, but never enters a part.
+// The proxy (god object) of a point or ball tool: it follows the device but never enters a part.
 //
-// Zilles & Salisbury 1995, "A constraint-based god-object method for haptic display"; Ruspini, Kolarov &
-// Khatib 1997, "The haptic display of complex graphical environments" (ball proxy). Here all constraints act
-// in the same tick.
+// The god object is Zilles & Salisbury 1995, "A constraint-based god-object method for haptic display"; the
+// ball proxy is Ruspini, Kolarov & Khatib 1997, "The haptic display of complex graphical environments". Here
+// all constraints act in the same tick.
 //
 // 1. The proxy moves only along segments that a swept test has found free, so it cannot pass an edge, a
-//    corner or a thin plate, whatever the speed. A point is a ball of radius 0.
-//
-// 2. It rests at radius + skin from a surface and is stopped at radius + skin/2; the skin is some 1e-9 of the
-//    part's size (ContactWorld::skin). Every tolerance here is a share of the skin: there are no lengths in
-//    the code.
-//
-// 3. Both sides of every triangle are solid; orientation is never asked.
+//    corner or a thin plate at any speed. A point is a ball of radius 0.
+// 2. The proxy rests at radius + skin from a surface and is stopped at radius + skin/2. The skin is some 1e-9
+//    of the part's size (ContactWorld::skin). Every tolerance is a fraction of the skin; the code contains no
+//    absolute lengths.
+// 3. Both sides of every triangle are solid; the orientation of triangles does not matter.
 
 #include <array>
 #include <cstdint>
@@ -23,45 +21,46 @@
 
 namespace tandem::haptics {
 
-/// A triangle that the proxy touches, as a plane; world frame.
+/// A triangle that the proxy touches, as a constraint plane; world frame.
 struct ProxyPlane {
-  SurfacePoint surface;     // distance: from the proxy, along the normal
+  SurfacePoint surface;     // distance is from the proxy, along the normal
   double skin = 0.0;        // m
-  double multiplier = 0.0;  // m: how far this plane holds the proxy off the goal, along its normal
-  bool arriving = false;    // not touched yet: the ground that the proxy is being dragged onto
-  bool beyondEdge = false;  // the plane of a face, counted where the tool is still on its edge
+  double multiplier = 0.0;  // m: Lagrange multiplier, how far this plane holds the proxy off the goal
+  bool arriving = false;    // not touched yet: the face onto which the proxy is being dragged
+  bool beyondEdge = false;  // the plane of a face whose edge the tool still touches
 };
 
-/// What the proxy remembers from tick to tick.
+/// The state of the proxy that persists from tick to tick.
 struct Proxy {
   glm::dvec3 position{0.0, 0.0, 0.0};
   std::array<ProxyPlane, kMaxPlanes> planes;
   int planeCount = 0;
-  bool sliding = false;  // the friction cone was left, and not yet entered again
-  int sweeps = 0;        // of the last move: what it cost
-  // How much further than its first tangent the last move went: over 1 on a convex curve, whose centre is
-  // further from the proxy than the goal is. The next move begins with as much.
+  bool sliding = false;  // the goal has left the friction cone and not entered it again
+  int sweeps = 0;        // swept tests of the last move
+  // Length of the last move relative to its first tangent, >= 1. On a convex curve the proxy travels further
+  // than the tangent step, and the next move starts with this factor.
   double stretch = 1.0;
-  // Where the tool pressed last. A way to the surface that it has just lost is tried against this triangle
-  // first: what it cannot reach sooner needs no look.
+  // The triangle on which the tool pressed last. A move back to a surface that was just lost is tested
+  // against this triangle first, which bounds the sweep over all others.
   PartId lastPart = kNoPart;
   std::uint32_t lastTriangle = kNoTriangle;
 };
 
-/// Moves the proxy as near to the goal as the parts let it, without friction: the path of constrained
-/// descent. Bounded work: at most 24 rounds of at most four sweeps; one sweep where a tool slides on, none
-/// where it rests, a few where a face holds it beyond its own edge, which is tried anew each tick.
+/// Moves the proxy as near to the goal as the parts allow, without friction: constrained minimisation of the
+/// distance to the goal (god object). Work is bounded by 24 rounds of at most four sweeps. Sliding on costs
+/// one sweep and resting none; a face that holds the proxy beyond its own edge costs a few, because that edge
+/// is tried again each tick.
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
-/// slideProxy() with the Coulomb friction of the touched materials (Harwin & Melder 2002, the friction cone:
-/// the proxy stays while the goal lies in the cone of the static coefficient, else it is drawn along at that
-/// of the dynamic one). A proxy that stays keeps its position to the bit and costs no sweep; one that is
-/// drawn over a curved surface may take up to four such moves.
+/// slideProxy() with Coulomb friction of the touched materials by the friction cone (Harwin & Melder 2002).
+/// The proxy stays while the goal lies in the cone of the static coefficient; otherwise it is dragged along
+/// on the cone of the dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a proxy
+/// dragged over a curved surface may take up to four such moves.
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
-/// Takes the proxy along with a part that has moved from `before` to its present pose: pushed where the part
-/// met it, carried rigidly if it stuck to that part by friction. False if another part stopped it, so that it
-/// is squeezed; it then may overlap the part that moved.
+/// Moves the proxy along with a part that has moved from `before` to its present pose. The part carries the
+/// proxy rigidly if friction sticks the two together, and otherwise pushes it where it meets it. Returns
+/// false if another part stops the proxy, which is then squeezed and may overlap the moved part.
 bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy);
 
 /// Whether a plane holds the proxy back now.

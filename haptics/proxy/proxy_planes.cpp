@@ -9,16 +9,16 @@
 namespace tandem::haptics {
 namespace {
 
-// 1 - cos of the angle by which a plane may turn before its constraint counts as another one: 1.4e-5 rad, a
-// force error of as little, yet above the noise of a direction measured over one skin.
+// 1 - cos of the angle by which a plane may turn before it counts as another constraint: 1.4e-5 rad. The
+// relative force error is of the same size, and it is above the noise of a direction measured over one skin.
 constexpr double kSameDirection = 1e-10;
 
-/// The contact that covers this one on an edge or corner: it lies on or under the other's plane, and further
-/// from the proxy, which rests there at full height.
+/// The contact that covers this one on an edge or corner: the edge lies on or under the other contact's
+/// plane, and the proxy rests there at full height.
 const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
   const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(index)];
   if (plane.surface.onFace) return nullptr;
-  const double height = radius + 0.75 * plane.skin;  // below this a sweep along the plane would meet the edge
+  const double height = radius + 0.75 * plane.skin;  // lower, a sweep along the plane would hit the edge
   for (int i = 0; i < proxy.planeCount; ++i) {
     const ProxyPlane& other = proxy.planes[static_cast<std::size_t>(i)];
     const SurfacePoint& under = other.surface;
@@ -28,8 +28,8 @@ const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
   return nullptr;
 }
 
-/// Settles what a covered edge means: nothing where its face goes on flat or downwards, which is then not
-/// felt from here; the face itself where that rises. False if it means nothing.
+/// Decides what a covered edge constrains. Returns false where its face goes on flat or downwards, which the
+/// proxy does not feel from here; otherwise the contact becomes one with the rising face.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
                 SurfacePoint& at, double skin) {
   const Triangle face = world.triangle(at.part, at.triangle);
@@ -69,7 +69,7 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     const glm::dvec3 offset = proxy.position - plane.surface.point;
     if (glm::length(offset) > radius + 2.0 * plane.skin) {
       changed = changed || presses(plane);
-      // The face that the walk says lies ahead is worth a look before it is touched, once.
+      // The face that the surface walk expects ahead is kept once before it is touched.
       if (!plane.arriving || !plane.surface.onFace) continue;
     }
     plane.arriving = false;
@@ -87,7 +87,7 @@ void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
     if (known.part == hit.part && known.triangle == hit.triangle) slot = i;
   }
   if (slot < 0 && proxy.planeCount < kMaxPlanes) slot = proxy.planeCount++;
-  // Eight planes at once are more than a corner has in practice; one that does not press makes room.
+  // A corner has fewer than eight planes in practice; a plane that does not press makes room.
   for (int i = 0; i < kMaxPlanes && slot < 0; ++i) {
     if (!presses(proxy.planes[static_cast<std::size_t>(i)])) slot = i;
   }
@@ -120,14 +120,13 @@ glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double r
     source[count] = i;
     planes[count++] = {plane.surface.normal, radius + plane.skin - plane.surface.distance};
   }
-  // Lengths are relative to the proxy, where they are small and keep their digits.
+  // Lengths are relative to the proxy, where they are small and keep their precision.
   const Projection found =
       projectOntoPlanes(goal - proxy.position, std::span<const HalfSpace>(planes.data(), count), tolerance);
   for (std::size_t i = 0; i < count; ++i) {
     proxy.planes[static_cast<std::size_t>(source[i])].multiplier = found.multiplier[i];
   }
-  // Planes that contradict each other (a gap narrower than the tool and its skins): staying is always
-  // allowed.
+  // Planes contradict each other in a gap narrower than the tool and its skins; staying is always allowed.
   return found.exact ? found.point : glm::dvec3(0.0);
 }
 

@@ -11,18 +11,20 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kMaxRoll = 0.7;  // rad a round: where two tangents of the arc meet, 6.5 % of its radius off
-// Arcs of a crease: a way longer than that leads over the creases behind it too. Along the tangent it skims
-// over all of them at once, and the next round comes down.
+constexpr double kMaxRoll =
+    0.7;  // rad a round: where two tangents of the arc meet, 6.5 % of its radius off it
+// Multiple of a crease's arc beyond which a displacement also crosses the creases behind it. Such a step
+// follows the tangent over all of them at once, and the next round comes down to the surface.
 constexpr double kSkim = 8.0;
-// Of the arc between where a roll is free and where it is stopped: to 2^-40 of it.
+// Bisection steps between the free and the blocked end of a roll, which resolve 2^-40 of its arc.
 constexpr int kBisections = 40;
-// Sine of the angle between a way and a face. To step back to its full height the ball goes half a skin / sine
-// along its way: on flatter ways, more than 32 skins, it stays where it was stopped.
+// Sine of the angle between a displacement and a face. To step back to its full height the ball moves half a
+// skin / sine back along its displacement; on a flatter one, which needs more than 32 skins, it stays where
+// it was stopped.
 constexpr double kSteepEnough = 1.0 / 64.0;
 
-/// The first touch on a straight way. A way back to a surface that the tool has just lost is tried against
-/// the triangle touched last: nothing that is met later than that one needs a look.
+/// The first hit on a straight displacement. A move back to a surface that was just lost is tested against
+/// the last touched triangle first, which bounds the sweep over all others.
 bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, const Proxy& proxy,
               WorldHit& hit) {
   if (proxy.planeCount == 0) {
@@ -33,7 +35,8 @@ bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, c
   return world.sweep(proxy.position, way, radius, kNoPart, hit);
 }
 
-/// Moves along a straight way until a part stops it, and where; true if none did.
+/// Moves along a straight displacement until a part stops the proxy, and reports that hit; true if there was
+/// none.
 bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy, WorldHit& hit) {
   hit = {};
   ++proxy.sweeps;
@@ -41,8 +44,8 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
     proxy.position += way;
     return true;
   }
-  // It is stopped at half a skin. Where the way met the surface steeply enough, stepping back along it to the
-  // full height is short and free.
+  // The sweep stops at half a skin. Where the displacement meets the surface steeply enough, stepping back
+  // along it to the full height is short and free.
   const double length = glm::length(way), slope = -glm::dot(hit.normal, way) / length;
   const double back =
       slope > kSteepEnough ? 0.5 * world.skin(hit.part, proxy.position) / (slope * length) : 0.0;
@@ -74,22 +77,22 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const double cosine = std::clamp(glm::dot(normal, out) / length, -1.0, 1.0);
   const glm::dvec3 sideways = out / length - cosine * normal;
   const double sine = glm::length(sideways);
-  // Right behind the crease: no side is nearer than the other.
+  // The goal is right behind the crease, where no side is nearer than the other.
   if (sine < 1e-6 && cosine < 0.0) return false;
   const glm::dvec3 tangent = sine > 0.0 ? sideways / sine : glm::dvec3(0.0);
   const double angle = std::atan2(sine, cosine);
   RollLimit limit;
   if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
   const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
-  // A way that is far longer than the arc skims over it, and the creases behind it.
+  // A displacement far longer than the arc skims over it and over the creases behind it.
   if (leaves && glm::length(way) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
-  // Over a crease whose other side is not known the ball would roll too far, if the goal is under it.
+  // If the other side of the crease is unknown and the goal is under it, the ball would roll too far.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
   const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
   const glm::dvec3 shift = (foot - plane.surface.point) * share;
   if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
   if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
-  // Of the way over the crease, and that far from it.
+  // Point at this fraction of the roll and this distance from the crease.
   const auto over = [&](double part, double distance) {
     const double t = part * turn;
     return plane.surface.point + shift * part + distance * (std::cos(t) * normal + std::sin(t) * tangent);
@@ -108,7 +111,8 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
     refreshPlanes(world, radius, proxy);
     return true;
   }
-  // Stopped above the arc, on a tangent of it: where the arc itself touches what was met, both hold the ball.
+  // The ball was stopped on a tangent, above the arc. Bisection finds where the arc itself touches the
+  // obstacle; there both hold the ball.
   const WorldHit met = stop;
   const double contact = radius + world.skin(met.part, proxy.position);
   const auto isFree = [&](double part) { return glm::length(over(part, reach) - met.point) > contact; };
@@ -135,7 +139,7 @@ bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const g
   if (ahead == kNoTriangle) return false;
   at.triangle = ahead;
   takeFacePlane(world.triangle(at.part, ahead), position, at);
-  // Lower over that face, its sweep would meet the ridge.
+  // From a lower position over that face, a sweep would hit the ridge.
   if (at.distance < 0.75 * plane.skin) return false;
   plane.surface = at;
   return true;

@@ -1,6 +1,6 @@
 #pragma once
 
-// How the proxy moves: straight until it is stopped, over a crease, or off a ridge.
+// Steps of the proxy: straight until a part stops it, over a crease, or off a ridge.
 
 #include <glm/vec3.hpp>
 
@@ -9,16 +9,17 @@
 
 namespace tandem::haptics {
 
-/// Moves along a straight way, m, until a part stops it; true if none did.
+/// Moves along a straight displacement, m, until a part stops the proxy; true if none did.
 bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy);
 
-/// Rolls the ball over the crease that it presses on alone, towards the place over it that is nearest to the
-/// goal: up to the face or edge ahead, or by kMaxRoll, along two tangents of the arc. False if it is there.
+/// Rolls the ball over the crease that alone presses on it, towards the point above the crease nearest to the
+/// goal. The roll ends at the next face or edge or after kMaxRoll, and follows two tangents of the arc. False
+/// if the ball is already there.
 bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const glm::dvec3& way,
                     int index, Proxy& proxy);
 
-/// Lets a point that rests on a ridge rest on the face that its way leads onto. False if the mesh does not
-/// tell.
+/// Moves the contact of a point that rests on a ridge onto the face that its displacement leads over. False
+/// if the mesh does not tell.
 bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& way,
                   ProxyPlane& plane);
 

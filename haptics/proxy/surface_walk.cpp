@@ -8,11 +8,11 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kGroundTurn = 0.98480775301220802;  // cos 10 degrees: what turns by more ends the ground
+constexpr double kGroundTurn = 0.98480775301220802;  // cos 10 degrees: a steeper turn ends the walk
 constexpr int kMaxTriangles = 256;
-constexpr int kMaxSeams = 4;  // at which a query must find the triangle on the other side
+constexpr int kMaxSeams = 4;  // seams at which a query must find the next triangle
 
-/// A contact point on its way over the triangles of one part, in that part's frame.
+/// A contact point on its path over the triangles of one part, in that part's frame.
 class Walker {
  public:
   Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way, double skin)
@@ -52,7 +52,8 @@ class Walker {
     localUpright_ = partFromWorld * upright_;
   }
 
-  /// Takes the present triangle's plane; false if it is turned too far against the contact's normal.
+  /// Projects the displacement onto the present triangle; false if that is turned too far against the
+  /// contact's normal.
   bool stand() {
     const Triangle t = world_.collider(part_).tree->triangle(triangle_);
     corners_[0] = t.a, corners_[1] = t.b, corners_[2] = t.c;
@@ -65,8 +66,8 @@ class Walker {
     return std::abs(cosine) >= kGroundTurn;
   }
 
-  /// Goes to the edge through which the way leaves the triangle and returns it; -1 if the way ends before
-  /// that.
+  /// Goes to the edge through which the path leaves the triangle and returns that edge; -1 if the path ends
+  /// before it.
   int leave() {
     int first = -1;
     double earliest = 1.0;
@@ -77,7 +78,7 @@ class Walker {
       const double speed = glm::dot(outwards, step_);
       if (!(speed > 0.0)) continue;
       const double room = glm::dot(outwards, a - at_);
-      // A way along an edge does not leave: only what ends clearly beyond it does.
+      // A path along an edge does not leave the triangle; it must end clearly beyond the edge.
       if (speed * (1.0 - walked_) - room <= 2.0 * skin_ * glm::length(along)) continue;
       const double when = walked_ + std::max(0.0, room) / speed;
       if (when >= earliest) continue;
@@ -98,8 +99,8 @@ class Walker {
     return true;
   }
 
-  /// Looks for ground just behind an edge at which the mesh ends or turns down: another part, or faces that
-  /// share no vertices.
+  /// Looks for a surface just behind an edge at which the mesh ends or turns down: another part, or faces
+  /// that share no vertices.
   bool crossSeam(const SurfacePoint& from) {
     if (!(length_ > 0.0)) return false;
     const Pose& pose = world_.pose(part_);
