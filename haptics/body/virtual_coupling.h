@@ -31,10 +31,9 @@ struct RigidBody {
   Twist twist;  // of the body frame's origin
 };
 
-// 34 Couplings on one body: two hands, or one hand and a tool; its links; the spring that leads it through an
+// Couplings on one body: two hands, or one hand and a tool; its links; the spring that leads it through an
 // outage.
-inline constexpr int kMostCouplings =
-    4;  // on one body: two hands, or one and a tool; its links; what leads it
+inline constexpr int kMostCouplings = 4;
 
 /// A virtual coupling from a grip on a body to a device.
 struct Coupling {

@@ -9,14 +9,15 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kOutage = PlayOutDelay::kOutage;
-constexpr double kCatchUpTime = 0.05;     // s
-constexpr double kRunOut = 4.0;           // N/s
-constexpr double kCalmRunOut = 1.5;       // N/s, where an end has been put off: nobody is taken unawares
+constexpr double kCatchUpTime = 0.05;  // s
+constexpr double kRunOut = 4.0;        // N/s
+constexpr double kCalmRunOut = 1.5;    // N/s, where an end has been switched off: the hand has time to adapt
 constexpr double kFastestRunOut = 100.0;  // N/s
-constexpr double kJump = 0.1;             // of the share of the wave that counts
-constexpr double kGapIgnored = 1e-3;  // m: without it the noise of the waves would be rectified into creep
-constexpr double kGapRate = 2.0;      // 1/s
-constexpr double kGapSpeed = 0.05;    // m/s: b / 2 times that is felt
+constexpr double kJump = 0.1;             // change of the counted share of the wave that counts as a jump
+constexpr double kGapIgnored =
+    1e-3;                           // m: dead band, else the noise of the waves would be rectified into creep
+constexpr double kGapRate = 2.0;    // 1/s
+constexpr double kGapSpeed = 0.05;  // m/s: the hand feels b / 2 times that
 constexpr double kForceFilterTime = 0.05;                     // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J
 constexpr double kFull = 0.999;
@@ -39,7 +40,7 @@ void CoordinationLink::carryOn(std::uint32_t epoch) {
   playOut_.carryOn(epoch);
 }
 
-// Rule 8. A regime has its impedance and its play-out time; the wave starts from zero under both.
+// Rule 8: each regime has its impedance and its play-out delay; both start with a zero wave.
 void CoordinationLink::enterRegime() {
   b_ = regime() == LinkRegime::stiff ? p_.impedance : p_.softImpedance;
   playOutDelay_.restart(regime_.age(), p_.packetPeriod, p_.period);
@@ -54,7 +55,7 @@ void CoordinationLink::watchRegime(double now) {
   longestAge_ = std::max(longestAge_, age);
   if (dry_ > kOutage && age <= delay()) playOutDelay_.lengthen(longestAge_);
   if (dry_ == 0.0 || age <= delay()) longestAge_ = 0.0;
-  // A way that has become longer than what is played out needs a new start too.
+  // A network path that has become longer than the play-out delay also needs a restart.
   const bool tooLong = regime_.age() > delay();
   if (tooLong) regime_.beginAnew();
   if (regime_.advance(age, newest.regime, p_.period) || tooLong) enterRegime();
@@ -82,21 +83,21 @@ LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const T
   const bool wasFresh = fresh(), isFresh = hears(peer);
   const double shareBefore = share_;
   const Aim aim = isFresh ? follow(peer, worldFromCentre, v) : runDry(peer);
-  // Rule 3: where the aim jumps the force does not; what it is beyond its aim runs out.
+  // Rule 3: a jump of the target force does not reach the hand; the force in excess of its target decays.
   if (isFresh != wasFresh || std::abs(share_ - shareBefore) > kJump) excess_ = force_ - aim.force;
   runOut(v);
-  // Rule 1: no wave brings in more energy than there is.
+  // Rule 1, the energy bound: a wave spends no more energy than has arrived and the reserve holds.
   const double most = std::sqrt(std::max(0.0, 2.0 * (aim.energy + reserve_.energy()) / p_.period));
   wave_ = shortened(waveOf(aim.force + excess_, v), most);
   pay(peer, aim);
   const SixAxes held = forceOf(wave_, {});
-  // Rule 2: until the reserve is full the replica drags a little more, which fills it as soon as it moves.
+  // Rule 2: while the reserve is not full, extra drag on the replica fills it as soon as the replica moves.
   drag_ = p_.drag + p_.fillingDrag * (1.0 - reserve_.energy() / LinkReserve::kMost);
   const double damping = seriesDamping() + drag_;
   return {wrenchOf(held, p_.lever), damping, damping * p_.lever * p_.lever};
 }
 
-// Rule 1 (rate), 3, 5 and 6 while the peer is heard.
+// Rules 1 (rate), 3, 5 and 6 while the peer is heard.
 CoordinationLink::Aim CoordinationLink::follow(const PlayedWave& peer, const Pose& pose, const SixAxes& v) {
   if (dry_ > kOutage) resume(peer);
   dry_ = 0.0;
@@ -112,8 +113,9 @@ CoordinationLink::Aim CoordinationLink::follow(const PlayedWave& peer, const Pos
   return aim;
 }
 
-// Rule 4. Nothing to play: never the last wave again, the force runs out. For a moment the reserve lends what this costs;
-// beyond it the wave that this end sends is its own to spend, and is not announced.
+// Rule 4, starved play-out: the last wave is never repeated; the force decays. For a short time the reserve
+// lends the energy that this costs. After that this end may spend the wave that it sends, and does not
+// announce it.
 CoordinationLink::Aim CoordinationLink::runDry(const PlayedWave& peer) {
   dry_ += p_.period;
   share_ = 0.0;
@@ -124,14 +126,14 @@ CoordinationLink::Aim CoordinationLink::runDry(const PlayedWave& peer) {
   return aim;
 }
 
-// Rule 5. After an outage neither the missed way nor the missed energy is made up for.
+// Rule 5: after an outage neither the missed displacement nor the missed energy is made up.
 void CoordinationLink::resume(const PlayedWave& peer) {
   ramp_ = 0.0;
   used_ = peer.state.wave;
   spent_ = std::max(spent_, peer.state.energy);
 }
 
-// Rule 5. Neither end is ever ahead of what the other one pays for.
+// Rule 5: neither end spends more than the other end pays for.
 void CoordinationLink::fadeIn(const PlayedWave& peer) {
   ramp_ = std::min(1.0, ramp_ + p_.period / p_.fadeTime);
   fade_ = minimumJerk(ramp_);
@@ -139,15 +141,16 @@ void CoordinationLink::fadeIn(const PlayedWave& peer) {
   if (share_ <= kFull) used_ = peer.state.wave - p_.period * peer.rate;
 }
 
-// Rule 1. The slope between the two packets that are interpolated, and what has been missed, slowly: a difference from
-// tick to tick would be a spike where packets are missing.
+// Rule 1: the wave is the slope between the two interpolated packets, plus a slow correction of what was
+// missed. A difference from tick to tick would be a spike where packets are missing.
 SixAxes CoordinationLink::catchUp(const PlayedWave& peer) const {
   return peer.rate + (1.0 / kCatchUpTime) * (peer.state.wave - used_ - p_.period * peer.rate);
 }
 
-// Rule 6. Cumulative waves keep the poses together but for what cap, fade and outage have cut off. The peer is taken to
-// where it is by now; F D_p / b is the gap that belongs to the force. Free of charge as far as it cancels the wave, else
-// from the reserve: both without a jump where the wave turns.
+// Rule 6: cumulative waves keep the poses together except for what cap, fade and outage have cut off. The
+// peer's pose is extrapolated to the present; F D_p / b is the gap that belongs to the force. The correction
+// costs nothing as far as it cancels the wave and is paid from the reserve beyond that, both without a jump
+// where the wave changes sign.
 SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave) {
   slowForce_ += (p_.period / kForceFilterTime) * (force_ - slowForce_);
   const SixAxes ahead = delay() * axesOf(peer.state.twist, p_.lever);
@@ -162,7 +165,7 @@ SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, con
   return std::max(paid, free) * correction;
 }
 
-// Rule 3. Where the excess drives the replica, it must be gone before it has spent the reserve.
+// Rule 3: an excess force that drives the replica must decay before it has spent the reserve.
 void CoordinationLink::runOut(const SixAxes& v) {
   const bool putOff = !on_ || (!playOut_.empty() && !playOut_.newest().on);
   double rate = putOff ? kCalmRunOut : kRunOut;
@@ -174,7 +177,8 @@ void CoordinationLink::runOut(const SixAxes& v) {
   excess_ -= shortened(excess_, rate * p_.period);
 }
 
-// Rule 3: the wave that gives this force on a replica of this velocity.
+// Wave transform: the incoming wave w that gives this force on a replica of this velocity (Niemeyer & Slotine
+// 1991, with the implicit spring of this link).
 SixAxes CoordinationLink::waveOf(const SixAxes& force, const SixAxes& v) const {
   return (1.0 / waveGain()) * (force - springGain() * stretch_ + seriesDamping() * v);
 }
@@ -183,7 +187,7 @@ SixAxes CoordinationLink::forceOf(const SixAxes& wave, const SixAxes& v) const {
   return springGain() * stretch_ + waveGain() * wave - seriesDamping() * v;
 }
 
-// Rules 2 and 4: who pays for the wave of this tick.
+// Rules 2 and 4: accounts for the energy of this tick's wave.
 void CoordinationLink::pay(const PlayedWave& peer, const Aim& aim) {
   const double cost = 0.5 * dot(wave_, wave_) * p_.period;
   account_.lent += std::max(0.0, cost - aim.energy);
@@ -210,7 +214,7 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
   const double outgoing = 0.5 * dot(sent_, sent_) * p_.period;
   announced_ += announcedShare_ * outgoing;
   kept_ = (1.0 - announcedShare_) * outgoing;
-  const double damping = b_ + 0.5 * p_.spring * p_.period;  // with what the implicit spring loses
+  const double damping = b_ + 0.5 * p_.spring * p_.period;  // includes the loss of the implicit spring
   reserve_.fill(p_.period * (damping * dot(slip, slip) + drag_ * dot(v, v)));
   const SixAxes acting = force_ - drag_ * v;
   account_.work += p_.period * dot(acting, v);

@@ -1,22 +1,22 @@
 #pragma once
 
-// One end of the line that ties this site's replica of a part to another site's replica of it, across a delay, without
-// making energy. Wave variables (Anderson & Spong 1989; Niemeyer & Slotine 1991, "Stable adaptive teleoperation") with a
-// spring and a matched damper at each end, in all six axes at once (six_axes.h):
+// Coordination link: one end of the line that ties this site's replica of a part to another site's replica
+// across a delay, without creating energy. It uses wave variables (Anderson & Spong 1989; Niemeyer & Slotine
+// 1991, "Stable adaptive teleoperation") with a spring and a matched damper at each end, in all six axes at
+// once (six_axes.h). The wave transform is
 //
-//   v_d = (sqrt(2b) w - K e + b v) / 2b      F = K e + b (v_d - v)      e' = v_d - v      u = sqrt(2b) v_d - w
+//   v_d = (sqrt(2b) w - K e + b v) / 2b     F = K e + b (v_d - v)     e' = v_d - v     u = sqrt(2b) v_d - w
 //
-// v is the replica's twist at its centre of mass in world axes, F what acts on the replica there, w the wave that comes
-// in, u the one that goes out; F . v = (w^2 - u^2) / 2 less what spring and damper keep. The sums U = integral of u and
-// E = integral of u^2 / 2 are sent; the other end plays them out a fixed time later, and w may spend no more than what
-// has arrived of E and a small reserve of what this end itself has lost.
+// v is the replica's twist at its centre of mass in world axes, F the wrench on the replica there, w the
+// incoming wave and u the outgoing one. F . v = (w^2 - u^2) / 2 less what spring and damper keep. Each end
+// sends the sums U = integral of u and E = integral of u^2 / 2; the other end plays them out a fixed time
+// later. Passivity: w may spend no more energy than has arrived of E plus a small reserve of what this end
+// itself has dissipated.
 //
-// 1. Use from the thread that ticks: pull() before the replica moves, settle() after, each tick. receive() and packet()
-//    between ticks. No allocation, no lock; the same calls give the same bits.
-//
-// 2. The link never waits: with nothing to play out its force runs out, with packets back it fades in.
-//
-// 3. Poses are never set. A gap between replicas is drawn shut, slowly.
+// 1. The thread that ticks calls pull() before the replica moves and settle() after it, each tick, and
+//    receive() and packet() between ticks. Nothing allocates or locks; the same calls give the same bits.
+// 2. The link never waits: its force decays when play-out starves, and fades in when packets return.
+// 3. Poses are never set. A gap between replicas is closed slowly.
 
 #include <algorithm>
 #include <cmath>
@@ -34,40 +34,43 @@ namespace tandem::haptics {
 struct LinkParameters {
   double period = 1e-3;         // s, of the tick
   double packetPeriod = 4e-3;   // s, between the peer's packets
-  double lever = 0.05;          // m, of the part, both ends alike: an angle counts as the way at its end
-  double impedance = 27.0;      // N s/m: b, in the regime stiff
-  double softImpedance = 14.0;  // N s/m: b, in the regime soft
+  double lever = 0.05;          // m, of the part, the same at both ends; converts angles to lengths
+  double impedance = 27.0;      // N s/m: b, in regime stiff
+  double softImpedance = 14.0;  // N s/m: b, in regime soft
   double spring = 10000.0;      // N/m: K
   double drag = 0.1;            // N s/m, on the replica at all times
-  double fillingDrag = 0.6;     // N s/m, more while the reserve is empty
-  double fadeTime = 0.5;        // s, in which the link comes up
-  double farthest = 0.15;       // s, of delay: beyond it there is no link
-  double playOutMargin = 0.0;   // s, later than PlayOutDelay finds enough
+  double fillingDrag = 0.6;     // N s/m, additional drag while the reserve is empty
+  double fadeTime = 0.5;        // s, until the link has its full force
+  double farthest = 0.15;       // s: the link is off at longer delays
+  double playOutMargin = 0.0;   // s, added to the delay that PlayOutDelay estimates
 };
 
-/// The most that lines from one site may weigh together, kg: b D_p of them all is what whoever leads has to carry.
+/// Upper bound of the summed mass b D_p of all lines from one site, kg; the hand that leads the part carries
+/// it.
 inline constexpr double kMostLineMass = 1.7;
 
-/// The impedance of each of `lines` lines that begin at one site, `most` where they stay light enough, N s/m. Both ends
-/// of a line must be given the same, so one of them decides.
+/// Impedance of each of `lines` lines from one site, N s/m: `most` where the lines stay light enough. Both
+/// ends of a line need the same value, so one end decides.
 inline double lineImpedance(double most, double playOutDelay, int lines) {
   return std::min(most, kMostLineMass / (playOutDelay * lines));
 }
 
-/// What a link does to a replica in a tick, about its centre of mass, world axes: `held` less `damping` and `rotDamping`
-/// times the velocity and spin that the replica takes in this tick. A step must be implicit in these.
+/// Wrench of a link on a replica in a tick, about its centre of mass, world axes: `held` less `damping` and
+/// `rotDamping` times the velocity and spin that the replica takes in this tick. A step must be implicit in
+/// these.
 struct LinkPull {
   Wrench held;
   double damping = 0.0;     // N s/m
   double rotDamping = 0.0;  // N m s/rad
 };
 
-/// What an end has done since it began, J. Over both ends the sum of `work`, `stored` and `reserve` never passes zero.
+/// Energy account of an end since it began, J. Over both ends the sum of `work`, `stored` and `reserve` never
+/// becomes positive.
 struct LinkAccount {
-  double work = 0.0;     // on the replica
+  double work = 0.0;     // done on the replica
   double stored = 0.0;   // in the spring
   double reserve = 0.0;  // may still be spent
-  double lent = 0.0;     // spent beyond what had arrived, all in all
+  double lent = 0.0;     // spent before it had arrived, total
 };
 
 class CoordinationLink {
@@ -75,55 +78,60 @@ class CoordinationLink {
   explicit CoordinationLink(const LinkParameters& parameters)
       : p_(parameters), regime_(parameters.farthest), playOutDelay_(parameters.playOutMargin) {}
 
-  /// Begins anew under an epoch; `delay` s is what the way is known to take. What force there was runs out.
+  /// Restarts under an epoch; `delay` s is the known network delay. The present force decays.
   void begin(std::uint32_t epoch, double delay);
-  /// The same link under a new epoch: sums and sequence go on, and packets of the epoch before are taken until the first
-  /// one of this is heard. For a change of owner, where the two ends are told at different times.
+  /// Continues the link under a new epoch. Sums and sequence go on, and packets of the previous epoch are
+  /// accepted until the first one of the new epoch arrives. For a change of owner, which the two ends learn
+  /// at different times.
   void carryOn(std::uint32_t epoch);
-  /// Of the two regimes, N s/m, from the next begin() on: lines that share a weight become lighter as sites join.
+  /// Sets the impedance of both regimes, N s/m, from the next begin() on: lines that share a mass become
+  /// lighter as sites join.
   void setImpedance(double stiff, double soft) { p_.impedance = stiff, p_.softImpedance = soft; }
-  /// s, of delay: beyond it there is no link. The lesser one of both ends counts, for the worse regime does.
+  /// Sets the delay, s, beyond which the link is off. The lower setting of both ends counts, because the
+  /// worse regime does.
   void setFarthest(double farthest) { regime_.setFarthest(farthest); }
-  /// Whether this end's replica takes part. Off, the force runs out and the peer is told.
+  /// Switches this end's replica on or off. Off, the force decays and the peer is told.
   void setOn(bool on) { on_ = on; }
 
   bool on() const { return on_; }
-  /// Instead of pull() and settle(), off: somebody else moves the replica, or nothing of the link is left on it. `asks`:
-  /// the owner is to begin.
+  /// Replaces pull() and settle() while the end is off: another holder moves the replica, or the link has no
+  /// force left on it. `asks` requests that the owner begins.
   void follow(double now, const Pose& worldFromCentre, const Twist& twist, bool asks);
-  /// What was heard last, or null.
+  /// The packet made last among those received, or null.
   const LinkPacket* newest() const { return playOut_.empty() ? nullptr : &playOut_.newest(); }
 
-  /// False if the packet was dropped: invalid, of another epoch, known or too late.
+  /// False if the packet was dropped: invalid, of another epoch, a duplicate or too late.
   bool receive(const LinkPacket& packet) { return playOut_.receive(packet); }
 
-  /// Begins a tick at `now` (s, session clock): the replica's centre of mass with the replica's orientation, and the
-  /// twist of that point.
+  /// Begins a tick at `now` (s, session clock), given the pose of the replica's centre of mass with the
+  /// replica's orientation, and the twist of that point.
   LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist);
-  /// Ends it: where the replica now is, and the twist that it took. Returns what acted on it.
+  /// Ends the tick, given the replica's new pose and the twist that it took. Returns the wrench that acted on
+  /// it.
   Wrench settle(const Pose& worldFromCentre, const Twist& twist);
 
-  /// What to send now, about every packetPeriod.
+  /// The packet to send now, about every packetPeriod.
   LinkPacket packet(double now);
 
   LinkRegime regime() const { return regime_.regime(); }
   double impedance() const { return b_; }
-  /// s, by which the peer is played out late: D_p.
+  /// Play-out delay D_p, s: how far the peer is played out behind its present.
   double delay() const { return playOutDelay_.seconds(); }
-  /// Mass that the line itself adds to the part while it is up, kg: b D_p. Its inertia is that times lever^2.
+  /// Mass that the line itself adds to the part while it is up, kg: b D_p. Its inertia is that mass times
+  /// lever^2.
   double lineMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * delay(); }
-  /// 0..1: how far this end has faded in.
+  /// Fade-in of this end, 0..1.
   double fade() const { return fade_; }
   bool fresh() const { return dry_ == 0.0; }
   const LinkAccount& account() const { return account_; }
 
  private:
   struct Aim {
-    SixAxes force;        // N, that the rules want
-    SixAxes correction;   // sqrt(W): the part of the wave that closes a gap of pose
+    SixAxes force;        // N, target
+    SixAxes correction;   // sqrt(W): share of the wave that closes a gap of pose
     double energy = 0.0;  // J, that has arrived for this tick
-    double taken = 1.0;   // of the wave that arrives
-    bool full = false;    // faded in: what is not spent now may be spent later
+    double taken = 1.0;   // accepted share of the incoming wave
+    bool full = false;    // faded in: energy left over now may be spent later
   };
 
   void watchRegime(double now);
@@ -140,7 +148,8 @@ class CoordinationLink {
   SixAxes forceOf(const SixAxes& wave, const SixAxes& v) const;
   void pay(const PlayedWave& peer, const Aim& aim);
 
-  // The spring is taken at the end of the step: F = K e + (b + K T) (v_d - v), which makes no energy at any K and b.
+  // The spring is evaluated at the end of the step, F = K e + (b + K T) (v_d - v), which creates no energy at
+  // any K and b.
   double damper() const { return b_ + p_.spring * p_.period; }
   double seriesDamping() const { return b_ * damper() / (b_ + damper()); }
   double springGain() const { return p_.spring * b_ / (b_ + damper()); }
@@ -161,19 +170,19 @@ class CoordinationLink {
   SixAxes wave_, sent_;          // sqrt(W): w and u of the last tick
   SixAxes sum_;                  // sqrt(W) s: U
   double announced_ = 0.0;       // J: E
-  SixAxes used_;                 // sqrt(W) s: what of the peer's U has been played
-  double spent_ = 0.0;           // J: what of the peer's E has been used
-  double kept_ = 0.0;            // J: of the wave sent in the last tick, not announced
-  double announcedShare_ = 0.0;  // 0..1: of the wave sent, what the peer may spend
+  SixAxes used_;                 // sqrt(W) s: played share of the peer's U
+  double spent_ = 0.0;           // J: spent share of the peer's E
+  double kept_ = 0.0;            // J: energy of the last tick's outgoing wave that is not announced
+  double announcedShare_ = 0.0;  // 0..1: share of the outgoing wave that the peer may spend
   SixAxes force_;                // N, of the last tick
   SixAxes slowForce_;            // N, low-passed
-  SixAxes excess_;               // N: what the force is beyond its aim, on its way to zero
-  double dry_ = 1.0;             // s without anything to play; 0 while fresh
-  double ramp_ = 0.0;            // 0..1 of the time to fade in
+  SixAxes excess_;               // N: force in excess of its target, decaying
+  double dry_ = 1.0;             // s since play-out starved; 0 while fresh
+  double ramp_ = 0.0;            // 0..1 of the fade-in time
   double fade_ = 0.0;            // 0..1: m
-  double share_ = 0.0;           // 0..1: g, of the wave that counts: the lesser fade of both ends
-  double longestAge_ = 0.0;      // s: of the newest packet while dry
-  Pose drawn_;                   // where the spring ends
+  double share_ = 0.0;           // 0..1: g, counted share of the wave, the lesser fade of both ends
+  double longestAge_ = 0.0;      // s: greatest age of the newest packet while starved
+  Pose drawn_;                   // end of the spring
   Twist twist_;
 };
 

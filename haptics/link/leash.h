@@ -1,12 +1,12 @@
 #pragma once
 
-// What leads a replica that no hand here holds while its link does not carry it: a spring to where the peer has it, which
-// carries its weight as well.
+// Outage spring: leads a replica that no hand here holds while its link does not carry it. A spring towards
+// the peer's pose of the part also carries the part's weight.
 //
-// 1. It begins slack. Where its end is to go jumps after an outage; the end goes there slowly while something presses on
-//    the replica, so that no hand feels the jump.
-// 2. It lets go once the link has come up, slowly: the link takes over what it held.
-// 3. Nobody pays for its energy. That is why it lets go.
+// 1. The spring begins slack. Its target jumps after an outage, and its end follows the target slowly while
+//    something presses on the replica, so that no hand feels the jump.
+// 2. The spring releases the replica slowly once the link has come up and carries it.
+// 3. The spring is outside the energy account of the link, so it acts only while the link does not.
 
 #include <algorithm>
 #include <cmath>
@@ -20,47 +20,47 @@ namespace tandem::haptics {
 
 class Leash {
  public:
-  /// What there is to lead by.
+  /// State of the link that the outage spring follows.
   struct Lead {
-    const LinkPacket* peer = nullptr;  // heard last, or null
-    double age = 0.0;                  // s, of it
-    double delay = 0.0;                // s, by which the peer is played out late
-    bool wanted = false;               // else it lets go: the link carries the replica, or leads nowhere
-    bool held = false;                 // by a hand here: it lets go, and its end goes along
+    const LinkPacket* peer = nullptr;  // last one received, or null
+    double age = 0.0;                  // s, of that packet
+    double delay = 0.0;                // s, play-out delay of the peer
+    bool wanted = false;               // else it releases: the link carries the replica, or no peer leads it
+    bool held = false;                 // by a hand here: it releases, and its end follows the replica
   };
   static Lead leadOf(const CoordinationLink& link, double now, bool held) {
-    constexpr double kLongest = 0.4;  // s: an outage makes a delay of any length
+    constexpr double kLongest = 0.4;  // s: an outage can make a delay of any length
     const LinkPacket* peer = link.newest();
     if (peer == nullptr) return {};
-    // Both ends fade in; the lesser one counts.
+    // Both ends fade in; the lesser fade counts.
     const bool carried = std::min(link.fade(), peer->fade) == 1.0;
     return {peer, std::clamp(now - peer->time, 0.0, kLongest), std::min(link.delay(), kLongest),
             link.on() && !carried, held};
   }
 
-  /// Advances by dt (s) for a replica whose centre of mass is here and moves so; an angle counts as the way at the end of
-  /// `lever` m.
+  /// Advances by dt (s) for a replica with this pose and twist of its centre of mass; `lever` (m) converts
+  /// angles to lengths.
   void advance(const Pose& worldFromCentre, const Twist& twist, const Lead& lead, double lever, double dt) {
     const double before = share_;
     share_ = std::clamp(share_ + (lead.wanted && !lead.held ? dt / kTaking : -dt / kLettingGo), 0.0, 1.0);
     const bool isNews = hears(lead, dt);
     news_ = isNews && !lead.held ? std::min(1.0, news_ + dt / kNews) : 0.0;
     if (share_ == 0.0) return;
-    // It becomes stiffer, not tighter.
+    // A rise of the stiffness keeps the force: the end moves closer.
     if (share_ > before)
       end_ = gone(worldFromCentre, (before / share_) * wayBetween(worldFromCentre, end_, lever), lever);
     const SixAxes ours = axesOf(twist, lever);
     if (lead.held) return draw(ours, ours, lever, dt);
     if (!isNews) return draw({}, (1.0 - dt / kNews) * axesOf(twist_, lever), lever, dt);
-    // What a delayed velocity is carried on by adds to the gain from hand to hand and back: only a replica that hardly
-    // anything presses on is led by it.
+    // Extrapolation with a delayed velocity raises the gain of the loop from hand to hand, so only a replica
+    // under little load is led with it.
     const double pull = share_ * kGains.stiffness * length(wayBetween(worldFromCentre, end_, lever));
     const double free = std::clamp(2.0 - pull / kFreePull, 0.0, 1.0);
     const SixAxes theirs = free * axesOf(lead.peer->twist, lever);
     const SixAxes left =
         wayBetween(end_, gone(lead.peer->worldFromDrawn, (lead.age - dt) * theirs, lever), lever);
-    // What gives way is drawn on as fast as it goes, what is pressed only so fast; the damper never hinders the former nor
-    // feels the latter.
+    // The end follows a replica that yields at the speed at which it yields, and a pressed one at a limited
+    // speed; the damper neither hinders the first nor acts on the second.
     const double size = length(left);
     const double yielding = size > 0.0 ? free * std::max(0.0, dot(ours - theirs, left) / size) : 0.0;
     const SixAxes closing =
@@ -68,9 +68,9 @@ class Leash {
     draw(theirs + closing, news_ * (theirs + shortened(closing, yielding)), lever, dt);
   }
 
-  /// 0..1: of its gains, and of the replica's weight.
+  /// Share of the gains and of the replica's weight, 0..1.
   double share() const { return share_; }
-  /// To the replica. A heavy one is damped critically.
+  /// The coupling to apply to the replica. A heavy replica is damped critically.
   Coupling coupling(const RigidBody& body) const {
     const glm::dmat3& i = body.inertia;
     const double inertia = (i[0][0] + i[1][1] + i[2][2]) / 3.0;
@@ -87,9 +87,10 @@ class Leash {
   static constexpr double kTaking = 0.02, kLettingGo = 0.5;             // s
   static constexpr double kNews = 0.1, kOldNews = 0.1, kClosing = 0.1;  // s
   static constexpr double kFreePull = 0.8;                              // N
-  static constexpr double kFastestPressed = 0.015;  // m/s, beside the peer's own motion: 6 N/s
+  static constexpr double kFastestPressed = 0.015;  // m/s, besides the peer's own motion: 6 N/s
 
-  /// Whether what was heard tells where the peer has the replica by now. Else the end stands still.
+  /// Whether the last packet is recent enough to tell the peer's present pose; otherwise the end stands
+  /// still.
   bool hears(const Lead& lead, double dt) {
     if (lead.peer == nullptr) return false;
     sinceHeard_ = lead.peer->time != heard_ ? 0.0 : sinceHeard_ + dt;
@@ -97,7 +98,7 @@ class Leash {
     return sinceHeard_ < kOldNews;
   }
 
-  /// The end goes on by `speed`; the damper is told `damped`.
+  /// Moves the end at `speed`; the damper sees the velocity `damped`.
   void draw(const SixAxes& speed, const SixAxes& damped, double lever, double dt) {
     end_ = gone(end_, dt * speed, lever);
     twist_ = {damped.along, damped.about / lever};
@@ -106,7 +107,7 @@ class Leash {
   double share_ = 0.0;
   double news_ = 0.0;  // 0..1: how far the damper follows the peer again
   double heard_ = std::numeric_limits<double>::quiet_NaN();  // s: time of the newest packet
-  double sinceHeard_ = 0.0;                                  // s, since it came
+  double sinceHeard_ = 0.0;                                  // s, since that packet arrived
   Pose end_;
   Twist twist_;
 };

@@ -1,7 +1,7 @@
 #pragma once
 
-// When a site's replica of a part that another site holds becomes dynamic: before the two parts touch. A kinematic
-// replica in contact at both sites makes energy, and a link that is asked for at contact comes too late.
+// Decides when the replica of a part that another site holds becomes dynamic: before the two parts touch. A
+// kinematic replica in contact at both sites creates energy, and a link requested at contact comes too late.
 
 #include <algorithm>
 
@@ -11,15 +11,17 @@
 
 namespace tandem::haptics {
 
-/// The guest's side. It asks, stays a follower until it sees the owner's end on, then goes dynamic.
+/// The guest's side: it requests the link, follows the owner until it sees the owner's end on, and then
+/// becomes dynamic.
 class LinkEngagement {
  public:
   enum class Role { follower, engaged };
 
-  /// Advances by dt (s). `gap` m to what this site holds, `closing` m/s, `playOutDelay` s of the link; `ownerOn`: the
-  /// owner's end is seen to be on; `force` N that the link puts on the replica.
+  /// Advances by dt (s). `gap` (m) and `closing` (m/s) are to the parts that this site holds, `playOutDelay`
+  /// (s) is that of the link, `ownerOn` says that the owner's end is known to be on, and `force` (N) is the
+  /// link's force on the replica.
   Role advance(double gap, double closing, double playOutDelay, bool ownerOn, double force, double dt) {
-    // What closes in while request and answer travel and the link fades in.
+    // The gap must cover the approach while request and answer travel and the link fades in.
     const bool wants = gap < kNear + std::max(0.0, closing) * (2.0 * playOutDelay + kFadeTime);
     idle_ = wants ? 0.0 : idle_ + dt;
     if (wants) asks_ = true;
@@ -32,7 +34,7 @@ class LinkEngagement {
   Role role() const { return role_; }
   bool asks() const { return asks_; }
 
-  static constexpr double kFadeTime = 0.3;  // s: of such a link
+  static constexpr double kFadeTime = 0.3;  // s, of such a link
 
  private:
   static constexpr double kNear = 0.03, kMargin = 0.01;  // m
@@ -41,10 +43,11 @@ class LinkEngagement {
 
   Role role_ = Role::follower;
   bool asks_ = false;
-  double idle_ = 0.0;  // s, without a wish
+  double idle_ = 0.0;  // s, since the link was last needed
 };
 
-/// The velocity with which a follower goes to where the owner's part is by now, and at most this gap of it at a time.
+/// Velocity at which a follower approaches the present pose of the owner's part; the gap it reacts to is
+/// limited.
 inline Twist followTwist(const Pose& from, const Pose& target, const Twist& targetTwist) {
   constexpr double kTime = 0.03, kMost = 0.01, kMostTurn = 0.2;  // s, m, rad
   const auto within = [](const glm::dvec3& v, double limit) {

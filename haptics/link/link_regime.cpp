@@ -6,10 +6,10 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kSoft = 0.059, kStiffAgain = 0.049;  // s
-constexpr double kAgain = 0.93;                       // of the farthest, to begin again
+constexpr double kAgain = 0.93;  // of the farthest delay, below which the link begins again
 constexpr double kFilterTime = 0.1, kSlowTime = 1.0;  // s
-constexpr double kSurelySoft = 0.064;                 // s: beyond the jitter of a way that is stiff
-constexpr double kProof = 0.5;                        // s: a link that flaps stays with the worse regime
+constexpr double kSurelySoft = 0.064;                 // s: beyond the jitter of a stiff path
+constexpr double kProof = 0.5;                        // s: a flapping link stays in the worse regime
 
 }  // namespace
 

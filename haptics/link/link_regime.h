@@ -1,6 +1,6 @@
 #pragma once
 
-// What a link may do, by the age of what it hears last.
+// Regime of a link by the age of its newest packet.
 
 #include "haptics/base/link_packet.h"
 
@@ -8,24 +8,25 @@ namespace tandem::haptics {
 
 class RegimeByAge {
  public:
-  /// `farthest` s: the age beyond which there is no link.
+  /// `farthest` s is the age beyond which the link is off.
   explicit RegimeByAge(double farthest = kFarthest) : farthest_(farthest) {}
 
-  /// From the next advance() on.
+  /// Takes effect with the next advance().
   void setFarthest(double farthest) { farthest_ = farthest; }
 
-  /// Begins with a way of `delay` s, as it is known from elsewhere.
+  /// Restarts with a network delay of `delay` s that is known from elsewhere.
   void restart(double delay);
 
-  /// Advances by dt (s): `age` (s) is that of the newest packet, `peers` what the other end measures. Returns whether
-  /// the regime changed. Worse at once, better after kProof; the worse of both ends counts, so that both agree.
+  /// Advances by dt (s): `age` (s) is that of the newest packet, `peers` the regime that the other end
+  /// measures. Returns whether the regime changed. The regime worsens at once and improves after kProof; the
+  /// worse of both ends counts, so that both agree.
   bool advance(double age, LinkRegime peers, double dt);
 
-  /// The link begins anew in any case: the age as it is now counts, however short it has been so.
+  /// Takes the present age as the long-term one, because the link restarts in any case.
   void beginAnew() { slowAge_ = age_; }
 
   LinkRegime regime() const { return regime_; }
-  /// Of this end's way alone.
+  /// The regime of this end's path alone.
   LinkRegime measured() const { return measured_; }
   /// Age of the newest packet, low-passed, s.
   double age() const { return age_; }
@@ -36,8 +37,8 @@ class RegimeByAge {
 
   double farthest_;       // s
   double age_ = 0.0;      // s
-  double slowAge_ = 0.0;  // s: jitter does not make a way soft
-  double better_ = 0.0;   // s, for which a better regime was due
+  double slowAge_ = 0.0;  // s: long-term age, which jitter does not raise
+  double better_ = 0.0;   // s, for which a better regime has been due
   LinkRegime measured_ = LinkRegime::apart, regime_ = LinkRegime::apart;
 };
 

@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// The least of a symmetric matrix's eigenvalues: the trigonometric formula (Smith 1961).
+/// The smallest eigenvalue of a symmetric matrix by the trigonometric formula (Smith 1961).
 double leastEigenvalue(const glm::dmat3& a) {
   const double mean = (a[0][0] + a[1][1] + a[2][2]) / 3.0;
   const glm::dmat3 rest = a - glm::dmat3(mean);
@@ -27,7 +27,7 @@ double spinEnergy(const glm::dmat3& inertia, const glm::dvec3& spin) {
   return 0.5 * glm::dot(spin, inertia * spin);
 }
 
-/// The spin after the inertia changed: the same angular momentum, or the same spin if that has less energy.
+/// The spin after a change of inertia: the same angular momentum, or the same spin if that has less energy.
 glm::dvec3 spinAfter(const glm::dmat3& before, const glm::dmat3& after, const glm::dvec3& spin) {
   const double had = spinEnergy(before, spin);
   const glm::dvec3 slowed = glm::inverse(after) * (before * spin);

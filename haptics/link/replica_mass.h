@@ -1,7 +1,7 @@
 #pragma once
 
-// How heavy each site's replica of a part is. The masses of all replicas, and what the lines between them add, come to
-// that of the part.
+// Mass of each site's replica of a part. The masses of all replicas and of the lines between them sum to the
+// mass of the part.
 
 #include <glm/mat3x3.hpp>
 #include <glm/vec3.hpp>
@@ -11,25 +11,27 @@
 
 namespace tandem::haptics {
 
-/// That of each of `sites` replicas of a part, `lineMass` kg on a lever of `lever` m being taken off for the lines that
-/// end here (half of what each adds); no less than a tenth of the share, nor kLeastReplicaMass where the share is more.
+/// Mass properties of each of `sites` replicas of a part, less `lineMass` kg on a lever of `lever` m for the
+/// lines that end here (half of what each adds). At least a tenth of the share remains, and at least
+/// kLeastReplicaMass where the share is more.
 assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double lineMass,
                                    double lever);
 
 inline constexpr double kLeastReplicaMass = 0.03;  // kg
 
-/// Changes a body's mass towards `target` by at most `most` kg, its inertia in step. Never adds kinetic energy: what
-/// gets lighter keeps its velocity, what gets heavier its momentum.
+/// Changes a body's mass towards `target` by at most `most` kg, and its inertia by the same share. Never adds
+/// kinetic energy: a body that gets lighter keeps its velocity, one that gets heavier its momentum.
 void changeMass(RigidBody& body, const assets::MassProperties& target, double most);
 
-/// changeMass() over time. A hand that moves a part at v feels v dm/dt as it gets heavier, so the rate grows from zero.
+/// changeMass() over time. A hand that moves a part at v feels v dm/dt as the part gets heavier, so the rate
+/// grows from zero.
 class MassRamp {
  public:
   void advance(RigidBody& body, const assets::MassProperties& target, double dt);
 
  private:
-  static constexpr double kGrowing = 1.0, kFalling = 3.0;  // kg/s, at most: what gets lighter is not felt
-  static constexpr double kRise = 0.3;                     // s, to kGrowing
+  static constexpr double kGrowing = 1.0, kFalling = 3.0;  // kg/s, limits; a loss of mass is not felt
+  static constexpr double kRise = 0.3;                     // s, until the rate is kGrowing
   double rate_ = 0.0;                                      // kg/s, signed
 };
 

@@ -9,7 +9,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kForceLeft = 0.01;  // N, with which a link that has ended may be dropped
+constexpr double kForceLeft = 0.01;  // N, below which a link that has ended may be dropped
 
 Pose centreOf(const RigidBody& body) {
   return {transformPoint(body.worldFromBody, body.centreOfMass), body.worldFromBody.orientation};
@@ -62,7 +62,7 @@ bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
   }
   End& end = **slot;
   end.leashed = tie.leashed;
-  // What leads the part goes on to another owner.
+  // The outage spring of the part passes on to the tie with the new owner.
   if (tie.leashed)
     forEachEnd(tie.part, [&](End& other) {
       if (&other != &end && other.leash.share() > 0.0) end.leash = std::exchange(other.leash, {});
@@ -109,7 +109,8 @@ std::size_t TiedParts::takePackets(std::span<TiedPacket> packets) {
   return count;
 }
 
-/// Who is too far away to be tied simulates the whole part; a hub shares it with those that are not.
+/// A site that is too far away to be tied simulates the whole part; a hub shares the part with the sites that
+/// are not.
 assets::MassProperties TiedParts::shareOf(Shared& shared) {
   int live = 0, apart = 0;
   double lines = 0.0, lever = 0.0;
@@ -130,7 +131,7 @@ void TiedParts::setMass(Shared& shared, RigidBody& body, double dt) {
   if (body.mass == target.mass && body.inertia == target.inertia) return;
   shared.ramp.advance(body, target, dt);
   if (std::abs(body.mass - target.mass) > 1e-9 * target.mass) return;
-  body.mass = target.mass;  // to the bit: a part that is alone again is what it was
+  body.mass = target.mass;  // equal to the bit: a part that is alone again is what it was
   body.inertia = target.inertia;
 }
 

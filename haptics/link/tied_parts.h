@@ -1,14 +1,15 @@
 #pragma once
 
-// What ties the parts that a site simulates to other sites' replicas of them: one coordination link a part and peer, and
-// the share of the part's mass that the replica here has.
+// Ties the parts that a site simulates to other sites' replicas of them: one coordination link per part and
+// peer, and this replica's share of the part's mass.
 //
-// An owner has a link to each site that is engaged in its part, a guest has one, to the owner; a link is the same at both
-// ends, so that who owns the part may change and the link go on.
+// An owner has a link to each site that is engaged in its part; a guest has one link, to the owner. Both ends
+// of a link are alike, so the owner of a part can change while the link goes on.
 //
-// 1. Room is fixed; nothing here allocates. A part without links is not known here and costs one comparison.
-// 2. Nothing steps: a link that ends runs its force out before it is dropped, and masses ramp.
-// 3. In the thread that ticks: pull() before a part moves, settle() after; everything else between ticks.
+// 1. The room is fixed and nothing allocates. A part without links is unknown here and costs one comparison.
+// 2. Nothing jumps: the force of a link that ends decays before the link is dropped, and masses ramp.
+// 3. The thread that ticks calls pull() before a part moves and settle() after it, and everything else
+//    between ticks.
 
 #include <array>
 #include <optional>
@@ -27,16 +28,18 @@ struct PartTie {
   PartId part = kNoPart;
   SiteId peer = kNoSite;
   LinkParameters link;  // the same at both ends; `period` is the tick's
-  double delay = 0.0;   // s, that the way is known to take
-  std::uint32_t epoch =
-      0;  // any number that this tie has at both ends, and that none between them had before
-  /// The same link goes on under a new epoch: nothing is felt. Both ends must say so; a peer that lost its end may not.
+  double delay = 0.0;   // s, the known network delay
+  // Any number that this tie has at both ends and that no earlier tie between them had.
+  std::uint32_t epoch = 0;
+  /// Continues the same link under a new epoch without a felt change. Both ends must agree; a peer that lost
+  /// its end may not.
   bool carriesOn = false;
-  /// Where the link does not carry it, the replica is led to the peer's (leash.h): a guest's that no hand holds.
+  /// The outage spring (leash.h) leads the replica while the link does not carry it; for a guest's replica
+  /// that no hand holds.
   bool leashed = false;
 };
 
-/// What is to be sent to a peer.
+/// A packet to send to a peer.
 struct TiedPacket {
   PartId part = kNoPart;
   SiteId peer = kNoSite;
@@ -46,33 +49,35 @@ struct TiedPacket {
 class TiedParts {
  public:
   static constexpr int kMaxTies = 16;
-  /// s, of delay, at which a guest's link still does more good than harm: two hands on one part, or a part of this site
-  /// that touches another's, for as long as they touch.
+  /// Greatest delay, s, at which a guest's link is beneficial: for two hands on one part, and for a part of
+  /// this site that touches another's, while they touch.
   static constexpr double kFarthestHeld = 0.15, kFarthestTouched = 0.35;
 
-  /// Ties a part whose body is this one, begins a tie that there is anew, or lets it carry on. False if there is no room.
+  /// Ties a part with this body, restarts an existing tie, or lets it carry on. False if there is no room.
   bool tie(const PartTie& tie, const RigidBody& body);
-  /// The force of the link runs out, then it is dropped; the peer is told meanwhile.
+  /// Ends a tie: the force of the link decays, then the link is dropped; the peer is told meanwhile.
   void untie(PartId part, SiteId peer);
-  /// How many sites simulate a part, this one included: the replica's mass goes to its share. Without a live link it goes
-  /// to all of it.
+  /// Sets how many sites simulate a part, this one included. The replica's mass goes to its share, or to the
+  /// whole mass without a live link.
   void setSimulators(PartId part, int simulators);
-  /// Drops all links of a part at once: it is not simulated here any more.
+  /// Drops all links of a part at once, because this site no longer simulates it.
   void forget(PartId part);
 
-  /// False if the packet was of no use, or there is no such tie.
+  /// False if the packet was dropped or no such tie exists.
   bool receive(PartId part, SiteId peer, const LinkPacket& packet);
-  /// Those that are due, about every packetPeriod; what does not fit stays due. Returns how many.
+  /// Takes the packets that are due, about every packetPeriod, and returns their count; those that do not fit
+  /// stay due.
   std::size_t takePackets(std::span<TiedPacket> packets);
 
   bool any() const { return sharedCount_ > 0; }
   bool has(PartId part) const { return sharedCount_ > 0 && find(part) != nullptr; }
-  /// Begins the step of a part that is tied: ramps its mass, and says what its links put on it. `now` s, session clock;
-  /// `held`: by a hand here.
+  /// Begins the step of a tied part: ramps its mass, and returns the sum of its links' pulls. `now` is in s,
+  /// session clock; `held` says that a hand here holds the part.
   LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
-  /// What leads a part while a link does not carry it, or null.
+  /// The outage spring that leads a part while its link does not carry it, or null.
   const Leash* leash(PartId part) const;
-  /// Ends it: the velocity of the centre of mass and the spin that the body took, and what led it, if anything did.
+  /// Ends the step with the velocity of the centre of mass and the spin that the body took, and the wrench of
+  /// the outage spring.
   void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
               const Wrench& lead);
   TieReport report(PartId part) const;
@@ -93,15 +98,15 @@ class TiedParts {
     bool leashed;
     Leash leash;
     Wrench acting, lead;  // of the last step
-    double sinceSent;     // s; nothing is due before the first step: there is nothing to tell
+    double sinceSent;     // s; nothing is due before the first step
   };
-  /// A part with links, or whose mass is on its way back.
+  /// A part with links, or whose mass is ramping back.
   struct Shared {
     PartId part = kNoPart;
     int simulators = 1;
     assets::MassProperties whole;
     MassRamp ramp;
-    double share = 1.0;  // of the whole, that the replica goes to
+    double share = 1.0;  // of the whole mass, towards which the replica's mass goes
   };
 
   std::optional<End>* slotOf(PartId part, SiteId peer);

@@ -49,10 +49,10 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
   if ((packet.epoch != epoch_ && packet.epoch != before_) || !isValid(packet)) return false;
   std::size_t place = count_;
   while (place > 0 && at(place - 1).sequence > packet.sequence) --place;
-  const bool late =
-      place == 0 && count_ > 0 && at(0).time <= playedTo_;  // the first one is being played already
+  // The first packet is being played already.
+  const bool late = place == 0 && count_ > 0 && at(0).time <= playedTo_;
   const bool known = place > 0 && at(place - 1).sequence == packet.sequence;
-  // Time and energy grow with the sequence, whatever a peer says.
+  // Time and energy must grow with the sequence; a peer that violates this is ignored.
   const bool behind =
       place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy);
   const bool ahead = place < count_ && (at(place).time <= packet.time || at(place).energy < packet.energy);

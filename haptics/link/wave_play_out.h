@@ -1,11 +1,11 @@
 #pragma once
 
-// The play-out buffer of a coordination link: packets in any order in, one continuous wave out.
+// Play-out buffer of a coordination link: packets enter in any order, one continuous wave comes out.
 //
-// 1. Order of arrival, duplicates and packets of another epoch change nothing.
-// 2. Between two packets the sums are interpolated, so a lost packet loses neither way nor energy.
-// 3. Beyond the newest packet nothing is made up: play() says that it ran dry.
-// 4. No allocation. What comes too late or does not fit is dropped, oldest first.
+// 1. The order of arrival, duplicates and packets of another epoch make no difference.
+// 2. The sums are interpolated between packets, so a lost packet loses neither displacement nor energy.
+// 3. Nothing is extrapolated beyond the newest packet; play() reports that it starved.
+// 4. Nothing allocates. Packets that come too late or do not fit are dropped, oldest first.
 
 #include <array>
 #include <cstddef>
@@ -16,10 +16,11 @@ namespace tandem::haptics {
 
 /// The peer at one instant.
 struct PlayedWave {
-  bool fresh =
-      false;  // there is a packet newer than the instant, so all below is interpolated; else it is the last known
-  LinkPacket
-      state;     // `wave`, `energy` and pose at the instant, `fade`, `on` and `twist` of the packet before
+  // True if a packet newer than the instant exists, so that the rest is interpolated; otherwise it is the
+  // last known state.
+  bool fresh = false;
+  // Wave, energy and pose are those at the instant; `fade`, `on` and `twist` are those of the packet before.
+  LinkPacket state;
   SixAxes rate;  // sqrt(W): slope of `wave` between the two packets
 };
 
@@ -27,17 +28,18 @@ class WavePlayOut {
  public:
   static constexpr std::size_t kCapacity = 256;  // packets: a quarter of a second at 1 kHz
 
-  /// Forgets everything; takes packets of this epoch from now on.
+  /// Clears the buffer; accepts packets of this epoch from now on.
   void restart(std::uint32_t epoch);
-  /// Takes packets of this epoch, and those of the one before until there is one of it: both are one sequence.
+  /// Accepts packets of this epoch, and of the previous one until the first packet of this one arrives: both
+  /// are one sequence.
   void carryOn(std::uint32_t epoch);
-  /// False if the packet was of no use: invalid, of another epoch, known, or too late.
+  /// False if the packet was dropped: invalid, of another epoch, a duplicate, or too late.
   bool receive(const LinkPacket& packet);
-  /// What the peer did at `time` (s, session clock). Packets that are no longer needed for later times are dropped.
+  /// The state of the peer at `time` (s, session clock). Packets that later times do not need are dropped.
   PlayedWave play(double time);
 
   bool empty() const { return count_ == 0; }
-  /// The packet that was made last; not of an empty buffer.
+  /// The packet that was made last. The buffer must not be empty.
   const LinkPacket& newest() const { return at(count_ - 1); }
 
  private:
@@ -49,7 +51,7 @@ class WavePlayOut {
 
   std::array<LinkPacket, kCapacity> packets_;  // a ring, by sequence
   std::size_t first_ = 0, count_ = 0;
-  std::uint32_t epoch_ = 0, before_ = 0;  // the same, but while the one before is taken too
+  std::uint32_t epoch_ = 0, before_ = 0;  // equal unless the previous epoch is accepted too
   double playedTo_ = kNothingPlayed;      // s, session clock
 };
 

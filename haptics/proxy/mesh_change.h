@@ -18,9 +18,8 @@ namespace tandem::haptics {
 /// A mesh change that the proxy has not followed yet.
 struct MeshChange {
   bool pending = false;
-  // 22 Whether each plane of the proxy is touched from the front of its triangle.
-  std::array<bool, kMaxPlanes>
-      front{};  // a plane of the proxy: whether it is touched from its triangle's front
+  // Whether each plane of the proxy is touched from the front of its triangle.
+  std::array<bool, kMaxPlanes> front{};
 };
 
 /// Notes from which side the proxy touches its triangles.

@@ -18,8 +18,8 @@ using assets::Material;
 using assets::Surface;
 using assets::SurfaceTexture;
 
-constexpr int kMaxNear = 4;    // parts that may act before they are touched, a tick
-constexpr int kMaxAsked = 16;  // parts whose nearest point is looked up for that
+constexpr int kMaxNear = 4;    // parts per tick that may act before they are touched
+constexpr int kMaxAsked = 16;  // parts whose nearest point is queried for that
 
 /// One contact of the proxy with a surface: one pressing plane, or several of one smooth surface.
 struct Touch {
@@ -28,11 +28,11 @@ struct Touch {
   const Material* material = nullptr;
   const Surface* surface = nullptr;
   glm::dvec3 point{0.0, 0.0, 0.0};   // m, world, on the triangle
-  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, of the facet, to the tool
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // world, of the facet, towards the tool
   glm::dvec3 goal{0.0, 0.0, 0.0};    // m, world
-  glm::dvec3 old{0.0, 0.0, 0.0};     // N, what contactForce() made of it
+  glm::dvec3 old{0.0, 0.0, 0.0};     // N, force of contactForce()
   double strongest = 0.0;            // m, largest depth of its planes
-  int contact = -1;                  // into TickOutput::contacts; -1 = not touched, only near
+  int contact = -1;                  // into TickOutput::contacts; -1 = near but not touched
 };
 
 class SurfaceTick {
@@ -68,8 +68,8 @@ class SurfaceTick {
       before += old;
       now += glm::dot(felt, touch.old) / old;
     }
-    // What presses less holds less: friction stays within the cone. More pressing does not stiffen its
-    // spring.
+    // Less normal force holds less friction, so friction stays within the cone. More normal force does not
+    // stiffen its spring.
     if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
     for (SurfaceSlot& slot : state_.slots)
       if (!slot.active) rest(slot);
@@ -131,8 +131,8 @@ class SurfaceTick {
            glm::dot(touch.normal, at.normal) > std::cos(surface->creaseAngle);
   }
 
-  /// Surfaces that act before the facets are touched: patches and relief above them, magnets. Of those within
-  /// reach the nearest by their bounding spheres are asked first.
+  /// Finds surfaces that act before their facets are touched: curved patches and relief above them, magnets.
+  /// Parts within reach are queried nearest first, by their bounding spheres.
   void findNear() {
     const double most = reachOf(surfaces_.reach, surfaces_.forceReach);
     if (!(most > 0.0)) return;
@@ -162,7 +162,7 @@ class SurfaceTick {
 
   double reachOf(double length, double force) const { return length + force / parameters_.stiffness; }
 
-  /// Parts whose bounding spheres are within reach, nearest first.
+  /// A part whose bounding sphere is within reach.
   struct NearPart {
     double gap = 0.0;  // m, from the proxy to the sphere; 0 inside
     PartId part = kNoPart;
@@ -210,13 +210,13 @@ class SurfaceTick {
     return *free;
   }
 
-  /// A contact that has ended: viscoelastic surfaces go on recovering, all else is forgotten.
+  /// Ends a contact: viscoelastic surfaces continue to recover, all other state is cleared.
   void rest(SurfaceSlot& slot) {
     if (slot.part == kNoPart) return;
     slot.anchor.set = false;
     slot.phase = 0.0;
     slot.velocity = glm::dvec3(0.0);
-    constexpr double kFarOut = -1e30;  // m: nothing touches it
+    constexpr double kFarOut = -1e30;  // m: out of reach of any contact
     if (slot.law.depth > 0.0)
       viscoelasticForce(slot.stiffness, slot.stiffness2, slot.relaxation, kFarOut, parameters_.dt, slot.law);
   }
@@ -239,7 +239,7 @@ class SurfaceTick {
     return transformVector(pose, respond(touch, mesh, patch, partFromWorld));
   }
 
-  /// What a magnet does beyond its edges and corners: its potential goes on with the distance.
+  /// Pull of a magnet beyond its edges and corners, where its potential continues with the distance.
   glm::dvec3 pullOf(const Touch& touch) const {
     const double height = glm::dot(touch.goal - touch.point, touch.normal) - parameters_.toolRadius;
     return -touch.normal *
@@ -251,7 +251,7 @@ class SurfaceTick {
     return areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
   }
 
-  /// Whether the tool rests on an edge or corner that is not smooth: there the plain contact is right.
+  /// Whether the tool rests on an edge or corner that is not smooth, where the plain contact is right.
   static bool leavesCone(const Touch& touch, const glm::dvec3& contact, const glm::dvec3& smooth) {
     constexpr double kFlat = 0.9999;  // cos of 0.8 degrees: a flat facet's own normal
     const double crease = touch.surface->creaseAngle;
@@ -276,7 +276,7 @@ class SurfaceTick {
     const double pressing =
         contactLaw(touch, patch, depth, stiffness, share * surface.stiffness2, gradient, slot);
     if (!(pressing > 0.0)) {
-      // In a dent that it has left, or that has not come back yet: nothing is touched there.
+      // The tool has left a dent, or the dent has not recovered yet, so there is no contact.
       slot.velocity = glm::dvec3(0.0);
       slot.anchor.set = false;
       if (touch.contact >= 0) noteContact(touch, glm::conjugate(partFromWorld) * patch.normal, 0.0);
@@ -294,13 +294,13 @@ class SurfaceTick {
     return force;
   }
 
-  /// What the device's limit leaves of all springs along the normal together.
+  /// Factor by which the device's stiffness limit scales all springs along the normal together.
   double shareOfStiffness(const Surface& surface, double stated) const {
     const double all = stated + (surface.law == Surface::Law::viscoelastic ? surface.stiffness2 : 0.0);
     return parameters_.stiffnessLimit > 0.0 ? std::min(1.0, parameters_.stiffnessLimit / all) : 1.0;
   }
 
-  /// Force along the depth's gradient, which plastic dents turn.
+  /// Force along the depth's gradient, which plastic dents tilt.
   double contactLaw(const Touch& touch, const PatchPoint& patch, double depth, double stiffness,
                     double stiffness2, glm::dvec3& gradient, SurfaceSlot& slot) {
     const Surface& surface = *touch.surface;
@@ -340,9 +340,9 @@ class SurfaceTick {
     return std::max(0.0, 1.0 - glm::dot(off, off));
   }
 
-  /// Makes the set at x larger by `growth`: a dent near by grows, else there is a new one.
+  /// Raises the set at x by `growth`: a nearby dent grows, or else a new one begins.
   void dent(PartId part, const glm::dvec3& x, double growth, double width) {
-    constexpr double kNear = 0.94;  // (1 - 1/4^2): within a quarter of the width
+    constexpr double kNear = 0.94;  // 1 - 1/4^2: within a quarter of the width
     double best = 0.0;
     Dent* nearest = nullptr;
     for (int i = 0; i < state_.dentCount; ++i) {
@@ -363,7 +363,7 @@ class SurfaceTick {
     --state_.dentCount;
   }
 
-  /// Buzz along the normal, and the spring across it.
+  /// Vibration along the normal, and the stick-slip spring across it.
   glm::dvec3 shaking(const Touch& touch, const PatchPoint& patch, double pressing,
                      const glm::dquat& partFromWorld, SurfaceSlot& slot) {
     const Surface& surface = *touch.surface;
@@ -383,7 +383,7 @@ class SurfaceTick {
     return force;
   }
 
-  /// Height of the relief; adds its gradient to that of the depth.
+  /// Height of the relief, m; adds the relief's gradient to that of the depth.
   double relief(const SurfaceTexture& texture, const assets::Mesh& mesh, const PatchPoint& patch,
                 double stiffness, glm::dvec3& gradient) const {
     const double amplitude = texture.amplitude + texture.amplitudeForce / stiffness;
@@ -409,7 +409,7 @@ class SurfaceTick {
     return amplitude * value;
   }
 
-  /// Damping and drag; along the normal they never outdo what presses.
+  /// Damping and viscous drag; along the normal they never exceed the pressing force.
   glm::dvec3 dissipation(const Touch& touch, const PatchPoint& patch, const glm::dvec3& pressing,
                          const glm::dquat& partFromWorld, SurfaceSlot& slot) {
     const glm::dvec3 surfaceVelocity =

@@ -1,13 +1,13 @@
 #pragma once
 
-// What the surfaces of the touched parts make of the contact force: shading, relief, contact laws, drag,
-// buzz, stick-slip, magnets, pop-through.
+// Surface effects of the touched parts on the contact force: force shading, relief, contact laws, drag,
+// vibration, stick-slip, magnets, pop-through.
 //
-// Per contact with a surface, in the part's frame, with g the device less the lag of friction:
+// For each contact with a surface, in the part's frame, with g the device position less the lag of friction:
 //   d(g), n          depth under the curved patch and its normal (force_shading.h); the facet's if not shaded
 //   D = d + r + h    r the tool's radius, h the relief (haptic_texture.h)
 //   F = f(D) grad(-D) + the effects; f by the contact law (contact_law.h), k D where it is elastic
-// F is the gradient of a potential of g for the elastic law, so that no closed path gains energy.
+// For the elastic law F is the gradient of a potential of g, so no closed path gains energy.
 
 #include <array>
 
@@ -19,28 +19,28 @@
 
 namespace tandem::haptics {
 
-inline constexpr int kMaxSurfaceContacts = 4;  // that are remembered at once
+inline constexpr int kMaxSurfaceContacts = 4;  // contacts that are remembered at once
 inline constexpr int kMaxDents = 32;           // of plastic surfaces; the oldest makes room
 
-/// What one contact remembers.
+/// Persistent state of one contact.
 struct SurfaceSlot {
   PartId part = kNoPart;
   bool active = false;  // acted in the last tick
   ViscoelasticMemory law;
-  double stiffness = 0.0, stiffness2 = 0.0, relaxation = 0.0;  // N/m, N/m, s: with which it recovers
+  double stiffness = 0.0, stiffness2 = 0.0, relaxation = 0.0;  // N/m, N/m, s: of the recovery
   StickAnchor anchor;
-  double phase = 0.0;                  // turns, of vibration
-  glm::dvec3 velocity{0.0, 0.0, 0.0};  // m/s, of the tool against the surface
+  double phase = 0.0;                  // turns, of the vibration
+  glm::dvec3 velocity{0.0, 0.0, 0.0};  // m/s, of the tool relative to the surface
 };
 
-/// A place that has given way for good: `depth` (1 - (x / width)^2)^2 around `point`.
+/// A permanent dent: `depth` (1 - (x / width)^2)^2 around `point`.
 struct Dent {
   PartId part = kNoPart;
   glm::dvec3 point{0.0, 0.0, 0.0};  // m, part frame
   double depth = 0.0, width = 0.0;  // m
 };
 
-/// What one hand's surfaces remember from tick to tick.
+/// Persistent state of one hand's surface contacts.
 struct SurfaceState {
   std::array<SurfaceSlot, kMaxSurfaceContacts> slots;
   std::array<Dent, kMaxDents> dents;
@@ -48,13 +48,13 @@ struct SurfaceState {
   PartId letGo = kNoPart;  // the part whose surface gave way in this tick
 };
 
-/// `force` is contactForce()'s, `out` holds its contacts, one a pressing plane, in order. Returns the force
-/// with all surface effects and notes their contacts. For scenes with a SurfaceScene only.
+/// Adds all surface effects to `force`, which is contactForce()'s, and updates the contacts. `out` holds the
+/// contacts of contactForce(), one per pressing plane, in order. For scenes with a SurfaceScene only.
 glm::dvec3 applySurfaceEffects(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out);
 
-/// applySurfaceEffects() for any scene: without surfaces it costs one comparison.
+/// applySurfaceEffects() for any scene; without surfaces it costs one comparison.
 inline glm::dvec3 applySurface(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                                const TickParameters& parameters, const glm::dvec3& force, SurfaceState& state,
                                TickOutput& out) {

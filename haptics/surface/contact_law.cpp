@@ -18,7 +18,8 @@ double viscoelasticForce(double k, double k2, double tau, double depth, double d
     memory = {depth, arm};
     return force;
   }
-  // Without load the springs first share what is left (k d + q = 0 at once), then creep back together.
+  // Unloaded, the springs first share the remaining deformation (k d + q = 0 at once), then creep back
+  // together.
   const double freed = (k2 * memory.depth - memory.arm) / (k + k2);
   const double left = freed * std::exp(-dt / (tau * (1.0 + k2 / k)));
   memory = {left, -k * left};
