@@ -2,12 +2,8 @@
 
 #include <algorithm>
 #include <csignal>
-#include <cstdio>
-#include <exception>
 #include <string>
 #include <vector>
-
-#include <CLI/CLI.hpp>
 
 #include "assets/scene/near_names.h"
 #include "client/commands/command.h"
@@ -15,9 +11,8 @@
 namespace {
 
 /// Says so of a first word that is no command.
-bool unknownCommand(const CLI::App& app, const std::string& word) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands(nullptr)) names.push_back(command->get_name());
+bool unknownCommand(const tandem::assets::CommandLine& program, const std::string& word) {
+  const std::vector<std::string> names = program.commandNames();
   if (word.empty() || word[0] == '-' || std::find(names.begin(), names.end(), word) != names.end())
     return false;
   const std::string meant = tandem::assets::meantName(word, names);
@@ -30,34 +25,22 @@ bool unknownCommand(const CLI::App& app, const std::string& word) {
 
 int main(int argc, char** argv) {
   std::signal(SIGXFSZ, SIG_IGN);  // a file at its limit is a failed write, like a full disk
-  CLI::App app{
-      "Tandem: several people, each at their own site, put their hands on one CAD scene and feel it."};
-  app.set_version_flag("--version", TANDEM_VERSION);
-  app.require_subcommand(1);
-  app.footer(
+  tandem::assets::CommandLine program(
+      "Tandem: several people, each at their own site, put their hands on one CAD scene and feel it.",
+      TANDEM_VERSION);
+  program.footer(
       "A first session:\n"
       "  tandem-server assets/scenes/pump.glb     prints one join link a role\n"
       "  tandem join LINK                         in another terminal, for each person\n"
       "Every command explains itself: tandem COMMAND --help");
   int exitCode = tandem::client::kExitDone;
-  tandem::client::addJoin(app, exitCode);
-  tandem::client::addCheck(app, exitCode);
-  tandem::client::addProbe(app, exitCode);
-  tandem::client::addSimulate(app, exitCode);
-  tandem::client::addDevices(app, exitCode);
-  tandem::client::addReplay(app, exitCode);
-  tandem::client::addReport(app, exitCode);
-  if (argc > 1 && unknownCommand(app, argv[1])) return tandem::client::kExitBadInput;
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "tandem: %s (see --help)\n", error.what());
-    return tandem::client::kExitBadInput;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "tandem: %s\n", error.what());
-    return tandem::client::kExitFailed;
-  }
-  return exitCode;
+  tandem::client::addJoin(program, exitCode);
+  tandem::client::addCheck(program, exitCode);
+  tandem::client::addProbe(program, exitCode);
+  tandem::client::addSimulate(program, exitCode);
+  tandem::client::addDevices(program, exitCode);
+  tandem::client::addReplay(program, exitCode);
+  tandem::client::addReport(program, exitCode);
+  if (argc > 1 && unknownCommand(program, argv[1])) return tandem::client::kExitBadInput;
+  return program.parse("tandem", argc, argv).value_or(exitCode);
 }

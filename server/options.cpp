@@ -10,14 +10,10 @@
 #include <sstream>
 #include <vector>
 
-#include <CLI/CLI.hpp>
-
-#include "assets/base/number_option.h"
+#include "assets/base/command_line.h"
 
 namespace tandem::server {
 namespace {
-
-using assets::numberFrom;
 
 constexpr const char* kExamples = R"(Examples:
   tandem-server assets/scenes/pump.glb
@@ -100,41 +96,38 @@ Status understand(const Raw& raw, Options& options) {
   return {};
 }
 
-void addOptions(CLI::App& app, Raw& raw, Options& options) {
-  app.add_option("scene", options.scene, "the scene, .gltf or .glb")->type_name("SCENE")->required();
-  app.add_option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
-      ->type_name("HOST:PORT")
-      ->capture_default_str();
-  app.add_option("--data", options.data,
-                 "directory that keeps the session: keys, who owns what, where parts are")
-      ->type_name("DIR")
-      ->capture_default_str();
-  app.add_option("--units", options.units, "what one unit of the file is: m, cm, mm, inch, foot")
-      ->capture_default_str();
-  app.add_option("--movable", raw.movable, "a part that can be picked up, or all; may be given again")
-      ->type_name("NAME|all")
-      ->allow_extra_args(false);
-  app.add_option("--gravity", raw.gravity, "m/s^2; none by default")->type_name("X,Y,Z");
-  app.add_option("--invite", raw.invites, "how many links to keep open for a role; one each by default")
-      ->type_name("ROLE=N")
-      ->allow_extra_args(false);
-  app.add_option("--link-host", options.linkHost, "host in the links, as the sites reach this machine")
-      ->type_name("HOST");
-  app.add_option("--token-lifetime", options.tokenLifetime_s, "how long a link is good, s")
-      ->type_name("S")
-      ->check(CLI::Range(1, 366 * 24 * 3600))
-      ->capture_default_str();
-  app.add_option("--lease-ms", raw.lease_ms, "how long a silent site keeps its parts, ms")
-      ->type_name("MS")
-      ->check(numberFrom(200.0, 600000.0))
-      ->capture_default_str();
-  app.add_option("--record", options.record, "records the session, for tandem replay")->type_name("FILE");
-  app.add_option("--duration", options.duration_s,
-                 "stops after this time, s; 0: runs until it is told to stop")
-      ->type_name("S")
-      ->check(numberFrom(0.0, 1e9));
-  app.add_flag("--no-cache", raw.noCache, "prepares the scene anew");
-  app.add_flag("--quiet", options.quiet, "logs only what is wrong");
+void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
+  app.option("scene", options.scene, "the scene, .gltf or .glb").typeName("SCENE").required();
+  app.option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
+      .typeName("HOST:PORT")
+      .showDefault();
+  app.option("--data", options.data, "directory that keeps the session: keys, who owns what, where parts are")
+      .typeName("DIR")
+      .showDefault();
+  app.option("--units", options.units, "what one unit of the file is: m, cm, mm, inch, foot").showDefault();
+  app.option("--movable", raw.movable, "a part that can be picked up, or all; may be given again")
+      .typeName("NAME|all")
+      .oneValue();
+  app.option("--gravity", raw.gravity, "m/s^2; none by default").typeName("X,Y,Z");
+  app.option("--invite", raw.invites, "how many links to keep open for a role; one each by default")
+      .typeName("ROLE=N")
+      .oneValue();
+  app.option("--link-host", options.linkHost, "host in the links, as the sites reach this machine")
+      .typeName("HOST");
+  app.option("--token-lifetime", options.tokenLifetime_s, "how long a link is good, s")
+      .typeName("S")
+      .integerFrom(1, 366 * 24 * 3600)
+      .showDefault();
+  app.option("--lease-ms", raw.lease_ms, "how long a silent site keeps its parts, ms")
+      .typeName("MS")
+      .numberFrom(200.0, 600000.0)
+      .showDefault();
+  app.option("--record", options.record, "records the session, for tandem replay").typeName("FILE");
+  app.option("--duration", options.duration_s, "stops after this time, s; 0: runs until it is told to stop")
+      .typeName("S")
+      .numberFrom(0.0, 1e9);
+  app.flag("--no-cache", raw.noCache, "prepares the scene anew");
+  app.flag("--quiet", options.quiet, "logs only what is wrong");
 }
 
 }  // namespace
@@ -156,20 +149,13 @@ Result<std::pair<std::string, std::uint16_t>> parseAddress(const std::string& te
 }
 
 std::variant<Options, int> parseOptions(int argc, char** argv) {
-  CLI::App app{"One Tandem session: who owns what, and the state between the sites."};
+  assets::CommandLine app("One Tandem session: who owns what, and the state between the sites.",
+                          TANDEM_VERSION);
   app.footer(kExamples);
-  app.set_version_flag("--version", TANDEM_VERSION);
   Options options;
   Raw raw;
   addOptions(app, raw, options);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    return app.exit(success);
-  } catch (const CLI::ParseError& error) {
-    std::fprintf(stderr, "tandem-server: %s (see --help)\n", error.what());
-    return 2;
-  }
+  if (const std::optional<int> exitCode = app.parse("tandem-server", argc, argv)) return *exitCode;
   if (Status status = understand(raw, options); !status) {
     std::string line = status.error().message;
     std::replace_if(

@@ -30,7 +30,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENARIOS = sorted((ROOT / "tests/simulation/scenarios").glob("*.json"))
 SCENES = sorted((ROOT / "assets/scenes").glob("*.glb"))
-TIMES = re.compile(r"(^|_)(us|ns|ms)$|^p50$|^p99$|^p999$|^max$|seconds")
+TIMES = re.compile(r"(^|_)(us|ns|ms)$|^p50$|^p99$|^p999$|^max$|seconds|^bake_s$")
 TICKS_S, STROKES_MM = 1.5, (25.0, 8.0)  # how long a path is; how far a tool and a part are led
 
 

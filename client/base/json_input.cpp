@@ -4,11 +4,7 @@
 #include <fstream>
 #include <sstream>
 
-#include <nlohmann/json.hpp>
-
 namespace tandem::client {
-
-using nlohmann::json;
 
 namespace {
 
@@ -35,13 +31,6 @@ bool tooDeep(const std::string& text) {
   return false;
 }
 
-/// The library's message without its own name and number in front.
-std::string reasonOf(const json::exception& error) {
-  const std::string text = error.what();
-  const std::size_t end = text.find("] ");
-  return end == std::string::npos ? text : text.substr(end + 2);
-}
-
 }  // namespace
 
 Result<std::string> readTextFile(const std::string& path) {
@@ -58,14 +47,12 @@ Result<std::string> readTextFile(const std::string& path) {
   return text.str();
 }
 
-Result<json> parseJson(const std::string& text, const std::string& source) {
+Result<Json> parseJson(const std::string& text, const std::string& source) {
   if (tooDeep(text))
     return Error{source + ": JSON nested deeper than " + std::to_string(kDeepest) + " levels"};
-  try {
-    return json::parse(text);
-  } catch (const json::exception& error) {
-    return Error{source + ": not JSON: " + reasonOf(error)};
-  }
+  Result<Json> parsed = Json::parse(text);
+  if (!parsed) return Error{source + ": not JSON: " + parsed.error().message};
+  return parsed;
 }
 
 }  // namespace tandem::client

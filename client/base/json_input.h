@@ -4,8 +4,7 @@
 
 #include <string>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "assets/base/json.h"
 #include "assets/base/result.h"
 
 namespace tandem::client {
@@ -15,6 +14,6 @@ Result<std::string> readTextFile(const std::string& path);
 
 /// Parses hostile text: an error names `source`, the line and the reason. Deep nesting is refused, because
 /// what walks the tree afterwards recurses.
-Result<nlohmann::json> parseJson(const std::string& text, const std::string& source);
+Result<Json> parseJson(const std::string& text, const std::string& source);
 
 }  // namespace tandem::client

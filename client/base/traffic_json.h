@@ -2,14 +2,13 @@
 
 // What was sent or received, by cause, as the reports write it.
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "sync/wire/traffic.h"
 
 namespace tandem::client {
 
-inline nlohmann::ordered_json trafficJson(const sync::Traffic& traffic) {
-  nlohmann::ordered_json json;
+inline Json trafficJson(const sync::Traffic& traffic) {
+  Json json;
   for (const auto& cause : sync::kTrafficCauses) {
     const sync::Flow& flow = traffic.*cause.flow;
     json[cause.name] = {{"packets", flow.packets}, {"bytes", flow.bytes}};

@@ -2,9 +2,7 @@
 #include <memory>
 #include <utility>
 
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "assets/mesh/fit_findings.h"
 #include "assets/scene/scene_size.h"
@@ -96,24 +94,24 @@ struct Features {
   std::vector<Feature> surfaces, fields, controls;
 };
 
-nlohmann::ordered_json remarksJson(const Feature& feature) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
-  for (const Remark& remark : feature.remarks) list.push_back(remark.text);
+Json remarksJson(const Feature& feature) {
+  Json list = Json::array();
+  for (const Remark& remark : feature.remarks) list.push(remark.text);
   return list;
 }
 
-nlohmann::ordered_json effectsJson(const Feature& feature) {
-  nlohmann::ordered_json effects = nlohmann::ordered_json::object();
+Json effectsJson(const Feature& feature) {
+  Json effects = Json::object();
   for (const Effect& effect : feature.effects) {
-    nlohmann::ordered_json& entry = effects[effect.name] = nlohmann::ordered_json::object();
+    Json& entry = effects[effect.name] = Json::object();
     if (!effect.text.empty()) entry["is"] = effect.text;
     for (const Quantity& quantity : effect.quantities) entry[jsonKey(quantity)] = quantity.value;
   }
   return effects;
 }
 
-nlohmann::ordered_json featureJson(const Feature& feature, const char* name, const char* kind) {
-  nlohmann::ordered_json json = {{name, feature.name}, {kind, feature.kind}};
+Json featureJson(const Feature& feature, const char* name, const char* kind) {
+  Json json = {{name, feature.name}, {kind, feature.kind}};
   json["effects"] = effectsJson(feature);
   json["remarks"] = remarksJson(feature);
   return json;
@@ -131,58 +129,57 @@ void printGrasp(const DeviceClass& device, const Arguments& arguments) {
               fit.kept ? "the defaults" : "lowered from the defaults");
 }
 
-nlohmann::ordered_json graspJson(const DeviceClass& device, const Arguments& arguments) {
+Json graspJson(const DeviceClass& device, const Arguments& arguments) {
   const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
   const bool turns = fit.most.rotStiffness > 0.0;
   return {{"stiffest_n_per_m", fit.most.stiffness},
-          {"stiffest_n_m_per_rad", turns ? nlohmann::ordered_json(fit.most.rotStiffness) : nullptr},
+          {"stiffest_n_m_per_rad", turns ? Json(fit.most.rotStiffness) : nullptr},
           {"used_n_per_m", fit.used.stiffness},
           {"used_n_m_per_rad", fit.used.rotStiffness},
           {"defaults_kept", fit.kept}};
 }
 
-nlohmann::ordered_json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
-                              const std::vector<ContactModel>& contact, const Features& features,
-                              const DeviceClass& device, const Arguments& arguments,
-                              const FeatureLimits& limits) {
-  nlohmann::ordered_json json;
-  json["parts"] = nlohmann::ordered_json::array();
+Json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
+            const std::vector<ContactModel>& contact, const Features& features, const DeviceClass& device,
+            const Arguments& arguments, const FeatureLimits& limits) {
+  Json json;
+  json["parts"] = Json::array();
   for (const StylusModel& m : models)
-    json["parts"].push_back({{"name", m.name},
-                             {"model", m.model},
-                             {"triangles", m.triangles},
-                             {"error_m", m.error},
-                             {"ticks_touching", m.touching},
-                             {"cost_us", {{"p50", m.cost_us_p50}, {"p99", m.cost_us_p99}}},
-                             {"memory_bytes", m.bytes},
-                             {"movable", m.movable},
-                             {"mass_kg", m.mass}});
+    json["parts"].push({{"name", m.name},
+                        {"model", m.model},
+                        {"triangles", m.triangles},
+                        {"error_m", m.error},
+                        {"ticks_touching", m.touching},
+                        {"cost_us", {{"p50", m.cost_us_p50}, {"p99", m.cost_us_p99}}},
+                        {"memory_bytes", m.bytes},
+                        {"movable", m.movable},
+                        {"mass_kg", m.mass}});
   json["contact"] = contactJson(scene, contact);
-  json["findings"] = nlohmann::ordered_json::array();
+  json["findings"] = Json::array();
   for (const assets::Finding& f : scene.findings)
-    json["findings"].push_back({{"severity", severity(f.severity)},
-                                {"code", f.code},
-                                {"where", f.where},
-                                {"count", f.count},
-                                {"message", f.message}});
-  json["surfaces"] = nlohmann::ordered_json::array();
+    json["findings"].push({{"severity", severity(f.severity)},
+                           {"code", f.code},
+                           {"where", f.where},
+                           {"count", f.count},
+                           {"message", f.message}});
+  json["surfaces"] = Json::array();
   for (const Feature& feature : features.surfaces)
-    json["surfaces"].push_back(featureJson(feature, "part", "material"));
-  json["fields"] = nlohmann::ordered_json::array();
+    json["surfaces"].push(featureJson(feature, "part", "material"));
+  json["fields"] = Json::array();
   for (std::size_t i = 0; i < scene.fields.size(); ++i) {
     const assets::ForceField& f = scene.fields[i];
-    json["fields"].push_back({{"name", f.name},
-                              {"kind", assets::nameOf(f.kind)},
-                              {"energy", assets::nameOf(assets::passivity(f))},
-                              {"part", f.part == kNoPart ? "" : scene.parts[f.part].name},
-                              {"max_force_n", f.maxForce},
-                              {"stiffness_n_per_m", assets::steepest(f)},
-                              {"effects", effectsJson(features.fields[i])},
-                              {"remarks", remarksJson(features.fields[i])}});
+    json["fields"].push({{"name", f.name},
+                         {"kind", assets::nameOf(f.kind)},
+                         {"energy", assets::nameOf(assets::passivity(f))},
+                         {"part", f.part == kNoPart ? "" : scene.parts[f.part].name},
+                         {"max_force_n", f.maxForce},
+                         {"stiffness_n_per_m", assets::steepest(f)},
+                         {"effects", effectsJson(features.fields[i])},
+                         {"remarks", remarksJson(features.fields[i])}});
   }
-  json["controls"] = nlohmann::ordered_json::array();
+  json["controls"] = Json::array();
   for (const Feature& feature : features.controls) {
-    json["controls"].push_back(featureJson(feature, "name", "kind"));
+    json["controls"].push(featureJson(feature, "name", "kind"));
     json["controls"].back()["part"] = feature.part;
   }
   json["triangles"] = assets::triangleCount(scene);
@@ -295,46 +292,42 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addCheck(CLI::App& app, int& exitCode) {
+void addCheck(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("check", "Say what is wrong with a scene, and how each part will be felt");
-  addSceneOptions(*command, arguments->scene);
-  command->add_option("--device", arguments->device, "Device class: " + deviceClassNames())
-      ->capture_default_str();
-  command->add_option("--delay-ms", arguments->delay_ms, "Delay between device and loop")
-      ->check(numberFrom(0.0, 1e6));
-  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->add_flag(
-      "--models", arguments->models,
-      "Make what parts in the hand need to collide, where the cache does not have it (large scenes: "
-      "minutes), and try each part; without it, what the cache has is shown");
-  CLI::Option* clash = command->add_flag(
+  assets::CommandLine command =
+      program.command("check", "Say what is wrong with a scene, and how each part will be felt");
+  addSceneOptions(command, arguments->scene);
+  command.option("--device", arguments->device, "Device class: " + deviceClassNames()).showDefault();
+  command.option("--delay-ms", arguments->delay_ms, "Delay between device and loop").numberFrom(0.0, 1e6);
+  command.flag("--json", arguments->json, "Print JSON instead of a table");
+  command.flag("--models", arguments->models,
+               "Make what parts in the hand need to collide, where the cache does not have it (large scenes: "
+               "minutes), and try each part; without it, what the cache has is shown");
+  const assets::CommandLineOption clash = command.flag(
       "--clash", arguments->clashes.all,
       "Instead of the above: which parts overlap and how deep, which touch, standing as in the file");
   command
-      ->add_option("--clearance", arguments->clashes.clearance,
-                   "With --clash: also pairs of parts nearer to each other than this, m")
-      ->check(numberFrom(0.0, 1e6))
-      ->needs(clash);
+      .option("--clearance", arguments->clashes.clearance,
+              "With --clash: also pairs of parts nearer to each other than this, m")
+      .numberFrom(0.0, 1e6)
+      .needs(clash);
   command
-      ->add_option(
-          "--tolerance", arguments->clashes.tolerance,
-          "With --clash: overlaps no deeper than this are touches, m [a millionth of the larger part]")
-      ->check(numberFrom(0.0, 1e6))
-      ->needs(clash);
+      .option("--tolerance", arguments->clashes.tolerance,
+              "With --clash: overlaps no deeper than this are touches, m [a millionth of the larger part]")
+      .numberFrom(0.0, 1e6)
+      .needs(clash);
   command
-      ->add_option("--distance", arguments->clashes.distance,
-                   "Instead of the above: how far two parts are from each other, or how deep they overlap")
-      ->expected(2)
-      ->type_name("PART PART");
-  command->footer(
+      .option("--distance", arguments->clashes.distance,
+              "Instead of the above: how far two parts are from each other, or how deep they overlap")
+      .values(2)
+      .typeName("PART PART");
+  command.footer(
       "Examples:\n"
       "  tandem check engine.glb --units mm --movable all\n"
       "      What is wrong with a CAD file in millimetres, and what each part costs to feel.\n"
       "  tandem check engine.glb --units mm --clash --clearance 0.0005\n"
       "      Which parts overlap, touch, or stand nearer than half a millimetre to each other.");
-  command->callback([arguments, &exitCode] {
+  command.onRun([arguments, &exitCode] {
     arguments->clashes.json = arguments->json;
     exitCode = run(*arguments);
   });

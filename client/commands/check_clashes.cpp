@@ -5,8 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "assets/scene/near_names.h"
 #include "client/base/readable.h"
 #include "client/commands/command.h"
@@ -29,9 +28,9 @@ const char* wordFor(const Clash& clash) {
   return "near";
 }
 
-nlohmann::ordered_json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
+Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
-nlohmann::ordered_json toJson(const assets::Scene& scene, const Clash& clash) {
+Json toJson(const assets::Scene& scene, const Clash& clash) {
   return {{"a", scene.parts[clash.a].name},
           {"b", scene.parts[clash.b].name},
           {"kind", wordFor(clash)},
@@ -67,17 +66,17 @@ Counts countOf(const ClashReport& report) {
   return counts;
 }
 
-nlohmann::ordered_json toJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
+Json toJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
   const Counts counts = countOf(report);
-  nlohmann::ordered_json json = {{"clearance_m", clearance},
-                                 {"pairs", report.pairs},
-                                 {"hard", counts.hard},
-                                 {"within_facets", counts.withinFacets},
-                                 {"touches", counts.touches},
-                                 {"clearance", counts.clearance},
-                                 {"may_not_collide", counts.mayNot}};
-  json["found"] = nlohmann::ordered_json::array();
-  for (const Clash& clash : report.clashes) json["found"].push_back(toJson(scene, clash));
+  Json json = {{"clearance_m", clearance},
+               {"pairs", report.pairs},
+               {"hard", counts.hard},
+               {"within_facets", counts.withinFacets},
+               {"touches", counts.touches},
+               {"clearance", counts.clearance},
+               {"may_not_collide", counts.mayNot}};
+  json["found"] = Json::array();
+  for (const Clash& clash : report.clashes) json["found"].push(toJson(scene, clash));
   return json;
 }
 
@@ -178,7 +177,7 @@ int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
     pair = *named;
   }
   const haptics::ContactScene contact(scene);
-  nlohmann::ordered_json json;
+  Json json;
   if (pair.first != kNoPart) {
     const std::optional<Clash> clash = measurePair(contact, pair.first, scene.parts[pair.first].worldFromPart,
                                                    pair.second, scene.parts[pair.second].worldFromPart);

@@ -4,8 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "client/base/readable.h"
 #include "client/commands/command.h"
@@ -76,11 +75,10 @@ void printCostly(const assets::Scene& scene, const std::vector<ContactModel>& mo
 
 }  // namespace
 
-nlohmann::ordered_json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& models) {
-  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+Json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+  Json list = Json::array();
   for (const ContactModel& m : models) {
-    nlohmann::ordered_json entry = {
-        {"part", scene.parts[m.part].name}, {"held", m.held}, {"model", nameOf(m)}};
+    Json entry = {{"part", scene.parts[m.part].name}, {"held", m.held}, {"model", nameOf(m)}};
     if (m.made) {
       entry.update({{"samples", m.samples},
                     {"cells", m.cells},
@@ -110,7 +108,7 @@ nlohmann::ordered_json contactJson(const assets::Scene& scene, const std::vector
         entry["cost_us"] = {{"p50", cost.p50}, {"p99", cost.p99}, {"predicted_from", "trial of 180 ticks"}};
       }
     }
-    list.push_back(std::move(entry));
+    list.push(std::move(entry));
   }
   return {{"models", std::move(list)}, {"missing", missing(models)}};
 }

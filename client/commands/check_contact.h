@@ -4,14 +4,13 @@
 
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
+#include "assets/base/json.h"
 #include "assets/scene/scene.h"
 #include "client/review/contact_models.h"
 
 namespace tandem::client {
 
-nlohmann::ordered_json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& models);
+Json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& models);
 void printContact(const assets::Scene& scene, const std::vector<ContactModel>& models);
 
 }  // namespace tandem::client

@@ -10,8 +10,6 @@
 #include <filesystem>
 #include <fstream>
 
-#include <CLI/CLI.hpp>
-
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
@@ -25,14 +23,14 @@ int badInput(const Error& error) {
   return kExitBadInput;
 }
 
-void addSceneOptions(CLI::App& command, SceneArguments& arguments) {
-  command.add_option("scene", arguments.path, "Scene file (.gltf or .glb)")->required();
-  command.add_option("--units", arguments.units, "Unit of the file's numbers: m, cm, mm, inch or foot")
-      ->capture_default_str();
-  command.add_option(
+void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments) {
+  command.option("scene", arguments.path, "Scene file (.gltf or .glb)").required();
+  command.option("--units", arguments.units, "Unit of the file's numbers: m, cm, mm, inch or foot")
+      .showDefault();
+  command.option(
       "--movable", arguments.movable,
       "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable [none]");
-  command.add_flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
+  command.flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
 }
 
 Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments) {

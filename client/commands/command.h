@@ -7,13 +7,9 @@
 #include <chrono>
 #include <string>
 
-#include "assets/base/number_option.h"
+#include "assets/base/command_line.h"
 #include "assets/base/result.h"
 #include "assets/gltf/load_gltf.h"
-
-namespace CLI {
-class App;
-}
 
 namespace tandem::haptics {
 class ContactScene;
@@ -23,13 +19,13 @@ namespace tandem::client {
 
 inline constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
 
-void addJoin(CLI::App& app, int& exitCode);
-void addCheck(CLI::App& app, int& exitCode);
-void addProbe(CLI::App& app, int& exitCode);
-void addSimulate(CLI::App& app, int& exitCode);
-void addDevices(CLI::App& app, int& exitCode);
-void addReplay(CLI::App& app, int& exitCode);
-void addReport(CLI::App& app, int& exitCode);
+void addJoin(assets::CommandLine& program, int& exitCode);
+void addCheck(assets::CommandLine& program, int& exitCode);
+void addProbe(assets::CommandLine& program, int& exitCode);
+void addSimulate(assets::CommandLine& program, int& exitCode);
+void addDevices(assets::CommandLine& program, int& exitCode);
+void addReplay(assets::CommandLine& program, int& exitCode);
+void addReport(assets::CommandLine& program, int& exitCode);
 
 /// Prints one line on stderr and returns kExitBadInput.
 int badInput(const Error& error);
@@ -41,7 +37,7 @@ struct SceneArguments {
   std::vector<std::string> movable;
   bool noCache = false;
 };
-void addSceneOptions(CLI::App& command, SceneArguments& arguments);
+void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments);
 Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);
 /// Loads the scene through the user's cache, with a progress bar if stderr is a terminal.
 Result<assets::Scene> loadScene(const SceneArguments& arguments);
@@ -65,8 +61,6 @@ class ProgressLine {
 
 /// Makes the models by which a part in the hand collides, through the user's cache, with a ProgressLine.
 void modelParts(haptics::ContactScene& contact, bool noCache);
-
-using assets::numberFrom;
 
 /// A number as help and tables show it: up to six digits, no trailing zeros.
 std::string inShort(double value);

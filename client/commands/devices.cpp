@@ -5,10 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/commands/command.h"
 #include "haptics/devices/colocation.h"
 #include "haptics/devices/device_list.h"
@@ -30,16 +28,16 @@ struct Arguments {
 int list(const Arguments& arguments) {
   const std::vector<haptics::DeviceReport> reports = haptics::listDevices();
   if (arguments.json) {
-    nlohmann::ordered_json json = nlohmann::ordered_json::array();
+    Json json = Json::array();
     for (const haptics::DeviceReport& report : reports)
-      json.push_back({{"name", report.name},
-                      {"vendor", report.vendor},
-                      {"product", report.product},
-                      {"node", report.node},
-                      {"driver", report.driver},
-                      {"usable", report.usable},
-                      {"reason", report.reason},
-                      {"remedy", report.remedy}});
+      json.push({{"name", report.name},
+                 {"vendor", report.vendor},
+                 {"product", report.product},
+                 {"node", report.node},
+                 {"driver", report.driver},
+                 {"usable", report.usable},
+                 {"reason", report.reason},
+                 {"remedy", report.remedy}});
     std::printf("%s\n", json.dump(2).c_str());
     return kExitDone;
   }
@@ -141,38 +139,37 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addDevices(CLI::App& app, int& exitCode) {
+void addDevices(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("devices", "List the devices that are connected, say why one cannot be opened");
-  command->add_option(
-      "--test", arguments->test,
-      "Read this device (its name in the list) for a while under zero force; stylus and simulated "
-      "move in a session only");
+  assets::CommandLine command =
+      program.command("devices", "List the devices that are connected, say why one cannot be opened");
+  command.option("--test", arguments->test,
+                 "Read this device (its name in the list) for a while under zero force; stylus and simulated "
+                 "move in a session only");
   command
-      ->add_option("--hid-record", arguments->hidRecord,
-                   "Write what a HID device sends meanwhile to this file (text; without its serial number)")
-      ->needs("--test");
-  command->add_option("--seconds", arguments->seconds, "Length of the test, s")
-      ->check(numberFrom(0.1, 3600.0))
-      ->capture_default_str();
-  command->add_option(
+      .option("--hid-record", arguments->hidRecord,
+              "Write what a HID device sends meanwhile to this file (text; without its serial number)")
+      .needs("--test");
+  command.option("--seconds", arguments->seconds, "Length of the test, s")
+      .numberFrom(0.1, 3600.0)
+      .showDefault();
+  command.option(
       "--calibrate", arguments->calibrate,
       "Find where a device's workspace lies in the view from this CSV of touched points "
       "(header dx,dy,dz,vx,vy,vz: in the device's axes, as --test shows them, and in the scene; m)");
-  command->add_option("--out", arguments->out, "File for the calibration (JSON) [standard output]");
-  command->add_flag("--rigid", arguments->rigid, "Keep the scale at 1");
-  command->add_flag("--json", arguments->json, "Print JSON instead of a table");
-  command->add_flag(
+  command.option("--out", arguments->out, "File for the calibration (JSON) [standard output]");
+  command.flag("--rigid", arguments->rigid, "Keep the scale at 1");
+  command.flag("--json", arguments->json, "Print JSON instead of a table");
+  command.flag(
       "--udev-rule", arguments->udevRule,
       "Print the udev rule that lets you open these devices, for " + std::string(haptics::kUdevRulePath));
-  command->footer(
+  command.footer(
       "Examples:\n"
       "  tandem devices --test spacemouse --seconds 5\n"
       "  tandem devices --calibrate touched.csv --out desk.json\n"
       "  tandem devices --udev-rule | sudo tee " +
       std::string(haptics::kUdevRulePath));
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -10,11 +10,8 @@
 #include <optional>
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
-
-#include "client/base/rounded_json.h"
+#include "assets/base/json.h"
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
 #include "client/commands/command.h"
@@ -180,16 +177,16 @@ class PoseTrace {
   std::ofstream file_;
 };
 
-nlohmann::ordered_json flagNames(std::uint32_t flags) {
-  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+Json flagNames(std::uint32_t flags) {
+  Json names = Json::array();
   for (const auto& [flag, name] : tickFlagNames())
-    if ((flags & flag) != 0) names.push_back(name);
+    if ((flags & flag) != 0) names.push(name);
   return names;
 }
 
 std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& report,
                        const std::string& end) {
-  nlohmann::ordered_json json;
+  Json json;
   json["site"] = site.id();
   json["role"] = sync::toString(site.role());
   json["end"] = end;
@@ -222,19 +219,19 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
                            {"flags_seen", flagNames(second.flagsSeen)}};
     if (second.held != kNoPart) json["second_hand"]["held"] = site.scene().parts[second.held].name;
   }
-  json["grabs"] = nlohmann::ordered_json::array();
+  json["grabs"] = Json::array();
   for (const GrabNote& grab : report.grabs)
-    json["grabs"].push_back({{"t", grab.time},
-                             {"wait_ms", grab.wait_ms},
-                             {"part", site.scene().parts[grab.part].name},
-                             {"answer", sync::toString(grab.denial)},
-                             {"owner", grab.owner}});
-  json["ownership"] = nlohmann::ordered_json::array();
+    json["grabs"].push({{"t", grab.time},
+                        {"wait_ms", grab.wait_ms},
+                        {"part", site.scene().parts[grab.part].name},
+                        {"answer", sync::toString(grab.denial)},
+                        {"owner", grab.owner}});
+  json["ownership"] = Json::array();
   for (const OwnershipNote& note : report.ownership)
-    json["ownership"].push_back({{"t", note.time},
-                                 {"part", site.scene().parts[note.record.part].name},
-                                 {"owner", note.record.owner},
-                                 {"epoch", note.record.epoch}});
+    json["ownership"].push({{"t", note.time},
+                            {"part", site.scene().parts[note.record.part].name},
+                            {"owner", note.record.owner},
+                            {"epoch", note.record.epoch}});
   for (std::size_t i = 0; i < site.scene().parts.size(); ++i) {
     if (!site.scene().parts[i].movable) continue;
     const Pose& pose = model.worldFromPart[i];
@@ -242,7 +239,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
                                                  pose.orientation.w, pose.orientation.x, pose.orientation.y,
                                                  pose.orientation.z};
   }
-  return rounded(std::move(json)).dump(2);
+  return json.rounded().dump(2);
 }
 
 class JoinRun {
@@ -527,71 +524,66 @@ int run(Arguments& arguments) {
 
 }  // namespace
 
-void addJoin(CLI::App& app, int& exitCode) {
+void addJoin(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("join", "Enter a session: see, touch and move its parts");
-  command->add_option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)")
-      ->required();
-  command->add_option("--name", arguments->name, "Your name, as the others see it [$USER, else the role]");
-  command->add_option("--colour", arguments->colour, "Your colour, #RRGGBB [one that nobody else has]");
-  command->add_flag("--headless", arguments->headless, "No window: a table in the terminal");
-  command->add_option("--device", arguments->device,
-                      "Device in your hand; see 'tandem devices' [stylus, moved by mouse and keyboard; "
-                      "without a window: none]");
+  assets::CommandLine command = program.command("join", "Enter a session: see, touch and move its parts");
+  command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
+  command.option("--name", arguments->name, "Your name, as the others see it [$USER, else the role]");
+  command.option("--colour", arguments->colour, "Your colour, #RRGGBB [one that nobody else has]");
+  command.flag("--headless", arguments->headless, "No window: a table in the terminal");
+  command.option("--device", arguments->device,
+                 "Device in your hand; see 'tandem devices' [stylus, moved by mouse and keyboard; "
+                 "without a window: none]");
   command
-      ->add_option("--calibration", arguments->calibration,
-                   "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
-      ->needs("--device");
-  command->add_option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
-  CLI::Option* const second = command->add_option("--second-device", arguments->secondDevice,
-                                                  "Device in your other hand: both hold parts together, the "
-                                                  "same one or two, without the network between [none]");
+      .option("--calibration", arguments->calibration,
+              "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
+      .needs("--device");
+  command.option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
+  const assets::CommandLineOption second =
+      command.option("--second-device", arguments->secondDevice,
+                     "Device in your other hand: both hold parts together, the "
+                     "same one or two, without the network between [none]");
   command
-      ->add_option("--second-calibration", arguments->secondCalibration,
-                   "As --calibration, of the second device")
-      ->needs(second);
+      .option("--second-calibration", arguments->secondCalibration, "As --calibration, of the second device")
+      .needs(second);
+  command.option("--second-hand", arguments->secondHand, "Script of a simulated second hand (JSON) [none]")
+      .excludes(second);
+  command.option("--duration", arguments->duration, "Leave after this many seconds [stay]")
+      .numberFrom(1e-3, 1e9);
+  command.option("--screenshot", arguments->screenshot,
+                 "Write a picture (PNG) at the end, with or without a display");
   command
-      ->add_option("--second-hand", arguments->secondHand, "Script of a simulated second hand (JSON) [none]")
-      ->excludes(second);
-  command->add_option("--duration", arguments->duration, "Leave after this many seconds [stay]")
-      ->check(numberFrom(1e-3, 1e9));
-  command->add_option("--screenshot", arguments->screenshot,
-                      "Write a picture (PNG) at the end, with or without a display");
-  command
-      ->add_option("--clashes", arguments->clashes,
-                   "Open the list of clashes, and of parts that stand nearer than so many m to each other")
-      ->check(numberFrom(0.0, 1e6));
-  command->add_option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
-  command->add_option("--json", arguments->json, "Write what happened to this file");
-  command->add_option("--trace", arguments->trace,
-                      "Write every pose of moving parts, as this site had it, to this CSV file");
-  command->add_option(
+      .option("--clashes", arguments->clashes,
+              "Open the list of clashes, and of parts that stand nearer than so many m to each other")
+      .numberFrom(0.0, 1e6);
+  command.option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
+  command.option("--json", arguments->json, "Write what happened to this file");
+  command.option("--trace", arguments->trace,
+                 "Write every pose of moving parts, as this site had it, to this CSV file");
+  command.option(
       "--cache", arguments->cache,
       "Folder for fetched scenes and what was made of them [" + assets::defaultCacheDirectory() + "]");
-  command->add_option("--width", arguments->width, "Of window and picture, pixels")
-      ->check(CLI::Range(200, 7680))
-      ->capture_default_str();
-  command->add_option("--height", arguments->height, "The same")
-      ->check(CLI::Range(200, 4320))
-      ->capture_default_str();
+  command.option("--width", arguments->width, "Of window and picture, pixels")
+      .integerFrom(200, 7680)
+      .showDefault();
+  command.option("--height", arguments->height, "The same").integerFrom(200, 4320).showDefault();
   command
-      ->add_option("--deadband", arguments->deadband,
-                   "How wrong a moving part may look to the others before it is told anew, as a share of "
-                   "its way (Weber fraction); 0: always at the full rate")
-      ->check(CLI::Range(0.0, 1.0))
-      ->capture_default_str();
-  command->add_flag("--tcp", arguments->tcp,
-                    "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");
-  command->add_flag(
-      "--no-part-contact", arguments->noPartContact,
-      "A part in the hand passes through others: nothing is made ready for it to collide, which "
-      "can take minutes at the first visit to a large scene");
-  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command->footer(
+      .option("--deadband", arguments->deadband,
+              "How wrong a moving part may look to the others before it is told anew, as a share of "
+              "its way (Weber fraction); 0: always at the full rate")
+      .numberFrom(0.0, 1.0)
+      .showDefault();
+  command.flag("--tcp", arguments->tcp,
+               "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");
+  command.flag("--no-part-contact", arguments->noPartContact,
+               "A part in the hand passes through others: nothing is made ready for it to collide, which "
+               "can take minutes at the first visit to a large scene");
+  command.flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command.footer(
       "In the window F1 shows all keys. Space stops all force.\n"
       "A fault turns force off until C, its button or the signal USR1 clears it.\n"
       "Example: tandem join 'tandem://review.example:7480/participant?token=...&pin=...' --name Ada");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

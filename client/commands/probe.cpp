@@ -7,11 +7,9 @@
 #include <map>
 #include <memory>
 
-#include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
-
 #include "assets/base/allocation_counter.h"
+#include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "assets/scene/near_names.h"
 #include "client/base/tick_flags.h"
@@ -325,8 +323,8 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
 }
 
 /// Of the first hand or the second.
-nlohmann::ordered_json flagCounts(const std::vector<Row>& rows, bool second = false) {
-  nlohmann::ordered_json counts = nlohmann::ordered_json::object();
+Json flagCounts(const std::vector<Row>& rows, bool second = false) {
+  Json counts = Json::object();
   for (const auto& [bit, name] : tickFlagNames()) {
     std::uint64_t count = 0;
     for (const Row& row : rows)
@@ -337,8 +335,8 @@ nlohmann::ordered_json flagCounts(const std::vector<Row>& rows, bool second = fa
 }
 
 /// Where each control ended and between which values it was, m or rad.
-nlohmann::ordered_json controlValues(const std::vector<Row>& rows, const assets::Scene& scene) {
-  nlohmann::ordered_json values = nlohmann::ordered_json::object();
+Json controlValues(const std::vector<Row>& rows, const assets::Scene& scene) {
+  Json values = Json::object();
   for (std::size_t i = 0; i < scene.controls.size(); ++i) {
     double least = rows.front().controls[i], most = least;
     for (const Row& row : rows) {
@@ -370,10 +368,9 @@ void printForces(const std::vector<Row>& rows, const haptics::TickParameters& pa
   if (device != nullptr)
     std::printf("device %s: stiffness %.0f N/m where the material states none, force limit %.4g N\n",
                 device->name, parameters.stiffness, parameters.forceLimit);
-  const nlohmann::ordered_json flags = flagCounts(rows);
-  for (const auto& [name, count] : flags.items())
-    std::printf("  %s in %llu ticks\n", name.c_str(),
-                static_cast<unsigned long long>(count.get<std::uint64_t>()));
+  const Json flags = flagCounts(rows);
+  for (const auto& [name, count] : flags.members())
+    std::printf("  %s in %llu ticks\n", name.c_str(), static_cast<unsigned long long>(count.integer()));
 }
 
 /// What the second hand felt.
@@ -384,28 +381,27 @@ void printSecond(const std::vector<Row>& rows) {
     torque = std::max(torque, glm::length(row.tick.second.toHand.torque));
   }
   std::printf("second hand: largest force %.4g N, torque %.4g N*m\n", most, torque);
-  const nlohmann::ordered_json flags = flagCounts(rows, true);
-  for (const auto& [name, count] : flags.items())
-    std::printf("  %s in %llu ticks\n", name.c_str(),
-                static_cast<unsigned long long>(count.get<std::uint64_t>()));
+  const Json flags = flagCounts(rows, true);
+  for (const auto& [name, count] : flags.members())
+    std::printf("  %s in %llu ticks\n", name.c_str(), static_cast<unsigned long long>(count.integer()));
 }
 
 /// What the part in the hand touched, and what work the hand did.
-nlohmann::ordered_json contactSums(const ContactLog& log, const assets::Scene& scene) {
-  nlohmann::ordered_json parts = nlohmann::ordered_json::array();
+Json contactSums(const ContactLog& log, const assets::Scene& scene) {
+  Json parts = Json::array();
   for (const ContactLog::Touched& t : log.touched())
-    parts.push_back({{"part", scene.parts[t.part].name},
-                     {"ticks", t.ticks},
-                     {"largest_force_n", t.largestForce},
-                     {"impulse_ns", t.impulse}});
+    parts.push({{"part", scene.parts[t.part].name},
+                {"ticks", t.ticks},
+                {"largest_force_n", t.largestForce},
+                {"impulse_ns", t.impulse}});
   return {{"parts", parts},
           {"work_j", log.work()},
           {"work_in_contact_j", log.contactWork()},
           {"ticks_with_most_contacts", log.fullTicks()}};
 }
 
-nlohmann::ordered_json sweptSums(const SweptPath& swept, const assets::Scene& scene) {
-  nlohmann::ordered_json sums = {{"poses", swept.stops().size()}};
+Json sweptSums(const SweptPath& swept, const assets::Scene& scene) {
+  Json sums = {{"poses", swept.stops().size()}};
   const SweptPath::Clearance least = swept.least();
   if (least.part == kNoPart) return sums;
   sums["least_clearance_m"] = least.distance;
@@ -482,15 +478,14 @@ int run(const Arguments& arguments) {
   std::vector<double> times;
   for (const Row& row : probe.rows()) times.push_back(row.compute_ns);
   const Percentiles p = percentiles(times);
-  nlohmann::ordered_json json = {
-      {"ticks", probe.rows().size()},
-      {"triangles", assets::triangleCount(*scene)},
-      {"parts", scene->parts.size()},
-      {"load_ms", load_ms},
-      {"bake_ms", bake_ms},
-      {"compute_ns", {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}}},
-      {"allocations", probe.allocations()},
-      {"flags", flagCounts(probe.rows())}};
+  Json json = {{"ticks", probe.rows().size()},
+               {"triangles", assets::triangleCount(*scene)},
+               {"parts", scene->parts.size()},
+               {"load_ms", load_ms},
+               {"bake_ms", bake_ms},
+               {"compute_ns", {{"p50", p.p50}, {"p99", p.p99}, {"p999", p.p999}, {"max", p.max}}},
+               {"allocations", probe.allocations()},
+               {"flags", flagCounts(probe.rows())}};
   if (!second.empty()) json["second_flags"] = flagCounts(probe.rows(), true);
   if (tool->part != kNoPart) json["contact"] = contactSums(probe.log(), *scene);
   if (const SweptPath* swept = probe.swept()) json["swept"] = sweptSums(*swept, *scene);
@@ -510,66 +505,65 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addProbe(CLI::App& app, int& exitCode) {
+void addProbe(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command =
-      app.add_subcommand("probe", "Run the haptic tick over a scripted device path, without a network");
-  addSceneOptions(*command, arguments->scene);
+  assets::CommandLine command =
+      program.command("probe", "Run the haptic tick over a scripted device path, without a network");
+  addSceneOptions(command, arguments->scene);
   command
-      ->add_option("--path", arguments->path,
-                   "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
-      ->required();
-  command->add_option(
+      .option("--path", arguments->path,
+              "CSV with t,x,y,z[,qw,qx,qy,qz], one row a millisecond, world frame, m")
+      .required();
+  command.option(
       "--second-path", arguments->secondPath,
       "With part:NAME: the same for a second hand, which takes the part too where its first row is, "
       "on a device like the first one's [none]");
-  command->add_option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME")->capture_default_str();
+  command.option("--tool", arguments->tool, "point, ball:RADIUS_M or part:NAME").showDefault();
   const haptics::TickParameters defaults;
   const auto stated = [](double value, const char* unit) { return "[" + inShort(value) + " " + unit + "]"; };
   command
-      ->add_option("--stiffness", arguments->stiffness,
-                   "N/m, where the material states none " + stated(defaults.stiffness, "N/m") +
-                       "; a device's limit on stiffness is then off")
-      ->check(numberFrom(1e-3, 1e6));
+      .option("--stiffness", arguments->stiffness,
+              "N/m, where the material states none " + stated(defaults.stiffness, "N/m") +
+                  "; a device's limit on stiffness is then off")
+      .numberFrom(1e-3, 1e6);
   command
-      ->add_option("--damping", arguments->damping,
-                   "N*s/m of surfaces " + stated(defaults.damping, "N*s/m") +
-                       "; a device's limit on damping is then off")
-      ->check(numberFrom(0.0, 1e4));
+      .option("--damping", arguments->damping,
+              "N*s/m of surfaces " + stated(defaults.damping, "N*s/m") +
+                  "; a device's limit on damping is then off")
+      .numberFrom(0.0, 1e4);
   command
-      ->add_option("--device", arguments->device,
-                   "Limits and stiffness as on a device: " + deviceClassNames() +
-                       "; none: no limit on force or stiffness, no passivity control")
-      ->capture_default_str();
-  command->add_option("--force-limit", arguments->forceLimit, "N [the device's; without one: none]")
-      ->check(numberFrom(1e-3, 1e4));
+      .option("--device", arguments->device,
+              "Limits and stiffness as on a device: " + deviceClassNames() +
+                  "; none: no limit on force or stiffness, no passivity control")
+      .showDefault();
+  command.option("--force-limit", arguments->forceLimit, "N [the device's; without one: none]")
+      .numberFrom(1e-3, 1e4);
   command
-      ->add_option("--slew-limit", arguments->slewLimit,
-                   "N/s that the device can follow, whatever the cause [none]; what the hand did not do "
-                   "itself (a part "
-                   "that jumps onto it, recovery) is always limited to " +
-                       inShort(defaults.slewLimit) + " N/s")
-      ->check(numberFrom(1e-3, 1e9));
-  command->add_option("--move", arguments->moves,
-                      "NAME=PATH.csv: move a part along a path; repeatable [none]");
-  command->add_option("--ticks", arguments->ticks,
-                      "Write every tick to this CSV file; columns: client/README.md");
-  command->add_option("--contacts", arguments->contacts,
-                      "With part:NAME: write every contact of every tick to this CSV file");
-  CLI::Option* swept = command->add_option("--swept", arguments->swept,
-                                           "With part:NAME: write the poses that the part went through, and "
-                                           "its clearances there, to this CSV file");
+      .option("--slew-limit", arguments->slewLimit,
+              "N/s that the device can follow, whatever the cause [none]; what the hand did not do "
+              "itself (a part "
+              "that jumps onto it, recovery) is always limited to " +
+                  inShort(defaults.slewLimit) + " N/s")
+      .numberFrom(1e-3, 1e9);
+  command.option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable [none]");
+  command.option("--ticks", arguments->ticks, "Write every tick to this CSV file; columns: client/README.md");
+  command.option("--contacts", arguments->contacts,
+                 "With part:NAME: write every contact of every tick to this CSV file");
+  const assets::CommandLineOption swept =
+      command.option("--swept", arguments->swept,
+                     "With part:NAME: write the poses that the part went through, and "
+                     "its clearances there, to this CSV file");
   command
-      ->add_option("--swept-step", arguments->sweptStep,
-                   "m that the part's furthest point goes from pose to pose [a fiftieth of the part]")
-      ->check(numberFrom(1e-9, 1e6))
-      ->needs(swept);
-  command->add_option("--json", arguments->json,
-                      "Write load time, tick times, allocations and flags to this file");
-  command->footer(
+      .option("--swept-step", arguments->sweptStep,
+              "m that the part's furthest point goes from pose to pose [a fiftieth of the part]")
+      .numberFrom(1e-9, 1e6)
+      .needs(swept);
+  command.option("--json", arguments->json,
+                 "Write load time, tick times, allocations and flags to this file");
+  command.footer(
       "Exit code 1: a tick used the heap.\nExample: tandem probe assets/scenes/pump.glb --path stroke.csv "
       "--ticks ticks.csv --json probe.json");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

@@ -4,12 +4,9 @@
 #include <memory>
 #include <optional>
 
-#include <CLI/CLI.hpp>
 #include <glm/geometric.hpp>
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/base/readable.h"
-#include "client/base/rounded_json.h"
 #include "client/commands/command.h"
 #include "client/join/scene_store.h"
 #include "client/viewer/viewer.h"
@@ -137,8 +134,8 @@ struct SiteSum {
 struct Summary {
   std::map<SiteId, SiteSum> sites;
   int grants = 0, denials = 0;
-  nlohmann::ordered_json ownership = nlohmann::ordered_json::array();
-  nlohmann::ordered_json shared = nlohmann::ordered_json::array();  // who simulates a part beside its owner
+  Json ownership = Json::array();
+  Json shared = Json::array();  // who simulates a part beside its owner
 };
 
 /// Whoever asked to share a part is told in the answer, the others by a message.
@@ -174,7 +171,7 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
       if (reply && reply->denial != sync::Denial::none) ++summary.denials;
       const sync::MemberRecord* members = membersIn(*control);
       if (members && members->part < scene.parts.size())
-        summary.shared.push_back(
+        summary.shared.push(
             {{"t", time}, {"part", scene.parts[members->part].name}, {"sites", members->sites}});
       const auto* changed = std::get_if<sync::OwnershipChanged>(control);
       if (!changed || changed->part.part >= scene.parts.size()) continue;
@@ -182,10 +179,10 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
         ++summary.grants;
         ++summary.sites[changed->part.owner].grants;
       }
-      summary.ownership.push_back({{"t", time},
-                                   {"part", scene.parts[changed->part.part].name},
-                                   {"owner", changed->part.owner},
-                                   {"epoch", changed->part.epoch}});
+      summary.ownership.push({{"t", time},
+                              {"part", scene.parts[changed->part.part].name},
+                              {"owner", changed->part.owner},
+                              {"epoch", changed->part.epoch}});
       continue;
     }
     if (const auto* update = std::get_if<sync::StateUpdate>(&std::get<sync::StateMessage>(entry.message))) {
@@ -197,23 +194,23 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
   return summary;
 }
 
-nlohmann::ordered_json toJson(const Recording& recording, const Summary& summary) {
-  nlohmann::ordered_json json;
+Json toJson(const Recording& recording, const Summary& summary) {
+  Json json;
   json["duration_s"] = recording.duration;
   json["entries"] = recording.entries.size();
   json["damaged"] = recording.damaged;
-  json["sites"] = nlohmann::ordered_json::array();
+  json["sites"] = Json::array();
   for (const auto& [id, site] : summary.sites)
-    json["sites"].push_back({{"site", id},
-                             {"name", site.name},
-                             {"updates", site.updates},
-                             {"grants", site.grants},
-                             {"largest_force_n", site.largestForce}});
+    json["sites"].push({{"site", id},
+                        {"name", site.name},
+                        {"updates", site.updates},
+                        {"grants", site.grants},
+                        {"largest_force_n", site.largestForce}});
   json["grants"] = summary.grants;
   json["denials"] = summary.denials;
   json["ownership"] = summary.ownership;
   json["shared"] = summary.shared;
-  return rounded(std::move(json));
+  return json.rounded();
 }
 
 /// The force on each hand in N, world axes, as often as its site told it.
@@ -318,30 +315,28 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addReplay(CLI::App& app, int& exitCode) {
+void addReplay(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("replay", "Show a recorded session again, with its forces");
+  assets::CommandLine command = program.command("replay", "Show a recorded session again, with its forces");
   command
-      ->add_option("recording", arguments->recording,
-                   "File of 'tandem join --record' or 'tandem-server --record'")
-      ->required();
-  command->add_option("--scene", arguments->scenePath,
-                      "Scene file, if this user never joined that session [from --cache]");
-  command->add_option("--units", arguments->units, "Unit of the scene file")->capture_default_str();
-  command->add_option("--movable", arguments->movable, "As given to the server, with --scene [none]");
-  command->add_flag("--headless", arguments->headless, "No window: print a summary");
-  command->add_option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
-  command->add_option("--at", arguments->at, "Seconds from the beginning [the end]")
-      ->check(numberFrom(0.0, 1e9));
-  command->add_option("--json", arguments->json, "Write a summary to this file");
-  command->add_option("--forces", arguments->forces,
-                      "Write the force on every hand in N, world axes, to this CSV file");
-  command->add_option("--cache", arguments->cache,
-                      "Folder of fetched scenes [" + assets::defaultCacheDirectory() + "]");
-  command->footer(
+      .option("recording", arguments->recording, "File of 'tandem join --record' or 'tandem-server --record'")
+      .required();
+  command.option("--scene", arguments->scenePath,
+                 "Scene file, if this user never joined that session [from --cache]");
+  command.option("--units", arguments->units, "Unit of the scene file").showDefault();
+  command.option("--movable", arguments->movable, "As given to the server, with --scene [none]");
+  command.flag("--headless", arguments->headless, "No window: print a summary");
+  command.option("--screenshot", arguments->screenshot, "Write a picture (PNG) of the instant --at");
+  command.option("--at", arguments->at, "Seconds from the beginning [the end]").numberFrom(0.0, 1e9);
+  command.option("--json", arguments->json, "Write a summary to this file");
+  command.option("--forces", arguments->forces,
+                 "Write the force on every hand in N, world axes, to this CSV file");
+  command.option("--cache", arguments->cache,
+                 "Folder of fetched scenes [" + assets::defaultCacheDirectory() + "]");
+  command.footer(
       "With a window P plays and pauses; Follow beside a name shows what that person saw.\n"
       "Example: tandem replay review.rec --at 12.5 --screenshot review.png --headless");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

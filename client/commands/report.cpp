@@ -5,8 +5,6 @@
 #include <cstdio>
 #include <memory>
 
-#include <CLI/CLI.hpp>
-
 #include "assets/base/allocation_counter.h"
 #include "client/commands/command.h"
 #include "client/report/html.h"
@@ -124,32 +122,32 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addReport(CLI::App& app, int& exitCode) {
+void addReport(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand("report",
-                                         "Measure cost and error of the haptic tick on scenes with exact "
-                                         "answers, and what two people on one part "
-                                         "feel across the network; write them as one page");
-  command->add_option("--out", arguments->out, "The page: HTML that needs no other file")
-      ->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the figures to this file too");
-  command->add_option("--scenes", arguments->scenes,
-                      "Only these scenes, by id (sphere-1k, gear-100k, plane, ...) [all]");
-  command->add_option("--peers", arguments->peers,
-                      "Program that measures other libraries on the same scenes [bench_peers beside this "
-                      "program, if it is there]");
-  command->add_flag("--no-peers", arguments->noPeers, "Measure no other libraries");
-  command->add_flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
-  command->add_flag("--thorough-links", arguments->thoroughLinks,
-                    "Across the network: three seeds, and the best gains of what links replace searched for "
-                    "anew: minutes");
+  assets::CommandLine command =
+      program.command("report",
+                      "Measure cost and error of the haptic tick on scenes with exact "
+                      "answers, and what two people on one part "
+                      "feel across the network; write them as one page");
+  command.option("--out", arguments->out, "The page: HTML that needs no other file").showDefault();
+  command.option("--json", arguments->json, "Write the figures to this file too");
+  command.option("--scenes", arguments->scenes,
+                 "Only these scenes, by id (sphere-1k, gear-100k, plane, ...) [all]");
+  command.option("--peers", arguments->peers,
+                 "Program that measures other libraries on the same scenes [bench_peers beside this "
+                 "program, if it is there]");
+  command.flag("--no-peers", arguments->noPeers, "Measure no other libraries");
+  command.flag("--quick", arguments->quick, "Small scenes and short paths: seconds instead of minutes");
+  command.flag("--thorough-links", arguments->thoroughLinks,
+               "Across the network: three seeds, and the best gains of what links replace searched for "
+               "anew: minutes");
   std::string scenes;
   for (const report::ExperimentInfo& info : everyExperiment()) scenes += " " + info.id;
-  command->footer("Scenes:" + scenes +
-                  "\nExit code 1: a tick used the heap, or the peers' program failed.\n"
-                  "Figures mean little on a busy machine: let nothing else run.\n"
-                  "Example: tandem report --quick --out report.html --json report.json");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.footer("Scenes:" + scenes +
+                 "\nExit code 1: a tick used the heap, or the peers' program failed.\n"
+                 "Figures mean little on a busy machine: let nothing else run.\n"
+                 "Example: tandem report --quick --out report.html --json report.json");
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

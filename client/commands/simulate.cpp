@@ -2,8 +2,6 @@
 #include <memory>
 #include <string>
 
-#include <CLI/CLI.hpp>
-
 #include "client/commands/command.h"
 #include "client/simulation/simulation.h"
 
@@ -67,22 +65,22 @@ int run(const Arguments& arguments) {
 
 }  // namespace
 
-void addSimulate(CLI::App& app, int& exitCode) {
+void addSimulate(assets::CommandLine& program, int& exitCode) {
   auto arguments = std::make_shared<Arguments>();
-  CLI::App* command = app.add_subcommand(
+  assets::CommandLine command = program.command(
       "simulate", "Run a whole session - server, sites, arms, network, faults - on virtual time");
   command
-      ->add_option("scenario", arguments->scenario,
-                   "Scenario file (JSON; see tests/simulation/scenarios for examples)")
-      ->required();
-  command->add_option("--seed", arguments->options.seed, "Seed of network and clocks")->capture_default_str();
-  command->add_option("--json", arguments->json, "Write the measures to this file");
-  command->add_option("--trace", arguments->options.tracePath,
-                      "Write hands and forces every 10 ms to this CSV file");
-  command->add_flag("--no-part-contact", arguments->noPartContact,
-                    "Parts in the hand pass through others: nothing is made ready for them to collide");
-  command->add_flag("--quiet", arguments->quiet, "Print nothing but errors");
-  command->footer(
+      .option("scenario", arguments->scenario,
+              "Scenario file (JSON; see tests/simulation/scenarios for examples)")
+      .required();
+  command.option("--seed", arguments->options.seed, "Seed of network and clocks").showDefault();
+  command.option("--json", arguments->json, "Write the measures to this file");
+  command.option("--trace", arguments->options.tracePath,
+                 "Write hands and forces every 10 ms to this CSV file");
+  command.flag("--no-part-contact", arguments->noPartContact,
+               "Parts in the hand pass through others: nothing is made ready for them to collide");
+  command.flag("--quiet", arguments->quiet, "Print nothing but errors");
+  command.footer(
       "A site's hand runs on the plain defaults (800 N/m, no passivity control) whatever its device; "
       "\"fit\": true in\n"
       "the scenario's site takes those of 'tandem join' instead, \"stiffness\": K states one. See "
@@ -93,7 +91,7 @@ void addSimulate(CLI::App& app, int& exitCode) {
       "The same scenario and seed give the same result, to the bit.\n"
       "Exit code 1: the run was not stable, or a rule of the protocol (sync/README.md) was broken.\n"
       "Example: tandem simulate tests/simulation/scenarios/hand_over.json --seed 7 --json out.json");
-  command->callback([arguments, &exitCode] { exitCode = run(*arguments); });
+  command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 
 }  // namespace tandem::client

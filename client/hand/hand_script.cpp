@@ -5,15 +5,12 @@
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/base/json_input.h"
 #include "haptics/base/minimum_jerk.h"
 #include "haptics/geometry/primitive_distance.h"
 
 namespace tandem::client {
-
-using nlohmann::json;
 
 namespace {
 
@@ -26,41 +23,41 @@ constexpr double kMostTurn = 1e4;  // rad
 constexpr double kMostHz = 500.0;  // half the rate of the loop
 
 /// A field's number within +-most; throws a message for a person.
-double number(const json& step, const char* key, double most = kFarthest) {
+double number(const Json& step, const char* key, double most = kFarthest) {
   if (!step.contains(key)) throw std::string("lacks \"") + key + "\"";
-  if (!step[key].is_number() || !std::isfinite(step[key].get<double>()))
+  if (!step[key].isNumber() || !std::isfinite(step[key].number()))
     throw std::string("\"") + key + "\" must be a finite number";
-  const double value = step[key].get<double>();
+  const double value = step[key].number();
   if (std::abs(value) > most)
     throw std::string("\"") + key + "\" must be at most " + std::to_string(static_cast<int>(most)) +
         " in size";
   return value;
 }
 
-double duration(const json& step, const char* key) {
+double duration(const Json& step, const char* key) {
   const double seconds = number(step, key, kLongest);
   if (seconds < 0.0) throw std::string("\"") + key + "\" must not be negative";
   return seconds;
 }
 
-glm::dvec3 vector(const json& step, const char* key) {
-  if (!step.contains(key) || !step[key].is_array() || step[key].size() != 3)
+glm::dvec3 vector(const Json& step, const char* key) {
+  if (!step.contains(key) || !step[key].isArray() || step[key].size() != 3)
     throw std::string("needs \"") + key + "\": [x, y, z]";
   glm::dvec3 value;
   for (int i = 0; i < 3; ++i) {
-    const json& entry = step[key][static_cast<std::size_t>(i)];
-    if (!entry.is_number() || !std::isfinite(entry.get<double>()))
+    const Json& entry = step[key][static_cast<std::size_t>(i)];
+    if (!entry.isNumber() || !std::isfinite(entry.number()))
       throw std::string("\"") + key + "\" must hold three finite numbers";
-    if (std::abs(entry.get<double>()) > kFarthest)
+    if (std::abs(entry.number()) > kFarthest)
       throw std::string("\"") + key + "\" must be within " + std::to_string(static_cast<int>(kFarthest));
-    value[i] = entry.get<double>();
+    value[i] = entry.number();
   }
   return value;
 }
 
-glm::dvec3 axis(const json& step) {
-  if (step.contains("axis") && step["axis"].is_string()) {
-    const std::string name = step["axis"].get<std::string>();
+glm::dvec3 axis(const Json& step) {
+  if (step.contains("axis") && step["axis"].isText()) {
+    const std::string name = step["axis"].text();
     if (name == "x") return {1.0, 0.0, 0.0};
     if (name == "y") return {0.0, 1.0, 0.0};
     if (name == "z") return {0.0, 0.0, 1.0};
@@ -72,42 +69,42 @@ glm::dvec3 axis(const json& step) {
 }
 
 /// Without a scene (null) any name will do: it is looked up once the scene is there.
-PartId part(const json& step, const assets::Scene* scene) {
-  if (!step.contains("part") || !step["part"].is_string()) throw std::string("needs \"part\": \"NAME\"");
+PartId part(const Json& step, const assets::Scene* scene) {
+  if (!step.contains("part") || !step["part"].isText()) throw std::string("needs \"part\": \"NAME\"");
   if (scene == nullptr) return kNoPart;
-  const std::string name = step["part"].get<std::string>();
+  const std::string name = step["part"].text();
   const PartId id = assets::findPart(*scene, name);
   if (id == kNoPart) throw "no part is named \"" + name + "\"";
   return id;
 }
 
-PartId controlPart(const json& step, const assets::Scene* scene) {
-  if (!step.contains("control") || !step["control"].is_string())
+PartId controlPart(const Json& step, const assets::Scene* scene) {
+  if (!step.contains("control") || !step["control"].isText())
     throw std::string("needs \"control\": \"NAME\"");
   if (scene == nullptr) return kNoPart;
-  const std::string name = step["control"].get<std::string>();
+  const std::string name = step["control"].text();
   for (const assets::Control& control : scene->controls)
     if (control.name == name || scene->parts[control.part].name == name) return control.part;
   throw "no control is named \"" + name + "\"";
 }
 
 /// A misspelt key would silently do something else.
-void refuseUnknown(const json& step) {
+void refuseUnknown(const Json& step) {
   static const char* const known[] = {"t",     "do",        "part", "over_s", "to",    "by",      "axis",
                                       "angle", "amplitude", "hz",   "for_s",  "depth", "control", "value"};
-  for (const auto& item : step.items())
-    if (std::find(std::begin(known), std::end(known), item.key()) == std::end(known))
-      throw "does not know \"" + item.key() + "\"";
+  for (const auto& item : step.members())
+    if (std::find(std::begin(known), std::end(known), item.first) == std::end(known))
+      throw "does not know \"" + item.first + "\"";
 }
 
-ScriptStep parseStep(const json& entry, const assets::Scene* scene) {
+ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   using Verb = ScriptStep::Verb;
-  if (!entry.is_object()) throw std::string("must be an object");
+  if (!entry.isObject()) throw std::string("must be an object");
   refuseUnknown(entry);
   ScriptStep step;
   step.at = duration(entry, "t");
-  if (!entry.contains("do") || !entry["do"].is_string()) throw std::string("needs \"do\": \"VERB\"");
-  const std::string verb = entry["do"].get<std::string>();
+  if (!entry.contains("do") || !entry["do"].isText()) throw std::string("needs \"do\": \"VERB\"");
+  const std::string verb = entry["do"].text();
   if (verb == "grasp") {
     step.verb = Verb::grasp;
     step.part = part(entry, scene);
@@ -187,19 +184,19 @@ Progress progressAt(double s) {
 
 namespace {
 
-Result<json> parseSteps(const std::string& text, const std::string& source) {
-  Result<json> document = parseJson(text, source);
+Result<Json> parseSteps(const std::string& text, const std::string& source) {
+  Result<Json> document = parseJson(text, source);
   if (!document) return document;
-  json steps = document->is_object() && document->contains("script") ? (*document)["script"] : *document;
-  if (!steps.is_array()) return Error{source + ": a script is a list of steps"};
+  Json steps = document->isObject() && document->contains("script") ? (*document)["script"] : *document;
+  if (!steps.isArray()) return Error{source + ": a script is a list of steps"};
   return steps;
 }
 
 Result<HandScript> parseScript(const std::string& text, const std::string& source,
                                const assets::Scene* scene) {
-  const Result<json> parsed = parseSteps(text, source);
+  const Result<Json> parsed = parseSteps(text, source);
   if (!parsed) return parsed.error();
-  const json& steps = *parsed;
+  const Json& steps = *parsed;
   HandScript script;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {

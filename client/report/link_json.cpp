@@ -2,14 +2,11 @@
 
 #include <limits>
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/report/measurement_json.h"
 
 namespace tandem::client::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 const char* nameOf(Architecture architecture) {
   switch (architecture) {
@@ -69,7 +66,7 @@ Json linkExperimentJson(const LinkExperimentResult& e) {
                {"one_way_s", e.delay},
                {"seeds", e.seeds}};
   json["settings"] = Json::array();
-  for (const LinkMeasurement& m : e.settings) json["settings"].push_back(settingJson(m));
+  for (const LinkMeasurement& m : e.settings) json["settings"].push(settingJson(m));
   return json;
 }
 

@@ -1,13 +1,10 @@
 #include "client/report/measurement_json.h"
+#include "assets/base/json.h"
 
 #include <cmath>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 namespace tandem::client::report {
-
-using Json = nlohmann::ordered_json;
 
 Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
@@ -38,9 +35,8 @@ void putError(Json& setting, const ForceError& error) {
 }
 
 double measure(const Json& object, const char* key) {
-  const double value = object.at(key).get<double>();
-  if (!std::isfinite(value) || value < 0.0)
-    throw Json::other_error::create(500, std::string(key) + " is not a measure", nullptr);
+  const double value = object.at(key).number();
+  if (!std::isfinite(value) || value < 0.0) throw JsonError(std::string(key) + " is not a measure");
   return value;
 }
 

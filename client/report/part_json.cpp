@@ -1,13 +1,10 @@
 #include "client/report/part_json.h"
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/report/measurement_json.h"
 
 namespace tandem::client::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json spreadJson(const Spread& s) {
   return {{"p50", number(s.p50)}, {"p99", number(s.p99)}, {"max", number(s.max)}};
@@ -49,17 +46,17 @@ Json partExperimentJson(const PartExperimentResult& e) {
                {"peak_force_n", number(e.peakForce)},
                {"asked_penetration_m", number(e.askedDepth)}};
   json["settings"] = Json::array();
-  for (const PartMeasurement& m : e.settings) json["settings"].push_back(settingJson(m));
+  for (const PartMeasurement& m : e.settings) json["settings"].push(settingJson(m));
   return json;
 }
 
 PartExperimentResult partPeersFromJson(const Json& entry) {
   PartExperimentResult e;
-  e.info.id = entry.at("id").get<std::string>();
+  e.info.id = entry.at("id").text();
   for (const Json& json : entry.at("settings")) {
     PartMeasurement& m = e.settings.emplace_back();
-    m.setting = json.at("id").get<std::string>();
-    m.name = json.at("name").get<std::string>();
+    m.setting = json.at("id").text();
+    m.name = json.at("name").text();
     m.kind = Kind::peer;
     m.cost = costFrom(json);
     m.depth = spreadFrom(json.at("depth_error_m"));

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/report/link_json.h"
 #include "client/report/measurement_json.h"
 #include "client/report/part_json.h"
 
 namespace tandem::client::report {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json settingJson(const Measurement& m) {
   Json json = {{"id", m.setting}, {"name", m.name}, {"kind", nameOf(m.kind)}};
@@ -26,8 +23,8 @@ Json settingJson(const Measurement& m) {
 
 Measurement peerSetting(const Json& json) {
   Measurement m;
-  m.setting = json.at("id").get<std::string>();
-  m.name = json.at("name").get<std::string>();
+  m.setting = json.at("id").text();
+  m.name = json.at("name").text();
   m.kind = Kind::peer;
   const Json& step = json.at("step_n");
   m.cost = costFrom(json);
@@ -57,36 +54,39 @@ std::string toJson(const SweepResult& result) {
                   {"peak_force_n", number(e.peakForce)},
                   {"facet_error_n", number(e.facetError)}};
     entry["settings"] = Json::array();
-    for (const Measurement& m : e.settings) entry["settings"].push_back(settingJson(m));
-    json["experiments"].push_back(std::move(entry));
+    for (const Measurement& m : e.settings) entry["settings"].push(settingJson(m));
+    json["experiments"].push(std::move(entry));
   }
   json["held"] = Json::array();
-  for (const PartExperimentResult& e : result.held) json["held"].push_back(partExperimentJson(e));
+  for (const PartExperimentResult& e : result.held) json["held"].push(partExperimentJson(e));
   json["links"] = Json::array();
-  for (const LinkExperimentResult& e : result.links) json["links"].push_back(linkExperimentJson(e));
+  for (const LinkExperimentResult& e : result.links) json["links"].push(linkExperimentJson(e));
   json["figures"] = Json::array();
   for (const Figure& f : result.figures) {
     Json entry = {{"id", f.id}, {"name", f.name}, {"unit", f.unit}, {"value", number(f.value)}};
     if (f.target > 0.0) entry[f.atLeast ? "at_least" : "at_most"] = f.target;
-    json["figures"].push_back(std::move(entry));
+    json["figures"].push(std::move(entry));
   }
   return json.dump(2) + "\n";
 }
 
 Result<SweepResult> peersFromJson(const std::string& text) {
+  const Error unusable{"what the peers' program wrote cannot be used: "};
+  const Result<Json> parsed = Json::parse(text);
+  if (!parsed) return Error{unusable.message + parsed.error().message};
+  const Json& json = *parsed;
   try {
-    const Json json = Json::parse(text);
     SweepResult result;
-    result.peers = json.at("peers").get<std::vector<std::string>>();
+    for (const Json& peer : json.at("peers")) result.peers.push_back(peer.text());
     for (const Json& entry : json.at("experiments")) {
       ExperimentResult& e = result.experiments.emplace_back();
-      e.info.id = entry.at("id").get<std::string>();
+      e.info.id = entry.at("id").text();
       for (const Json& setting : entry.at("settings")) e.settings.push_back(peerSetting(setting));
     }
     for (const Json& entry : json.at("held")) result.held.push_back(partPeersFromJson(entry));
     return result;
-  } catch (const Json::exception& error) {
-    return Error{std::string("what the peers' program wrote cannot be used: ") + error.what()};
+  } catch (const JsonError& error) {
+    return Error{unusable.message + error.what()};
   }
 }
 

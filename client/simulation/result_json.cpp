@@ -1,20 +1,17 @@
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/base/traffic_json.h"
 #include "client/simulation/simulation.h"
 
 namespace tandem::client {
 
-using nlohmann::ordered_json;
-
 std::string toJson(const SimulationResult& result) {
-  ordered_json json;
+  Json json;
   json["stable"] = result.stable;
   double excess = 0.0;
-  ordered_json energy, stiffness, step, packets, bytes;
+  Json energy, stiffness, step, packets, bytes;
   for (const auto& [name, site] : result.sites) {
     energy[name] = site.energyCreated;
-    stiffness[name] = site.feltStiffness > 0.0 ? ordered_json(site.feltStiffness) : ordered_json(nullptr);
+    stiffness[name] = site.feltStiffness > 0.0 ? Json(site.feltStiffness) : Json(nullptr);
     step[name] = site.forceStep20ms;
     packets[name] = site.packetsPerSecond;
     bytes[name] = site.bytesPerSecond;
@@ -25,8 +22,8 @@ std::string toJson(const SimulationResult& result) {
   json["energy_created_by_links_j"] = result.energyOfLinks;
   const bool shared = result.shared > 0.0;
   json["shared_s"] = result.shared;
-  json["discrepancy_m"] = {{"rms", shared ? ordered_json(result.discrepancyRms) : ordered_json(nullptr)},
-                           {"max", shared ? ordered_json(result.discrepancyMax) : ordered_json(nullptr)},
+  json["discrepancy_m"] = {{"rms", shared ? Json(result.discrepancyRms) : Json(nullptr)},
+                           {"max", shared ? Json(result.discrepancyMax) : Json(nullptr)},
                            {"displayed_rms", result.displayedRms},
                            {"displayed_max", result.displayedMax}};
   json["force_step_20ms_n"] = step;
@@ -35,20 +32,19 @@ std::string toJson(const SimulationResult& result) {
   json["packets_per_s"] = packets;
   json["bytes_per_s"] = bytes;
   for (const auto& [name, site] : result.sites) json["sent"][name] = trafficJson(site.sent);
-  json["grants"] = ordered_json::array();
+  json["grants"] = Json::array();
   for (const auto& grant : result.grants) {
     const auto name = result.siteNames.find(grant.site);
-    json["grants"].push_back(
-        {{"t", grant.at},
-         {"part", result.partNames[grant.part]},
-         {"site", name == result.siteNames.end() ? std::to_string(grant.site) : name->second},
-         {"epoch", grant.epoch}});
+    json["grants"].push({{"t", grant.at},
+                         {"part", result.partNames[grant.part]},
+                         {"site", name == result.siteNames.end() ? std::to_string(grant.site) : name->second},
+                         {"epoch", grant.epoch}});
   }
   json["denials"] = result.denials;
   json["dropped_states"] = result.droppedStates;
-  json["violations"] = ordered_json::array();
+  json["violations"] = Json::array();
   for (const Violation& violation : result.violations)
-    json["violations"].push_back({{"rule", violation.rule}, {"t", violation.at}, {"what", violation.what}});
+    json["violations"].push({{"rule", violation.rule}, {"t", violation.at}, {"what", violation.what}});
   for (const auto& [part, pose] : result.finalPoses)
     json["final_poses"][part] = {pose.position.x,    pose.position.y,    pose.position.z,
                                  pose.orientation.w, pose.orientation.x, pose.orientation.y,

@@ -5,23 +5,20 @@
 #include <filesystem>
 #include <set>
 
-#include <nlohmann/json.hpp>
-
+#include "assets/base/json.h"
 #include "client/base/json_input.h"
 #include "client/hand/hand_script.h"
 #include "sync/wire/messages.h"
 
 namespace tandem::client {
 
-using nlohmann::json;
-
 namespace {
 
 /// Reads fields of one object, and knows which of them nobody asked for.
 class Fields {
  public:
-  Fields(const json& object, std::string where) : object_(object), where_(std::move(where)) {
-    if (!object_.is_object()) throw where_ + ": must be an object";
+  Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {
+    if (!object_.isObject()) throw where_ + ": must be an object";
   }
   bool has(const char* key) {
     known_.insert(key);
@@ -29,11 +26,11 @@ class Fields {
   }
   double number(const char* key, double fallback, double least, double most) {
     if (!has(key)) return fallback;
-    const json& value = object_[key];
-    if (!value.is_number() || !std::isfinite(value.get<double>()) || value.get<double>() < least ||
-        value.get<double>() > most)
+    const Json& value = object_[key];
+    if (!value.isNumber() || !std::isfinite(value.number()) || value.number() < least ||
+        value.number() > most)
       throw where_ + ": \"" + key + "\" must be a number from " + short_(least) + " to " + short_(most);
-    return value.get<double>();
+    return value.number();
   }
   double required(const char* key, double least, double most) {
     if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
@@ -41,24 +38,24 @@ class Fields {
   }
   std::string text(const char* key, const std::string& fallback) {
     if (!has(key)) return fallback;
-    if (!object_[key].is_string()) throw where_ + ": \"" + key + "\" must be a string";
-    return object_[key].get<std::string>();
+    if (!object_[key].isText()) throw where_ + ": \"" + key + "\" must be a string";
+    return object_[key].text();
   }
   std::string requiredText(const char* key) {
     if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
     return text(key, "");
   }
-  const json& list(const char* key) {
-    static const json empty = json::array();
+  const Json& list(const char* key) {
+    static const Json empty = Json::array();
     if (!has(key)) return empty;
-    if (!object_[key].is_array()) throw where_ + ": \"" + key + "\" must be a list";
+    if (!object_[key].isArray()) throw where_ + ": \"" + key + "\" must be a list";
     return object_[key];
   }
-  const json& operator[](const char* key) { return object_[key]; }
+  const Json& operator[](const char* key) { return object_[key]; }
   const std::string& where() const { return where_; }
   /// A misspelt key would silently simulate something else.
   void refuseUnknown() const {
-    for (const auto& [key, value] : object_.items())
+    for (const auto& [key, value] : object_.members())
       if (!known_.count(key)) throw where_ + ": does not know \"" + key + "\"";
   }
 
@@ -69,7 +66,7 @@ class Fields {
     if (text.back() == '.') text.pop_back();
     return text;
   }
-  const json& object_;
+  const Json& object_;
   std::string where_;
   std::set<std::string> known_;
 };
@@ -80,7 +77,7 @@ bool plain(const std::string& name) {
                       [](unsigned char c) { return c < 32 || c == 127 || c == ',' || c == '"'; });
 }
 
-ScenarioSite parseSite(const json& entry, const std::string& where) {
+ScenarioSite parseSite(const Json& entry, const std::string& where) {
   Fields fields(entry, where);
   ScenarioSite site;
   site.name = fields.requiredText("name");
@@ -110,19 +107,19 @@ ScenarioSite parseSite(const json& entry, const std::string& where) {
     device.refuseUnknown();
   }
   if (fields.has("fit")) {
-    if (!fields["fit"].is_boolean()) throw where + ": \"fit\" must be true or false";
-    site.fit = fields["fit"].get<bool>();
+    if (!fields["fit"].isBoolean()) throw where + ": \"fit\" must be true or false";
+    site.fit = fields["fit"].boolean();
   }
   site.stiffness = fields.number("stiffness", 0.0, 0.0, 1e6);
   site.deadband = fields.number("deadband", site.deadband, 0.0, 1.0);
   if (fields.has("start")) {
-    const json& start = fields["start"];
-    if (!start.is_array() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";
+    const Json& start = fields["start"];
+    if (!start.isArray() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!start[i].is_number() || !(std::abs(start[i].get<double>()) <= kFarthest))
+      if (!start[i].isNumber() || !(std::abs(start[i].number()) <= kFarthest))
         throw where + ": \"start\" must hold numbers within " + std::to_string(static_cast<int>(kFarthest)) +
             " m";
-      site.start[static_cast<glm::length_t>(i)] = start[i].get<double>();
+      site.start[static_cast<glm::length_t>(i)] = start[i].number();
     }
     site.hasStart = true;
   }
@@ -131,7 +128,7 @@ ScenarioSite parseSite(const json& entry, const std::string& where) {
   return site;
 }
 
-void parseNetwork(const json& entry, Scenario& scenario) {
+void parseNetwork(const Json& entry, Scenario& scenario) {
   Fields fields(entry, "network");
   const auto micros = [](double ms) { return static_cast<sync::Micros>(std::llround(ms * 1e3)); };
   scenario.network.oneWay = micros(fields.number("one_way_ms", 0.0, 0.0, 1e5));
@@ -140,13 +137,13 @@ void parseNetwork(const json& entry, Scenario& scenario) {
   scenario.network.duplicate = fields.number("duplicate", 0.0, 0.0, 1.0);
   scenario.network.reorder = fields.number("reorder", 0.0, 0.0, 1.0);
   scenario.packetHz = fields.number("packet_hz", 250.0, 1.0, 1000.0);
-  for (const json& item : fields.list("blackouts")) {
+  for (const Json& item : fields.list("blackouts")) {
     Fields blackout(item, "network.blackouts");
     scenario.blackouts.push_back({blackout.requiredText("site"), blackout.required("at", 0.0, 1e5),
                                   blackout.required("for_s", 0.0, 1e5)});
     blackout.refuseUnknown();
   }
-  for (const json& item : fields.list("steps")) {
+  for (const Json& item : fields.list("steps")) {
     Fields step(item, "network.steps");
     scenario.steps.push_back({step.required("at", 0.0, 1e5), micros(step.required("one_way_ms", 0.0, 1e5))});
     step.refuseUnknown();
@@ -154,7 +151,7 @@ void parseNetwork(const json& entry, Scenario& scenario) {
   fields.refuseUnknown();
 }
 
-Fault parseFault(const json& entry, const std::string& where) {
+Fault parseFault(const Json& entry, const std::string& where) {
   Fields fields(entry, where);
   Fault fault;
   fault.at = fields.required("at", 0.0, 1e5);
@@ -185,7 +182,7 @@ void checkSites(const Scenario& scenario) {
     if (fault.kind != Fault::Kind::killServer) check(fault.site, "faults");
 }
 
-Scenario parse(const json& document, const std::string& path) {
+Scenario parse(const Json& document, const std::string& path) {
   namespace fs = std::filesystem;
   Fields fields(document, "scenario");
   Scenario scenario;
@@ -199,23 +196,23 @@ Scenario parse(const json& document, const std::string& path) {
   if (!units) throw "units: " + units.error().message;
   scenario.load.unitScale = *units;
   if (fields.has("movable")) {
-    const json& movable = fields["movable"];
-    if (movable.is_string() && movable.get<std::string>() == "all") {
+    const Json& movable = fields["movable"];
+    if (movable.isText() && movable.text() == "all") {
       scenario.load.allMovable = true;
     } else {
-      for (const json& name : fields.list("movable")) {
-        if (!name.is_string()) throw std::string("movable: must be \"all\" or a list of names");
-        scenario.load.movable.push_back(name.get<std::string>());
+      for (const Json& name : fields.list("movable")) {
+        if (!name.isText()) throw std::string("movable: must be \"all\" or a list of names");
+        scenario.load.movable.push_back(name.text());
       }
     }
   }
   std::size_t index = 0;
-  for (const json& site : fields.list("sites"))
+  for (const Json& site : fields.list("sites"))
     scenario.sites.push_back(parseSite(site, "sites[" + std::to_string(index++) + "]"));
   if (scenario.sites.empty()) throw std::string("sites: needs at least one");
   if (fields.has("network")) parseNetwork(fields["network"], scenario);
   index = 0;
-  for (const json& fault : fields.list("faults"))
+  for (const Json& fault : fields.list("faults"))
     scenario.faults.push_back(parseFault(fault, "faults[" + std::to_string(index++) + "]"));
   fields.refuseUnknown();
   checkSites(scenario);
@@ -227,7 +224,7 @@ Scenario parse(const json& document, const std::string& path) {
 Result<Scenario> loadScenario(const std::string& path) {
   const Result<std::string> text = readTextFile(path);
   if (!text) return text.error();
-  const Result<json> document = parseJson(*text, path);
+  const Result<Json> document = parseJson(*text, path);
   if (!document) return document.error();
   try {
     return parse(*document, path);

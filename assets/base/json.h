@@ -1,0 +1,117 @@
+#pragma once
+
+// JSON as a value: read from hostile text, built up by the programs that write results. The parser and the writer are
+// nlohmann's, whose headers cost seconds to compile; json.cpp alone includes them for all that uses this.
+//
+// Members of an object keep the order in which they were added; parse() sorts them by name.
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <initializer_list>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "assets/base/result.h"
+
+namespace tandem {
+
+/// A value is not what its reader asked for: a missing member, another kind. The message names it.
+class JsonError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+class Json {
+ public:
+  enum class Kind : std::uint8_t { null, boolean, integer, natural, real, text, array, object };
+  using Member = std::pair<std::string, Json>;
+
+  Json();  // null
+  Json(std::nullptr_t);
+  Json(bool value);
+  Json(double value);
+  Json(const char* value);
+  Json(std::string value);
+  Json(std::string_view value);
+  template <std::signed_integral T>
+  Json(T value) : Json(Kind::integer, static_cast<std::uint64_t>(static_cast<std::int64_t>(value))) {}
+  template <std::unsigned_integral T>
+  requires(!std::same_as<T, bool>) Json(T value) : Json(Kind::natural, static_cast<std::uint64_t>(value)) {}
+  template <typename T>
+  Json(const std::vector<T>& values) : Json(array()) {
+    for (const T& value : values) push(value);
+  }
+  /// An object if every element is a pair of a text and a value, else an array.
+  Json(std::initializer_list<Json> values);
+  Json(const Json& other);
+  Json(Json&& other) noexcept;
+  Json& operator=(const Json& other);
+  Json& operator=(Json&& other) noexcept;
+  ~Json();
+
+  static Json array();
+  static Json object();
+
+  Kind kind() const { return kind_; }
+  bool isNull() const { return kind_ == Kind::null; }
+  bool isBoolean() const { return kind_ == Kind::boolean; }
+  bool isNumber() const { return isInteger() || kind_ == Kind::real; }
+  bool isInteger() const { return kind_ == Kind::integer || kind_ == Kind::natural; }
+  bool isText() const { return kind_ == Kind::text; }
+  bool isArray() const { return kind_ == Kind::array; }
+  bool isObject() const { return kind_ == Kind::object; }
+
+  /// What it holds. Each throws JsonError for another kind; integer() also for what is negative or has a fraction.
+  bool boolean() const;
+  double number() const;
+  std::uint64_t integer() const;
+  std::int64_t signedInteger() const;  // of Kind::integer only
+  const std::string& text() const;
+
+  /// Elements or members; 0 of anything else.
+  std::size_t size() const;
+  bool empty() const { return size() == 0; }
+  bool contains(std::string_view name) const;
+  /// A member or an element that must be there; throws JsonError if it is not.
+  const Json& at(std::string_view name) const;
+  const Json& at(std::size_t index) const;
+  /// The member of that name, added as null if there is none; null becomes an object. Throws JsonError for anything else.
+  Json& operator[](std::string_view name);
+  const Json& operator[](std::string_view name) const { return at(name); }
+  const Json& operator[](std::size_t index) const { return at(index); }
+
+  /// Appends an element; null becomes an array. Throws JsonError for anything else.
+  void push(Json value);
+  Json& back();
+  /// Takes over the members of another object.
+  void update(const Json& other);
+
+  const std::vector<Member>& members() const;
+  const Json* begin() const { return elements_.data(); }
+  const Json* end() const { return elements_.data() + elements_.size(); }
+
+  /// The same with every fraction rounded to nine significant digits: a pose's nm, a day's ms.
+  Json rounded() const;
+
+  /// The text; with an indent of 0 or more, one member a line.
+  std::string dump(int indent = -1) const;
+
+  /// Reads hostile text. The error is the reason and the place, without a file's name.
+  static Result<Json> parse(const std::string& text);
+
+ private:
+  Json(Kind kind, std::uint64_t bits) : kind_(kind), bits_(bits) {}
+
+  Kind kind_ = Kind::null;
+  std::uint64_t bits_ = 0;  // of a boolean, a natural number or an integer
+  double real_ = 0.0;
+  std::string text_;
+  std::vector<Json> elements_;
+  std::vector<Member> members_;
+};
+
+}  // namespace tandem
