@@ -23,10 +23,10 @@ namespace {
 using Node = TriangleBvh::Node;
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 constexpr int kMaxBins = 16;
-constexpr std::uint32_t kGrain = 8192;  // primitives below which one thread builds a subtree alone
-constexpr int kMedianDepth = 36;        // binary levels after which splits halve, so that depth stays bounded
+constexpr std::uint32_t kGrain = 8192;  // primitives below which a single thread builds a subtree
+constexpr int kMedianDepth = 36;        // binary levels after which splits halve, which bounds the depth
 
-/// A box of four floats a side; the fourth lane may carry a primitive's index and is never looked at.
+/// A box of four floats a side; the fourth lane may carry a primitive's index and is never compared.
 struct Box4 {
   Float4 low{kInfinity}, high{-kInfinity};
   void grow(Float4 l, Float4 h) {
@@ -68,9 +68,8 @@ struct Bin {
   }
 };
 
-/// The bins of a range along one axis, over its box. Over the box of the centres they would be better filled,
-/// but that box costs an eighth of the build to keep track of, and saves a point 3 % of its tick, a ball
-/// nothing.
+/// The bins of a range along one axis, over its box. Bins over the box of the centres would be filled better,
+/// but tracking that box costs an eighth of the build and saves a point tool only 3 % of its tick.
 struct Binning {
   int axis = 0, count = 0;
   float low = 0.0f, scale = 0.0f;  // of doubled centres
@@ -88,7 +87,7 @@ class Builder {
  public:
   explicit Builder(std::span<BuildPrimitive> primitives) : primitives_(primitives) {}
 
-  /// Splits a range into up to four and writes their boxes; children[i] is a leaf, or to be built from
+  /// Splits a range into up to four and writes their boxes. children[i] is a leaf, or is to be built from
   /// ranges[i].
   int makeNode(const Range& range, Node& node, std::array<Range, 4>& ranges) const {
     ranges[0] = range;
@@ -98,7 +97,7 @@ class Builder {
       float area = -1.0f;
       for (int i = 0; i < count; ++i) {
         const float a = halfArea(ranges[i].box);
-        // Boxes beyond what a float holds have no area to compare.
+        // Boxes beyond the range of a float have no area to compare.
         if (ranges[i].size() > TriangleBvh::kMaxLeaf && (widest < 0 || a > area)) {
           widest = i;
           area = a;
@@ -152,7 +151,7 @@ class Builder {
       if (high[i] - low[i] > high[axis] - low[axis]) axis = i;
     }
     const float width = high[axis] - low[axis];
-    // Where bins per metre, or a box, would be beyond a float, bins mean nothing.
+    // Bins are meaningless where bins per metre, or a box, exceed the range of a float.
     if (!(width > 0x1p-100f && width < 0x1p100f) || whole.depth >= kMedianDepth) {
       return splitAtMedian(whole, axis, left, right);
     }
@@ -172,8 +171,8 @@ class Builder {
     finish(whole, partition(whole, binning, at), left, right);
   }
 
-  /// Neighbours in the list mostly fall into one bin: two sets of bins, taken in turn, halve the wait for the
-  /// one before.
+  /// Neighbours in the list mostly fall into the same bin. Two alternating sets of bins halve the stall on
+  /// the previous store.
   void fill(const Range& whole, const Binning& binning, Bins& bins) const {
     std::uint32_t i = whole.begin;
     if (whole.size() >= 64) {
@@ -188,8 +187,8 @@ class Builder {
     for (; i < whole.end; ++i) bins.bin[binning.of(primitives_[i])].add(primitives_[i]);
   }
 
-  /// Puts the bins below `at` first; returns where the others begin. Which side a primitive belongs to cannot
-  /// be predicted: exchanging it in any case (Lomuto's partition) is faster than a branch.
+  /// Moves the bins below `at` to the front and returns where the others begin. The side of a primitive is
+  /// unpredictable, so an unconditional exchange (Lomuto's partition) is faster than a branch.
   std::uint32_t partition(const Range& whole, const Binning& binning, int at) const {
     std::uint32_t middle = whole.begin;
     for (std::uint32_t i = whole.begin; i < whole.end; ++i) {
@@ -239,7 +238,7 @@ class Builder {
     const std::uint32_t middle = whole.begin + whole.size() / 2;
     const auto key = [axis](const BuildPrimitive& p) {
       const float sum = p.low[axis] + p.high[axis];
-      return std::isnan(sum) ? 0.0f : sum;  // from minus to plus infinity; an order needs numbers
+      return std::isnan(sum) ? 0.0f : sum;  // minus plus plus infinity is NaN; an order needs numbers
     };
     std::nth_element(primitives_.begin() + whole.begin, primitives_.begin() + middle,
                      primitives_.begin() + whole.end, [&](const BuildPrimitive& a, const BuildPrimitive& b) {
@@ -260,13 +259,14 @@ class Builder {
   std::span<BuildPrimitive> primitives_;
 };
 
-/// A subtree as one piece of work. Large ones become a node with four more; small ones are built whole.
+/// A subtree as one unit of work. A large one becomes a node with four more tasks; a small one is built
+/// whole.
 struct Task {
   Range range;
   Node node;
   std::array<std::unique_ptr<Task>, 4> children;
   std::vector<Node> nodes;  // of a subtree built whole
-  std::uint32_t first = 0;  // where its nodes come to stand
+  std::uint32_t first = 0;  // position of its nodes in the tree
 };
 
 class TaskPool {
@@ -321,8 +321,8 @@ class TaskPool {
   std::size_t open_;
 };
 
-/// Decides where the tasks' nodes come to stand, depth first: an order that does not depend on who built
-/// what, when.
+/// Assigns the position of every task's nodes, depth first. The order does not depend on the threads that
+/// built them.
 void place(Task& task, std::uint32_t& next, std::vector<Task*>& all) {
   task.first = next;
   all.push_back(&task);
@@ -372,7 +372,7 @@ Range makePrimitives(const assets::Mesh& mesh, const glm::dvec3& centre, std::si
 
 BuiltTree buildTree(const assets::Mesh& mesh, const glm::dvec3& centre, int threads) {
   const std::size_t count = mesh.triangles.size();
-  // Not filled with zeros first: pages are then touched by all threads.
+  // The array is not zeroed first, so that all threads touch its pages.
   const auto primitives = std::make_unique_for_overwrite<BuildPrimitive[]>(count);
   std::vector<Range> shares(static_cast<std::size_t>(threads));
   inParallel(count, threads, [&](std::size_t begin, std::size_t end, int worker) {

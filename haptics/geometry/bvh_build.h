@@ -1,6 +1,6 @@
 #pragma once
 
-// The construction behind TriangleBvh; nobody else includes this.
+// Construction of a TriangleBvh; only bvh_fit.cpp and bvh_build.cpp include this.
 
 #include <bit>
 #include <cstdint>
@@ -14,10 +14,10 @@ namespace tandem::haptics {
 /// The box of one triangle, rounded outwards, relative to the mesh's centre. 32 bytes: two SSE loads.
 struct alignas(16) BuildPrimitive {
   float low[4];   // the fourth: the bits of the triangle's index
-  float high[4];  // the fourth: a normal number too
+  float high[4];  // the fourth: any normal number
 
-  // The index shares a register with floats: the tag makes its bits those of a normal number, never a slow
-  // denormal. Indices are below 2^28, see TriangleBvh::kLeafFirstMask.
+  // The index shares a register with floats. The tag makes its bits those of a normal number, because
+  // denormals are slow. Indices are below 2^28, see TriangleBvh::kLeafFirstMask.
   static constexpr std::uint32_t kTag = 0x40000000u;
   void setTriangle(std::uint32_t index) { low[3] = std::bit_cast<float>(index | kTag); }
   std::uint32_t triangle() const { return std::bit_cast<std::uint32_t>(low[3]) & ~kTag; }

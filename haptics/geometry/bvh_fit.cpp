@@ -1,4 +1,4 @@
-// The construction of a TriangleBvh and its refit; the queries are in triangle_bvh.cpp.
+// Construction of a TriangleBvh and its refit; the queries are in triangle_bvh.cpp.
 
 #include <algorithm>
 #include <array>
@@ -33,7 +33,7 @@ void grow(assets::Bounds& box, const assets::Bounds& other) {
   box.max = glm::max(box.max, other.max);
 }
 
-/// Puts the least and greatest lanes of corners into a child's box, `outwards` by one float.
+/// Writes the least and greatest lanes of corners into a child's box, `outwards` by one float.
 void setBox(const Vec4& low, const Vec4& high, bool outwards, TriangleBvh::Node& node, int k) {
   alignas(16) float least[4], negated[4];
   leastLanes(low).store(least);
@@ -76,14 +76,14 @@ void TriangleBvh::refit(int threads) {
 
 void TriangleBvh::fit(int workers, bool haveMoved) {
   std::barrier ready(workers);
-  // Shares that do not depend on the number of threads, so that the slabs do not either.
+  // The blocks do not depend on the number of threads, so the slabs do not either.
   const std::size_t blocks = (nodeCount_ + kSlabBlock - 1) / kSlabBlock;
   onThreads(workers, [&](int worker) {
     const auto w = static_cast<std::size_t>(worker), n = static_cast<std::size_t>(workers);
     fitLeaves(nodeCount_ * w / n, nodeCount_ * (w + 1) / n, haveMoved);
     ready.arrive_and_wait();
     if (haveMoved) {
-      // Two things that one thread does alone, at the same time.
+      // Two serial steps run at the same time.
       if (worker == 0) fitInner();
       if (worker == workers - 1) {
         const assets::Bounds all[1] = {boundsOf(0, mesh_->positions.size())};
@@ -117,7 +117,7 @@ void TriangleBvh::fitLeaves(std::size_t begin, std::size_t end, bool haveMoved) 
 }
 
 assets::Bounds TriangleBvh::boundsOf(std::size_t begin, std::size_t end) const {
-  // Two chains of minima, neither of which waits for the other.
+  // Two independent chains of minima hide each other's latency.
   std::array<assets::Bounds, 2> own;
   for (std::size_t i = begin; i < end; ++i) {
     const glm::dvec3& p = mesh_->positions[i];

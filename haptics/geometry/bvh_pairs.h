@@ -1,13 +1,13 @@
 #pragma once
 
-// Walks two triangle trees at once: which pairs of leaves come near each other. The construction behind
+// Walks two triangle trees at once and finds the pairs of leaves that are near each other. Used by
 // mesh_distance and mesh_overlap.
 //
-// 1. A pair is left out only if its boxes prove it further than `reach`; boxes are compared as floats in both
-// meshes' frames, less what floats may lose.
-// 2. The nearer of several pairs is visited first, so that a reach that shrinks to the least distance seen
-// soon shuts out the rest. The order depends on the meshes and poses alone.
-// 3. Allocates a stack.
+// 1. A pair is dropped only if its boxes prove it further apart than `reach`. Boxes are compared as floats in
+//    both meshes' frames, with an allowance for rounding.
+// 2. The nearer of several pairs is visited first, so that a reach that shrinks to the least distance found
+//    soon excludes the rest. The order depends on the meshes and poses alone.
+// 3. The walk allocates a stack.
 
 #include <array>
 #include <cmath>
@@ -32,13 +32,13 @@ struct CentredBox {
     return {static_cast<std::int8_t>(slab), static_cast<std::int8_t>(slab >> 8),
             static_cast<std::int8_t>(slab >> 16)};
   }
-  /// How far what it holds reaches from the centre along the slab's normal, times that one's length.
+  /// How far the content reaches from the centre along the slab's normal, times the length of that normal.
   float slabOffset() const {
     return static_cast<float>(static_cast<std::int8_t>(slab >> 24)) * 0x1p-7f *
            glm::dot(glm::abs(slabNormal()), half);
   }
-  /// A bound of how far it reaches along `v`, times the length of v: what of v lies along the slab's normal
-  /// counts with the slab, the rest with the box.
+  /// An upper bound of how far the content reaches along `v`, times the length of v. The slab bounds the
+  /// component of v along its normal, the box bounds the rest.
   float reachAlong(const glm::vec3& v) const {
     if (slab == 0) return glm::dot(glm::abs(v), half);
     const glm::vec3 normal = slabNormal();
@@ -47,7 +47,7 @@ struct CentredBox {
   }
 };
 
-/// What turns boxes of one frame into boxes of another.
+/// Transforms boxes of one frame into boxes of another.
 class BoxFrame {
  public:
   BoxFrame(const glm::dmat3& rotation, const glm::dvec3& shift) {
@@ -79,7 +79,7 @@ class BoxFrame {
     }
     return out;
   }
-  /// The same for four boxes.
+  /// apply() for four boxes.
   void apply(const Float4 centre[3], const Float4 half[3], Float4 turned[3], Float4 grown[3]) const {
     for (int row = 0; row < 3; ++row) {
       turned[row] = Float4(shift_[row]);
@@ -107,7 +107,7 @@ class BvhPairs {
   }
 
   /// Calls visit(firstA, countA, firstB, countB) for all pairs of leaves (places for leafTriangle()) that may
-  /// be as near as `reach`, m, which the visitor may shrink meanwhile; below 0 it ends the walk.
+  /// be as near as `reach`, m. The visitor may shrink the reach; a negative reach ends the walk.
   template <typename Visit>
   void forEach(const double& reach, Visit&& visit) const {
     if (a_.empty() || b_.empty()) return;
@@ -134,7 +134,7 @@ class BvhPairs {
  private:
   struct Pending {
     std::uint32_t a, b;
-    float bound;  // m, below the distance of all that they hold
+    float bound;  // m, a lower bound of the distance of their contents
     CentredBox boxA, boxB;
   };
 
@@ -151,7 +151,7 @@ class BvhPairs {
     }
     return box;
   }
-  /// By how much the slab of `own` keeps `other` away, m; below 0 where it does not.
+  /// Gap between the slab of `own` and the box `other`, m; negative where the slab does not separate them.
   float slabGap(const CentredBox& own, const CentredBox& other, const BoxFrame& ownFromOther,
                 const BoxFrame& otherFromOwn) const {
     if (own.slab == 0) return 0.0f;
@@ -170,7 +170,7 @@ class BvhPairs {
     return square;
   }
 
-  /// Replaces one of the two by its children: of the first mesh where kFirst, else of the second.
+  /// Replaces one of the two by its children: that of the first mesh where kFirst, else that of the second.
   template <bool kFirst>
   void descend(const Pending& pair, double reach, std::vector<Pending>& stack) const {
     const TriangleBvh::Node& node = kFirst ? a_.nodes()[pair.a] : b_.nodes()[pair.b];
@@ -204,7 +204,7 @@ class BvhPairs {
         box.centre[axis] = centres[axis][i];
         box.half[axis] = halves[axis][i];
       }
-      // The nearest comes off the stack first.
+      // The nearest pair is popped first.
       stack.push_back(next);
       for (std::size_t at = stack.size() - 1; at > first && stack[at - 1].bound < stack[at].bound; --at) {
         std::swap(stack[at - 1], stack[at]);
@@ -214,7 +214,7 @@ class BvhPairs {
 
   const TriangleBvh &a_, &b_;
   BoxFrame aFromB_, bFromA_;  // between the trees' own frames, whose origins are their centres
-  float rounding_;            // m, that a float bound may be too large
+  float rounding_;            // m, possible excess of a float bound
 };
 
 }  // namespace tandem::haptics

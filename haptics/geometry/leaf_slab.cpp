@@ -9,16 +9,16 @@
 namespace tandem::haptics {
 namespace {
 
-/// As std::round(), for small numbers and without the call.
+/// std::round() for small numbers, without the call.
 float nearestWhole(float x) { return static_cast<float>(static_cast<int>(x + std::copysign(0.5f, x))); }
 
-/// The smallest whole number that is not below x, for small ones.
+/// std::ceil() for small numbers.
 int wholeAbove(float x) {
   const int whole = static_cast<int>(x);
   return whole + (static_cast<float>(whole) < x ? 1 : 0);
 }
 
-/// The direction in steps of 1/127 of its largest component; zero if it has none.
+/// The direction in steps of 1/127 of its largest component; zero for a zero vector.
 glm::vec3 quantised(const glm::vec3& direction) {
   const float largest =
       std::max(std::abs(direction.x), std::max(std::abs(direction.y), std::abs(direction.z)));
@@ -29,7 +29,8 @@ glm::vec3 quantised(const glm::vec3& direction) {
           nearestWhole(direction.z * scale)};
 }
 
-/// 0 where the slab would say no more than the box. `reach`: what the box says, along the same normal.
+/// Packs a slab; 0 where the slab bounds no more tightly than the box, whose reach along the same normal is
+/// `reach`.
 std::uint32_t pack(const glm::vec3& normal, float offset, float reach) {
   if (!(reach > 0.0f) || !(offset < reach)) return 0;
   const int height = wholeAbove(std::max(-128.0f, 128.0f * (offset / reach) + 1e-3f));

@@ -1,7 +1,8 @@
 #pragma once
 
-// How flat a leaf of a BVH is, in four bytes: boxes of triangles that stand askew to the axes are thick, and
-// a ball that slides over a surface of small ones would meet hundreds. See TriangleBvh::Node::slab.
+// Slabs: the flatness of a BVH leaf in four bytes. Boxes of triangles askew to the axes are thick, and
+// without slabs a ball that slides over a surface of small triangles would test hundreds of them. See
+// TriangleBvh::Node::slab.
 
 #include <cstdint>
 
@@ -19,18 +20,18 @@ struct FloatBox {
   glm::vec3 extent() const { return (high - low) * 0.5f; }
 };
 
-/// The slab of the first `count` of four triangles (the others repeat one of them) whose box is `box`, along
-/// their mean normal. Corners and box are relative to the same point, the corners rounded to float.
+/// The slab, along their mean normal, of the first `count` of four triangles (the others repeat one of them)
+/// whose box is `box`. Corners and box are relative to the same point, the corners rounded to float.
 std::uint32_t slabOfTriangles(const Triangles4& triangles, std::uint32_t count, const FloatBox& box);
 
-/// The slab of a node's four children, whose boxes and slabs are given (an empty child has low > high) and
-/// lie in `box`; `largest` is the largest coordinate, m.
+/// The slab of a node's four children, given their boxes and slabs (an empty child has low > high), which lie
+/// in `box`. `largest` is the largest coordinate, m.
 std::uint32_t slabOfNode(const Vec4& low, const Vec4& high, const std::uint32_t* slabs, float largest,
                          const FloatBox& box);
 
 /// Four slabs: normal . (x - centre) <= offset.
 struct Slab4 {
-  Vec4 normal;  // not of unit length
+  Vec4 normal;  // not a unit vector
   Float4 offset;
 };
 

@@ -8,7 +8,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// The search, in A's frame.
+/// The branch-and-bound search, in A's frame.
 class Search {
  public:
   Search(const TriangleBvh& a, const TriangleBvh& b, const Pose& aFromB, double reach)
@@ -43,7 +43,7 @@ class Search {
     const TrianglePairGap pair = nearestPoints(a, b);
     const double distance = std::sqrt(pair.square);
     if (distance > reach_) return;
-    // A tie goes to the lower indices: the answer must not depend on the shape of the trees.
+    // A tie goes to the lower indices, so the result does not depend on the shape of the trees.
     const bool lower = indexA < gap_.triangleA || (indexA == gap_.triangleA && indexB < gap_.triangleB);
     if (found_ && distance == gap_.distance && !lower) return;
     found_ = true;
@@ -54,7 +54,7 @@ class Search {
   const TriangleBvh &a_, &b_;
   glm::dmat3 turn_;
   glm::dvec3 shift_;
-  double reach_;     // m; below 0 once the surfaces are known to meet
+  double reach_;     // m; negative once the surfaces are known to meet
   double rounding_;  // m, of coordinates in A's frame
   bool found_ = false;
   MeshGap gap_;

@@ -13,7 +13,7 @@
 namespace tandem::haptics {
 namespace {
 
-// Faces that turn by less are one plane: a cylinder of 60,000 segments turns by more.
+// Faces that turn by less count as one plane; a cylinder of 60,000 segments turns by more.
 constexpr double kFlat = 1e-4;  // rad
 constexpr double kSharp = 0.5;  // rad
 constexpr std::size_t kMostAround = 16;
@@ -41,7 +41,7 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) {
   listAround(mesh, edgeOf);
 }
 
-/// edgeOf: a triangle's edge as an index into edges_, or kNone where it is flat.
+/// Fills edgeOf: each triangle's edge as an index into edges_, or kNone where it is flat.
 void MeshEdges::findEdges(const assets::Mesh& mesh, std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
   for (auto& edges : edgeOf) edges.fill(assets::kNone);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -109,7 +109,7 @@ double MeshEdges::sharpSpacing(double cube) const {
   };
   struct Cell {
     glm::i64vec3 at;
-    double length = 0.0;  // m, of the sharp edges in it
+    double length = 0.0;  // m, of the sharp edges in the cell
   };
   std::unordered_map<std::uint64_t, Cell> cells;
   for (const MeshEdge& edge : edges_) {
@@ -122,7 +122,7 @@ double MeshEdges::sharpSpacing(double cube) const {
       in.length += length / pieces;
     }
   }
-  // Of each cell: the length about it, in the cube of three by three by three, and its own.
+  // For each cell: the edge length in the 3 x 3 x 3 cells about it, and its own.
   std::vector<std::pair<double, double>> lengths;
   double sum = 0.0;
   for (const auto& [key, in] : cells) {

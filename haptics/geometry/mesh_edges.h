@@ -1,9 +1,9 @@
 #pragma once
 
-// Where the surface of a mesh turns: its convex and concave edges, and which of them lie around a triangle.
+// Edges of a mesh: its convex and concave edges, and those around each triangle.
 //
-// 1. Immutable, in the part's frame; an edge between faces that are one plane is left out.
-// 2. A face that stands alone on an edge (an open border) makes a convex edge with the face's own back.
+// 1. Immutable, in the part's frame. An edge between coplanar faces is left out.
+// 2. A face alone on an edge (an open border) forms a convex edge with its own back.
 
 #include <array>
 #include <cstdint>
@@ -28,18 +28,19 @@ struct MeshEdge {
 class MeshEdges {
  public:
   explicit MeshEdges(const assets::Mesh& mesh);
-  /// None: of a part that is asked by formula.
+  /// An empty set, for a part that is queried by formula.
   MeshEdges() = default;
 
   std::span<const MeshEdge> edges() const { return edges_; }
-  /// Indices of the edges of a triangle, and of those of the triangles beside it in its plane, two away.
+  /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
   std::span<const std::uint32_t> around(std::uint32_t triangle) const {
     return {around_.data() + first_[triangle], around_.data() + first_[triangle + 1]};
   }
   /// Outward unit normal; zero for a triangle without area.
   const glm::dvec3& normal(std::uint32_t triangle) const { return normals_[triangle]; }
-  /// How far apart sharp edges are, m: in cubes of side `cube`, the face of a cube over the length of edges in it; half
-  /// of that length is in narrower places. `cube` itself where they stand alone; less in a thread or a comb.
+  /// Distance between sharp edges, m: in cubes of side `cube`, the area of a cube's face over the length of
+  /// edges in it, as the median over edge length. `cube` itself where edges are isolated; less in a thread or
+  /// a comb.
   double sharpSpacing(double cube) const;
   std::size_t memory() const;
 
@@ -48,8 +49,8 @@ class MeshEdges {
   void listAround(const assets::Mesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
 
   std::vector<MeshEdge> edges_;
-  std::vector<glm::dvec3> normals_;    // a triangle
-  std::vector<std::uint32_t> first_;   // a triangle, and one more: into around_
+  std::vector<glm::dvec3> normals_;    // per triangle
+  std::vector<std::uint32_t> first_;   // per triangle and one more: into around_
   std::vector<std::uint32_t> around_;  // into edges_
 };
 

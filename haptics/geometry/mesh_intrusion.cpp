@@ -16,7 +16,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kEverywhere = std::numeric_limits<double>::max();
-constexpr double kBetter = 1.01;  // what an edge or a face must promise to be looked at
+constexpr double kBetter = 1.01;  // improvement that an edge or a face must promise to be searched
 
 /// A triangle cut across its longest edge.
 std::array<Triangle, 2> halves(const Triangle& t) {
@@ -26,7 +26,7 @@ std::array<Triangle, 2> halves(const Triangle& t) {
   return {{{t.a, t.b, 0.5 * (t.c + t.a)}, {t.b, t.c, 0.5 * (t.c + t.a)}}};
 }
 
-/// Sets of vertices that grow together.
+/// Union-find: sets of vertices that merge.
 class Groups {
  public:
   explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -43,14 +43,15 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
-/// One mesh seen by the other, `solid`, in whose frame everything is measured.
+/// One mesh against the other, `solid`, in whose frame everything is measured.
 class Intruder {
  public:
   Intruder(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh, double tolerance,
            bool cross)
       : mesh_(mesh), solid_(solid), solidFromMesh_(solidFromMesh), tolerance_(tolerance), cross_(cross) {}
 
-  /// `touched`: the triangles of the mesh within the tolerance of the solid's surface; `cuts` of their edges.
+  /// `touched` are the triangles of the mesh within the tolerance of the solid's surface, `cuts` the
+  /// crossings of their edges.
   void search(const std::vector<std::uint32_t>& touched, std::vector<EdgeCut>& cuts, Deepest& best) {
     const std::vector<std::uint32_t> nearby = trianglesInReach();
     std::vector<std::uint8_t> isTouched(mesh_.mesh().triangles.size(), 0);
@@ -62,11 +63,11 @@ class Intruder {
   }
 
  private:
-  /// A stretch of an edge, and the most that its depth can be.
+  /// An interval of an edge, and an upper bound of its depth.
   struct Piece {
     double bound;
     std::uint32_t from, to;
-    double begin, end;            // shares of the edge
+    double begin, end;            // fractions of the edge
     double depthBegin, depthEnd;  // m, signed, at least the true ones
     bool operator<(const Piece& other) const {
       if (bound != other.bound) return bound < other.bound;
@@ -75,11 +76,11 @@ class Intruder {
     }
   };
 
-  /// A part of a triangle, and the most that the depth of its points can be.
+  /// A piece of a triangle, and an upper bound of the depth of its points.
   struct Patch {
     double bound;
     Triangle t;
-    std::uint64_t order;  // tells equal bounds apart
+    std::uint64_t order;  // breaks ties between equal bounds
     bool operator<(const Patch& other) const {
       return bound != other.bound ? bound < other.bound : order > other.order;
     }
@@ -88,7 +89,7 @@ class Intruder {
   int mostSamples(const Deepest& best) const {
     return cross_ || best.depth > tolerance_ ? kMostSamples : kFewSamples;
   }
-  /// What is worth a look.
+  /// The bound from which a piece is searched.
   double enough(const Deepest& best) const { return std::max(kBetter * best.depth, tolerance_); }
 
   glm::dvec3 corner(std::uint32_t vertex) const {
@@ -105,8 +106,8 @@ class Intruder {
     return found;
   }
 
-  /// Vertices of the mesh that are inside. A triangle that is not touched is wholly inside or outside, and so
-  /// is all that hangs together by such triangles: one test a group.
+  /// Finds the vertices of the mesh that are inside. A triangle that is not touched is wholly inside or
+  /// outside, and so is each group connected by such triangles: one test per group.
   void findInside(const std::vector<std::uint32_t>& nearby, const std::vector<std::uint8_t>& isTouched) {
     const auto& triangles = mesh_.mesh().triangles;
     Groups groups(mesh_.mesh().positions.size());
@@ -123,7 +124,7 @@ class Intruder {
       if (isNear[v] != 0) vertices_.push_back(v);
     }
     inside_.assign(mesh_.mesh().positions.size(), 0);
-    // The root of a group is its lowest vertex, so it is asked before the others.
+    // The root of a group is its lowest vertex, so it is tested before the others.
     for (const std::uint32_t v : vertices_) {
       const std::uint32_t root = groups.find(v);
       inside_[v] = root == v ? static_cast<std::uint8_t>(holds(solid_, corner(v)) ? 1 : 0) : inside_[root];
@@ -171,7 +172,7 @@ class Intruder {
     }
   }
 
-  /// The pieces between the cuts of an edge, whose ends are on the surface.
+  /// Pushes the pieces between the cuts of an edge; the ends of these pieces are on the surface.
   void pushCutEdges(std::vector<EdgeCut>& cuts, const Deepest& best) {
     std::sort(cuts.begin(), cuts.end(), [](const EdgeCut& a, const EdgeCut& b) {
       if (a.from != b.from) return a.from < b.from;
@@ -195,7 +196,7 @@ class Intruder {
     push({0.0, piece.from, piece.to, middle, piece.end, depth, piece.depthEnd}, best);
   }
 
-  /// The depth of a point, below 0 where it is outside; at the surface its sign does not matter.
+  /// The depth of a point, negative outside; its sign does not matter at the surface.
   double sample(const glm::dvec3& p, Deepest& best) const {
     MeshPoint nearest;
     if (!solid_.closestPoint(p, kEverywhere, nearest)) return 0.0;
@@ -223,7 +224,8 @@ class Intruder {
       const auto& corners = mesh_.mesh().triangles[i];
       if (isTouched[i] == 0 && inside_[corners[0]] == 0) continue;
       const Triangle t{corner(corners[0]), corner(corners[1]), corner(corners[2])};
-      // One of its points is at the surface; or no corner is deeper than the best.
+      // A piece with a point at the surface, or without a corner deeper than the best, is bounded by its
+      // longest side.
       const double longest =
           std::max({glm::length(t.b - t.a), glm::length(t.c - t.b), glm::length(t.a - t.c)});
       const double bound = isTouched[i] != 0 ? tolerance_ + longest : best.depth + longest / std::sqrt(3.0);
@@ -245,9 +247,9 @@ class Intruder {
   const TriangleBvh &mesh_, &solid_;
   Pose solidFromMesh_;
   double tolerance_;
-  bool cross_;                           // surfaces go through each other
+  bool cross_;                           // the surfaces cross each other
   std::vector<std::uint32_t> vertices_;  // of triangles in reach, ascending
-  std::vector<std::uint8_t> inside_;     // one a vertex of the mesh
+  std::vector<std::uint8_t> inside_;     // one per vertex of the mesh
   std::priority_queue<Piece> pieces_;
 };
 
@@ -258,8 +260,8 @@ bool holds(const TriangleBvh& tree, const glm::dvec3& p) {
   if (tree.empty() || glm::any(glm::lessThan(p, box.min)) || glm::any(glm::greaterThan(p, box.max))) {
     return false;
   }
-  // Directions without zeros or equal components: CAD faces are axis-parallel, their edges often at 45
-  // degrees.
+  // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often at
+  // 45 degrees.
   static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
   const double length = 1.5 * glm::length(box.max - box.min);
   int inside = 0, outside = 0;

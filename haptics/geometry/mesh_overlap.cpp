@@ -47,7 +47,7 @@ std::vector<NearPair> nearPairs(const TriangleBvh& a, const TriangleBvh& b, cons
   return pairs;
 }
 
-/// Where the edges of triangle `t` of `mesh` go through `other`, which is in the mesh's frame.
+/// Adds the crossings of the edges of triangle `t` of `mesh` with `other`, which is in the mesh's frame.
 void addCuts(const TriangleBvh& mesh, std::uint32_t t, const Triangle& other, std::vector<EdgeCut>& cuts) {
   const auto& corners = mesh.mesh().triangles[t];
   for (std::size_t e = 0; e < 3; ++e) {
@@ -72,17 +72,17 @@ Deepest intrusion(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose&
   return deepestInside(mesh, solid, solidFromMesh, touched, std::move(cuts), tolerance, cross);
 }
 
-/// Whether a triangle has the inside of a solid on one side: whether points close to its middle differ.
+/// Whether one side of a triangle is inside a solid, that is, whether points close to its centre differ.
 bool boundsSolid(const TriangleBvh& tree, std::uint32_t triangle, double tolerance) {
   const Triangle t = tree.triangle(triangle);
   const glm::dvec3 normal = areaVector(t), middle = (t.a + t.b + t.c) / 3.0;
   const double length = glm::length(normal);
-  if (!(length > 0.0)) return true;  // tells nothing; its neighbours do
+  if (!(length > 0.0)) return true;  // no information; its neighbours decide
   const glm::dvec3 step = normal * (4.0 * tolerance / length);
   return holds(tree, middle + step) != holds(tree, middle - step);
 }
 
-/// For surfaces without an inside: how far a facet stands through another at most.
+/// For surfaces without an inside: the greatest length by which a facet stands through another.
 void measureSheets(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB,
                    const std::vector<NearPair>& pairs, double tolerance, MeshOverlap& overlap) {
   for (const NearPair& pair : pairs) {
@@ -114,8 +114,8 @@ std::vector<std::uint32_t> largestTouched(const TriangleBvh& a, const std::vecto
   return touched;
 }
 
-/// For surfaces that lie on each other with both insides on the same side, as of a part that is there twice:
-/// no point of one is inside the other. Walks inwards from the middles of some facets, twice as far each time.
+/// For surfaces that coincide with both insides on the same side, such as a duplicated part, where no point
+/// of one is inside the other. Walks inwards from the centres of some facets in doubling steps.
 void measureCoincidence(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB,
                         const std::vector<NearPair>& pairs, double tolerance, MeshOverlap& overlap) {
   constexpr std::size_t kFacets = 8;
@@ -149,7 +149,7 @@ double farthest(const assets::Bounds& box) {
   return glm::length(glm::max(glm::abs(box.min), glm::abs(box.max)));
 }
 
-/// Whether both are one mesh at one place.
+/// Whether both are the same mesh at the same place.
 bool isSame(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB, double tolerance) {
   if (a.tree != b.tree) return false;
   const double turn = glm::length(rotationVector(aFromB.orientation));

@@ -12,21 +12,21 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::size_t kPlaces = 1000;
-/// A winding number counts as a whole one within this, half way to where the side would be open.
+/// Tolerance within which a winding number counts as whole; half way to where the side would be ambiguous.
 constexpr double kWhole = 0.25;
-/// The share of the surface with a sensible inside behind it from which a mesh is solid.
+/// Share of the surface with a sensible inside behind it, from which a mesh counts as solid.
 constexpr double kSolidShare = 0.75;
-/// Beyond this many reaches from all open edges, the winding number does not come from nearly a whole one
-/// half way to the next within a reach: it is harmonic there, so that its slope is at most three times its
-/// largest change over the distance (here 1/2), which with the margin makes 0.45.
+/// At more than this many reaches from all open edges, the winding number changes by less than half a unit
+/// within a reach. It is harmonic there, so its slope is at most three times its largest change over the
+/// distance (here 1/2), which with the margin makes 0.45.
 constexpr double kFarFromOpen = 6.0;
 constexpr double kNearlyWhole = 0.2;
-/// The share of the surface where closed holes must tell the same sides as the winding number.
+/// Share of the surface where closed holes must give the same sides as the winding number.
 constexpr double kAgreedShare = 0.99;
-/// The share from which a mesh with closed holes counts as one that does not overlap: what is missing is taken
-/// for caps that went astray.
+/// Share from which a mesh with closed holes counts as free of overlaps; the rest is attributed to misplaced
+/// caps.
 constexpr double kAlikeShare = 0.998;
-/// A distance is compared with this much to spare.
+/// Margin of distance comparisons.
 constexpr double kNearly = 1.0 + 0x1p-30;
 
 struct EdgeUse {
@@ -40,7 +40,7 @@ glm::dvec3 unitOrZero(const glm::dvec3& v) {
   return length > 0.0 ? v / length : glm::dvec3(0.0);
 }
 
-/// The uses of all edges, those of the same edge side by side.
+/// The uses of all edges, with those of the same edge adjacent.
 std::vector<EdgeUse> sortedUses(const assets::Mesh& mesh) {
   std::vector<EdgeUse> uses;
   uses.reserve(3 * mesh.triangles.size());
@@ -56,7 +56,7 @@ std::vector<EdgeUse> sortedUses(const assets::Mesh& mesh) {
   return uses;
 }
 
-/// How the winding numbers in front of and behind a face read.
+/// Interpretation of the winding numbers in front of and behind a face.
 enum class Reading { solid, inner, reversed, senseless };
 constexpr std::size_t kReadings = 4;
 
@@ -117,7 +117,7 @@ void MeshSides::findNormals() {
 }
 
 int MeshSides::crossingsFrom(const glm::dvec3& p) const {
-  // Skew directions: CAD has edges along the axes. A ray that meets an edge exactly is outvoted.
+  // Skew directions, because CAD has edges along the axes. A ray that hits an edge exactly is outvoted.
   constexpr double kFar = 4.0;
   const double reach = kFar * glm::distance(mesh_.bounds.min, mesh_.bounds.max);
   const TriangleBvh& closed = closedTree_ != nullptr ? *closedTree_ : tree_;
@@ -148,7 +148,7 @@ void MeshSides::closeHoles(int threads) {
 void MeshSides::judge() {
   if (anyOpen_) winding_ = std::make_unique<WindingTree>(mesh_);
   const bool closed = !anyOpen_ || closedTree_ != nullptr;
-  std::array<double, kReadings> area{};  // m^2 of places by what was read there
+  std::array<double, kReadings> area{};  // m^2 of samples, by reading
   double agreed = 0.0, alike = 0.0,
          all = 0.0;  // m^2: holes closed or not, all sides the same; outside in front
   const std::size_t step = std::max<std::size_t>(1, firstCap_ / kPlaces);
@@ -159,8 +159,8 @@ void MeshSides::judge() {
     const double around = glm::distance(corners.a, corners.b) + glm::distance(corners.b, corners.c) +
                           glm::distance(corners.c, corners.a);
     if (size <= 0.0 || around <= 0.0) continue;
-    // An uneven place, since CAD puts many edges over the middles of others, and so near that nothing is
-    // likely to be in between.
+    // An uneven sample point, because CAD puts many edges over the centres of others, and so near that
+    // nothing is likely to lie between.
     const glm::dvec3 place = 0.41 * corners.a + 0.35 * corners.b + 0.24 * corners.c;
     const glm::dvec3 off = 0x1p-10 / around * normal;
     Reading reading = Reading::senseless, whole = Reading::senseless;
@@ -222,7 +222,7 @@ MeshSides::Side MeshSides::sideAt(const glm::dvec3& p, double reach) const {
     return {facing_ * crossingsFrom(p) > 0.0 ? -1.0 : 1.0, certain};
   }
   const double winding = facing_ * winding_->at(p);
-  // Off all open edges the winding number is smooth, but for its steps of one at the surface.
+  // Away from all open edges the winding number is smooth except for its unit steps at the surface.
   MeshPoint open;
   const bool certain = std::abs(winding - std::round(winding)) <= kNearlyWhole &&
                        !(openTree_ != nullptr && openTree_->closestPoint(p, kFarFromOpen * reach, open));
@@ -236,7 +236,7 @@ MeshSides::Side MeshSides::sideOf(const glm::dvec3& p, const MeshPoint& nearest,
   double hole = std::numeric_limits<double>::max();
   if (holeTree_ != nullptr && holeTree_->closestPoint(p, looked, cap)) hole = cap.distance;
   const bool certain = hole > kNearly * reach;
-  // Caps may fold where a hole's rim does, so that the nearest feature of one tells nothing.
+  // Caps may fold where the rim of a hole does, so the nearest feature of a cap says nothing.
   if (hole <= kNearly * nearest.distance || isBesideSlit(nearest))
     return {facing_ * crossingsFrom(p) > 0.0 ? -1.0 : 1.0, certain};
   return {glm::dot(outwards(nearest), p - nearest.point) >= 0.0 ? 1.0 : -1.0, certain};

@@ -1,9 +1,9 @@
 #pragma once
 
-// Which side of a mesh is solid, for meshes as files have them.
+// Which side of a mesh is solid, for meshes as they come from files.
 //
 // 1. Immutable after construction and safe in every thread. For construction of models, not for ticks.
-// 2. The tree, and the mesh that it is of, must outlive it.
+// 2. The tree and its mesh must outlive it.
 
 #include <array>
 #include <cstdint>
@@ -19,43 +19,43 @@ namespace tandem::haptics {
 
 class MeshSides {
  public:
-  /// Looks at the edges and at up to a thousand places of the surface. Triangles from `firstCap` on only close
-  /// slits (slit_caps.h): they part inside from outside, but their normals count for nothing.
+  /// Examines the edges and up to a thousand samples of the surface. Triangles from `firstCap` on only close
+  /// slits (slit_caps.h): they separate inside from outside, but their normals do not count.
   explicit MeshSides(const TriangleBvh& tree, std::size_t firstCap = ~std::size_t{0}, int threads = 1);
 
   /// Whether there is a sensible inside. A single open sheet has none.
   bool solid() const { return solid_; }
-  /// What tells inside from outside.
+  /// How inside is told from outside.
   enum class Kind {
-    clean,      ///< the nearest feature: closed, or once its holes are, with outside in front everywhere
-    crossings,  ///< rays: closed, or once its holes are, but shells overlap
-    winding,    ///< the generalised winding number: a soup
+    clean,      /// nearest feature: closed, or closed by caps, with outside in front everywhere
+    crossings,  /// rays: closed, or closed by caps, but shells overlap
+    winding,    /// generalised winding number: a triangle soup
   };
   Kind kind() const { return kind_; }
-  /// Whether the faces at edge e of a triangle do not cancel out: the surface ends there.
+  /// Whether the faces at edge e of a triangle do not cancel, so that the surface ends there.
   bool openEdge(std::uint32_t triangle, std::size_t e) const {
     return !open_.empty() && (open_[triangle] >> e & 1) != 0;
   }
   /// -1 where the triangles of the file face inwards, else 1.
   double facing() const { return facing_; }
 
-  /// Along the outside's direction at a point of the surface, not of unit length: the face's normal, or
-  /// the angle-weighted pseudonormal of an edge or corner (Baerentzen & Aanaes 2005, "Signed distance
-  /// computation using the angle weighted pseudonormal").
+  /// Outside direction at a point of the surface, not of unit length: the face's normal, or the
+  /// angle-weighted pseudonormal of an edge or corner (Baerentzen & Aanaes 2005, "Signed distance computation
+  /// using the angle weighted pseudonormal").
   glm::dvec3 outwards(const MeshPoint& at) const;
 
-  /// What is known of the inside near a point.
+  /// Inside or outside near a point.
   struct Side {
-    double sign = 1.0;    // 1 outside, -1 inside, 1 everywhere if there is no inside
-    bool certain = true;  // it is the same for all points within `reach` that no surface parts from p
+    double sign = 1.0;    // 1 outside, -1 inside; always 1 if there is no inside
+    bool certain = true;  // holds for all points within `reach` that no surface separates from p
   };
   /// The side of p, whose nearest point of the surface is `nearest`.
   Side sideOf(const glm::dvec3& p, const MeshPoint& nearest, double reach) const;
-  /// The same without a nearest point; slower.
+  /// sideOf() without a nearest point; slower.
   Side sideAt(const glm::dvec3& p, double reach) const;
   /// Only whether the side of p is certain.
   bool isCertain(const glm::dvec3& p, double reach) const;
-  /// Whether within `reach` of p outside is in front of the surface and inside behind.
+  /// Whether within `reach` of p outside is in front of the surface and inside behind it.
   bool isRegular(const glm::dvec3& p, double reach) const;
 
  private:
@@ -66,7 +66,7 @@ class MeshSides {
   void buildOpenEdges();
   /// Winding number of the closed mesh, from two or three rays.
   int crossingsFrom(const glm::dvec3& p) const;
-  /// Whether a slit's cap is part of the nearest feature.
+  /// Whether the cap of a slit is part of the nearest feature.
   bool isBesideSlit(const MeshPoint& at) const;
 
   const TriangleBvh& tree_;
@@ -80,10 +80,10 @@ class MeshSides {
   double facing_ = 1.0;
   Kind kind_ = Kind::clean;
   bool solid_ = false, anyOpen_ = false;
-  assets::Mesh closedMesh_, holeMesh_;                  // the mesh with caps over its holes; those alone
+  assets::Mesh closedMesh_, holeMesh_;                  // the mesh with caps over its holes; the caps alone
   std::unique_ptr<TriangleBvh> closedTree_, holeTree_;  // null unless all holes could be closed
   std::unique_ptr<WindingTree> winding_;                // for Kind::winding
-  assets::Mesh openMesh_;                               // then: open edges as faces without area
+  assets::Mesh openMesh_;                               // for Kind::winding: open edges as faces without area
   std::unique_ptr<TriangleBvh> openTree_;
 };
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// From double to float, outwards: for boxes that must hold what was measured in double.
+// Outward rounding from double to float, for boxes that must contain what was measured in double.
 
 #include <bit>
 #include <cstdint>
@@ -14,8 +14,7 @@ inline float below(float f) {
   return std::bit_cast<float>(bits + ((bits >> 31) * 2u - 1u));
 }
 
-/// The largest float that is not above x. As std::nextafter(), but without a branch that is taken every other
-/// time.
+/// The largest float that is not above x: std::nextafter() without an unpredictable branch.
 inline float roundDown(double x) {
   const float f = static_cast<float>(x);
   const std::uint32_t above = static_cast<double>(f) > x ? 1u : 0u;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The box around a box that has been turned.
+// The axis-aligned box around a rotated box.
 
 #include <glm/common.hpp>
 
@@ -9,7 +9,7 @@
 
 namespace tandem::haptics {
 
-/// In the frame that `pose` leads to.
+/// The box in the target frame of `pose`.
 inline assets::Bounds boundsAt(const assets::Bounds& own, const Pose& pose) {
   assets::Bounds box;
   for (int i = 0; i < 8; ++i) {

@@ -41,7 +41,7 @@ class Search {
   double depth(int i) const { return planes_[i].offset - glm::dot(planes_[i].normal, goal_); }
   const glm::dvec3& normal(int i) const { return planes_[i].normal; }
 
-  /// Keeps the candidate that breaks the planes least; true if it breaks none.
+  /// Keeps the candidate that violates the planes least; true if it violates none.
   bool tryPoint(const glm::dvec3& point, std::array<int, 3> active, std::array<double, 3> multiplier) {
     double worst = 0.0;
     for (const HalfSpace& plane : planes_) {

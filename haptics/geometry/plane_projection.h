@@ -1,6 +1,7 @@
 #pragma once
 
-// The small exact optimisation inside the proxy: the point nearest to a goal that obeys a few planes.
+// The god-object constraint problem inside the proxy: the point nearest to a goal that satisfies a few
+// planes.
 
 #include <array>
 #include <span>
@@ -22,13 +23,13 @@ struct Projection {
   glm::dvec3 point{0.0, 0.0, 0.0};
   std::array<double, kMaxPlanes> multiplier{};  // m, >= 0
   bool exact =
-      true;  // false: no point obeys all planes within the tolerance; `point` is then the least bad one
+      true;  // false: no point satisfies all planes within the tolerance; `point` violates them least
 };
 
-/// Minimises |x - goal|^2 subject to all planes (at most kMaxPlanes), by trying every set of up to three
-/// active planes: the Karush-Kuhn-Tucker conditions of this strictly convex problem have exactly one
-/// solution, whatever the order of the planes. `tolerance` (m) is by how much a plane may be broken by
-/// rounding.
+/// Minimises |x - goal|^2 subject to all planes (at most kMaxPlanes), the constraint problem of the god
+/// object (Zilles & Salisbury 1995, there with Lagrange multipliers). Tries every set of up to three active
+/// planes: the Karush-Kuhn-Tucker conditions of this strictly convex problem have exactly one solution,
+/// whatever the order of the planes. `tolerance` (m) is the violation that rounding may cause.
 Projection projectOntoPlanes(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance);
 
 }  // namespace tandem::haptics

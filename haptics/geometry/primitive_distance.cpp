@@ -14,23 +14,24 @@ namespace {
 using Kind = assets::ImplicitShape::Kind;
 
 const glm::dvec3 kUp(0.0, 1.0, 0.0);
-// Of a rim's radius: half the length of the tangent that stands for it.
+// Half length of the tangent that represents a rim, as a fraction of the rim's radius.
 constexpr double kTangent = 0.1;
-// Shorter than this a vector has no direction: denormal numbers have too few digits.
+// Below this length a vector has no direction, because denormal numbers have too few digits.
 constexpr double kTiny = 1e-290;
 constexpr double kPi = std::numbers::pi;
 
-// Cosine to a face's normal above which another surface does not look against the face.
+// Cosine to a face's normal above which another surface does not face it.
 constexpr double kAgainst = -1e-3;
-// Of a shape's extent: what is no further out is on the surface but for rounding, and held off as what is inside.
+// Fraction of a shape's extent within which a point counts as on the surface, because of rounding, and is
+// treated as inside.
 constexpr double kRounding = 1e-13;
 
-/// Whether a surface that looks along `outward` can rest on a face with this unit normal.
+/// Whether a surface with the outward direction `outward` can rest on a face with this unit normal.
 bool restsOn(const glm::dvec3& outward, const glm::dvec3& normal) {
   return glm::dot(outward, normal) <= kAgainst * glm::length(outward);
 }
 
-/// Of the three faces of a box that look along these signs, on which such a surface can rest.
+/// The three faces of a box on these sides, each with whether such a surface can rest on it.
 std::array<bool, 3> facesToRestOn(const glm::dvec3& outward, const glm::dvec3& sign) {
   const glm::dvec3 looks = sign * outward;
   const double most = kAgainst * glm::length(outward);
@@ -39,12 +40,12 @@ std::array<bool, 3> facesToRestOn(const glm::dvec3& outward, const glm::dvec3& s
 
 double signOf(double x) { return x < 0.0 ? -1.0 : 1.0; }
 
-/// Across the Y axis, unit: any where p is on it.
+/// Unit vector across the Y axis towards p; an arbitrary one where p is on the axis.
 glm::dvec3 radial(const glm::dvec3& p, double radius) {
   return radius > kTiny ? glm::dvec3(p.x / radius, 0.0, p.z / radius) : glm::dvec3(1.0, 0.0, 0.0);
 }
 
-/// An edge through `foot` that reaches `half` to both sides.
+/// An edge through `foot` that extends by `half` to both sides.
 MeshEdge edgeOf(const glm::dvec3& foot, const glm::dvec3& along, double half, const glm::dvec3& first,
                 const glm::dvec3& second, double angle) {
   MeshEdge edge;
@@ -86,7 +87,7 @@ Primitive::Primitive(const assets::ImplicitShape& shape, std::uint32_t triangle)
   const double height = 2.0 * halfHeight_, more = top_ - bottom_;
   if (kind_ == Kind::capsule) {
     if (height <= std::abs(more)) {
-      // One sphere holds the other.
+      // One sphere contains the other.
       centre_ += shape.partFromShape.orientation * (signOf(more) * halfHeight_ * kUp);
       top_ = bottom_ = std::max(top_, bottom_);
       halfHeight_ = 0.0;
@@ -155,8 +156,9 @@ SurfaceDistance Primitive::ofPlane(const glm::dvec3& p) const {
   return {length, out / length};
 }
 
-/// Two spheres and all between them: the distance is the least that any sphere of the axis tells, also inside, for
-/// its axis is all that is furthest from the surface. Of the one that tells it the direction leans by `grow`.
+/// A capsule is the union of the spheres along its axis. The distance is the least over these spheres, inside
+/// too, because the axis is the set of points furthest from the surface. The direction of the deciding sphere
+/// is tilted by `grow`.
 SurfaceDistance Primitive::ofCapsule(const glm::dvec3& p) const {
   const double radius = std::hypot(p.x, p.z);
   const double y =
@@ -168,13 +170,14 @@ SurfaceDistance Primitive::ofCapsule(const glm::dvec3& p) const {
   return {length - of, (radius / length) * out + (up / length) * kUp};
 }
 
-/// In the half-plane of its axis and the point: a trapezoid with the axis as one side.
+/// Works in the half-plane of the axis and the point, where the cylinder is a trapezoid with the axis as one
+/// side.
 SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p, const glm::dvec3& outward) const {
   const double radius = std::hypot(p.x, p.z);
   const glm::dvec3 out = radial(p, radius);
   const bool upper = p.y >= 0.0;
   const double cap = std::abs(p.y) - halfHeight_, capSign = upper ? 1.0 : -1.0;
-  // Along the side from the bottom rim to the top one, and out of it.
+  // Along the side from the bottom rim to the top rim, and out of it.
   const double fromBottom = radius - bottom_, height = p.y + halfHeight_;
   const double slant = std::hypot(2.0 * halfHeight_, top_ - bottom_);
   const double side = across_ * fromBottom - grow_ * height, along = grow_ * fromBottom + across_ * height;
@@ -186,7 +189,7 @@ SurfaceDistance Primitive::ofCylinder(const glm::dvec3& p, const glm::dvec3& out
   }
   if (cap > 0.0 && radius <= (upper ? top_ : bottom_)) return {cap, capSign * kUp};
   if (along >= 0.0 && along <= slant && side > 0.0) return {side, across_ * out - grow_ * kUp};
-  // A rim: of the side's end that is nearer, or of the cap under the point.
+  // The rim: of the nearer end of the side, or of the cap under the point.
   const auto rimAt = [&](double rimRadius, double y) { return glm::dvec2(radius - rimRadius, p.y - y); };
   const glm::dvec2 atTop = rimAt(top_, halfHeight_), atBottom = rimAt(bottom_, -halfHeight_);
   const bool top = glm::dot(atTop, atTop) <= glm::dot(atBottom, atBottom);
@@ -263,7 +266,7 @@ bool Primitive::rim(const glm::dvec3& p, double reach, MeshEdge& edge) const {
 
 bool coveredFace(std::span<const Primitive> shapes, std::size_t which, const glm::dvec3& p,
                  const glm::dvec3& inward, const glm::dvec3& outward, double size, glm::dvec3& normal) {
-  // Beside the edge, and a little above the face: how far that is from lying open.
+  // Samples a point beside the edge and slightly above the face, to test whether the face is exposed there.
   const glm::dvec3 above = p + size * inward + 0.1 * size * normal;
   for (std::size_t i = 0; i < shapes.size(); ++i) {
     if (i == which || !shapes[i].solid() || shapes[i].at(above).distance >= 0.0) continue;

@@ -34,7 +34,7 @@ std::uint32_t SceneBvh::build(std::span<PartId> parts, std::span<const assets::B
     leafOf_[parts[0]] = index;
     return index;
   }
-  // Halves at the median centre along the widest axis: the depth is the logarithm, whatever the layout.
+  // Splits at the median centre along the widest axis: the depth is logarithmic for any layout.
   assets::Bounds centres;
   for (const PartId part : parts) {
     const glm::dvec3 c = boxes[part].min + boxes[part].max;

@@ -1,10 +1,10 @@
 #pragma once
 
-// The broad phase: a tree over the parts' world boxes. Built once, then refitted as parts move.
+// Broad phase: a tree over the parts' world boxes, built once and refitted as parts move.
 //
-// 1. update() costs O(depth) and stops where a box no longer changes; nothing allocates after construction.
-// 2. The tree's shape stays that of the parts' first poses: queries stay right, and slow down, as parts stray
-// far.
+// 1. update() costs O(depth) and stops where a box no longer changes. Nothing allocates after construction.
+// 2. The tree keeps the shape of the parts' first poses. Queries stay correct, and slow down as parts move
+//    far.
 
 #include <array>
 #include <cstdint>
@@ -19,7 +19,7 @@ namespace tandem::haptics {
 class SceneBvh {
  public:
   SceneBvh() = default;
-  /// boxes[part] is the world box of that part, m; an empty box means a part without geometry, which is never
+  /// boxes[part] is the world box of that part, m. An empty box is a part without geometry, which is never
   /// found.
   explicit SceneBvh(std::span<const assets::Bounds> boxes);
 

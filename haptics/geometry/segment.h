@@ -1,6 +1,6 @@
 #pragma once
 
-// A point and a piece of a straight line.
+// Relations between a point and a line segment.
 
 #include <algorithm>
 
@@ -9,7 +9,7 @@
 
 namespace tandem::haptics {
 
-/// The point between a and b that is nearest to p. Both may be the same.
+/// The point of the segment a-b nearest to p; a and b may coincide.
 inline glm::dvec3 closestPointOnSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b) {
   const glm::dvec3 ab = b - a;
   const double square = glm::dot(ab, ab);

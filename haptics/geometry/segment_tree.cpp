@@ -11,9 +11,9 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;
-constexpr int kMaxDepth = 64;  // halves of at most 2^32 triangles
+constexpr int kMaxDepth = 64;  // bisections of at most 2^32 triangles
 
-/// Whether the line from `from` along `way` comes through a box between t = 0 and 1, widened by rounding.
+/// Whether the segment from `from` along `way` passes through a box, widened for rounding.
 bool meets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from, const glm::dvec3& inverse) {
   const glm::dvec3 a = (low - from) * inverse, b = (high - from) * inverse;
   const glm::dvec3 near = glm::min(a, b), far = glm::max(a, b);
@@ -43,7 +43,7 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
   node.low = glm::dvec3(1e300);
   node.high = glm::dvec3(-1e300);
   glm::dvec3 least = node.low,
-             most = node.high;  // of the centres: long triangles side by side must be told apart
+             most = node.high;  // bounds of the centres, so that long parallel triangles separate
   for (std::uint32_t i = begin; i < end; ++i) {
     least = glm::min(least, centres_[order_[i]]);
     most = glm::max(most, centres_[order_[i]]);
@@ -52,7 +52,7 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
       node.high = glm::max(node.high, mesh_->positions[corner]);
     }
   }
-  // What lies in a plane gets some thickness against rounding.
+  // Planar content gets some thickness against rounding.
   const glm::dvec3 margin =
       1e-14 * (glm::abs(node.low) + glm::abs(node.high)) + 1e-12 * (node.high - node.low);
   node.low -= margin;
@@ -83,7 +83,8 @@ void SegmentTree::cross(std::uint32_t triangle, const glm::dvec3& from, const gl
   const auto& t = mesh_->triangles[triangle];
   const glm::dvec3 a = mesh_->positions[t[0]] - from, b = mesh_->positions[t[1]] - from;
   const glm::dvec3 c = mesh_->positions[t[2]] - from;
-  // Signed volumes of the line with the three edges: one sign means that the line passes through the triangle.
+  // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
+  // triangle.
   const double u = glm::dot(way, glm::cross(b, a)), v = glm::dot(way, glm::cross(c, b));
   const double w = glm::dot(way, glm::cross(a, c));
   const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;

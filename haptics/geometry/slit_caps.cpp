@@ -9,7 +9,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// Cutting ears takes the square of the count.
+/// Ear clipping takes quadratic time.
 constexpr std::size_t kLongestLoop = 512;
 
 /// A directed edge that the mesh lacks to be closed.
@@ -17,7 +17,7 @@ struct Missing {
   std::uint32_t from = 0, to = 0;
 };
 
-/// What is missing so that every edge is run through equally often each way.
+/// The directed edges that are missing for every edge to be used equally often in both directions.
 std::vector<Missing> missingEdges(const assets::Mesh& mesh) {
   struct Use {
     std::uint64_t key = 0;
@@ -44,11 +44,11 @@ std::vector<Missing> missingEdges(const assets::Mesh& mesh) {
   return missing;
 }
 
-/// Parts directed edges, of which as many enter a vertex as leave it, into loops that meet no vertex twice.
+/// Splits directed edges, of which as many enter a vertex as leave it, into simple loops.
 std::vector<std::vector<std::uint32_t>> simpleLoops(const std::vector<Missing>& edges) {
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> leaving;
   for (const Missing& edge : edges) leaving[edge.from].push_back(edge.to);
-  std::unordered_map<std::uint32_t, std::size_t> place;  // on the way so far
+  std::unordered_map<std::uint32_t, std::size_t> place;  // along the current path
   std::vector<std::vector<std::uint32_t>> loops;
   for (const Missing& edge : edges) {
     std::vector<std::uint32_t> way = {edge.from};
@@ -88,13 +88,13 @@ double heightOver(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c)
   return glm::distance(b, a + t * along);
 }
 
-/// A corner of what is left of a loop, and how far the side from it to the next may be off the mesh.
+/// A corner of what is left of a loop, and the distance bound of its side to the next corner from the mesh.
 struct Corner {
   std::uint32_t vertex = 0;
   double off = 0.0;  // m
 };
 
-/// Cuts the flattest ear first. False, with nothing added, if a cap would be further than `widest` off.
+/// Clips the flattest ear first. False, with nothing added, if a cap would deviate by more than `widest`.
 bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, double widest,
              SlitCaps& caps) {
   if (loop.size() > kLongestLoop) return false;

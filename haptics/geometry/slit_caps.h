@@ -1,7 +1,7 @@
 #pragma once
 
-// Faces for the slits of a mesh: CAD exports leave seams of zero or little width where two surfaces were cut
-// into triangles differently, or where faces without area were dropped. For construction of models, not for
+// Caps for the slits of a mesh. CAD exports leave seams of little or no width where two surfaces were
+// tessellated differently, or where faces without area were dropped. For construction of models, not for
 // ticks.
 
 #include <array>
@@ -12,15 +12,15 @@
 
 namespace tandem::haptics {
 
-/// Triangles that close slits, counter-clockwise seen from outside as those of the mesh.
+/// Triangles that close slits, counter-clockwise seen from outside like those of the mesh.
 struct SlitCaps {
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<double> width;  // m; no point of triangle i is further than this from the mesh
-  bool complete = true;       // with them the mesh has no open edge
+  std::vector<double> width;  // m; greatest distance of any point of triangle i from the mesh
+  bool complete = true;       // with the caps the mesh has no open edge
 };
 
-/// Closes every loop of open edges that ears can be cut from down to nothing without leaving its edges by
-/// more than `widest`. Wider holes and loops of very many edges stay open.
+/// Closes every loop of open edges that ear clipping can fill without deviating from its edges by more than
+/// `widest`. Wider holes and very long loops stay open.
 SlitCaps capSlits(const assets::Mesh& mesh, double widest);
 
 }  // namespace tandem::haptics

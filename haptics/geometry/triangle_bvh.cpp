@@ -15,8 +15,7 @@ namespace {
 
 constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
 
-/// A node (or leaf) still to be visited, with the lower bound of what it can
-/// give.
+/// A node (or leaf) still to be visited, with a lower bound of its result.
 struct Pending {
   std::uint32_t child;
   float bound;
@@ -29,8 +28,7 @@ class Stack {
     next = entries_[--size_];
     return true;
   }
-  /// Pushes the children of `mask`, the one with the least bound last, so that
-  /// it comes off first.
+  /// Pushes the children of `mask`, the one with the least bound last, so that it is popped first.
   void pushOrdered(const std::uint32_t* child, const float* bound, int mask) {
     const int first = size_;
     for (int i = 0; i < 4; ++i) {
@@ -46,12 +44,11 @@ class Stack {
   int size_ = 0;
 };
 
-/// A motion as four-wide slab tests see it.
+/// A motion in the form of four-wide slab tests.
 class Slabs {
  public:
-  /// Boxes are inflated by `radius` and by more than what the float arithmetic
-  /// can lose: the roundings of the origin, of the differences and of t, each a
-  /// few units in the last place of `largest`, the largest length in play.
+  /// Boxes are inflated by `radius` plus an allowance for float rounding: of the origin, of the differences
+  /// and of t, each a few units in the last place of `largest`, the largest length involved.
   Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest) {
     const Float4 inflate(roundUp(radius + largest * 0x1p-20));
     for (int axis = 0; axis < 3; ++axis) {
@@ -64,8 +61,8 @@ class Slabs {
     }
   }
 
-  /// Which children are met before `latest` (a share of the motion), and lower
-  /// bounds of when.
+  /// Which children the motion meets before `latest` (a fraction of the motion), with lower bounds of the
+  /// times.
   int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
     Float4 enter, leave(latest);
     for (int axis = 0; axis < 3; ++axis) {
@@ -80,16 +77,14 @@ class Slabs {
   }
 
  private:
-  Float4 above_[3], below_[3], inverse_[3];  // the start, further by the inflation; 1 / motion
+  Float4 above_[3], below_[3], inverse_[3];  // inflated start; 1 / motion
 };
 
-/// A moving ball as four-wide tests against boxes see it. Slabs of the inflated
-/// box are tight for a ball smaller than the box. For a larger one: the
-/// distance to what a box holds is at least
+/// A moving ball in the form of four-wide tests against boxes. Slabs of the inflated box are tight for a ball
+/// smaller than the box. For a larger ball, the distance to the content of a box is at least
 ///     u . (x - c) - max over the contents of u . (y - c)
-/// for every unit vector u; u points from about the nearest point to the ball's
-/// centre. The maximum is bounded with the box and, where it is a leaf of
-/// nearly flat triangles, with its slab: u = a N + w, a >= 0.
+/// for every unit vector u; u points from roughly the nearest point to the ball's centre. The box bounds the
+/// maximum, and for a leaf of nearly flat triangles so does its slab: u = a N + w, a >= 0.
 class MovingBall {
  public:
   MovingBall(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
@@ -104,10 +99,9 @@ class MovingBall {
     motion_ = four(motion);
   }
 
-  /// Which children may be met before `latest`, and in which order: lower
-  /// bounds of when; below 0 where the start is within reach already, the
-  /// deepest first, for it most likely holds an early hit, which then shuts out
-  /// the others.
+  /// Which children the ball may meet before `latest`, with lower bounds of the times as the visiting order.
+  /// A bound is negative where the start is within reach already. The deepest such child comes first, because
+  /// it most likely holds an early hit that excludes the others.
   int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
     int mask = 15;
     if (far_) {
@@ -120,7 +114,7 @@ class MovingBall {
     const Float4 half(0.5f);
     const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
     const Slab4 slab = unpackSlabs(node.slab, extent);
-    // About the nearest point: the foot on the slab's face, within the box.
+    // Roughly the nearest point: the foot on the slab's face, within the box.
     const Float4 least(1e-37f), inverse = roughReciprocal(max(dot(slab.normal, slab.normal), least));
     const Float4 height = max(dot(slab.normal, d) - slab.offset, Float4()) * inverse;
     const Vec4 foot = d - slab.normal * height;
@@ -128,8 +122,7 @@ class MovingBall {
     const Float4 along = max(dot(u, slab.normal), Float4()) * inverse;
     const Vec4 rest = u - slab.normal * along;
     const Float4 length = sqrt(dot(u, u));
-    // All times |u|: the ball's gap at the start, and by how much of it a whole
-    // motion nears.
+    // All lengths are times |u|: the ball's gap at the start, and the approach over the whole motion.
     const Float4 gap = dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length;
     const Float4 nearing = Float4() - dot(u, motion_);
     const Float4 t = gap * roughReciprocal(max(nearing, least)) * Float4(1.0f - 0x1p-10f);
@@ -142,7 +135,7 @@ class MovingBall {
   Slabs slabs_;
   Vec4 origin_, motion_;
   Float4 reach_;
-  bool far_;  // the slabs tell nothing new of a way shorter than the ball
+  bool far_;  // the slabs add nothing for a motion shorter than the ball
 };
 
 /// Four vectors one by one.
@@ -159,8 +152,8 @@ class Directions {
   alignas(16) float x_[4], y_[4], z_[4];
 };
 
-/// Whether a point that goes from `from` by `way` certainly stays further than `reach` from a triangle: the
-/// bound of triangle_filter.h in double, along `away`, which need not be of unit length.
+/// Whether a point that moves from `from` by `way` certainly stays further than `reach` from a triangle: the
+/// bound of triangle_filter.h in double along `away`, which need not be a unit vector.
 bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& way, double reach,
               const Triangle& t) {
   const double least =
@@ -169,7 +162,8 @@ bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& 
   return least > 0.0 && least * least > reach * reach * glm::dot(away, away);
 }
 
-/// The same along the triangle's normal: it tells the neighbours in a plane along which a point glides.
+/// passesBy() along the triangle's normal, which excludes the neighbours in a plane along which a point
+/// glides.
 bool passesAbove(const glm::dvec3& from, const glm::dvec3& way, double reach, const Triangle& t) {
   const glm::dvec3 normal = areaVector(t);
   return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, way, reach, t);
@@ -178,7 +172,8 @@ bool passesAbove(const glm::dvec3& from, const glm::dvec3& way, double reach, co
 /// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
 int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
   const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
-  // Signed volumes of the line with the three edges: one sign means that the line passes through the triangle.
+  // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
+  // triangle.
   const double u = glm::dot(direction, glm::cross(b, a));
   const double v = glm::dot(direction, glm::cross(c, b));
   const double w = glm::dot(direction, glm::cross(a, c));
@@ -204,9 +199,8 @@ Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count, const 
 
 bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
   if (empty()) return false;
-  // The query point is an interval of two floats around the true one, so that a
-  // box's distance is never overestimated; the factor covers the roundings of
-  // the sum of squares.
+  // The query point is an interval of two floats around the true one, so that the distance of a box is never
+  // overestimated. The factor covers the rounding of the sum of squares.
   constexpr float kBelow = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
   Float4 pointLow[3], pointHigh[3];
   const glm::dvec3 q = p - centre_;
@@ -247,8 +241,7 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
       const glm::dvec3 offset = p - closest.point;
       const double square = glm::dot(offset, offset);
-      // A tie goes to the lower index: the answer must not depend on the order
-      // of visits.
+      // A tie goes to the lower index, so the result does not depend on the order of visits.
       if (square > bestSquare || (square == bestSquare && found && index > nearest.triangle)) continue;
       found = true;
       bestSquare = square;
@@ -377,7 +370,7 @@ std::size_t TriangleBvh::gather(const assets::Bounds& box, std::span<std::uint32
 
 int TriangleBvh::depth() const {
   if (empty()) return 0;
-  // Children stand after their parents, so one pass from the front suffices.
+  // Children stand after their parents, so one forward pass suffices.
   std::vector<int> levels(nodeCount_, 1);
   int deepest = 1;
   for (std::size_t i = 0; i < nodeCount_; ++i) {

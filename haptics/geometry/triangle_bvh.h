@@ -1,14 +1,13 @@
 #pragma once
 
-// A bounding volume hierarchy over the triangles of one mesh: who is near a point, what does a moving ball
-// meet.
+// Bounding volume hierarchy over the triangles of one mesh: nearest points, and swept tests of a moving ball.
 //
 // 1. Boxes are floats, rounded outwards and relative to the mesh's centre; decisions on triangles are in
-// double.
-// 2. Four children a node, at most kMaxLeaf triangles a leaf, depth at most kMaxDepth: queries use a fixed
-// stack.
+//    double.
+// 2. A node has four children, a leaf at most kMaxLeaf triangles, and the depth is at most kMaxDepth, so
+//    queries use a fixed stack.
 // 3. Immutable between construction and refit(), and safe in every thread. The tree does not depend on the
-// number of threads.
+//    number of threads.
 // 4. The mesh must outlive the tree.
 
 #include <cstddef>
@@ -33,7 +32,7 @@ struct MeshPoint {
   bool onFace = false;
 };
 
-/// First touch of a moving ball with a mesh.
+/// First contact of a moving ball with a mesh.
 struct MeshBallHit : BallHit {
   std::uint32_t triangle = kNoTriangle;
 };
@@ -43,30 +42,30 @@ class TriangleBvh {
   static constexpr int kMaxLeaf = 4;
   static constexpr int kMaxDepth = 64;
 
-  /// Wald 2007, "On fast construction of SAH-based bounding volume hierarchies": binned surface-area
-  /// heuristic, here with four-way nodes made directly and subtrees built on up to `threads` threads (0 = all
-  /// cores).
+  /// Builds by the binned surface-area heuristic (Wald 2007, "On fast construction of SAH-based bounding
+  /// volume hierarchies"), here with direct four-way nodes and subtrees built on up to `threads` threads (0 =
+  /// all cores).
   explicit TriangleBvh(const assets::Mesh& mesh, int threads = 0);
 
-  /// After positions of the mesh have changed in place (the triangles must be the same): fits boxes and slabs
-  /// anew, in the shape that the tree has. Answers stay exact; queries slow down as triangles stray from
-  /// their old neighbours. Not while a query runs. Allocates and starts threads for large meshes.
+  /// Refits boxes and slabs in the existing tree after positions of the mesh have changed in place; the
+  /// triangles must be the same. Results stay exact, and queries slow down as triangles move away from their
+  /// old neighbours. Must not run during a query. Allocates, and starts threads for large meshes.
   void refit(int threads = 0);
 
   /// The nearest point within `maxDistance` of p; false if there is none.
   bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
 
-  /// The first triangle that a ball moving from `from` by `motion` meets, earlier than hit.t; see sweepBall()
-  /// of triangle_math.h. On a tie the triangle met most squarely wins.
+  /// The first triangle that a ball moving from `from` by `motion` meets earlier than hit.t; see sweepBall()
+  /// of triangle_math.h. On a tie the triangle that the ball meets most squarely wins.
   bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                  MeshBallHit& hit) const;
 
-  /// How often a segment crosses the surface outwards less how often inwards: the winding number of `from`
-  /// where the segment ends outside, save where it meets an edge exactly.
+  /// Number of outward less inward crossings of a segment with the surface: the winding number of `from` if
+  /// the segment ends outside, except where it hits an edge exactly.
   int signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const;
 
-  /// Writes the triangles whose boxes meet `box`; returns how many there are, of which the first found.size()
-  /// are kept.
+  /// Writes the triangles whose boxes meet `box`. Returns their number; only the first found.size() are
+  /// stored.
   std::size_t gather(const assets::Bounds& box, std::span<std::uint32_t> found) const;
 
   Triangle triangle(std::uint32_t index) const {
@@ -81,12 +80,12 @@ class TriangleBvh {
   int depth() const;
 
   /// Four child boxes side by side, m relative to the centre. A child is a node index, or a leaf: kLeafBit,
-  /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild where there is
-  /// none. `slab` says how flat a child is: a direction N of three signed bytes (x lowest), and in the top
+  /// the count in the next three bits, and the first entry of order_ in the rest; kEmptyChild means none.
+  /// `slab` holds the flatness of a child: a direction N of three signed bytes (x lowest), and in the top
   /// byte h with
   ///     N . (x - c) <= h / 128 * (|N_x|, |N_y|, |N_z|) . e
-  /// for all points x of its triangles; c, e the box's centre and half extents; 0 where that would say
-  /// nothing. See leaf_slab.h.
+  /// for all points x of its triangles, with c and e the box's centre and half extents; 0 means no slab. See
+  /// leaf_slab.h.
   struct alignas(64) Node {
     float low[3][4];
     float high[3][4];
@@ -102,8 +101,8 @@ class TriangleBvh {
 
   static std::uint32_t leafCount(std::uint32_t child) { return (child >> 28) & 7u; }
 
-  /// For walks over two trees at once: nodes()[0] is the root (none where empty()); boxes are relative to
-  /// centre(); leafTriangle(i) is the triangle at place i of the leaves' order.
+  /// For walks over two trees at once. nodes()[0] is the root (absent where empty()); boxes are relative to
+  /// centre(); leafTriangle(i) is the triangle at place i of the leaf order.
   std::span<const Node> nodes() const { return {nodes_.get(), nodeCount_}; }
   const glm::dvec3& centre() const { return centre_; }  // m, mesh frame
   std::uint32_t leafTriangle(std::uint32_t place) const { return order_[place]; }
@@ -111,24 +110,23 @@ class TriangleBvh {
  private:
   template <typename Visit>
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
-  /// The triangles of a leaf relative to `origin`; the last one again where there are fewer than four.
+  /// The triangles of a leaf relative to `origin`; the last one is repeated where there are fewer than four.
   Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
   // bvh_fit.cpp
-  /// Slabs of all children, and before that their boxes if the triangles have moved.
+  /// Fits the slabs of all children, and first their boxes if the triangles have moved.
   void fit(int workers, bool haveMoved);
-  /// Slabs, and boxes if the triangles have moved, of the leaves of nodes [begin, end); of other children
-  /// slab 0.
+  /// Fits the slabs of the leaves of nodes [begin, end), and their boxes if the triangles have moved; other
+  /// children get slab 0.
   void fitLeaves(std::size_t begin, std::size_t end, bool haveMoved);
   /// Exact bounds of points [begin, end) of the mesh; none is unused (assets/mesh/mesh_analysis.h).
   assets::Bounds boundsOf(std::size_t begin, std::size_t end) const;
-  /// Boxes of all children that are nodes.
+  /// Fits the boxes of all children that are nodes.
   void fitInner();
-  /// Slabs of children that are nodes of [begin, end), the last one first.
+  /// Fits the slabs of children that are nodes of [begin, end), last one first.
   void fitInnerSlabs(std::size_t begin, std::size_t end);
-  /// Bounds of all from those of shares, the extent, and before there are nodes the centre.
+  /// Sets the bounds of all from those of shares, the extent, and before there are nodes the centre.
   void setBounds(std::span<const assets::Bounds> shares);
-  /// What a difference of coordinates near p is worth, m: float filters allow for it on top of their own
-  /// error.
+  /// Rounding of a difference of coordinates near p, m; float filters add it to their own error.
   double coordinateRounding(const glm::dvec3& p) const {
     return 0x1p-48 * (glm::length(centre_) + extent_ + glm::length(p));
   }

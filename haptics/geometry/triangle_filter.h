@@ -1,13 +1,13 @@
 #pragma once
 
-// Four triangles at once, in float: a lower bound of their distance from a moving point. Whoever passes is
-// tested exactly in double, so the answer never depends on this.
+// Float filter for four triangles at once: a lower bound of their distance from a moving point. Triangles
+// that pass the filter are tested exactly in double, so results never depend on it.
 //
 // For every unit vector u, the distance of a point x to a triangle with corners v_i is at least
 //     min_i u . (x - v_i),
-// for u separates them. So the bound holds whatever u is, and it is tight where u points from the triangle's
-// nearest point to x. Only the rounding of that sum has to be allowed for; slivers and wrong regions cost
-// tightness alone.
+// because u separates them. The bound holds for any u, and is tight where u points from the triangle's
+// nearest point to x. Only the rounding of that sum needs an allowance; slivers and wrong regions cost only
+// tightness.
 
 #include "haptics/base/simd4.h"
 
@@ -37,7 +37,7 @@ inline Float4 largest(const Vec4& v) {
   return max(max(max(v.x, zero - v.x), max(v.y, zero - v.y)), max(v.z, zero - v.z));
 }
 
-/// About the nearest points of four triangles to the origin.
+/// Roughly the nearest points of four triangles to the origin.
 inline Vec4 nearest(const Triangles4& t) {
   const Vec4 ab = t.b - t.a, bc = t.c - t.b, ca = t.a - t.c;
   const Vec4 q0 = nearestOnSegment(t.a, ab), q1 = nearestOnSegment(t.b, bc), q2 = nearestOnSegment(t.c, ca);
@@ -53,27 +53,28 @@ inline Vec4 nearest(const Triangles4& t) {
 
 }  // namespace filter
 
-/// Unit vectors from about the nearest points of four triangles to the origin; 0 where the origin is on one.
+/// Unit vectors from roughly the nearest points of four triangles to the origin; 0 where the origin is on
+/// one.
 inline Vec4 awayFrom(const Triangles4& t) {
   const Vec4 q = filter::nearest(t);
   const Float4 square = dot(q, q);
-  // Below 1e-15 m the direction is noise; u = 0 then bounds the distance by 0, which is always true.
+  // Below 1e-15 m the direction is noise; u = 0 then bounds the distance by 0, which always holds.
   const Float4 least(1e-30f);
   const Float4 inverse = selectLessEqual(least, square, Float4(-1.0f) / sqrt(max(square, least)), Float4());
   return q * inverse;
 }
 
-/// The bound of four triangles for a point that moves from the origin; `away` as awayFrom() gives it.
+/// The bound of four triangles for a point that moves from the origin; `away` comes from awayFrom().
 inline DistanceBound4 boundDistance(const Triangles4& t, const Vec4& away, const Vec4& motion) {
-  // u . v is off by at most 8 half units in the last place of |v|, counting the roundings of v and of |u|.
+  // u . v is off by at most 8 half units in the last place of |v|, including the rounding of v and of |u|.
   const Float4 length =
       max(max(filter::largest(t.a), filter::largest(t.b)), filter::largest(t.c)) + filter::largest(motion);
   return {Float4() - max(max(dot(away, t.a), dot(away, t.b)), dot(away, t.c)), dot(away, motion),
           length * Float4(0x1p-19f)};
 }
 
-/// As awayFrom(), from where the point passes nearest to the triangles on its way up to `latest`: a bound
-/// along these falls short of the true distance least when the point glides along them.
+/// awayFrom() at the time up to `latest` at which the point is nearest to the triangles: a bound along these
+/// directions is the tightest for a point that glides along the triangles.
 inline Vec4 awayInPassing(const Triangles4& t, const Vec4& away, const Vec4& motion, Float4 latest) {
   const Float4 distance = Float4() - max(max(dot(away, t.a), dot(away, t.b)), dot(away, t.c));
   const Float4 square = max(dot(motion, motion), Float4(1e-37f));

@@ -8,7 +8,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// For triangles of no area, whose face regions are empty.
+/// For triangles without area, whose face regions are empty.
 TrianglePoint closestOnEdges(const glm::dvec3& p, const Triangle& t) {
   const glm::dvec3 candidates[3] = {closestPointOnSegment(p, t.a, t.b), closestPointOnSegment(p, t.b, t.c),
                                     closestPointOnSegment(p, t.c, t.a)};
@@ -19,8 +19,8 @@ TrianglePoint closestOnEdges(const glm::dvec3& p, const Triangle& t) {
   return best;
 }
 
-/// For triangles so thin that the signs of their face regions cannot be trusted. Of one flatter than 1e-10
-/// rad nothing but edges is left.
+/// For triangles so thin that the signs of their face regions are unreliable. Below a flatness of 1e-10 rad
+/// only edges count.
 TrianglePoint closestOnSliver(const glm::dvec3& p, const Triangle& t, const glm::dvec3& normal) {
   const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a;
   const double square = glm::dot(normal, normal);
@@ -61,7 +61,7 @@ TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& t) {
     return {t.b + (t.c - t.b) * ((d4 - d3) / along), false};
   }
   const double sum = va + vb + vc;
-  // The sum should be the squared length of ab x ac. Seen from afar, a sliver's is drowned by rounding.
+  // The sum should be the squared length of ab x ac. For a sliver far from the point, rounding swamps it.
   const glm::dvec3 normal = glm::cross(ab, ac);
   const double square = glm::dot(normal, normal);
   if (std::abs(sum - square) > 1e-6 * square) return closestOnSliver(p, t, normal);
@@ -80,23 +80,23 @@ glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& t, const TriangleP
 
 namespace {
 
-/// The gap between a moving ball and a triangle at one instant, and its rate: a convex function of t lies
-/// above every one of its tangents.
+/// The gap between a moving ball and a triangle at one instant, and its rate. A convex function of t lies
+/// above each of its tangents.
 struct Tangent {
   double t = 0.0;
   double gap = 0.0, slope = 0.0;  // m, m per motion
-  double noise = 0.0;             // m per motion: what rounding may have done to the slope
+  double noise = 0.0;             // m per motion: rounding error of the slope
   double rounding = 0.0;          // m: of the coordinates
   TrianglePoint closest;
   glm::dvec3 normal{0.0, 0.0, 0.0};
 
-  /// A bound from below of the gap at another time.
+  /// Lower bound of the gap at another time.
   double at(double when) const { return gap + slope * (when - t) - noise * std::abs(when - t); }
-  /// Newton's next guess of when the gap closes, none too late; the slope must be negative.
+  /// Newton's next estimate of the closing time, never late; the slope must be negative.
   double next() const { return t - gap / (slope - noise); }
 
-  /// The slope of a convex function only grows: it is no less than that of the way here from an earlier
-  /// instant.
+  /// Raises the slope to that of the chord from an earlier instant, because the slope of a convex function
+  /// only grows.
   void narrow(const Tangent& before) {
     const double span = t - before.t, error = 2.0 * std::max(rounding, before.rounding);
     const double highest = slope + noise, least = std::min(highest, (gap - before.gap - error) / span);
@@ -122,7 +122,7 @@ struct Passage {
     tangent.gap = distance - radius;
     tangent.slope = glm::dot(motion, tangent.normal);
     if (!tangent.closest.onFace) {
-      // The direction from an edge or corner, over a distance that is not much more than a rounding.
+      // The direction from an edge or corner, over a distance that is little more than a rounding error.
       const glm::dvec3 size = glm::abs(p) + glm::abs(tangent.closest.point);
       tangent.rounding = 0x1p-50 * (size.x + size.y + size.z);
       tangent.noise = length * tangent.rounding / std::max(distance, tangent.rounding);
@@ -130,9 +130,9 @@ struct Passage {
     return tangent;
   }
 
-  /// A share of the motion in which a gap whose slope is noise certainly stays open: it closes by a few
-  /// roundings, or by at most half. `last`: the one before this, from which the slope was narrowed. The slope must
-  /// be less than its noise.
+  /// Fraction of the motion in which a gap whose slope is noise certainly stays open: it closes by a few
+  /// rounding errors, or by at most half. `last` is the previous step, from which the slope was narrowed. The
+  /// slope must be smaller than its noise.
   double shortStep(const Tangent& tangent, double last) const {
     const double afar = 16.0 * std::max(tangent.gap + radius, tangent.rounding) / length;
     const double fall = tangent.noise - tangent.slope;
@@ -144,19 +144,19 @@ struct Passage {
 
 bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                const Triangle& triangle, BallHit& hit) {
-  // Usual: one round for a miss, three for a hit. What stops early reports a contact before its time, which
-  // is the safe side.
+  // A miss usually takes one round, a hit three. Stopping early reports a contact too soon, which is the safe
+  // side.
   constexpr int kMaxRounds = 40;
   const double clear = 0.5 * tolerance;
   const Passage passage{from, motion, radius, glm::length(motion), triangle};
   Tangent left = passage.tangentAt(0.0), right;
   double step = 0.0;
-  bool looked = false;     // at the end of the way
-  bool bracketed = false;  // the gap is open at `right` and grows there: has it closed before?
+  bool looked = false;     // at the end of the motion
+  bool bracketed = false;  // the gap is open at `right` and grows there, but may have closed before
   for (int round = 0;; ++round) {
     if (!(left.slope < left.noise)) return false;
     if (left.slope >= -left.noise && round < kMaxRounds) {
-      // Beside an edge or corner: on until it is seen from afar, or the gap tells which way it goes.
+      // Beside an edge or corner the ball steps on until the gap is clear of rounding or its trend is known.
       step = passage.shortStep(left, step);
       if (!(left.t + step < hit.t)) return false;
       Tangent later = passage.tangentAt(left.t + step);
@@ -177,7 +177,8 @@ bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, 
       if (bracketed && right.slope <= 0.0) return false;
     }
     // A graze, such as a ball that slides along its neighbours' plane: Newton's iteration would creep towards
-    // a double root. Where the two tangents meet is the least that the gap can be, and where to look next.
+    // a double root. The intersection of the two tangents bounds the least gap, and is the next point to
+    // evaluate.
     while (bracketed) {
       const double meet =
           (right.gap - right.slope * right.t - left.gap + left.slope * left.t) / (left.slope - right.slope);

@@ -12,20 +12,20 @@ struct Triangle {
   glm::dvec3 a, b, c;
 };
 
-/// Along the outward normal, as long as twice the triangle's area, m^2.
+/// Outward normal with the length of twice the triangle's area, m^2.
 inline glm::dvec3 areaVector(const Triangle& t) { return glm::cross(t.b - t.a, t.c - t.a); }
 
-/// The point of a triangle that is closest to another one.
+/// The point of a triangle closest to another point.
 struct TrianglePoint {
   glm::dvec3 point{0.0, 0.0, 0.0};
   bool onFace = false;  // inside the triangle, neither on an edge nor a corner
 };
 
-/// Voronoi-region walk of Ericson, "Real-Time Collision Detection", 5.1.5. Triangles of no area are handled
-/// as edges.
+/// Closest point by the Voronoi regions of Ericson, "Real-Time Collision Detection", 5.1.5. Triangles without
+/// area are handled as edges.
 TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& triangle);
 
-/// Where a moving ball first comes as near to a triangle as its radius.
+/// The first instant at which the distance of a moving ball's centre to a triangle equals its radius.
 struct BallHit {
   double t = 1.0;                    // share of the motion, 0..1
   glm::dvec3 point{0.0, 0.0, 0.0};   // on the triangle
@@ -33,13 +33,13 @@ struct BallHit {
   bool onFace = false;
 };
 
-/// Unit normal of the triangle at `closest`, on the side of p: exact on the face, from the closest point
-/// elsewhere.
+/// Unit normal of the triangle at `closest`, on the side of p: the face normal on the face, the direction
+/// from the closest point elsewhere.
 glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& triangle, const TrianglePoint& closest);
 
 /// First t in [0, hit.t] at which the distance of from + t * motion to the triangle falls to `radius`, found
-/// within `tolerance` above it and never below; false if there is none or the ball is not approaching. Both
-/// sides are solid. The distance to a convex set is a convex function of t: Newton's iteration from t = 0
+/// within `tolerance` above it and never below. False if there is none or the ball does not approach. Both
+/// sides are solid. The distance to a convex set is a convex function of t, so Newton's iteration from t = 0
 /// approaches its first root from below and never passes it.
 bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                const Triangle& triangle, BallHit& hit);

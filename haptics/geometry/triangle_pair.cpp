@@ -16,9 +16,9 @@ void take(const glm::dvec3& onA, const glm::dvec3& onB, TrianglePairGap& best) {
   if (square < best.square) best = {square, onA, onB};
 }
 
-/// Where both nearest points lie within the edges p + s u and q + t v. Elsewhere an end is the nearest point,
-/// and the corners' turn tells. Any s and t in range name true points of both, so that rounding of nearly
-/// parallel edges costs tightness of the second order alone.
+/// Takes the nearest points of the edges p + s u and q + t v where both lie within the edges. Elsewhere an
+/// end is nearest, which the tests of corners cover. Any s and t in range name true points of both, so the
+/// rounding of nearly parallel edges costs only second-order tightness.
 void takeEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, const glm::dvec3& v,
                TrianglePairGap& best) {
   const glm::dvec3 r = p - q;
@@ -30,13 +30,13 @@ void takeEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, co
   if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) take(p + u * s, q + v * t, best);
 }
 
-/// Flatter than about 1e-3: the nearest point of its face is known to 1e-5 of its length only.
+/// Flatter than about 1e-3: the nearest point of the face is known only to 1e-5 of its length.
 bool isSliver(const Triangle& t) {
   const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, n = glm::cross(ab, ac);
   return glm::dot(n, n) < 1e-6 * glm::dot(ab, ab) * glm::dot(ac, ac);
 }
 
-/// The corners of one against the edges of another that is a sliver, which are known exactly.
+/// Tests the corners of one against the edges of another that is a sliver, which are known exactly.
 template <typename Take>
 void takeCornersAndEdges(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& sliver,
                          Take&& taken) {
@@ -50,8 +50,8 @@ void takeCornersAndEdges(const std::array<glm::dvec3, 3>& corners, const std::ar
   }
 }
 
-/// Where an edge goes through the face of `t` they meet, if that point lies on the face but for rounding: of a
-/// sliver the plane is hardly known, and where the edge passes by it the nearest corners and edges tell.
+/// An edge that passes through the face of `t` meets it if that point lies on the face but for rounding. The
+/// plane of a sliver is poorly known; where the edge misses it, the nearest corners and edges decide.
 bool meets(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, TrianglePairGap& best) {
   const double share = pierceShare(from, to, t);
   if (share < 0.0) return false;
@@ -63,7 +63,8 @@ bool meets(const glm::dvec3& from, const glm::dvec3& to, const Triangle& t, Tria
   return true;
 }
 
-/// By how much the plane of `facet` keeps `t` off, m; below 0 by how little it takes to move `t` to one side.
+/// Gap between the plane of `facet` and `t`, m; if negative, the shortest displacement that puts `t` on one
+/// side.
 double planeGap(const Facet& facet, const Triangle& t) {
   const double a = glm::dot(facet.normal, t.a - facet.t.a), b = glm::dot(facet.normal, t.b - facet.t.a),
                c = glm::dot(facet.normal, t.c - facet.t.a);
@@ -117,7 +118,8 @@ double pierceShare(const glm::dvec3& from, const glm::dvec3& to, const Triangle&
   const double start = glm::dot(normal, from - t.a), end = glm::dot(normal, to - t.a);
   if ((start > 0.0) == (end > 0.0) && start != 0.0 && end != 0.0) return kMissed;
   if (start == end) return kMissed;
-  // Signed volumes of the line with the three edges: one sign means that it passes through the triangle.
+  // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
+  // triangle.
   const glm::dvec3 way = to - from, a = t.a - from, b = t.b - from, c = t.c - from;
   const double u = glm::dot(way, glm::cross(b, a)), v = glm::dot(way, glm::cross(c, b)),
                w = glm::dot(way, glm::cross(a, c));

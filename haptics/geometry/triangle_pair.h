@@ -13,15 +13,15 @@ struct TrianglePairGap {
   glm::dvec3 onB{0.0, 0.0, 0.0};  // m
 };
 
-/// The distance of two triangles is that of a corner from a triangle or of two edges from each other, or 0
-/// where an edge goes through a face (Larsen, Gottschalk, Lin & Manocha 1999, "Fast proximity queries with
-/// swept sphere volumes", section 5). Triangles of no area are handled as edges and points.
+/// Nearest points of two triangles. Their distance is that of a corner from a triangle or of two edges, or 0
+/// where an edge passes through a face (Larsen, Gottschalk, Lin & Manocha 1999, "Fast proximity queries with
+/// swept sphere volumes", section 5). Triangles without area are handled as edges and points.
 TrianglePairGap nearestPoints(const Triangle& a, const Triangle& b);
 
-/// Whether two triangles come as near as `distance` (m); cheaper than asking where.
+/// Whether two triangles come as near as `distance` (m); cheaper than nearestPoints().
 bool comeNear(const Triangle& a, const Triangle& b, double distance);
 
-/// A triangle with what tells quickly that another one is far away.
+/// A triangle with data for a fast distance bound.
 struct Facet {
   Triangle t;
   glm::dvec3 normal;     // unit; 0 where the triangle has no area
@@ -29,8 +29,8 @@ struct Facet {
 };
 Facet facetOf(const Triangle& t);
 
-/// Whether their boxes or one of their planes keep two triangles further apart than `reach` (m), at a
-/// twentieth of the price of their distance. Off by what their coordinates are rounded to.
+/// Whether boxes or one of the planes prove two triangles further apart than `reach` (m), at a twentieth of
+/// the cost of their distance. Exact up to the rounding of their coordinates.
 bool furtherThan(double reach, const Facet& a, const Facet& b);
 
 /// Where the segment from `from` to `to` goes through the face of `t`, its rim included: the share of the

@@ -5,7 +5,8 @@
 namespace tandem::haptics {
 namespace {
 
-/// A unit vector within `angle` of the unit vector `middle`, towards `wanted` (any length).
+/// Unit vector within `angle` of the unit vector `middle`, as near to the direction of `wanted` (any length)
+/// as possible.
 glm::dvec3 within(const glm::dvec3& middle, const glm::dvec3& wanted, double angle) {
   const double length = glm::length(wanted);
   if (!(length > 0.0)) return middle;

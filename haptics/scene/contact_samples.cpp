@@ -12,7 +12,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// Cells of a grid of which each may hold one sample.
+/// A grid whose cells each hold at most one sample.
 class Thinning {
  public:
   Thinning(const glm::dvec3& origin, double cell) : origin_(origin), cell_(cell) {}
@@ -66,7 +66,7 @@ void ContactSamples::finish() {
   for (const ContactSample& sample : samples_) points_.emplace_back(glm::vec3(sample.point), sample.along);
 }
 
-/// The inner points of sharp edges; marks their ends in `corner`.
+/// Samples of the interior of sharp edges; marks the ends of those edges in `corner`.
 void ContactSamples::sampleSharpEdges(const MeshEdges& edges, double sharp, std::vector<bool>& corner) {
   for (std::uint32_t i = 0; i < edges.edges().size(); ++i) {
     const MeshEdge& edge = edges.edges()[i];
@@ -83,7 +83,7 @@ void ContactSamples::sampleSharpEdges(const MeshEdges& edges, double sharp, std:
   }
 }
 
-/// One sample at each marked vertex, with the normals of all faces of its convex edges.
+/// One sample at each marked vertex, with the normals of all faces at its convex edges.
 void ContactSamples::addCorners(const assets::Mesh& mesh, const MeshEdges& edges,
                                 const std::vector<bool>& corner) {
   std::vector<std::uint32_t> count(mesh.positions.size() + 1, 0);
@@ -110,7 +110,7 @@ void ContactSamples::addCorners(const assets::Mesh& mesh, const MeshEdges& edges
   }
 }
 
-/// Points of the edges of smooth convex surfaces, one in each cell of a grid.
+/// Samples of the edges of smooth convex surfaces, one per cell of a grid.
 void ContactSamples::sampleSmooth(const assets::Mesh& mesh, const MeshEdges& edges, double sharp,
                                   std::vector<bool>& taken) {
   Thinning cells(mesh.bounds.min, smoothSpacing_);

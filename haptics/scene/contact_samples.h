@@ -1,8 +1,9 @@
 #pragma once
 
-// The points of a part with which it can touch another one first: on its sharp convex edges, at its corners
-// and on its smooth convex surfaces. Flat and hollow surfaces need none, for what touches them is a sample of
-// the other part (every contact of two polyhedra is of a corner with a face, or of two edges).
+// Contact samples: the points of a part that can touch another part first. They lie on its sharp convex
+// edges, at its corners and on its smooth convex surfaces. Flat and concave surfaces need none, because what
+// touches them is a sample of the other part: every contact of two polyhedra is between a corner and a face,
+// or between two edges.
 //
 // 1. Immutable; sorted into a tree of balls; part frame.
 
@@ -19,15 +20,16 @@
 
 namespace tandem::haptics {
 
-/// One point, with the directions in which the part's surface looks there.
+/// One sample, with the directions of the part's surface there.
 struct ContactSample {
   glm::dvec3 point{0.0, 0.0, 0.0};     // m
   std::uint32_t firstNormal = 0;       // into ContactSamples::normals()
   std::uint32_t normalCount = 0;       // of the faces that meet here
   std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
   std::uint32_t triangle = 0;          // one of those that meet here
-  float along = 0.0f;  // m: it stands for its edge this far to both sides, or for its patch all around
-  std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); none of a mesh
+  // m: half length of the edge piece, or the radius of the patch, that the sample represents.
+  float along = 0.0f;
+  std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); kNone for a mesh
 };
 
 class ContactSamples {
@@ -35,11 +37,11 @@ class ContactSamples {
   struct Options {
     double spacing = 0.0;        // m between samples of a sharp edge; 0: usualSpacing()
     double smoothSpacing = 0.0;  // m on smooth surfaces; 0: 1.25 times `spacing`
-    double sharp = 0.14;         // rad: an edge that turns by more is sampled along its length
+    double sharp = 0.14;         // rad: edges that turn by more are sampled along their length
   };
 
-  /// A ball that holds the samples [begin, end), with the lengths of edge that they stand for. Its halves are the
-  /// node after this one and `second`, which is 0 in a leaf.
+  /// A ball that contains the samples [begin, end) with the edge pieces that they represent. Its halves are
+  /// the next node and `second`, which is 0 in a leaf.
   struct Node {
     float centre[3];
     float radius;
@@ -47,25 +49,26 @@ class ContactSamples {
   };
   static constexpr std::uint32_t kMostInLeaf = 16;
 
-  /// m: 1/64 of the mesh's diagonal. A straight edge needs no more, for a sample stands for its piece of it; a smooth
-  /// surface is known to the sag of that length.
+  /// 1/64 of the mesh's diagonal, m. A straight edge needs no finer spacing, because a sample represents its
+  /// piece of the edge; the error on a smooth surface is the sag over that length.
   static double usualSpacing(const assets::Mesh& mesh);
 
   ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options);
-  /// Of implicit shapes: edges and corners of boxes and planes as of a mesh, and a patch a sample on what is round, a
-  /// few hundred of a shape. `mesh` is the one that stands for them elsewhere.
+  /// Samples of implicit shapes: edges and corners of boxes and planes as of a mesh, and patches on round
+  /// surfaces, a few hundred per shape. `mesh` is the one that represents the shapes elsewhere.
   ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
                  const Options& options);
 
   std::span<const ContactSample> samples() const { return samples_; }
-  /// Points and lengths `along` of the same samples, m, as a tick reads them.
+  /// Points and lengths `along` of the samples, m, in the layout that a tick reads.
   std::span<const glm::vec4> points() const { return points_; }
   std::span<const glm::dvec3> normals(const ContactSample& sample) const {
     return {normals_.data() + sample.firstNormal, sample.normalCount};
   }
-  /// Of implicit shapes, part frame.
+  /// Patches of implicit shapes, part frame.
   std::span<const ContactPatch> patches() const { return patches_; }
-  /// Whether it stands for a piece of a round surface or a rim: not for a point or a piece of a straight edge.
+  /// Whether the sample represents a piece of a round surface or a rim, not a point or a piece of a straight
+  /// edge.
   bool isRound(const ContactSample& sample) const {
     return sample.patch != assets::kNone && patches_[sample.patch].kind != ContactPatch::Kind::straight;
   }
@@ -89,11 +92,12 @@ class ContactSamples {
   void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
                   std::uint32_t triangle);
   void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
-  /// Samples of one of several shapes as they are seen: without what others cover.
+  /// Samples the visible surface of one of several shapes, without what the others cover.
   void uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample);
-  /// The normals of a sample, each where a face ends there; false if none of them is seen.
+  /// Replaces normals of a sample by those that are visible where a face ends there; false if none is
+  /// visible.
   bool uncoverNormals(std::span<const Primitive> shapes, std::size_t which, const ContactSample& sample);
-  /// The tree, and the samples in its order.
+  /// Builds the tree and sorts the samples into its order.
   void finish();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 

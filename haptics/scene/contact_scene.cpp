@@ -22,11 +22,11 @@
 namespace tandem::haptics {
 namespace {
 
-// Meshes above this many triangles are built one after the other on all threads, smaller ones side by side.
+// Meshes above this many triangles are built one after another on all threads, smaller ones in parallel.
 constexpr std::size_t kBuiltAlone = 50'000;
 
-/// The tool stays this far off a surface, so that rounding can never put it on the other side: 1e-9 of the
-/// part's size, plus what the coordinates themselves are worth where the part lies far from its own origin.
+/// The skin: the tool stays this far off a surface, so that rounding never puts it on the other side. It is
+/// 1e-9 of the part's size plus the rounding of the coordinates where the part lies far from its own origin.
 double skinOf(const assets::Bounds& bounds) {
   const glm::dvec3 furthest = glm::max(glm::abs(bounds.min), glm::abs(bounds.max));
   return glm::length(bounds.max - bounds.min) * 0x1p-30 + glm::length(furthest) * 0x1p-42;
@@ -58,7 +58,7 @@ std::size_t bytesOf(const assets::Mesh& mesh) {
          bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv);
 }
 
-/// All that shapes are: parts of the same ones share a tree, as parts of one mesh do.
+/// Key of a list of shapes: parts of equal shapes share a tree, like parts of one mesh.
 std::vector<double> numbersOf(const std::vector<assets::ImplicitShape>& shapes) {
   std::vector<double> numbers;
   for (const assets::ImplicitShape& shape : shapes) {
@@ -71,7 +71,7 @@ std::vector<double> numbersOf(const std::vector<assets::ImplicitShape>& shapes) 
   return numbers;
 }
 
-/// Infinite planes as far as their triangles go.
+/// Bounds infinite planes at the extent of their triangles.
 std::vector<assets::ImplicitShape> finite(std::vector<assets::ImplicitShape> shapes, double reach) {
   for (assets::ImplicitShape& shape : shapes) {
     if (shape.kind != assets::ImplicitShape::Kind::plane) continue;
@@ -143,14 +143,14 @@ bool ContactScene::modelParts(const ModelOptions& options) {
   double held = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
     const Collider& collider = data_->colliders[i];
-    // A control in the hand moves along its axis alone, whatever stands there.
+    // A held control moves only along its axis, whatever stands in the way.
     const bool free =
         data_->scene->parts[i].movable && assets::controlOf(*data_->scene, static_cast<PartId>(i)) == nullptr;
     if (free && collider.radius > 0.0) held = std::min(held, 2.0 * collider.radius);
   }
   if (!std::isfinite(held)) return true;
   data_->tolerances = partTolerances(*data_->scene, data_->colliders, held, options.threads);
-  // Parts that share a mesh share its model: the strictest of them decides.
+  // Parts that share a mesh share its model, so the strictest part decides.
   std::map<const TriangleBvh*, double> toleranceOf;
   for (std::size_t i = 0; i < data_->colliders.size(); ++i)
     if (const TriangleBvh* tree = data_->colliders[i].tree; tree != nullptr) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What ContactScene holds. For the sources of this folder and their tests.
+// The data of a ContactScene, for the sources of this folder and their tests.
 
 #include <cstdint>
 #include <memory>
@@ -15,11 +15,11 @@ namespace tandem::haptics {
 
 /// The contact geometry of one part; instances share the tree.
 struct Collider {
-  const TriangleBvh* tree = nullptr;  // null: nothing to touch
+  const TriangleBvh* tree = nullptr;  // null: the part has no contact geometry
   glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
-  double radius = 0.0;                // m, of the ball around that centre that holds the part
+  double radius = 0.0;                // m, of a ball around that centre that contains the part
   double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
-  const PartModel* model = nullptr;   // null: parts in the hand pass through it
+  const PartModel* model = nullptr;   // null: held parts pass through it
 
   bool operator==(const Collider&) const = default;
 };
@@ -29,7 +29,7 @@ struct SurfaceScene;  // surface_scene.h
 struct ContactScene::Data {
   Data();
   ~Data();
-  /// Colliders of the parts that use a mesh, and the surfaces.
+  /// Derives the colliders of the parts that use a mesh, and the surfaces.
   void measure(std::uint32_t mesh);
 
   const assets::Scene* scene = nullptr;

@@ -20,7 +20,8 @@ assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
   const assets::Bounds& local = collider.tree->bounds();
   const glm::dvec3 half = 0.5 * (local.max - local.min);
   const glm::dmat3 turn = glm::mat3_cast(pose.orientation);
-  // The box of a turned box: the absolute matrix times its half extents (Arvo 1990, Graphics Gems).
+  // The bounding box of a rotated box: the absolute rotation matrix times its half extents (Arvo 1990,
+  // Graphics Gems).
   const glm::dvec3 reach =
       glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
   const glm::dvec3 centre = transformPoint(pose, collider.centre);
@@ -68,8 +69,8 @@ void ContactWorld::measure(PartId part) {
   const Collider& collider = data_->colliders[part];
   const assets::CollisionFilter& filter = data_->scene->parts[part].filter;
   const bool empty = collider.tree == nullptr;
-  // The tool belongs to every system and collides with every system: only a part that shuts out all is
-  // untouchable.
+  // The tool belongs to every collision system and collides with every system, so only a part that excludes
+  // all systems is untouchable.
   parts_[part].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
   loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
   loose_.drop(part);
@@ -149,7 +150,7 @@ bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double r
   bool found = false;
   forEachNear(box, [&](PartId part) {
     if (part == except || !touchable(part)) return;
-    // Of two touches at the same instant the more squarely met one is kept, as within a part.
+    // Of two simultaneous hits the one met more squarely is kept, as within a part.
     WorldHit candidate;
     candidate.t = hit.t;
     if (!sweepPart(part, p, motion, radius, candidate)) return;
@@ -184,8 +185,8 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
   const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
   if (glm::length(p - closestPointOnSegment(p, c0, c1)) > reach) return false;
 
-  // Seen from the part the ball moves along an arc; chords of at most 3 degrees follow it, and end points are
-  // exact.
+  // Seen from the part the ball moves along an arc. Chords of at most 3 degrees follow it, and the end points
+  // are exact.
   const double turn = glm::length(rotationVector(now.orientation * glm::conjugate(before.orientation)));
   const int pieces = std::clamp(static_cast<int>(std::ceil(turn / 0.05)), 1, 64);
   glm::dvec3 from = toPart(before, p);
@@ -251,9 +252,9 @@ bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) con
 bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
   const Collider& collider = data_->colliders[part];
   const glm::dvec3 local = toPart(poses_[part], p);
-  // Directions without zeros or equal components: CAD faces are axis-parallel, their edges often at 45
-  // degrees. From inside a solid every ray leaves once more often than it enters; from before an open surface
-  // those that meet it enter.
+  // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often at
+  // 45 degrees. From inside a solid every ray leaves once more often than it enters; in front of an open
+  // surface the rays that hit it enter.
   static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
   const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
   int leaving = 0;

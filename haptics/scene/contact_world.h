@@ -1,9 +1,9 @@
 #pragma once
 
-// The parts as one hand's tick knows them: where they are now, which of them the tool may touch. All
-// geometric questions of the proxy go through here, in world coordinates.
+// The parts as one hand's tick sees them: their present poses, and which of them the tool may touch. All
+// geometric queries of the proxy go through this class, in world coordinates.
 //
-// 1. setPose() and every query are free of allocation; the constructor allocates.
+// 1. setPose() and all queries are free of allocation; the constructor allocates.
 // 2. Not shared between threads: each TickState owns one.
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace tandem::haptics {
 
-/// First touch of the moving tool with any part, world frame.
+/// First contact of the moving tool with any part, world frame.
 struct WorldHit : BallHit {
   PartId part = kNoPart;
   std::uint32_t triangle = kNoTriangle;
@@ -27,7 +27,7 @@ struct SurfacePoint {
   PartId part = kNoPart;
   std::uint32_t triangle = kNoTriangle;
   glm::dvec3 point{0.0, 0.0, 0.0};
-  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, towards the asker
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, towards the query point
   double distance = 0.0;             // m
   bool onFace = false;               // inside the triangle, neither on an edge nor a corner
 };
@@ -37,31 +37,33 @@ class ContactWorld {
   explicit ContactWorld(const ContactScene& scene);
 
   const assets::Scene& scene() const { return *data_->scene; }
-  /// Null where no material has a surface of its own kind.
+  /// Null if no material has a surface of its own.
   const SurfaceScene* surfaces() const { return data_->surfaces.get(); }
   const Collider& collider(PartId part) const { return data_->colliders[part]; }
-  /// Null where parts in the hand pass through it.
+  /// Null for a part that held parts pass through.
   const PartModel* model(PartId part) const { return data_->colliders[part].model; }
   const Pose& pose(PartId part) const { return poses_[part]; }
   const Twist& twist(PartId part) const { return parts_[part].twist; }
   bool has(PartId part) const { return part < parts_.size(); }
 
-  /// Puts a part somewhere and into the scene tree: O(depth).
+  /// Sets the pose of a part and refits the scene tree: O(depth).
   void setPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   void setTwist(PartId part, const Twist& twist) { parts_[part].twist = twist; }
-  /// After a mesh of the ContactScene has changed in place: measures the parts that use it anew. Free of
-  /// allocation; a comparison for each part of the scene, a refit of the scene tree for each of those parts.
+  /// Measures the parts that use a mesh again after the mesh has changed in place in the ContactScene. Free
+  /// of allocation. Costs a comparison per part of the scene and a refit of the scene tree per part of the
+  /// mesh.
   void meshChanged(std::uint32_t mesh);
-  /// Takes the geometry from another ContactScene of the same Scene, measuring the parts that differ; the one
-  /// before must still be there. Costs the same.
+  /// Takes the geometry from another ContactScene of the same Scene and measures the parts that differ; the
+  /// previous scene must still exist. The cost is that of a mesh change.
   void adopt(const ContactScene& scene);
 
-  // Many parts that move in one tick: beginMotions(); noteMotion() for each; endMotions(); then setNearPose()
-  // for each that noteMotion() found near. Queries are right at every time, fastest within `region`.
+  // Moves many parts in one tick: call beginMotions(), noteMotion() for each part, endMotions(), then
+  // setNearPose() for each part that noteMotion() reported near. Queries are correct at any time, and fastest
+  // within `region`.
 
-  /// `region`: where this tick is going to ask, m, world.
+  /// `region` is where this tick will query, m, world.
   void beginMotions(const assets::Bounds& region) { loose_.begin(region); }
-  /// True if the part may come into the region on its way; its pose is then still the old one. If not, it has
+  /// True if the part may enter the region on its path; it then still has its old pose. Otherwise it has
   /// moved.
   bool noteMotion(PartId part, const Pose& worldFromPart) {
     if (loose_.note(part, poses_[part].position, worldFromPart.position)) {
@@ -71,64 +73,66 @@ class ContactWorld {
     poses_[part] = worldFromPart;
     return false;
   }
-  /// Puts some of the parts that no longer move back into the tree.
+  /// Returns some of the parts that no longer move to the tree.
   void endMotions();
   void setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist);
   bool anyLoose() const { return loose_.any(); }
 
   /// Whether the collision filters of two parts let them touch. Both must allow it.
   bool mayCollide(PartId a, PartId b) const;
-  /// Whether the tool may touch a part: it has geometry, its filter lets anything at all touch it, it is
-  /// neither ignored nor hidden.
+  /// Whether the tool may touch a part: the part has geometry, its filter lets anything at all touch it, and
+  /// it is neither ignored nor hidden.
   bool touchable(PartId part) const {
     return parts_[part].solid && !parts_[part].ignored && !parts_[part].hidden;
   }
-  /// A part that a layer hides is not there: nothing touches it.
+  /// A part hidden by a layer does not exist for contact.
   void setHidden(PartId part, bool hidden) { parts_[part].hidden = hidden; }
   bool hidden(PartId part) const { return parts_[part].hidden; }
   void setIgnored(PartId part, bool ignored) { parts_[part].ignored = ignored; }
   bool ignored(PartId part) const { return parts_[part].ignored; }
 
-  /// Distance that the tool keeps from a part near p, m: the part's own skin plus the rounding of world
-  /// coordinates.
+  /// The skin near p, the distance that the tool keeps from a part, m: the part's own skin plus the rounding
+  /// of world coordinates.
   double skin(PartId part, const glm::dvec3& p) const;
 
-  /// First touch of a ball of `radius` moving from p by `motion` with any touchable part but `except`, at a
-  /// distance of radius plus half a skin; earlier than hit.t.
+  /// First contact, earlier than hit.t, of a ball of `radius` moving from p by `motion` with any touchable
+  /// part but `except`, at a distance of radius plus half a skin.
   bool sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
              WorldHit& hit) const;
 
-  /// The same against one part, which has geometry, touchable or not.
+  /// sweep() against one part, which must have geometry and need not be touchable.
   bool sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
                  WorldHit& hit) const;
-  /// An upper bound of the share of the way at which sweep() will find a touch, from one triangle alone; 1 if
-  /// that is not met. It saves sweep() the look at most others when passed as its hit.t.
+  /// An upper bound, from one triangle alone, of the fraction of the motion at which sweep() finds a contact;
+  /// 1 if the triangle is not met. Passed as hit.t, it spares sweep() most other triangles.
   double sweepOne(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId part,
                   std::uint32_t triangle) const;
 
-  /// The same against one part that moves meanwhile from `before` to where it is now; the ball stands still
-  /// in the world. hit.t is a share of the part's motion; point and normal are those at the part's present
-  /// pose, and `carried` is where the ball's centre ends if it goes with the part from the touch on.
+  /// sweep() against one part that moves from `before` to its present pose while the ball rests in the world.
+  /// hit.t is a fraction of the part's motion; point and normal are those at the part's present pose, and
+  /// `carried` is where the ball's centre ends if it moves with the part from the contact on.
   bool sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius, WorldHit& hit,
                          glm::dvec3& carried) const;
 
-  /// One triangle where it is now, world.
+  /// One triangle at the part's present pose, world.
   Triangle triangle(PartId part, std::uint32_t triangle) const;
 
-  /// Where one triangle is nearest to p, now.
+  /// The point of one triangle nearest to p, at the part's present pose.
   SurfacePoint surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const;
 
   /// The nearest point of one part within `reach` m of p; false if there is none.
   bool nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const;
 
-  /// Whether p is inside the part's solid, or nearer than `radius` to its surface. Inside: at least five of
-  /// six rays leave the solid, so that one ray through an edge or a small hole does not decide.
+  /// Whether p is inside the part's solid, or nearer than `radius` to its surface. A point is inside if at
+  /// least five of six rays leave the solid, so that a ray through an edge or a small hole does not decide
+  /// alone.
   bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
-  /// The second half of overlaps(): inside the solid of a part that has geometry.
+  /// Whether p is inside the solid of a part that has geometry; the second test of overlaps().
   bool encloses(PartId part, const glm::dvec3& p) const;
 
-  /// Calls visit(part) for every part whose box meets `box`; visit must not move parts nor ask forEachNear(),
-  /// as sweep() does: beyond the region of the tick that draws up the list anew, and parts come twice.
+  /// Calls visit(part) for every part whose box meets `box`. visit must neither move parts nor call
+  /// forEachNear() (as sweep() does): beyond the tick's region that rebuilds the list, and parts would be
+  /// visited twice.
   template <typename Visit>
   void forEachNear(const assets::Bounds& box, Visit&& visit) const {
     if (!loose_.any()) return broad_.forEach(box, visit);
@@ -159,7 +163,7 @@ class ContactWorld {
   const ContactScene::Data* data_;
   std::vector<Pose> poses_;
   std::vector<PartState> parts_;
-  SceneBvh broad_;            // of the parts that are not loose; boxes of loose ones are out of date
+  SceneBvh broad_;            // of the parts that are not loose; the boxes of loose parts are stale
   mutable LooseParts loose_;  // a query outside the region widens it
 };
 

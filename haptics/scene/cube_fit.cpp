@@ -12,14 +12,15 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr int kSteps = 4;  // of Frank & Wolfe
-/// Heights this many times the wanted error from the nearest point do not belong to its sheet of surface.
+constexpr int kSteps = 4;  // iterations of Frank & Wolfe
+/// Heights further from the nearest point than this many times the wanted error belong to another sheet of
+/// the surface.
 constexpr double kWindow = 3.0;
 
-/// Cosine of the angle beyond which the mean of the faces says nothing of a plane through them.
+/// Cosine of the angle beyond which the mean of the faces says nothing about a plane through them.
 constexpr double kLeastTurn = 0.5;
 
-/// An edge function this near to zero, as a share of its factors, says nothing sure.
+/// Relative magnitude below which the sign of an edge function is unreliable.
 constexpr double kSure = 1e-9;
 
 glm::dvec3 unitOrZero(const glm::dvec3& v) {
@@ -45,24 +46,25 @@ double segmentSquare(const glm::dvec2& a, const glm::dvec2& b) {
 
 double crossOf(const glm::dvec2& a, const glm::dvec2& b) { return a.x * b.y - a.y * b.x; }
 
-/// Whether a line along g meets a triangle: 1 or -1 by the way it faces, 0 not, `unsure` too near to an edge.
+/// Whether a line along g meets a triangle: 1 or -1 by the side that it faces, 0 not, `unsure` if too near to
+/// an edge.
 int meets(const std::array<glm::dvec2, 3>& corners, const glm::dvec2& line, bool& unsure) {
   int turns = 0;
   for (std::size_t e = 0; e < 3; ++e) {
     const glm::dvec2 a = corners[e] - line, b = corners[(e + 1) % 3] - line;
     const double turn = crossOf(a, b);
     const double scale = glm::dot(a, a) + glm::dot(b, b);
-    // Too near to the edge's line to tell, and to the edge itself.
+    // Too near to the edge's line, and to the edge itself, to decide.
     if (std::abs(turn) <= kSure * scale && segmentSquare(a, b) <= kSure * scale) unsure = true;
     turns += turn > 0.0 ? 1 : -1;
   }
   return turns == 3 ? 1 : turns == -3 ? -1 : 0;
 }
 
-/// One try: a direction, and what bounds the distance along it.
+/// One attempt: a direction, and the bounds of the distance along it.
 class Try {
  public:
-  /// `facing` as of MeshSides; `touching`: the surface may pass the cube.
+  /// `facing` is that of MeshSides; `touching` says that the surface may pass the cube.
   Try(const FieldCube& cube, const MeshPoint& nearest, const glm::dvec3& along, double facing, bool touching,
       double enough, double limit)
       : cube_(cube),
@@ -85,7 +87,7 @@ class Try {
               0.43 * footprint_ * glm::dvec2(-0.28, 0.96)};
   }
 
-  /// Takes a triangle into account; false if the wanted error is out of reach.
+  /// Includes a triangle in the bounds; false if the wanted error is out of reach.
   bool add(const Triangle& t, const MeshSides& sides, std::uint32_t index) {
     const std::array<glm::dvec3, 3> v = {t.a - cube_.centre, t.b - cube_.centre, t.c - cube_.centre};
     const std::array<double, 3> z = {glm::dot(g_, v[0]), glm::dot(g_, v[1]), glm::dot(g_, v[2])};
@@ -128,7 +130,7 @@ class Try {
 
  private:
   /// A height h such that the distance of the triangle is at least g . (x - c) - h in the cube; at most
-  /// `highest`, and no better than `enough`.
+  /// `highest`, and no tighter than `enough`.
   double above(const Triangle& t, const glm::dvec3& g, double highest, double enough) const {
     const double half = cube_.half;
     const glm::dvec3 closest = closestPointOnTriangle(cube_.centre, t).point - cube_.centre;
@@ -185,7 +187,7 @@ class Try {
     }
     const double window = kWindow * limit_;
     if (lowest > middle_ + window || highest < middle_ - window) {
-      // Another sheet: it matters only if it may part points of a cube that the surface passes.
+      // A triangle of another sheet matters only if it may separate points of a cube that the surface passes.
       if (touching_ && lowest <= reach_ && highest >= -reach_) column_ = false;
       return;
     }
@@ -198,7 +200,7 @@ class Try {
     if (size > 0.0) normals_ += area / size;
   }
 
-  /// Whether all lines through the cube cut the surface between columnLow_ and columnHigh_.
+  /// Whether all lines through the cube cross the surface between columnLow_ and columnHigh_.
   bool columnHolds() const {
     if (!column_) return false;
     // The column must lie within the ball whose triangles are known.
@@ -217,10 +219,10 @@ class Try {
   glm::dvec3 g_, e1_, e2_;
   double facing_;
   bool touching_;
-  double enough_;           // m, what will do
+  double enough_;           // m, sufficient error
   double limit_;            // m
   double reach_ = 0.0;      // m, highest point of the cube
-  double footprint_ = 0.0;  // m, radius of a cylinder along g with the cube
+  double footprint_ = 0.0;  // m, radius of a cylinder along g that contains the cube
   double middle_ = 0.0;     // m, height of the nearest point
   double low_ = 0.0, high_ = 0.0, columnLow_ = 0.0, columnHigh_ = 0.0;  // m, heights
   bool column_ = true;
@@ -247,7 +249,7 @@ bool CubeFit::fit(const FieldCube& cube, std::span<const std::uint32_t> near, co
   const glm::dvec3 outwards = unitOrZero(sides_.outwards(nearest));
   if (outwards == glm::dvec3(0.0)) return false;
   const glm::dvec3 off = cube.centre - nearest.point;
-  // Away from the surface for a cube off it, outwards for one on it.
+  // Away from the surface for a cube off it, outwards for a cube on it.
   glm::dvec3 away = glm::dot(outwards, off) >= 0.0 ? outwards : -outwards;
   if (!nearest.onFace && nearest.distance > 0x1p-20 * cube.half) away = off / nearest.distance;
   const bool touching = nearest.distance <= cube.half * manhattan(away);

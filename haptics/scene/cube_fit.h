@@ -1,21 +1,21 @@
 #pragma once
 
-// An affine model of the signed distance to a mesh over one cube, with a bound of its error that is proven
-// and not sampled.
+// Affine model of the signed distance to a mesh over one cube, with a proven, not sampled, bound of its
+// error.
 //
-// 1. Works on the few triangles that can be nearest to a point of the cube; who calls keeps that list.
+// 1. Works on the few triangles that can be nearest to a point of the cube; the caller keeps that list.
 // 2. For construction of models, not for ticks. Immutable and safe in every thread.
 //
-// The bound. Let g be a unit vector, z(x) = g . (x - c) the height over the cube's centre c. The distance d
-// to the surface lies in z - high .. z - low:
-//  (a) low: if the surface is cut by every line along g through the cube, at heights no lower than `low`,
-//      then d(x) <= z(x) - low for all x above. All lines cut it if one does, oddly often, and neither a
-//      triangle nor an open edge of the surface passes the floor or roof or leaves the sides of the column
-//      under the cube (intersection numbers mod 2 do not change along the way from line to line).
-//      Or from one triangle: its distance is convex, so that d - z is largest in a corner of the cube.
-//  (b) high: for each triangle t, any point y and m = grad d_t(y), d_t(x) >= d_t(y) + m . (x - y), since d_t
-//      is convex; and d_t(x) >= z(x) - max z(t). Over the cube the least of an affine function is known
-//      exactly, and y is sought by a few steps of Frank & Wolfe.
+// The bound. Let g be a unit vector and z(x) = g . (x - c) the height over the cube's centre c. The distance
+// d to the surface lies in z - high .. z - low:
+// (a) low: if every line along g through the cube crosses the surface at heights of at least `low`, then
+//     d(x) <= z(x) - low for all x above. All lines cross it if one line crosses it an odd number of times
+//     and neither a triangle nor an open edge of the surface passes the floor or roof or leaves the sides of
+//     the column under the cube, because intersection numbers mod 2 then do not change from line to line.
+//     A single triangle also bounds low: its distance is convex, so d - z is largest in a corner of the cube.
+// (b) high: for each triangle t, any point y and m = grad d_t(y), d_t(x) >= d_t(y) + m . (x - y), because d_t
+//     is convex; and d_t(x) >= z(x) - max z(t). The least value of an affine function over the cube is known
+//     exactly, and a few iterations of Frank & Wolfe search for y.
 
 #include <cstdint>
 #include <span>
@@ -45,15 +45,15 @@ class CubeFit {
   /// Both must outlive it.
   CubeFit(const TriangleBvh& tree, const MeshSides& sides) : tree_(tree), sides_(sides) {}
 
-  /// Fits the cube. `near` holds every triangle within nearest.distance + 2 radii of its centre, `nearest` is
-  /// the nearest point to its centre, which lies on `side` (1 or -1; no matter where the surface passes the cube).
-  /// Stops at an error of `enough`, and gives up as soon as one of `limit` is out of reach; false if it found
-  /// nothing better than `model` was.
+  /// Fits the cube. `near` holds every triangle within nearest.distance + 2 radii of the cube's centre;
+  /// `nearest` is the point nearest to the centre, which lies on `side` (1 or -1; irrelevant where the
+  /// surface passes the cube). Stops at an error of `enough`, and gives up as soon as an error of `limit` is
+  /// out of reach. False if it found nothing better than `model`.
   bool fit(const FieldCube& cube, std::span<const std::uint32_t> near, const MeshPoint& nearest, double side,
            double enough, double limit, CubeModel& model) const;
 
  private:
-  /// Whether the sheet of surface of a model through the cube has outside above and inside below.
+  /// Whether the sheet of surface through the cube has outside above and inside below.
   bool parts(const FieldCube& cube, const MeshPoint& nearest, const CubeModel& model) const;
 
   const TriangleBvh& tree_;

@@ -11,9 +11,9 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
-// Half a unit in the last place of a point and of the answer, and what the caller's point had lost before.
+// Half a unit in the last place of a point and of the result, and the rounding already in the caller's point.
 constexpr float kRounding = 0x1p-22f;
-/// Grids larger than this along an axis would be no use and lose float indices.
+/// Larger grids along an axis would be useless and exceed float indices.
 constexpr std::uint32_t kMostAlong = 1u << 14;
 
 template <typename T>
@@ -24,7 +24,7 @@ void put(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
   if (count > 0) std::memcpy(bytes.data() + at, values, count * sizeof(T));
 }
 
-/// Takes values from the front of bytes; false, and nothing taken, if there are too few.
+/// Reads values from the front of `bytes`; false, with nothing read, if there are too few.
 class Taker {
  public:
   explicit Taker(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -59,9 +59,9 @@ DistanceField::DistanceField(std::span<const assets::ImplicitShape> shapes, cons
   origin_ = 0.5 * (mesh.bounds.min + mesh.bounds.max);
   boxLow_ = glm::vec3(mesh.bounds.min - origin_);
   boxHigh_ = glm::vec3(mesh.bounds.max - origin_);
-  // What contact compares errors with: here none comes near it.
+  // The tolerance that contact compares errors with; no error of exact shapes comes near it.
   smallestCell_ = band_ = tolerance;
-  // Of the rows of a step, whose distances are asked in doubles.
+  // Computes the rows of a step, whose distances need doubles.
   worstSmoothError_ = 0x1p-50 * glm::length(glm::max(glm::abs(mesh.bounds.min), glm::abs(mesh.bounds.max)));
   for (const Primitive& shape : shapes_) solid_ = solid_ || shape.solid();
 }
@@ -91,7 +91,7 @@ DistanceField::Reading DistanceField::beyond(const glm::vec3& p) const {
   const glm::vec3 off = p - glm::clamp(p, boxLow_, boxHigh_);
   const float length = glm::length(off);
   if (!(length > 0.0f)) return {0.0f, 0.0f, glm::vec3(0.0f)};
-  // The box is rounded outwards; the factor covers the roundings of the length.
+  // The box is rounded outwards; the factor covers the rounding of the length.
   return {length * (1.0f - 0x1p-20f), 0.0f, off / length};
 }
 
@@ -163,7 +163,7 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
 
 bool DistanceField::entriesAreSound() const {
   const std::size_t blockCount = blocks_.size() / kBlock;
-  // 1: a block of the grid's cubes, 2: a block within one, which has no blocks of its own.
+  // Level 1 is a block of the grid's cubes; level 2 is a block within one, which has no blocks of its own.
   std::vector<std::uint8_t> level(blockCount, 0);
   const auto check = [&](std::uint32_t entry, std::uint8_t below) {
     if ((entry & kLeaf) != 0) return (entry & ~kLeaf) < cells_.size();

@@ -1,13 +1,14 @@
 #pragma once
 
-// A signed distance field of one mesh: a few loads tell how far the surface is and how wrong that may be.
+// Signed distance field of one mesh: a few loads return the distance to the surface and a bound of its error.
 //
-// 1. Cubes in a hierarchy of fixed branching: a grid of large cubes, which may hold 8 x 8 x 8 blocks, which
-// may hold blocks again. Each cube that is not divided has an affine model of the distance and a bound of its
-// error, which is proven (cube_fit.h).
-// 2. Immutable after construction and safe in every thread. Needs neither the tree nor the mesh afterwards.
-// 3. The same for any number of threads.
-// 4. A part that consists of implicit shapes needs none of that: its distance is known by formula everywhere.
+// 1. Cubes form a hierarchy of fixed branching: a grid of large cubes, which may hold 8 x 8 x 8 blocks, which
+//    may hold blocks again. Each undivided cube has an affine model of the distance and a proven bound of its
+//    error (cube_fit.h).
+// 2. Immutable after construction and safe in every thread. Afterwards it needs neither the tree nor the
+//    mesh.
+// 3. The result does not depend on the number of threads.
+// 4. A part of implicit shapes needs no cells: a formula gives its distance everywhere.
 
 #include <array>
 #include <cstddef>
@@ -37,7 +38,7 @@ class DistanceField {
     std::function<void(double)> progress;  // share done, from the calling thread
   };
 
-  /// |signed distance(p) - distance| <= error within the grid. The gradient is that of the cell's model, not
+  /// |signed distance(p) - distance| <= error within the grid. The gradient is that of the cell's model: not
   /// normalised, and zero where the cell only culls.
   struct Reading {
     float distance;  // m, negative inside
@@ -45,17 +46,18 @@ class DistanceField {
     glm::vec3 gradient;
   };
 
-  /// Bakes the field. See MeshSides for what is inside of a mesh with defects. The tree is not kept.
+  /// Bakes the field. MeshSides defines the inside of a mesh with defects. The tree is not kept.
   DistanceField(const TriangleBvh& tree, const Options& options);
 
-  /// Of implicit shapes, exact but for rounding, everywhere: no cells, nothing to bake or to keep. Outside it is the
-  /// distance of the nearest shape, and in one shape alone the depth in that. Where shapes overlap it is the depth in
-  /// the one that holds p deepest, which is a lower bound of the depth in all of them together. `tolerance`: as it
-  /// stands for the part in steps of contact, m.
+  /// Field of implicit shapes, exact but for rounding, everywhere: nothing is baked. Outside it is the
+  /// distance to the nearest shape, and inside a single shape the depth in it. Where shapes overlap it is the
+  /// depth in the shape that holds p deepest, a lower bound of the depth in their union. `tolerance` (m) is
+  /// the part's tolerance in contact steps.
   DistanceField(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh, double tolerance);
 
-  /// At p, in m relative to origin(), part axes. Outside of the grid a lower bound of the distance, with an
-  /// error of 0 that means "at least". A point that is not finite may read anything. For ticks.
+  /// Reads the field at p, in m relative to origin(), part axes. Outside the grid the distance is a lower
+  /// bound, with an error of 0 that means "at least". The result for a non-finite point is arbitrary. For
+  /// ticks.
   Reading read(const glm::vec3& p) const {
     if (!shapes_.empty()) return ofShapes(p);
     const std::uint32_t* const entry = entryOf(p);
@@ -63,7 +65,8 @@ class DistanceField {
   }
 
   static constexpr std::uint32_t kMostAtOnce = 16;
-  /// The same for up to kMostAtOnce points: they wait for memory together, which is most of what a reading costs.
+  /// read() for up to kMostAtOnce points, whose memory latencies overlap; latency is most of the cost of a
+  /// reading.
   void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
     if (!shapes_.empty()) return ofShapes(points, count, readings);
     std::array<const std::uint32_t*, kMostAtOnce> entries;
@@ -81,9 +84,9 @@ class DistanceField {
   }
 
   glm::dvec3 origin() const { return origin_; }
-  /// What it consists of where it is exact, part frame; none of a mesh.
+  /// The shapes of an exact field, part frame; empty for a mesh.
   std::span<const Primitive> shapes() const { return shapes_; }
-  /// Whether there is an inside. If not, the distance is not negative anywhere.
+  /// Whether there is an inside. Otherwise the distance is nowhere negative.
   bool solid() const { return solid_; }
   std::size_t memory() const;
   std::size_t cells() const { return cells_.size(); }
@@ -92,14 +95,14 @@ class DistanceField {
   double band() const { return band_; }
   /// Whether the memory allowed made the smallest cell larger than asked for.
   bool coarsened() const { return coarsened_; }
-  /// The largest error of a cell with a model that the surface passes, where it turns by less than 20 degrees, m. Above
-  /// tolerance() where the smallest cell is too large for a curve.
+  /// The largest error, m, of a cell that the surface passes and where it turns by less than 20 degrees.
+  /// Above tolerance() where the smallest cell is too large for a curve.
   double worstSmoothError() const { return worstSmoothError_; }
 
-  /// For a cache: all of it as bytes, for machines of this byte order.
+  /// Serialises the field for a cache, for machines of this byte order.
   std::vector<std::byte> pack() const;
-  /// The field in `bytes`, which may hold anything: what does not add up is refused, and read() of the rest
-  /// is safe.
+  /// Reads a field from untrusted `bytes`. Inconsistent data is refused, and read() of an accepted field is
+  /// safe.
   static Result<DistanceField> unpack(std::span<const std::byte> bytes);
 
  private:
@@ -110,8 +113,8 @@ class DistanceField {
   static constexpr std::uint32_t kBlock = 512;
   static constexpr std::uint32_t kSpan = 64;  // smallest cells along a cube of the grid
 
-  /// distance(p) = dot(gradient, p) + offset: taken about the origin, so that no level need be known. What
-  /// float loses by that is within `error`.
+  /// distance(p) = dot(gradient, p) + offset, taken about the origin so that the level is irrelevant. `error`
+  /// includes the float rounding of that.
   struct Cell {
     glm::vec3 gradient;
     float offset;  // m
@@ -122,7 +125,7 @@ class DistanceField {
   static std::uint32_t inBlock(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return (z & 7u) << 6 | (y & 7u) << 3 | (x & 7u);
   }
-  /// The entry of the cell that a point is in, not read yet; null outside of the grid.
+  /// The entry of the cell that contains a point, not read yet; null outside the grid.
   const std::uint32_t* entryOf(const glm::vec3& p) const {
     const float x = (p.x - low_.x) * perCell_, y = (p.y - low_.y) * perCell_, z = (p.z - low_.z) * perCell_;
     if (!(x >= 0.0f && y >= 0.0f && z >= 0.0f && x < size_.x && y < size_.y && z < size_.z)) return nullptr;

@@ -1,5 +1,5 @@
-// How a distance field is made: cubes of a grid in parallel, each divided into eighths until the model of a
-// cube is good enough. A cube's triangles are those of the cube around it that can still be nearest.
+// Bakes a distance field: cubes of a grid in parallel, each divided into eighths until the model of a cube is
+// good enough. The triangles of a cube are those of its parent that can still be nearest.
 
 #include <algorithm>
 #include <array>
@@ -28,30 +28,31 @@ constexpr double kTolerance = 0x1p-14;  // of the diagonal
 constexpr double kCellOfTolerance = 80.0;
 constexpr double kFinest = 0x1p-10, kCoarsest = 0x1p-7;  // smallest cell, of the diagonal
 constexpr double kBandCells = 2.0;
-/// An error of this share of the distance will do within the band, and beyond it of what is more.
+/// Sufficient error as a fraction of the distance within the band, and of the excess beyond it.
 constexpr double kNearShare = 1.0 / 8.0;
 constexpr double kFarShare = 0.25;
-/// Readings lose this share of the grid's diagonal at most: the index of the cell, and the sum about the
-/// origin, each some units in the last place of a float.
+/// Fraction of the grid's diagonal that bounds the rounding of readings: the index of the cell, and the sum
+/// about the origin, each some units in the last place of a float.
 constexpr double kRounding = 0x1p-20;
 constexpr std::size_t kMostCubes = std::size_t{1} << 18;
 constexpr double kSmoothTurn = 0.94;  // cosine of 20 degrees
-/// More triangles than this are asked through the tree.
+/// More triangles than this are queried through the tree.
 constexpr std::size_t kMany = 48;
 constexpr int kLevels = 7;  // sides of 64, 32 .. 1 smallest cells
 
-/// Slits up to this share of the diagonal are closed before the field is made.
+/// Slits up to this fraction of the diagonal are closed before baking.
 constexpr double kWidestSlit = 0x1p-14;
-/// What a cap as wide as 1 may be wrong by: it is not there, and the side may change on its other side.
+/// Error of a cap of width 1: the cap does not exist, and the side may change behind it.
 constexpr double kErrorOfWidth = 4.0;
 
-/// A cube of two smallest cells is not divided where the surface is further from it than this many of its radii.
+/// A cube of two smallest cells is not divided where the surface is further away than this many of its radii.
 constexpr double kAlone = 3.0;
 
-/// A model this many times worse than allowed may become good enough along the mean of the faces' normals.
+/// A model this many times worse than allowed may still become good enough along the mean of the faces'
+/// normals.
 constexpr double kSecondTry = 4.0;
 
-/// Balls about the triangles, m relative to the origin: a first answer to how far one is.
+/// Balls about the triangles, m relative to the origin: a first bound of a triangle's distance.
 struct Ball {
   glm::vec3 centre;
   float radius;
@@ -63,7 +64,7 @@ int threadsOf(const DistanceField::Options& options) {
                              : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
 }
 
-/// A mesh with caps over its slits, and the tree of it.
+/// A mesh with caps over its slits, and its tree.
 struct CappedMesh {
   assets::Mesh mesh;
   std::unique_ptr<TriangleBvh> tree;
@@ -101,21 +102,21 @@ class FieldBake {
   void run();
 
  private:
-  /// What becomes of one cube of the grid; indices are its own.
+  /// The result of one cube of the grid, with indices of its own.
   struct Piece {
     std::uint32_t root = 0;
     std::vector<std::uint32_t> blocks;
     std::vector<DistanceField::Cell> cells;
     double worstSmooth = 0.0;
   };
-  /// A cube on its way down.
+  /// A cube of the recursion.
   struct Job {
     FieldCube cube;
     std::array<std::uint32_t, 3> at;  // smallest cells from the corner of the grid's cube
     std::uint32_t side;               // smallest cells
     int level;
   };
-  /// What is known of the cube around one.
+  /// State inherited from the parent cube.
   struct Known {
     glm::dvec3 centre{0.0, 0.0, 0.0};
     double distance = -1.0;
@@ -134,11 +135,11 @@ class FieldBake {
   void bakePiece(std::size_t index, Worker& worker, Piece& piece) const;
   void refine(const Job& job, std::span<const std::uint32_t> candidates, const Known& around, Worker& worker,
               Piece& piece) const;
-  /// The nearest point to a cube's centre, and all triangles (and few more) within two radii more.
+  /// Finds the nearest point to a cube's centre, and all triangles (and few more) within two radii beyond it.
   MeshPoint nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates, const Known& around,
                       Worker& worker, std::vector<std::uint32_t>& near) const;
   MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
-  /// What the caps of slits near a cube may be wrong by, m.
+  /// Error that the caps of slits near a cube may cause, m.
   double errorOfCaps(std::span<const std::uint32_t> near) const;
   void store(const Job& job, const CubeModel& model, Piece& piece) const;
   /// Whether the surface turns by less than 20 degrees in and around a cube.
@@ -162,7 +163,7 @@ class FieldBake {
 
 DistanceField::DistanceField(const TriangleBvh& tree, const Options& options) {
   if (tree.empty()) {
-    // Nothing anywhere: at least as far as a float can say.
+    // Without any triangle the distance is the largest float.
     boxLow_ = boxHigh_ = glm::vec3(std::numeric_limits<float>::max());
     return;
   }
@@ -187,7 +188,7 @@ void FieldBake::run() {
   for (;;) {
     setGrid();
     if (bakePieces(pieces)) break;
-    // A field of so few cells cannot be made smaller.
+    // A field of so few cells cannot shrink further.
     if (16.0 * field_.smallestCell_ > glm::length(tree_.bounds().max - tree_.bounds().min)) unlimited_ = true;
     field_.smallestCell_ *= 2.0;
     field_.coarsened_ = true;
@@ -215,7 +216,7 @@ void FieldBake::setGrid() {
   const assets::Bounds& box = tree_.bounds();
   std::size_t cubes = 0;
   for (;; field_.smallestCell_ *= 2.0) {
-    // A float, so that cells are where read() looks for them.
+    // Rounded to float, so that cells are where read() looks for them.
     field_.smallestCell_ = static_cast<float>(field_.smallestCell_);
     const double side = DistanceField::kSpan * field_.smallestCell_;
     const double margin = field_.band_ + 2.0 * field_.smallestCell_;
@@ -243,7 +244,7 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
     Worker worker;
     for (;;) {
       const std::size_t index = next.fetch_add(1);
-      // The sum of all decides, whatever the order: past the limit it stays past it.
+      // The sum of all cubes decides, in any order: past the limit it stays past it.
       if (index >= pieces.size() || memory.load() > limit) break;
       Piece& piece = pieces[index];
       bakePiece(index, worker, piece);
@@ -316,7 +317,7 @@ MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint3
 
 MeshSides::Side FieldBake::sideOf(const FieldCube& cube, const MeshPoint& nearest,
                                   const Known& around) const {
-  // No surface lies on the way from the centre of the cube around it.
+  // No surface lies between this centre and that of the parent cube.
   const double way = glm::distance(around.centre, cube.centre);
   if (around.side.certain && std::max(around.distance, nearest.distance) > way) return around.side;
   return sides_.sideOf(cube.centre, nearest, cube.radius());
@@ -334,8 +335,8 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
   const bool certain = passed ? sides_.isCertain(job.cube.centre, radius) : side.certain;
   const double caps = errorOfCaps(near);
   const double enough = std::max(0.0, allowed(nearest.distance, radius) - caps);
-  // The smallest cells are for those that the surface may pass, and for narrow slits and grooves, where it is near on
-  // several sides.
+  // The smallest cells are for cubes that the surface may pass, and for narrow slits and grooves with surface
+  // on several sides.
   const bool last = job.side == 1 || (job.side == 2 && nearest.distance > kAlone * radius);
   CubeModel model;
   model.error = radius;
@@ -347,12 +348,12 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
   const bool hopeless = !certain && nearest.distance > 4.0 * radius;
   if (last || hopeless || (certain && model.error <= enough)) {
     if (!found && passed) side = sideOf(job.cube, nearest, around);
-    // A distance changes by a metre a metre at most; where the side is open, its sign may change too.
+    // A distance changes by at most a metre per metre; where the side is open, its sign may change too.
     if (!found) model = {glm::dvec3(0.0), side.sign * nearest.distance, radius};
     if (!certain) model = {glm::dvec3(0.0), 0.0, nearest.distance + radius};
     model.error += caps;
     store(job, model, piece);
-    // What only culls, between sheets of a wrong file for one, says nothing of how well the surface is known.
+    // A cell that only culls, for example between sheets of a defective file, says nothing about accuracy.
     if (found && certain && nearest.distance <= radius && isSmooth(job.cube, near, nearest))
       piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
     return;
@@ -413,7 +414,7 @@ void FieldBake::store(const Job& job, const CubeModel& model, Piece& piece) cons
     piece.root = entry;
     return;
   }
-  // The first block is that of the cube; an entry of 0 in it can be no block's.
+  // The first block is that of the cube, so no block entry in it can be 0.
   if (piece.blocks.empty()) piece.root = newBlock();
   if (job.side >= 8) {
     fill(0, 8);

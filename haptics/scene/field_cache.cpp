@@ -15,12 +15,12 @@
 namespace tandem::haptics {
 namespace {
 
-// Raised whenever a bake makes something else of the same mesh and options.
+// Raised whenever a bake of the same mesh and options produces another result.
 constexpr std::uint64_t kBakeVersion = 2;
 
 constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
 
-/// What a file begins with: what it holds, by what that was made from, and a hash of the rest.
+/// File header: what the file holds, identified by the inputs, and a hash of the rest.
 struct Header {
   std::array<char, 8> mark = kMark;
   assets::ContentHash key{}, content{};
@@ -33,7 +33,7 @@ void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
   bytes.insert(bytes.end(), begin, begin + count * sizeof(T));
 }
 
-/// The field depends on positions and triangles alone, not on what the mesh says of its topology.
+/// The field depends on positions and triangles alone, not on the mesh's topology data.
 assets::ContentHash keyOf(const assets::Mesh& mesh, const DistanceField::Options& options) {
   std::vector<std::byte> bytes;
   const std::array<std::uint64_t, 4> counts = {kBakeVersion, mesh.positions.size(), mesh.triangles.size(),

@@ -1,7 +1,7 @@
 #pragma once
 
-// Distance fields kept on disk by what they were made from: a part that collided yesterday collides at once
-// today. One file a field; who bakes the same one in two processes at a time bakes it twice, that is all.
+// Disk cache of distance fields, keyed by their inputs, one file per field. Two processes that bake the same
+// field at the same time both bake it, without harm.
 
 #include <optional>
 #include <string>
@@ -10,14 +10,13 @@
 
 namespace tandem::haptics {
 
-/// The field of a mesh as `options` ask for it: read from `directory` (empty: none is kept) if it is there and
-/// is whole, else baked and written there. What cannot be read, written or believed costs time only. `cached`
-/// becomes whether it was read. The number of threads makes no difference to the field, nor to what it is
-/// found by.
+/// The field of a mesh with `options`: read from `directory` (empty: no cache) if an intact file exists, else
+/// baked and stored there. Files that cannot be read, written or validated cost only time. `cached` reports
+/// whether the field was read. The number of threads affects neither the field nor its key.
 DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options& options,
                           const std::string& directory, bool& cached);
 
-/// The same, if it can be read.
+/// The cached field, if it can be read.
 std::optional<DistanceField> readField(const TriangleBvh& tree, const DistanceField::Options& options,
                                        const std::string& directory);
 

@@ -13,7 +13,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kSmoothTurn = 0.94;  // cosine of 20 degrees
-constexpr double kLeftOut = 0.05;     // of the surface: fillets and the like
+constexpr double kLeftOut = 0.05;     // share of the surface: fillets and the like
 
 struct Face {
   glm::dvec3 normal{0.0, 0.0, 0.0};  // unit
@@ -32,7 +32,7 @@ std::vector<Face> facesOf(const assets::Mesh& mesh) {
   return faces;
 }
 
-/// 1 / m: the largest of a triangle's smooth edges.
+/// Largest curvature over a triangle's smooth edges, 1/m.
 double curvatureAt(const assets::Mesh& mesh, const std::vector<Face>& faces, std::size_t t) {
   double most = 0.0;
   for (std::size_t e = 0; e < 3; ++e) {
@@ -43,7 +43,7 @@ double curvatureAt(const assets::Mesh& mesh, const std::vector<Face>& faces, std
     const auto& corners = mesh.triangles[t];
     const double length = glm::distance(mesh.positions[corners[e]], mesh.positions[corners[(e + 1) % 3]]);
     const double turn = glm::length(glm::cross(faces[t].normal, faces[other].normal));
-    // From the middle of one face to that of the other, where both are halves of a strip along the edge.
+    // Distance between the centres of the two faces; both are halves of a strip along the edge.
     const double width = (faces[t].area + faces[other].area) / length;
     if (width > 0.0) most = std::max(most, turn / width);
   }

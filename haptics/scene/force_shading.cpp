@@ -17,16 +17,16 @@ using assets::Mesh;
 
 constexpr int kMaxNewton = 6;
 constexpr int kMaxSteps = 12;        // from triangle to triangle
-constexpr double kConverged = 1e-9;  // share of a triangle
-constexpr double kOutside = 1e-7;    // share of a triangle by which a point may lie beyond an edge
-constexpr double kTooFar = 0.5;      // share of a triangle beyond a crease: no patch there any more
-// Share of the patch's area left on its offset surface, below which normals are about to cross: 97 % of the
+constexpr double kConverged = 1e-9;  // fraction of a triangle
+constexpr double kOutside = 1e-7;    // fraction of a triangle by which a point may lie beyond an edge
+constexpr double kTooFar = 0.5;      // fraction of a triangle beyond a crease, where the patch ends
+// Fraction of the patch's area left on its offset surface below which normals are about to cross: 97 % of the
 // radius of curvature.
 constexpr double kFold = 1e-3;
 
 using Across = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Neighbours of a mesh that came without them.
+/// Computes the neighbours of a mesh that has none.
 Across findNeighbours(const Mesh& mesh) {
   Across across(mesh.triangles.size(), {kNone, kNone, kNone});
   std::unordered_map<std::uint64_t, std::uint32_t> open;  // directed edge to 3 * triangle + edge
@@ -54,7 +54,7 @@ glm::dvec3 facetNormal(const Mesh& mesh, std::uint32_t t) {
   return length > 0.0 ? n / length : glm::dvec3(0.0);
 }
 
-/// Corners that share a normal, as a forest; corner = 3 * triangle + its place.
+/// Union-find of corners that share a normal; corner = 3 * triangle + its place.
 class Groups {
  public:
   explicit Groups(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
@@ -71,8 +71,8 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
-/// Weight and direction of one facet at one of its corners: sin(angle) / (product of the two edges), which is
-/// cross / (|a|^2 |b|^2).
+/// Weight and direction of one facet at one of its corners (Max 1999): sin(angle) / (product of the two
+/// edges), which is cross / (|a|^2 |b|^2).
 glm::dvec3 weighted(const Mesh& mesh, std::uint32_t t, std::size_t corner) {
   const auto& c = mesh.triangles[t];
   const glm::dvec3& at = mesh.positions[c[corner]];
@@ -87,7 +87,7 @@ double creaseAt(const Mesh& mesh, std::span<const double> creaseOf, std::uint32_
   return material < creaseOf.size() ? creaseOf[material] : 0.0;
 }
 
-/// Clears the neighbours across edges that must stay sharp and joins the corners along the others.
+/// Clears the neighbours across edges that must stay sharp, and joins the corners along the others.
 void joinAcrossSmoothEdges(const Mesh& mesh, std::span<const double> creaseOf, Across& across,
                            Groups& groups) {
   for (std::uint32_t t = 0; t < across.size(); ++t) {
@@ -113,7 +113,8 @@ void joinAcrossSmoothEdges(const Mesh& mesh, std::span<const double> creaseOf, A
   }
 }
 
-/// A triangle's patch: flat point p, and P = p + 1/2 sum b_i ((V_i - p) . N_i) N_i.
+/// A triangle's patch by Phong tessellation with weight 1/2 (Boubekeur & Alexa 2008): flat point p, and P = p
+/// + 1/2 sum b_i ((V_i - p) . N_i) N_i.
 struct Patch {
   std::array<glm::dvec3, 3> corner, normal;
 
@@ -164,7 +165,7 @@ bool solve(const Patch& patch, const glm::dvec3& p, double side, PatchPoint& x) 
     const glm::dvec3 a = x.pointU - x.depth * side * nU, b = x.pointV - x.depth * side * nV;
     const glm::dvec3 c = glm::cross(a, b);
     const double volume = glm::dot(c, n);
-    // Past a centre of curvature both sides have turned round, and the volume is positive again.
+    // Past a centre of curvature both sides have turned, and the volume is positive again.
     if (!(glm::dot(a, x.pointU) > 0.0 && glm::dot(b, x.pointV) > 0.0)) return false;
     if (!(volume > kFold * glm::length(glm::cross(x.pointU, x.pointV)))) return false;
     x.uGradient = glm::cross(b, n) / volume;
@@ -193,7 +194,7 @@ void setStart(const Mesh& mesh, std::uint32_t t, const glm::dvec3& start, PatchP
   x.triangle = t;
 }
 
-/// The corner that the point has gone farthest away from, beyond the opposite edge; 3 = it lies in the
+/// The corner from which the point has moved furthest, beyond the opposite edge; 3 = the point is in the
 /// triangle.
 std::size_t cornerLeft(const PatchPoint& x, double& share) {
   const double b[3] = {1.0 - x.u - x.v, x.u, x.v};
@@ -219,7 +220,7 @@ ShadedMesh shadeMesh(const Mesh& mesh, std::span<const double> creaseOf) {
       const glm::dvec3& s = sum[groups.root(3 * t + c)];
       const double length = glm::length(s);
       const glm::dvec3 facet = facetNormal(mesh, t);
-      // Facets that cancel each other out at a corner leave no direction; each keeps its own.
+      // Facets that cancel at a corner leave no direction; each keeps its own.
       const bool usable = length > 0.0 && glm::dot(s, facet) > 0.1 * length;
       out.normals[t][c] = glm::vec3(usable ? s / length : facet);
     }
@@ -246,7 +247,7 @@ bool projectOntoPatch(const Mesh& mesh, const ShadedMesh* shaded, std::uint32_t 
     const std::size_t left = cornerLeft(x, beyond);
     if (left == 3 || shaded == nullptr) return true;
     const std::uint32_t next = shaded->smoothAcross[x.triangle][(left + 1) % 3];
-    // Both sides of an edge may send the point across, by rounding: either answer is right there.
+    // Rounding may send the point across an edge from both sides; either result is right there.
     if (next == kNone || next == previous) return beyond > -kTooFar;
     previous = x.triangle;
     setStart(mesh, next, x.point, x);

@@ -33,7 +33,7 @@ Height bumps(const glm::dvec3& turns, double wavelength) {
 double latticeValue(const glm::dvec3& p) {
   std::uint64_t h = 0;
   for (int i = 0; i < 3; ++i) {
-    // Far beyond any scene the lattice repeats: a conversion out of range would be undefined.
+    // Far beyond any scene the lattice repeats, because an out-of-range conversion would be undefined.
     h ^= static_cast<std::uint64_t>(static_cast<std::int64_t>(std::fmod(p[i], 0x1p52)));
     h = (h + 0x9e3779b97f4a7c15u) * 0xbf58476d1ce4e5b9u;
     h = (h ^ (h >> 27)) * 0x94d049bb133111ebu;
@@ -87,7 +87,7 @@ Height patternHeight(Pattern pattern, double wavelength, const glm::dvec3& x) {
 
 Height imageHeight(const assets::TextureImage& image, const glm::dvec2& uv) {
   const glm::dvec2 size(image.width, image.height);
-  // Texel i covers i..i+1; its value stands at i + 1/2.
+  // Texel i covers i..i+1; its value is that at i + 1/2.
   const glm::dvec2 at = (uv - glm::floor(uv)) * size - 0.5;
   const glm::dvec2 base = glm::floor(at), t = at - base;
   const auto texel = [&](double x, double y) {

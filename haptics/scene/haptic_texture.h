@@ -1,6 +1,6 @@
 #pragma once
 
-// Relief on a surface: heights and their gradients, from an image or from a formula.
+// Relief textures: heights and their gradients, from an image or a formula.
 
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -9,24 +9,24 @@
 
 namespace tandem::haptics {
 
-/// A height and how it changes.
+/// A height and its gradient.
 struct Height {
   double value = 0.0;                  // in units of the amplitude, -1..1
-  glm::dvec3 gradient{0.0, 0.0, 0.0};  // 1/m, by the place in the part frame; formulas
-  glm::dvec2 uvGradient{0.0, 0.0};     // by the texture coordinates; images
+  glm::dvec3 gradient{0.0, 0.0, 0.0};  // 1/m, by the place in the part frame; for formulas
+  glm::dvec2 uvGradient{0.0, 0.0};     // by the texture coordinates; for images
 };
 
-/// A formula at place x (m, part frame), with waves w long:
-/// sine sin(2 pi x / w); grid the mean of the three; bumps 2 (1 - 4 r^2)^2 - 1 around the points of a cubic
-/// lattice of pitch w, r their distance / w, -1 from r = 1/2 on; noise values at the lattice's points,
-/// blended with 6 t^5 - 15 t^4 + 10 t^3 (Perlin 2002).
+/// Height of a formula at place x (m, part frame) with wavelength w: sine is sin(2 pi x / w); grid is the
+/// mean of the three; bumps is 2 (1 - 4 r^2)^2 - 1 around the points of a cubic lattice of pitch w, with r
+/// their distance / w, and -1 from r = 1/2 on; noise blends values at the lattice's points with 6 t^5 - 15
+/// t^4 + 10 t^3 (Perlin 2002).
 Height patternHeight(assets::SurfaceTexture::Pattern pattern, double wavelength, const glm::dvec3& x);
 
-/// An image at texture coordinates uv, bilinear between the centres of its texels, repeated without end; 0 is
-/// -1, 255 is 1.
+/// Height of an image at texture coordinates uv, bilinear between the centres of its texels and repeated
+/// without end; 0 is -1, 255 is 1.
 Height imageHeight(const assets::TextureImage& image, const glm::dvec2& uv);
 
-/// What friction is multiplied by at a height of -1..1.
+/// Factor on friction at a height of -1..1.
 inline double frictionShare(const assets::SurfaceTexture& texture, double value) {
   return 1.0 + (texture.frictionScale - 1.0) * 0.5 * (value + 1.0);
 }

@@ -37,7 +37,7 @@ class MeshWriter {
     triangle(a, c, d);
   }
 
-  /// Turns a profile (radius, height), from top to bottom, about +Y. A radius of zero makes a tip.
+  /// Revolves a profile (radius, height), from top to bottom, about +Y. A radius of zero makes a tip.
   void revolve(const std::vector<std::pair<double, double>>& profile) {
     std::vector<std::vector<std::uint32_t>> rings;
     for (const auto& [radius, height] : profile) {
@@ -88,8 +88,8 @@ void writePlane(MeshWriter& out, const glm::dvec3& size, double reach) {
 /// Two spheres, of radius `top` at +height/2 and `bottom` at -height/2, and the cone that touches both.
 void writeCapsule(MeshWriter& out, double top, double bottom, double height) {
   std::vector<std::pair<double, double>> profile;
-  // The common tangent leaves both spheres at the same polar angle; when one sphere holds the other there is
-  // no cone.
+  // The common tangent leaves both spheres at the same polar angle; when one sphere contains the other there
+  // is no cone.
   const double difference = bottom - top;
   if (height <= std::abs(difference)) {
     const double radius = std::max(top, bottom), y = top > bottom ? 0.5 * height : -0.5 * height;

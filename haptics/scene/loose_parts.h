@@ -1,13 +1,12 @@
 #pragma once
 
-// Parts that move by the thousand, kept out of the scene tree: refitting it for each of them costs 130 ns,
-// near the tool or not. A tick names the region that it is going to ask about; a part that moves outside of
-// it costs a comparison and the storing of its pose.
+// Keeps thousands of moving parts out of the scene tree, because a refit for each of them costs 130 ns, near
+// the tool or not. A tick names the region that it will query; a part that moves outside of it costs a
+// comparison and a store of its pose.
 //
-// 1. Free of allocation after construction. One a ContactWorld.
-//
-// 2. A part is loose from the tick in which it moves until it has been put back into the tree, which happens
-//    a few parts a tick once they stand still.
+// 1. Free of allocation after construction. One per ContactWorld.
+// 2. A part is loose from the tick in which it moves until it returns to the tree; a few parts return per
+//    tick once they rest.
 
 #include <cmath>
 #include <cstddef>
@@ -25,18 +24,18 @@ class LooseParts {
  public:
   struct Near {
     PartId part;
-    assets::Bounds box;  // m, world: where the part is, and where it was when the tick began
+    assets::Bounds box;  // m, world: present box and that at the start of the tick
   };
 
   LooseParts() = default;
   explicit LooseParts(std::size_t parts);
-  /// The largest distance of a part's geometry from its origin, m; below 0 without geometry.
+  /// Greatest distance of a part's geometry from its origin, m; negative without geometry.
   void setReach(PartId part, double reach) { reach_[part] = reach; }
 
   bool isLoose(PartId part) const { return movedIn_[part] != 0; }
   bool any() const { return !ids_.empty(); }
 
-  /// Begins a tick: nothing is near yet.
+  /// Begins a tick with no part near.
   void begin(const assets::Bounds& region) {
     region_ = region;
     near_.clear();
@@ -45,8 +44,8 @@ class LooseParts {
     if (++now_ == 0) now_ = 1;
   }
 
-  /// Makes a part loose that moves in this tick from `before` to `after`. True if it may come into the
-  /// region in this tick or, at that speed, in the next: then addNear() must follow.
+  /// Makes a part loose that moves in this tick from `before` to `after`. True if it may enter the region in
+  /// this tick or, at that speed, in the next one; addNear() must then follow.
   bool note(PartId part, const glm::dvec3& before, const glm::dvec3& after) {
     if (reach_[part] < 0.0) return false;
     if (movedIn_[part] == 0) loosen(part);
@@ -60,7 +59,7 @@ class LooseParts {
     if (near_.size() < near_.capacity()) near_.push_back({part, box});
   }
 
-  /// After the region was widened in the midst of a tick: the part is in `box` from now on.
+  /// Adds a part with this box after the region was widened during a tick.
   void renew(PartId part, const assets::Bounds& box) {
     for (Near& near : near_) {
       if (near.part == part) {
@@ -74,8 +73,7 @@ class LooseParts {
 
   /// Whether some loose parts have not moved in this tick.
   bool anyAtRest() const { return listed_ < ids_.size(); }
-  /// Calls visit(part) for every loose part that has not moved in this tick; the part may be dropped
-  /// meanwhile.
+  /// Calls visit(part) for every loose part that has not moved in this tick; visit may drop the part.
   template <typename Visit>
   void forEachAtRest(Visit&& visit) {
     for (std::size_t i = ids_.size(); i-- > 0;) {
@@ -83,7 +81,7 @@ class LooseParts {
     }
   }
 
-  /// Widens the region to hold `box`; calls visit(part) for every loose part that may now be near, for
+  /// Widens the region to contain `box` and calls visit(part) for every loose part that may now be near, for
   /// addNear().
   template <typename PositionOf, typename Visit>
   void widen(const assets::Bounds& box, PositionOf&& positionOf, Visit&& visit) {
@@ -102,7 +100,7 @@ class LooseParts {
   bool within(PartId part, const glm::dvec3& position) const { return within(position, reach_[part]); }
 
   const std::vector<Near>& near() const { return near_; }
-  /// Forgets a part: it is in the tree again.
+  /// Removes a part that has returned to the tree.
   void drop(PartId part);
 
  private:
@@ -112,9 +110,9 @@ class LooseParts {
   }
   void loosen(PartId part);
 
-  std::vector<double> reach_;           // m, a part
-  std::vector<std::uint32_t> movedIn_;  // a part: the tick in which it last moved, 0 = in the tree
-  std::vector<std::uint32_t> slot_;     // a part: where it stands in ids_
+  std::vector<double> reach_;           // m, per part
+  std::vector<std::uint32_t> movedIn_;  // per part: the tick of its last motion, 0 = in the tree
+  std::vector<std::uint32_t> slot_;     // per part: its place in ids_
   std::vector<PartId> ids_;             // the loose parts; capacity for all
   std::vector<Near> near_;              // capacity for all
   assets::Bounds region_;               // m, world

@@ -16,14 +16,14 @@
 namespace tandem::haptics {
 namespace {
 
-// Meshes above this many triangles are baked one after the other on all threads, smaller ones side by side.
+// Meshes above this many triangles are baked one after another on all threads, smaller ones in parallel.
 constexpr std::size_t kBakedAlone = 50'000;
-// The fields of a scene share what may be spent on them: of `n` meshes each may have smallest cells of n / kShared
-// of its own diagonal, and of kCoarsest at most.
+// The fields of a scene share a budget: each of `n` meshes may have smallest cells of n / kShared of its own
+// diagonal, and at most kCoarsest of it.
 constexpr double kShared = 4096.0, kCoarsest = 1.0 / 128.0, kFinest = 1.0 / 1024.0;
-// Sharp edges nearer to each other than this share of the diagonal are those of grooves: cells become smaller with them.
+// Sharp edges closer than this fraction of the diagonal belong to grooves, for which cells shrink.
 constexpr double kGroove = 1.0 / 16.0;
-// What DistanceField makes of a tolerance by itself.
+// Default tolerance of a DistanceField.
 constexpr double kCellOfTolerance = 80.0;
 constexpr const char* kWhat = "making parts ready to collide";
 
@@ -49,7 +49,7 @@ class Bake {
       order_.push_back(i);
       total_ += weight(i);
     }
-    // Largest first, so that none of the long ones is left for the end.
+    // Largest first, so that no long task starts last.
     std::stable_sort(order_.begin(), order_.end(),
                      [this](std::size_t a, std::size_t b) { return weight(a) > weight(b); });
   }
@@ -71,7 +71,7 @@ class Bake {
 
  private:
   std::size_t triangles(std::size_t tree) const { return trees_[tree]->mesh().triangles.size(); }
-  /// What a bake costs, roughly: even a box has a surface.
+  /// Approximate cost of a bake; even a box has a surface.
   double weight(std::size_t tree) const { return static_cast<double>(triangles(tree)) + 5e3; }
 
   void modelShapes(std::size_t i) {
@@ -80,14 +80,14 @@ class Bake {
     const double size = glm::length(tree.bounds().max - tree.bounds().min);
     ContactSamples::Options sampling;
     sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
-    // As exact as the smallest part asks for, however large this one is: it costs nothing.
+    // The tolerance follows the smallest part, however large this one is: it costs nothing.
     const double tolerance = std::min(usableTolerance(tolerances_[i], size), usualTolerance(held_, held_));
     auto model = std::make_shared<PartModel>(tree, shapes_[i], sampling, tolerance);
     model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     models_[i] = std::move(model);
   }
 
-  /// In the calling thread of run() only.
+  /// Runs in the calling thread of run() only.
   void tell(double within) {
     if (options_.progress && !options_.progress((static_cast<double>(done_) + within) / total_, kWhat))
       stopped_ = true;
@@ -102,8 +102,8 @@ class Bake {
     field.tolerance = usableTolerance(tolerances_[i], size);
     MeshEdges edges(tree.mesh());
     const double finest = std::min(kCoarsest, static_cast<double>(order_.size()) / kShared);
-    // Edges ask for cells that are small beside the smallest part, and beside the grooves that they make; curves for
-    // what brings them within tolerance.
+    // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
+    // bring them within tolerance.
     const double ofEdges = kCellOfTolerance * usualTolerance(held_, size),
                  ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
     const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
@@ -131,13 +131,13 @@ class Bake {
   }
 
   const std::vector<std::shared_ptr<TriangleBvh>>& trees_;
-  const std::vector<double>& tolerances_;  // m, one a tree
+  const std::vector<double>& tolerances_;  // m, one per tree
   const std::vector<std::vector<assets::ImplicitShape>>& shapes_;
   double held_;  // m
   const ModelOptions& options_;
   int threads_ = 1;
   double total_ = 0.0;
-  std::vector<std::size_t> order_;  // of trees
+  std::vector<std::size_t> order_;  // indices of trees
   std::vector<std::shared_ptr<const PartModel>> models_;
   std::atomic<std::uint64_t> done_{0};
   std::atomic<bool> stopped_{false};

@@ -1,7 +1,8 @@
 #pragma once
 
-// What contact between parts needs to know of a mesh, made once: where it can touch (samples), where it turns
-// (edges), and how far away it is (field). Instances share it; immutable.
+// Part model: what contact between parts needs of a mesh, made once. It consists of samples (where the part
+// can touch), edges (where its surface turns) and a field (the distance to it). Instances share it;
+// immutable.
 
 #include <span>
 #include <utility>
@@ -21,28 +22,28 @@ struct PartModel {
 
   PartModel(const TriangleBvh& bvh, const Options& options)
       : PartModel(bvh, MeshEdges(bvh.mesh()), options.samples, DistanceField(bvh, options.field)) {}
-  /// With edges and a field of this mesh that were made before.
+  /// Model with edges and a field of this mesh that were made before.
   PartModel(const TriangleBvh& bvh, MeshEdges found, const ContactSamples::Options& sampling,
             DistanceField made)
       : tree(&bvh), edges(std::move(found)), samples(bvh.mesh(), edges, sampling), field(std::move(made)) {}
 
-  /// Of implicit shapes: by formula. The tree is that of the mesh which stands for them elsewhere.
+  /// Model of implicit shapes, by formula. The tree is that of the mesh that represents them elsewhere.
   PartModel(const TriangleBvh& bvh, std::span<const assets::ImplicitShape> shapes,
             const ContactSamples::Options& sampling, double tolerance)
       : tree(&bvh), samples(shapes, bvh.mesh(), sampling), field(shapes, bvh.mesh(), tolerance) {}
 
   bool byFormula() const { return !field.shapes().empty(); }
-  /// The piece of the surface that a sample stands for, part frame; false where that is a point.
+  /// The patch that a sample represents, part frame; false if that is a point.
   bool patchOf(const ContactSample& sample, ContactPatch& patch) const;
 
-  /// Bytes, the tree's not counted.
+  /// Size in bytes without the tree.
   std::size_t memory() const { return edges.memory() + samples.memory() + field.memory(); }
 
   const TriangleBvh* tree;  // must outlive this
   MeshEdges edges;
   ContactSamples samples;
   DistanceField field;
-  // How it was made, for reports.
+  // Statistics for reports.
   double seconds = 0.0;
   bool cached = false;  // the field was read from the cache
 };

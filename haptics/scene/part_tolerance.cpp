@@ -23,13 +23,13 @@ namespace tandem::haptics {
 namespace {
 
 constexpr double kUsual = 0x1p-14;   // of the smallest held part's diagonal
-constexpr double kFinest = 0x1p-17;  // of a part's own: what its floats and its budget allow
+constexpr double kFinest = 0x1p-17;  // of a part's own diagonal: the limit of its floats and budget
 constexpr double kCoarsest = 0x1p-9;
 
 struct Pair {
   PartId a, b;
-  double reach;           // m, beyond which a clearance makes nothing stricter
-  std::size_t triangles;  // of both: what it may cost
+  double reach;           // m, beyond which a clearance does not tighten the tolerance
+  std::size_t triangles;  // of both parts: the cost
 };
 
 class Clearances {
@@ -52,11 +52,11 @@ class Clearances {
   }
 
  private:
-  /// A control in the hand moves along its axis alone, whatever stands there.
+  /// A held control moves only along its axis, whatever stands in the way.
   bool held(PartId part) const {
     return scene_.parts[part].movable && assets::controlOf(scene_, part) == nullptr;
   }
-  /// How far apart something may be that makes the tolerance of a part stricter, m; 0 where nothing does.
+  /// Distance within which a neighbour can tighten the tolerance of a part, m; 0 if none can.
   double reachOf(PartId part) const {
     const PartTolerance& tolerance = tolerances_[part];
     return tolerance.from == PartTolerance::From::given ? 0.0 : tolerance.tolerance / kShareOfClearance;
@@ -74,7 +74,7 @@ class Clearances {
     const SceneBvh tree(boxes);
     for (PartId a = 0; a < boxes.size(); ++a) {
       if (!held[a] || colliders_[a].tree == nullptr) continue;
-      // The largest reach of all: a neighbour's may be larger than the part's own.
+      // The largest reach of all parts, because a neighbour's reach may exceed the part's own.
       const assets::Bounds near{boxes[a].min - largestReach(), boxes[a].max + largestReach()};
       tree.forEach(near, [&](PartId b) {
         if (b == a || (held[b] && b < a)) return;
@@ -104,14 +104,14 @@ class Clearances {
          colliders_[a].tree->mesh().triangles.size() + colliders_[b].tree->mesh().triangles.size()});
   }
 
-  /// m; 0 where there is none that matters.
+  /// Clearance, m; 0 if none matters.
   double clearanceOf(const Pair& pair) const {
     const PlacedMesh a = placed(pair.a), b = placed(pair.b);
     MeshGap gap;
     if (!nearestPoints(a, b, pair.reach, gap)) return 0.0;
     const double told = kFinest * 2.0 * std::max(colliders_[pair.a].radius, colliders_[pair.b].radius);
     if (gap.distance <= std::max(told, touchTolerance(a, b))) return 0.0;
-    // Where the surfaces are nearest, one may be inside of the other.
+    // Where surfaces are nearest, one part may be inside the other.
     const bool overlap = holds(*b.tree, transformPoint(inverse(b.worldFromMesh), gap.onA)) ||
                          holds(*a.tree, transformPoint(inverse(a.worldFromMesh), gap.onB));
     return overlap ? 0.0 : gap.distance;
@@ -137,7 +137,7 @@ class Clearances {
 }  // namespace
 
 double usualTolerance(double held, double diagonal) {
-  // A part far larger than what is held is as good as its own size allows.
+  // A part far larger than the held part is limited by its own size.
   return std::clamp(kUsual * held, kFinest * diagonal, kUsual * diagonal);
 }
 

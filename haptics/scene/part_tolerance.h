@@ -1,9 +1,9 @@
 #pragma once
 
-// How exact contact of each part has to be: stated by the scene, or a share of the smallest clearance in which
-// the part stands, or what suits the scene's size.
+// Tolerance of contact for each part: stated by the scene, or a fraction of the smallest clearance of the
+// part, or derived from the scene's size.
 //
-// 1. The answer does not depend on the number of threads.
+// 1. The result does not depend on the number of threads.
 
 #include <cstdint>
 #include <span>
@@ -20,30 +20,30 @@ struct PartTolerance {
   enum class From : std::uint8_t {
     scene,      // 2^-14 of the diagonal of the smallest part that a hand can hold
     given,      // the file states it
-    clearance,  // a share of the smallest clearance to a neighbour, as parts stand in the file
+    clearance,  // a fraction of the smallest clearance to a neighbour in the file's poses
   };
   From from = From::scene;
   double tolerance = 0.0;      // m; 0 for a part without geometry
-  double clearance = 0.0;      // m, the smallest one found; 0: none could matter
-  PartId neighbour = kNoPart;  // to which part that is
+  double clearance = 0.0;      // m, the smallest one found; 0: none matters
+  PartId neighbour = kNoPart;  // the part at that clearance
 };
 
-/// The share of a clearance that a distance may be wrong by.
+/// The distance error that a clearance allows, as a fraction of it.
 inline constexpr double kShareOfClearance = 1.0 / 8.0;
 
-/// Tolerances of all parts, one a part. Clearances are the exact distances of the triangles, between parts that
-/// may collide of which a hand can hold at least one; what is nearer to each other than touchTolerance(), or than the
-/// fields of both can tell, touches, and neither that nor what overlaps is a clearance. Distances are sought up
-/// to where they would not make a tolerance smaller. `held`: m, diagonal of the smallest part that a hand can
-/// hold. `threads`: 0 = all cores.
+/// Tolerances of all parts. Clearances are exact distances of the triangles, between parts that may collide
+/// and of which a hand can hold at least one. Parts nearer than touchTolerance(), or than the fields of both
+/// can resolve, touch; neither touching nor overlapping parts have a clearance. Distances are searched only
+/// as far as they would tighten a tolerance. `held`: m, diagonal of the smallest part that a hand can hold.
+/// `threads`: 0 = all cores.
 std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
                                           double held, int threads);
 
-/// What suits a part with this diagonal where the smallest part that can be held has one of `held`, m.
+/// Tolerance of a part with this diagonal where the smallest part that can be held has the diagonal `held`,
+/// m.
 double usualTolerance(double held, double diagonal);
 
-/// What a field of a mesh with this diagonal can hold, m: a tolerance within what its floats and its budget
-/// allow.
+/// Limits a tolerance, m, to what the floats and the budget of a field of a mesh with this diagonal allow.
 double usableTolerance(double tolerance, double diagonal);
 
 }  // namespace tandem::haptics

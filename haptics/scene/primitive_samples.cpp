@@ -8,8 +8,8 @@
 #include "haptics/geometry/outward.h"
 #include "haptics/scene/contact_samples.h"
 
-// Samples of implicit shapes. What a patch stands for is found exactly (patch_touch.h), so that their number says how
-// many places of a round surface may touch at once, not how exactly.
+// Samples of implicit shapes. The contact point within a patch is found exactly (patch_touch.h), so the
+// number of patches limits how many places of a round surface touch at once, not the accuracy.
 
 namespace tandem::haptics {
 namespace {
@@ -17,16 +17,16 @@ namespace {
 using assets::ImplicitShape;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kAround = 32;      // patches of a rim, and of a side all around
+constexpr int kAround = 32;      // patches of a full turn of a rim or side
 constexpr int kZones = 11;       // of a sphere from pole to pole
 constexpr int kMostRings = 12;   // of a side
-constexpr double kLonger = 4.0;  // times as long as wide is a patch of a side
+constexpr double kLonger = 4.0;  // length of a patch of a side relative to its width
 // Places of a face beside a rim that is sharper than a right angle, and how near to it, of its radius.
 constexpr int kBesideRim = 16;
 constexpr double kInset = 0x1p-7;
-// Patches of a zone are about square: half their diagonal over their side, and a little for the pole.
+// Patches of a zone are about square: half their diagonal over their side, with a margin for the pole.
 constexpr double kHalfDiagonal = 0.75;
-constexpr double kOverlap = 1.02;  // of neighbouring patches: what is deepest is well within one of them
+constexpr double kOverlap = 1.02;  // of neighbouring patches, so that the deepest point is inside one
 
 glm::dvec3 across(double angle) { return {std::sin(angle), 0.0, std::cos(angle)}; }
 
@@ -232,7 +232,8 @@ void ContactSamples::sampleZone(const Pose& pose, double y, double radius, doubl
   }
 }
 
-/// `low`, `high`: heights of the centres of the spheres that touch the side at its ends; `radius` of the lower one.
+/// `low` and `high` are the heights of the centres of the spheres that touch the side at its ends; `radius`
+/// is that of the lower one.
 void ContactSamples::sampleSide(const Pose& pose, double low, double high, double radius, double grow,
                                 std::uint32_t triangle) {
   const double largest = std::max(radius, radius + (high - low) * grow);
@@ -240,7 +241,7 @@ void ContactSamples::sampleSide(const Pose& pose, double low, double high, doubl
   const double wanted = usual > 0.0 ? std::ceil((high - low) / usual) : 1.0;
   const int rings = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(kMostRings)));
   for (int ring = 0; ring < rings; ++ring) {
-    // They overlap, and end where the side does.
+    // Patches overlap, and end where the side does.
     const double length = (high - low) / rings, middle = low + length * (ring + 0.5);
     const double from = std::max(low, middle - 0.5 * kOverlap * length),
                  to = std::min(high, middle + 0.5 * kOverlap * length), y = 0.5 * (from + to);
@@ -254,11 +255,11 @@ void ContactSamples::sampleSide(const Pose& pose, double low, double high, doubl
   }
 }
 
-/// `face`: 1 for the upper one, -1 for the lower one.
+/// `face` is 1 for the upper face, -1 for the lower one.
 void ContactSamples::sampleRim(const Pose& pose, double y, double radius, double face, double grow,
                                std::uint32_t triangle) {
   if (!(radius > 0.0)) {
-    // A tip: its normals are those of the side around it.
+    // A tip, whose normals are those of the side around it.
     std::array<glm::dvec3, 12> normals;
     const double lean = std::sqrt(std::max(0.0, 1.0 - grow * grow));
     for (std::size_t i = 0; i < normals.size(); ++i)
@@ -274,7 +275,8 @@ void ContactSamples::sampleRim(const Pose& pose, double y, double radius, double
     patch.grow = face * grow;
     addPatch(patch, triangle);
   }
-  // Where two such rims of one size lie on each other, both go past the other part's side, however deep the faces are.
+  // Where two such rims of equal size lie on each other, both pass the other part's side, whatever the depth
+  // of the faces.
   if (face * grow <= 0.0) return;
   const std::array<glm::dvec3, 1> up = {pose.orientation * glm::dvec3(0.0, face, 0.0)};
   for (int i = 0; i < kBesideRim; ++i) {

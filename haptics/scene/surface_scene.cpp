@@ -33,7 +33,7 @@ std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
   if (scene.surfaces.empty()) return nullptr;
   auto out = std::make_unique<SurfaceScene>();
   out->parts.resize(colliders.size());
-  std::map<const TriangleBvh*, PartSurface> known;  // instances share what is made for a mesh
+  std::map<const TriangleBvh*, PartSurface> known;  // instances share the data of a mesh
   bool any = false;
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const TriangleBvh* tree = colliders[i].tree;

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the surfaces of a scene need beside its triangles, made once. A scene whose materials ask for nothing
-// special has no SurfaceScene.
+// Surface data of a scene beyond its triangles, made once. A scene whose materials need no surface effects
+// has no SurfaceScene.
 
 #include <memory>
 #include <vector>
@@ -11,18 +11,18 @@
 
 namespace tandem::haptics {
 
-/// What is special about one part.
+/// Surface data of one part.
 struct PartSurface {
   const ShadedMesh* shaded = nullptr;  // null: flat facets
   double reach = 0.0;       // m above the triangles within which its patches, relief or pull may act
-  double forceReach = 0.0;  // N, of relief given as a force: more reach, by the tool's stiffness
+  double forceReach = 0.0;  // N, of relief given as a force; the tool's stiffness converts it to reach
   bool any = false;         // some material of the part has a surface
 };
 
 struct SurfaceScene {
   std::vector<std::unique_ptr<ShadedMesh>> shaded;
-  std::vector<PartSurface> parts;        // one a part
-  double reach = 0.0, forceReach = 0.0;  // the largest of all parts
+  std::vector<PartSurface> parts;        // one per part
+  double reach = 0.0, forceReach = 0.0;  // maxima over all parts
 };
 
 /// Null if no part's material has a surface.
