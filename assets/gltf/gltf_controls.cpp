@@ -206,7 +206,7 @@ class ControlReader {
       if (!control.endless) places.back() = control.max;
       return places;
     }
-    const std::size_t size = object.raw()["positions"].size();
+    const std::size_t size = object.raw("positions").size();
     if (size > kMaxDetents) object.fail("positions", "are more than 4096");
     places = object.numbers("positions", size).value();
     for (double& place : places) place *= scale;
@@ -249,10 +249,11 @@ class ControlReader {
     if (layer != object.has("shows")) object.fail("shows", layer ? "is missing" : "only a layer shows parts");
     if (!layer) return;
     control.threshold = object.numberOr("threshold", 0.5 * (control.min + control.max) / scale) * scale;
-    const nlohmann::json& list = object.raw()["shows"];
-    if (!list.is_array()) object.fail("shows", "must be an array of nodes");
-    for (const nlohmann::json& entry : list) {
-      const auto flat = entry.is_number_unsigned() ? flatOf_.find(entry.get<std::size_t>()) : flatOf_.end();
+    const JsonView list = object.raw("shows");
+    if (!list.isArray()) object.fail("shows", "must be an array of nodes");
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      const JsonView entry = list.element(i);
+      const auto flat = entry.isWhole() ? flatOf_.find(entry.whole()) : flatOf_.end();
       const PartId part = flat == flatOf_.end() ? kNoPart : partOfNode_[flat->second];
       if (part == kNoPart) object.fail("shows", "names a node that is no part of the scene");
       if (part == control.part) object.fail("shows", "a layer cannot show itself");
@@ -267,28 +268,19 @@ class ControlReader {
   std::map<std::size_t, std::size_t> flatOf_;  // glTF node to flat node
 };
 
-/// node.extras.haptic.control, if it is there.
-const nlohmann::json* controlOfNode(const nlohmann::json& node) {
-  const auto extras = node.find("extras");
-  if (extras == node.end() || !extras->is_object()) return nullptr;
-  const auto haptic = extras->find("haptic");
-  if (haptic == extras->end() || !haptic->is_object()) return nullptr;
-  const auto control = haptic->find("control");
-  return control == haptic->end() ? nullptr : &*control;
-}
-
 }  // namespace
 
 std::vector<Control> readControls(const GltfDocument& document, const Scene& scene,
                                   const std::vector<FlatNode>& nodes, const std::vector<PartId>& partOfNode,
                                   double unitScale) {
   std::vector<Control> controls;
+  const JsonView list = document.json.root().member("nodes");
   const ControlReader reader(scene, nodes, partOfNode, unitScale);
   for (std::size_t flat = 0; flat < nodes.size(); ++flat) {
     const std::size_t node = nodes[flat].gltfNode;
-    if (const nlohmann::json* control = controlOfNode(document.json["nodes"][node]))
+    if (const JsonView control = list.element(node).member("extras").member("haptic").member("control"))
       controls.push_back(
-          reader.read(JsonObject(*control, placeName("nodes", node, "extras.haptic.control")), flat));
+          reader.read(JsonObject(control, placeName("nodes", node, "extras.haptic.control")), flat));
   }
   return controls;
 }

@@ -12,8 +12,6 @@
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
 // The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec); beyond this a count is a
 // lie.
 constexpr std::size_t kMaxMeshoptRatio = 256;
@@ -28,14 +26,14 @@ std::size_t fileBytes(const GltfDocument& document) {
 
 std::size_t componentSize(int componentType, const std::string& place) {
   switch (componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case kComponentByte:
+    case kComponentUnsignedByte:
       return 1;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case kComponentShort:
+    case kComponentUnsignedShort:
       return 2;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case kComponentUnsignedInt:
+    case kComponentFloat:
       return 4;
   }
   throw GltfError(place, "component type " + std::to_string(componentType) + " is unknown");
@@ -73,20 +71,18 @@ std::uint32_t readUnsigned(const unsigned char* at, std::size_t size) {
 }
 
 void applySparse(const GltfDocument& document, std::size_t index, std::size_t size, Elements& base) {
-  const tinygltf::Accessor& accessor = document.model.accessors[index];
-  const auto& sparse = accessor.sparse;
+  const GltfAccessor& accessor = document.model.accessors[index];
+  const GltfSparse& sparse = accessor.sparse;
   const std::string place = placeName("accessors", index, "sparse");
-  const auto count = static_cast<std::size_t>(sparse.count);
+  const std::size_t count = sparse.count;
   if (count > base.count) throw GltfError(place + ".count", "is larger than the accessor's");
-  if (sparse.indices.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT)
+  if (sparse.indicesComponentType == kComponentFloat)
     throw GltfError(place + ".indices", "must be unsigned integers");
-  const std::size_t indexSize = componentSize(sparse.indices.componentType, place + ".indices.componentType");
-  const Elements indices = elementsIn(
-      viewBytes(document, static_cast<std::size_t>(sparse.indices.bufferView)),
-      static_cast<std::size_t>(sparse.indices.byteOffset), count, 0, indexSize, place + ".indices");
-  const Elements values =
-      elementsIn(viewBytes(document, static_cast<std::size_t>(sparse.values.bufferView)),
-                 static_cast<std::size_t>(sparse.values.byteOffset), count, 0, size, place + ".values");
+  const std::size_t indexSize = componentSize(sparse.indicesComponentType, place + ".indices.componentType");
+  const Elements indices = elementsIn(viewBytes(document, sparse.indicesView), sparse.indicesOffset, count, 0,
+                                      indexSize, place + ".indices");
+  const Elements values = elementsIn(viewBytes(document, sparse.valuesView), sparse.valuesOffset, count, 0,
+                                     size, place + ".values");
   auto dense = std::make_unique<Bytes>(base.count * size, 0);
   if (base.data != nullptr)
     for (std::size_t i = 0; i < base.count; ++i) std::memcpy(dense->data() + i * size, base.at(i), size);
@@ -102,8 +98,9 @@ void applySparse(const GltfDocument& document, std::size_t index, std::size_t si
 }
 
 /// The elements of an accessor of `components` numbers each, sparse ones put in.
-Elements accessorElements(const GltfDocument& document, std::size_t index, int type, std::size_t components) {
-  const tinygltf::Accessor& accessor = document.model.accessors[index];
+Elements accessorElements(const GltfDocument& document, std::size_t index, GltfAccessor::Type type,
+                          std::size_t components) {
+  const GltfAccessor& accessor = document.model.accessors[index];
   const std::string place = placeName("accessors", index);
   if (accessor.type != type) throw GltfError(place + ".type", "is not the one needed here");
   const std::size_t size = components * componentSize(accessor.componentType, place + ".componentType");
@@ -114,10 +111,10 @@ Elements accessorElements(const GltfDocument& document, std::size_t index, int t
                           document.model.bufferViews[view].byteStride, size, place);
   } else {
     // Such elements are zeros that cost the file nothing, so that their count needs a bound of its own.
-    if (!accessor.sparse.isSparse) throw GltfError(place, "has neither a buffer view nor sparse values");
+    if (!accessor.sparse.present) throw GltfError(place, "has neither a buffer view nor sparse values");
     elements.count = elementCount(document, index);
   }
-  if (accessor.sparse.isSparse) applySparse(document, index, size, elements);
+  if (accessor.sparse.present) applySparse(document, index, size, elements);
   return elements;
 }
 
@@ -155,16 +152,22 @@ void requireFinite(const std::vector<glm::dvec3>& positions, const std::string& 
   }
 }
 
-std::size_t wholeIn(const json& object, const char* key, const std::string& place, bool required,
+std::size_t wholeIn(JsonView object, const char* key, const std::string& place, bool required,
                     std::size_t limit) {
-  const auto it = object.find(key);
-  if (it == object.end()) {
+  const JsonView value = object.member(key);
+  if (!value) {
     if (required) throw GltfError(place + "." + key, "is missing");
     return 0;
   }
-  const bool good = it->is_number_unsigned() && it->get<std::uint64_t>() <= limit;
+  const bool good = value.isWhole() && value.whole() <= limit;
   if (!good) throw GltfError(place + "." + key, "must be a whole number of at most " + std::to_string(limit));
-  return it->get<std::size_t>();
+  return static_cast<std::size_t>(value.whole());
+}
+
+/// `fallback` where the value is absent, empty where it is no text.
+std::string textOr(JsonView value, const char* fallback) {
+  if (!value) return fallback;
+  return value.isText() ? value.text() : "";
 }
 
 void applyMeshoptFilter(const std::string& filter, Bytes& bytes, std::size_t count, std::size_t stride,
@@ -178,7 +181,7 @@ void applyMeshoptFilter(const std::string& filter, Bytes& bytes, std::size_t cou
                   "'" + filter.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
 }
 
-Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::size_t viewLength,
+Bytes decodeMeshopt(const GltfDocument& document, JsonView extension, std::size_t viewLength,
                     const std::string& place) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t bufferIndex = wholeIn(extension, "buffer", place, true, kMax);
@@ -194,9 +197,8 @@ Bytes decodeMeshopt(const GltfDocument& document, const json& extension, std::si
     throw GltfError(place, "count times byteStride is not the view's byteLength");
   if (viewLength == 0 || viewLength / kMaxMeshoptRatio > length)
     throw GltfError(place, "claims more data than its bytes can hold");
-  const std::string mode = extension.value("mode", json("")).is_string() ? extension.value("mode", "") : "";
-  const json filterValue = extension.value("filter", json("NONE"));
-  const std::string filter = filterValue.is_string() ? filterValue.get<std::string>() : "";
+  const std::string mode = textOr(extension.member("mode"), "");
+  const std::string filter = textOr(extension.member("filter"), "NONE");
   Bytes out(viewLength);
   const unsigned char* in = buffer.data() + offset;
   int failed = 1;
@@ -263,8 +265,8 @@ void checkDracoHeader(ByteView bytes, const std::string& place) {
 ByteView viewBytes(const GltfDocument& document, std::size_t index) {
   if (index < document.ownedViews.size() && !document.ownedViews[index].empty())
     return document.ownedViews[index];
-  const tinygltf::BufferView& view = document.model.bufferViews[index];
-  const ByteView buffer = document.buffers[static_cast<std::size_t>(view.buffer)];
+  const GltfBufferView& view = document.model.bufferViews[index];
+  const ByteView buffer = document.buffers[view.buffer];
   if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset)
     throw GltfError(placeName("bufferViews", index),
                     "reaches past the end of its buffer (" + std::to_string(view.byteOffset) + " + " +
@@ -275,16 +277,17 @@ ByteView viewBytes(const GltfDocument& document, std::size_t index) {
 void decodeMeshoptViews(GltfDocument& document) {
   const std::size_t count = document.model.bufferViews.size();
   document.ownedViews.resize(count);
+  const JsonView views = document.json.root().member("bufferViews");
   for (std::size_t i = 0; i < count; ++i) {
-    const json* extension = findExtension(document.json["bufferViews"][i], "EXT_meshopt_compression");
-    if (extension == nullptr) continue;
-    document.ownedViews[i] = decodeMeshopt(document, *extension, document.model.bufferViews[i].byteLength,
+    const JsonView extension = findExtension(views.element(i), "EXT_meshopt_compression");
+    if (!extension) continue;
+    document.ownedViews[i] = decodeMeshopt(document, extension, document.model.bufferViews[i].byteLength,
                                            placeName("bufferViews", i, "EXT_meshopt_compression"));
   }
 }
 
 std::size_t elementCount(const GltfDocument& document, std::size_t index) {
-  const tinygltf::Accessor& accessor = document.model.accessors[index];
+  const GltfAccessor& accessor = document.model.accessors[index];
   // An element takes a byte at least, or comes out of nothing and must then not outnumber the file's bytes.
   const std::size_t available =
       accessor.bufferView >= 0 ? viewBytes(document, static_cast<std::size_t>(accessor.bufferView)).size()
@@ -297,24 +300,24 @@ std::size_t elementCount(const GltfDocument& document, std::size_t index) {
 }
 
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor) {
-  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_VEC3, 3);
+  const Elements elements = accessorElements(document, accessor, GltfAccessor::Type::vec3, 3);
   const bool normalized = document.model.accessors[accessor].normalized;
   std::vector<glm::dvec3> positions;
   positions.reserve(elements.count);
   switch (document.model.accessors[accessor].componentType) {
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case kComponentFloat:
       convertPositions<float>(elements, 1.0, positions);
       break;
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
+    case kComponentByte:
       convertIntegers<std::int8_t>(elements, normalized, positions);
       break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case kComponentUnsignedByte:
       convertIntegers<std::uint8_t>(elements, normalized, positions);
       break;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
+    case kComponentShort:
       convertIntegers<std::int16_t>(elements, normalized, positions);
       break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case kComponentUnsignedShort:
       convertIntegers<std::uint16_t>(elements, normalized, positions);
       break;
     default:
@@ -325,18 +328,18 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
 }
 
 std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor) {
-  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_VEC2, 2);
+  const Elements elements = accessorElements(document, accessor, GltfAccessor::Type::vec2, 2);
   const bool normalized = document.model.accessors[accessor].normalized;
   std::vector<glm::vec2> out;
   out.reserve(elements.count);
   switch (document.model.accessors[accessor].componentType) {
-    case TINYGLTF_COMPONENT_TYPE_FLOAT:
+    case kComponentFloat:
       convertTexCoords<float>(elements, 1.0f, out);
       break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
+    case kComponentUnsignedByte:
       convertTexCoords<std::uint8_t>(elements, normalized ? 255.0f : 1.0f, out);
       break;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
+    case kComponentUnsignedShort:
       convertTexCoords<std::uint16_t>(elements, normalized ? 65535.0f : 1.0f, out);
       break;
     default:
@@ -351,25 +354,23 @@ std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t a
 
 std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t accessor) {
   const int componentType = document.model.accessors[accessor].componentType;
-  if (componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE &&
-      componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT &&
-      componentType != TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+  if (componentType != kComponentUnsignedByte && componentType != kComponentUnsignedShort &&
+      componentType != kComponentUnsignedInt)
     throw GltfError(placeName("accessors", accessor, "componentType"), "indices must be unsigned integers");
-  const Elements elements = accessorElements(document, accessor, TINYGLTF_TYPE_SCALAR, 1);
+  const Elements elements = accessorElements(document, accessor, GltfAccessor::Type::scalar, 1);
   const std::size_t size = componentSize(componentType, "");
   std::vector<std::uint32_t> indices(elements.count);
   for (std::size_t i = 0; i < elements.count; ++i) indices[i] = readUnsigned(elements.at(i), size);
   return indices;
 }
 
-DracoMesh decodeDraco(const GltfDocument& document, const json& extension, const std::string& place) {
+DracoMesh decodeDraco(const GltfDocument& document, JsonView extension, const std::string& place) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t view = wholeIn(extension, "bufferView", place, true, kMax);
   if (view >= document.model.bufferViews.size()) throw GltfError(place + ".bufferView", "is out of range");
-  const auto attributes = extension.find("attributes");
-  if (attributes == extension.end() || !attributes->is_object())
-    throw GltfError(place + ".attributes", "is missing");
-  const std::size_t positionId = wholeIn(*attributes, "POSITION", place + ".attributes", true, kMax);
+  const JsonView attributes = extension.member("attributes");
+  if (!attributes.isObject()) throw GltfError(place + ".attributes", "is missing");
+  const std::size_t positionId = wholeIn(attributes, "POSITION", place + ".attributes", true, kMax);
   const ByteView bytes = viewBytes(document, view);
   checkDracoHeader(bytes, place);
 

@@ -3,39 +3,26 @@
 // A glTF file, opened: its container, its JSON and its buffers, with every reference checked. For the
 // loader's own sources (gltf_*.cpp, load_gltf.cpp) only; nothing else includes this header.
 //
-// 1. After openGltf() every index between the sections of the file is in range, and every property that the
-// loader uses
-//    has the type that the specification gives it.
+// 1. After openGltf() every index between the sections of the file is in range, and every property that the loader
+//    uses has the type that the specification gives it.
 // 2. Byte ranges are not checked yet: that is done where they are read (gltf_decode.h).
-// 3. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any
-// thread;
-//    the functions of load_gltf.h turn it into an Error.
+// 3. The text is parsed once; the model is read from the same JSON (gltf_model.h).
+// 4. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any
+//    thread; the functions of load_gltf.h turn it into an Error.
 
 #include <cstdint>
-#include <exception>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include <tiny_gltf.h>
-#include <nlohmann/json.hpp>
+#include "assets/gltf/gltf_error.h"
+#include "assets/gltf/gltf_model.h"
+#include "assets/gltf/json_view.h"
 
 namespace tandem::assets {
 
 using Bytes = std::vector<unsigned char>;
 using ByteView = std::span<const unsigned char>;
-
-/// What is wrong with a file, and where: "accessors[3].count", "header".
-struct GltfError : std::exception {
-  GltfError(std::string inPlace, std::string why) : place(std::move(inPlace)), reason(std::move(why)) {}
-  const char* what() const noexcept override { return reason.c_str(); }
-
-  std::string place, reason;
-};
-
-/// "section[index]" or "section[index].key", as places are named in messages.
-std::string placeName(const char* section, std::size_t index, const char* key = nullptr);
 
 /// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters
 /// replaced.
@@ -51,8 +38,8 @@ struct GltfDocument {
   std::vector<Bytes> ownedBuffers;  // per buffer: from a data URI or a file of its own, else empty
   std::vector<ByteView> buffers;    // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
   std::vector<ByteView> externals;  // buffers that came from files of their own, for the content hash
-  nlohmann::json json;              // the whole document; extensions and extras are read from here
-  tinygltf::Model model;            // core properties only, filled by parseModel()
+  JsonTree json;                    // the whole document; extensions and extras are read from here
+  GltfModel model;                  // the core sections; filled by readModel(), not by openGltf()
   std::vector<Bytes> ownedViews;    // per buffer view: decompressed by meshopt, else empty
 };
 
@@ -60,16 +47,13 @@ struct GltfDocument {
 /// `directory` is where external buffers lie; a null pointer forbids them.
 void openGltf(Bytes file, const std::string* directory, GltfDocument& document);
 
-/// Fills document.model through tinygltf.
-void parseModel(GltfDocument& document);
-
 /// The whole content of a regular file below 2 GiB.
 Bytes readWholeFile(const std::string& path, const std::string& place);
 
 /// Names of extensions, of the keys "extensionsUsed" or "extensionsRequired".
 std::vector<std::string> extensionNames(const GltfDocument& document, const char* key);
 
-/// object.extensions[name] if it is there and an object, else a null pointer.
-const nlohmann::json* findExtension(const nlohmann::json& object, const char* name);
+/// object.extensions[name] if it is there and an object, else absent.
+JsonView findExtension(JsonView object, const char* name);
 
 }  // namespace tandem::assets

@@ -16,7 +16,6 @@
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
 using Kind = ForceField::Kind;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
@@ -57,7 +56,7 @@ class FieldReader {
   }
 
   static void refuseUnknown(const JsonObject& object, const std::vector<std::string>& known) {
-    for (const auto& [key, value] : object.raw().items()) {
+    for (const std::string& key : object.raw().keys()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       std::string list;
       for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
@@ -76,12 +75,12 @@ class FieldReader {
       if (kind == nameOf(k)) return k;
     if (kind == "inertia" || kind == "acceleration" || kind == "mass")
       json_.fail("kind",
-                 "'" + kind +
+                 '\'' + kind +
                      "' depends on acceleration, which cannot be had: one step of a position quantised at "
                      "0.055 mm and read at 1 kHz is 55 m/s^2");
     json_.fail("kind", kind.empty()
                            ? "is missing"
-                           : "'" + kind.substr(0, 40) +
+                           : '\'' + kind.substr(0, 40) +
                                  "' is unknown; known are constant, spring, guide, damper, viscosity, "
                                  "waveform, gravity, potential");
   }
@@ -197,7 +196,7 @@ class FieldReader {
 
   void readDamping() {
     if (!json_.has("damping")) json_.fail("damping", "is missing");
-    if (json_.raw()["damping"].is_array())
+    if (json_.raw("damping").isArray())
       field_.damping = *json_.vector("damping");
     else
       field_.damping = glm::dvec3(json_.sizeOr("damping", 0.0));
@@ -249,19 +248,19 @@ class FieldReader {
   }
 
   void readPath() {
-    const auto points = json_.raw().find("points");
+    const JsonView points = json_.raw("points");
     const std::string reason =
         "must be an array of 2 to " + std::to_string(kMaxPathPoints) + " points [x, y, z]";
-    if (points == json_.raw().end() || !points->is_array() || points->size() < 2 ||
-        points->size() > kMaxPathPoints)
+    if (!points.isArray() || points.size() < 2 || points.size() > kMaxPathPoints)
       json_.fail("points", reason);
-    for (const json& entry : *points) {
-      if (!entry.is_array() || entry.size() != 3) json_.fail("points", reason);
+    for (std::size_t at = 0; at < points.size(); ++at) {
+      const JsonView entry = points.element(at);
+      if (!entry.isArray() || entry.size() != 3) json_.fail("points", reason);
       glm::dvec3 p;
       for (int i = 0; i < 3; ++i) {
-        const json& value = entry[static_cast<std::size_t>(i)];
-        if (!value.is_number() || !std::isfinite(value.get<double>())) json_.fail("points", reason);
-        p[i] = value.get<double>() * scale_ * turn_;
+        const JsonView value = entry.element(static_cast<std::size_t>(i));
+        if (!value.isNumber() || !std::isfinite(value.number())) json_.fail("points", reason);
+        p[i] = value.number() * scale_ * turn_;
       }
       if (!field_.points.empty() && field_.points.back() == p)
         json_.fail("points", "two in a row are the same");
@@ -291,7 +290,7 @@ class FieldReader {
       know({"depth", "sigma"});
       field_.potential = ForceField::Potential::gaussian;
       readDepth();
-      if (json_.has("sigma") && json_.raw()["sigma"].is_array())
+      if (json_.raw("sigma").isArray())
         field_.sigma = *json_.vector("sigma") * scale_;
       else
         field_.sigma = glm::dvec3(positive(json_, "sigma", 0.0, scale_));
@@ -373,36 +372,33 @@ class FieldsReader {
   std::vector<PlacedField> read() {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const std::size_t node = nodes_[i].gltfNode;
-      const json* haptic = hapticOf("nodes", node);
-      if (haptic == nullptr || !haptic->contains("field")) continue;
+      const JsonView field = hapticOf("nodes", node).member("field");
+      if (!field) continue;
       const std::string place = placeName("nodes", node, "extras.haptic.field");
-      readEach((*haptic)["field"], place, nodes_[i].worldFromNode, i, document_.model.nodes[node].name);
+      readEach(field, place, nodes_[i].worldFromNode, i, document_.model.nodes[node].name);
     }
     const auto scene = static_cast<std::size_t>(std::max(0, document_.model.defaultScene));
-    const json* haptic = hapticOf("scenes", scene);
-    if (haptic != nullptr && haptic->contains("fields"))
-      readEach((*haptic)["fields"], placeName("scenes", scene, "extras.haptic.fields"),
+    if (const JsonView fields = hapticOf("scenes", scene).member("fields"))
+      readEach(fields, placeName("scenes", scene, "extras.haptic.fields"),
                glm::scale(glm::dmat4(1.0), glm::dvec3(unitScale_)), kNone, "");
     return std::move(out_);
   }
 
  private:
-  const json* hapticOf(const char* section, std::size_t index) const {
-    const auto list = document_.json.find(section);
-    if (list == document_.json.end() || !list->is_array() || index >= list->size()) return nullptr;
-    const json& holder = (*list)[index];
-    const auto extras = holder.find("extras");
-    if (extras == holder.end() || !extras->is_object()) return nullptr;
-    const auto haptic = extras->find("haptic");
-    return haptic == extras->end() || !haptic->is_object() ? nullptr : &*haptic;
+  /// extras.haptic of an element of a section.
+  JsonView hapticOf(const char* section, std::size_t index) const {
+    const JsonView list = document_.json.root().member(section);
+    if (!list.isArray() || index >= list.size()) return {};
+    return list.element(index).member("extras").member("haptic");
   }
 
-  void readEach(const json& value, const std::string& place, const glm::dmat4& worldFromNode,
+  void readEach(JsonView value, const std::string& place, const glm::dmat4& worldFromNode,
                 std::uint32_t flatNode, const std::string& name) {
-    if (value.is_object()) return readOne(JsonObject(value, place), worldFromNode, flatNode, name);
-    if (!value.is_array()) throw GltfError(place, "must be an object or an array of objects");
+    if (value.isObject()) return readOne(JsonObject(value, place), worldFromNode, flatNode, name);
+    if (!value.isArray()) throw GltfError(place, "must be an object or an array of objects");
     for (std::size_t i = 0; i < value.size(); ++i)
-      readOne(JsonObject(value[i], place + "[" + std::to_string(i) + "]"), worldFromNode, flatNode, name);
+      readOne(JsonObject(value.element(i), place + "[" + std::to_string(i) + "]"), worldFromNode, flatNode,
+              name);
   }
 
   void readOne(const JsonObject& object, const glm::dmat4& worldFromNode, std::uint32_t flatNode,

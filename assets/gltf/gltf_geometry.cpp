@@ -13,24 +13,10 @@
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
 constexpr int kTriangles = 4, kStrip = 5, kFan = 6;
-
-const json& primitiveJson(const GltfDocument& document, std::size_t mesh, std::size_t primitive) {
-  return document.json["meshes"][mesh]["primitives"][primitive];
-}
 
 std::string primitivePlace(std::size_t mesh, std::size_t primitive) {
   return placeName("meshes", mesh, "primitives") + "[" + std::to_string(primitive) + "]";
-}
-
-int modeOf(const json& primitive) { return primitive.value("mode", kTriangles); }
-
-std::optional<std::size_t> positionAccessor(const json& primitive) {
-  const auto it = primitive["attributes"].find("POSITION");
-  if (it == primitive["attributes"].end()) return std::nullopt;
-  return it->get<std::size_t>();
 }
 
 /// Corner triples in the order of the specification (glTF 2.0, 3.7.2.1), each named by its place in the index
@@ -69,9 +55,9 @@ class SoupBuilder {
 
  private:
   void addPrimitive(const MeshPiece& piece, std::size_t index, bool mirrored) {
-    const json& primitive = primitiveJson(document_, piece.mesh, index);
+    const GltfPrimitive& primitive = document_.model.meshes[piece.mesh].primitives[index];
     const std::string place = primitivePlace(piece.mesh, index);
-    int mode = modeOf(primitive);
+    int mode = primitive.mode;
     if (mode > kFan) throw GltfError(place + ".mode", std::to_string(mode) + " is unknown");
     if (mode < kTriangles) {
       ++notes_.pointsAndLines;
@@ -79,19 +65,19 @@ class SoupBuilder {
     }
     std::size_t base = 0, vertices = 0;
     std::optional<std::vector<std::uint32_t>> indices;
-    if (const json* draco = findExtension(primitive, "KHR_draco_mesh_compression")) {
-      DracoMesh decoded = decodeDraco(document_, *draco, place + ".KHR_draco_mesh_compression");
+    if (primitive.draco) {
+      DracoMesh decoded = decodeDraco(document_, primitive.draco, place + ".KHR_draco_mesh_compression");
       base = addPositions(decoded.positions, piece.partFromMesh, place);
       vertices = decoded.positions.size();
       indices = std::move(decoded.indices);
       mode = kTriangles;  // Draco undoes strips
     } else {
-      const auto positions = positionAccessor(primitive);
-      if (!positions) return;  // legal, and nothing to see
-      base = baseOf(*positions, piece.partFromMesh, place);
-      vertices = elementCount(document_, *positions);
-      if (const auto it = primitive.find("indices"); it != primitive.end())
-        indices = readIndices(document_, it->get<std::size_t>());
+      if (primitive.positions < 0) return;  // legal, and nothing to see
+      const auto positions = static_cast<std::size_t>(primitive.positions);
+      base = baseOf(positions, piece.partFromMesh, place);
+      vertices = elementCount(document_, positions);
+      if (primitive.indices >= 0)
+        indices = readIndices(document_, static_cast<std::size_t>(primitive.indices));
     }
     const std::vector<glm::vec2> uv =
         piece.textured ? texCoords(primitive, vertices, place) : std::vector<glm::vec2>();
@@ -100,14 +86,13 @@ class SoupBuilder {
   }
 
   /// The first set of texture coordinates; Draco's are not read.
-  std::vector<glm::vec2> texCoords(const json& primitive, std::size_t vertices, const std::string& place) {
-    const auto it = primitive["attributes"].find("TEXCOORD_0");
-    if (it == primitive["attributes"].end() ||
-        findExtension(primitive, "KHR_draco_mesh_compression") != nullptr) {
+  std::vector<glm::vec2> texCoords(const GltfPrimitive& primitive, std::size_t vertices,
+                                   const std::string& place) {
+    if (primitive.texCoords < 0 || primitive.draco) {
       ++notes_.withoutUv;
       return {};
     }
-    std::vector<glm::vec2> uv = readTexCoords(document_, it->get<std::size_t>());
+    std::vector<glm::vec2> uv = readTexCoords(document_, static_cast<std::size_t>(primitive.texCoords));
     if (uv.size() != vertices) throw GltfError(place, "has not as many texture coordinates as positions");
     return uv;
   }
@@ -170,19 +155,16 @@ class SoupBuilder {
 
 std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
   std::size_t total = 0;
-  const json& primitives = document.json["meshes"][mesh]["primitives"];
-  for (const json& primitive : primitives) {
+  for (const GltfPrimitive& primitive : document.model.meshes[mesh].primitives) {
     // Draco's accessors have no bytes of their own; its decoder checks its counts itself.
-    const bool draco = findExtension(primitive, "KHR_draco_mesh_compression") != nullptr;
-    const auto count = [&](std::size_t accessor) {
-      return draco ? document.model.accessors[accessor].count : elementCount(document, accessor);
+    const auto count = [&](int accessor) {
+      const auto index = static_cast<std::size_t>(accessor);
+      return primitive.draco ? document.model.accessors[index].count : elementCount(document, index);
     };
-    const auto positions = positionAccessor(primitive);
-    const auto indices = primitive.find("indices");
-    const std::size_t vertices = positions ? count(*positions) : 0;
-    const std::size_t corners = indices != primitive.end() ? count(indices->get<std::size_t>()) : vertices;
+    const std::size_t vertices = primitive.positions >= 0 ? count(primitive.positions) : 0;
+    const std::size_t corners = primitive.indices >= 0 ? count(primitive.indices) : vertices;
     // Positions cost as much as triangles, also those that no index names.
-    total += std::max(modeOf(primitive) == kTriangles ? corners / 3 : corners, vertices / 3) + 1;
+    total += std::max(primitive.mode == kTriangles ? corners / 3 : corners, vertices / 3) + 1;
   }
   return total;
 }

@@ -2,44 +2,41 @@
 
 #include <cmath>
 
+#include "assets/gltf/gltf_document.h"
+
 namespace tandem::assets {
 
-using nlohmann::json;
-
-JsonObject::JsonObject(const json& value, std::string place) : value_(&value), place_(std::move(place)) {
-  if (!value.is_object()) throw GltfError(place_, "must be an object");
+JsonObject::JsonObject(JsonView value, std::string place) : value_(value), place_(std::move(place)) {
+  if (!value.isObject()) throw GltfError(place_, "must be an object");
 }
+
+JsonObject JsonObject::empty(std::string place) { return JsonObject(std::move(place)); }
 
 void JsonObject::fail(const char* key, const std::string& reason) const {
   throw GltfError(place_ + "." + key, reason);
 }
 
-const json* JsonObject::find(const char* key) const {
-  const auto it = value_->find(key);
-  return it == value_->end() ? nullptr : &*it;
-}
-
 std::optional<JsonObject> JsonObject::object(const char* key) const {
-  const json* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  return JsonObject(*value, place_ + "." + key);
+  const JsonView value = raw(key);
+  if (!value) return std::nullopt;
+  return JsonObject(value, place_ + "." + key);
 }
 
 std::vector<JsonObject> JsonObject::objects(const char* key) const {
   std::vector<JsonObject> out;
-  const json* value = find(key);
-  if (value == nullptr) return out;
-  if (!value->is_array()) fail(key, "must be an array");
-  for (std::size_t i = 0; i < value->size(); ++i)
-    out.emplace_back((*value)[i], place_ + "." + key + "[" + std::to_string(i) + "]");
+  const JsonView value = raw(key);
+  if (!value) return out;
+  if (!value.isArray()) fail(key, "must be an array");
+  for (std::size_t i = 0; i < value.size(); ++i)
+    out.emplace_back(value.element(i), place_ + "." + key + "[" + std::to_string(i) + "]");
   return out;
 }
 
 std::optional<double> JsonObject::number(const char* key) const {
-  const json* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  if (!value->is_number() || !std::isfinite(value->get<double>())) fail(key, "must be a finite number");
-  return value->get<double>();
+  const JsonView value = raw(key);
+  if (!value) return std::nullopt;
+  if (!value.isNumber() || !std::isfinite(value.number())) fail(key, "must be a finite number");
+  return value.number();
 }
 
 double JsonObject::sizeOr(const char* key, double fallback) const {
@@ -49,14 +46,15 @@ double JsonObject::sizeOr(const char* key, double fallback) const {
 }
 
 std::optional<std::vector<double>> JsonObject::numbers(const char* key, std::size_t count) const {
-  const json* value = find(key);
-  if (value == nullptr) return std::nullopt;
+  const JsonView value = raw(key);
+  if (!value) return std::nullopt;
   const std::string reason = "must be an array of " + std::to_string(count) + " finite numbers";
-  if (!value->is_array() || value->size() != count) fail(key, reason);
+  if (!value.isArray() || value.size() != count) fail(key, reason);
   std::vector<double> out;
-  for (const json& entry : *value) {
-    if (!entry.is_number() || !std::isfinite(entry.get<double>())) fail(key, reason);
-    out.push_back(entry.get<double>());
+  for (std::size_t i = 0; i < count; ++i) {
+    const JsonView entry = value.element(i);
+    if (!entry.isNumber() || !std::isfinite(entry.number())) fail(key, reason);
+    out.push_back(entry.number());
   }
   return out;
 }
@@ -68,38 +66,38 @@ std::optional<glm::dvec3> JsonObject::vector(const char* key) const {
 }
 
 bool JsonObject::flag(const char* key, bool fallback) const {
-  const json* value = find(key);
-  if (value == nullptr) return fallback;
-  if (!value->is_boolean()) fail(key, "must be true or false");
-  return value->get<bool>();
+  const JsonView value = raw(key);
+  if (!value) return fallback;
+  if (!value.isFlag()) fail(key, "must be true or false");
+  return value.flag();
 }
 
 std::string JsonObject::text(const char* key, const std::string& fallback) const {
-  const json* value = find(key);
-  if (value == nullptr) return fallback;
-  if (!value->is_string()) fail(key, "must be a string");
-  return value->get<std::string>();
+  const JsonView value = raw(key);
+  if (!value) return fallback;
+  if (!value.isText()) fail(key, "must be a string");
+  return value.text();
 }
 
 std::vector<std::string> JsonObject::texts(const char* key) const {
   std::vector<std::string> out;
-  const json* value = find(key);
-  if (value == nullptr) return out;
-  if (!value->is_array()) fail(key, "must be an array of strings");
-  for (const json& entry : *value) {
-    if (!entry.is_string()) fail(key, "must be an array of strings");
-    out.push_back(entry.get<std::string>());
+  const JsonView value = raw(key);
+  if (!value) return out;
+  if (!value.isArray()) fail(key, "must be an array of strings");
+  for (std::size_t i = 0; i < value.size(); ++i) {
+    if (!value.element(i).isText()) fail(key, "must be an array of strings");
+    out.push_back(value.element(i).text());
   }
   return out;
 }
 
 std::optional<std::size_t> JsonObject::index(const char* key, std::size_t size, const char* what) const {
-  const json* value = find(key);
-  if (value == nullptr) return std::nullopt;
-  const bool good = value->is_number_unsigned() && value->get<std::uint64_t>() < size;
+  const JsonView value = raw(key);
+  if (!value) return std::nullopt;
+  const bool good = value.isWhole() && value.whole() < size;
   if (!good)
-    fail(key, value->dump().substr(0, 40) + " is out of range (" + std::to_string(size) + " " + what + ")");
-  return value->get<std::size_t>();
+    fail(key, value.dump().substr(0, 40) + " is out of range (" + std::to_string(size) + " " + what + ")");
+  return static_cast<std::size_t>(value.whole());
 }
 
 std::size_t JsonObject::requiredIndex(const char* key, std::size_t size, const char* what) const {
@@ -112,10 +110,10 @@ void refuseFault(const std::optional<RangeFault>& fault, const std::string& plac
   if (fault) throw GltfError(place + '.' + fault->property, fault->reason);
 }
 
-std::optional<JsonObject> extensionOf(const json& value, const char* name, const std::string& place) {
-  const json* extension = findExtension(value, name);
-  if (extension == nullptr) return std::nullopt;
-  return JsonObject(*extension, place + "." + name);
+std::optional<JsonObject> extensionOf(JsonView value, const char* name, const std::string& place) {
+  const JsonView extension = findExtension(value, name);
+  if (!extension) return std::nullopt;
+  return JsonObject(extension, place + "." + name);
 }
 
 }  // namespace tandem::assets

@@ -7,7 +7,8 @@
 
 #include <glm/vec3.hpp>
 
-#include "assets/gltf/gltf_document.h"
+#include "assets/gltf/gltf_error.h"
+#include "assets/gltf/json_view.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
@@ -15,10 +16,13 @@ namespace tandem::assets {
 /// One JSON object and where it stands in the file.
 class JsonObject {
  public:
-  JsonObject(const nlohmann::json& value, std::string place);
+  /// Throws GltfError where the value is no object.
+  JsonObject(JsonView value, std::string place);
+  /// An object without properties.
+  static JsonObject empty(std::string place);
 
   const std::string& place() const { return place_; }
-  bool has(const char* key) const { return value_->contains(key); }
+  bool has(const char* key) const { return static_cast<bool>(value_.member(key)); }
 
   /// A property that is an object; nothing if it is absent.
   std::optional<JsonObject> object(const char* key) const;
@@ -40,12 +44,14 @@ class JsonObject {
   std::size_t requiredIndex(const char* key, std::size_t size, const char* what) const;
 
   [[noreturn]] void fail(const char* key, const std::string& reason) const;
-  const nlohmann::json& raw() const { return *value_; }
+  /// A property as it stands, of any type; absent if there is none.
+  JsonView raw(const char* key) const { return value_.member(key); }
+  JsonView raw() const { return value_; }
 
  private:
-  const nlohmann::json* find(const char* key) const;
+  explicit JsonObject(std::string place) : place_(std::move(place)) {}
 
-  const nlohmann::json* value_;
+  JsonView value_;
   std::string place_;
 };
 
@@ -53,7 +59,6 @@ class JsonObject {
 void refuseFault(const std::optional<RangeFault>& fault, const std::string& place);
 
 /// value.extensions[name] as a checked object.
-std::optional<JsonObject> extensionOf(const nlohmann::json& value, const char* name,
-                                      const std::string& place);
+std::optional<JsonObject> extensionOf(JsonView value, const char* name, const std::string& place);
 
 }  // namespace tandem::assets

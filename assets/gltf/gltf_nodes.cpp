@@ -17,7 +17,7 @@ bool isFinite(const glm::dmat4& m) {
   return sum == 0.0;
 }
 
-glm::dmat4 localTransform(const tinygltf::Node& node, const std::string& place) {
+glm::dmat4 localTransform(const GltfNode& node, const std::string& place) {
   glm::dmat4 local(1.0);
   if (node.matrix.size() == 16) {
     for (int c = 0; c < 4; ++c)
@@ -42,7 +42,7 @@ glm::dmat4 localTransform(const tinygltf::Node& node, const std::string& place) 
 }
 
 /// How often each node is a child; refuses nodes with two parents.
-std::vector<bool> findChildren(const tinygltf::Model& model) {
+std::vector<bool> findChildren(const GltfModel& model) {
   std::vector<bool> isChild(model.nodes.size(), false);
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
     for (const int child : model.nodes[i].children) {
@@ -56,7 +56,7 @@ std::vector<bool> findChildren(const tinygltf::Model& model) {
 }
 
 /// With one parent a node at most, every node that no root reaches lies on or below a cycle.
-void refuseCycles(const tinygltf::Model& model, const std::vector<bool>& isChild) {
+void refuseCycles(const GltfModel& model, const std::vector<bool>& isChild) {
   std::vector<std::size_t> stack;
   std::vector<bool> seen(model.nodes.size(), false);
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
@@ -72,7 +72,7 @@ void refuseCycles(const tinygltf::Model& model, const std::vector<bool>& isChild
 }
 
 std::vector<std::size_t> sceneRoots(const GltfDocument& document, const std::vector<bool>& isChild) {
-  const tinygltf::Model& model = document.model;
+  const GltfModel& model = document.model;
   std::vector<std::size_t> roots;
   if (model.scenes.empty()) {
     for (std::size_t i = 0; i < model.nodes.size(); ++i)
@@ -81,7 +81,7 @@ std::vector<std::size_t> sceneRoots(const GltfDocument& document, const std::vec
   }
   const auto scene = static_cast<std::size_t>(std::max(0, model.defaultScene));
   std::vector<bool> listed(model.nodes.size(), false);
-  for (const int root : model.scenes[scene].nodes) {
+  for (const int root : model.scenes[scene]) {
     const auto r = static_cast<std::size_t>(root);
     const std::string place = placeName("scenes", scene, "nodes");
     if (isChild[r]) throw GltfError(place, "node " + std::to_string(root) + " is not a root");
@@ -95,7 +95,7 @@ std::vector<std::size_t> sceneRoots(const GltfDocument& document, const std::vec
 }  // namespace
 
 std::vector<FlatNode> flattenNodes(const GltfDocument& document, double unitScale) {
-  const tinygltf::Model& model = document.model;
+  const GltfModel& model = document.model;
   const std::vector<bool> isChild = findChildren(model);
   refuseCycles(model, isChild);
   struct Pending {
@@ -131,7 +131,7 @@ std::vector<SubtreeMesh> subtreeMeshes(const GltfDocument& document, std::size_t
     stack.pop_back();
     if (budget-- == 0)
       throw GltfError(placeName("nodes", root), "too many colliders are made of other nodes");
-    const tinygltf::Node& node = document.model.nodes[next.gltfNode];
+    const GltfNode& node = document.model.nodes[next.gltfNode];
     if (node.mesh >= 0) out.push_back(next);
     for (auto it = node.children.rbegin(); it != node.children.rend(); ++it) {
       const auto child = static_cast<std::size_t>(*it);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "assets/base/affine.h"
@@ -76,13 +77,11 @@ class MaterialTable {
   Material make(int visual, std::int64_t surface) {
     Material material;
     if (visual >= 0) {
-      const tinygltf::Material& from = document_.model.materials[static_cast<std::size_t>(visual)];
-      const auto& pbr = from.pbrMetallicRoughness;
+      const GltfMaterial& from = document_.model.materials[static_cast<std::size_t>(visual)];
       material.name = cleanText(from.name);
-      for (std::size_t i = 0; i < 4; ++i)
-        material.baseColour[i] = pbr.baseColorFactor.size() == 4 ? unit(pbr.baseColorFactor[i]) : 1.0f;
-      material.metallic = unit(pbr.metallicFactor);
-      material.roughness = unit(pbr.roughnessFactor);
+      for (std::size_t i = 0; i < 4; ++i) material.baseColour[i] = unit(from.baseColour[i]);
+      material.metallic = unit(from.metallic);
+      material.roughness = unit(from.roughness);
     }
     if (surface >= 0) {
       const PhysicsSurface& feel = surfaces_[static_cast<std::size_t>(surface)];
@@ -154,7 +153,7 @@ class Planner {
     if (count > 0) plan_.findings.push_back({severity, code, "", count, message});
   }
 
-  const tinygltf::Node& nodeOf(std::uint32_t flat) const {
+  const GltfNode& nodeOf(std::uint32_t flat) const {
     return document_.model.nodes[plan_.nodes[flat].gltfNode];
   }
   const PhysicsNode& physicsOf(std::uint32_t flat) const {
@@ -202,7 +201,7 @@ class Planner {
   }
 
   std::string nameOf(std::uint32_t flat) const {
-    const tinygltf::Node& node = nodeOf(flat);
+    const GltfNode& node = nodeOf(flat);
     std::string name = cleanText(node.name);
     if (name.empty() && node.mesh >= 0)
       name = cleanText(document_.model.meshes[static_cast<std::size_t>(node.mesh)].name);

@@ -11,8 +11,6 @@
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
 /// One dialect's names and offsets: OMI entries follow KHR's in the same arrays.
 struct Section {
   std::size_t first = 0, count = 0;
@@ -20,7 +18,7 @@ struct Section {
 
 class PhysicsReader {
  public:
-  explicit PhysicsReader(const GltfDocument& document) : document_(document), json_(document.json) {}
+  explicit PhysicsReader(const GltfDocument& document) : document_(document), json_(document.json.root()) {}
 
   GltfPhysics read() {
     readShapes("KHR_implicit_shapes", khrShapes_, 0.25);
@@ -30,10 +28,9 @@ class PhysicsReader {
     readJoints("KHR_physics_rigid_bodies", khrJoints_);
     readJoints("OMI_physics_joint", omiJoints_);
     readGravity();
-    const auto nodes = json_.find("nodes");
-    const std::size_t count = nodes == json_.end() ? 0 : nodes->size();
-    out_.nodes.resize(count);
-    for (std::size_t i = 0; i < count; ++i) readNode((*nodes)[i], i);
+    const JsonView nodes = json_.member("nodes");
+    out_.nodes.resize(nodes.size());
+    for (std::size_t i = 0; i < nodes.size(); ++i) readNode(nodes.element(i), i);
     addCounted("trigger", triggers_, "Triggers are not simulated.");
     addCounted("convex-hull", hulls_, "Colliders that ask for a convex hull are felt as their exact mesh.");
     addCounted("old-collider-form", oldForms_,
@@ -49,7 +46,6 @@ class PhysicsReader {
   }
 
   // --- shapes
-  // ---------------------------------------------------------------------------------------------------
 
   void readRadii(const JsonObject& shape, double fallback, ImplicitShape& out) {
     out.height = shape.sizeOr("height", 0.5);
@@ -60,9 +56,8 @@ class PhysicsReader {
 
   PhysicsShape readShape(const JsonObject& entry, double radiusFallback) {
     const std::string type = entry.text("type", "");
-    static const json empty = json::object();
     const JsonObject shape =
-        type.empty() ? entry : entry.object(type.c_str()).value_or(JsonObject(empty, entry.place()));
+        type.empty() ? entry : entry.object(type.c_str()).value_or(JsonObject::empty(entry.place()));
     PhysicsShape out;
     ImplicitShape& s = out.shape;
     if (type == "box") {
@@ -101,7 +96,6 @@ class PhysicsReader {
   }
 
   // --- materials and filters
-  // -------------------------------------------------------------------------------------
 
   /// The numbers of a contact, by the ranges of the material that they become.
   static void checkContact(const PhysicsSurface& surface, const std::string& place) {
@@ -115,10 +109,10 @@ class PhysicsReader {
   }
 
   /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
-  bool readHaptic(const json& holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
-    const auto extras = holder.find("extras");
-    if (extras == holder.end() || !extras->is_object() || !extras->contains("haptic")) return false;
-    const JsonObject haptic((*extras)["haptic"], place + ".extras.haptic");
+  bool readHaptic(JsonView holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
+    const JsonView value = holder.member("extras").member("haptic");
+    if (!value) return false;
+    const JsonObject haptic(value, place + ".extras.haptic");
     // A force field that a node carries (gltf_fields.h) and a tolerance say nothing about its surface.
     const std::size_t others = (haptic.has("field") ? 1u : 0u) + (haptic.has("tolerance") ? 1u : 0u);
     if (others > 0 && haptic.raw().size() == others) return false;
@@ -128,7 +122,7 @@ class PhysicsReader {
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
     // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
     checkContact(surface, haptic.place());
-    readSurface(haptic, document_.json, surface.feel, unusedHaptics_);
+    readSurface(haptic, json_, surface.feel, unusedHaptics_);
     if (!ofNode && haptic.has("tolerance")) unusedHaptics_.add("tolerance");
     return true;
   }
@@ -176,15 +170,16 @@ class PhysicsReader {
   }
 
   // --- joints and gravity
-  // ----------------------------------------------------------------------------------------
 
   std::uint8_t readAxes(const JsonObject& limit, const char* key) {
-    const json& axes = limit.raw()[key];
-    if (!axes.is_array() || axes.empty() || axes.size() > 3) limit.fail(key, "must name one to three axes");
+    const JsonView axes = limit.raw(key);
+    if (!axes.isArray() || axes.size() == 0 || axes.size() > 3)
+      limit.fail(key, "must name one to three axes");
     std::uint8_t bits = 0;
-    for (const json& axis : axes) {
-      if (!axis.is_number_unsigned() || axis.get<std::uint64_t>() > 2) limit.fail(key, "axes are 0, 1 and 2");
-      bits = static_cast<std::uint8_t>(bits | 1u << axis.get<unsigned>());
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const JsonView axis = axes.element(i);
+      if (!axis.isWhole() || axis.whole() > 2) limit.fail(key, "axes are 0, 1 and 2");
+      bits = static_cast<std::uint8_t>(bits | 1u << axis.whole());
     }
     return bits;
   }
@@ -230,7 +225,7 @@ class PhysicsReader {
     const std::string type = detents->text("type", "");
     if (type != "linear" && type != "angular") detents->fail("type", "must be linear or angular");
     joint.detentsTurn = type == "angular";
-    const std::size_t size = detents->has("positions") ? detents->raw()["positions"].size() : 0;
+    const std::size_t size = detents->raw("positions").size();
     if (size == 0 || size > kMaxDetents) detents->fail("positions", "must be one to 4096 numbers");
     joint.detents.places = detents->numbers("positions", size).value();
     joint.detents.force = detents->sizeOr("force", 0.0);
@@ -265,7 +260,6 @@ class PhysicsReader {
   }
 
   // --- nodes
-  // -----------------------------------------------------------------------------------------------------
 
   PhysicsMotion readMotion(const JsonObject& entry, bool omi) {
     PhysicsMotion motion;
@@ -334,16 +328,16 @@ class PhysicsReader {
   }
 
   /// extras.haptic.tolerance of a node, m; 0 where it states none.
-  static double readTolerance(const json& node, const std::string& place) {
-    const auto extras = node.find("extras");
-    if (extras == node.end() || !extras->is_object() || !extras->contains("haptic")) return 0.0;
-    const JsonObject haptic((*extras)["haptic"], place + ".extras.haptic");
+  static double readTolerance(JsonView node, const std::string& place) {
+    const JsonView value = node.member("extras").member("haptic");
+    if (!value) return 0.0;
+    const JsonObject haptic(value, place + ".extras.haptic");
     const std::optional<double> tolerance = haptic.number("tolerance");
     if (tolerance) refuseFault(toleranceFault(*tolerance), haptic.place());
     return tolerance.value_or(0.0);
   }
 
-  void readNode(const json& value, std::size_t index) {
+  void readNode(JsonView value, std::size_t index) {
     PhysicsNode& node = out_.nodes[index];
     const std::string place = placeName("nodes", index);
     node.contactTolerance = readTolerance(value, place);
@@ -374,7 +368,7 @@ class PhysicsReader {
   }
 
   const GltfDocument& document_;
-  const json& json_;
+  const JsonView json_;
   GltfPhysics out_;
   Section khrShapes_, omiShapes_, khrMaterials_, omiMaterials_, khrFilters_, omiFilters_, khrJoints_,
       omiJoints_;

@@ -7,19 +7,18 @@
 #include <optional>
 #include <string_view>
 
+#include "assets/gltf/embedded_data.h"
 #include "assets/gltf/gltf_decode.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
 constexpr double kLargestAngle = std::numbers::pi;
 
 void noteUnknown(const JsonObject& object, std::initializer_list<std::string_view> known,
                  UnknownProperties& unknown) {
-  for (const auto& [key, value] : object.raw().items())
+  for (const std::string& key : object.raw().keys())
     if (std::find(known.begin(), known.end(), key) == known.end()) unknown.add(key);
 }
 
@@ -33,12 +32,12 @@ SurfaceTexture::Pattern patternOf(const JsonObject& texture) {
   texture.fail("function", "'" + name.substr(0, 40) + "' is not sine, grid, bumps or noise");
 }
 
-void readTexture(const JsonObject& haptic, const json& document, SurfaceTexture& out,
+void readTexture(const JsonObject& haptic, JsonView document, SurfaceTexture& out,
                  UnknownProperties& unknown) {
   const auto texture = haptic.object("texture");
   if (!texture) return;
-  const auto textures = document.find("textures");
-  const std::size_t count = textures != document.end() && textures->is_array() ? textures->size() : 0;
+  const JsonView textures = document.member("textures");
+  const std::size_t count = textures.isArray() ? textures.size() : 0;
   if (const auto image = texture->index("image", count, "textures")) {
     out.pattern = SurfaceTexture::Pattern::image;
     out.image = static_cast<std::uint32_t>(*image);
@@ -77,8 +76,7 @@ void readPair(const JsonObject& haptic, const char* key, const char* first, doub
 /// "elastic", or an object: {"type": "plastic", "yield": 2, "hardening": 100}.
 void readLaw(const JsonObject& haptic, Surface& out, UnknownProperties& unknown) {
   if (!haptic.has("law")) return;
-  const json& law = haptic.raw()["law"];
-  const std::optional<JsonObject> object = law.is_object() ? haptic.object("law") : std::nullopt;
+  const std::optional<JsonObject> object = haptic.raw("law").isObject() ? haptic.object("law") : std::nullopt;
   const JsonObject& holder = object ? *object : haptic;
   const std::string name = object ? object->text("type", "") : haptic.text("law", "");
   if (name == "viscoelastic") {
@@ -96,79 +94,23 @@ void readLaw(const JsonObject& haptic, Surface& out, UnknownProperties& unknown)
 }
 
 /// The bytes of an image that lies in a buffer view or a data URI.
-std::optional<Bytes> imageBytes(const GltfDocument& document, const json& image) {
-  if (const auto view = image.find("bufferView"); view != image.end()) {
-    if (!view->is_number_unsigned() || view->get<std::uint64_t>() >= document.model.bufferViews.size())
-      return std::nullopt;
-    const ByteView bytes = viewBytes(document, view->get<std::size_t>());
+std::optional<Bytes> imageBytes(const GltfDocument& document, JsonView image) {
+  if (const JsonView view = image.member("bufferView")) {
+    if (!view.isWhole() || view.whole() >= document.model.bufferViews.size()) return std::nullopt;
+    const ByteView bytes = viewBytes(document, static_cast<std::size_t>(view.whole()));
     return Bytes(bytes.begin(), bytes.end());
   }
-  const auto uri = image.find("uri");
-  if (uri == image.end() || !uri->is_string()) return std::nullopt;
-  const std::string text = uri->get<std::string>();
-  Bytes bytes;
-  std::string type;
-  if (!tinygltf::IsDataURI(text) || !tinygltf::DecodeDataURI(&bytes, type, text, 0, false))
-    return std::nullopt;
-  return bytes;
+  const JsonView uri = image.member("uri");
+  return uri.isText() ? decodeDataUri(uri.text()) : std::nullopt;
 }
 
 /// The `source` of a texture, if both are what the specification says.
-const json* sourceImage(const json& document, std::size_t texture) {
-  const json& entry = document["textures"][texture];
-  const auto images = document.find("images");
-  const auto source = entry.is_object() ? entry.find("source") : entry.end();
-  if (!entry.is_object() || source == entry.end() || !source->is_number_unsigned()) return nullptr;
-  if (images == document.end() || !images->is_array() || source->get<std::uint64_t>() >= images->size())
-    return nullptr;
-  const json& image = (*images)[source->get<std::size_t>()];
-  return image.is_object() ? &image : nullptr;
-}
-
-std::uint32_t bigEndian(const Bytes& bytes, std::size_t at, std::size_t size) {
-  std::uint32_t value = 0;
-  for (std::size_t i = 0; i < size; ++i) value = value << 8 | bytes[at + i];
-  return value;
-}
-
-/// Whether the header states a size that may be decoded: a few bytes must not ask for gigabytes.
-bool modestSize(const Bytes& bytes) {
-  static constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
-  const auto fits = [](std::uint32_t side) { return side > 0 && side <= kMaxTextureSide; };
-  if (bytes.size() >= 24 && std::equal(std::begin(kPng), std::end(kPng), bytes.begin()))
-    return fits(bigEndian(bytes, 16, 4)) && fits(bigEndian(bytes, 20, 4));
-  if (bytes.size() < 4 || bytes[0] != 0xff || bytes[1] != 0xd8) return false;
-  // JPEG: a chain of segments; the size stands in the frame's (ITU T.81, B.2.2).
-  for (std::size_t at = 2; at + 9 <= bytes.size() && bytes[at] == 0xff;) {
-    const unsigned marker = bytes[at + 1];
-    const bool frame = marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
-    if (frame) return fits(bigEndian(bytes, at + 5, 2)) && fits(bigEndian(bytes, at + 7, 2));
-    at += 2 + bigEndian(bytes, at + 2, 2);
-  }
-  return false;
-}
-
-std::optional<TextureImage> decodeImage(const Bytes& bytes) {
-  if (!modestSize(bytes)) return std::nullopt;
-  tinygltf::Image image;
-  std::string error, warning;
-  if (!tinygltf::LoadImageData(&image, 0, &error, &warning, 0, 0, bytes.data(),
-                               static_cast<int>(bytes.size()), nullptr))
-    return std::nullopt;
-  const std::size_t count = std::size_t(std::max(image.width, 0)) * std::size_t(std::max(image.height, 0));
-  const std::size_t channels = static_cast<std::size_t>(std::max(image.component, 0));
-  const std::size_t step = channels * static_cast<std::size_t>(image.bits / 8);
-  if (count == 0 || channels == 0 || (image.bits != 8 && image.bits != 16) ||
-      image.image.size() < count * step)
-    return std::nullopt;
-  TextureImage out;
-  out.width = static_cast<std::uint32_t>(image.width);
-  out.height = static_cast<std::uint32_t>(image.height);
-  out.texels.resize(count);
-  // The red channel: height maps are grey. Of 16 bits the upper eight, which come second in memory.
-  const std::size_t high = image.bits == 16 ? 1 : 0;
-  for (std::size_t i = 0; i < count; ++i) out.texels[i] = image.image[i * step + high];
-  return out;
+JsonView sourceImage(JsonView document, std::size_t texture) {
+  const JsonView source = document.member("textures").element(texture).member("source");
+  const JsonView images = document.member("images");
+  if (!source.isWhole() || !images.isArray() || source.whole() >= images.size()) return {};
+  const JsonView image = images.element(static_cast<std::size_t>(source.whole()));
+  return image.isObject() ? image : JsonView();
 }
 
 }  // namespace
@@ -180,7 +122,7 @@ void UnknownProperties::add(const std::string& name) {
   for (const char c : name.substr(0, 40)) names += c >= ' ' && c <= '~' ? c : '?';
 }
 
-void readSurface(const JsonObject& haptic, const json& document, Surface& out, UnknownProperties& unknown) {
+void readSurface(const JsonObject& haptic, JsonView document, Surface& out, UnknownProperties& unknown) {
   noteUnknown(haptic, {"stiffness",       "damping",   "staticFriction",   "dynamicFriction",
                        "field",           "control",   "creaseAngle",      "viscosity",
                        "texture",         "vibration", "stickSlip",        "magnetic",
@@ -215,8 +157,8 @@ std::vector<TextureImage> readTextures(const GltfDocument& document, std::vector
     if (texture.pattern != SurfaceTexture::Pattern::image) continue;
     const auto [it, isNew] = known.emplace(texture.image, kNoTexture);
     if (isNew) {
-      const json* source = sourceImage(document.json, texture.image);
-      const std::optional<Bytes> bytes = source != nullptr ? imageBytes(document, *source) : std::nullopt;
+      const JsonView source = sourceImage(document.json.root(), texture.image);
+      const std::optional<Bytes> bytes = source ? imageBytes(document, source) : std::nullopt;
       if (std::optional<TextureImage> image = bytes ? decodeImage(*bytes) : std::nullopt) {
         it->second = static_cast<std::uint32_t>(images.size());
         images.push_back(std::move(*image));

@@ -12,6 +12,7 @@
 #include "assets/gltf/gltf_controls.h"
 #include "assets/gltf/gltf_decode.h"
 #include "assets/gltf/gltf_fields.h"
+#include "assets/gltf/gltf_json.h"
 #include "assets/gltf/gltf_loader.h"
 #include "assets/gltf/gltf_parts.h"
 #include "assets/gltf/gltf_surface.h"
@@ -126,7 +127,7 @@ class SceneBuilder {
 
   void addTree() {
     for (const FlatNode& flat : plan_.nodes) {
-      const tinygltf::Node& node = document_.model.nodes[flat.gltfNode];
+      const GltfNode& node = document_.model.nodes[flat.gltfNode];
       std::string name = node.name;
       if (name.empty() && node.mesh >= 0)
         name = document_.model.meshes[static_cast<std::size_t>(node.mesh)].name;
@@ -206,7 +207,6 @@ class SceneBuilder {
   }
 
   // --- joints
-  // ----------------------------------------------------------------------------------------------------
 
   /// The part that moves with a node, and the node's frame in it; the world's where nothing moves.
   std::pair<PartId, Pose> anchor(std::uint32_t flat, const std::string& place) const {
@@ -289,7 +289,6 @@ class SceneBuilder {
   }
 
   // --- findings
-  // --------------------------------------------------------------------------------------------------
 
   void addFinding(Finding::Severity severity, const char* code, const std::string& where, std::uint64_t count,
                   const std::string& message) {
@@ -390,7 +389,7 @@ Scene buildScene(const std::string& name, GltfDocument& document, const LoadOpti
   checkOptions(options);
   if (options.progress) options.progress(0.05, "reading the file");
   refuseUnknownRequired(document);
-  parseModel(document);
+  document.model = readModel(document.json.root());
   decodeMeshoptViews(document);
   Scene scene = SceneBuilder(document, options).build();
   scene.name = cleanText(name);

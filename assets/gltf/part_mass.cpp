@@ -8,6 +8,8 @@
 #include <glm/gtx/norm.hpp>
 #include <glm/matrix.hpp>
 
+#include "assets/gltf/gltf_physics.h"
+
 namespace tandem::assets {
 namespace {
 

@@ -6,10 +6,11 @@
 #include <optional>
 #include <vector>
 
-#include "assets/gltf/gltf_physics.h"
 #include "assets/scene/scene.h"
 
 namespace tandem::assets {
+
+struct PhysicsMotion;
 
 /// Box of a primitive in the part's frame, m. A plane without extent counts as a point: it has no size to fit
 /// a view to.

@@ -1,0 +1,91 @@
+#pragma once
+
+// The core sections of a glTF file as plain structs, read from JSON that has passed checkRules(). Images, textures,
+// skins, animations and cameras say nothing about shape and are not here, so that a broken one never keeps a scene
+// from loading. For the loader's sources only.
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "assets/gltf/json_view.h"
+
+namespace tandem::assets {
+
+/// glTF 2.0, 3.6.2.2.
+enum ComponentType : int {
+  kComponentByte = 5120,
+  kComponentUnsignedByte = 5121,
+  kComponentShort = 5122,
+  kComponentUnsignedShort = 5123,
+  kComponentUnsignedInt = 5125,
+  kComponentFloat = 5126,
+};
+
+struct GltfBufferView {
+  std::size_t buffer = 0, byteOffset = 0, byteLength = 0;
+  std::size_t byteStride = 0;  // 0: tightly packed
+};
+
+/// The elements of an accessor that differ from its buffer view's, or from zero.
+struct GltfSparse {
+  bool present = false;
+  std::size_t count = 0;
+  std::size_t indicesView = 0, indicesOffset = 0, valuesView = 0, valuesOffset = 0;
+  int indicesComponentType = 0;
+};
+
+struct GltfAccessor {
+  enum class Type { scalar, vec2, vec3, other };
+
+  int bufferView = -1;  // -1: none
+  std::size_t byteOffset = 0, count = 0;
+  Type type = Type::scalar;
+  int componentType = 0;  // need not be one of ComponentType
+  bool normalized = false;
+  GltfSparse sparse;
+};
+
+/// Accessors and the material are -1 where the primitive has none.
+struct GltfPrimitive {
+  int mode = 4;
+  int positions = -1, texCoords = -1, indices = -1, material = -1;
+  JsonView draco;  // KHR_draco_mesh_compression, if it is there
+};
+
+struct GltfMesh {
+  std::string name;
+  std::vector<GltfPrimitive> primitives;
+};
+
+/// A node has either a matrix or some of the other three; an empty vector stands for an absent one.
+struct GltfNode {
+  std::string name;
+  int mesh = -1;  // -1: none
+  std::vector<int> children;
+  std::vector<double> matrix;       // 16, column by column
+  std::vector<double> translation;  // 3
+  std::vector<double> rotation;     // 4, x y z w
+  std::vector<double> scale;        // 3
+};
+
+struct GltfMaterial {
+  std::string name;
+  std::array<double, 4> baseColour{1.0, 1.0, 1.0, 1.0};
+  double metallic = 1.0, roughness = 1.0;
+};
+
+struct GltfModel {
+  std::vector<GltfBufferView> bufferViews;
+  std::vector<GltfAccessor> accessors;
+  std::vector<GltfMesh> meshes;
+  std::vector<GltfNode> nodes;
+  std::vector<std::vector<int>> scenes;  // the root nodes of each
+  int defaultScene = -1;                 // -1: the file names none
+  std::vector<GltfMaterial> materials;
+};
+
+/// Reads the model; throws GltfError where a stride, a type or a colour is none that glTF knows.
+GltfModel readModel(JsonView document);
+
+}  // namespace tandem::assets
