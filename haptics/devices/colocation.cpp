@@ -9,9 +9,8 @@
 #include <iterator>
 #include <sstream>
 
-#include <nlohmann/json.hpp>
-
 #include "assets/base/finite.h"
+#include "assets/base/json.h"
 
 namespace tandem::haptics {
 namespace {
@@ -206,7 +205,7 @@ Result<std::vector<PointPair>> parsePairs(const std::string& text, const std::st
 std::string toJson(const Colocation& c) {
   const glm::dvec3& p = c.viewFromDevice.position;
   const glm::dquat& q = c.viewFromDevice.orientation;
-  nlohmann::ordered_json json;
+  Json json;
   json["view_from_device"] = {{"position", {p.x, p.y, p.z}}, {"orientation_wxyz", {q.w, q.x, q.y, q.z}}};
   json["scale"] = c.scale;
   json["residual_rms_m"] = c.rms;
@@ -216,25 +215,29 @@ std::string toJson(const Colocation& c) {
 }
 
 Result<Colocation> parseColocation(const std::string& text, const std::string& name) {
-  const auto json = nlohmann::json::parse(text, nullptr, false);
+  const Error wrong{name + ": not a calibration (tandem devices --calibrate PAIRS.csv writes one)"};
+  const Result<Json> json = Json::parse(text);
+  if (!json) return wrong;
   try {
     Colocation c;
-    const auto& pose = json.at("view_from_device");
-    const auto p = pose.at("position").get<std::array<double, 3>>();
-    const auto q = pose.at("orientation_wxyz").get<std::array<double, 4>>();
-    c.viewFromDevice = {{p[0], p[1], p[2]}, {q[0], q[1], q[2], q[3]}};
-    c.scale = json.at("scale").get<double>();
-    c.rms = json.value("residual_rms_m", 0.0);
-    c.worst = json.value("residual_worst_m", 0.0);
-    const auto pairs = json.find("pairs");
-    if (pairs != json.end() && !pairs->is_number_unsigned())
-      return Error{name + ": pairs must be a whole number, not negative"};
-    c.pairs = pairs != json.end() ? pairs->get<std::size_t>() : 0;
+    const Json &pose = json->at("view_from_device"), &p = pose.at("position"),
+               &q = pose.at("orientation_wxyz");
+    c.viewFromDevice = {{p.at(0).number(), p.at(1).number(), p.at(2).number()},
+                        {q.at(0).number(), q.at(1).number(), q.at(2).number(), q.at(3).number()}};
+    c.scale = json->at("scale").number();
+    if (json->contains("residual_rms_m")) c.rms = json->at("residual_rms_m").number();
+    if (json->contains("residual_worst_m")) c.worst = json->at("residual_worst_m").number();
+    if (json->contains("pairs")) {
+      const Json& pairs = json->at("pairs");
+      if (!pairs.isInteger() || pairs.number() < 0.0)
+        return Error{name + ": pairs must be a whole number, not negative"};
+      c.pairs = static_cast<std::size_t>(pairs.integer());
+    }
     if (!isValid(c.viewFromDevice)) return Error{name + ": the pose is not finite or not a unit quaternion"};
     if (!(c.scale >= 1e-6 && c.scale <= 1e6)) return Error{name + ": scale must be between 1e-6 and 1e6"};
     return c;
-  } catch (const nlohmann::json::exception&) {
-    return Error{name + ": not a calibration (tandem devices --calibrate PAIRS.csv writes one)"};
+  } catch (const JsonError&) {
+    return wrong;
   }
 }
 
