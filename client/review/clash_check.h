@@ -2,7 +2,7 @@
 
 // Which parts of an assembly overlap, touch, or come nearer to each other than asked, all standing where the
 // file has them or at poses that are given. Exact on the triangles that contact uses; shapes of glTF are measured as the triangles that
-// stand for them (haptics/README.md, "Implicit shapes").
+// stand for them (haptics/scene/README.md).
 //
 // 1. The answer does not depend on the number of threads.
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // A scenario of `tandem simulate`: people, devices, network and faults, read from JSON. The form is in
-// client/README.md.
+// client/simulation/README.md.
 
 #include <string>
 #include <vector>

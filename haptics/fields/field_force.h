@@ -1,7 +1,7 @@
 #pragma once
 
 // The law of one force field: its force and its potential at a place, in the field's own frame. The
-// equations stand in haptics/README.md.
+// equations stand in haptics/fields/README.md.
 
 #include <array>
 #include <optional>
