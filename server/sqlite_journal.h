@@ -3,8 +3,7 @@
 // The journal on a disk: SQLite in WAL mode with synchronous=FULL, written by a thread of its own.
 //
 // 1. append() and noteTime() only queue; the writer takes everything that is queued as one transaction (group
-// commit), so
-//    that many grants cost one fsync, and the network thread never waits for a disk.
+//    commit), so that many grants cost one fsync, and the network thread never waits for a disk.
 // 2. A record counts as durable only after COMMIT has returned.
 // 3. The first error of a write is final: nothing becomes durable after it, and failure() says why.
 // 4. A database that is not ours, is damaged, or belongs to another scene is refused when it is opened.

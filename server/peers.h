@@ -1,0 +1,86 @@
+#pragma once
+
+// The connections of a session, each with its stage and, after its hello, its site.
+//
+// 1. Iteration goes by connection id, so that a seed of the simulation gives one run.
+// 2. A pointer or reference to a Peer holds until that peer is erased.
+// 3. `Peer::states` is written by StateRelay alone, `Peer::transfer` by SceneTransfer alone.
+
+#include <map>
+
+#include "server/outbox.h"
+#include "sync/transport/transport.h"
+#include "sync/wire/messages.h"
+#include "sync/wire/state_bundle.h"
+#include "sync/wire/state_stream.h"
+
+namespace tandem::server {
+
+/// `hello`: nothing is known of the peer yet. `loading`: it has a site and fetches the scene. `ready`: it
+/// takes part.
+enum class Stage : std::uint8_t { hello, loading, ready };
+
+/// State messages that a site may send at once after a pause.
+inline constexpr double kDatagramBurst = 400.0;
+
+/// The two state streams of one connection; see server/state_relay.h.
+struct StateLeg {
+  std::uint32_t sequenceOut = 0;  // of StateUpdates to this site
+  std::uint32_t updatesIn = 0;    // StateUpdates that came from it
+  std::uint32_t lastSequenceIn = 0;
+  sync::Presence presence;  // the newest
+  sync::StateSender sender;
+  sync::StateReceiver receiver{1};
+  sync::StateBundle unsent;           // messages of this step that have not left yet
+  double allowance = kDatagramBurst;  // messages that the site may send at once
+  sync::Micros allowanceAt = 0;       // session time at which `allowance` was computed
+};
+
+/// How far the scene package has been sent to one connection; see server/scene_transfer.h.
+struct TransferProgress {
+  bool active = false;
+  std::uint64_t offset = 0;  // into the package, of the next chunk
+};
+
+struct Peer {
+  sync::ConnectionId connection = 0;
+  PeerSerial serial = 0;
+  Stage stage = Stage::hello;
+  SiteId site = kNoSite;  // from the hello on
+  sync::Role role = sync::Role::observer;
+  sync::Micros lastHeard = 0;  // session time
+  bool welcomed = false;       // the Welcome has left: chunks may follow it
+  StateLeg states;
+  TransferProgress transfer;
+};
+
+class Peers {
+ public:
+  /// A new connection in the hello stage. The id must not be in use.
+  Peer& add(sync::ConnectionId connection, sync::Micros now);
+  void erase(sync::ConnectionId connection) { peers_.erase(connection); }
+  void clear() { peers_.clear(); }
+
+  /// Null if there is none.
+  Peer* find(sync::ConnectionId connection);
+  Peer* bySite(SiteId site);
+  Peer* bySerial(PeerSerial serial);
+
+  bool empty() const { return peers_.empty(); }
+  /// Connections that have not said hello.
+  std::size_t strangers() const;
+  /// Connections that have a site.
+  std::size_t admitted() const;
+  bool anyTransfer() const;
+
+  auto begin() { return peers_.begin(); }
+  auto end() { return peers_.end(); }
+  auto begin() const { return peers_.begin(); }
+  auto end() const { return peers_.end(); }
+
+ private:
+  std::map<sync::ConnectionId, Peer> peers_;
+  PeerSerial nextSerial_ = kRecordingOnly + 1;
+};
+
+}  // namespace tandem::server

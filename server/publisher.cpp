@@ -1,0 +1,87 @@
+#include "server/publisher.h"
+
+#include "assets/base/assert.h"
+#include "sync/wire/wire.h"
+
+namespace tandem::server {
+
+Publisher::Publisher(SessionContext& context, sync::Transport& transport, Journal& journal, Peers& peers,
+                     sync::RecordingWriter* recording)
+    : context_(context),
+      transport_(transport),
+      journal_(journal),
+      peers_(peers),
+      recording_(recording),
+      appended_(journal.durableUpTo()) {}
+
+void Publisher::keep(const JournalRecord& record) {
+  ASSERT(writable());
+  const std::uint64_t number = journal_.append(record);
+  ASSERT(number > appended_);
+  appended_ = number;
+}
+
+void Publisher::watchJournal() {
+  if (!writable()) return;
+  journalFailure_ = journal_.failure();
+  if (writable()) return;
+  context_.log.error("journal: " + journalFailure_ +
+                     "; nothing is granted, kept or admitted until the server is started again");
+  outbox_.abandon(journal_.durableUpTo());
+}
+
+void Publisher::sendTo(const Peer& peer, sync::ControlMessage message) {
+  ASSERT(peer.serial != kRecordingOnly);
+  outbox_.push(peer.serial, std::make_shared<const sync::ControlMessage>(std::move(message)), appended_);
+}
+
+void Publisher::publish(sync::ControlMessage message) {
+  const auto shared = std::make_shared<const sync::ControlMessage>(std::move(message));
+  for (const auto& [connection, peer] : peers_)
+    if (peer.stage != Stage::hello) outbox_.push(peer.serial, shared, appended_);
+  if (recording()) outbox_.push(kRecordingOnly, shared, appended_);
+}
+
+void Publisher::sendNow(sync::ConnectionId connection, const sync::ControlMessage& message) {
+  const std::vector<std::byte> bytes = sync::encodeControl(message);
+  context_.counts.sent.countControl(bytes.size());
+  transport_.sendControl(connection, bytes);
+}
+
+std::optional<sync::ConnectionId> Publisher::send(const Outgoing& item) {
+  ASSERT(item.message != nullptr);
+  if (item.to == kRecordingOnly) {
+    record(*item.message);
+    return std::nullopt;
+  }
+  Peer* peer = peers_.bySerial(item.to);
+  if (peer == nullptr) return std::nullopt;  // the connection has ended since
+  if (const auto* welcome = std::get_if<sync::Welcome>(item.message.get())) {
+    // A site sets its clock by the Welcome, so that it carries the time at which it leaves.
+    sync::Welcome timed = *welcome;
+    timed.sessionTime = context_.now();
+    sendNow(peer->connection, timed);
+    peer->welcomed = true;
+    return std::nullopt;
+  }
+  sendNow(peer->connection, *item.message);
+  if (!std::holds_alternative<sync::Refused>(*item.message)) return std::nullopt;
+  transport_.close(peer->connection);
+  return peer->connection;
+}
+
+void Publisher::record(const sync::ControlMessage& message) {
+  if (recording()) recording_->write(context_.now(), message);
+}
+
+void Publisher::record(const sync::StateMessage& message) {
+  if (recording()) recording_->write(context_.now(), message);
+}
+
+void Publisher::flushRecording() {
+  if (!recording() || recording_->flush()) return;
+  context_.log.error("recording: cannot be written any more");
+  recording_ = nullptr;
+}
+
+}  // namespace tandem::server

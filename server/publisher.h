@@ -1,0 +1,82 @@
+#pragma once
+
+// The way out of a session: what it writes to the journal, what it sends as control messages, and what it
+// records.
+//
+// 1. A message that sendTo() or publish() takes leaves only when every record kept before it is durable; all
+//    of them keep one order.
+// 2. Once the journal has failed, writable() is false for good: what waited for it becomes a denial or is
+//    dropped.
+
+#include <string>
+
+#include "server/journal.h"
+#include "server/outbox.h"
+#include "server/peers.h"
+#include "server/session_context.h"
+#include "sync/transport/transport.h"
+#include "sync/wire/recording.h"
+
+namespace tandem::server {
+
+class Publisher {
+ public:
+  /// `recording` may be null. All outlive this.
+  Publisher(SessionContext& context, sync::Transport& transport, Journal& journal, Peers& peers,
+            sync::RecordingWriter* recording);
+
+  /// Appends a record to the journal. Only while writable().
+  void keep(const JournalRecord& record);
+  /// The journal still takes records. The network thread does not wait for it.
+  bool writable() const { return journalFailure_.empty(); }
+  /// Notices a failure of the journal; called at the beginning of every step.
+  void watchJournal();
+
+  /// Queues a message to one connection.
+  void sendTo(const Peer& peer, sync::ControlMessage message);
+  /// Queues a message to everybody who has said hello, and to the recording.
+  void publish(sync::ControlMessage message);
+  /// Sends at once, past the queue: for what depends on no record.
+  void sendNow(sync::ConnectionId connection, const sync::ControlMessage& message);
+
+  /// Messages wait for the disk.
+  bool waiting() const { return !outbox_.empty(); }
+  /// Sends what may leave now, a bounded number of messages. `onClosed` is given each connection that ends
+  /// with its Refused.
+  template <typename OnClosed>
+  void flush(const OnClosed& onClosed) {
+    const std::uint64_t durable = journal_.durableUpTo();
+    for (int i = 0; i < kMaxMessagesPerStep; ++i) {
+      // After a failure nothing new waits for the disk: what is made then depends on no record.
+      const Outgoing* item = outbox_.front(writable() ? durable : ~std::uint64_t{0});
+      if (item == nullptr) return;
+      const Outgoing next = *item;
+      outbox_.pop();
+      if (const auto closed = send(next)) onClosed(*closed);
+    }
+  }
+
+  bool recording() const { return recording_ != nullptr; }
+  /// Writes a message to the recording, if there is one, at the current session time.
+  void record(const sync::ControlMessage& message);
+  void record(const sync::StateMessage& message);
+  /// Gives up the recording if it cannot be written any more.
+  void flushRecording();
+
+ private:
+  static constexpr int kMaxMessagesPerStep = 4096;
+
+  /// The connection that this message closed, if it did.
+  std::optional<sync::ConnectionId> send(const Outgoing& item);
+
+  SessionContext& context_;
+  sync::Transport& transport_;
+  Journal& journal_;
+  Peers& peers_;
+  sync::RecordingWriter* recording_;
+  Outbox outbox_;
+  std::uint64_t appended_ = 0;  // number of the last record given to the journal
+  std::string journalFailure_;
+};
+
+}  // namespace tandem::server

@@ -1,0 +1,22 @@
+#pragma once
+
+// What a session is started with.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "server/admission.h"
+#include "sync/replica/ownership.h"
+
+namespace tandem::server {
+
+struct SessionConfig {
+  sync::LeaseRules lease;
+  SigningKey key;
+  std::size_t maxSites = 16;
+  std::size_t chunkBytes = 32 * 1024;         // of the scene transfer
+  std::size_t maxBacklogBytes = 512 * 1024;   // queued to a loading site before the next chunk waits
+  std::int64_t ticketLifetime_s = 24 * 3600;  // of resume tickets
+};
+
+}  // namespace tandem::server

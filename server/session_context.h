@@ -1,0 +1,65 @@
+#pragma once
+
+// What every class of a session reads or adds to: the session's time, its counters and its log. No thread of
+// its own: all of it is called from the thread that calls Session::step().
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sync/wire/time.h"
+#include "sync/wire/traffic.h"
+
+namespace tandem::server {
+
+struct SessionCounters {
+  std::uint64_t relayedUpdates = 0, relayedParts = 0;
+  std::uint64_t droppedStates = 0;     // an old epoch, a site that is not the owner, or no newer sequence
+  std::uint64_t droppedMalformed = 0;  // datagrams that do not decode, name an unknown part or an absurd time
+  std::uint64_t droppedBaselines = 0;  // updates against a baseline that is missing, or with a wrong checksum
+  std::uint64_t droppedEarly = 0;      // datagrams of a connection that is not ready
+  std::uint64_t relayedLinks = 0;      // LinkUpdates passed on
+  std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that share no part
+  std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate
+  std::uint64_t refusedHellos = 0, refusedMessages = 0;
+  sync::Traffic sent, received;
+  std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
+};
+
+/// A line for the log. An error means that the session no longer does its whole work, so somebody must see
+/// it.
+struct LogLine {
+  std::string text;
+  bool error = false;
+};
+
+/// Collects lines until the caller of the session takes them; bounded, because nobody need ever take them.
+class SessionLog {
+ public:
+  void note(std::string line);
+  /// An error is never left out: there are at most two, the journal's and the recording's.
+  void error(std::string line);
+  std::vector<LogLine> take();
+
+ private:
+  std::vector<LogLine> lines_;
+};
+
+class SessionContext {
+ public:
+  /// Session time at the current step, in microseconds.
+  sync::Micros now() const { return now_; }
+  /// The wall clock at the current step, in s; tickets expire by it.
+  std::int64_t unixNow() const { return unixNow_; }
+  /// Begins a step. Session time never runs backwards; the wall clock may.
+  void advance(sync::Micros now, std::int64_t unixNow);
+
+  SessionCounters counts;
+  SessionLog log;
+
+ private:
+  sync::Micros now_ = 0;
+  std::int64_t unixNow_ = 0;
+};
+
+}  // namespace tandem::server

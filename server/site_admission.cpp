@@ -1,0 +1,241 @@
+#include "server/site_admission.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "assets/base/assert.h"
+
+namespace tandem::server {
+namespace {
+
+constexpr std::size_t kMaxStrangers = 64;                    // connections that have not said hello
+constexpr sync::Micros kHelloPatience = 10 * sync::kSecond;  // from connecting to the hello
+constexpr sync::Micros kLoadPatience = 600 * sync::kSecond;  // without a word from a loading site
+constexpr sync::Micros kReadyPatience = 15 * sync::kSecond;  // without a word from a ready site
+constexpr std::size_t kMaxPartsInWelcome = 8192;  // what fits into kMaxControlBytes; others follow it
+
+/// A name as it may be shown and logged: no control characters, never empty.
+std::string shownName(const std::string& name, SiteId site) {
+  std::string shown = name;
+  for (char& c : shown)
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  return shown.empty() ? "site " + std::to_string(site) : shown;
+}
+
+sync::Micros patienceFor(Stage stage) {
+  return stage == Stage::hello ? kHelloPatience : stage == Stage::loading ? kLoadPatience : kReadyPatience;
+}
+
+}  // namespace
+
+SiteAdmission::SiteAdmission(const Ground& ground)
+    : ground_(ground), maxSites_(std::min(ground.config.maxSites, sync::kMaxSites)) {}
+
+void SiteAdmission::restore(const std::vector<UsedNonce>& nonces) {
+  ASSERT(usedNonces_.empty());
+  for (const auto& record : nonces) usedNonces_[record.nonce] = record.expires;
+}
+
+void SiteAdmission::onConnected(sync::ConnectionId connection) {
+  if (ground_.peers.strangers() >= kMaxStrangers) {
+    ++ground_.context.counts.refusedHellos;
+    ground_.transport.close(connection);
+    return;
+  }
+  ground_.peers.add(connection, ground_.context.now());
+}
+
+void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
+  ASSERT(peer.stage == Stage::hello && peer.site == kNoSite);
+  if (hello.protocolVersion != sync::kProtocolVersion) {
+    refuse(peer, sync::Refusal::protocolVersion,
+           "this server speaks protocol version " + std::to_string(sync::kProtocolVersion) +
+               ", the site version " + std::to_string(hello.protocolVersion) +
+               ": use programs of one release");
+    return;
+  }
+  if (!ground_.publisher.writable()) {
+    refuse(peer, sync::Refusal::sessionFull, "the server cannot write its journal and admits nobody");
+    return;
+  }
+  const Result<Ticket> ticket = verify(hello.credential, ground_.config.key, 0);
+  if (!ticket) {
+    refuse(peer, sync::Refusal::badCredential, ticket.error().message);
+  } else if (ticket->resume != hello.resume) {
+    refuse(peer, sync::Refusal::badCredential,
+           hello.resume ? "credential: a join token, not a resume ticket"
+                        : "credential: a resume ticket, not a join token");
+  } else if (ticket->expires <= ground_.context.unixNow()) {
+    refuse(peer, sync::Refusal::expired,
+           hello.resume ? "the resume ticket has expired: ask for a new link"
+                        : "the link has expired: ask for a new one");
+  } else if (hello.resume) {
+    resume(peer, hello, *ticket);
+  } else {
+    join(peer, hello, *ticket);
+  }
+}
+
+bool SiteAdmission::full() const { return ground_.peers.admitted() >= maxSites_; }
+
+void SiteAdmission::join(Peer& peer, const sync::Hello& hello, const Ticket& ticket) {
+  ASSERT(!ticket.resume);
+  if (usedNonces_.contains(ticket.nonce)) {
+    refuse(peer, sync::Refusal::alreadyUsed, "the link was used before: ask for a new one");
+    return;
+  }
+  if (full() || ground_.sites.exhausted()) {
+    refuse(peer, sync::Refusal::sessionFull, "the session is full");
+    return;
+  }
+  // The nonce first: the Welcome waits for it, so that no crash lets a token in twice.
+  usedNonces_[ticket.nonce] = ticket.expires;
+  ground_.publisher.keep(UsedNonce{ticket.nonce, ticket.expires});
+  usedTokens_.push_back(ticket.role);
+  admit(peer, ground_.sites.add(ticket.role), hello);
+}
+
+void SiteAdmission::resume(Peer& peer, const sync::Hello& hello, const Ticket& ticket) {
+  ASSERT(ticket.resume);
+  KnownSite* site = ground_.sites.find(ticket.site);
+  if (site == nullptr || site->left || site->info.role != ticket.role) {
+    refuse(peer, sync::Refusal::badCredential, "the site of this resume ticket has left the session");
+    return;
+  }
+  if (const Peer* former = ground_.peers.bySite(ticket.site)) {
+    // The site knows better than the server which of its connections is dead.
+    const sync::ConnectionId connection = former->connection;
+    ground_.publisher.sendNow(connection,
+                              sync::Refused{sync::Refusal::alreadyUsed, "the site has connected anew"});
+    ground_.transport.close(connection);
+    ground_.peers.erase(connection);
+  } else if (full()) {
+    refuse(peer, sync::Refusal::sessionFull, "the session is full");
+    return;
+  }
+  admit(peer, *site, hello);
+}
+
+void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello) {
+  ASSERT(ground_.peers.bySite(site.info.site) == nullptr);
+  site.info.name = shownName(hello.name, site.info.site);
+  if (hello.colour != sync::kAnyColour)
+    site.info.colour = hello.colour;
+  else if (!hello.resume)
+    site.info.colour = ground_.sites.freeColour(site.info.site);  // who comes back keeps the old one
+  site.info.connected = true;
+  site.listed = true;
+  ground_.publisher.keep(SiteRecord{site.info, false});
+  ground_.publisher.publish(sync::SiteChanged{site.info});  // not to this one: it is still in the hello stage
+  peer.site = site.info.site;
+  peer.role = site.info.role;
+  peer.stage = Stage::loading;
+  relist();
+
+  std::vector<sync::PartRecord> rest;
+  ground_.publisher.sendTo(peer, welcomeFor(site, rest));
+  for (const sync::PartRecord& part : rest) ground_.publisher.sendTo(peer, sync::OwnershipChanged{part});
+  for (const sync::MemberRecord& members : ground_.parts.table().allMembers())
+    ground_.publisher.sendTo(peer, sync::MembersChanged{members});
+  ground_.context.log.note(ground_.sites.nameOf(peer.site) + " joined as " + sync::toString(peer.role) +
+                           (hello.resume ? " (came back)" : ""));
+}
+
+sync::Welcome SiteAdmission::welcomeFor(const KnownSite& site, std::vector<sync::PartRecord>& rest) const {
+  const SessionConfig& config = ground_.config;
+  Ticket ticket;
+  ticket.resume = true;
+  ticket.role = site.info.role;
+  ticket.site = site.info.site;
+  ticket.nonce = std::string(32, '0');  // a resume ticket may be used more than once
+  ticket.expires = ground_.context.unixNow() + config.ticketLifetime_s;
+
+  sync::Welcome welcome;
+  welcome.site = site.info.site;
+  welcome.role = site.info.role;
+  welcome.resumeTicket = sign(ticket, config.key);
+  welcome.sceneHash = ground_.scene.hash();
+  welcome.sceneBytes = ground_.scene.size();
+  welcome.lease = config.lease.lease;
+  welcome.sites = ground_.sites.listed();
+  rest = ground_.parts.table().records();
+  const auto inWelcome = static_cast<std::ptrdiff_t>(std::min(rest.size(), kMaxPartsInWelcome));
+  welcome.parts.assign(rest.begin(), rest.begin() + inWelcome);
+  rest.erase(rest.begin(), rest.begin() + inWelcome);
+  ASSERT(welcome.site != kNoSite && welcome.parts.size() <= kMaxPartsInWelcome);
+  return welcome;
+}
+
+void SiteAdmission::refuse(Peer& peer, sync::Refusal refusal, const std::string& reason) {
+  SessionContext& context = ground_.context;
+  ++(peer.stage == Stage::hello ? context.counts.refusedHellos : context.counts.refusedMessages);
+  const sync::ConnectionId connection = peer.connection;
+  ground_.publisher.sendNow(connection, sync::Refused{refusal, reason.substr(0, sync::kMaxTextLength)});
+  ground_.transport.close(connection);
+  if (peer.stage == Stage::hello)
+    context.log.note("connection " + std::to_string(connection) + " refused (" + sync::toString(refusal) +
+                     "): " + reason);
+  onLost(connection, std::string("refused (") + sync::toString(refusal) + "): " + reason);
+}
+
+void SiteAdmission::onGoodbye(Peer& peer) {
+  if (!ground_.publisher.writable()) {  // nothing can be kept, so the parts stay where they are
+    refuse(peer, sync::Refusal::unexpectedMessage, "goodbye; the server cannot write its journal");
+    return;
+  }
+  const SiteId id = peer.site;
+  const sync::ConnectionId connection = peer.connection;
+  ground_.parts.leave(id);
+  KnownSite& site = ground_.sites.at(id);
+  site.left = true;
+  site.listed = false;
+  site.info.connected = false;
+  ground_.publisher.keep(SiteRecord{site.info, true});
+  ground_.transport.close(connection);
+  ground_.peers.erase(connection);
+  ground_.publisher.publish(sync::SiteLeft{id});
+  ground_.relay.forget(id);
+  relist();
+  ground_.context.log.note(ground_.sites.nameOf(id) + " left");
+}
+
+void SiteAdmission::onLost(sync::ConnectionId connection, const std::string& reason) {
+  const Peer* peer = ground_.peers.find(connection);
+  if (peer == nullptr) return;
+  const SiteId id = peer->site;
+  ground_.peers.erase(connection);
+  if (id == kNoSite) return;
+  KnownSite& site = ground_.sites.at(id);
+  site.info.connected = false;
+  site.disconnectedAt = ground_.context.now();
+  ground_.publisher.publish(sync::SiteChanged{site.info});
+  relist();
+  ground_.context.log.note(ground_.sites.nameOf(id) + " lost: " + reason);
+}
+
+void SiteAdmission::dropSilent() {
+  std::vector<sync::ConnectionId> silent;
+  for (const auto& [connection, peer] : ground_.peers)
+    if (ground_.context.now() - peer.lastHeard > patienceFor(peer.stage)) silent.push_back(connection);
+  for (const sync::ConnectionId connection : silent) {
+    ground_.transport.close(connection);
+    onLost(connection, "nothing heard from it for too long");
+  }
+}
+
+void SiteAdmission::relist() {
+  for (const SiteId site : ground_.sites.relist(ground_.context.now())) {
+    ground_.publisher.publish(sync::SiteLeft{site});
+    ground_.relay.forget(site);
+  }
+}
+
+void SiteAdmission::housekeeping() {
+  dropSilent();
+  relist();
+  std::erase_if(usedNonces_, [&](const auto& entry) { return entry.second <= ground_.context.unixNow(); });
+}
+
+std::vector<sync::Role> SiteAdmission::takeUsedTokens() { return std::exchange(usedTokens_, {}); }
+
+}  // namespace tandem::server

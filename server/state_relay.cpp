@@ -1,0 +1,202 @@
+#include "server/state_relay.h"
+
+#include <algorithm>
+
+#include "assets/base/assert.h"
+
+namespace tandem::server {
+namespace {
+
+constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
+constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
+/// So many parts fit into a datagram however they are encoded; only with more does their order matter.
+constexpr std::size_t kAlwaysFit = 25;
+
+/// Sorts the parts by what the viewer needs first: the part that it touches, then those before its camera,
+/// then those behind it. Where not all fit into one datagram, the last ones wait.
+void sortFor(const sync::Presence& viewer, std::vector<sync::PartState>& parts) {
+  const Pose cameraFromWorld = inverse(viewer.worldFromCamera);
+  const auto rank = [&](const sync::PartState& state) {
+    if (state.part == viewer.touched) return -2.0;
+    const glm::dvec3 place = transformPoint(cameraFromWorld, state.worldFromPart.position);
+    // A camera looks along -z: -1 is the middle of its view.
+    return place.z / std::max(glm::length(place), 1e-9);
+  };
+  std::sort(parts.begin(), parts.end(), [&](const sync::PartState& a, const sync::PartState& b) {
+    const double first = rank(a), second = rank(b);
+    return first != second ? first < second : a.part < b.part;
+  });
+}
+
+}  // namespace
+
+StateRelay::StateRelay(const sync::WireFrame& frame, SessionContext& context, sync::Transport& transport,
+                       Peers& peers, PartService& parts, Publisher& publisher)
+    : frame_(frame),
+      context_(context),
+      transport_(transport),
+      peers_(peers),
+      parts_(parts),
+      publisher_(publisher) {
+  encoded_.reserve(sync::kMaxStateBytes);
+  std::get<sync::StateUpdate>(incoming_).parts.reserve(256);
+}
+
+/// A token bucket: kMaxDatagramRate messages a second, kDatagramBurst at once.
+bool StateRelay::withinRate(StateLeg& leg) const {
+  ASSERT(context_.now() >= leg.allowanceAt);
+  const double elapsed = sync::toSeconds(context_.now() - leg.allowanceAt);
+  leg.allowance = std::min(kDatagramBurst, leg.allowance + elapsed * kMaxDatagramRate);
+  leg.allowanceAt = context_.now();
+  if (leg.allowance < 1.0) return false;
+  leg.allowance -= 1.0;
+  ASSERT(leg.allowance >= 0.0 && leg.allowance <= kDatagramBurst);
+  return true;
+}
+
+void StateRelay::send(Peer& peer) {
+  ASSERT(!encoded_.empty() && encoded_.size() <= sync::kMaxStateBytes);
+  context_.counts.sent.countState(encoded_);
+  peer.states.unsent.add(encoded_, datagramsTo(peer));
+}
+
+void StateRelay::flush() {
+  for (auto& [connection, peer] : peers_) peer.states.unsent.flush(datagramsTo(peer));
+}
+
+void StateRelay::onDatagram(Peer& peer, std::span<const std::byte> datagram) {
+  while (onMessage(peer, sync::takeMessage(datagram)) && !datagram.empty()) continue;
+}
+
+bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
+  context_.counts.received.countState(bytes);
+  if (!withinRate(peer.states)) {
+    ++context_.counts.droppedFlood;
+    return false;
+  }
+  sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming_ : incomingShort_;
+  using Outcome = sync::StateReceiver::Outcome;
+  const Outcome outcome = peer.states.receiver.decode(bytes, frame_, message);
+  if (outcome == Outcome::malformed) {
+    ++context_.counts.droppedMalformed;
+    return true;
+  }
+  peer.lastHeard = context_.now();
+  if (outcome != Outcome::taken) {
+    ++context_.counts.droppedBaselines;
+    return true;
+  }
+  if (const auto* ping = std::get_if<sync::Ping>(&message)) {
+    onPing(peer, *ping);
+  } else if (std::holds_alternative<sync::StateUpdate>(message)) {
+    onUpdate(peer, message);
+  } else if (std::holds_alternative<sync::LinkUpdate>(message)) {
+    onLink(peer, message);
+  } else if (const auto* ack = std::get_if<sync::StateAck>(&message)) {
+    peer.states.sender.acknowledged(*ack);
+  } else {
+    ++context_.counts.droppedMalformed;  // only the server says this
+  }
+  return true;
+}
+
+/// A LinkUpdate goes from one who simulates a part to another: from a member to the owner, or from the owner
+/// to a member.
+void StateRelay::onLink(Peer& peer, sync::StateMessage& message) {
+  auto& link = std::get<sync::LinkUpdate>(message);
+  if (peer.stage != Stage::ready) {
+    ++context_.counts.droppedEarly;
+    return;
+  }
+  Peer* other = link.part < parts_.count() ? peers_.bySite(link.peer) : nullptr;
+  if (other == nullptr || other->stage != Stage::ready ||
+      !parts_.table().tied(link.part, peer.site, link.peer)) {
+    ++context_.counts.droppedLinks;
+    return;
+  }
+  ASSERT(other->site != peer.site);
+  link.peer = peer.site;
+  ++context_.counts.relayedLinks;
+  sync::encodeState(message, frame_, encoded_);
+  send(*other);
+}
+
+void StateRelay::onPing(Peer& peer, const sync::Ping& ping) {
+  if (peer.stage == Stage::hello) {
+    ++context_.counts.droppedEarly;
+    return;
+  }
+  // A site that is still loading cannot own anything that it feels: only ready sites renew (S3).
+  if (peer.stage == Stage::ready) parts_.renew(peer.site);
+  sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, context_.now(), peer.states.updatesIn}, frame_,
+                    encoded_);
+  send(peer);
+}
+
+/// Tells the site which of its states it may encode the next ones against.
+void StateRelay::acknowledge(Peer& peer) {
+  const std::optional<sync::StateAck> ack = peer.states.receiver.takeAck(context_.now());
+  if (!ack) return;
+  sync::encodeState(*ack, frame_, encoded_);
+  send(peer);
+}
+
+void StateRelay::forget(SiteId origin) {
+  ASSERT(origin != kNoSite);
+  for (auto& [connection, peer] : peers_) peer.states.sender.forget(origin);
+}
+
+bool StateRelay::plausible(const sync::StateUpdate& update) const {
+  const sync::Micros now = context_.now();
+  if (update.time > now + kMaxAhead || update.time < now - kMaxBehind) return false;
+  if (update.presence.touched != kNoPart && update.presence.touched >= parts_.count()) return false;
+  return std::all_of(update.parts.begin(), update.parts.end(),
+                     [&](const sync::PartState& state) { return state.part < parts_.count(); });
+}
+
+void StateRelay::onUpdate(Peer& peer, sync::StateMessage& message) {
+  SessionCounters& counts = context_.counts;
+  if (peer.stage != Stage::ready) {
+    ++counts.droppedEarly;
+    return;
+  }
+  acknowledge(peer);
+  auto& update = std::get<sync::StateUpdate>(message);
+  if (!plausible(update)) {
+    ++counts.droppedMalformed;
+    return;
+  }
+  StateLeg& leg = peer.states;
+  ++leg.updatesIn;
+  const bool newest =
+      leg.updatesIn == 1 || static_cast<std::int32_t>(update.sequence - leg.lastSequenceIn) > 0;
+  if (newest) leg.lastSequenceIn = update.sequence;
+  update.newPresence = newest && update.newPresence;
+  if (update.newPresence) leg.presence = update.presence;
+
+  const auto refused =
+      std::remove_if(update.parts.begin(), update.parts.end(),
+                     [&](const sync::PartState& state) { return !parts_.accept(peer.site, state); });
+  counts.droppedStates += static_cast<std::uint64_t>(update.parts.end() - refused);
+  update.parts.erase(refused, update.parts.end());
+  if (update.parts.empty() && !update.newPresence) return;
+
+  update.site = update.presence.site = peer.site;
+  if (update.presenceKnown) publisher_.record(message);
+  relay(peer, update);
+}
+
+void StateRelay::relay(const Peer& from, sync::StateUpdate& update) {
+  ASSERT(from.stage == Stage::ready && update.site == from.site);
+  ++context_.counts.relayedUpdates;
+  context_.counts.relayedParts += update.parts.size();
+  for (auto& [connection, other] : peers_) {
+    if (other.stage != Stage::ready || other.site == from.site) continue;
+    update.sequence = ++other.states.sequenceOut;
+    if (update.parts.size() > kAlwaysFit) sortFor(other.states.presence, update.parts);
+    other.states.sender.encode(update, frame_, encoded_);
+    send(other);
+  }
+}
+
+}  // namespace tandem::server
