@@ -16,14 +16,14 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::size_t kMostPairs = 100000, kMostBytes = 16u << 20;
-constexpr double kFlat = 1e-3;   // second extent of a set, as a share of the first, below which it is a line
-constexpr double kClear = 1e-3;  // gap between the best and the second-best turn, as a share of the spread
+constexpr double kFlat = 1e-3;   // second extent relative to the first, below which a set is a line
+constexpr double kClear = 1e-3;  // gap between the best and second-best rotation, relative to the spread
 constexpr double kPoor = 0.05;   // share of the spread that a bad fit leaves unexplained
 constexpr const char* kHeader = "dx,dy,dz,vx,vy,vz";
 
 using Matrix4 = std::array<std::array<double, 4>, 4>;
 
-/// Eigenvalues (descending) and unit eigenvectors (rows) of a symmetric matrix by Jacobi's rotations.
+/// Eigenvalues (descending) and unit eigenvectors (rows) of a symmetric matrix by Jacobi rotations.
 template <std::size_t N>
 void eigen(std::array<std::array<double, N>, N> a, std::array<double, N>& values,
            std::array<std::array<double, N>, N>& vectors) {
@@ -83,7 +83,7 @@ Moments momentsOf(std::span<const PointPair> pairs) {
   return m;
 }
 
-/// Whether points lie on a line (or in one place), up to a share of their extent.
+/// Whether points lie on a line (or in one place), within a fraction of their extent.
 template <typename Get>
 bool onALine(std::span<const PointPair> pairs, const glm::dvec3& centre, Get get) {
   std::array<std::array<double, 3>, 3> spread{}, axes{};
@@ -146,8 +146,8 @@ Result<Colocation> colocate(std::span<const PointPair> pairs, bool withScale) {
   Matrix4 vectors{};
   eigen(hornMatrix(m), values, vectors);
   const double spread = std::sqrt(m.deviceSquare) * std::sqrt(m.viewSquare);
-  // What no turn explains, and what no turn of the inverted set explains, as shares of the spread (at best
-  // scale).
+  // What no rotation explains, and what no rotation of the reflected set explains, as fractions of the spread
+  // (at best scale).
   const double unexplained = 1.0 - values[0] * values[0] / (spread * spread);
   const double mirrored = 1.0 - values[3] * values[3] / (spread * spread);
   if (unexplained > kPoor && mirrored < 0.25 * unexplained)
@@ -164,7 +164,7 @@ Result<Colocation> colocate(std::span<const PointPair> pairs, bool withScale) {
     return Error{"calibration: the points of the two frames do not belong together"};
   result.viewFromDevice.position = m.view - result.scale * (result.viewFromDevice.orientation * m.device);
   measure(pairs, result);
-  // Sizes near the ends of what a double holds.
+  // Rejects magnitudes near the limits of a double.
   if (!isValid(result.viewFromDevice) || !std::isfinite(result.rms))
     return Error{"calibration: coordinates are too large or too small"};
   return result;

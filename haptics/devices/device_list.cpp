@@ -45,7 +45,7 @@ bool sameReading(const DeviceSample& a, const DeviceSample& b) {
          a.valid == b.valid;
 }
 
-/// Which driver serves an interface, if any.
+/// The driver of an interface, if any.
 struct Driver {
   const char* name = nullptr;
   std::string shown;
@@ -63,8 +63,8 @@ bool hasOwnWorkspace(const std::string& name) {
   return name == "simulated-arm" || name == "pid" || name.starts_with("haply");
 }
 
-/// A device, not yet open. Hands that are modelled begin at the start; what has a workspace is placed by the
-/// caller.
+/// Creates a device without opening it. Modelled hands begin at the start; the caller places devices with a
+/// workspace.
 Result<std::unique_ptr<Device>> makeDevice(const std::string& name, const Pose& start, bool calibrated,
                                            HidBus& bus) {
   using Made = std::unique_ptr<Device>;

@@ -19,7 +19,7 @@ struct Wanted {
   double heard = -1e9;  // s, driverClock
 };
 
-/// Nothing near the middle, then fine, then fast.
+/// Response curve: zero near the middle, then fine, then fast.
 double shaped(double deflection) {
   const double beyond = std::max(0.0, std::abs(deflection) - kDeadZone) / (1.0 - kDeadZone);
   return std::copysign(beyond * (0.2 + 0.8 * beyond * beyond), deflection);
@@ -49,17 +49,17 @@ struct DualSense::Driver : HidClient {
   void lost() override;
   Status send(HidConnection& connection, const DualSenseOutput& output);
 
-  DualSenseReading reading;  // the driver's thread's
+  DualSenseReading reading;  // owned by the driver's thread
   std::uint8_t sequence = 0;
   Pacer<DualSenseOutput> pacer{kInterval, kSilence};
   TripleBuffer<DualSenseReading> published;
   TripleBuffer<Wanted> wanted;
-  HidWorker worker;  // last: its thread uses all of the above
+  HidWorker worker;  // last member: its thread uses all of the above
 };
 
 Status DualSense::Driver::begin(HidConnection& connection, const HidInfo&) {
-  // Over Bluetooth this also switches from the short report to the full one; one that does not answer is as
-  // good with nominal figures.
+  // Over Bluetooth this also switches from the short report to the full one. A controller that does not
+  // answer works with nominal calibration.
   std::array<std::uint8_t, 64> calibration{0x05};
   const auto length = connection.getFeature(calibration);
   reading.gyro =
@@ -85,7 +85,7 @@ Status DualSense::Driver::send(HidConnection& connection, const DualSenseOutput&
 }
 
 Status DualSense::Driver::service(HidConnection& connection) {
-  // Until it has spoken nobody knows by which way it is connected.
+  // The connection type is unknown until the first report.
   if (reading.reports == 0) return {};
   const Wanted& now = wanted.latest();
   const auto due = pacer.next(driverClock(), now.output, now.heard);

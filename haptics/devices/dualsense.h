@@ -1,10 +1,10 @@
 #pragma once
 
 // A DualSense steers a simulated hand and lets the fingers feel its contacts: left stick right and back,
-// right stick up, gyro while R1 is held; the triggers resist as the force on the hand grows, a rumble marks
-// each contact. The controller cannot push the hand: the force moves the simulated one.
+// right stick up, gyro while R1 is held. The triggers resist as the force on the hand grows, and a rumble
+// marks each contact. The controller cannot push the hand: the force moves the simulated one.
 //
-// Cross or the right trigger grasps, circle is the clutch. Output goes by USB or Bluetooth, on change, at
+// Cross or the right trigger grasps, circle is the clutch. Output goes over USB or Bluetooth, on change, at
 // most 250 times a second, and is switched off after 50 ms without a call of apply().
 //
 // Threads: poll() and apply() from the servo thread; setView() from one thread.
@@ -17,7 +17,7 @@
 
 namespace tandem::haptics {
 
-/// What the driver's thread last knew.
+/// Latest state of the driver's thread.
 struct DualSenseReading {
   DualSenseState state;
   GyroCalibration gyro;

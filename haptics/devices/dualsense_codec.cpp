@@ -19,7 +19,7 @@ std::int16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::int16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
-/// Sticks are at 0..3 of every layout; square to triangle are the upper half of the first button byte.
+/// Sticks are bytes 0..3 of every layout; square to triangle are the upper half of the first button byte.
 void takeButtons(std::span<const std::uint8_t> two, DualSenseState& state) {
   state.buttons = static_cast<std::uint32_t>(two[0] >> 4) | static_cast<std::uint32_t>(two[1]) << 4;
 }
@@ -37,7 +37,7 @@ void takeFull(std::span<const std::uint8_t> data, DualSenseState& state) {
   state.hasMotion = true;
 }
 
-/// A trigger that resists with a steady force over its whole way, or not at all.
+/// A trigger effect of constant resistance over the whole travel, or none.
 void putTrigger(std::span<std::uint8_t> effect, std::uint8_t resistance) {
   effect[0] = resistance > 0 ? 0x01 : 0x05;
   effect[2] = resistance;

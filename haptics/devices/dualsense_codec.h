@@ -1,11 +1,11 @@
 #pragma once
 
-// What a DualSense says and is told, byte by byte. Pure: no device, no clock.
+// DualSense protocol: its reports byte by byte. Pure: no device, no clock.
 //
-// Layouts follow SDL (src/joystick/hidapi/SDL_hidapi_ps5.c) and Linux (drivers/hid/hid-playstation.c). Report
-// 01 of 64 bytes comes over USB; over Bluetooth 31 of 78 bytes with a checksum, once feature report 05 has
-// been asked for, and a short 01 of 10 bytes (sticks, buttons, triggers) before that. Output: 02 of 48 bytes
-// over USB, 31 of 78 bytes over Bluetooth.
+// Layouts follow SDL (src/joystick/hidapi/SDL_hidapi_ps5.c) and Linux (drivers/hid/hid-playstation.c). Input
+// over USB is report 01 of 64 bytes; over Bluetooth it is report 31 of 78 bytes with a checksum once feature
+// report 05 has been requested, and before that a short report 01 of 10 bytes (sticks, buttons, triggers).
+// Output is report 02 of 48 bytes over USB and report 31 of 78 bytes over Bluetooth.
 
 #include <array>
 #include <cstdint>
@@ -42,8 +42,8 @@ struct DualSenseState {
   bool bluetooth = false;
 };
 
-/// Takes one input report as hidapi gives it; false, and `state` untouched, when it is of another layout or
-/// its checksum is wrong.
+/// Decodes one input report from hidapi; false, with `state` unchanged, if its layout is unknown or its
+/// checksum is wrong.
 bool decodeDualSenseReport(std::span<const std::uint8_t> report, DualSenseState& state);
 
 /// Raw gyro to rad/s: (raw - bias) * scale. Nominal: 2000 degrees a second at full range.
@@ -55,13 +55,13 @@ struct GyroCalibration {
   }
 };
 
-/// From feature report 05. Nominal where the report is too short or its numbers are not plausible.
+/// Calibration from feature report 05; nominal if the report is too short or implausible.
 GyroCalibration decodeGyroCalibration(std::span<const std::uint8_t> report);
 
-/// What the controller is to do.
+/// Output of the controller.
 struct DualSenseOutput {
   std::uint8_t strong = 0, weak = 0;                     // rumble, 0..255
-  std::uint8_t leftResistance = 0, rightResistance = 0;  // of a trigger over its whole way, 0..255
+  std::uint8_t leftResistance = 0, rightResistance = 0;  // of a trigger over its whole travel, 0..255
   bool operator==(const DualSenseOutput&) const = default;
 };
 
@@ -69,15 +69,14 @@ struct DualSenseOutput {
 std::vector<std::uint8_t> encodeDualSense(const DualSenseOutput& output, bool bluetooth,
                                           std::uint8_t sequence);
 
-/// The checksum of Bluetooth reports: CRC-32 (IEEE 802.3) over a direction byte (A2 out, A1 in) and the
-/// report.
+/// Checksum of Bluetooth reports: CRC-32 (IEEE 802.3) over a direction byte (A2 out, A1 in) and the report.
 std::uint32_t dualSenseChecksum(std::uint8_t direction, std::span<const std::uint8_t> bytes);
 
-/// How a force is felt through a controller that cannot push: resistance of the triggers as the force lasts,
-/// a rumble as it changes. Levels are coarse, so a steady force sends nothing.
+/// Cues for a force on a controller that cannot push: trigger resistance for its steady part, rumble for its
+/// change. Levels are coarse, so a steady force sends nothing.
 class GripCues {
  public:
-  /// Takes the force for dt s; `full` N is the strongest cue. Not finite: as none.
+  /// Takes the force for dt s; `full` N is the strongest cue. A non-finite force counts as zero.
   DualSenseOutput step(double force, double full, double dt);
 
  private:

@@ -17,7 +17,7 @@ bool number(const Json& object, const char* key, double limit, double& out) {
   const auto found = object.find(key);
   if (found == object.end() || !found->is_number()) return false;
   out = found->get<double>();
-  return std::abs(out) <= limit;  // false for what is not a number
+  return std::abs(out) <= limit;  // also false for NaN
 }
 
 bool vector(const Json& object, const char* key, double limit, glm::dvec3& out) {
@@ -26,7 +26,7 @@ bool vector(const Json& object, const char* key, double limit, glm::dvec3& out) 
          number(*found, "y", limit, out.y) && number(*found, "z", limit, out.z);
 }
 
-/// The first element's `state` of a list of devices, or null. `element` is that element.
+/// The first element's `state` of a list of devices, or null; `element` becomes that element.
 const Json* firstState(const Json& message, const char* key, const Json*& element) {
   const auto list = message.find(key);
   if (list == message.end() || !list->is_array() || list->empty() || !list->front().is_object())
@@ -36,7 +36,7 @@ const Json* firstState(const Json& message, const char* key, const Json*& elemen
   return state != element->end() && state->is_object() ? &*state : nullptr;
 }
 
-/// False when there is a grip whose state makes no sense.
+/// False if there is a grip with an invalid state.
 bool takeGrip(const Json& message, HaplyState& state) {
   const Json* element = nullptr;
   const Json* grip = nullptr;

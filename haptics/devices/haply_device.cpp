@@ -95,7 +95,7 @@ void HaplyDevice::Driver::run() {
   }
 }
 
-/// The first outcome of an attempt is what open() waits for.
+/// Reports the first outcome of an attempt, which open() waits for.
 void HaplyDevice::Driver::say(const std::string& why) {
   {
     const std::lock_guard lock(mutex);
@@ -111,7 +111,8 @@ void HaplyDevice::Driver::fail(const std::string& why) {
   resolver.cancel();
   if (!socket) return;
   beast::get_lowest_layer(*socket).close();
-  // Its timer would keep the thread here; not from within one of its own handlers, though.
+  // A pending timer would keep the thread alive. The stream must not be destroyed within one of its own
+  // handlers.
   asio::post(io, [this] { socket.reset(); });
 }
 
@@ -187,7 +188,7 @@ void HaplyDevice::Driver::answer() {
   send(silent ? glm::dvec3(0.0) : now.force, [this] { leaving ? farewell() : listen(); });
 }
 
-/// No force, then the end: whatever was answered before.
+/// Sends zero force and closes, whatever was answered before.
 void HaplyDevice::Driver::farewell() {
   if (!writing) send(glm::dvec3(0.0), [this] { fail("closed"); });
 }
@@ -247,10 +248,10 @@ void HaplyDevice::close() {
     d.stopping = true;
   }
   d.wake.notify_all();
-  // The next answer is zero force and the last one; without a next message it goes unasked.
+  // The next answer is zero force and the last one; it is not sent if no further message arrives.
   asio::post(d.io, [driver = &d] {
     {
-      // Left over from an earlier closing that found the thread between two attempts.
+      // Clears the flag of an earlier closing that found the thread between two attempts.
       const std::lock_guard lock(driver->mutex);
       if (!driver->stopping) return;
     }

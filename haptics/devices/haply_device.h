@@ -1,19 +1,17 @@
 #pragma once
 
 // A Haply Inverse3 through its vendor's device service, which runs on the same machine and speaks JSON over a
-// WebSocket (haply_codec.h). The only socket in this folder: it leads to a device, not to a peer.
+// WebSocket (haply_codec.h). This is the only socket in this folder, and it leads to a device, not to a peer.
 //
-// 1. A thread of its own answers each message of the service with the latest force: without an answer the
-// service
-//    sends no more.
+// 1. A separate thread answers each message of the service with the latest force; without an answer the
+//    service sends no more.
 // 2. The force is zero once apply() has not been called for 50 ms, and in the last message before closing.
-// 3. A message that is malformed, not finite or too long is dropped and counted; it is answered all the same.
-// Without
-//    a good message for 50 ms the readings are not valid.
-// 4. A lost service is looked for again five times a second.
+// 3. A malformed, non-finite or too long message is dropped and counted, and still answered. Readings are
+//    invalid after 50 ms without a good message.
+// 4. The connection to a lost service is retried five times a second.
 //
-// Axes: x right, y up, z to the user; the origin is the device's. Threads: poll() and apply() from the servo
-// thread.
+// Axes: x right, y up, z towards the user; the origin is the device's. Threads: poll() and apply() from the
+// servo thread.
 
 #include <memory>
 #include <string>
@@ -25,13 +23,13 @@ namespace tandem::haptics {
 struct HaplySettings {
   std::string host = "localhost";
   std::uint16_t port = 10001;
-  double maxForce = 5.0;  // N: below the arm's peak, so that it can be held for long
+  double maxForce = 5.0;  // N: below the arm's peak, so that it can hold it for long
 };
 
-/// `haply`, `haply:HOST` or `haply:HOST:PORT`; the error says what is wrong with it.
+/// Parses `haply`, `haply:HOST` or `haply:HOST:PORT`.
 Result<HaplySettings> parseHaplyName(const std::string& name);
 
-/// Whether a service listens there; the reason if not.
+/// Checks whether a service listens there; the error is the reason if not.
 Status probeHaply(const HaplySettings& settings);
 
 struct HaplyReading {
@@ -41,7 +39,7 @@ struct HaplyReading {
   double at = -1e9;             // s, steady clock: when it came
   std::uint64_t states = 0;     // good messages so far
   std::uint64_t malformed = 0;  // dropped
-  std::uint64_t oversized = 0;  // dropped, and the connection with them
+  std::uint64_t oversized = 0;  // dropped together with the connection
   std::uint64_t connections = 0;
   bool connected = false, present = false;  // to the service; an Inverse3 at the service
 };

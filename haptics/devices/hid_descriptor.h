@@ -1,7 +1,6 @@
 #pragma once
 
-// What a HID report descriptor says about the reports of a device: which bits of which report mean what.
-// Pure; any bytes are safe to parse.
+// Parser of HID report descriptors: which bits of which report mean what. Pure; safe for any bytes.
 //
 // Source: USB Device Class Definition for Human Interface Devices 1.11, sections 5 and 6.2.2.
 
@@ -42,14 +41,13 @@ struct HidLayout {
   bool numbered = false;                                           // reports begin with an id byte
   std::map<std::pair<HidKind, std::uint8_t>, std::uint32_t> bits;  // of each report, padding included
 
-  /// Length in bytes of a report as hidapi exchanges it when writing: the id byte first, 0 if reports have
+  /// Length in bytes of a report as hidapi exchanges it for writing: the id byte first, 0 if reports have
   /// none.
   std::size_t reportBytes(HidKind kind, std::uint8_t report) const;
 };
 
-/// Takes a descriptor apart. Refused, with the reason: items cut off, collections or pushes that do not
-/// match, more than 4096 fields, fields over 32 bits that carry a usage. Padding is left out but counted in
-/// the offsets.
+/// Parses a descriptor. Refused with a reason: truncated items, unbalanced collections or pushes, more than
+/// 4096 fields, fields over 32 bits that carry a usage. Padding is skipped but counted in the offsets.
 Result<HidLayout> parseHidDescriptor(std::span<const std::uint8_t> bytes);
 
 /// The value of a field in a report's data (after the id byte), sign-extended when its range has negative

@@ -1,13 +1,13 @@
 #pragma once
 
-// What a HID device sent, in a text file: for a device that is not at hand where its driver is mended.
+// Recording of a HID device's reports in a text file, to reproduce a device that is not at hand.
 //
 //   device 046d:c62b 1:8 SpaceMouse Pro        vendor:product usage page:usage (hex), name; no serial number
 //   descriptor 05010908...                     the report descriptor, if there was one
 //   feature 05...                              a feature report as the device gave it, id first
 //   in 0.012345 01a0ff...                      an input report, id first, and s since the recording began
 //
-// Threads: the recording bus as the bus that it stands before.
+// Threads: those of the recorded bus.
 
 #include <memory>
 #include <string>
@@ -17,7 +17,7 @@
 
 namespace tandem::haptics {
 
-/// Stands before a bus and writes down what the device that is opened on it sends.
+/// A bus that forwards to another bus and records what the opened device sends.
 class RecordingHidBus : public HidBus {
  public:
   /// Makes the file; the error says why it cannot. `bus` must outlive this and every connection.
@@ -30,8 +30,8 @@ class RecordingHidBus : public HidBus {
   bool forbids(const std::string& path) override;
   bool present(const std::string& path) override;
 
-  /// Ends the recording; how many input reports it holds, or why it could not be written. Connections are
-  /// closed before.
+  /// Ends the recording; returns the number of input reports, or why the file could not be written. All
+  /// connections must be closed before.
   Result<std::uint64_t> finish();
 
  private:

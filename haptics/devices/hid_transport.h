@@ -1,9 +1,9 @@
 #pragma once
 
-// The seam between a HID driver and the bus: hidapi behind it in the program, a script in tests.
+// Interface between HID drivers and the bus: hidapi implements it in the program, a script in tests.
 //
-// Threads: a HidBus from any thread. A HidConnection from one thread at a time, never the servo thread: reads
-// wait.
+// Threads: a HidBus from any thread. A HidConnection from one thread at a time, never the servo thread,
+// because reads wait.
 
 #include <cstddef>
 #include <cstdint>
@@ -29,14 +29,14 @@ struct HidInfo {
 class HidConnection {
  public:
   virtual ~HidConnection() = default;
-  /// Waits for one input report: its length (report id first), 0 when none came in time, -1 when the device
-  /// is gone.
+  /// Waits for one input report: its length (report id first), 0 if none came in time, -1 if the device is
+  /// gone.
   virtual int read(std::span<std::uint8_t> buffer, int timeout_ms) = 0;
   /// Sends an output report, its id first.
   virtual Status write(std::span<const std::uint8_t> report) = 0;
   /// Sends a feature report, its id first.
   virtual Status sendFeature(std::span<const std::uint8_t>) { return Error{"HID: no feature reports here"}; }
-  /// Asks for the feature report whose id is in report[0]; gives its length, id included.
+  /// Requests the feature report whose id is in report[0]; returns its length, id included.
   virtual Result<std::size_t> getFeature(std::span<std::uint8_t>) {
     return Error{"HID: no feature reports here"};
   }
@@ -50,12 +50,12 @@ class HidBus {
   /// What is connected, each path once.
   virtual std::vector<HidInfo> enumerate() = 0;
   virtual Result<std::unique_ptr<HidConnection>> open(const std::string& path) = 0;
-  /// The report descriptor of an interface, without opening it: whoever may not open it can still be told
-  /// what it is.
+  /// The report descriptor of an interface without opening it, so that a device without permission can still
+  /// be identified.
   virtual Result<std::vector<std::uint8_t>> descriptor(const std::string&) {
     return Error{"HID: no report descriptor here"};
   }
-  /// Whether an attempt to open the node now fails for want of permission.
+  /// Whether opening the node now fails for lack of permission.
   virtual bool forbids(const std::string&) { return false; }
   /// Whether the node still exists: cheaper than enumerate().
   virtual bool present(const std::string& path) = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// No device: no input, no force. For sites that only watch. Always built.
+// Null device: no input, no force. For sites that only watch. Always built.
 
 #include "haptics/base/device.h"
 

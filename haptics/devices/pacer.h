@@ -1,7 +1,7 @@
 #pragma once
 
-// When an output device is told something new: on change, not more often than it can take, and zero when
-// nobody has spoken for a while. Pure: times come from the caller, s.
+// Pacing of an output device: it sends on change, no more often than the device can take, and sends zero
+// after a silence of the caller. Pure: the caller provides the times, s.
 
 #include <optional>
 
@@ -12,12 +12,12 @@ class Pacer {
  public:
   Pacer(double interval, double silence) : interval_(interval), silence_(silence) {}
 
-  /// What to send now, if anything: `wanted`, last renewed at `heard`; Value{} once that is older than the
-  /// silence allowed. A first value that is Value{} is what the device has anyway and is not sent.
+  /// The value to send now, if any: `wanted`, last renewed at `heard`, or Value{} once that is older than the
+  /// allowed silence. An initial Value{} is not sent, because the device has that value anyway.
   std::optional<Value> next(double now, const Value& wanted, double heard) {
     const Value value = now - heard > silence_ ? Value{} : wanted;
     if (value == sent_) return std::nullopt;
-    // Letting go does not wait.
+    // A release is sent at once.
     if (started_ && now - at_ < interval_ && !(value == Value{})) return std::nullopt;
     started_ = true;
     at_ = now;
@@ -25,7 +25,7 @@ class Pacer {
     return value;
   }
 
-  /// The device was told this, or forgot: after connecting.
+  /// Notes that the device was sent this value, or after connecting, that it has lost its state.
   void reset(const Value& sent = {}) { sent_ = sent, started_ = false; }
 
  private:

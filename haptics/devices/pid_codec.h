@@ -1,10 +1,10 @@
 #pragma once
 
-// Force feedback over HID as the USB PID class defines it: which report of a device does what, and the bytes
-// of each. Report ids and field places come from the device's descriptor, never from a table. Pure.
+// Force feedback over HID by the USB PID class: the reports of a device and their bytes. Report ids and field
+// places come from the device's descriptor, never from a table. Pure.
 //
 // Source: USB Device Class Definition for Physical Interface Devices 1.0; usages of page 0F from the HID
-// Usage Tables 1.4. Angles: none is sent where the device takes "axes enable" bits.
+// Usage Tables 1.4. No angles are sent where the device takes "axes enable" bits.
 
 #include <array>
 #include <cstdint>
@@ -28,14 +28,14 @@ struct PidReport {
   const HidField* find(HidUsage usage) const;
 };
 
-/// What a device can do, found in its descriptor.
+/// Capabilities of a device from its descriptor.
 struct PidLayout {
   HidLayout hid;
   std::vector<HidField> axes;     // of the input report: X, Y (and steering as the only one), at most two
   std::vector<HidField> buttons;  // at most 32
   PidReport control, gain, pool, create, load, free, set, constant, condition, operation;
 
-  /// Axes with a force of their own: as many as the input has and Set Effect can address.
+  /// Number of axes with a force of their own: those that the input has and Set Effect can address.
   int forceAxes() const;
 };
 
@@ -49,7 +49,7 @@ struct PidState {
   std::uint32_t buttons = 0;
 };
 
-/// Takes an input report as hidapi gives it; false when it is not one with axes or buttons of this device.
+/// Decodes an input report from hidapi; false if it holds no axes or buttons of this device.
 bool decodePidInput(const PidLayout& layout, std::span<const std::uint8_t> report, PidState& state);
 
 enum class PidControl : std::uint16_t { kEnable = 0x97, kDisable = 0x98, kStopAll = 0x99, kReset = 0x9A };
@@ -59,9 +59,9 @@ enum class PidOperation : std::uint16_t { kStart = 0x79, kStop = 0x7B };
 using PidBytes = std::vector<std::uint8_t>;
 
 PidBytes encodeControl(const PidLayout& layout, PidControl what);
-/// `share` 0..1 of full force.
+/// Sets the gain to `share`, 0..1 of full force.
 PidBytes encodeGain(const PidLayout& layout, double share);
-/// The feature report that asks for an effect; empty when the device does not offer its type.
+/// The feature report that requests an effect; empty if the device does not offer its type.
 PidBytes encodeCreate(const PidLayout& layout, PidEffect type);
 
 /// The answer to a request for an effect.

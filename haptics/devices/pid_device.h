@@ -1,14 +1,13 @@
 #pragma once
 
 // A force-feedback joystick or wheel of the USB PID class. The stick is a hand on a horizontal plane: right
-// is x, back is z; forces along these go to the motors as one constant force an axis.
+// is x, back is z; forces along these go to the motors as one constant force per axis.
 //
-// 1. A thread of its own reads axes and sends forces: on change, at most every millisecond, zero after 50 ms
-// without
-//    a call of apply(). The device's USB interval, 1 to 10 ms, decides how often a force really arrives.
-// 2. The class speaks of shares of full force, not of newtons: `maxForce` says what full force is.
-// 3. Unplugged, its samples are not valid; plugged in again it is set up anew.
-// 4. Damping against the buzz of such a slow loop can run in the device itself (`damper`).
+// 1. A separate thread reads axes and sends forces: on change, at most every millisecond, and zero after 50
+//    ms without a call of apply(). The device's USB interval, 1 to 10 ms, decides how often a force arrives.
+// 2. The class uses fractions of full force instead of newtons; `maxForce` states full force.
+// 3. Samples of an unplugged device are invalid; it is set up again when it returns.
+// 4. The device itself can run damping against the vibration of such a slow loop (`damper`).
 //
 // Threads: poll() and apply() from the servo thread.
 
@@ -21,26 +20,27 @@ namespace tandem::haptics {
 
 struct PidSettings {
   double reach = 0.05;                    // m from the middle to the end of an axis
-  double maxForce = 3.0;                  // N at full share; a device does not tell
+  double maxForce = 3.0;                  // N at full force; a device does not state it
   double damper = 0.0;                    // 0..1: a damper that the device runs on each axis; 0: none
-  bool invertX = false, invertY = false;  // the sense of the motors: firmware differs
+  bool invertX = false, invertY = false;  // the sign of the motors, which differs between firmwares
 };
 
-/// What the driver's thread knows.
+/// Latest state of the driver's thread.
 struct PidReading {
   double axes[2] = {0.0, 0.0};  // -1..1
   std::uint32_t buttons = 0;
   std::uint64_t reports = 0, rejected = 0;  // read
   std::uint64_t written = 0;                // forces sent
-  double writeTime = 0.0;                   // s: how long the last one took, the device's interval included
+  double writeTime = 0.0;                   // s: duration of the last write, including the device's interval
   bool connected = false;
 };
 
-/// Whether an interface may be a force-feedback device: a joystick, gamepad or multi-axis controller that no
-/// other driver serves. Its descriptor decides.
+/// Whether an interface may be a force-feedback device: a joystick, gamepad or multi-axis controller without
+/// another driver. Its descriptor decides.
 bool mayBePid(const HidInfo& info);
 
-/// Whether the descriptor of an interface has what a constant force needs; the reason if not.
+/// Checks whether the descriptor of an interface has what a constant force needs; the error is the reason if
+/// not.
 Status checkPid(HidBus& bus, const HidInfo& info);
 
 class PidDevice : public Device {
@@ -49,7 +49,7 @@ class PidDevice : public Device {
   ~PidDevice() override;  // closes
 
   std::string name() const override { return "pid"; }
-  /// As many actuated axes as the device has motors, once open.
+  /// The number of actuated axes is that of the device's motors, once open.
   DeviceLimits limits() const override;
   Status open() override;
   void close() override;

@@ -1,9 +1,9 @@
 #pragma once
 
-// A device whose readings are in axes of its own, placed in the scene by a DeviceMapping: by a calibration,
-// or so that where it is when it is first read becomes a given point. The clutch (button 1) shifts it.
+// A device with readings in its own axes, placed in the scene by a DeviceMapping: by a calibration, or such
+// that its first reading becomes a given point. The clutch (button 1) shifts it.
 //
-// Threads: as the device's.
+// Threads: those of the device.
 
 #include <memory>
 #include <optional>

@@ -1,16 +1,15 @@
 #pragma once
 
-// A person's arm on an impedance device with its joints: the hand model (simulated_hand.h) holds the tip of
-// an ImpedanceArm.
+// A person's arm on an impedance device with joints: the hand model (simulated_hand.h) holds the tip of an
+// ImpedanceArm.
 //
-// 1. A force goes through J^T, the motors' currents and their limits, and J^-T, at the joints as the encoders
-// read
-//    them; where the arm cannot give it, the hand feels less.
-// 2. A reading is the tip of the encoded joints: its steps are those of the encoders, so they differ over the
-//    workspace.
-// 3. At the end of a joint's range the tip stops, without a bounce.
+// 1. A force passes through J^T, the motors' currents and their limits, and J^-T, at the encoded joints;
+//    where the arm cannot deliver it, the hand feels less.
+// 2. A reading is the tip of the encoded joints, so its resolution is that of the encoders and varies over
+//    the workspace.
+// 3. At the end of a joint's range the tip stops inelastically.
 //
-// Threads: setTarget(), setButtons() from any one thread; poll() and apply() from the servo thread.
+// Threads: setTarget() and setButtons() from any one thread; poll() and apply() from the servo thread.
 
 #include "haptics/base/triple_buffer.h"
 #include "haptics/operator/hand_device.h"
@@ -27,11 +26,11 @@ class SimulatedArm : public HandDevice {
   std::string name() const override { return "simulated-arm"; }
   DeviceLimits limits() const override;
 
-  /// What the person aims at from now on. A target that is not finite is ignored.
+  /// Sets what the person aims at from now on. A non-finite target is ignored.
   void setTarget(const HandTarget& target);
   void setButtons(std::uint32_t buttons) { buttons_.store(buttons, std::memory_order_relaxed); }
 
-  /// For measures; servo thread, or any thread while no loop runs.
+  /// For measurements; servo thread, or any thread while no loop runs.
   const ImpedanceArm& arm() const { return arm_; }
   const ArmJoints& joints() const { return joints_; }
   const ArmCommand& command() const { return command_; }

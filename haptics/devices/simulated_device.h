@@ -2,7 +2,7 @@
 
 // A person's arm on a desktop device, aimed from outside: the hand of simulations and of scripted sites.
 //
-// Threads: setTarget(), setButtons() from any one thread; poll() and apply() from the servo thread.
+// Threads: setTarget() and setButtons() from any one thread; poll() and apply() from the servo thread.
 
 #include "haptics/base/triple_buffer.h"
 #include "haptics/operator/hand_device.h"
@@ -16,7 +16,7 @@ class SimulatedDevice : public HandDevice {
 
   std::string name() const override { return "simulated"; }
 
-  /// What the person aims at from now on. A target that is not finite is ignored.
+  /// Sets what the person aims at from now on. A non-finite target is ignored.
   void setTarget(const HandTarget& target);
   void setButtons(std::uint32_t buttons) { buttons_.store(buttons, std::memory_order_relaxed); }
 

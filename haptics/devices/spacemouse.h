@@ -1,12 +1,12 @@
 #pragma once
 
-// A SpaceMouse moves a simulated hand: deflection is velocity. It gives no force to the fingers; the force
-// acts on the simulated hand, which therefore stops at surfaces and whose target never runs far ahead into a
-// part.
+// A SpaceMouse moves a simulated hand by rate control: deflection is velocity. The fingers feel no force; the
+// force acts on the simulated hand, which therefore stops at surfaces and whose target never runs far ahead
+// into a part.
 //
-// 1. A thread of its own reads reports (60 to 125 a second) and hands over the latest state by triple buffer.
-// 2. The device sends only while it moves: after 100 ms of silence the deflection counts as zero.
-// 3. Unplugged, its samples are not valid; plugged in again (to any port) it goes on from where the hand is.
+// 1. A separate thread reads reports (60 to 125 a second) and hands over the latest state by triple buffer.
+// 2. The device sends only while it moves, so the deflection counts as zero after 100 ms of silence.
+// 3. Samples of an unplugged device are invalid; replugged (to any port) it continues from the hand's pose.
 
 #include <memory>
 
@@ -17,7 +17,7 @@
 
 namespace tandem::haptics {
 
-/// What the reader thread last knew.
+/// Latest state of the reader thread.
 struct SpaceMouseReading {
   SpaceMouseState state;
   std::uint64_t reports = 0;   // accepted so far
@@ -43,8 +43,7 @@ class SpaceMouseReader {
   std::unique_ptr<Driver> driver_;
 };
 
-/// Whether an interface is the motion interface of a known model (receivers carry a mouse and a keyboard
-/// besides).
+/// Whether an interface is the motion interface of a known model; receivers also have a mouse and a keyboard.
 bool isSpaceMouse(const HidInfo& info);
 
 class SpaceMouse : public SteeredHand {

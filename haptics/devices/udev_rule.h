@@ -1,16 +1,16 @@
 #pragma once
 
-// The udev rule that lets the person at the seat open the devices that a driver knows, so that a program that
-// was installed without it can still hand it out.
+// The udev rule that lets the person at the seat open the supported devices, embedded so that a program
+// installed without the rule can still print it.
 
 #include <string_view>
 
 namespace tandem::haptics {
 
-/// Where a rule put in by hand belongs.
+/// Path of a rule installed by hand.
 inline constexpr std::string_view kUdevRulePath = "/etc/udev/rules.d/70-tandem-hid.rules";
 
-/// The text of 70-tandem-hid.rules, as it was when this was built.
+/// Text of 70-tandem-hid.rules at build time.
 std::string_view udevRule();
 
 }  // namespace tandem::haptics

@@ -27,9 +27,9 @@ double smoothStepSlope(double u) { return u > 0.0 && u < 1.0 ? 6.0 * u * (1.0 - 
 glm::dvec3 shortened(const glm::dvec3& v, double limit, bool& cut) {
   const double largest = std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
   if (!(largest > 0.0)) return v;
-  // By way of the largest component: a polynomial far out has squares that no double holds.
+  // Divides by the largest component first, because the squares of a distant polynomial overflow.
   const double length = largest * glm::length(v / largest);
-  if (length <= limit * (1.0 + 1e-12)) return v;  // a law that stays within may round beyond
+  if (length <= limit * (1.0 + 1e-12)) return v;  // a law within the limit may exceed it by rounding
   cut = true;
   return v / largest * (limit / (length / largest));
 }
@@ -76,7 +76,7 @@ double waveformValue(const FieldWaveform& w, double time) {
     case FieldWaveform::Kind::sine:
       return std::sin(2.0 * kPi * cycle);
     case FieldWaveform::Kind::square: {
-      // Falls and rises over `width` about 0, 1/2 and 1 of a period.
+      // Rises and falls over `width` about 0, 1/2 and 1 of a period.
       const double edge = std::min(w.width * w.frequency, 0.5);
       if (!(edge > 0.0)) return cycle < 0.5 ? 1.0 : -1.0;
       const double up =
@@ -104,8 +104,8 @@ FieldForce::FieldForce(const ForceField& field) : field_(&field) {
     atRange_ = radialPotentialWithoutRange(begin) + integral(begin, field.range);
   }
   if (!isStored(field) || field.region.kind == FieldRegion::Kind::everywhere) return;
-  // The highest potential found on the border: what lies inside is then a hollow, which holds the hand at
-  // its rim rather than throwing it out.
+  // The gauge is the highest potential found on the border. The interior is then a well, which holds the hand
+  // at its rim rather than expelling it.
   gauge_ = -1e300;
   const glm::dvec3 reach =
       field.region.kind == FieldRegion::Kind::box ? field.region.halfSize : glm::dvec3(field.region.radius);
@@ -123,7 +123,7 @@ double FieldForce::rangeWeight(double distance) const {
   return field_->range > 0.0 ? smoothStep((field_->range - distance) / field_->fade) : 1.0;
 }
 
-/// Towards anchor or centre, N, before the fade at the range.
+/// Force towards the anchor or centre, N, before the fade at the range.
 double FieldForce::radialForce(double d) const {
   const ForceField& f = *field_;
   if (f.kind != Kind::gravity) return std::min(f.stiffness * std::max(0.0, d - f.radius), f.maxForce);
@@ -132,7 +132,7 @@ double FieldForce::radialForce(double d) const {
   return std::copysign(std::min(bare, f.maxForce), f.strength);
 }
 
-/// Its integral over the distance, J.
+/// Integral of the force over the distance, J.
 double FieldForce::radialPotentialWithoutRange(double d) const {
   const ForceField& f = *field_;
   if (f.kind != Kind::gravity) {
@@ -142,7 +142,7 @@ double FieldForce::radialPotentialWithoutRange(double d) const {
   }
   const double k = std::abs(f.strength), sign = f.strength < 0.0 ? -1.0 : 1.0;
   if (!(k > 0.0)) return 0.0;
-  // From `inner` to `outer` the force is maxForce; without a cut both are the radius.
+  // The force is maxForce from `inner` to `outer`; without a cut both equal the radius.
   const auto [inner, outer] = kinks();
   const double slope = k / (f.radius * f.radius * f.radius);
   if (d >= outer) return -sign * k / d;
@@ -151,7 +151,7 @@ double FieldForce::radialPotentialWithoutRange(double d) const {
   return sign * potential;
 }
 
-/// Where the law without range changes its form, m.
+/// Distance at which the law without range changes its form, m.
 std::array<double, 2> FieldForce::kinks() const {
   const ForceField& f = *field_;
   if (f.kind != Kind::gravity)
@@ -161,8 +161,8 @@ std::array<double, 2> FieldForce::kinks() const {
   return {f.radius * f.maxForce / surface, std::sqrt(k / f.maxForce)};
 }
 
-/// Of the force with its fade, between kinks by Gauss' rule of three points on eight pieces: exact for
-/// springs, whose force times the fade is of degree four.
+/// Integral of the faded force, between kinks by three-point Gauss quadrature on eight pieces: exact for
+/// springs, whose force times the fade has degree four.
 double FieldForce::integral(double from, double to) const {
   const std::array<double, 2> kink = kinks();
   const double ends[] = {from, std::clamp(kink[0], from, to), std::clamp(kink[1], from, to), to};
@@ -180,7 +180,8 @@ double FieldForce::integral(double from, double to) const {
   return sum;
 }
 
-/// Zero at the range and beyond; without a range a spring's is zero at its anchor, gravity's at infinity.
+/// Potential, zero at the range and beyond. Without a range that of a spring is zero at its anchor and that
+/// of gravity at infinity.
 double FieldForce::radialPotential(double d) const {
   if (!(field_->range > 0.0)) return radialPotentialWithoutRange(d);
   if (d >= field_->range) return 0.0;
@@ -216,13 +217,13 @@ FieldAction FieldForce::springAction(const FieldQuery& query, double at) const {
   FieldAction out;
   out.potential = radialPotential(d);
   if (d > 0.0) out.stored = away * (-radialForce(d) * weight / d);
-  // Damping comes in over the first tenth of the free play's radius, so that a wall has no step.
+  // Damping rises over the first tenth of the free play's radius, so that a wall has no step.
   const double in = f.radius > 0.0 ? std::clamp((d - f.radius) / (0.1 * f.radius), 0.0, 1.0) : 1.0;
   out.dampingRate = f.damping.x * in * weight;
   out.damping = -out.dampingRate * held;
   if (f.drive != 0.0 && path_) {
-    // An open path's drive dies out over the last tenth of its length, by the way that is left as the crow
-    // flies.
+    // The drive along an open path fades over the last tenth of its length, by the straight distance that is
+    // left.
     const double ahead = path_->closed()
                              ? 1.0
                              : smoothStep(glm::distance(path_->point(at),
@@ -274,7 +275,7 @@ FieldAction FieldForce::potentialAction(const glm::dvec3& x) const {
   return out;
 }
 
-/// Without the region.
+/// The action without the region.
 FieldAction FieldForce::raw(const FieldQuery& query, double at) const {
   const ForceField& f = *field_;
   FieldAction out;
@@ -309,7 +310,7 @@ FieldAction FieldForce::act(const FieldQuery& query, double at) const {
   if (weight == 0.0) return {};
   FieldAction out = raw(query, at);
   if (field_->region.kind != FieldRegion::Kind::everywhere) {
-    // The potential is faded, not the force: so the field stays the gradient of something.
+    // The region fades the potential rather than the force, so the field stays a gradient.
     out.potential -= gauge_;
     out.stored = weight * out.stored - out.potential * gradient;
     out.potential *= weight;
@@ -318,7 +319,7 @@ FieldAction FieldForce::act(const FieldQuery& query, double at) const {
     out.damping *= weight;
     out.dampingRate *= weight;
   }
-  bool cut = false;  // of forces without a potential: no loss of exactness
+  bool cut = false;  // of forces without a potential, which loses no exactness
   out.stored = shortened(out.stored, field_->maxForce, out.limited);
   out.source = shortened(out.source, field_->maxForce, cut);
   out.sourceChange = shortened(out.sourceChange, 2.0 * field_->maxForce, cut);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The law of one force field: its force and its potential at a place, in the field's own frame. The
-// equations stand in haptics/fields/README.md.
+// Force law of one force field: its force and potential at a place, in the field's own frame. The equations
+// stand in haptics/fields/README.md.
 
 #include <array>
 #include <optional>
@@ -11,18 +11,18 @@
 
 namespace tandem::haptics {
 
-/// What a field does at one place, in its own axes, before any weight of the hand's own.
+/// Action of a field at one place, in its own axes, before the hand's own weight.
 struct FieldAction {
   glm::dvec3 stored{0.0, 0.0, 0.0};        // N, minus the gradient of `potential`
-  glm::dvec3 source{0.0, 0.0, 0.0};        // N, of what can give energy without end
-  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, by which time alone has changed `source` since `timeBefore`
+  glm::dvec3 source{0.0, 0.0, 0.0};        // N, of non-conservative terms, which can give energy without end
+  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, change of `source` since `timeBefore` by time alone
   glm::dvec3 damping{0.0, 0.0, 0.0};       // N, against the velocity
-  double potential = 0.0;                  // J; beyond the region or range it is constant
-  double dampingRate = 0.0;                // N·s/m, the most along any direction
-  bool limited = false;  // maxForce cut the gradient short: what is stored is then not exact
+  double potential = 0.0;                  // J; constant beyond the region or range
+  double dampingRate = 0.0;                // N·s/m, the greatest along any direction
+  bool limited = false;  // maxForce cut the gradient short, so the stored energy is not exact
 };
 
-/// Where the hand is and what it does, in the field's frame.
+/// State of the hand in the field's frame.
 struct FieldQuery {
   glm::dvec3 position{0.0, 0.0, 0.0};  // m
   glm::dvec3 velocity{0.0, 0.0, 0.0};  // m/s, relative to the field
@@ -30,12 +30,12 @@ struct FieldQuery {
   double timeBefore = 0.0;             // s, of the last tick
 };
 
-/// One field made ready. Only the constructor allocates; the field must outlive this.
+/// One field, preprocessed. Only the constructor allocates; the field must outlive this object.
 class FieldForce {
  public:
   explicit FieldForce(const assets::ForceField& field);
 
-  /// The action at a place. `at` is the parameter on the field's path (see path()), unused without one.
+  /// The action at a place. `at` is the parameter on the field's path (see path()), unused without a path.
   FieldAction act(const FieldQuery& query, double at) const;
 
   const assets::ForceField& field() const { return *field_; }
@@ -56,13 +56,12 @@ class FieldForce {
 
   const assets::ForceField* field_;
   std::optional<FieldPath> path_;
-  double atRange_ =
-      0.0;  // J, what the law without range holds where its fade begins, less what the one with it does
-  double gauge_ = 0.0;  // J, taken off the potential so that a region's border draws inwards
+  // J: potential of the law without range at the start of its fade, less that of the law with the fade.
+  double atRange_ = 0.0;
+  double gauge_ = 0.0;  // J, offset of the potential, such that a region's border draws inwards
 };
 
-/// A waveform's value in -1..1 at a time in s; 0 before its start, after its stop, and at a time that is not
-/// finite.
+/// Value of a waveform in -1..1 at a time in s; 0 before its start, after its stop, and at a non-finite time.
 double waveformValue(const assets::FieldWaveform& waveform, double time);
 
 /// Weight of a region at a place, 0..1, and its gradient in 1/m.

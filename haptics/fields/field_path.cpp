@@ -10,8 +10,8 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr int kSamples = 8;         // a piece, for the search over the whole curve
-constexpr double kStep = 1.0 / 16;  // of a piece, downhill
+constexpr int kSamples = 8;         // per piece, for the search over the whole curve
+constexpr double kStep = 1.0 / 16;  // of a piece, per step of descent
 constexpr int kSteps = 32;
 constexpr int kRootSteps = 60;
 constexpr double kRootTolerance = 1e-13;  // of a piece
@@ -44,13 +44,13 @@ FieldPath::FieldPath(const std::vector<glm::dvec3>& points, bool smooth, bool cl
     length_ += glm::distance(point(static_cast<double>(i) / kSamples), point((i + 1.0) / kSamples));
 }
 
-/// With the ball around its corners as a Bezier curve, which hold it.
+/// Adds the ball around its corners as a Bezier curve, which contains the piece.
 void FieldPath::addPiece(Piece p) {
   const glm::dvec3 end = p.c0 + p.c1 + p.c2 + p.c3;
   p.centre = 0.5 * (p.c0 + end);
   for (const glm::dvec3& corner : {p.c0, p.c0 + p.c1 / 3.0, p.c0 + (2.0 * p.c1 + p.c2) / 3.0, end})
     p.radius = std::max(p.radius, glm::distance(p.centre, corner));
-  p.radius *= 1.0 + 1e-9;  // rounding must not leave anything out
+  p.radius *= 1.0 + 1e-9;  // margin for rounding
   pieces_.push_back(p);
 }
 
@@ -60,7 +60,7 @@ double FieldPath::wrapped(double at) const {
   return at < 0.0 ? at + pieces() : at;
 }
 
-/// The piece that holds a parameter, which becomes the parameter within the piece.
+/// The piece that contains a parameter, which becomes the parameter within that piece.
 const FieldPath::Piece& FieldPath::pieceAt(double& at) const {
   at = wrapped(at);
   const auto i = std::min(static_cast<std::size_t>(at), pieces_.size() - 1);
@@ -87,7 +87,7 @@ double FieldPath::slope(const glm::dvec3& x, double at) const {
 }
 
 double FieldPath::nearest(const glm::dvec3& x) const {
-  // No piece whose ball begins beyond where another's ends can hold the nearest place.
+  // A piece whose ball begins beyond the far end of another's cannot hold the nearest place.
   double reach = 1e300;
   for (const Piece& piece : pieces_) reach = std::min(reach, glm::distance(piece.centre, x) + piece.radius);
   double best = 0.0, least = 1e300;
@@ -105,8 +105,8 @@ double FieldPath::nearest(const glm::dvec3& x) const {
   return follow(x, best);
 }
 
-/// Where the slope is zero between two parameters at which its signs differ: the Illinois variant of the
-/// false position (Dowell & Jarratt 1971).
+/// Zero of the slope between two parameters with opposite signs: the Illinois variant of the false position
+/// method (Dowell & Jarratt 1971).
 double FieldPath::rootBetween(const glm::dvec3& x, double a, double b) const {
   double atA = slope(x, a), atB = slope(x, b), last = a;
   int side = 0;
@@ -134,7 +134,7 @@ double FieldPath::follow(const glm::dvec3& x, double from) const {
   const double first = slope(x, here);
   if (first == 0.0) return here;
   const double step = first > 0.0 ? -kStep : kStep;
-  // A closed curve goes on past its first point; there the parameter leaves 0..pieces() until the end.
+  // A closed curve continues past its first point; its parameter may leave 0..pieces() during the search.
   for (int i = 0; i < kSteps; ++i) {
     double next = here + step;
     if (!closed_) next = std::clamp(next, 0.0, pieces());

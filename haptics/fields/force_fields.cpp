@@ -26,7 +26,8 @@ void ForceFields::forgetHand() {
   for (Entry& entry : entries_) entry.known = false;
 }
 
-/// Follows the path from where the hand was on it; out of reach of its force, any place may be the next.
+/// Follows the path from the hand's last place on it; beyond the reach of the force any place may be the
+/// next.
 void ForceFields::findPlace(Entry& entry, const glm::dvec3& x) {
   const FieldPath& path = *entry.law.path();
   if (entry.known) {
@@ -68,7 +69,7 @@ void ForceFields::addEntry(Entry& entry, const ContactWorld& world, const Device
   sum.damping += worldFromField.orientation * action.damping * entry.weight;
   sum.dampingRate += action.dampingRate * entry.weight;
   sum.limited = sum.limited || action.limited;
-  // What a potential loses the hand gets, however coarse the ticks; what moves the field adds its own work.
+  // The hand receives what a potential loses, however coarse the ticks; a moving field adds its own work.
   if (entry.known) sum.work += entry.weight * (entry.potential - action.potential);
   sum.work += settings.dt * (glm::dot(stored, carried) + glm::dot(source, device.twist.linear));
   entry.potential = action.potential;

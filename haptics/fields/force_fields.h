@@ -14,43 +14,43 @@
 
 namespace tandem::haptics {
 
-/// What all fields together do to the hand in one tick.
+/// Combined action of all fields on the hand in one tick.
 struct FieldForces {
   glm::dvec3 force{0.0, 0.0, 0.0};         // N, world axes, at the device's tip, before the output's limits
-  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, by which time alone has changed the force since the last tick
-  double sourcePower = 0.0;  // W, what the fields by their laws gave the hand since the last tick
-  std::uint32_t flags = 0;   // kFlagOverflow, kFlagFieldLimited
+  glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, change of the force since the last tick by time alone
+  double sourcePower = 0.0;                // W, power that the fields' laws gave the hand since the last tick
+  std::uint32_t flags = 0;                 // kFlagOverflow, kFlagFieldLimited
 };
 
-/// What holds for all fields.
+/// Parameters of all fields.
 struct FieldSettings {
   double dt = 1e-3;            // s
-  double fadeTime = 0.3;       // s, over which a field comes or goes that the hand takes hold of
+  double fadeTime = 0.3;       // s, fade of a field when the hand takes or releases its part
   double dampingLimit = 10.0;  // N·s/m, of all dampers together
-  PartId held = kNoPart;       // its own fields do not act on the hand that holds it
+  PartId held = kNoPart;       // the fields of a part do not act on the hand that holds it
 };
 
 class ForceFields {
  public:
-  /// The scene must outlive this. Fields beyond kMaxForceFields are left out, which step() flags.
+  /// The scene must outlive this object. Fields beyond kMaxForceFields are ignored, which step() flags.
   explicit ForceFields(const assets::Scene& scene);
 
   bool empty() const { return entries_.empty(); }
 
-  /// The forces on a hand with this reading, which must be valid, at a time in s of the session's clock.
+  /// The forces on a hand with this valid reading, at a time in s of the session's clock.
   FieldForces step(const ContactWorld& world, const DeviceSample& device, double time,
                    const FieldSettings& settings);
-  /// There was no reading: paths are found anew at the next one, and no work is counted until then.
+  /// Notes a tick without a reading: the next one searches paths anew, and no work is counted until then.
   void forgetHand();
 
  private:
   struct Entry {
     explicit Entry(const assets::ForceField& field) : law(field) {}
     FieldForce law;
-    double at = 0.0;         // on the path
+    double at = 0.0;         // parameter on the path
     double potential = 0.0;  // J, of the last tick
     double weight = 1.0;     // 0..1
-    bool known = false;      // at and potential are of the last tick
+    bool known = false;      // at and potential are those of the last tick
   };
   struct Sum;
 

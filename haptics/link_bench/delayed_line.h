@@ -18,13 +18,13 @@ struct Network {
   double packetPeriod = 4e-3;             // s
   std::function<double(double)> delayAt;  // instead of `delay`
   double blackoutAt = 1e9, blackoutFor = 0.0;
-  bool burst = true;     // what was held back comes when the blackout ends; else it is lost
+  bool burst = true;     // packets held back arrive when the blackout ends; else they are lost
   bool shuffled = true;  // jitter may reorder; else packets that overtake are held back
 
   double delayNow(double now) const { return delayAt ? delayAt(now) : delay; }
 };
 
-/// Delays, loses, doubles and reorders packets, by a seed.
+/// Delays, loses, duplicates and reorders packets, by a seed.
 template <typename Packet>
 class DelayedLine {
  public:
@@ -43,7 +43,7 @@ class DelayedLine {
     }
   }
 
-  /// Calls take(packet) for all that arrive.
+  /// Calls take(packet) for all packets that arrive.
   template <typename Take>
   void deliver(double now, const Take& take) {
     for (std::size_t i = 0; i < flying_.size();) {
@@ -82,7 +82,7 @@ class DelayedLine {
 
 using LinkLine = DelayedLine<haptics::LinkPacket>;
 
-/// When a packet is due, so that their mean rate is exact whatever the tick.
+/// Send schedule of packets whose mean rate is exact at any tick.
 class PacketClock {
  public:
   explicit PacketClock(double period) : period_(period) {}

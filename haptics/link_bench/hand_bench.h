@@ -1,7 +1,7 @@
 #pragma once
 
-// People at their sites who hold one part, on virtual time: arms with six axes, what their devices are sent, and the
-// accounts of it. What is between their devices a derived class says.
+// People at their sites who hold one part, on virtual time: six-axis arms, the commands of their devices, and
+// their energy accounts. A derived class defines the connection between the devices.
 
 #include <array>
 #include <functional>
@@ -19,7 +19,8 @@ struct BenchSite {
 
 class HandBench {
  public:
-  /// Where the hand of a site wants to be at a time: way from its start; angles times SixAxisArm::kLever.
+  /// Intended displacement of the hand of a site from its start at a time; angles are times
+  /// SixAxisArm::kLever.
   using Intent = std::function<haptics::SixAxes(double, int)>;
 
   virtual ~HandBench() = default;
@@ -27,7 +28,7 @@ class HandBench {
   HandBench& operator=(const HandBench&) = delete;
 
   void step(const Intent& intent);
-  /// Until `time`; false when a part has gone astray.
+  /// Runs until `time`; false when a part has diverged.
   bool runTo(double time, const Intent& intent);
 
   struct Site {
@@ -41,7 +42,7 @@ class HandBench {
     double push = 0.0;                      // N, of the wall
     Pose centre() const { return centreOf(body); }
     haptics::Coupling grip(const haptics::CouplingGains& gains) const;
-    /// Of the device from where the part seen here is held, m.
+    /// Distance of the device from the grip on the locally seen part, m.
     double offGrip() const;
   };
   Site& site(std::size_t i) { return sites_[i]; }
@@ -53,8 +54,8 @@ class HandBench {
   double turnGap(std::size_t i, std::size_t j) const;
   bool astray() const;
 
-  double mostCreated = 0.0;  // J, at all device ports together beyond what came in
-  double mostInLinks = 0.0;  // J, the most that any link has given and may still give beyond what it took
+  double mostCreated = 0.0;  // J, created at all device ports together
+  double mostInLinks = 0.0;  // J, the most that any link has given and may still give beyond its input
 
  protected:
   HandBench(const std::vector<BenchSite>& sites, const Block& block);

@@ -70,7 +70,7 @@ Twist stepHeld(haptics::RigidBody& body, std::span<const haptics::Coupling> grip
   haptics::CoupledStep step =
       haptics::coupleBody(body, {couplings.data(), 1 + grips.size()}, load.held, {}, kTick);
   Wrench rest = load.held;
-  std::size_t count = 1;  // of the couplings that are not at their limit
+  std::size_t count = 1;  // couplings below their limit
   for (std::size_t i = 0; i < grips.size(); ++i) {
     const haptics::CouplingForce& grip = step.couplings[1 + i];
     const Wrench wanted = grip.onHand(step.freeVelocity, step.freeSpin);
@@ -79,7 +79,7 @@ Twist stepHeld(haptics::RigidBody& body, std::span<const haptics::Coupling> grip
       couplings[count++] = grips[i];
       continue;
     }
-    // What the device cannot give the part must not get either.
+    // The part receives no more than the device can deliver.
     rest.force -= onHands[i].force;
     rest.torque -= onHands[i].torque + glm::cross(grip.arm, onHands[i].force);
   }

@@ -15,7 +15,7 @@ void LinkBench::makeEnds() {
   const double delay = setup_.network.delayNow(0.0);
   const int lines = static_cast<int>(sites_.size()) - 1;
   if (lines > 1) {
-    const double late = 1.15 * delay + 0.008;  // about what the ends will find
+    const double late = 1.15 * delay + 0.008;  // estimate of the play-out delay
     setup_.link.impedance = haptics::lineImpedance(setup_.link.impedance, late, lines);
     setup_.link.softImpedance = haptics::lineImpedance(setup_.link.softImpedance, late, lines);
   }

@@ -1,6 +1,7 @@
 #pragma once
 
-// Sites that hold one part across a modelled network: a grasp and a replica each, tied from site 0 to all others.
+// Sites that hold one part across a modelled network: a grasp and a replica each, with site 0 tied to all
+// others.
 
 #include <memory>
 #include <vector>

@@ -1,6 +1,6 @@
 #pragma once
 
-// A person's arm on a device, in six axes: as simulated_hand.h has it along three.
+// A person's arm on a device in six axes; simulated_hand.h is the same model in three.
 
 #include "haptics/base/six_axes.h"
 #include "haptics/operator/simulated_hand.h"
@@ -9,20 +9,20 @@ namespace tandem::bench {
 
 inline constexpr double kTick = 1e-3;  // s
 
-/// A firm arm; the relaxed one is ArmParameters{}. As fitted in the laboratory experiments on one axis.
+/// A firm arm; ArmParameters{} is the relaxed one. Fitted in laboratory experiments on one axis.
 inline haptics::ArmParameters firmArm() { return {1.5, 300.0, 12.0, 800.0, 10.0}; }
 inline haptics::ArmParameters relaxedArm() { return {}; }
-/// Holds on, but is easily led.
+/// An arm that holds on but is easily led.
 inline haptics::ArmParameters lightArm() { return {1.46, 4.88, 4.5, 375.0, 7.9}; }
 
-/// SimulatedHand's two masses in six axes: an angle counts as the way at the end of kLever, on the hand, the grip and the
+/// SimulatedHand's two masses in six axes. kLever converts angles to lengths for the hand, the grip and the
 /// device alike.
 class SixAxisArm {
  public:
   static constexpr double kLever = 0.07;  // m: the wrist of a firm arm holds 1.5 N m/rad
 
   SixAxisArm(const haptics::ArmParameters& arm, const Pose& start);
-  /// Advances a tick under a held command. The target is the start pose after `way`.
+  /// Advances a tick under a held command. The target is the start pose displaced by `way`.
   void step(const haptics::SixAxes& way, const haptics::SixAxes& velocity,
             const haptics::SixAxes& acceleration, const Wrench& command);
   void letGo() { held_ = false; }
@@ -43,7 +43,7 @@ class SixAxisArm {
   double given_ = 0.0;
 };
 
-/// What a device gives of a wrench.
+/// The wrench that a device delivers of a requested one.
 Wrench withinLimits(const Wrench& onHand);
 
 }  // namespace tandem::bench

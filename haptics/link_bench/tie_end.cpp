@@ -10,7 +10,8 @@ void PlainSpringEnd::receive(const haptics::LinkPacket& packet) {
   heard_ = true;
 }
 
-/// The spring at the end of the step (backward Euler), as hands are coupled to parts: what is wrong with it is the delay.
+/// The spring acts at the end of the step (backward Euler), like the coupling of a hand to a part, so its
+/// only flaw is the delay.
 haptics::LinkPull PlainSpringEnd::pull(double, const Pose& worldFromCentre, const Twist&) {
   if (!heard_) return {{}, kDrag, kDrag * lever_ * lever_};
   const SixAxes force =

@@ -1,6 +1,6 @@
 #pragma once
 
-// One end of what ties two replicas of a part across the network, as LinkBench drives it.
+// One end of a tie between two replicas of a part across the network, as LinkBench drives it.
 
 #include <functional>
 #include <memory>
@@ -13,25 +13,25 @@ class TieEnd {
  public:
   virtual ~TieEnd() = default;
   virtual void receive(const haptics::LinkPacket& packet) = 0;
-  /// Begins a tick, as CoordinationLink::pull(), and ends it.
+  /// pull() and settle() begin and end a tick, like those of CoordinationLink.
   virtual haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) = 0;
   virtual void settle(const Pose& worldFromCentre, const Twist& twist) = 0;
   virtual haptics::LinkPacket packet(double now) = 0;
 
   /// Mass that the tie itself adds to the part, kg.
   virtual double lineMass() const { return 0.0; }
-  /// There is no tie at this delay: the replica is as heavy as the part.
+  /// No tie exists at this delay: the replica has the whole mass of the part.
   virtual bool apart() const { return false; }
-  /// s, by which the peer is played out late.
+  /// Play-out delay of the peer, s.
   virtual double delay() const { return 0.0; }
   virtual haptics::LinkAccount account() const { return {}; }
 };
 
-/// Makes an end for a way of `delay` s.
+/// Makes an end for a network delay of `delay` s.
 using TieMaker =
     std::function<std::unique_ptr<TieEnd>(const haptics::LinkParameters& parameters, double delay)>;
 
-/// The link that sessions use.
+/// The coordination link of sessions.
 class LinkEnd : public TieEnd {
  public:
   LinkEnd(const haptics::LinkParameters& parameters, double delay) : link_(parameters) {
@@ -54,8 +54,8 @@ class LinkEnd : public TieEnd {
   haptics::CoordinationLink link_;
 };
 
-/// A spring and a damper to where the peer's replica was when it was last heard of: what a link is compared with. Stable
-/// only while stiffness times delay is small against the damping around it.
+/// A spring and damper to the last known pose of the peer's replica, the baseline for a link. Stable only
+/// while stiffness times delay is small against the damping around it.
 class PlainSpringEnd : public TieEnd {
  public:
   struct Gains {

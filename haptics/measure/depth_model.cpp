@@ -17,10 +17,10 @@ namespace {
 
 using assets::kNone;
 
-constexpr double kSharp = 0.5;          // rad, for the welding only: nothing here reads the flags
-constexpr std::size_t kMaxBorder = 64;  // corners of a facet; with more its triangles stand for themselves
+constexpr double kSharp = 0.5;          // rad, for the welding only: the flags are not read here
+constexpr std::size_t kMaxBorder = 64;  // corners of a facet; a larger facet keeps its triangles
 constexpr std::array<glm::dvec3, 3> kRays{
-    // no direction that a part's faces or edges are likely to have
+    // A direction that faces and edges of a part are unlikely to have.
     glm::dvec3{0.4827134, 0.6193018, 0.6194272}, glm::dvec3{-0.7071823, 0.1293711, -0.6950937},
     glm::dvec3{0.2313971, -0.8811737, 0.4123391}};
 
@@ -62,7 +62,7 @@ class DepthModelBuilder {
     return glm::cross(at(c[1]) - at(c[0]), at(c[2]) - at(c[0]));
   }
 
-  /// Triangles that lie in one plane with the largest among them, and are connected.
+  /// Collects connected triangles that are coplanar with the largest among them.
   void growPatches() {
     const auto count = static_cast<std::uint32_t>(mesh_.triangles.size());
     std::vector<double> areas(count);
@@ -126,7 +126,7 @@ class DepthModelBuilder {
     return borders_[edge].a == vertex ? borders_[edge].b : borders_[edge].a;
   }
 
-  /// Whether the border goes straight on at a vertex and nothing else meets there.
+  /// Whether the border continues straight at a vertex and nothing else meets there.
   bool goesOn(std::uint32_t v) const {
     if (degree_[v] != 2) return false;
     const glm::dvec3 before = at(across(edgesOf_[v][0], v)), after = at(across(edgesOf_[v][1], v));
@@ -134,7 +134,7 @@ class DepthModelBuilder {
            distanceToSegment(at(v), before, after) <= tolerance_;
   }
 
-  /// Joins border edges in one line to chains; marks the vertices where lines end.
+  /// Joins collinear border edges to chains; marks the vertices where lines end.
   void chainBorders() {
     isCorner_.assign(mesh_.positions.size(), false);
     for (std::uint32_t v = 0; v < isCorner_.size(); ++v) isCorner_[v] = degree_[v] > 0 && !goesOn(v);
@@ -154,14 +154,14 @@ class DepthModelBuilder {
     }
   }
 
-  /// Convex, or an end of the surface; of a surface without an inside every edge.
+  /// Convex edges and borders; every edge of a surface without an inside.
   bool isRidge(const Border& border) const {
     if (!model_.solid_ || border.other == kNone) return true;
     const glm::dvec3 turn = glm::cross(patchNormals_[border.patch], patchNormals_[border.other]);
     return glm::dot(turn, at(border.b) - at(border.a)) > 0.0;
   }
 
-  /// Splits a chain until each line stands for its points within the tolerance (Douglas & Peucker 1973).
+  /// Splits a chain until each line represents its points within the tolerance (Douglas & Peucker 1973).
   void addLines(const std::vector<std::uint32_t>& chain, std::size_t first, std::size_t last,
                 std::uint32_t edge) {
     std::size_t worst = first;

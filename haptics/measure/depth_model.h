@@ -1,10 +1,10 @@
 #pragma once
 
-// A mesh as the measurement of penetration sees it: the same surface in fewer and larger pieces.
+// A mesh for the measurement of penetration: the same surface in fewer and larger pieces.
 //
-// 1. Triangles that lie in one plane are one facet, edges in one line are one ridge; what is left out lies within
-//    tolerance() of what stands for it.
-// 2. Immutable after construction; keeps nothing of the mesh it was made from. Not for ticks: it allocates.
+// 1. Coplanar triangles form one facet, collinear edges one ridge; what is left out lies within tolerance()
+//    of what represents it.
+// 2. Immutable after construction; keeps no reference to the mesh. Not for ticks: it allocates.
 
 #include <cstdint>
 #include <memory>
@@ -28,7 +28,7 @@ class DepthModel {
   DepthModel(const DepthModel&) = delete;
   DepthModel& operator=(const DepthModel&) = delete;
 
-  /// Every edge joins two triangles that are oriented alike: it has an inside.
+  /// Whether every edge joins two consistently oriented triangles, so that the surface has an inside.
   bool solid() const { return solid_; }
   /// Diagonal of the bounds, m.
   double size() const { return size_; }
@@ -42,16 +42,17 @@ class DepthModel {
   /// Unit, outwards where the mesh is solid.
   const glm::dvec3& normal(std::uint32_t facet) const { return normals_[facet]; }
 
-  /// An upper bound of the distance from p to the surface that is a convex function of p: the distance to a facet.
+  /// An upper bound of the distance from p to the surface that is convex in p: the distance to a facet.
   double distanceToFacet(std::uint32_t facet, const glm::dvec3& p) const;
   /// Whether a point of a facet's plane lies within its border.
   bool withinFacet(std::uint32_t facet, const glm::dvec3& p) const;
 
-  /// Where a segment crosses the surface, in no order; see SegmentTree.
+  /// Crossings of a segment with the surface, unordered; see SegmentTree.
   void crossings(const glm::dvec3& from, const glm::dvec3& to, std::vector<SegmentCrossing>& found) const {
     segments_->crossings(from, to, found);
   }
-  /// Whether p is inside the solid: by the nearest facet where that lies under p, else by the majority of rays.
+  /// Whether p is inside the solid: by the nearest facet where that lies under p, else by the majority of
+  /// rays.
   bool inside(const glm::dvec3& p, const MeshPoint& nearest) const;
   bool inside(const glm::dvec3& p) const;
 
@@ -64,7 +65,7 @@ class DepthModel {
   double size_ = 0.0;
   assets::Mesh surface_;                // of the facets, without topology
   std::vector<std::uint32_t> facetOf_;  // of a triangle of surface_
-  std::vector<std::uint32_t> facets_;   // where each one's corners begin in border_; one more at the end
+  std::vector<std::uint32_t> facets_;   // start of each facet's corners in border_; one more at the end
   std::vector<std::uint32_t> border_;   // corners, counter-clockwise
   std::vector<glm::dvec3> normals_;
   std::vector<DepthRidge> ridges_;

@@ -14,7 +14,7 @@ constexpr int kMaxSplits = 4000;     // of one search
 
 }  // namespace
 
-/// A part of a triangle with an upper bound of how deep it is.
+/// A piece of a triangle with an upper bound of its depth.
 struct FaceDepth::Piece {
   std::array<glm::dvec3, 3> corners;  // body frame
   double bound = 0.0;
@@ -49,8 +49,8 @@ void FaceDepth::lookBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& de
   }
 }
 
-/// The depth changes no faster than the place, and the distance to one facet is a convex function, which is largest
-/// at a corner.
+/// The depth has slope 1 at most, and the distance to one facet is a convex function, which is largest at a
+/// corner.
 void FaceDepth::measure(Piece& piece, DeepestPoint& deepest) const {
   const glm::dvec3 middle = (piece.corners[0] + piece.corners[1] + piece.corners[2]) / 3.0;
   double radius = 0.0, toFacet = 0.0;

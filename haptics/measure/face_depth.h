@@ -1,6 +1,6 @@
 #pragma once
 
-// How deep the faces of one part are in another (the body). For penetration.cpp.
+// Depth of the faces of one part in another (the body), used by penetration.cpp.
 
 #include <vector>
 
@@ -13,11 +13,11 @@ class FaceDepth {
   FaceDepth(const DepthModel& faces, const DepthModel& body, const Pose& bodyFromFaces)
       : faces_(faces), body_(body), bodyFromFaces_(bodyFromFaces) {}
 
-  /// Looks at the middle of the places where ridges of the body come through a facet, for what is deeper than
-  /// `deepest`. Sorts `crossed`, whose points are in the faces' frame.
+  /// Tests the middle of the places where ridges of the body cross a facet for a point deeper than `deepest`.
+  /// Sorts `crossed`, whose points are in the faces' frame.
   void lookBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& deepest) const;
 
-  /// Searches all faces for what is deeper, within 1 % of the depth, unless 4000 pieces do not tell.
+  /// Searches all faces for a deeper point, within 1 % of the depth, or until 4000 pieces are used up.
   void search(DeepestPoint& deepest) const;
 
  private:

@@ -1,6 +1,6 @@
 #pragma once
 
-// How deep one part is in the others of a scene, exactly. For tests and measurements, never within a tick: it
+// Exact depth of one part in the other parts of a scene. For tests and measurements, never within a tick: it
 // allocates, takes milliseconds, and makes the models of neighbours when they first come near.
 
 #include <memory>
@@ -13,21 +13,21 @@ namespace tandem::haptics {
 
 class TickState;
 
-/// The deepest place, and in which part.
+/// The deepest point and the part that contains it.
 struct HeldPartDepth : PenetrationDepth {
-  PartId other = kNoPart;  // kNoPart: it is in none
+  PartId other = kNoPart;  // kNoPart: in none
 };
 
-/// Follows one part against all that its collision filter lets it touch. Keeps a reference to the scene.
+/// Tracks one part against all parts that its collision filter lets it touch. Keeps a reference to the scene.
 class HeldPartDepthMeter {
  public:
   HeldPartDepthMeter(const ContactScene& scene, PartId held);
   ~HeldPartDepthMeter();
   HeldPartDepthMeter(HeldPartDepthMeter&&) noexcept;
 
-  /// With all parts where the state's last tick left them.
+  /// Depth with all parts in their poses after the state's last tick.
   HeldPartDepth measure(const TickState& state);
-  /// `worldFromPart`: one pose a part.
+  /// `worldFromPart` holds one pose per part.
   HeldPartDepth measure(const std::vector<Pose>& worldFromPart);
 
  private:

@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-/// Deeper than this share of the smaller part, faces may be deeper than edges, and are searched all over.
+/// Fraction of the smaller part beyond which faces may be deeper than edges and are searched everywhere.
 constexpr double kDeep = 5e-3;
 
 }  // namespace
@@ -47,9 +47,9 @@ PenetrationDepth PenetrationMeter::measure(const Pose& worldFromA, const Pose& w
   d.facetsOfB.clear();
   DeepestPoint ofA, ofB;
   d.aInB.measure(bFromA, ofA, d.facetsOfB);
-  ofB.depth = ofA.depth;  // only what is deeper matters
+  ofB.depth = ofA.depth;  // only a deeper point matters
   d.bInA.measure(aFromB, ofB, d.facetsOfA);
-  // From here on each looks for what is deeper than all before.
+  // From here on each search looks for a point deeper than all before.
   const auto better = [](DeepestPoint& mine, DeepestPoint& other, auto&& look) {
     mine.depth = std::max(mine.depth, other.depth);
     const double before = mine.depth;

@@ -43,7 +43,7 @@ void RidgeDepth::makeClusters() {
   const auto middle = [&](std::uint32_t r) {
     return 0.5 * (corners[ridges[r].from] + corners[ridges[r].to]);
   };
-  // Long ridges apart from short ones, whose balls are to be small.
+  // Long ridges are separate from short ones, to keep the balls of short ridges small.
   const auto octave = [&](std::uint32_t r) {
     return std::ilogb(glm::length(corners[ridges[r].from] - corners[ridges[r].to]) + 1e-300);
   };
@@ -122,7 +122,7 @@ void RidgeDepth::measure(const Pose& bodyFromProbe, DeepestPoint& deepest,
       parent_[corner] = corner;
     }
   }
-  // What was deepest in the last call likely is again, and then spares most others a closer look.
+  // The deepest point of the last call is likely deepest again, and then prunes most others.
   const auto last = std::find(near_.begin(), near_.end(), deepestRidge_);
   if (last != near_.end()) std::iter_swap(near_.begin(), last);
   for (const std::uint32_t ridge : near_) {
@@ -176,7 +176,7 @@ void RidgeDepth::measureRidge(std::uint32_t ridge, DeepestPoint& deepest,
   }
 }
 
-/// How far from the body's surface an interval can be at most.
+/// Upper bound of the distance of an interval from the body's surface.
 double RidgeDepth::bound(const Interval& interval) const {
   double least = 1e300;
   for (const std::uint32_t facet : {interval.fromFacet, interval.toFacet}) {
@@ -187,7 +187,7 @@ double RidgeDepth::bound(const Interval& interval) const {
   return least;
 }
 
-/// The body's point nearest to one of the interval; the facets where it begins and ends say how far to look.
+/// The body's point nearest to one of the interval; the facets at its ends bound the search.
 MeshPoint RidgeDepth::nearest(const glm::dvec3& p, const Interval& interval) const {
   double reach = 1e300;
   for (const std::uint32_t facet : {interval.fromFacet, interval.toFacet}) {
@@ -198,7 +198,7 @@ MeshPoint RidgeDepth::nearest(const glm::dvec3& p, const Interval& interval) con
   return found;
 }
 
-/// Ridges that cross nothing lie on one side with all that they join: one corner tells it for all of them.
+/// Ridges without crossings lie on one side with all that they join, so one corner decides for all of them.
 void RidgeDepth::findSides() {
   for (const bool last : {false, true}) {
     for (const std::uint32_t ridge : whole_) {
@@ -206,7 +206,7 @@ void RidgeDepth::findSides() {
       if (side_[representative] != kUnknown) continue;
       MeshPoint under;
       body_.tree().closestPoint(placed_[corner], 1e300, under);
-      // A corner that touches does not tell the side, unless all of them do.
+      // A corner that touches does not tell the side, unless all of them touch.
       if (under.distance <= tolerance_ && !last) continue;
       side_[representative] = body_.inside(placed_[corner], under) ? kInside : kOutside;
     }
@@ -223,7 +223,7 @@ void RidgeDepth::measureInside(const Interval& interval, DeepestPoint& deepest) 
   deepest = place;
 }
 
-/// An edge through a surface without an inside: at each crossing, the shorter of the ways out.
+/// An edge through a surface without an inside: at each crossing, the shorter way out counts.
 void RidgeDepth::measureOpen(const glm::dvec3& from, const glm::dvec3& to, DeepestPoint& deepest) const {
   DeepestPoint before;
   for (std::size_t i = 1; i < cuts_.size(); ++i) {
@@ -237,9 +237,9 @@ void RidgeDepth::measureOpen(const glm::dvec3& from, const glm::dvec3& to, Deepe
   }
 }
 
-/// The largest distance from the body's surface along an interval, within the tolerance if it is more than `enough`;
-/// else some distance below that. Branch and bound: the distance changes no faster than the place, and the distance
-/// to a single facet is a convex function, which is largest at a stretch's ends.
+/// The largest distance from the body's surface along an interval, within the tolerance if it exceeds
+/// `enough`, else some distance below that. Branch and bound: the distance has slope 1 at most, and the
+/// distance to a single facet is a convex function, which is largest at a piece's ends.
 double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoint& place) const {
   std::vector<Stretch> open{{interval, 0.0, 0.0, 0.0}};
   const auto look = [&](const glm::dvec3& p, const Interval& within, double& distance, std::uint32_t& facet) {
@@ -252,7 +252,7 @@ double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoin
     const double length = glm::length(s.interval.to - s.interval.from);
     s.bound = std::min(0.5 * (s.fromDistance + s.toDistance + length), bound(s.interval));
   };
-  // Where the interval begins or ends at a crossing, it is on the surface.
+  // An interval that begins or ends at a crossing is on the surface there.
   Stretch& whole = open.front();
   Interval& ends = whole.interval;
   if (ends.fromFacet == kNoFacet) look(ends.from, interval, whole.fromDistance, ends.fromFacet);

@@ -1,6 +1,6 @@
 #pragma once
 
-// How deep the ridges of one part (the probe) are in another (the body), everything in the body's frame. For
+// Depth of the ridges of one part (the probe) in another (the body), in the body's frame, used by
 // penetration.cpp.
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace tandem::haptics {
 
-/// The deepest place found so far.
+/// The deepest point found so far.
 struct DeepestPoint {
   double depth = 0.0;
   glm::dvec3 point{0.0, 0.0, 0.0};    // body frame
@@ -19,7 +19,7 @@ struct DeepestPoint {
   bool found = false;
 };
 
-/// A part of the body's facet that the probe's ridges cross.
+/// A point where the probe's ridges cross a facet of the body.
 struct CrossedFacet {
   std::uint32_t facet = 0;
   glm::dvec3 point{0.0, 0.0, 0.0};  // body frame
@@ -29,11 +29,11 @@ class RidgeDepth {
  public:
   RidgeDepth(const DepthModel& probe, const DepthModel& body);
 
-  /// Looks for places deeper than `deepest`, which it replaces. Adds to `crossed` where ridges come through.
+  /// Searches for points deeper than `deepest` and replaces it. Appends the crossings of ridges to `crossed`.
   void measure(const Pose& bodyFromProbe, DeepestPoint& deepest, std::vector<CrossedFacet>& crossed);
 
  private:
-  /// Ridges near each other, within a ball.
+  /// Nearby ridges within a ball.
   struct Cluster {
     std::uint32_t first = 0, count = 0;  // into order_
     glm::dvec3 centre{0.0, 0.0, 0.0};    // probe frame
@@ -43,12 +43,12 @@ class RidgeDepth {
     double at = 0.0;  // travelled_ when that was measured
   };
   static constexpr std::uint32_t kNoFacet = 0xffffffffu;
-  /// Where a ridge crosses the body's surface.
+  /// A crossing of a ridge with the body's surface.
   struct Cut {
     double t = 0.0;
     std::uint32_t facet = kNoFacet;
   };
-  /// A part of a ridge that does not cross the body's surface, and the body's facets nearest to its ends, if known.
+  /// A piece of a ridge without crossings, and the body's facets nearest to its ends, if known.
   struct Interval {
     glm::dvec3 from, to;  // body frame
     std::uint32_t fromFacet = kNoFacet, toFacet = kNoFacet;
@@ -76,16 +76,16 @@ class RidgeDepth {
   Pose pose_;
   bool posed_ = false;
   std::uint32_t deepestRidge_ = kNoFacet;  // of the last call
-  double travelled_ = 0.0;  // m, the most that any point of the probe has gone in the body's frame
+  double travelled_ = 0.0;  // m, upper bound of the path of any point of the probe in the body's frame
   glm::dvec3 centre_{0.0, 0.0, 0.0};
   double radius_ = 0.0;  // of the probe around centre_
 
-  // Of one call.
+  // Scratch of one call.
   std::vector<glm::dvec3> placed_;      // corners, body frame
   std::vector<std::uint8_t> side_;      // of corners
   std::vector<std::uint32_t> near_;     // ridges that may matter
   std::vector<std::uint32_t> whole_;    // of these, the ones that cross nothing
-  std::vector<std::uint32_t> parent_;   // union of corners that whole ridges join
+  std::vector<std::uint32_t> parent_;   // union-find of corners joined by whole ridges
   std::vector<SegmentCrossing> found_;  // of one ridge
   std::vector<Cut> cuts_;               // of one ridge: its ends and crossings, sorted
 };

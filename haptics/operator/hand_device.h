@@ -1,9 +1,9 @@
 #pragma once
 
-// What every device with a simulated hand has in common: the hand is advanced inside poll() by the time that
-// has passed, under the force last applied, towards a target that the derived class names.
+// Base of all devices with a simulated hand: poll() advances the hand by the elapsed time under the last
+// applied force towards a target from the derived class.
 //
-// Threads: poll() and apply() from the servo thread; what a derived class takes from elsewhere comes by
+// Threads: poll() and apply() from the servo thread; a derived class receives data from other threads by
 // triple buffer.
 
 #include <atomic>
@@ -13,11 +13,11 @@
 
 namespace tandem::haptics {
 
-/// Seconds after which a device that has heard no force sends zero by itself.
+/// Seconds without a force after which a device sends zero by itself.
 inline constexpr double kForceWatchdog = 0.05;
 
-/// The time to integrate for a poll at `now` after one at `last`: never negative, and a program that stood
-/// still for long does not make its hand leap (at most 20 ms).
+/// Time to integrate for a poll at `now` after one at `last`: never negative, and at most 20 ms, so that the
+/// hand does not leap after a long pause of the program.
 double pollInterval(double last, double now);
 
 /// Whether every number of a target is finite and its orientation is a unit quaternion.
@@ -31,23 +31,23 @@ class HandDevice : public Device {
   DeviceSample poll(double now) override;
   void apply(const Wrench& toHand) override;
 
-  /// The hand itself, for measures; servo thread, or any thread while no loop runs.
+  /// The hand itself, for measurements; servo thread, or any thread while no loop runs.
   const SimulatedHand& hand() const { return hand_; }
 
  protected:
   HandDevice(const Pose& worldFromStart, const ArmParameters& arm, const SimulatedDeviceParameters& device,
              double workspaceRadius);
 
-  /// Called once a poll, before the hand moves.
+  /// Runs once per poll, before the hand moves.
   virtual void beginPoll(double) {}
-  /// The target for the next `dt` seconds; called for each step.
+  /// The target for the next `dt` seconds; runs for each step.
   virtual HandTarget nextTarget(double dt) = 0;
   virtual std::uint32_t pressedButtons() const = 0;
-  /// What the device's motors make of the force that was asked for, N, for the next `dt` seconds.
+  /// The force that the device's motors deliver for the requested one, N, over the next `dt` seconds.
   virtual glm::dvec3 actuated(const glm::dvec3& force, double) { return force; }
-  /// Called after each step of `dt` seconds: mechanical stops, readings of one's own.
+  /// Runs after each step of `dt` seconds: mechanical stops, sensor readings.
   virtual void afterStep(SimulatedHand&, double) {}
-  /// The reading that poll() hands out, without the buttons.
+  /// The reading that poll() returns, without the buttons.
   virtual DeviceSample reading(double now) const { return hand_.sample(now); }
 
  private:

@@ -22,8 +22,8 @@ glm::dquat aboutZ(double angle) { return {std::cos(0.5 * angle), 0.0, 0.0, std::
 
 glm::dquat forearmTurn(const glm::dvec3& arm) { return aboutY(-arm.x) * aboutX(-arm.z); }
 
-/// The angles a, b, c of R_y(a) R_x(b) R_z(c). Where b is a right angle only a - c or a + c is known: a is 0
-/// then.
+/// The angles a, b, c of R_y(a) R_x(b) R_z(c). At a right angle b only a - c or a + c is determined; a is
+/// then 0.
 glm::dvec3 gimbalAngles(const glm::dquat& turn) {
   const glm::dmat3 m = glm::mat3_cast(turn);
   const double sine = std::clamp(-m[2].y, -1.0, 1.0);
@@ -33,7 +33,7 @@ glm::dvec3 gimbalAngles(const glm::dquat& turn) {
 
 double rounded(double angle, double step) { return step > 0.0 ? step * std::round(angle / step) : angle; }
 
-/// The largest share s <= 1 of `wanted` for which |base + s wanted| <= limit; `base` itself is within it.
+/// The largest factor s <= 1 for which |base + s wanted| <= limit; `base` itself is within it.
 double shareWithin(double base, double wanted, double limit) {
   if (std::abs(base + wanted) <= limit) return 1.0;
   return std::clamp((std::copysign(limit, wanted) - base) / wanted, 0.0, 1.0);
@@ -69,7 +69,8 @@ void ImpedanceArm::angularJacobian(const ArmJoints& joints, glm::dmat3& turned, 
   const glm::dquat forearm = forearmTurn(joints.arm);
   const glm::dquat yawed = forearm * aboutY(joints.gimbal.x);
   const glm::dquat pitched = yawed * aboutX(joints.gimbal.y);
-  // The upper arm does not turn the stylus: the parallelogram keeps the forearm where its own motor holds it.
+  // The upper arm does not rotate the stylus: the parallelogram keeps the forearm at the angle of its own
+  // motor.
   turned = {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.0), base * glm::dvec3(-1.0, 0.0, 0.0)};
   gimballed = {forearm * glm::dvec3(0.0, 1.0, 0.0), yawed * glm::dvec3(1.0, 0.0, 0.0),
                pitched * glm::dvec3(0.0, 0.0, 1.0)};
@@ -90,7 +91,7 @@ ArmJoints ImpedanceArm::jointsFor(const Pose& baseFromTip) const {
   const glm::dvec3 d = baseFromTip.position - p_.origin;
   const double reach = std::hypot(d.x, d.z);
   const double l1 = p_.upperArm, l2 = p_.forearm;
-  // Two links in a plane, elbow up; the angle between them is -pi/2 when q2 = q3.
+  // Planar two-link inverse kinematics, elbow up; the angle between the links is -pi/2 when q2 = q3.
   const double cosine = (reach * reach + d.y * d.y - l1 * l1 - l2 * l2) / (2.0 * l1 * l2);
   const double bend = -std::acos(std::clamp(cosine, -1.0, 1.0));
   const double lift = std::atan2(d.y, reach) - std::atan2(l2 * std::sin(bend), l1 + l2 * std::cos(bend));
@@ -131,7 +132,8 @@ ArmCommand ImpedanceArm::command(const glm::dvec3& arm, const glm::dvec3& force,
   glm::dvec3 base(0.0);
   double share = 1.0;
   for (int i = 0; i < 3; ++i) {
-    // Full current while the winding is cool, down to what it can bear for ever as its heat nears that level.
+    // The limit falls from the full current of a cool winding to the continuous current as the heat nears
+    // that level.
     const double cool = std::clamp(10.0 * (1.0 - heat[i] / heldSquare), 0.0, 1.0);
     const double limit = motor * (p_.heldCurrent + cool * (p_.peakCurrent - p_.heldCurrent));
     base[i] = std::clamp(held[i], -limit, limit);

@@ -1,12 +1,11 @@
 #pragma once
 
-// An impedance device of the class of a desktop arm (Phantom Omni, Geomagic Touch): three motors on the base
-// that move two links, and a gimbal without motors that senses how the stylus is turned. Pure: no clock, no
-// bus. A driver of a real arm puts its encoder counts in and sends the currents out; SimulatedArm does both
-// by itself.
+// Impedance device of the class of a desktop arm (Phantom Omni, Geomagic Touch): three motors on the base
+// move two links, and an unactuated gimbal senses the orientation of the stylus. Pure: no clock, no bus. A
+// driver of a real arm supplies encoder counts and sends the currents; SimulatedArm does both itself.
 //
-// Base axes: x right, y up, z to the user. Both links are driven from the base (parallelogram), so q2 and q3
-// are angles against the horizontal and the vertical, not against each other.
+// Base axes: x right, y up, z towards the user. Both links are driven from the base (parallelogram), so q2
+// and q3 are angles to the horizontal and the vertical, not to each other.
 //
 //   r = L1 cos q2 + L2 sin q3             tip = origin + (-r sin q1,  L1 sin q2 - L2 cos q3,  r cos q1)
 //   tau = J^T F     I = tau / (N k_t)     det J = +-r L1 L2 cos(q2 - q3)
@@ -28,14 +27,14 @@ struct ArmJoints {
 
 /// Geometry from Silva et al. 2009, joint ranges from published URDF models of the Touch; forces, mass and
 /// resolution from the data sheet. The sheet names no motor: k_t is that of the Maxon RE 25 class, N a usual
-/// cable reduction, and the currents are what 3.3 N and 0.88 N then take at the nominal pose.
+/// cable reduction, and the currents are those that 3.3 N and 0.88 N then require at the nominal pose.
 struct ImpedanceArmParameters {
   double upperArm = 0.135, forearm = 0.135;  // m: L1, L2
   glm::dvec3 origin{0.0, 0.025, -0.17};      // m, base axes: where the axes of q1 and q2 cross
 
   glm::dvec3 lowest{-0.98, 0.0, -0.81};  // rad: of q1, q2 and q3 - q2
   glm::dvec3 highest{0.98, 1.75, 1.25};  // rad
-  double highestForearm = 2.5;  // rad: of q3 itself; a housing in the way of the tip before the axis of q1
+  double highestForearm = 2.5;           // rad: of q3 itself; the housing stops the tip before the axis of q1
   glm::dvec3 nominal{0.0, 0.785, 0.785};  // rad: q in the middle of the workspace
 
   double countsPerTurn = 15422.0;  // of a motor joint: 0.055 mm at the end of one link
@@ -44,7 +43,7 @@ struct ImpedanceArmParameters {
   double torqueConstant = 0.0234;  // N·m/A: k_t
   double reduction = 10.0;         // N
   double peakCurrent = 2.7;        // A
-  double heldCurrent = 0.72;       // A, for as long as one likes
+  double heldCurrent = 0.72;       // A, continuous
   double windingTime = 20.0;       // s: time constant of the winding's temperature
   double maxForce = 3.3;           // N at the tip
 
@@ -54,12 +53,12 @@ struct ImpedanceArmParameters {
   bool compensateGravity = true;
 };
 
-/// What the motors are told, and what becomes of it.
+/// Motor command and its effect.
 struct ArmCommand {
-  glm::dvec3 torque{0.0, 0.0, 0.0};   // N·m at the joints, as the motors give it
+  glm::dvec3 torque{0.0, 0.0, 0.0};   // N·m at the joints, delivered
   glm::dvec3 current{0.0, 0.0, 0.0};  // A
-  glm::dvec3 force{0.0, 0.0, 0.0};    // N at the tip, base axes: what the hand feels
-  bool saturated = false;             // the force asked for was shortened
+  glm::dvec3 force{0.0, 0.0, 0.0};    // N at the tip, base axes, felt by the hand
+  bool saturated = false;             // the requested force was shortened
 };
 
 class ImpedanceArm {
@@ -72,31 +71,32 @@ class ImpedanceArm {
 
   /// d tip / d q, m/rad: column i for motor joint i. Analytic.
   glm::dmat3 jacobian(const glm::dvec3& arm) const;
-  /// How the stylus turns, base axes, rad/rad: `turned` for the motor joints, `gimballed` for the gimbal's.
+  /// Rotation of the stylus, base axes, rad/rad: `turned` by the motor joints, `gimballed` by the gimbal's
+  /// joints.
   void angularJacobian(const ArmJoints& joints, glm::dmat3& turned, glm::dmat3& gimballed) const;
 
-  /// |det J| / (L1 L2 (L1 + L2)): 0 where the arm is stretched, folded or over its own axis; Yoshikawa's
-  /// measure without a unit.
+  /// Manipulability |det J| / (L1 L2 (L1 + L2)), Yoshikawa's measure made dimensionless: 0 where the arm is
+  /// stretched, folded or over its own axis.
   double manipulability(const glm::dvec3& arm) const;
 
-  /// The joints that put the tip there, each stopped at its range. A point out of reach gives the joints that
-  /// point at it.
+  /// Inverse kinematics, each joint stopped at its range. A point out of reach gives the joints that point at
+  /// it.
   ArmJoints jointsFor(const Pose& baseFromTip) const;
   glm::dvec3 withinRange(const glm::dvec3& arm) const;
 
   /// J^T F.
   glm::dvec3 torqueOf(const glm::dvec3& arm, const glm::dvec3& force) const;
-  /// The tip force that balances joint torques, J^-T tau; near a singularity by damped least squares
-  /// (Nakamura & Hanafusa 1986), so it stays bounded and loses only the direction that the arm cannot push.
+  /// Tip force that balances joint torques, J^-T tau. Near a singularity damped least squares (Nakamura &
+  /// Hanafusa 1986) keep it bounded; it loses only the direction in which the arm cannot push.
   glm::dvec3 forceOf(const glm::dvec3& arm, const glm::dvec3& torque) const;
 
-  /// Torque in N·m that the links' weight puts on the joints: -dU/dq.
+  /// Torque in N·m of the links' weight on the joints: -dU/dq.
   glm::dvec3 gravityTorque(const glm::dvec3& arm) const;
 
-  /// The command for a force in N (base axes). Shortened, its direction kept, to maxForce and to the currents
-  /// that each motor may have now; compensation of gravity is served first. `heat` is the filtered squared
-  /// current of each motor, A^2, advanced by dt (s): a motor that was driven hard falls back from peakCurrent
-  /// to heldCurrent. A force that is not finite counts as zero.
+  /// Command for a force in N (base axes), shortened without a change of direction to maxForce and to the
+  /// present current limit of each motor; gravity compensation is served first. `heat` is the filtered
+  /// squared current of each motor, A^2, advanced by dt (s): a motor that was driven hard falls back from
+  /// peakCurrent to heldCurrent. A non-finite force counts as zero.
   ArmCommand command(const glm::dvec3& arm, const glm::dvec3& force, glm::dvec3& heat, double dt) const;
 
   /// As the encoders read them.

@@ -1,26 +1,25 @@
 #pragma once
 
-// A person's arm and hand on an impedance device, as a model: two masses a translational axis (arm, device)
-// joined by the grip, driven by the target that the person has in mind. Used by simulations, tests, and -
-// with the mouse as the target - by the virtual stylus that needs no hardware.
+// Model of a person's arm and hand on an impedance device: two masses per translational axis (arm, device)
+// joined by the grip, driven by the target that the person intends. Used by simulations and tests, and, with
+// the mouse as the target, by the virtual stylus, which needs no hardware.
 //
 //   arm:     m_a a_a = k (x_target - x_a) + b (v_target - v_a) + m_a a_target - F_grip
-//   grip:    F_grip = k_g (x_a - x_d) + b_g (v_a - v_d)          (zero once the person has let go of the
-//   stylus) device:  m_d a_d = F_grip + F_command - b_d v_d - F_c tanh(v_d / 1 mm/s)
+//   grip:    F_grip = k_g (x_a - x_d) + b_g (v_a - v_d)      (zero once the person has let go of the stylus)
+//   device:  m_d a_d = F_grip + F_command - b_d v_d - F_c tanh(v_d / 1 mm/s)
 //
-// The commanded force is held over a tick; the reading is quantised; each tick is integrated in ten
-// semi-implicit steps. Orientation follows the target with a first-order lag of 50 ms: torque does not move
-// it.
+// The commanded force is held over a tick, the reading is quantised, and each tick is integrated in ten
+// semi-implicit steps. Orientation follows the target with a first-order lag of 50 ms and ignores torque.
 //
-// A hand that has let go goes on following its target; taking hold again, the grip pulls the device to it, so
-// bring the target back to the device first.
+// A hand that has let go still follows its target. When it takes hold again the grip pulls the device towards
+// it, so the caller first moves the target back to the device.
 
 #include "assets/base/pose.h"
 #include "haptics/base/device.h"
 
 namespace tandem::haptics {
 
-/// `force` shortened to at most `limit` in length; zero when it is not finite.
+/// `force` shortened to a length of at most `limit`; zero for a non-finite force.
 glm::dvec3 limited(const glm::dvec3& force, double limit);
 
 /// A person's arm. Defaults: a relaxed adult arm.
@@ -41,7 +40,7 @@ struct SimulatedDeviceParameters {
   double forceMax = 3.3;      // N
 };
 
-/// What the person aims at.
+/// The state that the person intends.
 struct HandTarget {
   Pose worldFromTarget;
   glm::dvec3 velocity{0.0, 0.0, 0.0};      // m/s
@@ -54,19 +53,19 @@ class SimulatedHand {
   SimulatedHand(const ArmParameters& arm, const SimulatedDeviceParameters& device,
                 const Pose& worldFromStart);
 
-  /// Advances by dt seconds (1 ms is what the model was fitted at) under a target and a commanded force in N,
-  /// which is clamped to forceMax; a force that is not finite counts as zero. dt > 0.
+  /// Advances by dt > 0 seconds (the model was fitted at 1 ms) under a target and a commanded force in N,
+  /// clamped to forceMax; a non-finite force counts as zero.
   void step(const HandTarget& target, const glm::dvec3& commandedForce, double dt);
 
-  /// Puts the device's tip back to where a mechanical stop holds it, m, and takes its speed away from there:
-  /// no bounce, so energy is only lost. The next step goes on from there.
+  /// Puts the device's tip where a mechanical stop holds it, m, and removes its speed: an inelastic stop,
+  /// which only loses energy. The next step continues from there.
   void stopAt(const glm::dvec3& position);
 
-  /// The device's reading: quantised position, velocity by a filtered difference of readings, as a driver has
-  /// it.
+  /// Reading of the device: quantised position, and velocity by a filtered difference of readings as in a
+  /// driver.
   DeviceSample sample(double now) const;
 
-  /// True device pose and velocity, m and m/s, for measures that must not see the quantisation.
+  /// True device pose and velocity, m and m/s, for measurements without quantisation.
   const Pose& devicePose() const { return worldFromDevice_; }
   const glm::dvec3& deviceVelocity() const { return deviceVelocity_; }
   const Pose& armPose() const { return worldFromArm_; }

@@ -8,7 +8,7 @@ namespace {
 
 constexpr double kSmoothing = 0.02;  // s: reports come every 4 to 16 ms
 
-/// Steadier and better damped than a relaxed arm, as for the mouse: no weight of a real arm would calm it.
+/// Steadier and better damped than a relaxed arm, as for the mouse, because no real arm's mass steadies it.
 constexpr ArmParameters kArm{
     .mass = 0.5, .stiffness = 300.0, .damping = 20.0, .gripStiffness = 800.0, .gripDamping = 10.0};
 
@@ -34,8 +34,8 @@ HandTarget SteeredHand::nextTarget(double dt) {
   twist_.angular += share * (wanted_.angular - twist_.angular);
   target_ = integrate(target_, twist_, dt);
 
-  // A hand that a surface holds back pulls its target along: a deflection is a push of bounded force, not a
-  // wind-up.
+  // A hand held back by a surface pulls its target along: a deflection is a push of bounded force and does
+  // not wind up.
   const glm::dvec3 here = hand().devicePose().position;
   const glm::dvec3 ahead = target_.position - here;
   const double leash = HandDevice::limits().maxForce / kArm.stiffness;

@@ -1,7 +1,7 @@
 #pragma once
 
-// A hand that is steered by speed: deflection is velocity, as seen on the screen. Common to input devices
-// whose motors, if any, cannot push the hand: the force acts on a simulated hand, which therefore stops at
+// Hand steered by rate control: deflection is velocity, as seen on the screen. Common to input devices whose
+// motors, if any, cannot push the hand. The force acts on a simulated hand, which therefore stops at
 // surfaces.
 //
 // Threads: setView() from one thread, any time; the rest from the servo thread.
@@ -11,24 +11,24 @@
 
 namespace tandem::haptics {
 
-/// What the viewer decides: which way is right on the screen, and how large the scene is.
+/// View parameters: the orientation of the screen and the size of the scene.
 struct SteeringView {
   glm::dquat worldFromView{1.0, 0.0, 0.0, 0.0};
-  double maxSpeed = 0.15;  // m/s at full deflection; about the scene's size a second
+  double maxSpeed = 0.15;  // m/s at full deflection; about the scene's size per second
 };
 
 class SteeredHand : public HandDevice {
  public:
-  /// Not finite or not a unit quaternion: ignored.
+  /// Ignored if not finite or without a unit quaternion.
   void setView(const SteeringView& view);
 
-  /// Forces move the simulated hand only: actuatedAxes is 0 although maxForce is not.
+  /// Forces move only the simulated hand: actuatedAxes is 0 although maxForce is not.
   DeviceLimits limits() const override;
 
  protected:
   explicit SteeredHand(const Pose& worldFromStart);
 
-  /// The speed wanted from now on, world; smoothed over 20 ms on its way to the hand.
+  /// Sets the wanted velocity, world; it reaches the hand smoothed over 20 ms.
   void steer(const Twist& wanted) { wanted_ = wanted; }
   const SteeringView& view() { return view_.latest(); }
 

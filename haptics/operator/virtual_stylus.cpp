@@ -6,8 +6,8 @@
 namespace tandem::haptics {
 namespace {
 
-/// One axis vector of a critically damped follower: `offset` from the target and its rate, after dt. Exact
-/// solution.
+/// Exact solution of a critically damped follower after dt, for one vector: `offset` from the target and its
+/// rate.
 void settle(glm::dvec3& offset, glm::dvec3& rate, double omega, double dt) {
   const glm::dvec3 lead = (rate + omega * offset) * dt;
   const double decay = std::exp(-omega * dt);
@@ -19,7 +19,7 @@ void settle(glm::dvec3& offset, glm::dvec3& rate, double omega, double dt) {
 
 void PoseFilter::step(const Pose& target, double time, double maxSpeed, double dt) {
   const double omega = 1.0 / time;
-  // From rest at distance d the follower's greatest speed is omega d / e: a nearer target limits the speed
+  // From rest at distance d the follower's peak speed is omega d / e, so a nearer target limits the speed
   // smoothly.
   glm::dvec3 offset = limited(pose_.position - target.position, 2.0 * maxSpeed / omega);
   const glm::dvec3 aim = pose_.position - offset;

@@ -1,12 +1,12 @@
 #pragma once
 
-// A stylus that mouse and keyboard move: a simulated hand on a simulated desktop arm. Needs no hardware.
+// Stylus moved by mouse and keyboard: a simulated hand on a simulated desktop arm, without hardware.
 //
-// The mouse speaks at 60 Hz: its target passes a critically damped filter, so that position, velocity and
-// acceleration that reach the hand have no steps at 1 kHz. The hand then meets the applied force as a
-// person's would: pressing against a wall, it stops there.
+// The mouse reports at 60 Hz. Its target passes a critically damped filter, so that the position, velocity
+// and acceleration that reach the hand have no steps at 1 kHz. The hand then responds to the applied force
+// like a person's: pressed against a wall, it stops there.
 //
-// Threads: setTarget(), setButtons() from one thread (the window's); poll() and apply() from the servo
+// Threads: setTarget() and setButtons() from one thread (the window's); poll() and apply() from the servo
 // thread.
 
 #include "haptics/base/triple_buffer.h"
@@ -18,14 +18,14 @@ struct VirtualStylusSettings {
   double smoothingTime = 0.03;   // s: the filter's 1/omega
   double maxSpeed = 2.0;         // m/s of the target; scale it with a scene much larger than a table
   double workspaceRadius = 0.2;  // m, as reported in limits()
-  // A steadier, better damped arm than a relaxed adult's: a mouse has no weight that would calm it.
+  // Steadier and better damped than a relaxed adult's arm, because a mouse has no mass that would steady it.
   ArmParameters arm{
       .mass = 0.5, .stiffness = 300.0, .damping = 20.0, .gripStiffness = 800.0, .gripDamping = 10.0};
   SimulatedDeviceParameters device;
 };
 
-/// A pose that follows another one critically damped. Pure; exact for a target that stands still, stable for
-/// every dt.
+/// A pose that follows another one with critical damping. Pure; exact for a resting target, stable for every
+/// dt.
 class PoseFilter {
  public:
   explicit PoseFilter(const Pose& start) : pose_(start) {}
@@ -33,7 +33,7 @@ class PoseFilter {
   /// Advances by dt s towards `target` with time constant `time` (s) and at most `maxSpeed` (m/s).
   void step(const Pose& target, double time, double maxSpeed, double dt);
 
-  /// Puts the filter at rest somewhere.
+  /// Puts the filter at rest at a pose.
   void reset(const Pose& pose);
 
   const Pose& pose() const { return pose_; }
@@ -52,7 +52,7 @@ class VirtualStylus : public HandDevice {
 
   std::string name() const override { return "stylus"; }
 
-  /// Where the mouse points, world. Not finite: ignored. Orientation is normalised.
+  /// Pose at which the mouse points, world. Ignored if not finite; the orientation is normalised.
   void setTarget(const glm::dvec3& worldPosition,
                  const glm::dquat& orientation = glm::dquat(1.0, 0.0, 0.0, 0.0));
   /// Bit 0 grasps, bit 1 is the clutch.

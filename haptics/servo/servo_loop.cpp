@@ -60,8 +60,8 @@ int becomeRealtime() {
 
 /// Locks the process into memory; 0 or the error number.
 int lockMemory() {
-  // Under a limit, MCL_FUTURE would make later allocations of the whole program fail: take it only without
-  // one.
+  // Under a memory limit MCL_FUTURE would make later allocations of the whole program fail, so it is used
+  // only without one.
   rlimit limit{};
   const bool unlimited =
       geteuid() == 0 || (getrlimit(RLIMIT_MEMLOCK, &limit) == 0 && limit.rlim_cur == RLIM_INFINITY);
@@ -69,8 +69,8 @@ int lockMemory() {
   return mlockall(MCL_CURRENT | MCL_FUTURE | MCL_ONFAULT) == 0 ? 0 : errno;
 }
 
-/// The last door before the device: whatever the callback returned, the device gets a finite wrench within
-/// its limits.
+/// Final check before the device: whatever the callback returned, the device gets a finite wrench within its
+/// limits.
 Wrench safeWrench(const Wrench& wrench, const DeviceLimits& limits) {
   if (!isFinite(wrench.force) || !isFinite(wrench.torque)) return {};
   return {limited(wrench.force, limits.maxForce), limited(wrench.torque, limits.maxTorque)};

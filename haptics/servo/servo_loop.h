@@ -1,13 +1,13 @@
 #pragma once
 
-// The 1 kHz thread: poll the device, call the tick, apply the force, note the times.
+// Servo loop: the 1 kHz thread that polls the device, calls the tick, applies the force and records the
+// times.
 //
-// 1. Nothing in the loop allocates, locks or logs; SCHED_FIFO and mlockall are tried once and reported, never
-// required.
-// 2. A late wake-up is counted and the schedule moves on (no burst of catch-up ticks).
+// 1. Nothing in the loop allocates, locks or logs. SCHED_FIFO and mlockall are tried once and reported, never
+//    required.
+// 2. A late wake-up is counted and the schedule moves on, without a burst of catch-up ticks.
 // 3. On stop, and while the callback overruns its period too often (servo_schedule.h), the device gets zero
-// force. A
-//    wrench that is not finite counts as zero; one above the device's limits is shortened to them.
+//    force. A non-finite wrench counts as zero; one above the device's limits is shortened to them.
 
 #include <array>
 #include <atomic>
@@ -21,7 +21,7 @@
 
 namespace tandem::haptics {
 
-/// What the loop has seen so far; readable from any thread.
+/// Statistics of the loop so far; readable from any thread.
 struct ServoStatistics {
   std::uint64_t ticks = 0;
   std::uint64_t late = 0;        // woken more than half a period late
@@ -32,33 +32,33 @@ struct ServoStatistics {
   double period_us_p99 = 0.0, period_us_max = 0.0;
   bool realtime = false;  // SCHED_FIFO granted
   bool memoryLocked = false;
-  std::string note;  // why not, in words
+  std::string note;  // why not, as text
 };
 
 class ServoLoop {
  public:
   static constexpr double kUsualRate = 1000.0;  // Hz
-  /// Given a reading, the wrench to apply. `now` is seconds on the loop's monotonic clock
+  /// Returns the wrench to apply for a reading. `now` is seconds on the loop's monotonic clock
   /// (std::chrono::steady_clock).
   using Callback = std::function<Wrench(const DeviceSample& sample, double now)>;
 
-  /// The same for two devices of one person, polled and driven in one thread.
+  /// Callback for two devices of one person, polled and driven in one thread.
   using PairCallback = std::function<std::array<Wrench, 2>(const std::array<DeviceSample, 2>&, double now)>;
 
   ServoLoop(Device& device, Callback callback, double rate = kUsualRate);
   ServoLoop(Device& device, Device& second, PairCallback callback, double rate = kUsualRate);
   ~ServoLoop();  // stops
 
-  /// Starts the thread; nothing happens when it runs already. The device must be open.
+  /// Starts the thread, unless it runs already. The device must be open.
   void start();
-  /// Ends the thread and leaves the device at zero force. Idempotent.
+  /// Stops the thread and leaves the device at zero force. Idempotent.
   void stop();
   ServoStatistics statistics() const;
 
   /// Compute time of recent ticks for a live plot, us, oldest first; any thread.
   std::array<float, 256> recentComputeTimes() const;
 
-  /// Seconds on the clock that callbacks and samples use.
+  /// Seconds on the clock of callbacks and samples.
   static double now();
 
  private:

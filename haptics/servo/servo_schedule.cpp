@@ -16,8 +16,8 @@ ServoSchedule::ServoSchedule(std::int64_t start_ns, std::int64_t period_ns)
 std::int64_t ServoSchedule::advance(std::int64_t done_ns) {
   deadline_ns_ += period_ns_;
   if (done_ns <= deadline_ns_) return 0;
-  // The first grid point that is not yet over: a burst of catch-up ticks would feed the device forces of the
-  // past.
+  // The first grid point that is not yet over; a burst of catch-up ticks would send outdated forces to the
+  // device.
   const std::int64_t skipped = (done_ns - deadline_ns_ + period_ns_ - 1) / period_ns_;
   deadline_ns_ += skipped * period_ns_;
   return skipped;

@@ -1,7 +1,6 @@
 #pragma once
 
-// The bookkeeping of the servo loop, apart from the clock and the thread so that tests run it on virtual
-// times.
+// Bookkeeping of the servo loop, separate from clock and thread so that tests run it on virtual times.
 
 #include <array>
 #include <atomic>
@@ -11,7 +10,8 @@
 
 namespace tandem::haptics {
 
-/// When to wake. Deadlines stay on the grid start + n * period; periods that have already passed are skipped.
+/// Wake-up times. Deadlines stay on the grid start + n * period; periods that have already passed are
+/// skipped.
 class ServoSchedule {
  public:
   ServoSchedule(std::int64_t start_ns, std::int64_t period_ns);
@@ -21,8 +21,8 @@ class ServoSchedule {
   /// Notes a wake-up at `woken_ns` for the present deadline; true when it is more than half a period late.
   bool woke(std::int64_t woken_ns) const { return woken_ns - deadline_ns_ > period_ns_ / 2; }
 
-  /// Moves to the next deadline after `done_ns`, when the tick's work was done; returns how many periods are
-  /// skipped.
+  /// Moves to the next deadline after `done_ns`, the end of the tick's work; returns the number of skipped
+  /// periods.
   std::int64_t advance(std::int64_t done_ns);
 
  private:
@@ -30,8 +30,8 @@ class ServoSchedule {
   std::int64_t deadline_ns_;
 };
 
-/// Decides when a callback overruns its budget too often: at kLimit overruns within the last kWindow ticks it
-/// trips, and it clears after kWindow ticks in a row without one.
+/// Detects a callback that overruns its budget too often: it trips at kLimit overruns within the last kWindow
+/// ticks, and clears after kWindow consecutive ticks without one.
 class OverrunGuard {
  public:
   static constexpr int kWindow = 64;
@@ -46,17 +46,17 @@ class OverrunGuard {
   bool tripped_ = false;
 };
 
-/// Takes contact between parts less effort while ticks run short of their period, in this order: half the looks, a
-/// quarter of them and two steps, an eighth and one step. Parts then go less far in a tick than they could; what they
-/// touch stays exact. Effort is given back a stage at a time, once ticks have been short for kCalm of them.
+/// Lowers the effort of contact between parts while ticks are short of time, in stages: half the sample
+/// queries, a quarter of them and two steps, an eighth and one step. Parts then move less far in a tick;
+/// contacts stay exact. The effort returns stage by stage once ticks have been fast for kCalm of them.
 class EffortGuard {
  public:
   static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMostStages = 3;
   static constexpr double kShort = 0.7, kEasy = 0.35;  // of a period
 
-  /// Notes the share of its period that a tick took.
+  /// Notes the fraction of its period that a tick took.
   void note(double share);
-  /// What the next tick may spend, of what is set.
+  /// Fraction of the configured effort that the next tick may use.
   ContactEffort limited(ContactEffort set) const;
   int stage() const { return stage_; }
 
@@ -65,8 +65,8 @@ class EffortGuard {
   int stage_ = 0, calm_ = 0;
 };
 
-/// Durations from 0 to about 1 s in buckets of 1/16 of an octave (6 % wide): one thread records, any thread
-/// reads.
+/// Histogram of durations from 0 to about 1 s in buckets of 1/16 of an octave (6 % wide). One thread records,
+/// any thread reads.
 class DurationHistogram {
  public:
   void record(std::int64_t duration_ns);
