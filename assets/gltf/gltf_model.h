@@ -1,6 +1,7 @@
 #pragma once
 
-// The core sections of a glTF file as plain structs, read from JSON that has passed checkRules(). Images, textures,
+// The core sections of a glTF file as plain structs, read by tinygltf from JSON that has passed checkRules(). The one
+// source that knows tinygltf's model is gltf_model.cpp, for its header costs seconds to compile. Images, textures,
 // skins, animations and cameras say nothing about shape and are not here, so that a broken one never keeps a scene
 // from loading. For the loader's sources only.
 
@@ -85,7 +86,7 @@ struct GltfModel {
   std::vector<GltfMaterial> materials;
 };
 
-/// Reads the model; throws GltfError where a stride, a type or a colour is none that glTF knows.
-GltfModel readModel(JsonView document);
+/// Reads the model with tinygltf; throws GltfError where tinygltf refuses it.
+GltfModel readModel(const JsonTree& document);
 
 }  // namespace tandem::assets

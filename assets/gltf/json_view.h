@@ -1,7 +1,7 @@
 #pragma once
 
 // Parsed JSON behind an interface that does not show which library parses it: nlohmann/json costs seconds in every
-// source that includes it, so only json_view.cpp and gltf_rules.cpp do. For the loader's sources only.
+// source that includes it, so only json_view.cpp, gltf_rules.cpp and gltf_model.cpp do. For the loader's sources only.
 
 #include <cstdint>
 #include <memory>
@@ -62,6 +62,7 @@ class JsonTree {
 
   JsonView root() const { return JsonView(root_.get()); }
   nlohmann::json& mutableRoot() { return *root_; }
+  const nlohmann::json& library() const { return *root_; }
 
  private:
   std::unique_ptr<nlohmann::json> root_;

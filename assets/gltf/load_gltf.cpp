@@ -389,7 +389,7 @@ Scene buildScene(const std::string& name, GltfDocument& document, const LoadOpti
   checkOptions(options);
   if (options.progress) options.progress(0.05, "reading the file");
   refuseUnknownRequired(document);
-  document.model = readModel(document.json.root());
+  document.model = readModel(document.json);
   decodeMeshoptViews(document);
   Scene scene = SceneBuilder(document, options).build();
   scene.name = cleanText(name);
