@@ -196,16 +196,16 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["stalls"] = model.hand.stalls;
   json["compute_us"] = {
       {"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
-  const LinkStatistics link = site.linkStatistics();
-  json["round_trip_ms"] = link.roundTrip_ms;
-  json["loss_up"] = link.lossUp;
-  json["loss_down"] = link.lossDown;
-  json["play_out_ms"] = link.playOut_ms;
-  json["reconnects"] = link.reconnects;
-  json["sent"] = trafficJson(link.sent);
-  json["received"] = trafficJson(link.received);
-  json["dropped_states"] = link.droppedStates;
-  json["state_over_udp"] = model.link.stateOverUdp;
+  const ConnectionStatistics connection = site.connectionStatistics();
+  json["round_trip_ms"] = connection.roundTrip_ms;
+  json["loss_up"] = connection.lossUp;
+  json["loss_down"] = connection.lossDown;
+  json["play_out_ms"] = connection.playOut_ms;
+  json["reconnects"] = connection.reconnects;
+  json["sent"] = trafficJson(connection.sent);
+  json["received"] = trafficJson(connection.received);
+  json["dropped_states"] = connection.droppedStates;
+  json["state_over_udp"] = model.connection.stateOverUdp;
   json["flags_seen"] = flagNames(model.hand.flagsSeen);
   json["fault"] = nullptr;
   if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
@@ -315,7 +315,7 @@ class JoinRun {
     site_.update(model_);
     char text[80];
     std::snprintf(text, sizeof text, "%s: %.0f %%", what, 100.0 * done);
-    model_.link.status = text;
+    model_.connection.status = text;
     model_.notices = {{Notice::Level::info, 0.0, text}};
     ViewActions actions = viewer_->frame(model_);
     actions.stylusMoved = actions.stylusMoved || waiting_.stylusMoved;

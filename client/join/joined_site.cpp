@@ -20,8 +20,8 @@ constexpr double kNoticeLife = 8.0;                 // s
 constexpr std::size_t kPlotLength = 1000;           // ticks of force
 }  // namespace
 
-/// Notes what the link is told, for reports. Network thread; the lists are guarded by the site's mutex.
-class JoinedSite::Observer : public LinkObserver {
+/// Notes what the connection is told, for reports. Network thread; the lists are guarded by the site's mutex.
+class JoinedSite::Observer : public ConnectionObserver {
  public:
   explicit Observer(JoinedSite& site) : site_(site), start_(localNow()) {}
   void onOwnership(const PartRecord& record) override {
@@ -66,77 +66,80 @@ Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(const JoinOptions& options
 }
 
 Status JoinedSite::enterSession(const Progress& progress) {
-  SiteLinkOptions linkOptions;
-  linkOptions.name = options_.name;
-  linkOptions.colour = options_.colour;
-  linkOptions.token = options_.link.token;
-  linkOptions.rates.deadband = options_.deadband;
+  ConnectionOptions connectionOptions;
+  connectionOptions.name = options_.name;
+  connectionOptions.colour = options_.colour;
+  connectionOptions.token = options_.link.token;
+  connectionOptions.rates.deadband = options_.deadband;
   observer_ = std::make_unique<Observer>(*this);
-  link_ = std::make_unique<SiteLink>(linkOptions, [this]() -> Result<std::unique_ptr<Transport>> {
-    ConnectOptions connect;
-    connect.udp = options_.udp;
-    Result<std::unique_ptr<SocketTransport>> made =
-        connectTo(options_.link.host, options_.link.port, options_.link.pin, connect);
-    if (!made) return made.error();
-    return std::unique_ptr<Transport>(std::move(*made));
-  });
-  link_->setObserver(observer_.get());
+  connection_ =
+      std::make_unique<ServerConnection>(connectionOptions, [this]() -> Result<std::unique_ptr<Transport>> {
+        ConnectOptions connect;
+        connect.udp = options_.udp;
+        Result<std::unique_ptr<SocketTransport>> made =
+            connectTo(options_.link.host, options_.link.port, options_.link.pin, connect);
+        if (!made) return made.error();
+        return std::unique_ptr<Transport>(std::move(*made));
+      });
+  connection_->setObserver(observer_.get());
   const Micros deadline = localNow() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
-  while (link_->stage() == SiteLink::Stage::connecting || link_->stage() == SiteLink::Stage::entering) {
+  while (connection_->stage() == ServerConnection::Stage::connecting ||
+         connection_->stage() == ServerConnection::Stage::entering) {
     // Somebody who enters waits in front of the screen: what does not work at once is told at once.
-    if (!link_->reason().empty() || localNow() > deadline)
+    if (!connection_->reason().empty() || localNow() > deadline)
       return Error{options_.link.host + ":" + std::to_string(options_.link.port) + ": " +
-                   (link_->reason().empty() ? "no answer" : link_->reason())};
+                   (connection_->reason().empty() ? "no answer" : connection_->reason())};
     if (!progress(0.0, "entering the session")) return Error{"interrupted"};
     waitForNetwork();
-    link_->step(localNow());
+    connection_->step(localNow());
   }
-  if (link_->stage() == SiteLink::Stage::ended)
-    return Error{"the session refused this site: " + link_->reason()};
+  if (connection_->stage() == ServerConnection::Stage::ended)
+    return Error{"the session refused this site: " + connection_->reason()};
   return prepareScene(progress);
 }
 
 Status JoinedSite::fetch(const Progress& progress) {
-  const assets::ContentHash hash = link_->welcome().sceneHash;
-  link_->startTransfer(store_.beginning(hash));
+  const assets::ContentHash hash = connection_->welcome().sceneHash;
+  connection_->startTransfer(store_.beginning(hash));
   Micros lastProgress = localNow(), lastKept = lastProgress;
   double lastShare = -1.0;
-  while (link_->stage() != SiteLink::Stage::haveScene) {
-    if (link_->stage() == SiteLink::Stage::ended) return Error{"the session ended: " + link_->reason()};
-    if (link_->stage() == SiteLink::Stage::needScene)
-      link_->startTransfer(link_->scenePackage());  // reconnected
+  while (connection_->stage() != ServerConnection::Stage::haveScene) {
+    if (connection_->stage() == ServerConnection::Stage::ended)
+      return Error{"the session ended: " + connection_->reason()};
+    if (connection_->stage() == ServerConnection::Stage::needScene)
+      connection_->startTransfer(connection_->scenePackage());  // reconnected
     const Micros now = localNow();
-    const bool stopped = !progress(link_->transferProgress(), "fetching the scene");
-    if (link_->transferProgress() != lastShare) {
-      lastShare = link_->transferProgress();
+    const bool stopped = !progress(connection_->transferProgress(), "fetching the scene");
+    if (connection_->transferProgress() != lastShare) {
+      lastShare = connection_->transferProgress();
       lastProgress = now;
     }
     const bool stalled = now - lastProgress > kTransferPatience;
     if (stopped || stalled || now - lastKept > kKeepPeriod) {
       lastKept = now;
-      store_.keepBeginning(hash, link_->scenePackage());
+      store_.keepBeginning(hash, connection_->scenePackage());
     }
     if (stopped) return Error{"interrupted; the scene's transfer will go on from here next time"};
     if (stalled) return Error{"the scene's transfer stands still; it will go on from here next time"};
     waitForNetwork();
-    link_->step(now);
+    connection_->step(now);
   }
-  if (assets::contentHash(link_->scenePackage()) != hash) {
+  if (assets::contentHash(connection_->scenePackage()) != hash) {
     store_.forgetBeginning(hash);
     return Error{
         "the scene arrived damaged (its hash is not the announced one); enter again to fetch it anew"};
   }
-  store_.keep(hash, link_->scenePackage());
+  store_.keep(hash, connection_->scenePackage());
   return {};
 }
 
 Status JoinedSite::prepareScene(const Progress& progress) {
-  std::vector<std::byte> package = store_.find(link_->welcome().sceneHash);
+  std::vector<std::byte> package = store_.find(connection_->welcome().sceneHash);
   if (package.empty()) {
     if (Status fetched = fetch(progress); !fetched) return fetched;
-    package = link_->scenePackage();
+    package = connection_->scenePackage();
   } else {
-    link_->skipTransfer();
+    connection_->skipTransfer();
   }
   if (!progress(1.0, "preparing the scene")) return Error{"interrupted"};
   Result<assets::Scene> scene = assets::unpackScene(package);
@@ -145,12 +148,12 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   contact_ = std::make_unique<haptics::ContactScene>(scene_);
   exchange_ = std::make_unique<Exchange>();
   if (!options_.recordPath.empty()) {
-    Result<RecordingWriter> writer =
-        RecordingWriter::create(options_.recordPath, {link_->welcome().sceneHash, wireFrame(scene_.bounds)});
+    Result<RecordingWriter> writer = RecordingWriter::create(
+        options_.recordPath, {connection_->welcome().sceneHash, wireFrame(scene_.bounds)});
     if (!writer) return writer.error();
     recording_ = std::make_unique<RecordingWriter>(std::move(*writer));
-    link_->setRecording(recording_.get());
-    store_.keep(link_->welcome().sceneHash, package);  // a replay finds the scene by its hash
+    connection_->setRecording(recording_.get());
+    store_.keep(connection_->welcome().sceneHash, package);  // a replay finds the scene by its hash
   }
   settings_.parameters.gravity = scene_.gravity;
   return {};
@@ -172,9 +175,10 @@ Status JoinedSite::modelParts(const Progress& progress) {
   Micros nextShare = 0;
   while (made.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     waitForNetwork();
-    link_->step(localNow());
-    if (link_->stage() == SiteLink::Stage::needScene) link_->skipTransfer();  // came back after an outage
-    ended = link_->stage() == SiteLink::Stage::ended;
+    connection_->step(localNow());
+    if (connection_->stage() == ServerConnection::Stage::needScene)
+      connection_->skipTransfer();  // came back after an outage
+    ended = connection_->stage() == ServerConnection::Stage::ended;
     if (const Micros now = localNow(); now >= nextShare) {
       nextShare = now + kSharePeriod;
       share();  // who is here
@@ -182,7 +186,7 @@ Status JoinedSite::modelParts(const Progress& progress) {
     if (!stop && (ended || !progress(done, "making parts ready to collide"))) stop = true;
   }
   if (made.get()) return {};
-  return ended ? Error{"the session ended: " + link_->reason()} : Error{"interrupted"};
+  return ended ? Error{"the session ended: " + connection_->reason()} : Error{"interrupted"};
 }
 
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare,
@@ -197,7 +201,7 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
     haptics::fitToDevice(secondDevice_->limits(), 0.0, settings_.second);
   }
   exchange_->settings.write(settings_);
-  link_->sceneReady(scene_, *exchange_);
+  connection_->sceneReady(scene_, *exchange_);
   const auto tick = [this, prepare = std::move(prepare)](const haptics::DeviceSample& sample,
                                                          const haptics::DeviceSample* other, double now) {
     const double began = haptics::ServoLoop::now();
@@ -225,7 +229,7 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
 // ---- network thread ----
 
 void JoinedSite::waitForNetwork() {
-  if (auto* sockets = dynamic_cast<SocketTransport*>(link_->transport()))
+  if (auto* sockets = dynamic_cast<SocketTransport*>(connection_->transport()))
     sockets->wait(kNetworkPeriod);
   else
     std::this_thread::sleep_for(std::chrono::microseconds(kNetworkPeriod));
@@ -236,15 +240,15 @@ void JoinedSite::runNetwork() {
   while (!stop_) {
     waitForNetwork();
     const Micros now = localNow();
-    link_->step(now);
+    connection_->step(now);
     if (now < nextShare) continue;
     nextShare = now + kSharePeriod;
     share();
   }
   // A last word must leave before the socket goes.
-  if (link_->stage() != SiteLink::Stage::ended) link_->leave();
-  for (int i = 0; i < 20 && link_->transport(); ++i) {
-    link_->step(localNow());
+  if (connection_->stage() != ServerConnection::Stage::ended) connection_->leave();
+  for (int i = 0; i < 20 && connection_->transport(); ++i) {
+    connection_->step(localNow());
     waitForNetwork();
   }
   if (recording_)
@@ -259,13 +263,13 @@ void JoinedSite::share() {
   bool reset = false;
   {
     const std::lock_guard lock(mutex_);
-    shared_.sites = link_->sites();
+    shared_.sites = connection_->sites();
     shared_.owner.resize(scene_.parts.size());
     for (std::size_t i = 0; i < shared_.owner.size(); ++i)
-      shared_.owner[i] = link_->owner(static_cast<PartId>(i));
-    for (Notice& notice : link_->takeNotices()) shared_.notices.push_back(std::move(notice));
+      shared_.owner[i] = connection_->owner(static_cast<PartId>(i));
+    for (Notice& notice : connection_->takeNotices()) shared_.notices.push_back(std::move(notice));
     const TransportCounters before = shared_.statistics.transport;
-    shared_.statistics = link_->statistics();
+    shared_.statistics = connection_->statistics();
     const TransportCounters& after = shared_.statistics.transport;
     const auto rate = [](std::uint64_t now, std::uint64_t then, double& kbit_s) {
       const double present =
@@ -276,28 +280,28 @@ void JoinedSite::share() {
          shared_.sentKbit_s);
     rate(after.stateBytesIn + after.controlBytesIn, before.stateBytesIn + before.controlBytesIn,
          shared_.receivedKbit_s);
-    shared_.stage = link_->stage();
-    shared_.reason = link_->reason();
-    if (const auto* sockets = dynamic_cast<SocketTransport*>(link_->transport()))
+    shared_.stage = connection_->stage();
+    shared_.reason = connection_->reason();
+    if (const auto* sockets = dynamic_cast<SocketTransport*>(connection_->transport()))
       shared_.udp = sockets->stateOverUdp(0);
-    link_->setCamera(shared_.worldFromCamera);
+    connection_->setCamera(shared_.worldFromCamera);
     std::swap(revokes, shared_.revokes);
     std::swap(reset, shared_.resetParts);
   }
-  for (const PartId part : revokes) link_->revoke(part);
-  if (reset) link_->resetParts();
+  for (const PartId part : revokes) connection_->revoke(part);
+  if (reset) connection_->resetParts();
 }
 
 // ---- main thread ----
 
 bool JoinedSite::ended(std::string& reason) {
   const std::lock_guard lock(mutex_);
-  if (shared_.stage != SiteLink::Stage::ended) return false;
+  if (shared_.stage != ServerConnection::Stage::ended) return false;
   reason = shared_.reason;
   return true;
 }
 
-LinkStatistics JoinedSite::linkStatistics() {
+ConnectionStatistics JoinedSite::connectionStatistics() {
   const std::lock_guard lock(mutex_);
   return shared_.statistics;
 }
@@ -337,18 +341,18 @@ void JoinedSite::update(ViewModel& model) {
   model.owner.resize(scene_.parts.size(), kNoSite);
   for (const SiteView& site : model.sites)
     if (site.self) model.role = site.info.role;
-  model.link.connected = shared_.stage == SiteLink::Stage::ready;
-  model.link.status = model.link.connected                      ? "connected"
-                      : shared_.stage == SiteLink::Stage::ended ? "ended: " + shared_.reason
-                      : shared_.reason.empty()                  ? "connecting"
-                                                                : "reconnecting: " + shared_.reason;
-  model.link.roundTrip_ms = model.link.connected ? shared_.statistics.roundTrip_ms : 0.0;
-  model.link.lossUp = shared_.statistics.lossUp;
-  model.link.lossDown = shared_.statistics.lossDown;
-  model.link.playOut_ms = shared_.statistics.playOut_ms;
-  model.link.sentKbit_s = shared_.sentKbit_s;
-  model.link.receivedKbit_s = shared_.receivedKbit_s;
-  model.link.stateOverUdp = shared_.udp;
+  model.connection.connected = shared_.stage == ServerConnection::Stage::ready;
+  model.connection.status = model.connection.connected                        ? "connected"
+                            : shared_.stage == ServerConnection::Stage::ended ? "ended: " + shared_.reason
+                            : shared_.reason.empty()                          ? "connecting"
+                                                     : "reconnecting: " + shared_.reason;
+  model.connection.roundTrip_ms = model.connection.connected ? shared_.statistics.roundTrip_ms : 0.0;
+  model.connection.lossUp = shared_.statistics.lossUp;
+  model.connection.lossDown = shared_.statistics.lossDown;
+  model.connection.playOut_ms = shared_.statistics.playOut_ms;
+  model.connection.sentKbit_s = shared_.sentKbit_s;
+  model.connection.receivedKbit_s = shared_.receivedKbit_s;
+  model.connection.stateOverUdp = shared_.udp;
   for (Notice& notice : notices_) notice.age += elapsed;
   std::erase_if(notices_, [](const Notice& notice) { return notice.age > kNoticeLife; });
   for (Notice& notice : shared_.notices) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// A site that runs: servo thread (HandLoop on a device), network thread (SiteLink on sockets), and what the
+// A site that runs: servo thread (HandLoop on a device), network thread (ServerConnection on sockets), and what the
 // main thread needs to show and steer both. Main thread only, but for what its two threads do inside.
 
 #include <atomic>
@@ -15,7 +15,7 @@
 #include "client/hand/scripted_device.h"
 #include "client/join/scene_store.h"
 #include "client/session/exchange.h"
-#include "client/session/site_link.h"
+#include "client/session/server_connection.h"
 #include "client/session/view_model.h"
 #include "haptics/servo/servo_loop.h"
 #include "sync/transport/join_link.h"
@@ -62,8 +62,8 @@ class JoinedSite {
 
   const assets::Scene& scene() const { return scene_; }
   const haptics::ContactScene& contact() const { return *contact_; }
-  sync::Role role() const { return link_->welcome().role; }
-  SiteId id() const { return link_->welcome().site; }
+  sync::Role role() const { return connection_->welcome().role; }
+  SiteId id() const { return connection_->welcome().site; }
   /// Servo thread, once started.
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
 
@@ -88,7 +88,7 @@ class JoinedSite {
 
   /// The site is out of the session for good, and why.
   bool ended(std::string& reason);
-  LinkStatistics linkStatistics();
+  ConnectionStatistics connectionStatistics();
   haptics::ServoStatistics servoStatistics() const;
   std::vector<OwnershipNote> takeOwnershipNotes();
   std::vector<GrabNote> takeGrabNotes();
@@ -110,7 +110,7 @@ class JoinedSite {
   JoinOptions options_;
   SceneStore store_;
   std::unique_ptr<Observer> observer_;
-  std::unique_ptr<SiteLink> link_;  // network thread, once started
+  std::unique_ptr<ServerConnection> connection_;  // network thread, once started
   std::unique_ptr<sync::RecordingWriter> recording_;
   assets::Scene scene_;
   std::unique_ptr<haptics::ContactScene> contact_;
@@ -135,9 +135,9 @@ class JoinedSite {
     std::vector<SiteView> sites;
     std::vector<SiteId> owner;
     std::vector<Notice> notices;
-    LinkStatistics statistics;
+    ConnectionStatistics statistics;
     std::string reason;
-    SiteLink::Stage stage = SiteLink::Stage::connecting;
+    ServerConnection::Stage stage = ServerConnection::Stage::connecting;
     bool udp = true;
     double sentKbit_s = 0.0, receivedKbit_s = 0.0;
     // main -> network

@@ -46,8 +46,8 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
   if (!terminal_) {
     std::printf("%7.1f s  %s  %zu here  rtt %s ms  tick p99 %s us  force %.2f N  holds %s\n", elapsed,
-                model.link.status.c_str(), model.sites.size(),
-                figure(model.link.roundTrip_ms > 0.0, "%.1f", model.link.roundTrip_ms).c_str(),
+                model.connection.status.c_str(), model.sites.size(),
+                figure(model.connection.roundTrip_ms > 0.0, "%.1f", model.connection.roundTrip_ms).c_str(),
                 figure(model.loop.ticks > 0, "%.0f", model.loop.compute_us_p99).c_str(),
                 glm::length(model.hand.force), partName(model, model.hand.held).c_str());
     std::fflush(stdout);
@@ -59,13 +59,13 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
     std::fputs("\033[K\n", stdout);
     ++lines_;
   };
-  const bool known = model.link.roundTrip_ms > 0.0;
-  std::printf("%6.1f s  %s  %s  rtt %s ms  loss %s/%s %%  play-out %s ms", elapsed, model.link.status.c_str(),
-              known ? model.link.stateOverUdp ? "UDP" : "TLS" : "-",
-              figure(known, "%.1f", model.link.roundTrip_ms).c_str(),
-              figure(known, "%.1f", 100.0 * model.link.lossUp).c_str(),
-              figure(known, "%.1f", 100.0 * model.link.lossDown).c_str(),
-              figure(known, "%.1f", model.link.playOut_ms).c_str());
+  const bool known = model.connection.roundTrip_ms > 0.0;
+  std::printf("%6.1f s  %s  %s  rtt %s ms  loss %s/%s %%  play-out %s ms", elapsed,
+              model.connection.status.c_str(), known ? model.connection.stateOverUdp ? "UDP" : "TLS" : "-",
+              figure(known, "%.1f", model.connection.roundTrip_ms).c_str(),
+              figure(known, "%.1f", 100.0 * model.connection.lossUp).c_str(),
+              figure(known, "%.1f", 100.0 * model.connection.lossDown).c_str(),
+              figure(known, "%.1f", model.connection.playOut_ms).c_str());
   end();
   std::printf("loop  %llu ticks  %.1f us p50  %.1f us p99  %llu late%s",
               static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
@@ -111,13 +111,13 @@ void LiveTable::tellNews(const ViewModel& model, double elapsed) {
 }
 
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
-  const bool known = model.link.roundTrip_ms > 0.0;
+  const bool known = model.connection.roundTrip_ms > 0.0;
   std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %s ms, loss %s/%s %%; %zu grab%s\n",
               end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
-              figure(known, "%.2f", model.link.roundTrip_ms).c_str(),
-              figure(known, "%.1f", 100.0 * model.link.lossUp).c_str(),
-              figure(known, "%.1f", 100.0 * model.link.lossDown).c_str(), grabs, grabs == 1 ? "" : "s");
+              figure(known, "%.2f", model.connection.roundTrip_ms).c_str(),
+              figure(known, "%.1f", 100.0 * model.connection.lossUp).c_str(),
+              figure(known, "%.1f", 100.0 * model.connection.lossDown).c_str(), grabs, grabs == 1 ? "" : "s");
 }
 
 }  // namespace tandem::client

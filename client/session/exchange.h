@@ -1,10 +1,10 @@
 #pragma once
 
-// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (SiteLink), main
+// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (ServerConnection), main
 // thread (window or terminal). Latest values go through triple buffers, events through single-producer rings;
 // nobody waits.
 //
-//   SiteLink --events, time base--> HandLoop --output, intents--> SiteLink
+//   ServerConnection --events, time base--> HandLoop --output, intents--> ServerConnection
 //   main ----settings, wish-------> HandLoop --view, poses------> main
 
 #include <array>

@@ -199,11 +199,13 @@ PartLinks::Line* PartLinks::lineOfOwner(const LinkUpdate& update, Micros now) {
 
 std::optional<haptics::TiedPacket> PartLinks::receive(const LinkUpdate& update, const OwnershipView& view,
                                                       Micros now) {
-  if (update.part >= scene_.parts.size() || fromTheFuture(update, now)) return std::nullopt;
+  if (update.part >= scene_.parts.size()) return std::nullopt;
+  const std::optional<Micros> time = sessionTimeOf(update, now);
+  if (!time) return std::nullopt;
   const bool fromOwner = view.engaged(update.part) && view.part(update.part).owner == update.peer;
   Line* line = fromOwner ? lineOfOwner(update, now) : find(update.part, update.peer);
   if (line == nullptr || update.epoch != line->epoch) return std::nullopt;
-  const std::optional<LinkState> state = line->receiver.receive(update, now);
+  const std::optional<LinkState> state = line->receiver.receiveAt(update, *time);
   if (!state) return std::nullopt;
   line->heardAt = now;
   const haptics::LinkPacket packet = packetOf(*state);

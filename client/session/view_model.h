@@ -63,7 +63,7 @@ struct LoopView {
 };
 
 /// The connection.
-struct LinkView {
+struct ConnectionView {
   bool connected = false;
   std::string status;         // in words: "connected", "reconnecting (2 s)", "no network (local scene)"
   double roundTrip_ms = 0.0;  // 0: nothing is measured yet
@@ -105,7 +105,7 @@ struct ViewModel {
   std::vector<SiteView> sites;
   HandView hand;
   LoopView loop;
-  LinkView link;
+  ConnectionView connection;
   ClashSearchView clashes;
   std::vector<Notice> notices;  // newest last
   HandSettings settings;

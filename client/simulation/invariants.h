@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/session/site_link.h"
+#include "client/session/server_connection.h"
 #include "sync/replica/ownership.h"
 
 namespace tandem::client {

@@ -13,7 +13,7 @@
 #include "assets/scene/scene_package.h"
 #include "client/hand/hand_loop.h"
 #include "client/hand/scripted_device.h"
-#include "client/session/site_link.h"
+#include "client/session/server_connection.h"
 #include "client/simulation/measures.h"
 #include "haptics/safety/device_defaults.h"
 #include "server/memory_journal.h"
@@ -57,7 +57,7 @@ Role roleOf(const std::string& name) {
 class Simulation;
 
 /// One person with everything at their site.
-class SimulatedSite : public LinkObserver {
+class SimulatedSite : public ConnectionObserver {
  public:
   SimulatedSite(Simulation& simulation, std::size_t index, const ScenarioSite& description, HandScript script,
                 const haptics::ContactScene& contact, const Pose& start, Micros clockOffset);
@@ -75,7 +75,7 @@ class SimulatedSite : public LinkObserver {
   void onConnection(bool up) override;
 
   bool paused(Micros now) const { return now < pausedUntil; }
-  bool inSession() const { return link && link->stage() == SiteLink::Stage::ready; }
+  bool inSession() const { return connection && connection->stage() == ServerConnection::Stage::ready; }
   Micros local(Micros now) const { return now + clockOffset; }
 
   const std::string& name() const { return description.name; }
@@ -87,7 +87,7 @@ class SimulatedSite : public LinkObserver {
   SiteId id = kNoSite;
   std::unique_ptr<Exchange> exchange;
   std::unique_ptr<HandLoop> hand;
-  std::unique_ptr<SiteLink> link;
+  std::unique_ptr<ServerConnection> connection;
   ScriptedDevice device;
   HandMeasures measures;
   glm::dvec3 lastTarget{0.0, 0.0, 0.0};
@@ -207,33 +207,34 @@ HandSettingsInput SimulatedSite::settings() const {
 }
 
 void SimulatedSite::start() {
-  SiteLinkOptions options;
+  ConnectionOptions options;
   options.name = description.name;
   options.rates.most = simulation.scenario.packetHz;
   options.rates.deadband = description.deadband;
   options.token =
       simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
-  link = std::make_unique<SiteLink>(options, [this]() -> Result<std::unique_ptr<Transport>> {
+  connection = std::make_unique<ServerConnection>(options, [this]() -> Result<std::unique_ptr<Transport>> {
     countTransport();
     return simulation.network.connect(name());
   });
-  link->setObserver(this);
+  connection->setObserver(this);
 }
 
 void SimulatedSite::countTransport() {
-  if (!link || !link->transport()) return;
-  packetsBefore += link->transport()->counters().statePacketsOut;
-  bytesBefore += link->transport()->counters().stateBytesOut + link->transport()->counters().controlBytesOut;
+  if (!connection || !connection->transport()) return;
+  packetsBefore += connection->transport()->counters().statePacketsOut;
+  bytesBefore +=
+      connection->transport()->counters().stateBytesOut + connection->transport()->counters().controlBytesOut;
 }
 
 void SimulatedSite::crash() {
   countTransport();
-  if (link) {
-    droppedStates += link->statistics().droppedStates;
-    sentBefore.add(link->statistics().sent);
+  if (connection) {
+    droppedStates += connection->statistics().droppedStates;
+    sentBefore.add(connection->statistics().sent);
     simulation.invariants.onDead(index, id);
   }
-  link.reset();
+  connection.reset();
   id = kNoSite;
   // The process is gone with all that it knew; arm and device stay in the world.
   exchange = std::make_unique<Exchange>();
@@ -243,12 +244,13 @@ void SimulatedSite::crash() {
 
 void SimulatedSite::step(Micros now) {
   tickHand(now);
-  if (paused(now) || !link) return;
-  link->step(local(now));
-  if (link->stage() == SiteLink::Stage::needScene) link->skipTransfer();
-  if (link->stage() == SiteLink::Stage::haveScene) link->sceneReady(simulation.scene, *exchange);
-  id = link->welcome().site;
-  if (link->stage() == SiteLink::Stage::ended) simulation.invariants.onConnection(index, false);
+  if (paused(now) || !connection) return;
+  connection->step(local(now));
+  if (connection->stage() == ServerConnection::Stage::needScene) connection->skipTransfer();
+  if (connection->stage() == ServerConnection::Stage::haveScene)
+    connection->sceneReady(simulation.scene, *exchange);
+  id = connection->welcome().site;
+  if (connection->stage() == ServerConnection::Stage::ended) simulation.invariants.onConnection(index, false);
 }
 
 void SimulatedSite::noteContact(PartId part, HandSample& measured) const {
@@ -264,7 +266,7 @@ void SimulatedSite::tickHand(Micros now) {
   const haptics::DeviceSample sample = device.poll(toSeconds(now));
   Wrench wrench;
   // Before the program is started, while it stands still and when it is dead, the device's watchdog gives zero force.
-  const bool running = !paused(now) && link;
+  const bool running = !paused(now) && connection;
   if (running) {
     hand->setWish(device.wish());
     hand->setControl(device.control());
@@ -342,7 +344,8 @@ void SimulatedSite::addSources(const haptics::TickOutput& tick) {
 void SimulatedSite::onOwnership(const PartRecord& record) {
   simulation.invariants.onOwnership(index, record);
   simulation.everOwned[record.part] = true;
-  if (record.owner == link->welcome().site || hand->output().tick.held == record.part) measures.roleChanged();
+  if (record.owner == connection->welcome().site || hand->output().tick.held == record.part)
+    measures.roleChanged();
 }
 void SimulatedSite::onGrab(const Grab& grab) { simulation.invariants.onGrab(index, grab); }
 void SimulatedSite::onRelease(const Release& release) { simulation.invariants.onRelease(release); }
@@ -354,7 +357,7 @@ void SimulatedSite::onAccepted(SiteId, const PartState& state) {
   simulation.invariants.onAccepted(index, state);
 }
 void SimulatedSite::onPublished(const PartState& state) {
-  simulation.invariants.onPublished(index, link->welcome().site, state);
+  simulation.invariants.onPublished(index, connection->welcome().site, state);
 }
 void SimulatedSite::onConnection(bool up) { simulation.invariants.onConnection(index, up); }
 
@@ -437,7 +440,7 @@ void Simulation::applyFaults() {
   }
   for (auto& [at, index] : rejoin)
     if (at >= 0 && now >= at && session) {
-      if (!sites[index]->link) sites[index]->start();  // else it was killed before it had joined
+      if (!sites[index]->connection) sites[index]->start();  // else it was killed before it had joined
       at = -1;
     }
   for (std::size_t i = 0; i < scenario.blackouts.size(); ++i)
@@ -464,7 +467,7 @@ void Simulation::compareReplicas() {
     for (int i = 0; i < tick.ownedCount; ++i) {
       const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
       fingerprint.add(part.worldFromPart.position);
-      if (owner->link->owner(part.part) != owner->id) continue;  // a guest
+      if (owner->connection->owner(part.part) != owner->id) continue;  // a guest
       for (const auto& other : sites) {
         if (other == owner || !other->inSession()) continue;
         displayed.add(glm::length(other->drawn[part.part].position - part.worldFromPart.position));
@@ -498,7 +501,7 @@ Status Simulation::run() {
     stepServer();
     bool still = true, slidOff = false;
     for (auto& site : sites) {
-      if (!site->link && site->joinsAt >= 0 && now >= site->joinsAt && session) {
+      if (!site->connection && site->joinsAt >= 0 && now >= site->joinsAt && session) {
         site->joinsAt = -1;
         site->start();
       }
@@ -522,7 +525,7 @@ SimulationResult Simulation::result() {
     const SimulatedSite* first = nullptr;
     double error = 0.0;
     for (const auto& site : sites) {
-      if (!site->inSession() || site->link->owner(static_cast<PartId>(part)) != kNoSite) continue;
+      if (!site->inSession() || site->connection->owner(static_cast<PartId>(part)) != kNoSite) continue;
       const Pose& pose = site->hand->worldFromPart(static_cast<PartId>(part));
       if (first)
         error = std::max(error, glm::length(pose.position -
@@ -542,12 +545,13 @@ SimulationResult Simulation::result() {
     out.handoverExcess = site->measures.handoverExcess();
     out.rmsForce = site->measures.rmsForce();
     out.mostForce = site->measures.mostForce();
-    const TransportCounters counters =
-        site->link && site->link->transport() ? site->link->transport()->counters() : TransportCounters{};
+    const TransportCounters counters = site->connection && site->connection->transport()
+                                           ? site->connection->transport()->counters()
+                                           : TransportCounters{};
     out.packetsPerSecond =
         static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
     out.sent = site->sentBefore;
-    if (site->link) out.sent.add(site->link->statistics().sent);
+    if (site->connection) out.sent.add(site->connection->statistics().sent);
     out.bytesPerSecond =
         static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
         scenario.duration;
@@ -555,7 +559,8 @@ SimulationResult Simulation::result() {
     out.pushed = site->measures.pushed();
     result.stable = result.stable && site->measures.stable(allStill);
     result.siteNames[site->id] = site->name();
-    result.droppedStates += site->droppedStates + (site->link ? site->link->statistics().droppedStates : 0);
+    result.droppedStates +=
+        site->droppedStates + (site->connection ? site->connection->statistics().droppedStates : 0);
     result.denials += site->denials;
   }
   result.displayedRms = displayed.rms();

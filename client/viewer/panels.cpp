@@ -124,9 +124,9 @@ void separatorDot() {
 
 void drawOwnHand(const PanelContext& context) {
   const ViewModel& model = context.model;
-  if (model.link.roundTrip_ms > 0.0) {
+  if (model.connection.roundTrip_ms > 0.0) {
     separatorDot();
-    ImGui::TextColored(theme::kMuted, "%.0f ms", model.link.roundTrip_ms);
+    ImGui::TextColored(theme::kMuted, "%.0f ms", model.connection.roundTrip_ms);
   }
   separatorDot();
   if (model.hand.held != kNoPart && model.scene) {
@@ -163,10 +163,12 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
   place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
   ImGui::PushStyleVar(ImGuiStyleVar_WindowPadding, ImVec2(12.0f, 4.0f));
   ImGui::Begin("##status", nullptr, kFixed | ImGuiWindowFlags_NoScrollbar);
-  const ImVec4 state = model.replay ? theme::kMuted : model.link.connected ? theme::kGood : theme::kWarning;
+  const ImVec4 state = model.replay                 ? theme::kMuted
+                       : model.connection.connected ? theme::kGood
+                                                    : theme::kWarning;
   colourDot(glm::vec3(state.x, state.y, state.z));
   ImGui::SameLine(0.0f, 4.0f);
-  ImGui::TextUnformatted(model.replay ? "replay" : model.link.status.c_str());
+  ImGui::TextUnformatted(model.replay ? "replay" : model.connection.status.c_str());
   model.replay ? drawFollowed(context) : drawOwnHand(context);
   char right[64] = "F1 help";
   if (context.live)

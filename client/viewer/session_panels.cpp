@@ -224,24 +224,25 @@ void drawHand(const PanelContext& context) {
 }
 
 void drawNetwork(const PanelContext& context) {
-  const LinkView& link = context.model.link;
-  valueLine("State", link.status, link.connected ? theme::kGood : theme::kWarning);
-  if (!link.connected) return;
+  const ConnectionView& connection = context.model.connection;
+  valueLine("State", connection.status, connection.connected ? theme::kGood : theme::kWarning);
+  if (!connection.connected) return;
   const auto lossColour = [](double loss) {
     return loss > 0.05 ? theme::kBad : loss > 0.01 ? theme::kWarning : theme::kText;
   };
   const auto known = [&](const std::string& figure) {
-    return link.roundTrip_ms > 0.0 ? figure : std::string("-");
+    return connection.roundTrip_ms > 0.0 ? figure : std::string("-");
   };
-  valueLine("Round trip", known(format("%.1f ms", link.roundTrip_ms)));
-  valueLine("Play-out delay", known(format("%.1f ms", link.playOut_ms)));
-  valueLine("Lost on the way up", known(format("%.1f %%", 100.0 * link.lossUp)), lossColour(link.lossUp));
-  valueLine("Lost on the way down", known(format("%.1f %%", 100.0 * link.lossDown)),
-            lossColour(link.lossDown));
-  valueLine("Sent", format("%.0f kbit/s", link.sentKbit_s));
-  valueLine("Received", format("%.0f kbit/s", link.receivedKbit_s));
-  valueLine("States travel over", link.stateOverUdp ? "UDP" : "TLS (UDP is blocked)",
-            link.stateOverUdp ? theme::kText : theme::kWarning);
+  valueLine("Round trip", known(format("%.1f ms", connection.roundTrip_ms)));
+  valueLine("Play-out delay", known(format("%.1f ms", connection.playOut_ms)));
+  valueLine("Lost on the way up", known(format("%.1f %%", 100.0 * connection.lossUp)),
+            lossColour(connection.lossUp));
+  valueLine("Lost on the way down", known(format("%.1f %%", 100.0 * connection.lossDown)),
+            lossColour(connection.lossDown));
+  valueLine("Sent", format("%.0f kbit/s", connection.sentKbit_s));
+  valueLine("Received", format("%.0f kbit/s", connection.receivedKbit_s));
+  valueLine("States travel over", connection.stateOverUdp ? "UDP" : "TLS (UDP is blocked)",
+            connection.stateOverUdp ? theme::kText : theme::kWarning);
 }
 
 void drawSettings(const PanelContext& context) {

@@ -28,13 +28,13 @@ Pose advanced(const Pose& pose, const Twist& twist, double seconds) {
           glm::normalize(fromRotationVector(seconds * twist.angular) * pose.orientation)};
 }
 
-Micros timeOf(const LinkUpdate& update, Micros now) {
-  return static_cast<Micros>(nearest(static_cast<double>(now), update.time, kWhole24));
-}
-
 }  // namespace
 
-bool fromTheFuture(const LinkUpdate& update, Micros now) { return timeOf(update, now) > now + kMostAhead; }
+std::optional<Micros> sessionTimeOf(const LinkUpdate& update, Micros now) {
+  const auto time = static_cast<Micros>(nearest(static_cast<double>(now), update.time, kWhole24));
+  if (time > now + kMostAhead) return std::nullopt;
+  return time;
+}
 
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part) {
   LinkUpdate update;
@@ -57,7 +57,11 @@ LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part) {
 }
 
 std::optional<LinkState> LinkReceiver::receive(const LinkUpdate& update, Micros now) {
-  if (fromTheFuture(update, now)) return std::nullopt;
+  const std::optional<Micros> time = sessionTimeOf(update, now);
+  return time ? receiveAt(update, *time) : std::nullopt;
+}
+
+std::optional<LinkState> LinkReceiver::receiveAt(const LinkUpdate& update, Micros time) {
   if (!begun_ || update.epoch > newest_.epoch) {
     begun_ = true;
     posed_ = false;
@@ -73,7 +77,7 @@ std::optional<LinkState> LinkReceiver::receive(const LinkUpdate& update, Micros 
   const auto ahead =
       static_cast<std::int16_t>(update.sequence - static_cast<std::uint16_t>(newest_.sequence));
   state.sequence = newest_.sequence + static_cast<std::uint32_t>(std::int32_t{ahead});
-  state.time = timeOf(update, now);
+  state.time = time;
   for (std::size_t i = 0; i < 6; ++i)
     state.wave[i] = kWaveQuantum * nearest(newest_.wave[i] / kWaveQuantum, update.wave[i], kWhole24);
   state.energy =

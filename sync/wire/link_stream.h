@@ -31,8 +31,9 @@ struct LinkState {
 /// For the wire. A pose that is no pose is left out.
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part);
 
-/// Whether its time is later than clocks can differ: it was made before its sender's clock was set.
-bool fromTheFuture(const LinkUpdate& update, Micros now);
+/// The whole session time of a datagram that came at `now` (session time); nothing if it is later than clocks can differ:
+/// the datagram was made before its sender's clock was set.
+std::optional<Micros> sessionTimeOf(const LinkUpdate& update, Micros now);
 
 /// Of one peer and one part.
 class LinkReceiver {
@@ -40,6 +41,8 @@ class LinkReceiver {
   /// The whole of a datagram that came at `now` (session time); nothing if it is of an earlier epoch, lies in the future, or
   /// no pose is known yet. A larger epoch begins anew.
   std::optional<LinkState> receive(const LinkUpdate& update, Micros now);
+  /// The same where the datagram's own time is known already, from sessionTimeOf().
+  std::optional<LinkState> receiveAt(const LinkUpdate& update, Micros time);
   void forget() { begun_ = false; }
 
  private:

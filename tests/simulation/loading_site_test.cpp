@@ -7,7 +7,7 @@
 #include <memory>
 #include <vector>
 
-#include "client/session/site_link.h"
+#include "client/session/server_connection.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/virtual_network.h"
@@ -20,7 +20,7 @@ namespace {
 using namespace sync;
 constexpr std::int64_t kUnix = 1000000;
 
-/// A server, somebody who is ready, and a link that still makes its scene ready.
+/// A server, somebody who is ready, and a connection that still makes its scene ready.
 struct Loading {
   assets::Scene scene;
   std::vector<std::byte> package = std::vector<std::byte>(100);
@@ -28,7 +28,7 @@ struct Loading {
   server::MemoryJournal journal{kMillisecond};
   std::unique_ptr<Transport> transport;
   std::unique_ptr<server::Session> session;
-  std::unique_ptr<SiteLink> link;
+  std::unique_ptr<ServerConnection> connection;
   test::FakeSite other;
   Exchange exchange;
   Micros now = 0;
@@ -46,10 +46,10 @@ struct Loading {
     transport = network.listen();
     session =
         std::make_unique<server::Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
-    SiteLinkOptions options;
+    ConnectionOptions options;
     options.name = "loading";
     options.token = session->makeToken(Role::participant, kUnix + 3600);
-    link = std::make_unique<SiteLink>(
+    connection = std::make_unique<ServerConnection>(
         options, [this]() -> Result<std::unique_ptr<Transport>> { return network.connect("loading"); });
     join(other, "other");
     other.say(Ready{});
@@ -71,8 +71,8 @@ struct Loading {
       journal.advanceTo(now);
       session->step(now, kUnix + now / kSecond);
       other.listen();
-      link->step(now);
-      if (link->stage() == SiteLink::Stage::needScene) link->skipTransfer();
+      connection->step(now);
+      if (connection->stage() == ServerConnection::Stage::needScene) connection->skipTransfer();
       if (other.last<Welcome>() != nullptr && now % (100 * kMillisecond) == 0) other.ping(now);
     }
   }
@@ -80,7 +80,7 @@ struct Loading {
 
 TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
   Loading rig;
-  ASSERT_EQ(rig.link->stage(), SiteLink::Stage::haveScene);
+  ASSERT_EQ(rig.connection->stage(), ServerConnection::Stage::haveScene);
   for (const PartId part : {PartId{0}, PartId{1}}) rig.other.say(Grab{RequestId{1u + part}, part});
   rig.run(60 * kMillisecond);
   Pose left;
@@ -89,12 +89,12 @@ TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
   rig.run(60 * kMillisecond);
   ASSERT_EQ(rig.session->ownership().part(1).owner, kNoSite);
 
-  rig.link->sceneReady(rig.scene, rig.exchange);
+  rig.connection->sceneReady(rig.scene, rig.exchange);
   rig.run(60 * kMillisecond);
-  ASSERT_EQ(rig.link->stage(), SiteLink::Stage::ready);
-  EXPECT_EQ(rig.link->owner(0), rig.other.last<Welcome>()->site);
-  EXPECT_EQ(rig.link->owner(1), kNoSite);
-  EXPECT_EQ(rig.link->statistics().malformed, 0u);
+  ASSERT_EQ(rig.connection->stage(), ServerConnection::Stage::ready);
+  EXPECT_EQ(rig.connection->owner(0), rig.other.last<Welcome>()->site);
+  EXPECT_EQ(rig.connection->owner(1), kNoSite);
+  EXPECT_EQ(rig.connection->statistics().malformed, 0u);
   double x = 0.0;
   NetworkEvent event;
   while (rig.exchange.events.pop(event))
@@ -108,15 +108,15 @@ TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
   test::FakeSite late;
   rig.join(late, "late");
   rig.run(20 * kMillisecond);
-  ASSERT_EQ(rig.link->sites().size(), 3u);
+  ASSERT_EQ(rig.connection->sites().size(), 3u);
 
   const std::string path = testing::TempDir() + "loading_site.rec";
   auto recording = RecordingWriter::create(path, {{}, wireFrame(rig.scene.bounds)});
   ASSERT_TRUE(recording.ok());
-  rig.link->setRecording(&*recording);
-  rig.link->sceneReady(rig.scene, rig.exchange);
+  rig.connection->setRecording(&*recording);
+  rig.connection->sceneReady(rig.scene, rig.exchange);
   rig.run(60 * kMillisecond);
-  rig.link->setRecording(nullptr);
+  rig.connection->setRecording(nullptr);
   ASSERT_TRUE(recording->flush().ok());
   auto reader = RecordingReader::open(path);
   ASSERT_TRUE(reader.ok());
@@ -135,8 +135,8 @@ TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
   test::FakeSite third;
   rig.join(third, "third");
   third.say(Ready{});
-  rig.link->sceneReady(rig.scene, rig.exchange);
-  EXPECT_EQ(rig.link->statistics().roundTrip_ms, 0.0);
+  rig.connection->sceneReady(rig.scene, rig.exchange);
+  EXPECT_EQ(rig.connection->statistics().roundTrip_ms, 0.0);
   for (int i = 0; i < 100; ++i) {
     for (test::FakeSite* site : {&rig.other, &third}) {
       StateUpdate update;
@@ -146,10 +146,10 @@ TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
     }
     rig.run(4 * kMillisecond);
   }
-  EXPECT_GT(rig.link->statistics().roundTrip_ms, 0.0);
-  EXPECT_GT(rig.link->statistics().receivedUpdates, 150u);
-  EXPECT_EQ(rig.link->statistics().lossDown, 0.0) << "two senders are no loss";
-  EXPECT_EQ(rig.link->statistics().lossUp, 0.0);
+  EXPECT_GT(rig.connection->statistics().roundTrip_ms, 0.0);
+  EXPECT_GT(rig.connection->statistics().receivedUpdates, 150u);
+  EXPECT_EQ(rig.connection->statistics().lossDown, 0.0) << "two senders are no loss";
+  EXPECT_EQ(rig.connection->statistics().lossUp, 0.0);
 }
 
 }  // namespace

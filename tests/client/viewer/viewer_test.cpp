@@ -402,7 +402,8 @@ TEST_F(ViewerTest, LongTextStaysInsideThePanel) {
   ASSERT_TRUE(opened.ok());
   model_.hand.present = model_.hand.valid = true;
   model_.hand.flags = haptics::kFlagLessEffort;
-  model_.link.status = "reconnecting: no server answers at 192.168.100.200 port 7480, and goes on trying";
+  model_.connection.status =
+      "reconnecting: no server answers at 192.168.100.200 port 7480, and goes on trying";
   for (int i = 0; i < 3; ++i) static_cast<void>((*opened)->frame(model_));
   const std::string path = ownFile("panel");
   ASSERT_TRUE((*opened)->screenshot(path).ok());

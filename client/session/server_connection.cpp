@@ -1,4 +1,4 @@
-#include "client/session/site_link.h"
+#include "client/session/server_connection.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,15 +15,15 @@ constexpr Micros kMostPatience = 15 * kMillisecond;  // that a link's packet is 
 
 }  // namespace
 
-SiteLink::SiteLink(SiteLinkOptions options, Connector connector)
+ServerConnection::ServerConnection(ConnectionOptions options, Connector connector)
     : options_(std::move(options)), connector_(std::move(connector)), retryDelay_(options_.retryFirst) {
   offered_.reserve(haptics::kMaxOwnedParts);
   bytes_.reserve(kMaxStateBytes);
 }
 
-SiteLink::~SiteLink() = default;
+ServerConnection::~ServerConnection() = default;
 
-void SiteLink::step(Micros now) {
+void ServerConnection::step(Micros now) {
   now_ = now;
   if (stage_ == Stage::ended) {
     if (transport_) takeEvents(now);  // lets a farewell leave
@@ -45,12 +45,12 @@ void SiteLink::step(Micros now) {
 }
 
 /// What is no link's goes along with the links' packets while there are any: it costs no datagram of its own then.
-bool SiteLink::waitsForLink(Micros now) const {
+bool ServerConnection::waitsForLink(Micros now) const {
   const auto patience = static_cast<Micros>(1.5e6 / options_.rates.most);
   return patience <= kMostPatience && now != linkSentAt_ && now - linkSentAt_ < patience;
 }
 
-void SiteLink::tell(Micros now) {
+void ServerConnection::tell(Micros now) {
   if (now >= nextPing_) {
     nextPing_ = now + options_.pingInterval;
     outgoingMessage_ = Ping{++pingSequence_, now};
@@ -63,7 +63,7 @@ void SiteLink::tell(Micros now) {
 
 // ---- connection ----
 
-void SiteLink::connect(Micros now) {
+void ServerConnection::connect(Micros now) {
   Result<std::unique_ptr<Transport>> made = connector_();
   if (!made) {
     reason_ = made.error().message;
@@ -74,7 +74,7 @@ void SiteLink::connect(Micros now) {
   transport_ = std::move(*made);
 }
 
-void SiteLink::disconnected(const std::string& reason, Micros now) {
+void ServerConnection::disconnected(const std::string& reason, Micros now) {
   transport_.reset();
   if (stage_ == Stage::ended) return;
   if (stage_ == Stage::ready) {
@@ -94,7 +94,7 @@ void SiteLink::disconnected(const std::string& reason, Micros now) {
   retryDelay_ = std::min(2 * retryDelay_, options_.retryLongest);
 }
 
-void SiteLink::takeEvents(Micros now) {
+void ServerConnection::takeEvents(Micros now) {
   TransportEvent event;
   while (transport_ && transport_->poll(event)) {
     switch (event.kind) {
@@ -121,7 +121,7 @@ void SiteLink::takeEvents(Micros now) {
   }
 }
 
-void SiteLink::takeControl(std::span<const std::byte> bytes, Micros now) {
+void ServerConnection::takeControl(std::span<const std::byte> bytes, Micros now) {
   Result<ControlMessage> decoded = decodeControl(bytes);
   if (!decoded) {
     ++statistics_.malformed;
@@ -136,11 +136,11 @@ void SiteLink::takeControl(std::span<const std::byte> bytes, Micros now) {
 }
 
 template <typename Unexpected>
-void SiteLink::take(Unexpected&) {
+void ServerConnection::take(Unexpected&) {
   ++statistics_.malformed;
 }
 
-void SiteLink::take(Welcome& message) {
+void ServerConnection::take(Welcome& message) {
   if (scene_ && message.sceneHash != welcome_.sceneHash) {
     stage_ = Stage::ended;
     reason_ = "the server now holds another scene";
@@ -160,7 +160,7 @@ void SiteLink::take(Welcome& message) {
     stage_ = Stage::needScene;
 }
 
-void SiteLink::take(Refused& message) {
+void ServerConnection::take(Refused& message) {
   // A ticket of a server that forgot this site is no reason to try for ever.
   reason_ = message.reason;
   stage_ = Stage::ended;
@@ -169,11 +169,11 @@ void SiteLink::take(Refused& message) {
 
 // ---- scene ----
 
-void SiteLink::skipTransfer() {
+void ServerConnection::skipTransfer() {
   if (stage_ == Stage::needScene) stage_ = Stage::haveScene;
 }
 
-void SiteLink::startTransfer(std::vector<std::byte> have) {
+void ServerConnection::startTransfer(std::vector<std::byte> have) {
   if (stage_ != Stage::needScene) return;
   package_ = std::move(have);
   if (package_.size() > welcome_.sceneBytes) package_.clear();
@@ -182,13 +182,13 @@ void SiteLink::startTransfer(std::vector<std::byte> have) {
   if (stage_ == Stage::transferring) send(SceneRequest{package_.size()});
 }
 
-double SiteLink::transferProgress() const {
+double ServerConnection::transferProgress() const {
   return welcome_.sceneBytes == 0
              ? 0.0
              : static_cast<double>(package_.size()) / static_cast<double>(welcome_.sceneBytes);
 }
 
-void SiteLink::take(SceneChunk& message) {
+void ServerConnection::take(SceneChunk& message) {
   if (stage_ != Stage::transferring || message.offset != package_.size() ||
       message.bytes.size() > welcome_.sceneBytes - package_.size()) {
     ++statistics_.malformed;
@@ -199,7 +199,7 @@ void SiteLink::take(SceneChunk& message) {
   if (package_.size() == welcome_.sceneBytes) stage_ = Stage::haveScene;
 }
 
-void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
+void ServerConnection::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   scene_ = &scene;
   exchange_ = &exchange;
   frame_ = wireFrame(scene.bounds);
@@ -210,7 +210,7 @@ void SiteLink::sceneReady(const assets::Scene& scene, Exchange& exchange) {
   if (stage_ == Stage::haveScene) enterReady();
 }
 
-void SiteLink::enterReady() {
+void ServerConnection::enterReady() {
   ownership_->setSelf(welcome_.site);
   ownership_->forgetMembers();
   stage_ = Stage::ready;
@@ -234,7 +234,7 @@ void SiteLink::enterReady() {
 }
 
 /// A recording begins with who is here and how things stand by now; the Welcome itself holds a credential.
-void SiteLink::recordBeginning() {
+void ServerConnection::recordBeginning() {
   if (!recording_) return;
   for (const SiteView& site : sites_) recording_->write(welcome_.sessionTime, SiteChanged{site.info});
   for (const PartRecord& record : welcome_.parts)
@@ -243,7 +243,7 @@ void SiteLink::recordBeginning() {
 
 /// Parts that were this site's before an outage, or before its lease lapsed, are asked for again in their old
 /// epoch.
-void SiteLink::reclaimParts(bool all) {
+void ServerConnection::reclaimParts(bool all) {
   hand_ = exchange_->output.latest();
   for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -260,7 +260,7 @@ void SiteLink::reclaimParts(bool all) {
 
 // ---- ownership ----
 
-void SiteLink::applyOwnership(const PartRecord& record) {
+void ServerConnection::applyOwnership(const PartRecord& record) {
   if (!ownership_->apply(record)) return;
   if (observer_) observer_->onOwnership(record);
   NetworkEvent event;
@@ -271,22 +271,22 @@ void SiteLink::applyOwnership(const PartRecord& record) {
 }
 
 /// Lines of a part as ownership now has it.
-void SiteLink::followLinks(PartId part) {
+void ServerConnection::followLinks(PartId part) {
   links_->follow(*ownership_, part, sessionTime(now_));
   pushOrders();
 }
 
-void SiteLink::pushOrders() {
+void ServerConnection::pushOrders() {
   for (const NetworkEvent& order : links_->takeEvents()) pushEvent(order);
 }
 
-void SiteLink::applyMembers(const MemberRecord& members) {
+void ServerConnection::applyMembers(const MemberRecord& members) {
   if (!ownership_->apply(members)) return;
   followLinks(members.part);
 }
 
 /// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
-void SiteLink::rememberOwnership(const PartRecord& record) {
+void ServerConnection::rememberOwnership(const PartRecord& record) {
   const auto known = std::find_if(welcome_.parts.begin(), welcome_.parts.end(),
                                   [&](const PartRecord& part) { return part.part == record.part; });
   if (known != welcome_.parts.end())
@@ -295,7 +295,7 @@ void SiteLink::rememberOwnership(const PartRecord& record) {
     welcome_.parts.push_back(record);
 }
 
-void SiteLink::take(OwnershipChanged& message) {
+void ServerConnection::take(OwnershipChanged& message) {
   if (!scene_ && stage_ >= Stage::needScene && stage_ <= Stage::haveScene) {
     rememberOwnership(message.part);
     return;
@@ -308,13 +308,13 @@ void SiteLink::take(OwnershipChanged& message) {
 }
 
 /// A question that is about to be asked.
-RequestId SiteLink::open(PartId part, OpenGrab::Kind kind, int before) {
+RequestId ServerConnection::open(PartId part, OpenGrab::Kind kind, int before) {
   openGrabs_.push_back({ownership_->lapses(), nextRequest_, part, kind, before});
   return nextRequest_++;
 }
 
 /// The question that a reply answers, taken off the list; nothing if it answers none.
-std::optional<SiteLink::OpenGrab> SiteLink::closeGrab(RequestId request, PartId part) {
+std::optional<ServerConnection::OpenGrab> ServerConnection::closeGrab(RequestId request, PartId part) {
   const auto found = std::find_if(openGrabs_.begin(), openGrabs_.end(),
                                   [&](const auto& entry) { return entry.request == request; });
   if (found == openGrabs_.end() || !scene_ || part >= scene_->parts.size() || found->part != part) {
@@ -326,7 +326,7 @@ std::optional<SiteLink::OpenGrab> SiteLink::closeGrab(RequestId request, PartId 
   return closed;
 }
 
-void SiteLink::take(GrabReply& message) {
+void ServerConnection::take(GrabReply& message) {
   const std::optional<OpenGrab> asked = closeGrab(message.request, message.part.part);
   if (!asked) return;
   const bool reclaim = asked->kind == OpenGrab::Kind::reclaim;
@@ -342,7 +342,7 @@ void SiteLink::take(GrabReply& message) {
   }
 }
 
-void SiteLink::take(EngageReply& message) {
+void ServerConnection::take(EngageReply& message) {
   const PartId part = message.members.part;
   const std::optional<OpenGrab> asked = closeGrab(message.request, part);
   if (!asked) return;
@@ -358,18 +358,18 @@ void SiteLink::take(EngageReply& message) {
   }
 }
 
-void SiteLink::take(MembersChanged& message) {
+void ServerConnection::take(MembersChanged& message) {
   if (scene_ && message.members.part < scene_->parts.size()) applyMembers(message.members);
 }
 
 /// Whether this site may hold a part together with the one that owns it.
-bool SiteLink::mayShare(PartId part) const {
+bool ServerConnection::mayShare(PartId part) const {
   const SiteId other = owner(part);
   return other != kNoSite && other != welcome_.site && assets::controlOf(*scene_, part) == nullptr;
 }
 
 /// To own a part, or to share it where another site owns it; as it came and went after `before` earlier questions.
-void SiteLink::askFor(PartId part, int before) {
+void ServerConnection::askFor(PartId part, int before) {
   // It has been passed on to this site meanwhile; but what was given back is asked for anew before the answer to that.
   if (ownership_->owns(part) && givenBack_[part] != ownership_->part(part).epoch) return;
   const bool share = mayShare(part);
@@ -381,14 +381,14 @@ void SiteLink::askFor(PartId part, int before) {
 }
 
 /// Parts that this site shared before an outage: the server may have been started anew, and knows of none.
-void SiteLink::shareAgain() {
+void ServerConnection::shareAgain() {
   for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     if (hand_.ownedEpoch[index] == 0) askFor(hand_.tick.owned[index].part, 0);
   }
 }
 
-void SiteLink::tellDenial(const GrabReply& reply, bool reclaim) {
+void ServerConnection::tellDenial(const GrabReply& reply, bool reclaim) {
   const bool other = reply.part.owner != kNoSite && reply.part.owner != welcome_.site;
   if (!reclaim)
     tellDenied(reply.part, reply.denial == Denial::ownedByOther ? siteName(reply.part.owner) + " holds it"
@@ -398,7 +398,7 @@ void SiteLink::tellDenial(const GrabReply& reply, bool reclaim) {
            partName(reply.part.part) + " now belongs to " + siteName(reply.part.owner));
 }
 
-void SiteLink::tellDenied(const PartRecord& record, const std::string& why) {
+void ServerConnection::tellDenied(const PartRecord& record, const std::string& why) {
   notice(Notice::Level::warning, partName(record.part) + " cannot be taken: " + why);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::denied;
@@ -406,23 +406,23 @@ void SiteLink::tellDenied(const PartRecord& record, const std::string& why) {
   pushEvent(event);
 }
 
-void SiteLink::take(ReleaseReply& message) {
+void ServerConnection::take(ReleaseReply& message) {
   if (scene_ && message.part.part < scene_->parts.size()) applyOwnership(message.part);
 }
 
-void SiteLink::take(CommandReply& message) {
+void ServerConnection::take(CommandReply& message) {
   if (!message.done) notice(Notice::Level::warning, "not done: " + message.reason);
 }
 
-void SiteLink::revoke(PartId part) {
+void ServerConnection::revoke(PartId part) {
   if (stage_ == Stage::ready) send(Revoke{nextRequest_++, part});
 }
 
-void SiteLink::resetParts() {
+void ServerConnection::resetParts() {
   if (stage_ == Stage::ready) send(ResetParts{nextRequest_++});
 }
 
-void SiteLink::leave() {
+void ServerConnection::leave() {
   if (transport_ && stage_ != Stage::connecting) {
     send(Goodbye{});
     transport_->close(0);
@@ -433,7 +433,7 @@ void SiteLink::leave() {
 
 // ---- people ----
 
-void SiteLink::take(SiteChanged& message) {
+void ServerConnection::take(SiteChanged& message) {
   if (SiteView* known = siteView(message.site.site)) {
     if (known->info.connected && !message.site.connected)
       notice(Notice::Level::info, message.site.name + " lost the connection");
@@ -444,37 +444,37 @@ void SiteLink::take(SiteChanged& message) {
   sites_.push_back({message.site, message.site.site == welcome_.site, false, {}});
 }
 
-void SiteLink::take(SiteLeft& message) {
+void ServerConnection::take(SiteLeft& message) {
   notice(Notice::Level::info, siteName(message.site) + " left");
   std::erase_if(sites_, [&](const SiteView& site) { return site.info.site == message.site; });
   statesIn_.forget(message.site);
 }
 
-SiteView* SiteLink::siteView(SiteId site) {
+SiteView* ServerConnection::siteView(SiteId site) {
   for (SiteView& view : sites_)
     if (view.info.site == site) return &view;
   return nullptr;
 }
 
-std::string SiteLink::siteName(SiteId site) const {
+std::string ServerConnection::siteName(SiteId site) const {
   for (const SiteView& view : sites_)
     if (view.info.site == site) return view.info.name;
   return "somebody";
 }
 
-std::string SiteLink::partName(PartId part) const {
+std::string ServerConnection::partName(PartId part) const {
   return scene_ && part < scene_->parts.size() ? scene_->parts[part].name : "part " + std::to_string(part);
 }
 
-void SiteLink::notice(Notice::Level level, std::string text) {
+void ServerConnection::notice(Notice::Level level, std::string text) {
   notices_.push_back({level, 0.0, std::move(text)});
 }
 
-std::vector<Notice> SiteLink::takeNotices() { return std::exchange(notices_, {}); }
+std::vector<Notice> ServerConnection::takeNotices() { return std::exchange(notices_, {}); }
 
 // ---- state ----
 
-void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
+void ServerConnection::takeState(std::span<const std::byte> bytes, Micros now) {
   statistics_.received.countState(bytes);
   if (!frame_ || stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
   const StateReceiver::Outcome outcome = statesIn_.decode(bytes, *frame_, incoming_);
@@ -503,11 +503,11 @@ void SiteLink::takeState(std::span<const std::byte> bytes, Micros now) {
 }
 
 /// The server may tell what follows against what has come.
-void SiteLink::acknowledge(Micros now) {
+void ServerConnection::acknowledge(Micros now) {
   if (const std::optional<StateAck> ack = statesIn_.takeAck(now)) sendState(*ack);
 }
 
-void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
+void ServerConnection::takeLink(const LinkUpdate& update, Micros now) {
   if (!clock_.known()) return;
   const auto packet = links_->receive(update, *ownership_, sessionTime(now));
   pushOrders();
@@ -515,7 +515,7 @@ void SiteLink::takeLink(const LinkUpdate& update, Micros now) {
 }
 
 /// The server numbers what it sends to this site in one row, whosever states they are.
-void SiteLink::countDown(std::uint32_t sequence) {
+void ServerConnection::countDown(std::uint32_t sequence) {
   if (heardUpdates_++ == 0) newestUpdate_ = sequence - 1;
   const auto ahead = static_cast<std::int32_t>(sequence - newestUpdate_);
   if (ahead > 0) {
@@ -526,7 +526,7 @@ void SiteLink::countDown(std::uint32_t sequence) {
   statistics_.lossDown = lossDown_.loss();
 }
 
-void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
+void ServerConnection::takeUpdate(const StateUpdate& update, Micros now) {
   ++statistics_.receivedUpdates;
   countDown(update.sequence);
   auto last = std::find_if(lastSequence_.begin(), lastSequence_.end(),
@@ -558,7 +558,7 @@ void SiteLink::takeUpdate(const StateUpdate& update, Micros now) {
   }
 }
 
-void SiteLink::pushEvent(const NetworkEvent& event) {
+void ServerConnection::pushEvent(const NetworkEvent& event) {
   if (!exchange_) return;
   if (waitingEvents_.empty() && exchange_->events.push(event)) return;
   if (event.kind == NetworkEvent::Kind::state)
@@ -567,21 +567,21 @@ void SiteLink::pushEvent(const NetworkEvent& event) {
     waitingEvents_.push_back(event);
 }
 
-void SiteLink::flushEvents() {
+void ServerConnection::flushEvents() {
   std::size_t sent = 0;
   while (sent < waitingEvents_.size() && exchange_->events.push(waitingEvents_[sent])) ++sent;
   waitingEvents_.erase(waitingEvents_.begin(), waitingEvents_.begin() + static_cast<std::ptrdiff_t>(sent));
 }
 
-void SiteLink::publishTimeBase(Micros now) {
+void ServerConnection::publishTimeBase(Micros now) {
   if (clock_.known()) playOut_ = playOutDelay_.delay(clock_.sessionTime(now));
   exchange_->timeBase.write({sessionTime(now) - now, playOut_, welcome_.site});
   statistics_.playOut_ms = toSeconds(playOut_) * 1e3;
 }
 
-Micros SiteLink::sessionTime(Micros now) { return clock_.known() ? clock_.sessionTime(now) : 0; }
+Micros ServerConnection::sessionTime(Micros now) { return clock_.known() ? clock_.sessionTime(now) : 0; }
 
-void SiteLink::sendIntents() {
+void ServerConnection::sendIntents() {
   HandIntent intent;
   while (exchange_->intents.pop(intent)) {
     if (intent.lost != lost_) continue;  // the hand was told since that it gets no answer
@@ -604,7 +604,7 @@ void SiteLink::sendIntents() {
 }
 
 /// What the hand's ends of links say, and lines that have fallen silent.
-void SiteLink::exchangeLinks(Micros now) {
+void ServerConnection::exchangeLinks(Micros now) {
   haptics::TiedPacket packet;
   while (exchange_->linksOut.pop(packet)) {
     const std::optional<LinkUpdate> update = links_->toWire(packet);
@@ -619,7 +619,7 @@ void SiteLink::exchangeLinks(Micros now) {
 
 /// Whether somebody else's hand feels the part as it is played out: those who share it feel the link, if the way between
 /// bears one.
-bool SiteLink::othersTouch(PartId part) const {
+bool ServerConnection::othersTouch(PartId part) const {
   const std::vector<SiteId>& members = ownership_->members(part).sites;
   return std::any_of(sites_.begin(), sites_.end(), [&](const SiteView& site) {
     if (site.self || !site.info.connected || links_->felt(part, site.info.site)) return false;
@@ -628,7 +628,7 @@ bool SiteLink::othersTouch(PartId part) const {
   });
 }
 
-void SiteLink::offerParts(Micros now) {
+void ServerConnection::offerParts(Micros now) {
   offered_.clear();
   for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -643,7 +643,7 @@ void SiteLink::offerParts(Micros now) {
   }
 }
 
-void SiteLink::publish(Micros now) {
+void ServerConnection::publish(Micros now) {
   hand_ = exchange_->output.latest();
   if (!clock_.known() || !publisher_->mayBeDue(now)) return;
   offerParts(now);
@@ -669,27 +669,27 @@ void SiteLink::publish(Micros now) {
   if (recording_) recording_->write(update.time, outgoingUpdate_);
 }
 
-void SiteLink::send(const ControlMessage& message) {
+void ServerConnection::send(const ControlMessage& message) {
   if (!transport_) return;
   const std::vector<std::byte> bytes = encodeControl(message);
   statistics_.sent.countControl(bytes.size());
   transport_->sendControl(0, bytes);
 }
 
-void SiteLink::sendState(const StateMessage& message) {
+void ServerConnection::sendState(const StateMessage& message) {
   if (!transport_ || !frame_) return;
   encodeState(message, *frame_, bytes_);
   sendBytes();
 }
 
-void SiteLink::sendBytes() {
+void ServerConnection::sendBytes() {
   if (!transport_) return;
   statistics_.sent.countState(bytes_);
   unsent_.add(bytes_, [this](auto datagram) { transport_->sendState(0, datagram); });
 }
 
-LinkStatistics SiteLink::statistics() const {
-  LinkStatistics statistics = statistics_;
+ConnectionStatistics ServerConnection::statistics() const {
+  ConnectionStatistics statistics = statistics_;
   if (transport_) statistics.transport = transport_->counters();
   return statistics;
 }

@@ -31,7 +31,7 @@
 
 namespace tandem::client {
 
-struct SiteLinkOptions {
+struct ConnectionOptions {
   std::string name = "site";
   sync::SiteColour colour = sync::kAnyColour;
   std::string token;  // of the join link
@@ -42,9 +42,9 @@ struct SiteLinkOptions {
 };
 
 /// Watches a site from outside, for the checks of a simulation. Called in the network thread.
-class LinkObserver {
+class ConnectionObserver {
  public:
-  virtual ~LinkObserver() = default;
+  virtual ~ConnectionObserver() = default;
   virtual void onOwnership(const sync::PartRecord&) {}
   virtual void onGrab(const sync::Grab&) {}
   virtual void onRelease(const sync::Release&) {}
@@ -54,7 +54,7 @@ class LinkObserver {
   virtual void onConnection(bool) {}
 };
 
-struct LinkStatistics {
+struct ConnectionStatistics {
   double roundTrip_ms = 0.0;  // 0: no ping of this connection was answered yet
   double lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
@@ -64,7 +64,7 @@ struct LinkStatistics {
   sync::Traffic sent, received;       // of all
 };
 
-class SiteLink {
+class ServerConnection {
  public:
   using Connector = std::function<Result<std::unique_ptr<sync::Transport>>()>;
   enum class Stage : std::uint8_t {
@@ -77,8 +77,8 @@ class SiteLink {
     ended,      // refused, or left; see reason()
   };
 
-  SiteLink(SiteLinkOptions options, Connector connector);
-  ~SiteLink();
+  ServerConnection(ConnectionOptions options, Connector connector);
+  ~ServerConnection();
 
   /// Everything that is due at local time `now`.
   void step(sync::Micros now);
@@ -107,12 +107,12 @@ class SiteLink {
   sync::Transport* transport() { return transport_.get(); }
   const std::vector<SiteView>& sites() const { return sites_; }
   SiteId owner(PartId part) const { return ownership_ ? ownership_->part(part).owner : kNoSite; }
-  LinkStatistics statistics() const;
+  ConnectionStatistics statistics() const;
   std::vector<Notice> takeNotices();
   /// Session time at local time `now`, 0 before the first pong.
   sync::Micros sessionTime(sync::Micros now);
 
-  void setObserver(LinkObserver* observer) { observer_ = observer; }
+  void setObserver(ConnectionObserver* observer) { observer_ = observer; }
   void setRecording(sync::RecordingWriter* recording) { recording_ = recording; }
 
  private:
@@ -171,10 +171,10 @@ class SiteLink {
   std::string siteName(SiteId site) const;
   std::string partName(PartId part) const;
 
-  SiteLinkOptions options_;
+  ConnectionOptions options_;
   Connector connector_;
   std::unique_ptr<sync::Transport> transport_;
-  LinkObserver* observer_ = nullptr;
+  ConnectionObserver* observer_ = nullptr;
   sync::RecordingWriter* recording_ = nullptr;
 
   Stage stage_ = Stage::connecting;
@@ -215,7 +215,7 @@ class SiteLink {
 
   std::vector<SiteView> sites_;
   std::vector<Notice> notices_;
-  LinkStatistics statistics_;
+  ConnectionStatistics statistics_;
   std::vector<std::pair<SiteId, std::uint32_t>> lastSequence_;  // newest update a site
   // All on this connection, for the losses.
   std::uint64_t expectedUpdates_ = 0, heardUpdates_ = 0, updatesSent_ = 0, updatesAtPing_ = 0;
