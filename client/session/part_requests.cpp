@@ -1,0 +1,199 @@
+#include "client/session/part_requests.h"
+
+#include <algorithm>
+
+#include "assets/base/assert.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+
+constexpr int kMaxRepeats = 4;  // of a request for a part that comes and goes
+
+}  // namespace
+
+void PartRequests::sceneReady(PartOwnership& ownership, Exchange& exchange, HandEvents& events) {
+  ASSERT(ownership_ == nullptr);
+  ownership_ = &ownership;
+  exchange_ = &exchange;
+  events_ = &events;
+  givenBack_.assign(ownership.scene().parts.size(), 0);
+}
+
+// ---- requests that wait for their answers ----
+
+/// The number of a request that is about to be sent.
+RequestId PartRequests::open(PartId part, OpenRequest::Kind kind, int before) {
+  ASSERT(before <= kMaxRepeats);
+  open_.push_back({ownership_->view().lapses(), nextRequest_, part, kind, before});
+  return nextRequest_++;
+}
+
+/// The request that a reply answers, which is not open any more; nothing if it answers none.
+std::optional<PartRequests::OpenRequest> PartRequests::close(RequestId request, PartId part) {
+  const auto found =
+      std::find_if(open_.begin(), open_.end(), [&](const auto& entry) { return entry.request == request; });
+  if (found == open_.end() || !ownership_->exists(part) || found->part != part) return std::nullopt;
+  const OpenRequest closed = *found;
+  open_.erase(found);
+  return closed;
+}
+
+bool PartRequests::isReclaiming(PartId part) const {
+  return std::any_of(open_.begin(), open_.end(), [&](const OpenRequest& entry) {
+    return entry.kind == OpenRequest::Kind::reclaim && entry.part == part;
+  });
+}
+
+// ---- requests ----
+
+/// Whether this site may hold a part together with the site that owns it.
+bool PartRequests::mayShare(PartId part) const {
+  const SiteId owner = ownership_->view().part(part).owner;
+  return owner != kNoSite && owner != people_.self() &&
+         assets::controlOf(ownership_->scene(), part) == nullptr;
+}
+
+/// Asks to own a part, or to share it where another site owns it.
+void PartRequests::askFor(PartId part, int before) {
+  ASSERT(ownership_->exists(part));
+  // The part may have been passed on to this site meanwhile. One that was given back is asked for anew, though, before
+  // the release is answered.
+  if (ownership_->view().owns(part) && givenBack_[part] != ownership_->view().part(part).epoch) return;
+  const bool share = mayShare(part);
+  const RequestId request = open(part, share ? OpenRequest::Kind::engage : OpenRequest::Kind::grab, before);
+  if (share) return sender_.send(Engage{request, part});
+  const Grab grab{request, part};
+  if (watchers_.observer) watchers_.observer->onGrab(grab);
+  sender_.send(grab);
+}
+
+void PartRequests::release(const HandIntent& intent) {
+  ASSERT(ownership_->exists(intent.part));
+  const Release release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart};
+  givenBack_[intent.part] = intent.epoch;
+  if (watchers_.observer) watchers_.observer->onRelease(release);
+  sender_.send(release);
+}
+
+void PartRequests::sendIntents() {
+  HandIntent intent;
+  while (exchange_->intents.pop(intent)) {
+    ASSERT(intent.lost <= lost_);
+    if (intent.lost != lost_) continue;  // the hand has been told since that this gets no answer
+    switch (intent.kind) {
+      case HandIntent::Kind::grab:
+        askFor(intent.part, 0);
+        break;
+      case HandIntent::Kind::release:
+        release(intent);
+        break;
+      case HandIntent::Kind::leave:
+        sender_.send(Disengage{open(intent.part, OpenRequest::Kind::leave), intent.part});
+        break;
+    }
+  }
+}
+
+void PartRequests::reclaim(bool all) {
+  hand_ = exchange_->output.latest();
+  ASSERT(hand_.tick.ownedCount >= 0 && hand_.tick.ownedCount <= haptics::kMaxOwnedParts);
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    const haptics::OwnedPart& part = hand_.tick.owned[index];
+    const Epoch epoch = hand_.ownedEpoch[index];
+    if (epoch == 0 || !(all || ownership_->view().needsReclaim(part.part))) continue;
+    if (isReclaiming(part.part)) continue;
+    sender_.send(Reclaim{open(part.part, OpenRequest::Kind::reclaim), part.part, epoch, part.worldFromPart});
+  }
+}
+
+void PartRequests::shareAgain() {
+  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
+    const auto index = static_cast<std::size_t>(i);
+    if (hand_.ownedEpoch[index] == 0) askFor(hand_.tick.owned[index].part, 0);
+  }
+}
+
+void PartRequests::connectionLost() {
+  open_.clear();
+  ++lost_;
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::lost;
+  events_->push(event);
+}
+
+void PartRequests::revoke(PartId part) { sender_.send(Revoke{nextRequest_++, part}); }
+
+void PartRequests::resetParts() { sender_.send(ResetParts{nextRequest_++}); }
+
+// ---- answers ----
+
+bool PartRequests::handle(const GrabReply& message) {
+  const PartRecord& record = message.part;
+  const std::optional<OpenRequest> asked = close(message.request, record.part);
+  if (!asked) return false;
+  const bool reclaim = asked->kind == OpenRequest::Kind::reclaim;
+  if (watchers_.observer) watchers_.observer->onGrabReply(message);
+  ownership_->apply(record);
+  if (message.denial == Denial::none) {
+    if (asked->lapses == ownership_->view().lapses()) ownership_->view().confirmed(record.part, record.epoch);
+  } else if (message.denial == Denial::ownedByOther && !reclaim && asked->before < kMaxRepeats &&
+             mayShare(record.part)) {
+    askFor(record.part, asked->before + 1);
+  } else {
+    tellDenial(message, reclaim);
+  }
+  return true;
+}
+
+bool PartRequests::handle(const EngageReply& message) {
+  const PartId part = message.members.part;
+  const std::optional<OpenRequest> asked = close(message.request, part);
+  if (!asked) return false;
+  ownership_->apply(message.members);
+  if (asked->kind == OpenRequest::Kind::leave) return true;
+  sync::OwnershipView& view = ownership_->view();
+  if (message.denial == Denial::none) {
+    if (asked->lapses == view.lapses()) view.engagementConfirmed(part);
+    people_.notice(Notice::Level::info,
+                   partName(part) + " is shared with " + people_.nameOf(view.part(part).owner));
+  } else if (message.denial == Denial::notOwned && asked->before < kMaxRepeats) {
+    askFor(part, asked->before + 1);
+  } else {
+    tellDenied(view.part(part), toString(message.denial));
+  }
+  return true;
+}
+
+void PartRequests::handle(const ReleaseReply& message) {
+  if (ownership_ != nullptr && ownership_->exists(message.part.part)) ownership_->apply(message.part);
+}
+
+void PartRequests::handle(const CommandReply& message) {
+  if (!message.done) people_.notice(Notice::Level::warning, "not done: " + message.reason);
+}
+
+void PartRequests::tellDenial(const GrabReply& reply, bool reclaim) {
+  const SiteId owner = reply.part.owner;
+  if (!reclaim)
+    tellDenied(reply.part, reply.denial == Denial::ownedByOther ? people_.nameOf(owner) + " holds it"
+                                                                : toString(reply.denial));
+  else if (owner != kNoSite && owner != people_.self())
+    people_.notice(Notice::Level::warning,
+                   partName(reply.part.part) + " now belongs to " + people_.nameOf(owner));
+}
+
+void PartRequests::tellDenied(const PartRecord& record, const std::string& why) {
+  people_.notice(Notice::Level::warning, partName(record.part) + " cannot be taken: " + why);
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::denied;
+  event.record = record;
+  events_->push(event);
+}
+
+std::string PartRequests::partName(PartId part) const { return ownership_->scene().parts[part].name; }
+
+}  // namespace tandem::client

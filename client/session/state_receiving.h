@@ -1,0 +1,76 @@
+#pragma once
+
+// The state datagrams that the server sends to this site: decoded, checked against ownership, handed to the hand with the
+// play-out delay that their arrivals ask for, acknowledged, and counted for the losses.
+//
+// Network thread.
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "client/base/loss_meter.h"
+#include "client/session/part_ownership.h"
+#include "client/session/participants.h"
+#include "sync/replica/play_out.h"
+#include "sync/wire/state_stream.h"
+
+namespace tandem::client {
+
+class StateReceiving {
+ public:
+  struct Counts {
+    std::uint64_t updates = 0, droppedStates = 0;
+    std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
+  };
+
+  /// What is referred to must outlive this.
+  StateReceiving(PartOwnership& ownership, Participants& people, Exchange& exchange, HandEvents& events,
+                 MessageSender& sender, SessionClock& clock, const Watchers& watchers);
+
+  /// A new connection: the server counts and encodes anew.
+  void reset();
+  /// A site that is not coming back.
+  void forget(SiteId site) { receiver_.forget(site); }
+
+  /// Reads a datagram into message(), or counts it as dropped. Malformed ones are left to the caller to count.
+  [[nodiscard]] sync::StateReceiver::Outcome decode(std::span<const std::byte> bytes);
+  const sync::StateMessage& message() const { return message_; }
+  /// `update` is that of message().
+  void handle(const sync::StateUpdate& update);
+  /// Tells the server what has come, so that it may encode what follows against it.
+  void acknowledge();
+  /// Gives the hand the session's time and the play-out delay.
+  void publishTimeBase();
+
+  const Counts& counts() const { return counts_; }
+  double loss() const { return loss_.loss(); }  // of the datagrams on this connection, 0..1
+  sync::Micros playOutDelay() const { return playOut_; }
+
+ private:
+  void countLoss(std::uint32_t sequence);
+  bool isNewest(const sync::StateUpdate& update);
+  void accept(const sync::StateUpdate& update, const sync::PartState& state);
+
+  PartOwnership& ownership_;
+  Participants& people_;
+  Exchange& exchange_;
+  HandEvents& events_;
+  MessageSender& sender_;
+  SessionClock& clock_;
+  const Watchers& watchers_;
+
+  sync::StateReceiver receiver_;
+  sync::StateMessage message_;
+  std::vector<std::pair<SiteId, std::uint32_t>> newestOf_;  // sequence of the newest update of each site
+  // Of all updates on this connection, whosever states they are: the server numbers them in one row.
+  std::uint64_t expected_ = 0, heard_ = 0;
+  std::uint32_t newest_ = 0;  // sequence
+  LossMeter loss_;
+  sync::PlayOutDelay delay_;
+  sync::Micros playOut_ = 0;
+  Counts counts_;
+};
+
+}  // namespace tandem::client
