@@ -18,7 +18,7 @@ TickState::Data::Data(const ContactScene& contactScene)
   near.reserve(parts);
   measureReach();
   if (!scene->models.empty() || !contactScene.scene().joints.empty())
-    partContact = std::make_unique<PartContact>(world);
+    partContact = std::make_unique<PartContact>(world, fault);
 }
 
 void TickState::Data::measureReach() {

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "assets/base/assert.h"
 #include "haptics/base/simd4.h"
 
 namespace tandem::haptics {
@@ -29,6 +30,7 @@ ContactRows::ContactRows()
     next += kMostPlanes;
   }
   gap_ = next;
+  ASSERT(next + kMostPlanes <= storage_.get() + 7 * kMostPlanes + kAlignment);
 }
 
 void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {

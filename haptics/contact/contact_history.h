@@ -1,0 +1,94 @@
+#pragma once
+
+// What the last ticks tell the next one: which samples held a part, the friction between two parts, and how
+// far a part moved in its last step. It keeps resting contacts at rest.
+//
+// 1. Entries are known by their parts: the numbers of bodies and pairs differ from tick to tick.
+// 2. Free of allocation.
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include "haptics/base/fault.h"
+#include "haptics/contact/contact_island.h"
+#include "haptics/contact/contact_rows.h"
+#include "haptics/contact/contact_solver.h"
+
+namespace tandem::haptics {
+
+class ContactHistory {
+ public:
+  explicit ContactHistory(FaultLatch& fault) : fault_(fault) {}
+  ContactHistory(const ContactHistory&) = delete;
+  ContactHistory& operator=(const ContactHistory&) = delete;
+
+  /// A part is taken: its contacts, and the friction and motion of all parts, are not known any more.
+  void forget(PartId part);
+
+  // A tick: beginTick() with all bodies, then for each island the calls below, then endTick().
+
+  void beginTick(const ContactIsland& all);
+  void endTick();
+
+  /// m, the last step of the island in which the part was; 0 if that is not known.
+  double lastMotion(PartId part) const;
+  void noteMotion(PartId part, double motion);
+  /// Lets the solver start from the friction of the last tick.
+  void recallFriction(const ContactIsland& island, ContactSolver& solver) const;
+  void noteFriction(const ContactIsland& island, const ContactSolver& solver);
+  /// Calls f(source) with each sample that held a part of one of the island's pairs in one of the last steps.
+  template <typename F>
+  void forEachContact(const ContactIsland& island, const F& f) const {
+    for (int k = 0; k < contactCount_; ++k) {
+      const Contact& contact = contacts_[static_cast<std::size_t>(k)];
+      for (int i = 0; i < island.pairCount(); ++i) {
+        if (!isOf(contact.first, contact.other, island, i)) continue;
+        RowSource source = contact.source;
+        source.pair = static_cast<std::uint16_t>(i);
+        f(source);
+      }
+    }
+  }
+  /// Remembers the samples of the active rows of a step. Those that have been inactive for kKeptFor steps are
+  /// forgotten.
+  void noteContacts(const ContactIsland& island, const ContactRows& rows, const ContactSolver& solver);
+
+ private:
+  static constexpr int kMaxContacts = 48, kKeptFor = 16;
+  static constexpr int kMaxFrictions = 2 * ContactSolver::kMostActive;
+
+  struct Contact {
+    PartId first = kNoPart, other = kNoPart;
+    RowSource source;
+    int unused = 0;  // steps since it last held the part
+  };
+  struct Friction {
+    PartId first = kNoPart, other = kNoPart;
+    ContactSolver::Friction friction;
+  };
+  struct Motion {
+    PartId part = kNoPart;
+    double length = 0.0;  // m
+  };
+  struct Tick {
+    std::array<Friction, kMaxFrictions> frictions;
+    std::array<Motion, kMostBodies> motions;
+    int frictionCount = 0, motionCount = 0;
+  };
+
+  /// Whether two parts are those of a pair that may touch.
+  static bool isOf(PartId first, PartId other, const ContactIsland& island, int pair);
+  /// The place of a contact that is known, or else a free one, or else the one that has been unused for
+  /// longest.
+  Contact& slot(PartId first, PartId other, const RowSource& source);
+
+  FaultLatch& fault_;
+  std::array<Contact, kMaxContacts> contacts_;
+  int contactCount_ = 0;
+  std::array<Tick, 2> ticks_;
+  Tick* now_ = &ticks_[0];
+  Tick* last_ = &ticks_[1];
+};
+
+}  // namespace tandem::haptics

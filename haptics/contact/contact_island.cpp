@@ -1,0 +1,148 @@
+#include "haptics/contact/contact_island.h"
+
+#include <algorithm>
+#include <limits>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/finite.h"
+
+namespace tandem::haptics {
+
+static_assert(kMostPairs <= std::numeric_limits<decltype(RowSource::pair)>::max());
+
+namespace {
+
+constexpr double kRadiusWithoutGeometry = 0.01;  // m
+
+}  // namespace
+
+double ContactBody::motion(const Displacement& u) const {
+  return glm::length(u.linear) + radius * glm::length(u.angular);
+}
+
+void ContactIsland::clear() {
+  bodyCount_ = 0;
+  clearPairs();
+}
+
+ContactBody& ContactIsland::addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose) {
+  if (!TICK_ASSERT(fault_, bodyCount_ < kMostBodies)) return bodies_.back();
+  ContactBody& body = bodies_[static_cast<std::size_t>(bodyCount_++)];
+  body = ContactBody{};
+  body.part = part;
+  body.model = world_.model(part);
+  body.centreOfMass = centreOfMass;
+  const Collider& collider = world_.collider(part);
+  const double radius = collider.radius > 0.0 ? collider.radius : kRadiusWithoutGeometry;
+  body.radius = glm::length(collider.centre - centreOfMass) + radius;
+  body.pose = pose;
+  const double tolerance = body.model != nullptr ? body.model->field.tolerance() : 1e-5 * body.radius;
+  tolerance_ = bodyCount_ == 1 ? tolerance : std::min(tolerance_, tolerance);
+  return body;
+}
+
+const ContactBody& ContactIsland::addMoving(const MovingPart& part, double dt) {
+  TICK_ASSERT(fault_, dt > 0.0 && part.body->mass > 0.0);
+  const int at = bodyCount_;
+  ContactBody& body = addBody(part.part, part.body->centreOfMass, part.body->worldFromBody);
+  if (at == bodyCount_) return body;
+  body.goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
+  body.mass = part.body->mass;
+  StepGoal& goal = goals_[static_cast<std::size_t>(at)];
+  goal.before = Displacement{};
+  goal.root = part.step.root;
+  return body;
+}
+
+void ContactIsland::clearPairs() {
+  pairCount_ = 0;
+  push_ = 0.0;
+  overflowed_ = false;
+}
+
+void ContactIsland::addPair(const ContactPair& pair) {
+  if (!TICK_ASSERT(fault_, pair.first < bodyCount_ && pair.second < bodyCount_)) return;
+  int at = pairCount_;
+  if (at == (pair.isJoint() ? kMostPairs : kMostPairs - kForJoints)) {
+    overflowed_ = true;
+    if (pair.isJoint()) return;
+    const auto nearer = [](const ContactPair& a, const ContactPair& b) { return a.gap < b.gap; };
+    at = static_cast<int>(std::max_element(pairs_.begin(), pairs_.begin() + at, nearer) - pairs_.begin());
+    if (pairs_[static_cast<std::size_t>(at)].gap <= pair.gap) return;
+  } else {
+    ++pairCount_;
+  }
+  rowPairs_[static_cast<std::size_t>(at)] = {pair.first, pair.second, glm::dvec3(0.0)};
+  pairs_[static_cast<std::size_t>(at)] = pair;
+  raisePush(pair.push);
+}
+
+void ContactIsland::raisePush(double distance) { push_ = std::max(push_, distance); }
+
+double ContactIsland::aim() {
+  double longest = 0.0;
+  for (int i = 0; i < bodyCount_; ++i) {
+    StepGoal& goal = goals_[static_cast<std::size_t>(i)];
+    goal.free = left(i);
+    longest = std::max(longest, body(i).motion(goal.free));
+  }
+  return longest;
+}
+
+void ContactIsland::place() {
+  for (int i = 0; i < bodyCount_; ++i) {
+    ContactBody& body = bodies_[static_cast<std::size_t>(i)];
+    body.centre = transformPoint(body.pose, body.centreOfMass);
+  }
+  for (int i = 0; i < pairCount_; ++i) {
+    ContactPair& pair = pairs_[static_cast<std::size_t>(i)];
+    const ContactBody& one = first(pair);
+    pair.otherFromFirst = inverse(otherPose(pair)) * one.pose;
+    if (pair.second >= 0)
+      rowPairs_[static_cast<std::size_t>(i)].apart = one.centre - body(pair.second).centre;
+  }
+}
+
+void ContactIsland::moveBody(int i, const Displacement& u) {
+  if (!TICK_ASSERT(fault_, i < bodyCount_ && isFinite(u.linear) && isFinite(u.angular))) return;
+  ContactBody& body = bodies_[static_cast<std::size_t>(i)];
+  body.pose.orientation = glm::normalize(fromRotationVector(u.angular) * body.pose.orientation);
+  body.pose.position = body.centre + u.linear - body.pose.orientation * body.centreOfMass;
+  Displacement& moved = goals_[static_cast<std::size_t>(i)].before;
+  moved = {moved.linear + u.linear, moved.angular + u.angular};
+}
+
+int ContactIsland::bodyOf(PartId part) const {
+  for (int i = 0; i < bodyCount_; ++i) {
+    if (body(i).part == part) return i;
+  }
+  return -1;
+}
+
+const Pose& ContactIsland::otherPose(const ContactPair& pair) const {
+  static const Pose kWorld;
+  if (pair.second >= 0) return body(pair.second).pose;
+  return pair.other != kNoPart ? world_.pose(pair.other) : kWorld;
+}
+
+Displacement ContactIsland::left(int i) const {
+  const Displacement &goal = body(i).goal, &gone = moved(i);
+  return {goal.linear - gone.linear, goal.angular - gone.angular};
+}
+
+Displacement ContactIsland::relative(int index, const Displacement& first, const Displacement& second) const {
+  return seenFrom(first, second, rowPairs_[static_cast<std::size_t>(index)].apart);
+}
+
+Displacement ContactIsland::relativeMoved(int index) const {
+  const ContactPair& of = pair(index);
+  return of.second < 0 ? moved(of.first) : relative(index, moved(of.first), moved(of.second));
+}
+
+Displacement ContactIsland::relativeLeft(int index) const {
+  const ContactPair& of = pair(index);
+  return of.second < 0 ? left(of.first) : relative(index, left(of.first), left(of.second));
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,126 @@
+#pragma once
+
+// The moving parts that are solved together, and the pairs in which they may touch or are joined.
+//
+// 1. The island alone writes the poses, goals and pairs of its bodies; everyone else reads them.
+// 2. Filling it and moving it is free of allocation.
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "haptics/base/fault.h"
+#include "haptics/contact/contact_solver.h"
+#include "haptics/contact/moving_part.h"
+#include "haptics/scene/contact_world.h"
+#include "haptics/scene/part_model.h"
+
+namespace tandem::haptics {
+
+/// One moving part of an island.
+struct ContactBody {
+  PartId part = kNoPart;
+  const PartModel* model = nullptr;  // null: only joints constrain it
+  glm::dvec3 centreOfMass{0.0};      // m, part frame
+  double radius = 0.0;               // m, about the centre of mass
+  Pose pose;                         // world, now
+  glm::dvec3 centre{0.0};            // of mass, m, world, as of the last place()
+  Displacement goal;                 // where it would go in this tick if nothing stood in its way
+  double mass = 1.0;                 // kg
+
+  /// m, an upper bound of how far a displacement moves any point of the body.
+  double motion(const Displacement& u) const;
+  /// m that an escape may cover in a tick: the part's own radius takes half a second, which the hand feels as
+  /// a growing pull and not as a blow.
+  double escapeDistance(double dt) const { return 2.0 * radius * dt; }
+};
+
+/// Two parts that may touch, or that a joint holds together. The first one moves here.
+struct ContactPair {
+  int first = 0, second = -1;  // bodies of the island; second is -1 where the other part does not move here
+  PartId other = kNoPart;      // kNoPart: the world, of a joint
+  const PartModel* model = nullptr;  // of the other part
+  Pose otherFromFirst;               // part frames, as of the last place()
+  double push = 0.0;                 // m that the other part may come closer in this tick by itself
+  double gap = 0.0;                  // m, a lower bound when the tick began
+  std::int32_t joint = -1;           // index of the scene's joint; -1: a pair that may touch
+
+  bool isJoint() const { return joint >= 0; }
+};
+
+class ContactIsland {
+ public:
+  ContactIsland(const ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) {}
+
+  // Filling: clear(), addBody() for each body, then clearPairs() and addPair().
+
+  void clear();
+  /// There must be fewer than kMostBodies.
+  ContactBody& addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose);
+  /// Adds a part with its goal of a tick of dt seconds.
+  const ContactBody& addMoving(const MovingPart& part, double dt);
+  void clearPairs();
+  /// Where there are more pairs than fit, those with the smallest gaps stay and overflowed() becomes true.
+  void addPair(const ContactPair& pair);
+  /// Other parts may push a body by at least this many metres in this tick.
+  void raisePush(double distance);
+
+  // Moving.
+
+  /// Sets the free displacement of each body to what is left of its goal; returns the longest motion, m.
+  double aim();
+  /// Brings centres of mass and relative poses of all pairs up to date with the bodies' poses.
+  void place();
+  /// Moves a body by u, from where place() has last seen it.
+  void moveBody(int body, const Displacement& u);
+
+  // Reading.
+
+  int bodyCount() const { return bodyCount_; }
+  int pairCount() const { return pairCount_; }
+  const ContactBody& body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
+  const ContactPair& pair(int i) const { return pairs_[static_cast<std::size_t>(i)]; }
+  std::span<const ContactPair> pairs() const { return {pairs_.data(), static_cast<std::size_t>(pairCount_)}; }
+  const ContactBody& first(const ContactPair& pair) const { return body(pair.first); }
+  /// The index of the body of a part; -1 if the part does not move here.
+  int bodyOf(PartId part) const;
+  /// The pose of a pair's other part, or of the world.
+  const Pose& otherPose(const ContactPair& pair) const;
+  /// What a body has moved in this tick so far.
+  const Displacement& moved(int body) const { return goals_[static_cast<std::size_t>(body)].before; }
+  /// What is left of a body's goal.
+  Displacement left(int body) const;
+  /// What a pair's first body has moved, or has left to move, as seen from the other one.
+  Displacement relativeMoved(int pair) const;
+  Displacement relativeLeft(int pair) const;
+  std::span<const StepGoal> goals() const { return {goals_.data(), static_cast<std::size_t>(bodyCount_)}; }
+  std::span<const RowPair> rowPairs() const {
+    return {rowPairs_.data(), static_cast<std::size_t>(pairCount_)};
+  }
+  /// m, the finest tolerance of the bodies' models.
+  double tolerance() const { return tolerance_; }
+  /// m, the most that other parts may push a body in this tick.
+  double push() const { return push_; }
+  /// Whether addPair() has dropped a pair since clearPairs().
+  bool overflowed() const { return overflowed_; }
+
+ private:
+  static constexpr int kForJoints = 16;  // pairs that only joints may take
+
+  Displacement relative(int pair, const Displacement& first, const Displacement& second) const;
+
+  const ContactWorld& world_;
+  FaultLatch& fault_;
+  std::array<ContactBody, kMostBodies> bodies_;
+  std::array<StepGoal, kMostBodies> goals_;
+  int bodyCount_ = 0;
+  std::array<ContactPair, kMostPairs> pairs_;
+  std::array<RowPair, kMostPairs> rowPairs_;
+  int pairCount_ = 0;
+  double tolerance_ = 0.0;
+  double push_ = 0.0;
+  bool overflowed_ = false;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,146 @@
+#include "haptics/contact/contact_step.h"
+
+#include <algorithm>
+
+#include "haptics/contact/candidate_rows.h"
+
+namespace tandem::haptics {
+namespace {
+
+// In tolerances: what is left of a motion below kStill is no motion; a step is good to within the same. A
+// reach of kShortReach finds resting contacts, and a first step below kOneStep needs no second one.
+constexpr double kStill = 0.02, kShortReach = 30.0, kOneStep = 20.0;
+// A reach is at most this many times the motion of the last step longer than that.
+constexpr double kGrowth = 3.0;
+
+}  // namespace
+
+ContactStep::ContactStep(const ContactWorld& world, ContactIsland& island, Overlaps& overlaps,
+                         PartJoints& joints, ContactHistory& history, FaultLatch& fault)
+    : island_(island),
+      overlaps_(overlaps),
+      joints_(joints),
+      history_(history),
+      fault_(fault),
+      refiner_(world, island, overlaps, fault) {}
+
+void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, int maxPicks) {
+  if (!TICK_ASSERT(fault_, moving.size() == static_cast<std::size_t>(island_.bodyCount()))) return;
+  TICK_ASSERT(fault_, tick.dt > 0.0 && tick.work != nullptr && tick.touches != nullptr);
+  lastMotion_ = 0.0;
+  for (const MovingPart* part : moving) lastMotion_ = std::max(lastMotion_, history_.lastMotion(part->part));
+  history_.recallFriction(island_, solver_);
+  const int maxSteps = std::clamp(tick.effort.steps, 1, kMaxSteps), picksBefore = tick.work->picks;
+  const double tolerance = island_.tolerance();
+  int steps = 0;
+  while (steps < maxSteps) {
+    const double longest = island_.aim();
+    if (longest + island_.push() < kStill * tolerance) break;
+    island_.place();
+    reach_ = std::min(longest + island_.push(), kShortReach * tolerance + kGrowth * lastMotion_);
+    refiner_.beginStep(tick.dt, reach_, tick.effort.exact);
+    gather(reach_, tick.dt);
+    joints_.addRows(island_, tick.dt, rows_);
+    overlaps_.endStep();
+    refineKnown();
+    solve(tick, maxPicks - (tick.work->picks - picksBefore));
+    ++steps;
+    if (advance(steps == 1, *tick.work)) break;
+  }
+  tick.work->steps = std::max(tick.work->steps, steps);
+  for (int i = 0; i < island_.bodyCount(); ++i) {
+    history_.noteMotion(island_.body(i).part, lastMotion_);
+    finish(*moving[static_cast<std::size_t>(i)], i, steps > 0, tick.dt);
+  }
+  history_.noteFriction(island_, solver_);
+  if (steps > 0) noteTouches(tick);
+}
+
+void ContactStep::gather(double reach, double dt) {
+  rows_.clear();
+  overlaps_.beginStep();
+  for (int i = 0; i < island_.pairCount(); ++i) {
+    if (!TICK_ASSERT(fault_, rows_.beginPair())) return;
+    const ContactPair& pair = island_.pair(i);
+    if (pair.isJoint()) continue;
+    // Two bodies may come towards each other.
+    const double closing = pair.second >= 0 ? 2.0 * reach : reach;
+    for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
+      const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, closing);
+      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), rows_).gather());
+    }
+    if (overlaps_.contained(i)) rows_.addExact(overlaps_.exitRow(i, dt));
+  }
+}
+
+void ContactStep::refineKnown() {
+  history_.forEachContact(island_, [&](const RowSource& source) {
+    refiner_.refine(source, island_.relativeLeft(source.pair), rows_);
+  });
+}
+
+void ContactStep::solve(const Tick& tick, int maxPicks) {
+  TICK_ASSERT(fault_, rows_.exactRows() <= ContactRows::kMostExact);
+  ContactWork& work = *tick.work;
+  work.planes += rows_.planes();
+  work.balls += rows_.balls();
+  solver_.solve(island_.goals(), island_.rowPairs(), kStill * island_.tolerance(), maxPicks, rows_, refiner_);
+  work.exact += refiner_.queries();
+  work.overflow = work.overflow || rows_.dropped() > 0;
+  work.picks += solver_.picks();
+  work.infeasible += solver_.infeasible();
+}
+
+bool ContactStep::advance(bool isFirst, ContactWork& work) {
+  double share = 1.0, motion = 0.0;
+  for (int b = 0; b < island_.bodyCount(); ++b) {
+    const double length = island_.body(b).motion(solver_.displacement(b));
+    motion = std::max(motion, length);
+    if (length > reach_) share = std::min(share, reach_ / length);
+  }
+  const bool exhausted = solver_.exhausted();
+  if (exhausted) {
+    // The bodies move as far as no unseen sample can touch, and on in the next tick.
+    share = std::min(share, rows_.safeShare(solver_.pairMotions()));
+    work.exhausted = true;
+  }
+  TICK_ASSERT(fault_, share >= 0.0 && share <= 1.0);
+  for (int b = 0; b < island_.bodyCount(); ++b) {
+    const Displacement& whole = solver_.displacement(b);
+    island_.moveBody(b, {share * whole.linear, share * whole.angular});
+  }
+  history_.noteContacts(island_, rows_, solver_);
+  lastMotion_ = share * motion;
+  return exhausted || (share == 1.0 && (!isFirst || motion < kOneStep * island_.tolerance()));
+}
+
+void ContactStep::finish(MovingPart& part, int index, bool moved, double dt) const {
+  const ContactBody& body = island_.body(index);
+  if (!TICK_ASSERT(fault_, part.part == body.part)) return;
+  if (!moved) {
+    // Slower than contact can tell, it stands still and keeps its momentum until its motion is long enough to
+    // check.
+    part.way = body.goal;
+    setVelocity(*part.body, part.step.freeVelocity, part.step.freeSpin);
+    return;
+  }
+  const Displacement& gone = island_.moved(index);
+  part.body->worldFromBody = body.pose;
+  setVelocity(*part.body, gone.linear / dt, gone.angular / dt);
+  part.way = gone;
+}
+
+void ContactStep::noteTouches(const Tick& tick) const {
+  for (const ContactSolver::ActiveRow& active : solver_.active()) {
+    const ExactRow& row = rows_.exact(active.row);
+    if (!TICK_ASSERT(fault_, row.source.pair < island_.pairCount())) continue;
+    const ContactPair& pair = island_.pair(row.source.pair);
+    if (pair.isJoint() || tick.touches->full()) continue;
+    const ContactBody& first = island_.first(pair);
+    tick.touches->add(
+        {first.part, pair.other, first.centre + row.arm, row.normal, active.multiplier / (tick.dt * tick.dt)},
+        fault_);
+  }
+}
+
+}  // namespace tandem::haptics

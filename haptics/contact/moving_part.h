@@ -1,0 +1,57 @@
+#pragma once
+
+// What the caller of a contact tick hands in and gets back: the parts that move, and where they rest.
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <span>
+
+#include "haptics/base/fault.h"
+#include "haptics/body/virtual_coupling.h"
+#include "haptics/contact/contact_rows.h"
+#include "haptics/scene/contact_world.h"
+
+namespace tandem::haptics {
+
+/// A part that moves in this tick, and where it would go.
+struct MovingPart {
+  PartId part = kNoPart;
+  CoupledStep step;
+  RigidBody* body = nullptr;
+  Displacement way;  // of its centre of mass, and its rotation: the answer
+};
+
+/// A place where a moving part rests on another.
+struct PartTouch {
+  PartId of = kNoPart;               // the moving part
+  PartId part = kNoPart;             // the other one, which may move too
+  glm::dvec3 point{0.0, 0.0, 0.0};   // m, world
+  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, world, away from `part`
+  double force = 0.0;                // N along the normal
+};
+
+/// The touches of one tick. Those that do not fit are left out.
+class PartTouches {
+ public:
+  static constexpr int kMax = 24;
+
+  void clear() { count_ = 0; }
+  bool full() const { return count_ == kMax; }
+  /// The list must not be full.
+  void add(const PartTouch& touch, FaultLatch& fault) {
+    if (!TICK_ASSERT(fault, !full())) return;
+    touches_[static_cast<std::size_t>(count_++)] = touch;
+  }
+  void sortStrongestFirst() {
+    std::sort(touches_.begin(), touches_.begin() + count_,
+              [](const PartTouch& a, const PartTouch& b) { return a.force > b.force; });
+  }
+  std::span<const PartTouch> all() const { return {touches_.data(), static_cast<std::size_t>(count_)}; }
+
+ private:
+  std::array<PartTouch, kMax> touches_;
+  int count_ = 0;
+};
+
+}  // namespace tandem::haptics

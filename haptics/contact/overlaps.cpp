@@ -1,0 +1,235 @@
+#include "haptics/contact/overlaps.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/finite.h"
+#include "haptics/contact/near_samples.h"
+#include "haptics/geometry/segment.h"
+
+namespace tandem::haptics {
+namespace {
+
+void include(assets::Bounds& bounds, const glm::dvec3& p) {
+  bounds.min = glm::min(bounds.min, p);
+  bounds.max = glm::max(bounds.max, p);
+}
+
+double sizeOf(const assets::Bounds& bounds) { return glm::length(bounds.max - bounds.min); }
+
+/// 1 within the bounds, falling to 0 at `margin` (m) beside them: a jump would be felt.
+double shareBeside(const assets::Bounds& bounds, double margin, const glm::dvec3& p) {
+  const double off = glm::length(p - glm::clamp(p, bounds.min, bounds.max));
+  return off < margin ? 1.0 - off / margin : 0.0;
+}
+
+/// Whether p is behind the surface at the point of it that is nearest. On an edge or in a corner every face
+/// that meets there has to say so: before a sharp edge one face alone may be wrong.
+bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
+  const glm::dvec3 off = p - nearest.point;
+  if (glm::dot(edges.normal(nearest.triangle), off) >= 0.0) return false;
+  if (nearest.onFace) return true;
+  const double near = 1e-6 * nearest.distance;
+  for (const std::uint32_t i : edges.around(nearest.triangle)) {
+    const MeshEdge& edge = edges.edges()[i];
+    if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
+    for (const glm::dvec3& normal : edge.normals)
+      if (glm::dot(normal, off) >= 0.0) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+const Overlaps::Overlap& Overlaps::overlapOf(int pair) const {
+  return overlaps_[static_cast<std::size_t>(of_[static_cast<std::size_t>(pair)])];
+}
+
+bool Overlaps::contained(int pair) const { return has(pair) && overlapOf(pair).contained; }
+
+double Overlaps::allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const {
+  if (!has(pair) || !TICK_ASSERT(fault_, pair < island_.pairCount())) return 0.0;
+  const Overlap& overlap = overlapOf(pair);
+  const bool firstIsA = overlap.a == island_.first(island_.pair(pair)).part;
+  const double share = std::max(shareBeside(overlap.inA, overlap.margin, firstIsA ? inFirst : inOther),
+                                shareBeside(overlap.inB, overlap.margin, firstIsA ? inOther : inFirst));
+  return share * overlap.allowed;
+}
+
+double Overlaps::longestExit(double dt) const {
+  double longest = 0.0;
+  for (int k = 0; k < count_; ++k) {
+    const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+    const int body = island_.bodyOf(overlap.a);
+    if (overlap.contained && body >= 0) longest = std::max(longest, island_.body(body).escapeDistance(dt));
+  }
+  return longest;
+}
+
+ExactRow Overlaps::exitRow(int index, double dt) const {
+  ExactRow row;
+  if (!TICK_ASSERT(fault_, contained(index))) return row;
+  const ContactPair& pair = island_.pair(index);
+  const Overlap& overlap = overlapOf(index);
+  const ContactBody& first = island_.first(pair);
+  const bool firstInside = overlap.a == first.part;
+  const Pose& container = firstInside ? island_.otherPose(pair) : first.pose;
+  row.normal = container.orientation * overlap.wayOut * (firstInside ? 1.0 : -1.0);
+  row.gap = glm::dot(row.normal, island_.relativeMoved(index).linear) - first.escapeDistance(dt);
+  row.source = {static_cast<std::uint16_t>(index), 0, assets::kNone};
+  return row;
+}
+
+// --- a step
+
+void Overlaps::beginStep() {
+  for (int i = 0; i < island_.pairCount(); ++i) {
+    const ContactPair& pair = island_.pair(i);
+    int& of = of_[static_cast<std::size_t>(i)];
+    of = -1;
+    deepest_[static_cast<std::size_t>(i)] = 0.0;
+    if (pair.isJoint()) continue;
+    const PartId part = island_.first(pair).part;
+    for (int k = 0; k < count_; ++k) {
+      const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+      if ((overlap.a == part && overlap.b == pair.other) || (overlap.b == part && overlap.a == pair.other))
+        of = k;
+    }
+  }
+}
+
+void Overlaps::noteDepth(int pair, double depth) {
+  if (!TICK_ASSERT(fault_, pair >= 0 && pair < island_.pairCount())) return;
+  double& deepest = deepest_[static_cast<std::size_t>(pair)];
+  deepest = std::max(deepest, depth);
+}
+
+void Overlaps::endStep() {
+  if (count_ == 0) return;
+  std::array<int, kMaxOverlaps> now;
+  int kept = 0;
+  for (int k = 0; k < count_; ++k) {
+    Overlap overlap = overlaps_[static_cast<std::size_t>(k)];
+    // Where neither part moves here, nothing has changed.
+    bool near = island_.bodyOf(overlap.a) < 0 && island_.bodyOf(overlap.b) < 0;
+    for (int i = 0; i < island_.pairCount(); ++i) {
+      if (of_[static_cast<std::size_t>(i)] != k) continue;
+      const double deepest = deepest_[static_cast<std::size_t>(i)];
+      near = deepest > 0.0;
+      overlap.allowed = std::min(overlap.allowed, deepest);
+    }
+    now[static_cast<std::size_t>(k)] = near ? kept : -1;
+    if (near) overlaps_[static_cast<std::size_t>(kept++)] = overlap;
+  }
+  TICK_ASSERT(fault_, kept <= count_);
+  count_ = kept;
+  for (int i = 0; i < island_.pairCount(); ++i) {
+    int& index = of_[static_cast<std::size_t>(i)];
+    if (index >= 0) index = now[static_cast<std::size_t>(index)];
+  }
+}
+
+// --- when a part is taken
+
+void Overlaps::forget(PartId part) {
+  const auto end = std::remove_if(overlaps_.begin(), overlaps_.begin() + count_,
+                                  [&](const Overlap& o) { return o.a == part || o.b == part; });
+  count_ = static_cast<int>(end - overlaps_.begin());
+}
+
+void Overlaps::measure() {
+  queries_ = 0;
+  for (const ContactPair& pair : island_.pairs()) {
+    if (TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr)) measurePair(pair);
+  }
+}
+
+void Overlaps::measurePair(const ContactPair& pair) {
+  const ContactBody& body = island_.first(pair);
+  Side ofFirst, ofOther;
+  // The other part's samples come first; those of the first part extend the bounds that they leave.
+  measureSide({pair.model, body.model, inverse(pair.otherFromFirst)}, ofOther);
+  ofFirst.inSampled = ofOther.inTarget;
+  ofFirst.inTarget = ofOther.inSampled;
+  measureSide({body.model, pair.model, pair.otherFromFirst}, ofFirst);
+  const double depth = std::max(ofFirst.depth, ofOther.depth);
+  if (!(depth > 0.0)) return;
+  if (count_ == kMaxOverlaps) {
+    std::copy(overlaps_.begin() + 1, overlaps_.end(), overlaps_.begin());
+    --count_;
+  }
+  Overlap& overlap = overlaps_[static_cast<std::size_t>(count_++)];
+  overlap = {body.part, pair.other, depth, ofFirst.inSampled, ofFirst.inTarget};
+  // Samples stand this far apart, and the overlap may reach that much further than they do.
+  const glm::dvec3 grow(body.model->samples.smoothSpacing() + pair.model->samples.smoothSpacing());
+  for (assets::Bounds* bounds : {&overlap.inA, &overlap.inB}) {
+    bounds->min -= grow;
+    bounds->max += grow;
+  }
+  overlap.margin = 0.25 * sizeOf(overlap.inA);
+  overlap.contained = ofFirst.allInside;
+  if (overlap.contained) overlap.wayOut = wayOut(pair, body.part);
+  TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.wayOut));
+}
+
+glm::dvec3 Overlaps::wayOut(const ContactPair& pair, PartId part) const {
+  const glm::dvec3 centre = transformPoint(pair.otherFromFirst, world_.collider(part).centre);
+  MeshPoint nearest;
+  pair.model->tree->closestPoint(centre, 1e300, nearest);
+  const glm::dvec3 path = nearest.point - centre;
+  const double length = glm::length(path);
+  if (length > 0.0) return path / length;
+  return pair.model->byFormula() ? pair.model->field.shapes().front().at(centre).gradient
+                                 : pair.model->edges.normal(nearest.triangle);
+}
+
+void Overlaps::measureSide(const SampledModels& models, Side& side) {
+  const PartModel &from = *models.from, &to = *models.to;
+  side.allInside = !from.samples.samples().empty() && to.field.solid();
+  float passedBy = -1.0f;
+  forEachNear(from.samples, to.field, FloatMotion(models.toFromSamples, to.field.origin()), 0.0f,
+              side.allInside, passedBy,
+              [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading& read) {
+                measureSample(models, from.samples.samples()[i], read, side);
+              });
+}
+
+void Overlaps::measureSample(const SampledModels& models, const ContactSample& sample,
+                             const DistanceField::Reading& read, Side& side) {
+  const PartModel& to = *models.to;
+  const glm::dvec3 &point = sample.point, inTarget = transformPoint(models.toFromSamples, point);
+  const auto note = [&](double depth) {
+    side.depth = std::max(side.depth, depth);
+    include(side.inSampled, point);
+    include(side.inTarget, inTarget);
+  };
+  glm::dvec3 p = inTarget;
+  if (to.byFormula()) {
+    const double depth = depthOf(models, sample, p);
+    if (depth > 0.0) note(depth);
+    return;
+  }
+  const bool round = models.from->samples.isRound(sample);
+  const double most = static_cast<double>(read.error) - static_cast<double>(read.distance) +
+                      (round ? static_cast<double>(sample.along) : 0.0);
+  if (most <= side.depth && point == glm::clamp(point, side.inSampled.min, side.inSampled.max)) return;
+  if (round) depthOf(models, sample, p);
+  const bool surelyInside = read.distance < -read.error;
+  double depth = surelyInside ? most : 0.0;
+  bool inside = surelyInside;
+  if (most > side.depth || !surelyInside) {
+    if (++queries_ > kMaxQueries) {
+      inside = true;
+    } else {
+      // Inside, the surface is at most this far; with no surface within it the sample is outside.
+      MeshPoint nearest;
+      if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
+      inside = surelyInside || isBehind(to.edges, nearest, p);
+      depth = nearest.distance;
+    }
+  }
+  if (inside) note(depth);
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,93 @@
+#pragma once
+
+// Overlaps that parts have when they are taken: the file has them at rest, and they are never ejected. Each
+// may stay as deep as it is, no deeper, and shrinks as the parts come out of each other. A part that lies
+// wholly inside another is brought out the nearest way.
+//
+// 1. The only owner of what is known of an overlap, and of how deep each pair of the present step is.
+// 2. Free of allocation.
+
+#include <array>
+#include <cstdint>
+
+#include "assets/scene/scene.h"
+#include "haptics/base/fault.h"
+#include "haptics/contact/contact_island.h"
+#include "haptics/contact/contact_rows.h"
+#include "haptics/contact/sample_touch.h"
+
+namespace tandem::haptics {
+
+class Overlaps {
+ public:
+  Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
+      : world_(world), island_(island), fault_(fault) {}
+
+  // When a part is taken.
+
+  void forget(PartId part);
+  /// Measures and remembers the overlap of each pair of the island, which is placed. The oldest overlaps are
+  /// forgotten where there is no room.
+  void measure();
+
+  // In a step, in this order: beginStep(); noteDepth() for each pair; endStep().
+
+  /// Finds the overlap of each pair of the island.
+  void beginStep();
+  /// An upper bound of how deep the samples of one part of a pair are in the other now, m.
+  void noteDepth(int pair, double depth);
+  /// Lets overlaps shrink to what they are now, and forgets those that have ended.
+  void endStep();
+
+  /// Whether the parts of a pair were in each other when one was taken.
+  bool has(int pair) const { return of_[static_cast<std::size_t>(pair)] >= 0; }
+  /// Whether one part of the pair was wholly inside the other: contact does not hold them apart, it comes
+  /// out.
+  bool contained(int pair) const;
+  /// m that a sample of either part may be deep in the other, at a place that is given in both part frames:
+  /// the whole overlap where either part was in the other, nothing far from there.
+  double allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const;
+  /// The row that brings out the contained part of a pair, in a tick of dt seconds.
+  ExactRow exitRow(int pair, double dt) const;
+  /// m, the furthest that any contained body of the island is brought in a tick of dt seconds; 0 if none is.
+  double longestExit(double dt) const;
+
+ private:
+  static constexpr int kMaxOverlaps = 64;
+  static constexpr int kMaxQueries = 400;  // exact distances to meshes, when a part is taken
+
+  /// Two parts that were in each other when one was taken.
+  struct Overlap {
+    PartId a = kNoPart, b = kNoPart;
+    double allowed = 0.0;              // m, how deep it may be; shrinks as they come out
+    assets::Bounds inA, inB;           // m, part frames: where samples were inside
+    double margin = 0.0;               // m beside the bounds, over which the allowed depth falls to 0
+    bool contained = false;            // a is wholly inside b
+    glm::dvec3 wayOut{0.0, 0.0, 0.0};  // unit, in the frame of b
+  };
+  /// What the samples of one part tell of an overlap.
+  struct Side {
+    double depth = 0.0;  // m
+    bool allInside = true;
+    assets::Bounds inSampled, inTarget;  // m, part frames
+  };
+  const Overlap& overlapOf(int pair) const;
+  void measurePair(const ContactPair& pair);
+  void measureSide(const SampledModels& models, Side& side);
+  void measureSample(const SampledModels& models, const ContactSample& sample,
+                     const DistanceField::Reading& read, Side& side);
+  /// Unit, frame of the other part: the shortest way out for a part that lies in it.
+  glm::dvec3 wayOut(const ContactPair& pair, PartId part) const;
+
+  const ContactWorld& world_;
+  const ContactIsland& island_;
+  FaultLatch& fault_;
+  std::array<Overlap, kMaxOverlaps> overlaps_;
+  int count_ = 0;
+  int queries_ = 0;  // of the present measure()
+  // Of the present step, one a pair of the island.
+  std::array<int, kMostPairs> of_{};          // into overlaps_; -1: none
+  std::array<double, kMostPairs> deepest_{};  // m, an upper bound
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,60 @@
+#pragma once
+
+// Exact queries of single samples: the half-spaces of the mesh or the shapes that hold a sample off, as exact
+// rows, at the displacement that the solver has reached.
+//
+// 1. Alone writes the samples' memory. 2. Free of allocation.
+
+#include <cstdint>
+
+#include "haptics/base/fault.h"
+#include "haptics/contact/contact_island.h"
+#include "haptics/contact/contact_solver.h"
+#include "haptics/contact/overlaps.h"
+#include "haptics/contact/sample_memory.h"
+#include "haptics/contact/side_query.h"
+#include "haptics/contact/touching_feature.h"
+
+namespace tandem::haptics {
+
+class SampleRefiner final : public RowRefiner {
+ public:
+  SampleRefiner(const ContactWorld& world, const ContactIsland& island, const Overlaps& overlaps,
+                FaultLatch& fault)
+      : world_(world), island_(island), overlaps_(overlaps), fault_(fault), memory_(world) {}
+
+  /// A step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact` false fields
+  /// are believed where the mesh would be asked.
+  void beginStep(double dt, double reach, bool exact);
+
+  void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
+  glm::dvec3 surfaceMotion(const ExactRow& row) const override;
+
+  const SampleMemory& memory() const { return memory_; }
+  /// Queries of the present step.
+  int queries() const { return queries_; }
+
+ private:
+  /// The sample as the target sees it, without its normals. `u` is the displacement expected of the pair's
+  /// first part.
+  SampleAtMesh sampleAtMesh(const SideQuery& query, const ContactSample& sample, const Displacement& u) const;
+  /// False if nothing constrains the sample.
+  bool touch(const SideQuery& query, const ContactSample& sample, const SampleAtMesh& asked,
+             const SampleAnswer* last, TouchingFeature& found) const;
+  void remember(const SideQuery& query, std::uint32_t sample, const SampleAtMesh& asked,
+                const TouchingFeature& found);
+  void addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
+               RowSource source, ContactRows& rows) const;
+
+  const ContactWorld& world_;
+  const ContactIsland& island_;
+  const Overlaps& overlaps_;
+  FaultLatch& fault_;
+  SampleMemory memory_;
+  double dt_ = 0.0;     // s
+  double reach_ = 0.0;  // m
+  bool exact_ = true;
+  int queries_ = 0;
+};
+
+}  // namespace tandem::haptics

@@ -1,0 +1,54 @@
+#pragma once
+
+// Where one sample of a part, with the piece of surface that it stands for, meets another part: by formula
+// where the other part is made of implicit shapes, by its field and mesh elsewhere. For the files of this
+// room only.
+//
+// 1. Free of state and of allocation.
+
+#include <cstdint>
+
+#include "haptics/contact/touching_feature.h"
+#include "haptics/scene/part_model.h"
+
+namespace tandem::haptics {
+
+/// The samples of one part before the surface of another, the target.
+struct SampledModels {
+  const PartModel* from = nullptr;  // whose samples
+  const PartModel* to = nullptr;    // the target
+  Pose toFromSamples;               // part frames
+};
+
+/// m, by which a place on a patch may be less deep in the target than the deepest place.
+double evenness(const PartModel& target);
+
+/// The patch that a sample stands for, in the frame of the target; false where the sample is a point.
+bool patchBefore(const SampledModels& models, const ContactSample& sample, ContactPatch& patch);
+
+/// The outward direction of a sample's surface, in the frame of the target; of any length, 0 on a sheet.
+glm::dvec3 outwardBefore(const SampledModels& models, const ContactSample& sample);
+
+/// Turns a plane of a sheet to the side from which a sample that looks along `outward` comes. Far from the
+/// sheet the plane stays as it is.
+void turnAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap);
+
+/// The half-spaces of the two shapes of a target into which the sample is predicted to go furthest: a nook
+/// has two sides. False if no shape constrains the sample.
+bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleAtMesh& asked,
+                 TouchingFeature& found);
+
+/// The half-space at the deepest place of a round sample's patch. `hint` is a triangle that may be near.
+/// Without `exact` the field alone tells it.
+bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleAtMesh asked,
+                std::uint32_t hint, bool exact, TouchingFeature& found);
+
+/// The half-space as the field of the target alone tells it, good to within its error. False where its
+/// gradient is too small to be a direction.
+bool fieldFeature(const PartModel& target, const SampleAtMesh& asked, TouchingFeature& found);
+
+/// m, depth of a sample with its patch in a target that is known by formula; 0 in any other target, where
+/// `deepestPoint` (m, frame of the target) is the place to measure.
+double depthOf(const SampledModels& models, const ContactSample& sample, glm::dvec3& deepestPoint);
+
+}  // namespace tandem::haptics

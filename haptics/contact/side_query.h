@@ -1,0 +1,57 @@
+#pragma once
+
+// The samples of one side of a pair before the other part: what a step needs to know to turn them into rows.
+//
+// 1. Made for one step; the island and the overlaps that it is made from must outlive it unchanged.
+
+#include <cstdint>
+
+#include <glm/mat3x3.hpp>
+
+#include "haptics/contact/contact_island.h"
+#include "haptics/contact/overlaps.h"
+#include "haptics/contact/sample_touch.h"
+
+namespace tandem::haptics {
+
+struct SideQuery : SampledModels {
+  /// What a touching sample told earlier is believed while the sample has not moved further than this share
+  /// of the spacing of its part's samples.
+  static constexpr double kBelieved = 0x1p-4;
+
+  /// `sampledSide` is 0 where the pair's first part is sampled and 1 where the other is; `reach` in m.
+  SideQuery(const ContactIsland& island, const Overlaps& overlaps, std::uint16_t pairIndex,
+            std::uint16_t sampledSide, double reach);
+
+  bool ofFirst() const { return side == 0; }
+  RowSource source(std::uint32_t sample) const { return {pair, side, sample}; }
+  /// World direction of a normal of the target, as the pair's first part feels it.
+  glm::vec3 world(const glm::vec3& normal) const { return sign * (rotation * normal); }
+  /// m, world axes, from the first body's centre of mass to a place relative to the origin of the target's
+  /// field.
+  glm::vec3 armOf(const glm::vec3& place) const { return rotation * place + shift; }
+  /// The same of a point in the frame of the target.
+  glm::vec3 arm(const glm::dvec3& point) const { return armOf(glm::vec3(point - to->field.origin())); }
+  /// m that the sample may be deep in the target because it was when the part was taken.
+  double allowed(const ContactSample& sample) const;
+
+  const ContactPair& contactPair() const { return island->pair(pair); }
+  const ContactBody& first() const { return island->first(contactPair()); }
+
+  const ContactIsland* island;
+  const Overlaps* overlaps;
+  Pose worldFromTo;
+  glm::mat3 rotation{1.0f};  // world from target
+  glm::vec3 shift{
+      0.0f};  // m, world axes, from the first body's centre of mass to the origin of the target's field
+  float sign = 1.0f;       // -1 where a normal of the target points towards the first part's own outside
+  float limit = 0.0f;      // m, reach of the step
+  float smooth = 0.0f;     // m, error of the field up to which its reading is believed
+  float rough = 0.0f;      // m, error of the field above which its gradient is no direction
+  float believed = 0.0f;   // m that a sample may move before it is queried again
+  bool contained = false;  // one of the parts is inside the other and is brought out
+  std::uint16_t pair = 0, side = 0;
+  PartId sampled = kNoPart, target = kNoPart;
+};
+
+}  // namespace tandem::haptics
