@@ -1,8 +1,6 @@
-#include <algorithm>
-
 #include "haptics/tick_data.h"
 
-// What a tick remembers: made with a scene, told of its meshes and of ties to other sites.
+// The state of ticks: made for a scene, told when its meshes change and which parts are tied to other sites.
 
 namespace tandem::haptics {
 
@@ -10,22 +8,11 @@ TickState::Data::Data(const ContactScene& contactScene)
     : scene(&contactScene.data()),
       world(contactScene),
       layers(contactScene.scene()),
+      moved(contactScene.scene().parts.size()),
+      tool(world, fault),
       fields(contactScene.scene()) {
-  const std::size_t parts = contactScene.scene().parts.size();
-  moving.reserve(std::max(parts, kManyMoving));
-  movedBefore.reserve(std::max(parts, kManyMoving));
-  movedAt.resize(parts);
-  near.reserve(parts);
-  measureReach();
   if (!scene->models.empty() || !contactScene.scene().joints.empty())
     partContact = std::make_unique<PartContact>(world, fault);
-}
-
-void TickState::Data::measureReach() {
-  touchReach = 0.0;
-  for (PartId i = 0; world.has(i); ++i) {
-    touchReach = std::max(touchReach, kTouchShare * 2.0 * world.collider(i).radius);
-  }
 }
 
 TickState::TickState(const ContactScene& scene) : data_(std::make_unique<Data>(scene)) {}
@@ -37,22 +24,17 @@ const Pose& TickState::worldFromPart(PartId part) const { return data_->world.po
 
 const FaultLatch& TickState::fault() const { return data_->fault; }
 
-void TickState::Data::noteMeshChange() {
-  if (!meshChange.pending) noteSides(world, proxy, meshChange);
-  meshChange.pending = true;
-}
-
 void TickState::meshesChanged(std::uint32_t mesh) {
-  data_->noteMeshChange();
+  data_->tool.beforeMeshesChange();
   data_->world.meshChanged(mesh);
-  data_->measureReach();
+  data_->tool.afterMeshesChange();
 }
 
 void TickState::adopt(const ContactScene& next) {
-  data_->noteMeshChange();
+  data_->tool.beforeMeshesChange();
   data_->scene = &next.data();
   data_->world.adopt(next);
-  data_->measureReach();
+  data_->tool.afterMeshesChange();
 }
 
 bool TickState::tie(const PartTie& tie) {

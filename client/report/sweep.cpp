@@ -88,7 +88,7 @@ class TandemRun {
     input.device.time = parameters_.dt * static_cast<double>(samples.us.size());
     input.device.valid = true;
     input.moved = moved_;
-    if (!knobs_.remember) forget(state_.data().proxy);
+    if (!knobs_.remember) forget(state_.data().tool.proxy());
     const std::uint64_t before = allocations_ ? allocations_() : 0;
     const Clock::time_point start = Clock::now();
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);

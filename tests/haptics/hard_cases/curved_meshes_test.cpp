@@ -59,7 +59,7 @@ Sweeps strokeSphere(const assets::Mesh& mesh, double sphere, double ball, double
     EXPECT_LE(glm::length(force), depth + most) << i;
     EXPECT_LE(glm::length(force / glm::length(force) - n), turn) << i;
     if (i % (ticks / 16) == 0) forces.push_back(force * kStiffness);
-    const int swept = hand.probe.state.data().proxy.sweeps;
+    const int swept = hand.probe.state.data().tool.proxy().sweeps;
     sweeps.most = std::max(sweeps.most, swept);
     sweeps.mean += static_cast<double>(swept) / ticks;
     if (testing::Test::HasFailure()) break;
@@ -155,7 +155,7 @@ TEST(HardGear, UsualTicksCostOneSweep) {
     int usual = 0, most = 0;
     for (int i = 0; i < 1300; ++i) {
       hand.at({goalRoundGear(i), 0.00487});
-      const int sweeps = hand.probe.state.data().proxy.sweeps;
+      const int sweeps = hand.probe.state.data().tool.proxy().sweeps;
       usual += sweeps <= 1 ? 1 : 0;
       most = std::max(most, sweeps);
     }
@@ -242,7 +242,7 @@ TEST(HardPushes, ASpikyStarIsNeitherEnteredNorACauseOfUnrest) {
       const glm::dvec3 rest = hand.proxy();
       hand.at(goal);
       EXPECT_LE(glm::length(hand.proxy() - rest), 1e-6 * 0.02) << "ball " << ball << " star " << star;
-      EXPECT_LT(hand.probe.state.data().proxy.sweeps, 24) << "ball " << ball << " star " << star;
+      EXPECT_LT(hand.probe.state.data().tool.proxy().sweeps, 24) << "ball " << ball << " star " << star;
     }
   }
 }
@@ -310,7 +310,8 @@ TEST(HardPushes, OnASpikyStarNoFreeStepLeadsOn) {
         const double skin = data.world.skin(0, hand.proxy());
         if (glm::length(hand.proxy() - goal) < 1e-5) continue;
         EXPECT_LT(bestStep(mesh, skin, hand.proxy(), goal, ball), 3e-3)
-            << "ball " << ball << " star " << star << " press " << press << " sweeps " << data.proxy.sweeps;
+            << "ball " << ball << " star " << star << " press " << press << " sweeps "
+            << data.tool.proxy().sweeps;
       }
     }
   }

@@ -90,7 +90,7 @@ class SwapHand : public ScaledHand {
     return !world.encloses(0, p) && !world.nearest(0, p, least, near);
   }
   bool namesTrianglesThatExist() {
-    const haptics::Proxy& proxy = probe.state.data().proxy;
+    const haptics::Proxy& proxy = probe.state.data().tool.proxy();
     for (int i = 0; i < proxy.planeCount; ++i) {
       const haptics::SurfacePoint& at = proxy.planes[static_cast<std::size_t>(i)].surface;
       if (at.triangle >= probe.state.data().world.collider(at.part).tree->mesh().triangles.size())
@@ -280,7 +280,7 @@ TEST(MeshSwap, WithoutFollowingTheNewMeshTheProxyIsLeftInsideIt) {
     hand.to({0.013, 0.007, 0.001}, 1e-4);
     hand.to({0.013, 0.007, -0.001}, 1e-4);
     hand.swap(boxUpTo(0.004));
-    hand.probe.state.data().meshChange.pending = false;
+    hand.probe.state.data().tool.leaveMeshChange();
     const glm::dvec3 force = hand.rest();
     EXPECT_FALSE(hand.outside());
     EXPECT_GT(std::abs(force.z - kStiffness * 0.005), 1.0);

@@ -1,0 +1,230 @@
+#include "haptics/tool/tool.h"
+
+#include <algorithm>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/finite.h"
+#include "haptics/proxy/contact_force.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr int kMaxTouchQueries = 32;
+
+}  // namespace
+
+Tool::Tool(ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) { measureReach(); }
+
+void Tool::begin(const TickParameters& parameters) {
+  radius_ = parameters.toolRadius;
+  dt_ = parameters.dt;
+  foreign_ = ForeignChange{};
+  flags_ = 0;
+  if (meshChange_.pending) followMeshChange();
+}
+
+void Tool::place(const glm::dvec3& device, bool anew) {
+  device_ = device;
+  if (!started_ || anew) reset();
+  started_ = true;
+}
+
+void Tool::reset() {
+  flags_ |= kFlagProxyReset;
+  proxy_ = Proxy{};
+  proxy_.position = device_;
+  ignoreOverlapping();
+}
+
+void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand) {
+  if (!started_) return;
+  const glm::dvec3 proxyBefore = proxy_.position;
+  const bool free = pushProxy(world_, part, before, radius_, proxy_);
+  if (!byHand && (proxy_.position != proxyBefore || pressesOn(part))) {
+    noteForeignChange(expectedDisplacement(before, twistBefore, proxyBefore));
+  }
+  if (!free) {
+    flags_ |= kFlagSqueezed;
+    ignore(part);
+  }
+}
+
+void Tool::ignore(PartId part) {
+  if (world_.ignored(part)) return;
+  if (ignoredCount_ == kMaxIgnored) {
+    flags_ |= kFlagOverflow;
+    return;
+  }
+  ignored_[static_cast<std::size_t>(ignoredCount_++)] = part;
+  world_.setIgnored(part, true);
+}
+
+void Tool::ignoreOverlapping() {
+  const glm::dvec3& p = proxy_.position;
+  const glm::dvec3 grow(radius_);
+  world_.forEachNear({p - grow, p + grow}, [&](PartId part) {
+    if (world_.touchable(part) && world_.overlaps(part, p, radius_)) ignore(part);
+  });
+}
+
+bool Tool::isOver(PartId part) const {
+  return world_.overlaps(part, device_, radius_) || world_.overlaps(part, proxy_.position, radius_);
+}
+
+void Tool::ignoreIfOver(PartId part) {
+  if (started_ && isOver(part)) ignore(part);
+}
+
+void Tool::forgetIgnored(PartId held) {
+  if (!started_) return;
+  int kept = 0;
+  for (int i = 0; i < ignoredCount_; ++i) {
+    const PartId part = ignored_[static_cast<std::size_t>(i)];
+    if (part == held || isOver(part)) {
+      ignored_[static_cast<std::size_t>(kept++)] = part;
+    } else {
+      world_.setIgnored(part, false);
+    }
+  }
+  ignoredCount_ = kept;
+}
+
+void Tool::noteForeignChange(double expected) {
+  foreign_.any = true;
+  foreign_.expected += expected;
+}
+
+/// How far the surface under the proxy would have come in this tick at the last tick's velocity, m: a motion that goes on
+/// is felt as it is, one that begins with a jump is not.
+double Tool::expectedDisplacement(const Pose& before, const Twist& twist, const glm::dvec3& proxy) const {
+  const double arm = glm::length(proxy - device_);
+  return dt_ * (glm::length(velocityAt(before, twist, proxy)) + glm::length(twist.angular) * arm);
+}
+
+void Tool::touch(const DeviceSample& felt, const TickParameters& parameters, TickOutput& out) {
+  TICK_ASSERT(fault_, started_ && felt.worldFromDevice.position == device_);
+  moveToDevice();
+  const glm::dvec3 force = contactForce(world_, proxy_, felt, parameters, out);
+  contactWrench_ = {applySurface(world_, proxy_, felt, parameters, force, surface_, out), glm::dvec3(0.0)};
+  if (surface_.letGo == kNoPart) return;
+  // A surface that gave way is passed through at once, so that it is left, and felt again, on its other side.
+  flags_ |= kFlagPopThrough;
+  ignore(surface_.letGo);
+  moveToDevice();
+}
+
+void Tool::moveToDevice() {
+  moveProxy(world_, device_, radius_, proxy_);
+  if (!TICK_ASSERT(fault_, isFinite(proxy_.position))) reset();
+}
+
+void Tool::carry(const glm::dvec3& position) {
+  proxy_ = Proxy{};
+  proxy_.position = position;
+  contactWrench_ = Wrench{};
+}
+
+Wrench Tool::contactWrenchOf(PartId part) const {
+  double all = 0.0, ofPart = 0.0;
+  for (int i = 0; i < proxy_.planeCount; ++i) {
+    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+    all += plane.multiplier;
+    if (plane.surface.part == part) ofPart += plane.multiplier;
+  }
+  const double share = all > 0.0 ? ofPart / all : 0.0;
+  return {contactWrench_.force * share, contactWrench_.torque * share};
+}
+
+EndedContact Tool::endedContactWith(PartId part) const {
+  glm::dvec3 depth(0.0);
+  for (int i = 0; i < proxy_.planeCount; ++i) {
+    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+    if (plane.surface.part == part) depth += plane.multiplier * plane.surface.normal;
+  }
+  const Wrench ended = contactWrenchOf(part);
+  const double length = glm::length(depth);
+  return {ended, length > 0.0 ? glm::length(ended.force) / length : 0.0};
+}
+
+bool Tool::pressesOn(PartId part) const {
+  for (int i = 0; i < proxy_.planeCount; ++i) {
+    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+    if (plane.surface.part == part && presses(plane)) return true;
+  }
+  return false;
+}
+
+double Tool::stiffest(double least) const {
+  double most = least;
+  for (int i = 0; i < proxy_.planeCount; ++i) {
+    const SurfacePoint& surface = proxy_.planes[static_cast<std::size_t>(i)].surface;
+    most = std::max(most, world_.material(surface.part, surface.triangle).stiffness);
+  }
+  return most;
+}
+
+PartId Tool::partUnder(PartId held) const {
+  if (!started_) return kNoPart;
+  for (int i = 0; i < ignoredCount_; ++i) {
+    const PartId part = ignored_[static_cast<std::size_t>(i)];
+    if (part != held) return part;
+  }
+  const glm::dvec3& p = proxy_.position;
+  const glm::dvec3 grow(std::max(touchReach_, radius_ * 3.0));
+  PartId under = kNoPart;
+  double nearest = 1e300;
+  int queries = 0;
+  world_.forEachNear({p - grow, p + grow}, [&](PartId part) {
+    if (!world_.touchable(part) || queries == kMaxTouchQueries) return;
+    const Collider& collider = world_.collider(part);
+    const double reach =
+        std::min(nearest, radius_ + std::max(2.0 * radius_, kTouchShare * 2.0 * collider.radius));
+    const glm::dvec3 centre = transformPoint(world_.pose(part), collider.centre);
+    if (glm::length(centre - p) > collider.radius + reach) return;
+    ++queries;
+    SurfacePoint found;
+    if (!world_.nearest(part, p, reach, found) || found.distance >= nearest) return;
+    nearest = found.distance;
+    under = part;
+  });
+  return under;
+}
+
+assets::Bounds Tool::reachInTick() const {
+  const glm::dvec3& p = proxy_.position;
+  const glm::dvec3 grow(2.0 * glm::length(device_ - p) + 4.0 * radius_ + 2.0 * touchReach_);
+  return {p - grow, p + grow};
+}
+
+void Tool::beforeMeshesChange() {
+  if (!meshChange_.pending) noteSides(world_, proxy_, meshChange_);
+  meshChange_.pending = true;
+}
+
+/// The triangles under the proxy are others than in the last tick.
+void Tool::followMeshChange() {
+  if (!started_) {
+    meshChange_.pending = false;
+    return;
+  }
+  const glm::dvec3 before = proxy_.position;
+  const bool touched = proxy_.planeCount > 0;
+  const FollowedMeshes followed = followMeshes(world_, radius_, meshChange_, proxy_);
+  if (followed.overflow) flags_ |= kFlagOverflow;
+  for (const PartId part : followed.squeezed()) {
+    flags_ |= kFlagSqueezed;
+    world_.setIgnored(part, false);  // until it is on the list of those ignored
+    ignore(part);
+  }
+  if (touched || proxy_.position != before) noteForeignChange(0.0);
+}
+
+void Tool::measureReach() {
+  touchReach_ = 0.0;
+  for (PartId i = 0; world_.has(i); ++i) {
+    touchReach_ = std::max(touchReach_, kTouchShare * 2.0 * world_.collider(i).radius);
+  }
+}
+
+}  // namespace tandem::haptics

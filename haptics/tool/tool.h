@@ -1,0 +1,131 @@
+#pragma once
+
+// The bare tool of one hand, a point or a ball: its proxy, what the touched surfaces remember of it, and the parts that it
+// passes through.
+//
+// 1. A tick calls begin() first, then place() where there is a valid reading, then what moves parts, then forgetIgnored(),
+//    and last touch(), carry() or withdraw().
+// 2. A part that the tool cannot be kept out of is ignored until both the device and the proxy have left it: then there is
+//    no depth, and so no force that begins with a step.
+// 3. Only the thread that ticks uses it. Nothing here allocates.
+
+#include <array>
+#include <cstdint>
+
+#include "haptics/base/fault.h"
+#include "haptics/base/tick_types.h"
+#include "haptics/proxy/mesh_change.h"
+#include "haptics/proxy/proxy.h"
+#include "haptics/scene/contact_world.h"
+#include "haptics/surface/apply_surface.h"
+
+namespace tandem::haptics {
+
+inline constexpr int kMaxIgnored = 16;
+// A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
+inline constexpr double kTouchShare = 0.02;
+
+/// A change of the contact force in one tick that the hand did not make.
+struct ForeignChange {
+  bool any = false;
+  double expected = 0.0;  // m, of displacement under the proxy that goes on as in the last tick
+};
+
+/// A contact force that ends, as a spring that is as deep as its contacts were.
+struct EndedContact {
+  Wrench wrench;
+  double stiffness = 0.0;  // N/m
+};
+
+class Tool {
+ public:
+  /// The world and the latch must outlive this.
+  Tool(ContactWorld& world, FaultLatch& fault);
+
+  /// Begins a tick: no flag and no foreign change yet. Follows meshes that were exchanged since the last one.
+  void begin(const TickParameters& parameters);
+  /// Notes a valid reading of the device, m, world. `anew` puts the proxy onto it, as the first reading does.
+  void place(const glm::dvec3& device, bool anew);
+  /// Puts the proxy onto the device. What the device is inside of cannot be felt until it has come out.
+  void reset();
+
+  // What parts do to the tool. All but ignore() have no effect before the first place().
+
+  /// A part has moved from `before`, where it had `twistBefore`, to its present pose: takes the proxy along. `byHand`: this
+  /// hand pushed it.
+  void follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand);
+  /// A part is passed through from now on; sets kFlagOverflow if the list is full.
+  void ignore(PartId part);
+  /// The same for every touchable part that overlaps the proxy.
+  void ignoreOverlapping();
+  /// The same for a part that appears over the device or the proxy.
+  void ignoreIfOver(PartId part);
+  /// Ends the ignoring of the parts that the tool has left; `held` stays ignored.
+  void forgetIgnored(PartId held);
+  /// Others have changed the force by something of which `expected` m of displacement were to be expected.
+  void noteForeignChange(double expected);
+
+  // How a tick ends for the tool.
+
+  /// Moves the proxy towards the device and computes the wrench of its contacts, which it writes to `out`. `felt` is the
+  /// reading, with no velocity where the hand is at rest.
+  void touch(const DeviceSample& felt, const TickParameters& parameters, TickOutput& out);
+  /// The tool goes with a part in the hand and touches nothing itself; `position` m, world.
+  void carry(const glm::dvec3& position);
+  /// There is no reading: no contact force.
+  void withdraw() { contactWrench_ = Wrench{}; }
+
+  // What it touches.
+
+  bool started() const { return started_; }
+  const Proxy& proxy() const { return proxy_; }
+  Proxy& proxy() { return proxy_; }
+  /// Wrench of the contacts of the last touch(), before limits.
+  const Wrench& contactWrench() const { return contactWrench_; }
+  /// The share of contactWrench() that comes from one part.
+  Wrench contactWrenchOf(PartId part) const;
+  /// The same as a force that ends.
+  EndedContact endedContactWith(PartId part) const;
+  bool pressesOn(PartId part) const;
+  /// The stiffest of the touched materials, N/m, but no less than `least`.
+  double stiffest(double least) const;
+  /// The part under a tool without contacts: what it is inside of, `held` aside, else the nearest within that part's reach.
+  PartId partUnder(PartId held) const;
+  /// Where the tool can come to in this tick with a margin, m, world.
+  assets::Bounds reachInTick() const;
+  const ForeignChange& foreignChange() const { return foreign_; }
+  /// TickFlags of this tick that touch() did not write to its output.
+  std::uint32_t flags() const { return flags_; }
+
+  // Around an exchange of meshes, between ticks.
+
+  /// Notes the sides on which it touches, while the old triangles exist.
+  void beforeMeshesChange();
+  void afterMeshesChange() { measureReach(); }
+  /// For tests: the next tick does not follow the exchange, and the proxy stays where it is.
+  void leaveMeshChange() { meshChange_.pending = false; }
+
+ private:
+  void followMeshChange();
+  void moveToDevice();
+  void measureReach();
+  bool isOver(PartId part) const;
+  double expectedDisplacement(const Pose& before, const Twist& twist, const glm::dvec3& proxy) const;
+
+  ContactWorld& world_;
+  FaultLatch& fault_;
+  Proxy proxy_;
+  SurfaceState surface_;
+  MeshChange meshChange_;                      // since the last tick
+  std::array<PartId, kMaxIgnored> ignored_{};  // parts that the tool passes through until it has left them
+  int ignoredCount_ = 0;
+  Wrench contactWrench_;
+  glm::dvec3 device_{0.0, 0.0, 0.0};  // m, of the last valid reading
+  bool started_ = false;              // there has been one
+  double touchReach_ = 0.0;           // m, the largest of all parts
+  double radius_ = 0.0, dt_ = 0.0;    // m and s, of this tick
+  ForeignChange foreign_;             // of this tick
+  std::uint32_t flags_ = 0;           // of this tick
+};
+
+}  // namespace tandem::haptics
