@@ -1,7 +1,8 @@
 #pragma once
 
-// A site that runs: servo thread (HandLoop on a device), network thread (ServerConnection on sockets), and what the
-// main thread needs to show and steer both. Main thread only, but for what its two threads do inside.
+// A site that runs: servo thread (HandLoop on a device), network thread (ServerConnection on sockets), and
+// what the main thread needs to show and steer both. Main thread only, but for what its two threads do
+// inside.
 
 #include <atomic>
 #include <functional>

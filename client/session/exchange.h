@@ -1,8 +1,8 @@
 #pragma once
 
-// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread (ServerConnection), main
-// thread (window or terminal). Latest values go through triple buffers, events through single-producer rings;
-// nobody waits.
+// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread
+// (ServerConnection), main thread (window or terminal). Latest values go through triple buffers, events
+// through single-producer rings; nobody waits.
 //
 //   ServerConnection --events, time base--> HandLoop --output, intents--> ServerConnection
 //   main ----settings, wish-------> HandLoop --view, poses------> main
@@ -26,17 +26,17 @@ struct NetworkEvent {
     state,       // `state` of a part that another site owns, holding at session time `time`
     ownership,   // `record` is how things stand now
     denied,      // the grab of `record.part` was refused
-    lost,        // the connection is gone: grabs that were asked for get no answer
-    tie,         // the replica of `record.part` is to be tied to a peer's by `tie`; `guest`: that one owns it
-    untie,       // no longer to `tie.peer`'s
-    simulators,  // so many sites simulate `record.part`
+    lost,        // the connection is lost: open grabs get no answer
+    tie,         // a link by the terms `tie` is to tie the replica of `record.part` to that of `tie.peer`
+    untie,       // the link of `record.part` to `tie.peer` has ended
+    simulators,  // `simulators` sites simulate `record.part`
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;
   sync::PartState state;
   sync::PartRecord record;
   haptics::PartTie tie;
-  bool guest = false;
+  bool guest = false;  // tie: the peer owns the part
   int simulators = 1;
 };
 
@@ -45,14 +45,14 @@ struct HandIntent {
   enum class Kind : std::uint8_t {
     grab,     // to own the part, or to share it with its owner
     release,  // it rests, or is left to those who share it
-    leave,    // not to share it any more
+    leave,    // to stop sharing the part
   };
   Kind kind = Kind::grab;
   PartId part = kNoPart;
   Epoch epoch = 0;     // release: of the ownership that ends
   Pose worldFromPart;  // release: where the part rests
   std::uint32_t lost =
-      0;  // connections that the hand knew to be lost: a question from before the last one is void
+      0;  // connections that the hand knew to be lost: an intent from before the last loss is void
 };
 
 /// Session time for the haptic thread: session = local + offset; parts are shown `playOutDelay` late.
@@ -85,7 +85,7 @@ struct ControlWish {
   std::uint32_t count = 0;
 };
 
-/// What the person set, and a part to grasp whatever the stylus touches (kNoPart: the touched one).
+/// What the person set. `wish` is a part to grasp whatever the stylus touches; kNoPart: the touched one.
 struct HandSettingsInput {
   haptics::TickParameters parameters, second;  // of the two hands
   PartId wish = kNoPart;
@@ -101,7 +101,7 @@ struct ShownPose {
   bool owned = false;     // simulated here; else played out, `time` lying the play-out delay before now
   sync::Micros time = 0;  // of the session
   Pose worldFromPart;     // how the part stood at that time, as the hand has it
-  Pose worldFromDrawn;    // where the eyes are shown it now: what others move is predicted
+  Pose worldFromDrawn;    // the display pose now: what others move is extrapolated
 };
 
 inline constexpr std::size_t kEventRing = 1024;

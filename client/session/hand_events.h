@@ -1,7 +1,7 @@
 #pragma once
 
-// Events from the network to the hand, through the exchange's ring. States may be dropped where the ring is full, since
-// newer ones follow; everything else waits until there is room, in order.
+// Events from the network to the hand, through the exchange's ring. States may be dropped where the ring is
+// full, since newer ones follow; everything else waits until there is room, in order.
 //
 // Network thread.
 

@@ -1,10 +1,11 @@
 #pragma once
 
-// The way out of a site: messages are encoded, counted, and handed to the transport of the present connection. State
-// messages of one step leave in one datagram.
+// The way out of a site: messages are encoded, counted, and handed to the transport of the present
+// connection. State messages of one step leave in one datagram.
 //
 // 1. Messages leave in the order in which they are sent; control messages at once, state messages at flush().
-// 2. The transport belongs to the connection, which attaches each new one and detaches the one that is closed.
+// 2. The transport belongs to the connection, which attaches each new one and detaches the one that is
+//    closed.
 //
 // Network thread.
 

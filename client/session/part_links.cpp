@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 using namespace sync;
@@ -12,12 +14,13 @@ namespace {
 
 constexpr double kUnknownAge = 0.05;    // s, of a peer that was not heard yet
 constexpr double kFarImpedance = 10.0;  // N s/m, where only parts that touch are linked
-// Of those lines together, kg: they are there for as long as parts are near each other.
+// Inertia that all such lines of a part add together, kg: they last for as long as parts are near each other.
 constexpr double kFarLineMass = 3.4;
 constexpr double kSoftDelay = 0.06;           // s, of play-out: the least in the regime soft
 constexpr std::uint32_t kEpochsAhead = 1000;  // that another clock may be: 16 s
 
-/// Half the diagonal of a block with these mass properties, m: what a turn is compared with a way by.
+/// Half the diagonal of a block with these mass properties, m: the arm by which a rotation is compared with a
+/// displacement.
 double leverOf(const assets::MassProperties& part) {
   constexpr double kLeast = 0.01, kMost = 0.15, kUnknown = 0.05;
   const double trace = part.inertia[0][0] + part.inertia[1][1] + part.inertia[2][2];
@@ -46,7 +49,7 @@ haptics::LinkPacket packetOf(const LinkState& state) {
   return packet;
 }
 
-/// The link counts from 0, the wire from 1.
+/// The link numbers its packets from 0, the wire from 1.
 LinkState stateOf(const haptics::LinkPacket& packet) {
   const glm::dvec3 &along = packet.wave.along, &about = packet.wave.about;
   LinkState state;
@@ -100,6 +103,7 @@ const PartLinks::Line* PartLinks::find(PartId part, SiteId peer) const {
 }
 
 std::uint32_t PartLinks::newEpoch(PartId part, Micros now) {
+  ASSERT(part < lastEpoch_.size());
   return lastEpoch_[part] = std::max(lastEpoch_[part] + 1, epochOf(now));
 }
 
@@ -117,6 +121,7 @@ LineTerms PartLinks::termsFor(SiteId peer, std::size_t lines) const {
 }
 
 void PartLinks::begin(Line& line, Micros now, bool guest) {
+  ASSERT(line.epoch == lastEpoch_[line.part]);
   line.receiver.forget();
   line.heardAt = now;
   line.felt = false;
@@ -131,7 +136,8 @@ void PartLinks::begin(Line& line, Micros now, bool guest) {
   event.tie.link.impedance = line.terms.impedance;
   event.tie.link.softImpedance = line.terms.softImpedance;
   event.tie.link.packetPeriod = line.terms.packetPeriod;
-  event.tie.link.farthest = haptics::TiedParts::kFarthestTouched;  // a guest with a hand on it says less
+  event.tie.link.farthest =
+      haptics::TiedParts::kFarthestTouched;  // a guest whose hand holds the part lowers this
   events_.push_back(event);
 }
 
@@ -144,9 +150,10 @@ void PartLinks::tellSimulators(const OwnershipView& view, PartId part) {
 }
 
 void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
+  ASSERT(part < scene_.parts.size());
   const SiteId owner = view.part(part).owner;
   std::vector<SiteId> members = view.members(part).sites;
-  std::erase(members, view.self());  // a new owner is told a moment later that it is a guest no more
+  std::erase(members, view.self());  // the list without a new owner arrives a moment after its ownership
   const bool owns = view.owns(part), guest = view.engaged(part);
   const auto shares = [&](SiteId peer) {
     if (owns) return std::find(members.begin(), members.end(), peer) != members.end();
@@ -165,7 +172,8 @@ void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
   for (std::size_t i = 0; owns && i < members.size(); ++i) {
     const LineTerms terms = termsFor(members[i], members.size());
     Line* line = find(part, members[i]);
-    // A line that there is goes on, whoever began it, but where it has become too heavy beside the others.
+    // An existing line goes on, whichever site began it, unless its impedance is too large beside the other
+    // lines.
     if (line != nullptr && line->terms.impedance <= 1.1 * terms.impedance) continue;
     if (line == nullptr) line = &lines_.emplace_back(Line{part, members[i], 0, {}, {}, 0});
     line->terms = terms;
@@ -183,7 +191,7 @@ void PartLinks::beginSilentAnew(const OwnershipView& view, Micros now) {
   }
 }
 
-/// The guest's end, begun by what the owner says if that is new.
+/// The guest's end of the line to the owner. A packet of a new epoch begins it.
 PartLinks::Line* PartLinks::lineOfOwner(const LinkUpdate& update, Micros now) {
   Line* line = find(update.part, update.peer);
   std::uint32_t& last = lastEpoch_[update.part];

@@ -1,13 +1,14 @@
 #pragma once
 
-// The network's side of the links that tie this site's replicas of parts to other sites' (haptics/link/tied_parts.h): who is
-// tied to whom, by what ownership says; and their packets, to and from the wire.
+// The network's side of the coordination links that tie this site's replicas of parts to those of other sites
+// (haptics/link/tied_parts.h). Ownership decides which links there are; a Line is this site's end of one of
+// them.
 //
-// 1. The owner of a part begins a line to each site that is engaged in it, and chooses its terms and its epoch. The
-//    guest takes both from the first packet that it hears.
-// 2. Epochs follow the session's clock, so that a later line has a larger one whoever begins it. A line of which nothing
-//    is heard for kSilence begins anew: one of its ends may have forgotten it.
-// 3. Orders to the hand leave in the order in which they were decided, as events.
+// 1. The owner of a part begins a line to each site that is engaged in the part, and chooses its terms and
+//    its epoch. The guest, which is the engaged site, takes both from the first packet that it receives.
+// 2. Epochs follow the session's clock, so a later line has a larger epoch whichever site begins it. The
+//    owner begins a line anew after kSilence without a packet: the other end may have forgotten it.
+// 3. Orders to the hand leave as events, in the order in which they were decided.
 //
 // Network thread.
 
@@ -29,22 +30,24 @@ class PartLinks {
 
   /// A state of `peer` was `age` old when it came.
   void heard(SiteId peer, sync::Micros age);
-  /// Ends the lines of a part to who does not share it any more; as its owner begins those that are missing. `now`:
-  /// session time.
+  /// Ends the lines of a part to sites that do not share it any more. The part's owner also begins those that
+  /// are missing. `now`: session time.
   void follow(const sync::OwnershipView& view, PartId part, sync::Micros now);
-  /// Lines that have fallen silent, as their owner.
+  /// Begins anew the lines of this site's own parts that have fallen silent.
   void beginSilentAnew(const sync::OwnershipView& view, sync::Micros now);
 
-  /// For the hand; nothing if the datagram is of no use: anything may come.
+  /// A packet for the hand; nothing if the datagram belongs to no line, or to an earlier epoch. `now`:
+  /// session time.
   std::optional<haptics::TiedPacket> receive(const sync::LinkUpdate& update, const sync::OwnershipView& view,
                                              sync::Micros now);
-  /// For the wire; nothing if there is no such line any more.
+  /// A packet for the wire; nothing if its line has ended.
   std::optional<sync::LinkUpdate> toWire(const haptics::TiedPacket& packet) const;
 
-  /// Whether what the peer does to the part is felt here: there is a line, and its way is not too long for a link.
+  /// Whether what the peer does to the part is felt here: there is a line, and its delay is not too long for
+  /// a link.
   bool felt(PartId part, SiteId peer) const;
 
-  /// What the hand is to be told, drained by the caller.
+  /// The orders to the hand since the last call.
   std::vector<NetworkEvent> takeEvents();
 
   static constexpr sync::Micros kSilence = 1500 * sync::kMillisecond;
@@ -57,7 +60,7 @@ class PartLinks {
     sync::LineTerms terms;
     sync::LinkReceiver receiver;
     sync::Micros heardAt = 0;
-    bool felt = false;  // as the peer measures the way
+    bool felt = false;  // as the peer measures the delay
   };
   struct Age {
     SiteId site = kNoSite;

@@ -1,9 +1,11 @@
 #pragma once
 
-// Who owns and who shares each part, as the server says, and what follows from it: the coordination links to the sites
-// that share a part (part_links.h), and the packets of those links on their way between the hand and the wire.
+// Who owns and who shares each part, as the server says, and what follows from it: the coordination links to
+// the sites that share a part (part_links.h), and the packets of those links on their way between the hand
+// and the wire.
 //
-// 1. Every change of ownership reaches the hand as an event, before the orders to its links that follow from it.
+// 1. Every change of ownership reaches the hand as an event, before the orders to its links that follow from
+//    it.
 //
 // Network thread.
 

@@ -59,8 +59,8 @@ bool PartRequests::mayShare(PartId part) const {
 /// Asks to own a part, or to share it where another site owns it.
 void PartRequests::askFor(PartId part, int before) {
   ASSERT(ownership_->exists(part));
-  // The part may have been passed on to this site meanwhile. One that was given back is asked for anew, though, before
-  // the release is answered.
+  // The part may have been passed on to this site meanwhile. One that was given back is asked for anew,
+  // though, before the release is answered.
   if (ownership_->view().owns(part) && givenBack_[part] != ownership_->view().part(part).epoch) return;
   const bool share = mayShare(part);
   const RequestId request = open(part, share ? OpenRequest::Kind::engage : OpenRequest::Kind::grab, before);

@@ -1,12 +1,15 @@
 #pragma once
 
-// What this site asks the server for its parts: to own them, to share them, to give them back, to get them again after an
-// outage; and what the answers mean to the hand.
+// What this site asks the server for its parts: to own them, to share them, to give them back, to get them
+// again after an outage; and what the answers mean to the hand.
 //
-// 1. Each request has a number of its own, and an answer counts only for the request and the part that it names.
-// 2. A grab of a part that another site owns becomes an engagement in it, and an engagement in a part that nobody owns
-//    becomes a grab. A part that keeps changing owners is asked for kMaxRepeats times more, then the hand is denied it.
-// 3. Only the answer to what was asked since the lease last lapsed confirms anything (OwnershipView::lapses()).
+// 1. Each request has a number of its own, and an answer counts only for the request and the part that it
+//    names.
+// 2. A grab of a part that another site owns becomes an engagement in it, and an engagement in a part that
+//    nobody owns becomes a grab. A part that keeps changing owners is asked for kMaxRepeats times more, then
+//    the hand is denied it.
+// 3. Only the answer to what was asked since the lease last lapsed confirms anything
+//    (OwnershipView::lapses()).
 // 4. A lost connection voids the open requests, and those that the hand made before it heard of the loss.
 //
 // Network thread.
@@ -37,11 +40,11 @@ class PartRequests {
 
   /// Sends what the hand asks for.
   void sendIntents();
-  /// Asks again for parts in their old epoch: for all that were this site's before an outage, or only for those of which
-  /// the lease lapsed.
+  /// Asks again for parts in their old epoch: for all that were this site's before an outage, or only for
+  /// those of which the lease lapsed.
   void reclaim(bool all);
-  /// Asks again for the parts that this site shared before an outage, as of the last reclaim(): a restarted server
-  /// knows of no sharing.
+  /// Asks again for the parts that this site shared before an outage, as of the last reclaim(): a restarted
+  /// server knows of no sharing.
   void shareAgain();
   /// The connection was lost while in the session; the hand is told.
   void connectionLost();

@@ -1,11 +1,12 @@
 #pragma once
 
-// A site's connection to the server: enters the session, keeps its clock and lease by pings, comes back after an outage,
-// and routes each message to the class that handles it. Knows no socket and no thread: a connector makes transports, and
-// step() is called about a thousand times a second.
+// A site's connection to the server: enters the session, keeps its clock and lease by pings, comes back after
+// an outage, and routes each message to the class that handles it. Knows no socket and no thread: a connector
+// makes transports, and step() is called about a thousand times a second.
 //
 // 1. A message of the server is handled by the one class that has a handle() for it; see route().
-// 2. Handlers return false for a message that has no place here; it is counted as malformed and changes nothing.
+// 2. Handlers return false for a message that has no place here; it is counted as malformed and changes
+//    nothing.
 // 3. What needs the scene exists from sceneReady() on, and outlives every reconnect.
 //
 // Network thread only; the haptic thread is reached through the Exchange.

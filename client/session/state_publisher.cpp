@@ -5,14 +5,17 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 using namespace sync;
 
 namespace {
 
-constexpr double kSmoothEnough = 25.0;           // Hz, of hand and eyes where updates are few
-constexpr Micros kEarly = 3 * kMillisecond / 2;  // that something may go, rather than a link's packet later
+constexpr double kSmoothEnough = 25.0;  // Hz, of hand and eyes where updates are few
+constexpr Micros kEarly =
+    3 * kMillisecond / 2;         // by which something may leave, rather than a link packet late
 constexpr int kQuickRepeats = 4;  // at the least rate: 5 % of loss leave one chance in 3 million
 constexpr Micros kSlowestRepeat = 500 * kMillisecond;
 constexpr double kErrorFloor = 0x1p-18;     // of the frame's half extent: some steps of the wire
@@ -33,7 +36,7 @@ double reachOf(const assets::ImplicitShape& shape) {
   return glm::length(shape.partFromShape.position) +
          (flat ? 0.5 * glm::length(shape.size) : radius + 0.5 * shape.height);
 }
-/// No less than how far the part's farthest point is from its origin, about which it turns; m.
+/// An upper bound of the distance of the part's points from its origin, about which it turns; m.
 double reachOf(const assets::Scene& scene, const assets::Part& part) {
   double reach = 0.0;
   if (part.mesh != assets::kNone) {
@@ -76,8 +79,9 @@ const StatePublisher::Sent* StatePublisher::lastOf(const PartState& state) const
   return nullptr;
 }
 
-/// How far the farthest points of a part are apart in two poses of it, m.
+/// An upper bound of the displacement of the part's points between two poses, m.
 double StatePublisher::distance(const Pose& a, const Pose& b, PartId part) const {
+  ASSERT(part < reach_.size());
   return glm::length(a.position - b.position) + reach_[part] * angleBetween(a.orientation, b.orientation);
 }
 
@@ -115,7 +119,9 @@ bool StatePublisher::presenceChanged(const Presence& presence) const {
 bool StatePublisher::due(Micros now, Micros time, std::span<const OfferedPart> parts,
                          const Presence& presence, bool& newPresence) {
   if (!mayBeDue(now)) return false;
-  const bool partsNew = partsDue(now, time, parts);  // no: there are none, or they are as the others think
+  ASSERT(parts.size() <= kMaxStateParts);
+  const bool partsNew =
+      partsDue(now, time, parts);  // false: there are none, or the others extrapolate them well
   const bool partsGo = partsNew || (!parts.empty() && parts_.due(now, rates_.least));
   const bool presenceNew =
       presenceChanged(presence) && now - presence_.sentAt + kEarly >= period(rates_.presence);

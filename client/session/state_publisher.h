@@ -1,15 +1,15 @@
 #pragma once
 
-// What a site tells the others of its parts, hand and eyes, and when: no more often than what they would show without it
-// is noticeably wrong. Pure: time comes in as an argument.
+// When a site publishes its parts, hand and camera: as rarely as the others can go on extrapolating without a
+// noticeable error. Pure: time comes in as an argument. state_publishing.h sends what is due.
 //
-// 1. A part that another site's hand is on goes at the full rate: what is felt through it is not thinned out.
-// 2. Any other moving part goes when what receivers extrapolate from the last state (sync/replica/play_out.h) is wrong by more
-//    than a share of the way it has gone since: the perceptual deadband of Hinterseer et al., "Perception-based data
-//    reduction and transmission of haptic data", IEEE Trans. Signal Processing 56 (2008), applied to the motion. At least
-//    60 times a second.
-// 3. What has come to rest, and a hand that is still, is told a few times more, ever less often, down to twice a second:
-//    datagrams get lost, and sites join.
+// 1. A part that another site's hand touches is published at the full rate: what is felt is not thinned out.
+// 2. Any other moving part is published when what receivers extrapolate from its last state
+//    (sync/replica/play_out.h) is wrong by more than a share of its displacement since then: the perceptual
+//    deadband of Hinterseer et al., "Perception-based data reduction and transmission of haptic data", IEEE
+//    Trans. Signal Processing 56 (2008), applied to the motion. At least 60 times a second.
+// 3. A part that has come to rest, and a hand that is still, are repeated ever less often, down to twice a
+//    second: datagrams get lost, and sites join.
 
 #include <span>
 #include <vector>
@@ -23,34 +23,35 @@ struct PublishRates {
   double most = 250.0;     // Hz, of updates
   double least = 60.0;     // Hz, of a part that moves
   double presence = 60.0;  // Hz at most, about, of hand and eyes; less where there are few updates
-  /// Weber fraction: the noticeable error as a share of the way gone. 0: none is tolerated, all goes at the full rate.
+  /// Weber fraction: the noticeable error as a share of the displacement. 0: no error is tolerated, and
+  /// everything is published at the full rate.
   double deadband = 0.1;
 };
 
 /// A part that the site owns, as it is now.
 struct OfferedPart {
   sync::PartState state;
-  bool shared = false;  // another site's hand is on it
+  bool shared = false;  // another site's hand touches it
 };
 
 class StatePublisher {
  public:
   StatePublisher(const assets::Scene& scene, const sync::WireFrame& frame, const PublishRates& rates);
 
-  /// A new connection: nobody has anything.
+  /// A new connection: the server has no state yet.
   void reset();
   /// Whether an update may leave at `now`; if not, there is no need to ask due().
   bool mayBeDue(sync::Micros now) const { return now >= next_; }
-  /// Whether an update is to leave now, with these parts, which hold at local time `time`. If so it is taken as sent, and
-  /// `newPresence` says whether presence goes along.
+  /// Whether an update is to leave now, with these parts, which hold at local time `time`. If so it is taken
+  /// as sent, and `newPresence` says whether presence goes along.
   bool due(sync::Micros now, sync::Micros time, std::span<const OfferedPart> parts,
            const sync::Presence& presence, bool& newPresence);
 
  private:
-  /// Something that is told again ever less often while it does not change.
+  /// When something was published that is repeated ever less often while it does not change.
   struct Repeated {
     sync::Micros sentAt = 0;
-    int unchanged = -1;  // times that it was told since it changed; -1: never told
+    int unchanged = -1;  // repeats since it changed; -1: never published
     bool due(sync::Micros now, double least) const;
     void sent(sync::Micros now, bool changed);
   };

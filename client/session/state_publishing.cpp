@@ -28,8 +28,8 @@ void StatePublishing::reset() {
   updatesOfConnection_ = 0;
 }
 
-/// Whether another site's hand feels the part as it is played out. A site that shares the part feels the link instead,
-/// where the delay allows one.
+/// Whether another site's hand feels the part as it is played out. A site that shares the part feels the link
+/// instead, where the delay allows one.
 bool StatePublishing::othersTouch(PartId part) const {
   const std::vector<SiteId>& members = ownership_.view().members(part).sites;
   const std::vector<SiteView>& sites = people_.sites();

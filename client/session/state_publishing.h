@@ -2,8 +2,8 @@
 
 // What this site tells the server of its parts, hand and eyes. state_publisher.h decides when.
 //
-// 1. Only what the ownership view allows is published: parts in the epoch in which this site owns them, while its lease
-//    runs (S3). The hand goes on either way.
+// 1. Only what the ownership view allows is published: parts in the epoch in which this site owns them, while
+//    its lease runs (S3). The hand goes on either way.
 //
 // Network thread.
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The state datagrams that the server sends to this site: decoded, checked against ownership, handed to the hand with the
-// play-out delay that their arrivals ask for, acknowledged, and counted for the losses.
+// The state datagrams that the server sends to this site: decoded, checked against ownership, handed to the
+// hand with the play-out delay that their arrivals ask for, acknowledged, and counted for the losses.
 //
 // Network thread.
 
@@ -34,7 +34,8 @@ class StateReceiving {
   /// A site that is not coming back.
   void forget(SiteId site) { receiver_.forget(site); }
 
-  /// Reads a datagram into message(), or counts it as dropped. Malformed ones are left to the caller to count.
+  /// Reads a datagram into message(), or counts it as dropped. Malformed ones are left to the caller to
+  /// count.
   [[nodiscard]] sync::StateReceiver::Outcome decode(std::span<const std::byte> bytes);
   const sync::StateMessage& message() const { return message_; }
   /// `update` is that of message().
