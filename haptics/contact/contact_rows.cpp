@@ -75,7 +75,7 @@ void ContactRows::hold(int pair) {
 
 bool ContactRows::beginPair() {
   if (pairs_ == kMostPairs) return false;
-  // Four planes are read at once: those of a pair begin where four begin.
+  // Four planes are read at once, so the planes of a pair begin at a multiple of four.
   while (planes_ % 4 != 0) {
     for (float* const column : wrench_) column[planes_] = 0.0f;
     gap_[planes_++] = 1e30f;

@@ -2,12 +2,13 @@
 
 // The constraints of one step of the parts that move: half-spaces that points of them must not leave.
 //
-// Rows come in pairs of parts. With u = (t, w) the displacement in the step of the pair's first part, seen from the
-// other (m, and rad about the first one's reference point), row i asks
+// Rows come in pairs of parts. With u = (t, w) the displacement in the step of the pair's first part, seen
+// from the other (m, and rad about the first one's reference point), row i asks
 //     n_i . (t + w x r_i) >= -gap_i        r_i from the reference point, m
-// Three kinds, as much as is known of each point: planes from a field, good to within its error; balls, near
-// edges, where a field tells no direction: the point may go `room` any way before it must be looked at; and
-// exact rows, which take the place of either once somebody has looked, or which a joint has laid down.
+// A row is of one of three kinds, by what is known of its point: planes from a field, good to within its
+// error; balls near edges, where a field has no direction and the point may go `room` m any way before it
+// must be queried; and exact rows, which replace either once the point has been queried, or which a joint
+// asks for.
 //
 // 1. Fixed capacity; what does not fit is dropped and counted. Nothing allocates after construction.
 // 2. Planes are floats side by side, for four-wide sums: u is a fraction of a millimetre, so that their
@@ -46,13 +47,13 @@ struct RowSource {
 
 /// The general row asks n . (t + w x r) + m . w >= -gap; m is 0 for a contact, n for a lock of a turn.
 struct ExactRow {
-  glm::dvec3 normal{0.0, 0.0, 0.0};                    // unit, world, the way that opens the gap
+  glm::dvec3 normal{0.0, 0.0, 0.0};                    // unit, world, the direction that opens the gap
   glm::dvec3 arm{0.0, 0.0, 0.0};                       // m, world axes, from the reference point
   double gap = 0.0;                                    // m
   double staticFriction = 0.0, dynamicFriction = 0.0;  // Coulomb coefficients of the pair
   RowSource source;
-  glm::dvec3 turn{0.0, 0.0, 0.0};  // m, m a rad of turn
-  double give = 0.0;               // m that a unit of multiplier bends it: a spring; 0 = rigid
+  glm::dvec3 turn{0.0, 0.0, 0.0};  // the coefficient m: m a rad of rotation
+  double give = 0.0;               // compliance: m that a unit of multiplier bends it; 0 = rigid
   double most = std::numeric_limits<double>::infinity();  // multiplier that it gives way at
   bool bothWays = false;                                  // an equation, not a half-space
 
@@ -61,7 +62,7 @@ struct ExactRow {
   }
   /// How far the displacement leaves the half-space, m; at most 0 if it does not.
   double violation(const Displacement& u) const { return -gap - along(u); }
-  /// Whether it is a rigid half-space that wants the part to come out of where it is.
+  /// Whether it is a rigid half-space that asks the part to come out of a penetration.
   bool asksOut() const { return gap < 0.0 && give == 0.0 && !bothWays; }
 };
 
@@ -86,7 +87,8 @@ class ContactRows {
   /// Returns its index, or -1 if there is no room.
   int addExact(const ExactRow& row);
 
-  /// From here on no half-space of the pair asks for a way out: what is behind one may stay as deep as it is, no deeper.
+  /// From here on no half-space of the pair asks for a way out: what is behind one may stay as deep as it is
+  /// and go no deeper.
   void hold(int pair);
   bool holds(int pair) const { return held_[static_cast<std::size_t>(pair)]; }
 
@@ -100,7 +102,7 @@ class ContactRows {
   /// The largest share of u, 0..1, that violates no plane or ball of those still there.
   double safeShare(PairMotions u) const;
 
-  /// Takes a plane or a ball out: it has become an exact row, or means nothing.
+  /// Removes a plane or a ball that has become an exact row, or that constrains nothing.
   void dropPlane(int i) { gap_[i] = 1e30f; }
   void dropBall(int i) { ball_[i].room = 1e30f; }
   void dropExact(int i) {

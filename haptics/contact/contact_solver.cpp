@@ -13,7 +13,7 @@ using Vector6 = ContactSolver::Vector6;
 using Vectors = ContactSolver::Vectors;
 using Direction = ContactSolver::Direction;
 
-// Of a direction's square: below it a row adds nothing to those that are active.
+// Share of a direction's square below which the row depends on those that are active.
 constexpr double kDependent = 1e-10;
 
 double dot(const Vector6& a, const Vector6& b) {
@@ -45,7 +45,7 @@ void addTo(Vectors& sum, double factor, const Direction& d) {
   }
 }
 
-/// L^-1 (force, moment).
+/// Solves L x = (force, moment) for a wrench on one body.
 Vector6 solveRoot(const StepGoal& goal, const glm::dvec3& force, const glm::dvec3& moment) {
   Vector6 d{force.x, force.y, force.z, moment.x, moment.y, moment.z};
   for (std::size_t i = 0; i < 6; ++i) {
@@ -227,12 +227,12 @@ void ContactSolver::take(int index, double tolerance, ContactRows& rows) {
   }
   if (activate(row)) return updateMotions();
   squeezed_ = hold(row, rows);
-  // What the row gave before it turned out to contradict the others is taken back.
+  // The row contradicts the others: what it gave until that turned out is taken back.
   std::copy_n(spare_.begin(), count, active_.begin());
   count_ = count;
   factored_ = 0;  // of other rows, if any was let go meanwhile
   y_ = y;
-  // An equation that says what others say already is no contradiction.
+  // An equation that the others imply is no contradiction.
   if (!rows.exact(index).bothWays || std::abs(missing) > tolerance) ++infeasible_;
   if (!squeezed_) rows.dropExact(index);
 }
@@ -257,7 +257,7 @@ void ContactSolver::takeKnown(double tolerance, ContactRows& rows) {
 int ContactSolver::nextExact(double tolerance, const ContactRows& rows) const {
   const int worst = rows.worstExact(pairMotions(), tolerance);
   if (worst >= 0 || !rows.anySoft()) return worst;
-  // A spring that is bent stays violated: it counts until it acts.
+  // A compliant row stays violated while it acts, so it counts only until it is active.
   for (int i = 0; i < rows.exactRows(); ++i) {
     const ExactRow& row = rows.exact(i);
     if (row.give == 0.0 || row.bothWays || row.violation(motion_[row.source.pair]) <= tolerance) continue;
@@ -287,7 +287,7 @@ void ContactSolver::obeyRows(double tolerance, ContactRows& rows, RowRefiner* re
       worst = nextExact(tolerance, rows);
     }
     if (refiner == nullptr) return;
-    // Rows are looked at until one of them is violated: only then does u change.
+    // u changes only when an exact row is violated, so candidates are refined until one is.
     const int alreadyExact = rows.exactRows();
     for (int ball = rows.nextBall(u, 0); ball >= 0 && picks_ < mostPicks_; ball = rows.nextBall(u, ball)) {
       ++picks_;

@@ -1,28 +1,30 @@
 #pragma once
 
-// Where the parts that move here go in one step: as near to where momentum, the hand and gravity would take them as
-// contacts and joints allow.
+// The displacements of the parts that move here in one step: as near to where momentum, the hand and gravity
+// would take them as contacts and joints allow.
 //
 //     minimise sum_b 1/2 (u_b - u0_b)^T A_b (u_b - u0_b)    subject to the rows of contact_rows.h
 //
-// with u_b = (t, w) the displacement of body b, u0 the free one, and A its inertia with the implicit springs of
-// its coupling (virtual_coupling.h). The dual active-set method of Goldfarb & Idnani 1983, "A numerically stable
-// dual method for solving strictly convex quadratic programs": from the free minimum the equations of joints, then
-// the most violated row are made active, one after the other, and rows that begin to pull are let go; it ends at the
-// one solution, in a handful of rows. Rows that are not exact yet are refined when they are violated, at the
-// displacement that then stands, so that of thousands of candidates some dozens are looked at closely. A spring is a
-// row that bends: it has one more unknown of its own, with which the method is the same.
+// with u_b = (t, w) the displacement of body b, u0 the free one, and A its inertia with the implicit springs
+// of its coupling (virtual_coupling.h). The dual active-set method of Goldfarb & Idnani 1983, "A numerically
+// stable dual method for solving strictly convex quadratic programs": from the free minimum the equations of
+// joints, then the most violated row are made active, one after the other, and rows that begin to pull are
+// let go; it ends at the one solution, in a handful of rows. Rows that are not exact yet are refined when
+// they are violated, at the displacement that then stands, so that of thousands of candidates some dozens are
+// looked at closely. A spring is a compliant row: it has one more unknown of its own, with which the method
+// is the same.
 //
-// Friction: the point of each active row is to stay where it was when the tick began, by a force across the normal
-// of at most the coefficient times the normal one (Coulomb's disc). Normal and friction forces are solved for in
-// turn until they agree: staggered projections (Kaufman, Sueda, James & Pai 2008), from those of the last tick;
-// the last word is the normals', so that friction never pushes anything into a surface.
+// Friction: the point of each active row is to stay where it was when the tick began, by a force across the
+// normal of at most the coefficient times the normal one (Coulomb's disc). Normal and friction forces are
+// solved for in turn until they agree: staggered projections (Kaufman, Sueda, James & Pai 2008), from those
+// of the last tick; the last word is the normals', so that friction never pushes anything into a surface.
 //
-// A part that is squeezed between others which come nearer than it is wide cannot be outside of all of them. Rows that
-// contradict each other then ask only that nothing goes in deeper, which standing still does: a way out of the one that
-// leads into the other would be taken back in the next step, for ever.
+// A part that is squeezed between others which come nearer than it is wide cannot be outside of all of them.
+// Rows that contradict each other then ask only that nothing goes in deeper, which standing still does: a way
+// out of the one that leads into the other would be taken back in the next step, for ever.
 //
-// 1. Bounded work: as many rows as the caller allows are picked. 2. No allocation.
+// 1. Bounded work: at most as many rows as the caller allows are refined or made active.
+// 2. No allocation.
 
 #include <array>
 #include <cstddef>
@@ -35,14 +37,15 @@ namespace tandem::haptics {
 
 inline constexpr int kMostBodies = 8;
 
-/// A quadratic bowl over the displacements of a body: its minimum, and A = L L^T as the lower triangle L, row by row.
+/// A quadratic bowl over the displacements of a body: its minimum, and A = L L^T as the lower triangle L, row
+/// by row.
 struct StepGoal {
-  Displacement free;                            // u0
-  Displacement before;                          // gone already in this tick: friction works against that too
+  Displacement free;    // u0
+  Displacement before;  // displacement in this tick so far: friction works against that too
   std::array<std::array<double, 6>, 6> root{};  // L; kg/s^2 and so on, scaled as the caller likes
 };
 
-/// Whose motion the rows of a pair are about.
+/// The bodies whose relative motion the rows of a pair constrain.
 struct RowPair {
   int first = 0;                    // body
   int second = -1;                  // the other one; -1: it does not give way
@@ -54,7 +57,8 @@ inline Displacement seenFrom(const Displacement& first, const Displacement& seco
   return {first.linear - second.at(apart), first.angular - second.angular};
 }
 
-/// Looks closely at a sample, at the displacement of its pair that the solver has reached: adds its exact rows.
+/// Looks closely at a sample, at the displacement of its pair that the solver has reached: adds its exact
+/// rows.
 class RowRefiner {
  public:
   virtual void refine(RowSource source, const Displacement& u, ContactRows& rows) = 0;
@@ -92,8 +96,8 @@ class ContactSolver {
     bool sticks = false;
   };
 
-  /// A goal a body, at most kMostBodies. `tolerance`: m, by how much a row may be violated; at most `mostPicks` rows
-  /// are looked at or made active. Friction starts from what the last call found.
+  /// A goal a body, at most kMostBodies. `tolerance`: m, by how much a row may be violated; at most
+  /// `mostPicks` rows are looked at or made active. Friction starts from what the last call found.
   void solve(std::span<const StepGoal> goals, std::span<const RowPair> pairs, double tolerance, int mostPicks,
              ContactRows& rows, RowRefiner& refiner);
   /// The friction that the next call starts from, by the numbers that its pairs have: at most kMostActive.
@@ -142,13 +146,14 @@ class ContactSolver {
   void solveNormals(double tolerance, const Vectors& start, ContactRows& rows, RowRefiner* refiner);
   /// One attempt at that, which ends early where parts turn out to be squeezed.
   void obeyRows(double tolerance, ContactRows& rows, RowRefiner* refiner);
-  /// Joints' equations, then rows that were active before: where several sets hold the parts alike, the same one is
-  /// found.
+  /// Joints' equations, then rows that were active before: where several sets hold the parts alike, the same
+  /// one is found.
   void takeKnown(double tolerance, ContactRows& rows);
   void take(int row, double tolerance, ContactRows& rows);
   /// The violated exact row to take next; -1 if there is none.
   int nextExact(double tolerance, const ContactRows& rows) const;
-  /// Springs that would give more than they can: from now on they push with the most they have. True if any does.
+  /// Springs that would give more than they can: from now on they push with the most they have. True if any
+  /// does.
   bool saturate(ContactRows& rows, Vectors& pushed);
   /// Friction for the normal forces as they are; returns its part of y, and by how much of the largest normal
   /// force any changed.
@@ -163,8 +168,8 @@ class ContactSolver {
   Step stepTowards(const ActiveRow& row);
   /// Adds a violated row to the active ones; false if that cannot be.
   bool activate(ActiveRow& row);
-  /// Between a row and those that contradict it parts are squeezed: none of their pairs asks for a way out any more,
-  /// which all of them can obey. False if none did.
+  /// Between a row and those that contradict it parts are squeezed: none of their pairs asks for a way out
+  /// any more, which all of them can obey. False if none did.
   bool hold(const ActiveRow& row, ContactRows& rows);
   void drop(int i);
   void setToZero(Vectors& v) const;

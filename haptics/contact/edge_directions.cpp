@@ -12,18 +12,18 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kAcross = 1e-3;  // cosine to the edge up to which a normal lies across it
 
-/// The least arc that holds all that was added.
+/// The smallest arc that holds all directions added.
 class Arc {
  public:
   explicit Arc(const EdgePlane& plane) : plane_(plane) {}
-  /// The direction opposite to v.
+  /// Adds the direction opposite to v.
   void addOpposite(const glm::dvec3& v) {
     if (plane_.length(v) < 1e-6) return;
     const double a = plane_.angle(-v);
     least_ = std::min(least_, a);
     most_ = std::max(most_, a);
   }
-  /// Half a turn or more tells nothing.
+  /// An arc of half a turn or more constrains nothing.
   bool known() const { return least_ <= most_ && most_ - least_ < kPi; }
   /// Of the edge's own directions.
   Directions ofEdge() const { return {std::max(0.0, least_), std::min(plane_.end(), most_)}; }

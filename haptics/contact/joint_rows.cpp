@@ -17,8 +17,8 @@ struct Limits {
   double min, max, stiffness, damping;
 };
 
-/// One coordinate q of a joint and how it changes: dq = normal . (way at `arm`) + turn . spin, of the pair. Angles are
-/// m at the lever.
+/// One coordinate q of a joint and its rate of change: dq = normal . (displacement at `arm`) + turn .
+/// rotation, both of the pair. Angles are given in m at the lever.
 struct Coordinate {
   double value = 0.0;
   glm::dvec3 normal{0.0, 0.0, 0.0}, turn{0.0, 0.0, 0.0};
@@ -51,7 +51,7 @@ class Rows {
       linear(limit);
   }
 
-  /// q = value, exactly.
+  /// Adds the equation q = value.
   void lock(const Coordinate& q, double value) {
     ExactRow row = rowOf(q);
     row.gap = std::clamp(q.value - value, -most_, most_);
@@ -59,7 +59,8 @@ class Rows {
     rows_.addExact(row);
   }
 
-  /// F = -k (q - target) - b (q' - rate), implicit in the step, of at most `force` (N).
+  /// Adds a spring and damper F = -k (q - target) - b (q' - rate), implicit in the step, of at most `force`
+  /// (N).
   void spring(const Coordinate& q, double k, double b, double target, double rate, double force) {
     const double drag = dt_ * dt_ * k + dt_ * b;
     if (!(drag > 0.0)) return;
@@ -85,7 +86,7 @@ class Rows {
     return row;
   }
 
-  /// min <= q <= max, with the limit's own spring where it has one.
+  /// Adds min <= q <= max, with the limit's own spring where it has one.
   void within(const Coordinate& q, const Limits& limit) {
     const bool soft = limit.stiffness > 0.0;
     if (limit.min == limit.max) {
@@ -99,7 +100,7 @@ class Rows {
     if (limit.max < 1e299) bound(q, -1.0, limit.max, limit);
   }
 
-  /// side q >= side at.
+  /// Adds the half-space side q >= side at.
   void bound(const Coordinate& q, double side, double at, const Limits& limit) {
     const double gap = side * (q.value - at);
     ExactRow row = rowOf({0.0, side * q.normal, side * q.turn});
@@ -107,7 +108,7 @@ class Rows {
     if (limit.stiffness > 0.0) {
       const double drag = dt_ * dt_ * limit.stiffness + dt_ * limit.damping;
       row.give = 1.0 / drag;
-      // Before the limit nothing acts; behind it the spring from there.
+      // The spring acts behind the limit only.
       row.gap = gap < 0.0 ? gap * dt_ * dt_ * limit.stiffness / drag : gap;
     }
     rows_.addExact(row);
@@ -124,7 +125,7 @@ class Rows {
       ++count;
     }
     if (count == 1) return within(along(axis_[last], glm::dot(axis_[last], apart_)), range);
-    if (limit.max <= 0.0) {  // a distance of nothing: each axis by itself
+    if (limit.max <= 0.0) {  // a maximum distance of 0 locks each axis by itself
       const Limits none{0.0, 0.0, limit.stiffness, limit.damping};
       for (int i = 0; i < 3; ++i) {
         if ((limit.axes >> i & 1) != 0) within(along(axis_[i], glm::dot(axis_[i], apart_)), none);
@@ -164,13 +165,14 @@ class Rows {
       default:
         break;
     }
-    // Two axes: the third ones of the two frames against each other.
+    // A limit of two axes constrains the angle between the third axes of the two frames.
     const int third = limit.axes == 6 ? 0 : limit.axes == 5 ? 1 : 2;
     glm::dvec3 unit(0.0);
     unit[third] = 1.0;
     const glm::dvec3 ofB = placed_.worldFromB.orientation * unit, cross = glm::cross(axis_[third], ofB);
     if (limit.max <= 0.0) {
-      // Where the axes point against each other, the shortest way is any: |cross| is small, but the cosine tells.
+      // Where the axes are opposite, every rotation is as short: |cross| is small, and the cosine tells it
+      // from 0.
       const double size = glm::dot(axis_[third], ofB) >= 0.0 ? 1.0 : 1.0 / std::max(glm::length(cross), 1e-6);
       for (int i = 0; i < 3; ++i) {
         if (i != third) within(about(axis_[i], size * glm::dot(axis_[i], cross)), none);
@@ -190,7 +192,7 @@ class Rows {
   const PlacedJoint& placed_;
   double most_, dt_;
   ContactRows& rows_;
-  double sign_;  // of B's motion seen from A in the pair's
+  double sign_;  // of B's motion relative to A, in terms of the pair's
   glm::dvec3 arm_, apart_, axis_[3];
 };
 
@@ -254,7 +256,7 @@ void addJointRows(const PlacedJoint& placed, const JointState& state, double mos
   }
   for (const assets::JointDrive& drive : joint.drives) addDrive(drive, placed, state.turn, made);
   if (!(state.steepestDetent > 0.0)) return;
-  // A spring of their steepest slope, that gives what they give here: it gains no energy (control_dynamics.h).
+  // A spring of the detents' steepest slope that gives their force here gains no energy (control_dynamics.h).
   const double value = jointValue(placed, state, joint.detentsTurn);
   const double lever = joint.detentsTurn ? made.lever() : 1.0;
   const Coordinate q = joint.detentsTurn ? made.about(made.axis(0), value) : made.along(made.axis(0), value);

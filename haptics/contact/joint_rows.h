@@ -1,11 +1,11 @@
 #pragma once
 
-// What joints ask of the parts that they join, as rows of a step (contact_rows.h): locks are equations, limits
-// half-spaces, springs, drives and detents rows that bend.
+// The constraints of joints as rows of a step (contact_rows.h): locks are equations, limits are half-spaces,
+// and springs, drives and detents are compliant rows.
 //
-// Coordinates as KHR_physics_rigid_bodies has them: linear[i] is e_i . (t_B - t_A) along the axes e of the frame in A;
-// angular[i] the twist of q_A* q_B about e_i; of two linear axes the distance from the third, of three from the
-// point; of two turns the angle between the third axes.
+// Coordinates as KHR_physics_rigid_bodies has them: linear[i] is e_i . (t_B - t_A) along the axes e of the
+// frame in A; angular[i] the twist of q_A* q_B about e_i; of two linear axes the distance from the third, of
+// three from the point; of two turns the angle between the third axes.
 //
 // 1. Turns about the X axis are counted: a screw may go on for as many as it likes. 2. No allocation.
 
@@ -16,11 +16,11 @@
 
 namespace tandem::haptics {
 
-/// What a joint remembers.
+/// What a joint remembers from tick to tick.
 struct JointState {
   double turn = 0.0;            // rad of B about the X axis, whole turns counted
   double steepestDetent = 0.0;  // N/m or N·m/rad
-  double thread = 0.0;          // m that B has gone beyond what the pitch tells, where the joint was made
+  double thread = 0.0;          // m that B stood off the pitch's line when the joint was made
 };
 
 /// A joint's frames and the moving part that is the first of its pair.

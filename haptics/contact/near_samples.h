@@ -1,6 +1,7 @@
 #pragma once
 
-// The samples of one part that may be near the surface of another, by its distance field. For part_contact only.
+// The samples of one part that may be near the surface of another, by its distance field. For the files of
+// this room only.
 
 #include <algorithm>
 #include <array>
@@ -27,9 +28,9 @@ struct FloatMotion {
   glm::vec3 shift;
 };
 
-/// Calls visit(sample, where it is in the field, reading) for the samples that may be within `reach` of a field's surface or behind it, with
-/// what the field says there. `allInside` becomes false where a sample may be outside; `passedBy` at least the depth
-/// (m) that any other sample may have, below 0 outside.
+/// Calls visit(sample, where it is in the field, reading) for the samples that may be within `reach` of a
+/// field's surface or behind it, with what the field says there. `allInside` becomes false where a sample may
+/// be outside; `passedBy` at least the depth (m) that any other sample may have, below 0 outside.
 template <typename Visit>
 void forEachNear(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
                  float reach, bool& allInside, float& passedBy, Visit&& visit) {
@@ -40,8 +41,8 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
   constexpr std::uint32_t kAtOnce = DistanceField::kMostAtOnce;
   std::array<glm::vec3, kAtOnce> at;
   std::array<DistanceField::Reading, kAtOnce> readings;
-  // Several nodes are taken at a time, so that their readings wait for memory together. A tree of 2^32 samples is 28
-  // levels deep, and each level leaves at most kAtOnce nodes behind.
+  // Several nodes are taken at a time, so that their readings wait for memory together. A tree of 2^32
+  // samples is 28 levels deep, and each level leaves at most kAtOnce nodes behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack;
   std::array<std::uint32_t, kAtOnce> leaves;
   std::size_t top = 0;

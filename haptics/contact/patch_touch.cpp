@@ -9,8 +9,8 @@ namespace {
 
 using Kind = ContactPatch::Kind;
 
-/// Within [-half, half], where `slope` (which does not fall) passes zero; an end where it does not. The least value is
-/// found to within `enough`.
+/// The place in [-half, half] where `slope`, which does not fall, passes zero; an end where it does not. The
+/// least value of the function is found to within `enough`.
 template <typename Slope>
 double whereLeast(double half, double enough, Slope&& slope) {
   double a = 0.0, fa = slope(0.0);
@@ -45,14 +45,14 @@ void setEdge(const ContactPatch& patch, const ContactPatch::Place& place, Sample
   }
 }
 
-/// Whether a round patch ends at a place: what is nearest to it there is nearer to another one, or to a rim.
+/// Whether a round patch ends at a place, beyond which another patch or a rim is nearer.
 bool endsAt(const ContactPatch& patch, const ContactPatch::Place& place) {
   if (patch.kind != Kind::cap && patch.kind != Kind::side) return false;
   return (patch.along > 0.0 && std::abs(place.t) > 0.999 * patch.along) ||
          glm::dot(place.out, patch.out) < std::cos(0.999 * patch.angle);
 }
 
-/// A place of a patch over a triangle: how high it is above it.
+/// A place of a patch over a triangle, and its height above the triangle.
 struct Candidate {
   ContactPatch::Place place;
   double height = 1e300;  // m
@@ -81,7 +81,7 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
   const glm::dvec3& normal = edges.normal(triangle);
   if (!(glm::dot(normal, normal) > 0.5)) return found;
   found.place = patch.lowest(normal, slack);
-  // Beside the nearest face only one that the patch can rest on matters: an edge that both have is known already.
+  // A second face matters only if the patch can rest on it: a shared edge is known from the nearest face.
   if (!nearest && !faces(patch, found.place, normal)) return found;
   const Triangle corners = tree.triangle(triangle);
   const glm::dvec3 p = patch.pointAt(found.place);
@@ -90,7 +90,7 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
     return found;
   }
   if (!nearest) return found;
-  // Where the face ends before that place: what of the patch is nearest to it.
+  // The face ends before that place: the place of the patch that is nearest to the face counts.
   const glm::dvec3 q = closestPointOnTriangle(patch.centre + found.place.t * patch.axis, corners).point;
   found.place = patch.nearestTo(q);
   const glm::dvec3 nearer = patch.pointAt(found.place);
@@ -101,7 +101,7 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
   return found;
 }
 
-/// Down from face to face, to that over which the patch is lowest.
+/// Descends from face to face to the one over which the patch is lowest.
 Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
                      std::uint32_t triangle, double slack) {
   Candidate best = over(tree, edges, patch, triangle, slack, true);
@@ -119,8 +119,8 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   return best;
 }
 
-/// Which way a place of a patch looks whose middle looks along `outward`: the nearer to an end, the more also past that,
-/// for what touches the end may lie on what is beyond it.
+/// The direction of a place of a patch whose middle looks along `outward`. Near an end it turns past the end,
+/// for what touches the end may lie on the surface beyond it.
 glm::dvec3 outwardAt(const ContactPatch& patch, const ContactPatch::Place& place, const glm::dvec3& outward) {
   if (!(patch.along > 0.0) || outward == glm::dvec3(0.0)) return outward;
   return outward + (place.t / patch.along) * patch.axis;
@@ -131,7 +131,7 @@ glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& other) {
   return length > 1e-9 ? v / length : other;
 }
 
-/// The edge as it is seen where other shapes lie on its faces. False where nothing is seen of it: all of it is covered.
+/// The edge as it is exposed where other shapes lie on its faces. False where other shapes cover all of it.
 bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleAtMesh& asked,
              MeshEdge& edge) {
   if (shapes.size() == 1) return true;
@@ -147,7 +147,7 @@ bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleA
       coveredFace(shapes, which, p, -unitOr(n0 - cosine * n1, n0), outward, size, edge.normals[1]);
   if (first && second) return false;
   if (!first && !second) return true;
-  // Where the two go on from each other in one plane there is no edge; where they make a hollow both hold as planes.
+  // Two faces in one plane make no edge, and two that make a hollow both hold as planes.
   const glm::dvec3 turn = glm::cross(edge.normals[0], edge.normals[1]);
   if (glm::dot(turn, along) <= 1e-6 * std::sqrt(square))
     edge.normals[first ? 0 : 1] = edge.normals[first ? 1 : 0];
@@ -227,7 +227,7 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
     }
     if (!(slope > 0.1)) break;
     const ContactPatch::Place next = patch.lowest(up / slope, slack);
-    // What it could gain there by this gradient.
+    // The depth that this gradient promises there.
     if (glm::dot(up, patch.pointAt(next) - point) > -slack) break;
     place = next;
   }
@@ -296,7 +296,7 @@ bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const Contac
       asked.normals = {own.data(), static_cast<std::size_t>(count)};
     setEdge(patch, place, asked);
     if (!touchingFeature(tree, edges, asked, 1e300, hint, found)) return false;
-    // Two edges cross beside that place: there on the rim.
+    // Two edges cross beside that place, on the rim.
     if (patch.kind != Kind::rim || found.planes[0].point == asked.point) break;
     place = patch.nearestTo(found.planes[0].point);
   }

@@ -11,10 +11,11 @@
 namespace tandem::haptics {
 namespace {
 
-// Two edges cross where they differ by more; along each other they touch in a whole line.
-constexpr double kCrossing = 0.05;  // sine of the angle between them
+// Sine of the angle above which two edges cross; below it they touch along a line.
+constexpr double kCrossing = 0.05;
 
-/// Whether the edge goes through what lies behind all the sample's faces, within `reach` of it.
+/// Whether the edge passes through the region behind all faces of the sample, within `reach` (m) of the
+/// sample.
 bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) {
   const double length = glm::length(edge.b - edge.a);
   const glm::dvec3 along = (edge.b - edge.a) / length, from = edge.a - sample.point;
@@ -33,7 +34,7 @@ bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) 
   return low < high;
 }
 
-/// Two edges that cross: normal to both, where each is an edge of its body that way.
+/// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.
 bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleAtMesh& sample,
                    TouchingPlane& found) {
   const double length = glm::length(edge.b - edge.a);
@@ -45,7 +46,7 @@ bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleAtM
   if (glm::dot(normal, plane.direction(0.5 * plane.end())) < 0.0) normal = -normal;
   const double a = plane.angle(normal), slack = 1e-3;
   if (a < -slack || a > plane.end() + slack) return false;
-  // The sample's own normals enclose the opposite direction: it lies on the inner side of the plane of each.
+  // The normals of the sample must enclose the opposite direction, which then is on the inner side of each.
   const glm::dvec3 &n0 = sample.normals[0], &n1 = sample.normals[1];
   const glm::dvec3 across0 = n1 - n0 * glm::dot(n0, n1), across1 = n0 - n1 * glm::dot(n0, n1);
   if (glm::dot(-normal, across0) < -slack || glm::dot(-normal, across1) < -slack) return false;
@@ -96,9 +97,10 @@ const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, co
   return nearest;
 }
 
-/// Adds the plane beyond a hollow edge beside the triangle that is predicted to be violated most, if there is one
-/// within `reach`: a plane that ends further away than that means nothing here. Nor, to a sample before the mesh, does one
-/// that it is less far behind than it is from the mesh: that one ends before it.
+/// Adds the plane beyond a hollow edge of the triangle that is predicted to be violated most, if one is
+/// within `reach`: a plane that ends further away constrains nothing here. A sample in front of the mesh also
+/// ignores a plane that it is less far behind than it is from the mesh, for that plane ends before the
+/// sample.
 void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample, double reach,
                     TouchingFeature& feature) {
   const glm::dvec3& p = sample.point;
@@ -124,13 +126,13 @@ void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const Sampl
   }
 }
 
-/// By which a gap may be below zero.
+/// m by which a gap may be below zero.
 double slackOf(const SampleAtMesh& sample, double reach) { return std::max(sample.slack, 1e-9 * reach); }
 
-/// The square of the distance up to which points are the same.
+/// m^2, the square of the distance up to which two points are the same.
 double same(double reach) { return 1e-18 * reach * reach + 1e-24; }
 
-/// Whether the edge goes through the point, of all that is within `reach`.
+/// Whether the edge passes through the point.
 bool passes(const MeshEdge& edge, const glm::dvec3& point, double reach) {
   const glm::dvec3 offset = point - closestPointOnSegment(point, edge.a, edge.b);
   return glm::dot(offset, offset) <= same(reach);
@@ -146,7 +148,8 @@ bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEd
   });
 }
 
-/// Of an edge whose point nearest to the sample is `foot`, in a direction across it that parts them best.
+/// The plane of an edge whose point nearest to the sample is `foot`, in the direction across it that parts
+/// them best.
 TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, const glm::dvec3& foot,
                            const SampleAtMesh& sample, double reach) {
   const glm::dvec3 offset = sample.point - foot;
@@ -155,8 +158,8 @@ TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, con
   return {sample.point, normal, glm::dot(normal, offset)};
 }
 
-/// The same in a direction that is normal to both. False if there is none, or none that parts them although they are
-/// apart: then it is not here that the two bodies are nearest to each other.
+/// The same in a direction that is normal to both. False if there is none, or if none parts them although
+/// they are apart: the two bodies are then nearest to each other elsewhere.
 bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3& foot,
                  const SampleAtMesh& sample, double reach, TouchingPlane& found) {
   const Directions shared = commonDirections(plane, sample.normals);
@@ -165,8 +168,8 @@ bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3&
   return found.gap >= -slackOf(sample, reach) || cutsSample(edge, sample, 4.0 * reach);
 }
 
-/// In a direction that is normal to both, where a corner tells; two edges that run along each other touch beyond the
-/// sample as well, and what is nearly normal to both parts them there.
+/// The same for a corner. Two edges that run along each other touch beyond the sample as well, where a
+/// direction that is nearly normal to both parts them.
 TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
                           double reach) {
   const EdgePlane plane(edge);
@@ -175,7 +178,8 @@ TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const Sa
   return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
 }
 
-/// Of all convex edges that meet in the corner `foot` the plane that parts best; false if none is normal to both.
+/// The plane that parts best among those of all convex edges that meet in the corner `foot`; false if none is
+/// normal to both.
 bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& foot,
                    const SampleAtMesh& sample, double reach, TouchingPlane& found) {
   double most = -1e300;
@@ -193,8 +197,8 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
   return most > -1e300;
 }
 
-/// Of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that is as near, any
-/// that parts the two is enough, unless the corner is hollow too.
+/// The plane of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that
+/// is as near, any plane that parts the two is enough, unless the corner is hollow too.
 TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
                            const SampleAtMesh& sample, double reach) {
   const glm::dvec3& p = sample.point;
@@ -236,7 +240,7 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
   found.distance = nearest.distance;
   const double way = std::max(glm::length(sample.motion), 10.0 * sample.slack);
   if (sample.outside && nearest.distance > sample.along + sample.range) {
-    // Out of reach, it is held off by its distance alone: the planes of features mean nothing far from them.
+    // Out of reach the distance alone holds the sample off, for a feature's planes hold only near it.
     found.planes[0] = {p, (p - nearest.point) / nearest.distance, nearest.distance};
     found.count = 1;
     return true;

@@ -1,11 +1,12 @@
 #pragma once
 
-// The exact contact between one sample of a part and the surface of another: which way it holds them apart, and
-// how far they are from each other that way.
+// The exact contact between one sample of a part and the surface of another: which way it holds them apart,
+// and how far they are from each other that way.
 //
 // Where two convex features meet, any one direction that parts them is enough: of those that are normal to
-// both (the edge's normals and the negated normals of the sample) the one is taken in which the predicted
-// positions are furthest apart. Where the surface is hollow all its planes hold. A normal from the closest points alone makes a peg jam at the rim of its bore.
+// both (the edge's normals and the negated normals of the sample), the one is taken in which the predicted
+// positions are furthest apart. In a hollow all planes of the surface hold. A normal from the closest points
+// alone makes a peg jam at the rim of its bore.
 
 #include <array>
 #include <cstdint>
