@@ -8,6 +8,8 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -69,7 +71,9 @@ CouplingForce forceOf(const Pose& worldFromBody, const glm::dvec3& com, const Co
 }  // namespace
 
 CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> couplings, const Wrench& load,
+
                        const glm::dvec3& acceleration, double dt) {
+  ASSERT(couplings.size() <= static_cast<std::size_t>(kMostCouplings));
   const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   const glm::dvec3 comVelocity = velocityAt(body.worldFromBody, body.twist, com);

@@ -48,6 +48,7 @@ void DeviceMapping::recentre(const DeviceSample& device, const glm::dvec3& world
 }
 
 DeviceLimits DeviceMapping::inWorld(const DeviceLimits& device) const {
+  ASSERT(scale_ > 0.0);
   DeviceLimits world = device;
   world.quantum *= scale_;
   world.workspaceRadius *= scale_;

@@ -5,12 +5,16 @@
 
 #include <optional>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 
 template <typename Value>
 class Pacer {
  public:
-  Pacer(double interval, double silence) : interval_(interval), silence_(silence) {}
+  Pacer(double interval, double silence) : interval_(interval), silence_(silence) {
+    ASSERT(interval >= 0.0 && silence >= 0.0);
+  }
 
   /// The value to send now, if any: `wanted`, last renewed at `heard`, or Value{} once that is older than the
   /// allowed silence. An initial Value{} is not sent, because the device has that value anyway.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -198,6 +200,7 @@ PidBlock decodeBlockLoad(const PidLayout& layout, std::span<const std::uint8_t> 
 }
 
 PidBytes encodeSetEffect(const PidLayout& layout, std::uint8_t blockIndex, PidEffect type, int axis) {
+  ASSERT(axis == 0 || axis == 1);
   PidBytes bytes = blank(layout.set);
   put(layout.set, bytes, kBlock, blockIndex);
   choose(layout.set, bytes, pid(static_cast<std::uint16_t>(type)));
@@ -234,6 +237,7 @@ PidBytes encodeConstant(const PidLayout& layout, std::uint8_t blockIndex, double
 
 PidBytes encodeCondition(const PidLayout& layout, std::uint8_t blockIndex, int axis,
                          const PidCondition& condition) {
+  ASSERT(axis == 0 || axis == 1);
   const PidReport& report = layout.condition;
   PidBytes bytes = blank(report);
   if (bytes.empty()) return bytes;

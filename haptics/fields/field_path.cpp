@@ -62,6 +62,7 @@ double FieldPath::wrapped(double at) const {
 
 /// The piece that contains a parameter, which becomes the parameter within that piece.
 const FieldPath::Piece& FieldPath::pieceAt(double& at) const {
+  ASSERT(!pieces_.empty());
   at = wrapped(at);
   const auto i = std::min(static_cast<std::size_t>(at), pieces_.size() - 1);
   at -= static_cast<double>(i);

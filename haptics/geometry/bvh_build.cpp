@@ -13,6 +13,7 @@
 
 #include <glm/common.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/base/in_parallel.h"
 #include "haptics/base/simd4.h"
 #include "haptics/geometry/outward.h"
@@ -372,6 +373,7 @@ Range makePrimitives(const assets::Mesh& mesh, const glm::dvec3& centre, std::si
 
 BuiltTree buildTree(const assets::Mesh& mesh, const glm::dvec3& centre, int threads) {
   const std::size_t count = mesh.triangles.size();
+  ASSERT(threads >= 1 && count > 0);
   // The array is not zeroed first, so that all threads touch its pages.
   const auto primitives = std::make_unique_for_overwrite<BuildPrimitive[]>(count);
   std::vector<Range> shares(static_cast<std::size_t>(threads));
@@ -390,6 +392,7 @@ BuiltTree buildTree(const assets::Mesh& mesh, const glm::dvec3& centre, int thre
   std::uint32_t nodeCount = 0;
   place(root, nodeCount, tasks);
   BuiltTree tree{std::make_unique_for_overwrite<Node[]>(nodeCount), nodeCount, {}};
+  ASSERT(nodeCount > 0);
   tree.order.resize(count);
   std::atomic<std::size_t> next{0};
   inParallel(count, threads, [&](std::size_t begin, std::size_t end, int) {

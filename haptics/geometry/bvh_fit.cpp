@@ -65,6 +65,8 @@ TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
   nodes_ = std::move(built.nodes);
   nodeCount_ = built.nodeCount;
   order_ = std::move(built.order);
+
+  ASSERT(nodeCount_ > 0 && order_.size() == count);
   ASSERT(depth() <= kMaxDepth);
   fit(workers, false);
 }
@@ -98,6 +100,7 @@ void TriangleBvh::fit(int workers, bool haveMoved) {
 }
 
 void TriangleBvh::fitLeaves(std::size_t begin, std::size_t end, bool haveMoved) {
+  ASSERT(begin <= end && end <= nodeCount_);
   for (std::size_t i = begin; i < end; ++i) {
     Node& node = nodes_[i];
     for (int k = 0; k < 4; ++k) {

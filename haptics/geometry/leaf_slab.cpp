@@ -6,6 +6,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -55,6 +57,7 @@ float sum(Float4 v) {
 }  // namespace
 
 std::uint32_t slabOfTriangles(const Triangles4& t, std::uint32_t count, const FloatBox& box) {
+  ASSERT(count <= 4);
   alignas(16) static constexpr float kLanes[5][4] = {
       {}, {1.0f}, {1.0f, 1.0f}, {1.0f, 1.0f, 1.0f}, {1.0f, 1.0f, 1.0f, 1.0f}};
   const Vec4 twice = cross(t.b - t.a, t.c - t.a) * Float4::load(kLanes[count]);

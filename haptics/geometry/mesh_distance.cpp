@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/bvh_pairs.h"
 #include "haptics/geometry/triangle_pair.h"
 
@@ -63,11 +64,13 @@ class Search {
 }  // namespace
 
 bool nearestPoints(const PlacedMesh& a, const PlacedMesh& b, double reach, MeshGap& gap) {
+  ASSERT(a.tree != nullptr && b.tree != nullptr);
   const Pose aFromB = inverse(a.worldFromMesh) * b.worldFromMesh;
   Search search(*a.tree, *b.tree, aFromB, reach);
   BvhPairs(*a.tree, *b.tree, aFromB).forEach(search.reach(), search);
   if (!search.found()) return false;
   gap = search.gap();
+  ASSERT(!(gap.distance < 0.0) && gap.triangleA != kNoTriangle && gap.triangleB != kNoTriangle);
   gap.onA = transformPoint(a.worldFromMesh, gap.onA);
   gap.onB = transformPoint(a.worldFromMesh, gap.onB);
   return true;

@@ -10,6 +10,8 @@
 #include <glm/ext/vector_int3_sized.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -39,6 +41,7 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) {
   std::vector<std::array<std::uint32_t, 3>> edgeOf(mesh.triangles.size());
   findEdges(mesh, edgeOf);
   listAround(mesh, edgeOf);
+  ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
 }
 
 /// Fills edgeOf: each triangle's edge as an index into edges_, or kNone where it is flat.

@@ -7,6 +7,7 @@
 
 #include <glm/common.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/bvh_pairs.h"
 #include "haptics/geometry/mesh_intrusion.h"
 #include "haptics/geometry/triangle_pair.h"
@@ -166,6 +167,7 @@ double touchTolerance(const PlacedMesh& a, const PlacedMesh& b) {
 }
 
 MeshOverlap overlapOf(const PlacedMesh& a, const PlacedMesh& b) {
+  ASSERT(a.tree != nullptr && b.tree != nullptr);
   MeshOverlap overlap;
   if (a.tree->empty() || b.tree->empty()) return overlap;
   const double tolerance = touchTolerance(a, b);

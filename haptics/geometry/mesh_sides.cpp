@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/slit_caps.h"
 
 namespace tandem::haptics {
@@ -74,6 +75,7 @@ MeshSides::MeshSides(const TriangleBvh& tree, std::size_t firstCap, int threads)
   findEdges();
   findNormals();
   if (anyOpen_) closeHoles(threads);
+  ASSERT(edge_.size() == mesh_.triangles.size());
   judge();
   if (solid_ && kind_ == Kind::winding && anyOpen_) buildOpenEdges();
 }

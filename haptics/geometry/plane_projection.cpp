@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -102,6 +104,7 @@ class Search {
 }  // namespace
 
 Projection projectOntoPlanes(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance) {
+  ASSERT(planes.size() <= static_cast<std::size_t>(kMaxPlanes));
   return Search(goal, planes, tolerance).run();
 }
 

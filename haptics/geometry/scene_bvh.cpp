@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -21,10 +23,13 @@ SceneBvh::SceneBvh(std::span<const assets::Bounds> boxes) : leafOf_(boxes.size()
   if (parts.empty()) return;
   nodes_.reserve(2 * parts.size() - 1);
   build(parts, boxes, kNoNode);
+
+  ASSERT(nodes_.size() == 2 * parts.size() - 1);
 }
 
 std::uint32_t SceneBvh::build(std::span<PartId> parts, std::span<const assets::Bounds> boxes,
                               std::uint32_t parent) {
+  ASSERT(!parts.empty());
   const auto index = static_cast<std::uint32_t>(nodes_.size());
   nodes_.emplace_back();
   nodes_[index].parent = parent;

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -39,6 +41,7 @@ SegmentTree::SegmentTree(const assets::Mesh& mesh) : mesh_(&mesh), order_(mesh.t
 }
 
 std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
+  ASSERT(begin < end && end <= order_.size());
   Node node;
   node.low = glm::dvec3(1e300);
   node.high = glm::dvec3(-1e300);
@@ -112,6 +115,7 @@ void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
       for (std::uint32_t i = 0; i < node.count; ++i) cross(order_[node.first + i], from, way, found);
       continue;
     }
+    ASSERT(size + 2 <= kMaxDepth);
     stack[static_cast<std::size_t>(size++)] = node.first;
     stack[static_cast<std::size_t>(size++)] = index + 1;
   }

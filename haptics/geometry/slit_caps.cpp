@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -134,6 +136,7 @@ SlitCaps capSlits(const assets::Mesh& mesh, double widest) {
   SlitCaps caps;
   for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
     if (!capLoop(mesh, loop, widest, caps)) caps.complete = false;
+  ASSERT(caps.width.size() == caps.triangles.size());
   return caps;
 }
 

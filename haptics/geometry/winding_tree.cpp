@@ -8,6 +8,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -37,6 +39,7 @@ WindingTree::WindingTree(const assets::Mesh& mesh) : mesh_(&mesh), order_(mesh.t
   }
   nodes_.emplace_back();
   nodes_[0].count = static_cast<std::uint32_t>(order_.size());
+  ASSERT(nodes_[0].count == order_.size() && middles.size() == order_.size());
   split(0, middles);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
 #include "haptics/base/minimum_jerk.h"
 
 namespace tandem::haptics {
@@ -25,6 +26,7 @@ constexpr double kFull = 0.999;
 }  // namespace
 
 void CoordinationLink::begin(std::uint32_t epoch, double delay) {
+  ASSERT(p_.period > 0.0 && p_.packetPeriod > 0.0);
   epoch_ = epoch;
   sequence_ = 0;
   sum_ = used_ = {};
@@ -226,6 +228,7 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
 }
 
 LinkPacket CoordinationLink::packet(double now) {
+  ASSERT(!(fade_ < 0.0) && !(fade_ > 1.0) && !(announced_ < 0.0));
   LinkPacket packet;
   packet.epoch = epoch_;
   packet.sequence = sequence_++;

@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -43,6 +45,7 @@ void TiedParts::forEachEnd(PartId part, const F& f) {
 }
 
 bool TiedParts::tie(const PartTie& tie, const RigidBody& body) {
+  ASSERT(body.mass > 0.0);
   std::optional<End>* slot = slotOf(tie.part, tie.peer);
   if (slot != nullptr && tie.carriesOn && (*slot)->link.on()) {
     (*slot)->link.carryOn(tie.epoch);
@@ -81,7 +84,10 @@ void TiedParts::setSimulators(PartId part, int simulators) {
   if (Shared* shared = find(part)) shared->simulators = std::max(1, simulators);
 }
 
-void TiedParts::drop(Shared& shared) { shared = shared_[static_cast<std::size_t>(--sharedCount_)]; }
+void TiedParts::drop(Shared& shared) {
+  ASSERT(sharedCount_ > 0 && sharedCount_ <= kMaxOwnedParts);
+  shared = shared_[static_cast<std::size_t>(--sharedCount_)];
+}
 
 void TiedParts::forget(PartId part) {
   Shared* shared = find(part);
@@ -106,6 +112,8 @@ std::size_t TiedParts::takePackets(std::span<TiedPacket> packets) {
     packets[count++] = {end->part, end->peer, end->link.packet(now_)};
     end->sinceSent = 0.0;
   }
+  ASSERT(count <= packets.size());
+
   return count;
 }
 
@@ -137,6 +145,7 @@ void TiedParts::setMass(Shared& shared, RigidBody& body, double dt) {
 
 LinkPull TiedParts::pull(PartId part, RigidBody& body, bool held, double now, double dt) {
   now_ = now;
+  ASSERT(find(part) != nullptr);
   Shared& shared = *find(part);
   setMass(shared, body, dt);
   const Pose centre = centreOf(body);
@@ -180,6 +189,7 @@ void TiedParts::settle(PartId part, const RigidBody& body, const glm::dvec3& vel
     else
       tied = true;
   }
+  ASSERT(find(part) != nullptr);
   Shared& shared = *find(part);
   if (!tied && body.mass == shared.whole.mass && body.inertia == shared.whole.inertia) drop(shared);
 }

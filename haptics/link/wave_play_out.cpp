@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -41,6 +43,7 @@ void WavePlayOut::carryOn(std::uint32_t epoch) {
 }
 
 void WavePlayOut::dropFirst() {
+  ASSERT(count_ > 0 && first_ < kCapacity);
   first_ = (first_ + 1) % kCapacity;
   --count_;
 }
@@ -63,6 +66,7 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
     --place;
   }
   for (std::size_t i = count_; i > place; --i) at(i) = at(i - 1);
+  ASSERT(count_ < kCapacity && place <= count_);
   at(place) = packet;
   ++count_;
   if (packet.epoch == epoch_) before_ = epoch_;
@@ -70,6 +74,7 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
 }
 
 PlayedWave WavePlayOut::play(double time) {
+  ASSERT(count_ <= kCapacity);
   playedTo_ = time;
   while (count_ >= 2 && at(1).time <= time) dropFirst();
   if (count_ >= 2 && at(0).time <= time) return between(at(0), at(1), time);

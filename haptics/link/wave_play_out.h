@@ -10,6 +10,7 @@
 #include <array>
 #include <cstddef>
 
+#include "assets/base/assert.h"
 #include "haptics/base/link_packet.h"
 
 namespace tandem::haptics {
@@ -40,7 +41,10 @@ class WavePlayOut {
 
   bool empty() const { return count_ == 0; }
   /// The packet that was made last. The buffer must not be empty.
-  const LinkPacket& newest() const { return at(count_ - 1); }
+  const LinkPacket& newest() const {
+    ASSERT(count_ > 0);
+    return at(count_ - 1);
+  }
 
  private:
   static constexpr double kNothingPlayed = -1e300;

@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -51,6 +53,7 @@ std::array<double, 3> shares(const std::array<glm::dvec3, 3>& n, const glm::dvec
 
 NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::array<double, 3>& depths,
                           const std::array<double, 3>& stiffnesses, int count) {
+  ASSERT(count >= 0 && count <= 3);
   glm::dvec3 lag(0.0);
   double squares = 0.0, weighted = 0.0, stiffest = 0.0, softest = stiffnesses[0];
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
@@ -104,6 +107,8 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
   }
   if (count == 0) return glm::dvec3(0.0);
 
+  ASSERT(count <= kMaxContacts);
+  ASSERT(out.contactCount >= 0 && out.contactCount + count <= kMaxContacts);
   const NormalForces springs = normalForces(normals, depths, stiffnesses, count);
   glm::dvec3 force(0.0);
   glm::dvec3 rest = proxy.position - device.worldFromDevice.position;

@@ -7,6 +7,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -15,6 +17,8 @@ namespace {
 template <typename Visit>
 void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::dvec3& q, double skin,
                    Visit&& visit) {
+  ASSERT(triangle < tree.mesh().triangles.size());
+
   constexpr std::size_t kMaxAround = 24;
   const auto& neighbours = tree.mesh().neighbours;
   std::array<std::uint32_t, kMaxAround> around{triangle};
@@ -74,6 +78,8 @@ RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, doub
   const glm::dvec3 normal = partFromWorld * contact.normal, ahead = partFromWorld * tangent;
   const glm::dvec3 q = partFromWorld * (contact.point - pose.position);
   RollLimit limit;
+  ASSERT(world.has(contact.part) && world.collider(contact.part).tree != nullptr);
+
   const TriangleBvh& tree = *world.collider(contact.part).tree;
   forEachAround(tree, contact.triangle, q, skin, [&](std::uint32_t triangle, const Triangle& t) {
     for (const glm::dvec3& corner : {t.a, t.b, t.c}) {

@@ -2,6 +2,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -122,6 +124,7 @@ int listNear(const ContactWorld& world, double radius, const Proxy& proxy,
 }  // namespace
 
 void noteSides(const ContactWorld& world, const Proxy& proxy, MeshChange& change) {
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   for (int i = 0; i < proxy.planeCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     const SurfacePoint& at = proxy.planes[index].surface;
@@ -135,8 +138,10 @@ FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& chan
   FollowedMeshes followed;
   const auto squeezedBy = [&](PartId part) {
     world.setIgnored(part, true);
+    ASSERT(static_cast<std::size_t>(followed.count) < followed.parts.size());
     followed.parts[static_cast<std::size_t>(followed.count++)] = part;
   };
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   const glm::dvec3 held = heldAlong(proxy);
   for (int i = 0; i < proxy.planeCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
@@ -152,6 +157,8 @@ FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& chan
   for (const PartId part : std::span(near).first(static_cast<std::size_t>(count))) {
     if (!leavePart(world, part, glm::dvec3(0.0), true, radius, proxy)) squeezedBy(part);
   }
+  ASSERT(count >= 0 && count <= kMaxNearParts);
+
   renewPlanes(world, radius, proxy);
   return followed;
 }

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/proxy/crease.h"
 #include "haptics/proxy/friction_scale.h"
 #include "haptics/proxy/proxy_planes.h"
@@ -232,7 +233,10 @@ class Descent {
     return proxy_.sweeps != sweeps;
   }
 
-  const ProxyPlane& planeAt(int index) const { return proxy_.planes[static_cast<std::size_t>(index)]; }
+  const ProxyPlane& planeAt(int index) const {
+    ASSERT(index >= 0 && index < proxy_.planeCount);
+    return proxy_.planes[static_cast<std::size_t>(index)];
+  }
 
   const ContactWorld& world_;
   const glm::dvec3 goal_;
@@ -258,12 +262,14 @@ void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, P
 }  // namespace
 
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
   descendAhead(world, goal, radius, proxy);
 }
 
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
   glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
@@ -295,6 +301,8 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
 }
 
 bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy) {
+  ASSERT(world.has(part));
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   if (!world.touchable(part)) return true;
   glm::dvec3 target = proxy.position;
   bool carriedByFriction = false;

@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -53,6 +55,7 @@ void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoin
 }
 
 bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
+  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   bool changed = false;
   int kept = 0;
   for (int i = 0; i < proxy.planeCount; ++i) {
@@ -81,6 +84,7 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
 }
 
 void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
+  ASSERT(world.has(hit.part));
   int slot = -1;
   for (int i = 0; i < proxy.planeCount && slot < 0; ++i) {
     const SurfacePoint& known = proxy.planes[static_cast<std::size_t>(i)].surface;
@@ -91,6 +95,7 @@ void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
   for (int i = 0; i < kMaxPlanes && slot < 0; ++i) {
     if (!presses(proxy.planes[static_cast<std::size_t>(i)])) slot = i;
   }
+  ASSERT(slot < kMaxPlanes && proxy.planeCount <= kMaxPlanes);
   ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(std::max(slot, 0))];
   plane.surface = {
       hit.part,  hit.triangle, hit.point, hit.normal, glm::dot(proxy.position - hit.point, hit.normal),
@@ -120,6 +125,7 @@ glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double r
     source[count] = i;
     planes[count++] = {plane.surface.normal, radius + plane.skin - plane.surface.distance};
   }
+  ASSERT(count <= static_cast<std::size_t>(proxy.planeCount));
   // Lengths are relative to the proxy, where they are small and keep their precision.
   const Projection found =
       projectOntoPlanes(goal - proxy.position, std::span<const HalfSpace>(planes.data(), count), tolerance);

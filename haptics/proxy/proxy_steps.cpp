@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/proxy/crease.h"
 #include "haptics/proxy/proxy_planes.h"
 
@@ -64,6 +65,7 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
 
 bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const glm::dvec3& way,
                     int index, Proxy& proxy) {
+  ASSERT(index >= 0 && index < proxy.planeCount);
   const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
   const Crease crease = creaseUnder(world, plane.surface, plane.skin);
   const glm::dvec3 axis = crease.b - crease.a;
@@ -137,6 +139,8 @@ bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const g
   SurfacePoint at = plane.surface;
   const std::uint32_t ahead = rollLimit(world, plane.surface, plane.skin, way / glm::length(way)).triangle;
   if (ahead == kNoTriangle) return false;
+  ASSERT(ahead < world.collider(at.part).tree->mesh().triangles.size());
+
   at.triangle = ahead;
   takeFacePlane(world.triangle(at.part, ahead), position, at);
   // From a lower position over that face, a sweep would hit the ridge.

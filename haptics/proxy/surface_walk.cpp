@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -42,6 +44,8 @@ class Walker {
   }
 
   void enter(PartId part, std::uint32_t triangle, const glm::dvec3& worldPoint) {
+    ASSERT(world_.has(part) && world_.collider(part).tree != nullptr);
+    ASSERT(triangle < world_.collider(part).tree->mesh().triangles.size());
     const Pose& pose = world_.pose(part);
     const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
     part_ = part;
@@ -92,9 +96,11 @@ class Walker {
   }
 
   bool cross(int edge) {
+    ASSERT(edge >= 0 && edge < 3);
     if (triangle_ >= mesh_->neighbours.size()) return false;
     const std::uint32_t next = mesh_->neighbours[triangle_][static_cast<std::size_t>(edge)];
     if (next == assets::kNone) return false;
+    ASSERT(next < mesh_->triangles.size());
     triangle_ = next;
     return true;
   }

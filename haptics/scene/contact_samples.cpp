@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/outward.h"
 
 namespace tandem::haptics {
@@ -46,6 +47,8 @@ double ContactSamples::usualSpacing(const assets::Mesh& mesh) {
 ContactSamples::ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options) {
   spacing_ = options.spacing > 0.0 ? options.spacing : usualSpacing(mesh);
   smoothSpacing_ = options.smoothSpacing > 0.0 ? options.smoothSpacing : 1.25 * spacing_;
+  ASSERT(!(spacing_ < 0.0) && !(smoothSpacing_ < 0.0));
+
   std::vector<bool> taken(mesh.positions.size(), false);
   sampleSharpEdges(edges, options.sharp, taken);
   addCorners(mesh, edges, taken);

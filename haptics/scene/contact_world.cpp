@@ -36,6 +36,7 @@ glm::dvec3 toPart(const Pose& worldFromPart, const glm::dvec3& p) {
 }  // namespace
 
 ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
+  ASSERT(data_->scene != nullptr && data_->colliders.size() == data_->scene->parts.size());
   const std::vector<assets::Part>& parts = data_->scene->parts;
   std::vector<assets::Bounds> boxes(parts.size());
   parts_.resize(parts.size());
@@ -51,6 +52,7 @@ ContactWorld::ContactWorld(const ContactScene& scene) : data_(&scene.data()) {
 
 void ContactWorld::adopt(const ContactScene& scene) {
   ASSERT(scene.data().scene == data_->scene);
+  ASSERT(scene.data().colliders.size() == data_->colliders.size());
   const ContactScene::Data& before = *data_;
   data_ = &scene.data();
   for (PartId i = 0; has(i); ++i) {
@@ -59,6 +61,7 @@ void ContactWorld::adopt(const ContactScene& scene) {
 }
 
 void ContactWorld::meshChanged(std::uint32_t mesh) {
+  ASSERT(mesh < data_->trees.size());
   const TriangleBvh* const changed = data_->trees[mesh].get();
   for (PartId i = 0; has(i); ++i) {
     if (changed != nullptr && data_->colliders[i].tree == changed) measure(i);
@@ -66,6 +69,7 @@ void ContactWorld::meshChanged(std::uint32_t mesh) {
 }
 
 void ContactWorld::measure(PartId part) {
+  ASSERT(has(part));
   const Collider& collider = data_->colliders[part];
   const assets::CollisionFilter& filter = data_->scene->parts[part].filter;
   const bool empty = collider.tree == nullptr;
@@ -78,6 +82,7 @@ void ContactWorld::measure(PartId part) {
 }
 
 void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  ASSERT(has(part));
   poses_[part] = worldFromPart;
   parts_[part].twist = twist;
   loose_.drop(part);
@@ -85,12 +90,14 @@ void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& 
 }
 
 void ContactWorld::noteNear(PartId part, const Pose& worldFromPart) {
+  ASSERT(has(part));
   const assets::Bounds before = worldBox(data_->colliders[part], poses_[part]);
   const assets::Bounds after = worldBox(data_->colliders[part], worldFromPart);
   loose_.addNear(part, {glm::min(before.min, after.min), glm::max(before.max, after.max)});
 }
 
 void ContactWorld::setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
+  ASSERT(has(part));
   poses_[part] = worldFromPart;
   parts_[part].twist = twist;
   if (loose_.widened()) loose_.renew(part, worldBox(data_->colliders[part], worldFromPart));
@@ -116,6 +123,7 @@ void ContactWorld::endMotions() {
 }
 
 bool ContactWorld::mayCollide(PartId a, PartId b) const {
+  ASSERT(has(a) && has(b));
   return assets::mayCollide(scene().parts[a].filter, scene().parts[b].filter);
 }
 
@@ -125,6 +133,7 @@ double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
 
 bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
                              WorldHit& hit) const {
+  ASSERT(has(part) && data_->colliders[part].tree != nullptr);
   const Pose& pose = poses_[part];
   const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
   const double off = skin(part, p);
@@ -177,6 +186,7 @@ double ContactWorld::sweepOne(const glm::dvec3& p, const glm::dvec3& motion, dou
 
 bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm::dvec3& p, double radius,
                                      WorldHit& hit, glm::dvec3& carried) const {
+  ASSERT(has(part));
   const Collider& collider = data_->colliders[part];
   if (!touchable(part)) return false;
   const Pose& now = poses_[part];
@@ -211,6 +221,7 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
 
 Triangle ContactWorld::triangle(PartId part, std::uint32_t triangle) const {
   const Pose& pose = poses_[part];
+  ASSERT(triangle < data_->colliders[part].tree->mesh().triangles.size());
   const Triangle t = data_->colliders[part].tree->triangle(triangle);
   return {transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c)};
 }
@@ -218,6 +229,7 @@ Triangle ContactWorld::triangle(PartId part, std::uint32_t triangle) const {
 SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {
   const Pose& pose = poses_[part];
   const glm::dvec3 local = toPart(pose, p);
+  ASSERT(triangle < data_->colliders[part].tree->mesh().triangles.size());
   const Triangle t = data_->colliders[part].tree->triangle(triangle);
   const TrianglePoint closest = closestPointOnTriangle(local, t);
   const glm::dvec3 normal = contactNormal(local, t, closest);
@@ -230,6 +242,7 @@ SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const 
 }
 
 bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const {
+  ASSERT(has(part));
   MeshPoint local;
   const Collider& collider = data_->colliders[part];
   if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(poses_[part], p), reach, local)) {
@@ -240,6 +253,7 @@ bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, Surfa
 }
 
 bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) const {
+  ASSERT(has(part));
   const Collider& collider = data_->colliders[part];
   if (collider.tree == nullptr) return false;
   const glm::dvec3 local = toPart(poses_[part], p);
@@ -250,6 +264,7 @@ bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) con
 }
 
 bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
+  ASSERT(has(part) && data_->colliders[part].tree != nullptr);
   const Collider& collider = data_->colliders[part];
   const glm::dvec3 local = toPart(poses_[part], p);
   // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often at
@@ -267,6 +282,7 @@ bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
 }
 
 const assets::Material& ContactWorld::material(PartId part, std::uint32_t triangle) const {
+  ASSERT(has(part) && data_->colliders[part].tree != nullptr);
   const assets::Mesh& mesh = data_->colliders[part].tree->mesh();
   if (triangle >= mesh.triangleMaterial.size()) return kDefaultMaterial;
   const std::uint16_t index = mesh.triangleMaterial[triangle];

@@ -13,6 +13,7 @@
 
 #include <glm/common.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/base/in_parallel.h"
 #include "haptics/geometry/mesh_sides.h"
 #include "haptics/geometry/outward.h"
@@ -168,6 +169,7 @@ DistanceField::DistanceField(const TriangleBvh& tree, const Options& options) {
     return;
   }
   FieldBake(tree, options, *this).run();
+  ASSERT(!(tolerance_ < 0.0) && !(smallestCell_ < 0.0));
 }
 
 void FieldBake::run() {

@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/triangle_math.h"
 
 namespace tandem::haptics {
@@ -238,6 +239,7 @@ ShadedMesh shadeMesh(const Mesh& mesh, std::span<const double> creaseOf) {
 
 bool projectOntoPatch(const Mesh& mesh, const ShadedMesh* shaded, std::uint32_t triangle,
                       const glm::dvec3& start, const glm::dvec3& p, double side, PatchPoint& x) {
+  ASSERT(triangle < mesh.triangles.size());
   setStart(mesh, triangle, start, x);
   x.depth = glm::dot(start - p, side * facetNormal(mesh, triangle));
   std::uint32_t previous = kNone;

@@ -19,6 +19,7 @@ std::int64_t ServoSchedule::advance(std::int64_t done_ns) {
   // The first grid point that is not yet over; a burst of catch-up ticks would send outdated forces to the
   // device.
   const std::int64_t skipped = (done_ns - deadline_ns_ + period_ns_ - 1) / period_ns_;
+  ASSERT(skipped > 0);
   deadline_ns_ += skipped * period_ns_;
   return skipped;
 }
@@ -44,6 +45,7 @@ void EffortGuard::note(double share) {
 }
 
 ContactEffort EffortGuard::limited(ContactEffort set) const {
+  ASSERT(stage_ >= 0 && stage_ <= kMostStages);
   constexpr std::array<int, kMostStages + 1> kMostSteps = {4, 4, 2, 1};
   return {std::min(set.steps, kMostSteps[static_cast<std::size_t>(stage_)]), set.looks >> stage_, set.exact};
 }
@@ -57,6 +59,7 @@ int DurationHistogram::bucketOf(std::int64_t duration_ns) {
 }
 
 double DurationHistogram::upperEdge(int bucket) {
+  ASSERT(bucket >= 0 && bucket < kBuckets);
   const int octave = bucket / kSubBuckets, sub = bucket % kSubBuckets;
   if (octave == 0) return sub;
   return static_cast<double>((static_cast<std::uint64_t>(kSubBuckets + sub + 1) << (octave - 1)) - 1);

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/base/finite.h"
 #include "haptics/proxy/contact_force.h"
 #include "haptics/proxy/friction_scale.h"
@@ -48,6 +49,9 @@ class SurfaceTick {
         out_(out) {}
 
   glm::dvec3 run(const glm::dvec3& force) {
+    ASSERT(out_.contactCount >= 0 && out_.contactCount <= kMaxContacts);
+    ASSERT(state_.dentCount >= 0 && state_.dentCount <= kMaxDents);
+
     state_.letGo = kNoPart;
     glm::dvec3 friction = force;
     for (int i = 0; i < out_.contactCount; ++i) {
@@ -71,6 +75,7 @@ class SurfaceTick {
     // Less normal force holds less friction, so friction stays within the cone. More normal force does not
     // stiffen its spring.
     if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
+    ASSERT(count_ >= 0 && count_ <= kMaxTouches);
     for (SurfaceSlot& slot : state_.slots)
       if (!slot.active) rest(slot);
     return isFinite(total) ? total : force;
@@ -359,6 +364,7 @@ class SurfaceTick {
   }
 
   void forgetOldest() {
+    ASSERT(state_.dentCount == kMaxDents);
     std::move(state_.dents.begin() + 1, state_.dents.end(), state_.dents.begin());
     --state_.dentCount;
   }
@@ -426,6 +432,7 @@ class SurfaceTick {
   }
 
   void noteContact(const Touch& touch, const glm::dvec3& normal, double force) {
+    ASSERT(touch.contact < out_.contactCount);
     int at = touch.contact;
     if (at < 0) {
       if (out_.contactCount == kMaxContacts) return;
