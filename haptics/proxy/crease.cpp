@@ -1,13 +1,13 @@
 #include "haptics/proxy/crease.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/base/fixed_vector.h"
 
 namespace tandem::haptics {
 namespace {
@@ -21,23 +21,21 @@ void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::d
 
   constexpr std::size_t kMaxAround = 24;
   const auto& neighbours = tree.mesh().neighbours;
-  std::array<std::uint32_t, kMaxAround> around{triangle};
-  std::size_t count = 1;
-  for (std::size_t i = 0; i < count; ++i) {
+  FixedVector<std::uint32_t, kMaxAround> around;
+  around.push_back(triangle);
+  for (std::size_t i = 0; i < around.size(); ++i) {
     const Triangle t = tree.triangle(around[i]);
     visit(around[i], t);
     if (around[i] >= neighbours.size()) continue;
     const glm::dvec3 corners[3] = {t.a, t.b, t.c};
-    for (std::size_t e = 0; e < 3 && count < kMaxAround; ++e) {
+    for (std::size_t e = 0; e < 3 && !around.full(); ++e) {
       const std::uint32_t next = neighbours[around[i]][e];
       if (next == assets::kNone) continue;
       const glm::dvec3 along = corners[(e + 1) % 3] - corners[e], off = q - corners[e];
       const double square = glm::dot(along, along);
       const double place = square > 0.0 ? std::clamp(glm::dot(off, along) / square, 0.0, 1.0) : 0.0;
       if (glm::length(off - place * along) > 2.0 * skin) continue;
-      if (std::find(around.begin(), around.begin() + count, next) == around.begin() + count) {
-        around[count++] = next;
-      }
+      if (std::find(around.begin(), around.end(), next) == around.end()) around.push_back(next);
     }
   }
 }

@@ -3,6 +3,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/base/fixed_vector.h"
 
 namespace tandem::haptics {
 namespace {
@@ -103,22 +104,22 @@ void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
 
 /// Lists touchable parts near the proxy that none of its contacts names. The list is complete before
 /// leavePart() runs, because leavePart() itself queries near parts.
-int listNear(const ContactWorld& world, double radius, const Proxy& proxy,
-             std::array<PartId, kMaxNearParts>& near, bool& overflow) {
-  int count = 0;
+FixedVector<PartId, kMaxNearParts> listNear(const ContactWorld& world, double radius, const Proxy& proxy,
+                                            bool& overflow) {
+  FixedVector<PartId, kMaxNearParts> near;
   const glm::dvec3 p = proxy.position, grow(radius);
   world.forEachNear({p - grow, p + grow}, [&](PartId part) {
     if (!world.touchable(part)) return;
     for (int i = 0; i < proxy.planeCount; ++i) {
       if (proxy.planes[static_cast<std::size_t>(i)].surface.part == part) return;
     }
-    if (count == kMaxNearParts) {
+    if (near.full()) {
       overflow = true;
     } else {
-      near[static_cast<std::size_t>(count++)] = part;
+      near.push_back(part);
     }
   });
-  return count;
+  return near;
 }
 
 }  // namespace
@@ -152,12 +153,9 @@ FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& chan
         leavePart(world, old.part, old.normal, change.front[index], radius, proxy);
     if (!free) squeezedBy(old.part);
   }
-  std::array<PartId, kMaxNearParts> near{};
-  const int count = listNear(world, radius, proxy, near, followed.overflow);
-  for (const PartId part : std::span(near).first(static_cast<std::size_t>(count))) {
+  for (const PartId part : listNear(world, radius, proxy, followed.overflow)) {
     if (!leavePart(world, part, glm::dvec3(0.0), true, radius, proxy)) squeezedBy(part);
   }
-  ASSERT(count >= 0 && count <= kMaxNearParts);
 
   renewPlanes(world, radius, proxy);
   return followed;

@@ -7,6 +7,7 @@
 
 #include "assets/base/assert.h"
 #include "assets/base/finite.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/proxy/contact_force.h"
 #include "haptics/proxy/friction_scale.h"
 #include "haptics/scene/haptic_texture.h"
@@ -63,8 +64,7 @@ class SurfaceTick {
     for (SurfaceSlot& slot : state_.slots) slot.active = false;
     glm::dvec3 total = force;
     double before = plainPressing_, now = plainPressing_;  // N, of all contacts together
-    for (int i = 0; i < count_; ++i) {
-      const Touch& touch = touches_[static_cast<std::size_t>(i)];
+    for (const Touch& touch : touches_) {
       const glm::dvec3 felt = forceOf(touch);
       total += felt - touch.old;
       const double old = glm::length(touch.old);
@@ -75,7 +75,6 @@ class SurfaceTick {
     // Less normal force holds less friction, so friction stays within the cone. More normal force does not
     // stiffen its spring.
     if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
-    ASSERT(count_ >= 0 && count_ <= kMaxTouches);
     for (SurfaceSlot& slot : state_.slots)
       if (!slot.active) rest(slot);
     return isFinite(total) ? total : force;
@@ -110,15 +109,13 @@ class SurfaceTick {
     }
     const glm::dvec3 push = plane.multiplier * at.normal;
     Touch* touch = nullptr;
-    for (int i = 0; i < count_ && touch == nullptr; ++i) {
-      Touch& other = touches_[static_cast<std::size_t>(i)];
-      if (joined(other, at, surface)) touch = &other;
+    for (Touch& other : touches_) {
+      if (touch == nullptr && joined(other, at, surface)) touch = &other;
     }
     if (touch == nullptr) {
-      if (count_ == kMaxTouches) return;
-      touch = &touches_[static_cast<std::size_t>(count_++)];
-      *touch = Touch{at.part,   at.triangle,     material, surface, at.point,
-                     at.normal, proxy_.position, {},       0.0,     contact};
+      if (touches_.full()) return;
+      touch = &touches_.push_back(
+          {at.part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, contact});
     }
     touch->goal -= push;
     touch->old += known.force * known.normal;
@@ -146,8 +143,8 @@ class SurfaceTick {
     world_.forEachNear({proxy_.position - grow, proxy_.position + grow},
                        [&](PartId part) { considerNear(part, near); });
     int acting = 0;
-    for (int i = 0; i < near.count; ++i) {
-      const PartId part = near.parts[static_cast<std::size_t>(i)].part;
+    for (const NearPart& entry : near) {
+      const PartId part = entry.part;
       const PartSurface& special = surfaces_.parts[part];
       SurfacePoint at;
       const double reach = parameters_.toolRadius + reachOf(special.reach, special.forceReach);
@@ -155,13 +152,13 @@ class SurfaceTick {
       const Material* material = nullptr;
       const Surface* surface = surfaceOf(part, at.triangle, material);
       if (surface == nullptr) continue;
-      if (acting == kMaxNear || count_ == kMaxTouches) {
+      if (acting == kMaxNear || touches_.full()) {
         out_.flags |= kFlagOverflow;
         return;
       }
       ++acting;
-      touches_[static_cast<std::size_t>(count_++)] =
-          Touch{part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1};
+      touches_.push_back(
+          {part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1});
     }
   }
 
@@ -175,10 +172,7 @@ class SurfaceTick {
       return gap < other.gap || (gap == other.gap && part < other.part);
     }
   };
-  struct NearList {
-    std::array<NearPart, kMaxAsked> parts;
-    int count = 0;
-  };
+  using NearList = FixedVector<NearPart, kMaxAsked>;
 
   void considerNear(PartId part, NearList& near) {
     const PartSurface& special = surfaces_.parts[part];
@@ -188,19 +182,18 @@ class SurfaceTick {
     const double away = glm::distance(proxy_.position, transformPoint(world_.pose(part), collider.centre));
     const NearPart entry{std::max(0.0, away - collider.radius), part};
     if (entry.gap > own + parameters_.toolRadius) return;
-    if (near.count == kMaxAsked) {
+    if (near.full()) {
       out_.flags |= kFlagOverflow;
-      if (!entry.before(near.parts.back())) return;
-      --near.count;
+      if (!entry.before(near.back())) return;
+      near.pop_back();
     }
-    int at = near.count++;
-    for (; at > 0 && entry.before(near.parts[static_cast<std::size_t>(at) - 1]); --at)
-      near.parts[static_cast<std::size_t>(at)] = near.parts[static_cast<std::size_t>(at) - 1];
-    near.parts[static_cast<std::size_t>(at)] = entry;
+    near.insert(std::upper_bound(near.begin(), near.end(), entry,
+                                 [](const NearPart& a, const NearPart& b) { return a.before(b); }),
+                entry);
   }
 
   bool touches(PartId part) const {
-    return std::any_of(touches_.begin(), touches_.begin() + count_,
+    return std::any_of(touches_.begin(), touches_.end(),
                        [part](const Touch& touch) { return touch.part == part; });
   }
 
@@ -454,8 +447,7 @@ class SurfaceTick {
   const TickParameters& parameters_;
   SurfaceState& state_;
   TickOutput& out_;
-  std::array<Touch, kMaxTouches> touches_;
-  int count_ = 0;
+  FixedVector<Touch, kMaxTouches> touches_;
   double plainPressing_ = 0.0;  // N, of contacts without a surface
 };
 
