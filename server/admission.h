@@ -31,8 +31,8 @@ struct Ticket {
 
 /// Signs a ticket; ASCII, fits in a link, at most kMaxCredentialLength.
 std::string sign(const Ticket& ticket, const SigningKey& key);
-/// The ticket, if its signature and form are good and it has not expired at `unixNow`. Whether it was used is
-/// the session's to know.
+/// The ticket, if its signature and form are good and it has not expired at `unixNow`. The session checks
+/// whether it was used before.
 Result<Ticket> verify(const std::string& text, const SigningKey& key, std::int64_t unixNow);
 
 }  // namespace tandem::server

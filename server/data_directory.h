@@ -15,7 +15,7 @@ namespace tandem::server {
 
 class DataDirectory {
  public:
-  /// Locks the directory, and makes what is missing in it. Errors name the file.
+  /// Locks the directory, and makes the files that are missing in it. Errors name the file.
   static Result<DataDirectory> open(const std::string& path);
   DataDirectory(DataDirectory&& other) noexcept;
   DataDirectory& operator=(DataDirectory&&) = delete;

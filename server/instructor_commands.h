@@ -3,8 +3,7 @@
 // What an instructor may order: take a part away from its owner, put all free parts back to where the scene
 // has them.
 //
-// 1. A command repeated by (site, request id) gets the same answer again (S7), among the last 16 of its
-//    site.
+// 1. A command repeated by (site, request id) gets the same answer again (S7), among the last 16 of its site.
 // 2. One reset runs at a time, over as many steps as it needs, and is answered when it is done.
 
 #include <deque>

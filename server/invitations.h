@@ -20,7 +20,7 @@ class Invitations {
 
   /// Prints the first links on standard output, one a line: the role, blanks, the link.
   void open(const Session& session, std::int64_t unixNow);
-  /// Prints new ones for those that were used, or have expired.
+  /// Prints new links for those that were used or have expired.
   void renew(const Session& session, const std::vector<sync::Role>& used, std::int64_t unixNow);
 
  private:

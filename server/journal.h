@@ -24,7 +24,7 @@ struct SiteRecord {
 /// A token's nonce that was used.
 struct UsedNonce {
   std::string nonce;
-  std::int64_t expires = 0;  // Unix time in s: forgotten after that
+  std::int64_t expires = 0;  // Unix time in s, after which the nonce is forgotten
 };
 using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce>;
 

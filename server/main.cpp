@@ -122,7 +122,7 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
   return server.journal->failure().empty();
 }
 
-/// A port that somebody else has is no dead end.
+/// Adds to the error of a port in use how to listen on a free one.
 Error listenError(const Error& error, const std::string& host) {
   const std::string taken = std::make_error_code(std::errc::address_in_use).message();
   if (error.message.find(taken) == std::string::npos) return error;

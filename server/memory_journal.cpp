@@ -14,7 +14,7 @@ void MemoryJournal::advanceTo(sync::Micros now) {
 }
 
 void MemoryJournal::crash() {
-  // Nobody was told of these; the next server counts on from the last that is safe.
+  // No site has learned of the lost records; the next server counts on from the last that is safe.
   appended_ -= pending_.size();
   pending_.clear();
 }

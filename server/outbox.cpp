@@ -3,11 +3,13 @@
 #include <optional>
 #include <string>
 
+#include "assets/base/assert.h"
+
 namespace tandem::server {
 namespace {
 
-/// What to answer in place of a reply whose record could not be kept; nothing for news that never became
-/// true.
+/// The answer in place of a reply whose record could not be kept; nothing for a change that never took
+/// effect.
 std::optional<sync::ControlMessage> withoutRecord(const sync::ControlMessage& message) {
   if (const auto* grab = std::get_if<sync::GrabReply>(&message)) {
     sync::GrabReply denied = *grab;
@@ -38,6 +40,7 @@ void Outbox::abandon(std::uint64_t durable) {
       kept.push_back({durable, item.to, std::make_shared<const sync::ControlMessage>(std::move(*other))});
     }
   }
+  ASSERT(kept.size() <= queue_.size());
   queue_ = std::move(kept);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Control messages on their way out, in one order for all sites, each held back until the journal is as far
-// as it was when the message was made. So nobody hears of anything that a crash could undo, not even in a
+// as it was when the message was made. So no site learns of anything that a crash could undo, not even by a
 // denial.
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace tandem::server {
 
-/// One connection's number within this session; connection ids may come again, these do not.
+/// A connection's number within this session. Connection ids may be used again; serials are not.
 using PeerSerial = std::uint64_t;
-/// Addressee of what only the recording gets.
+/// The addressee of messages that only the recording gets.
 inline constexpr PeerSerial kRecordingOnly = 0;
 
 struct Outgoing {
@@ -35,8 +35,8 @@ class Outbox {
   void pop() { queue_.pop_front(); }
   bool empty() const { return queue_.empty(); }
 
-  /// The journal has failed: what depends on it becomes a denial (a reply) or is dropped (news); the rest may
-  /// leave.
+  /// The journal has failed: a reply that depends on it becomes a denial, other messages that depend on it
+  /// are dropped, and the rest may leave.
   void abandon(std::uint64_t durable);
 
  private:

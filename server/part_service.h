@@ -1,8 +1,8 @@
 #pragma once
 
 // The parts of the session: grabs, releases and engagements, leases, and the poses that the journal keeps.
-// The rules themselves are sync::OwnershipTable; this class writes each decision to the journal, answers,
-// and tells everybody.
+// The rules themselves are sync::OwnershipTable; this class writes each decision to the journal, answers, and
+// tells everybody.
 //
 // 1. Every change of an owner is kept before its answer is queued, and answered before it is published.
 // 2. While the journal cannot be written, every request is denied as `recovering`.

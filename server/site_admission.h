@@ -5,8 +5,8 @@
 //
 // 1. A join token works once: its nonce is in the journal before the Welcome leaves.
 // 2. A site's newest connection replaces the older one.
-// 3. A lost connection is no goodbye: the site may come back with its ticket and finds its parts, until
-//    their leases run out.
+// 3. A lost connection is no goodbye: the site may come back with its ticket and finds its parts, until their
+//    leases run out.
 
 #include <cstdint>
 #include <string>

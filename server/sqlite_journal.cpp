@@ -43,7 +43,7 @@ CREATE TABLE nonces (nonce TEXT PRIMARY KEY, expires INTEGER NOT NULL) WITHOUT R
 INSERT INTO meta VALUES ('session_time', '0');
 )";
 
-/// Makes a new database ours, or checks that it is.
+/// Marks a new database as a journal of this program, or checks that it is one.
 Status checkIdentity(SqliteDatabase& database) {
   // The first read of a file that is no database fails here.
   const Result<std::string> tables = database.ask("SELECT count(*) FROM sqlite_schema");
@@ -292,7 +292,7 @@ void SqliteJournal::State::checkpoint() {
   if (done) frames = 0;
 }
 
-/// The writer's thread: takes all that is queued, writes it as one transaction, tells.
+/// The writer's thread: writes everything that is queued as one transaction, then notifies.
 void SqliteJournal::State::work() {
   std::vector<JournalRecord> batch;
   sync::Micros time = 0;

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 
 void ClockOffset::observe(Micros sent, Micros serverTime, Micros received) {
   const Micros roundTrip = received - sent;
   if (roundTrip < 0) return;
   lastRoundTrip_ = roundTrip;
+  // The clock offset by the middle of the round trip.
   samples_[next_] = {roundTrip, serverTime - (sent + roundTrip / 2), received};
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);
@@ -26,8 +29,9 @@ void ClockOffset::observe(Micros sent, Micros serverTime, Micros received) {
     }
     bestRoundTrip_ = std::min(bestRoundTrip_, sample.roundTrip);
   }
+  ASSERT(best != nullptr && bestRoundTrip_ >= 0 && bestRoundTrip_ <= roundTrip);
   target_us_ = static_cast<double>(best->offset);
-  // Until somebody has used the time there is nothing to be smooth for.
+  // Before the first use of session time the estimate may jump: nothing depends on it yet.
   if (!started_) current_us_ = target_us_;
 }
 
@@ -42,6 +46,7 @@ Micros ClockOffset::sessionTime(Micros local) {
   } else if (local <= lastLocal_) {
     return lastSession_ - (lastLocal_ - local);
   } else {
+    // Slewing: session time runs at 1 -+ kSlew against local time, and so never backwards.
     const double most = kSlew * static_cast<double>(local - lastLocal_);
     current_us_ += std::clamp(target_us_ - current_us_, -most, most);
     lastLocal_ = local;

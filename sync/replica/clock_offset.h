@@ -1,11 +1,13 @@
 #pragma once
 
-// Session time minus local time, estimated from pings: the sample with the smallest round trip of the recent ones wins
-// (NTP's clock filter, RFC 5905 section 10; an older sample counts as worse by what the clocks may have drifted apart
-// since), and the estimate slews toward it, so that session time never runs backwards and never jumps while it is in use.
+// Session time minus local time, estimated from pings: the sample with the smallest round trip of the recent
+// ones wins (NTP's clock filter, RFC 5905 section 10; an older sample counts as worse by what the clocks may
+// have drifted apart since), and the estimate slews toward it, so that session time never runs backwards and
+// never jumps while it is in use.
 //
-// Once the slewing has caught up, |estimated - true session time| <= bestRoundTrip / 2 + drift * age of that sample: the
-// ping and the pong together took the round trip, and nobody knows how it was shared between them.
+// Once the slewing has caught up, |estimated - true session time| <= bestRoundTrip / 2 + drift * age of that
+// sample: the ping and the pong together took the round trip, and nobody knows how it was shared between
+// them.
 
 #include <array>
 #include <cstddef>
@@ -22,7 +24,8 @@ class ClockOffset {
   void reset();
 
   bool known() const { return count_ > 0; }
-  /// Session time at a local time; monotonic in its argument between resets. Before the first pong: the local time.
+  /// Session time at a local time; monotonic in its argument between resets. Before the first pong: the local
+  /// time.
   Micros sessionTime(Micros local);
   /// Smallest of the recent round trips, and the latest one.
   Micros bestRoundTrip() const { return bestRoundTrip_; }

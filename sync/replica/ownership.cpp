@@ -35,7 +35,7 @@ struct Remembered {
 };
 
 struct SiteEntry {
-  std::set<PartId> owned;  // ordered: what is freed together is told in the same order everywhere
+  std::set<PartId> owned;  // ordered, so that parts freed together are published in one order everywhere
   std::set<PartId> engaged;
   Micros engagedFrom = 0;  // when it was last heard of, for all that it is engaged in
   std::deque<Remembered> requests;
@@ -58,16 +58,19 @@ struct OwnershipTable::State {
   std::vector<PartId> changedMembers;
 
   bool recovering(Micros now) const { return awaited > 0 && now < recoveringUntil; }
+  /// Lease expiry as the server counts it: lease + drift since the last ping arrived (L2).
   bool expired(const PartEntry& part, Micros now) const {
     return now - part.leaseFrom >= rules.serverLease();
   }
 
   void cameBack(PartEntry& part) {
     if (!part.awaited) return;
+    ASSERT(awaited > 0);
     part.awaited = false;
     --awaited;
   }
   void own(PartEntry& part, SiteId site, Micros now) {
+    ASSERT(site != kNoSite && part.record.part < parts.size());
     part.record.owner = site;
     part.leaseFrom = now;
     part.hasSequence = false;
@@ -75,12 +78,15 @@ struct OwnershipTable::State {
   }
   const PartRecord& disown(PartEntry& part) {
     cameBack(part);
-    sites[part.record.owner].owned.erase(part.record.part);
+    ASSERT(part.record.owner != kNoSite);
+    const std::size_t erased = sites[part.record.owner].owned.erase(part.record.part);
+    ASSERT(erased == 1);
     part.record.owner = kNoSite;
     part.hasSequence = false;
     return part.record;
   }
-  /// The same where somebody may be engaged in the part: it is that one's.
+  /// Ends an ownership. Where sites are engaged in the part, the one engaged for longest owns it in the next
+  /// epoch.
   const PartRecord& passOn(PartEntry& part) {
     disown(part);
     if (part.members.sites.empty()) return part.record;
@@ -92,6 +98,7 @@ struct OwnershipTable::State {
     }
     ++part.record.epoch;
     own(part, heir, sites[heir].engagedFrom);  // its lease runs from when it was last heard of (L2)
+    ASSERT(part.record.owner == heir);
     return part.record;
   }
 
@@ -120,7 +127,7 @@ struct OwnershipTable::State {
     members.epoch = part.record.epoch;
     return members;
   }
-  /// The answer to an Engage or a Disengage: what `decide` says of a part that there is.
+  /// Answers an Engage or a Disengage: `decide` is asked about parts that exist.
   template <typename Request, typename Decide>
   EngageDecision answer(const Request& request, const Decide& decide) {
     EngageDecision decision;
@@ -163,12 +170,13 @@ struct OwnershipTable::State {
     std::deque<Remembered>& requests = sites[site].requests;
     if (requests.size() == kRememberedRequests) requests.pop_front();
     requests.push_back(answer);
+    ASSERT(requests.size() <= kRememberedRequests);
   }
 
   Denial decideGrab(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
     if (role == Role::observer) return Denial::roleForbids;
     if (!part.movable) return Denial::notMovable;
-    if (part.record.owner == site) {  // again, or after a restart: it has it already
+    if (part.record.owner == site) {  // asked again, or after a restart: the site owns the part already
       cameBack(part);
       part.leaseFrom = now;
       return Denial::none;
@@ -181,6 +189,7 @@ struct OwnershipTable::State {
     if (recovering(now)) return Denial::recovering;
     if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
     if (part.record.owner != kNoSite) disown(part);
+    ASSERT(part.members.sites.empty());  // nobody is engaged in a part without an owner
     ++part.record.epoch;
     own(part, site, now);
     changed = true;
@@ -377,7 +386,7 @@ std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
 
 std::vector<PartRecord> OwnershipTable::expire(Micros now) {
   std::vector<PartId> over;
-  // First who simulates no more, so that no part goes to one of them.
+  // Sites that are no longer heard of are disengaged first, so that no part passes to one of them.
   for (auto& [site, entry] : state_->sites) {
     if (now - entry.engagedFrom >= state_->rules.serverLease()) state_->disengageFromAll(entry, site);
   }

@@ -10,8 +10,8 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
-    bool unconfirmed = false;       // granted, and no answer says that it is still so
-    bool engagedConfirmed = false;  // engaged in by an answer to what was asked since the last lapse
+    bool unconfirmed = false;       // the lease lapsed after the grant, and no answer has confirmed it since
+    bool engagedConfirmed = false;  // confirmed by an answer to a request made since the last lapse
     MemberRecord members;
   };
   std::vector<Entry> parts;
@@ -45,7 +45,8 @@ bool OwnershipView::apply(const PartRecord& record) {
   entry.record = record;
   if (newEpoch) {
     entry.hasSequence = false;
-    // A record may be read long after the server has ended what it says. Who is passed a part as an heir knows better.
+    // The server may have ended this ownership long before the record is read, so it counts as unconfirmed. A
+    // member that inherits the part has had its engagement confirmed since the last lapse.
     entry.unconfirmed = !entry.engagedConfirmed;
     entry.engagedConfirmed = false;
   }
@@ -97,6 +98,7 @@ OwnershipView::Verdict OwnershipView::accept(SiteId from, const PartState& state
 void OwnershipView::renewed(Micros pingSent) {
   if (!state_->everRenewed || pingSent > state_->leaseFrom) state_->leaseFrom = pingSent;
   state_->everRenewed = true;
+  ASSERT(state_->leaseFrom >= pingSent);
 }
 
 void OwnershipView::renewed(Micros pingSent, Micros received) {
@@ -124,6 +126,8 @@ void OwnershipView::confirmed(PartId part, Epoch epoch) {
   }
 }
 
+/// The lease as the site counts it: from the sending of the ping, shorter than the server's by drift and
+/// margin (S3).
 bool OwnershipView::leaseValid(Micros now) const {
   return state_->everRenewed && now - state_->leaseFrom < state_->rules.siteLease();
 }

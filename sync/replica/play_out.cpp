@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
-constexpr Micros kLongestSegment = 100 * kMillisecond;  // over more than that nothing is known of the way
+constexpr Micros kLongestSegment = 100 * kMillisecond;  // over a longer gap the displacement is unknown
 constexpr Micros kFullSpeed = 25 * kMillisecond;        // of an extrapolation; then it slows to a stop
 constexpr Micros kLongAgo = std::numeric_limits<Micros>::min() / 4;
 
@@ -21,13 +23,15 @@ constexpr double kEuler = 2.718281828459045;
 /// Cubic Hermite from 0 with rate v0 to `d` with rate v1 over `span` seconds; value and rate at s in [0, 1].
 void hermite(const glm::dvec3& d, const glm::dvec3& v0, const glm::dvec3& v1, double span, double s,
              glm::dvec3& value, glm::dvec3& rate) {
+  ASSERT(span > 0.0 && s >= 0.0 && s <= 1.0);
   const double s2 = s * s, s3 = s2 * s;
   value = d * (3.0 * s2 - 2.0 * s3) + v0 * (span * (s3 - 2.0 * s2 + s)) + v1 * (span * (s3 - s2));
   rate = d * ((6.0 * s - 6.0 * s2) / span) + v0 * (3.0 * s2 - 4.0 * s + 1.0) + v1 * (3.0 * s2 - 2.0 * s);
 }
 
-/// One step of x'' = -2 w x' - w^2 x, exactly.
+/// One step of the critically damped x'' = -2 w x' - w^2 x, by its exact solution.
 void dampedStep(glm::dvec3& x, glm::dvec3& v, double w, double dt) {
+  ASSERT(w > 0.0 && dt >= 0.0);
   const glm::dvec3 c = v + w * x;
   const double e = std::exp(-w * dt);
   x = (x + c * dt) * e;
@@ -43,11 +47,13 @@ void PlayOutDelay::observe(Micros stateTime, Micros arrival) {
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);
   std::array<Micros, kWindow> sorted = transit_;
-  // The 98 % quantile: two outliers in a full window are left to the extrapolation.
+  // The play-out delay covers the 98 % quantile of the transits; two outliers in a full window are
+  // extrapolated.
   const auto end = sorted.begin() + static_cast<std::ptrdiff_t>(count_);
   const auto at = sorted.begin() + static_cast<std::ptrdiff_t>(count_ - 1 - count_ / 64);
   std::nth_element(sorted.begin(), at, end);
   target_us_ = static_cast<double>(*at + kReserve);
+  ASSERT(target_us_ >= static_cast<double>(kReserve));
   if (!started_) current_us_ = target_us_;
 }
 
@@ -94,6 +100,7 @@ void PlayOut::push(const PartState& state, Micros time) {
   std::move_backward(from, end, end + 1);
   entries_[at] = {time, state.worldFromPart, state.twist};
   ++count_;
+  ASSERT(count_ <= kCapacity && entries_[at].time == time);
   changed_ = true;
 }
 
@@ -119,8 +126,7 @@ PlayOut::Shown PlayOut::sample(Micros t) const {
   }
 
   const Entry& b = entries_[next];
-  // After a long silence the part stands until shortly before the next state: that is how it was shown
-  // meanwhile.
+  // After a long silence the part stands until shortly before the next state, as it was shown meanwhile.
   const bool silent = a.time < b.time - kLongestSegment;
   const Micros start = silent ? b.time - kLongestSegment : a.time;
   if (t <= start) return {a.pose, silent ? Twist{} : a.twist, false, false};
@@ -152,11 +158,12 @@ void PlayOut::blendStep(const Pose& from, const Pose& to, double rate) {
   turn_ = rotationVector(fromRotationVector(turn_) * fromRotationVector(turnStep));
   const double length = glm::length(offset_), angle = glm::length(turn_);
   if (rate <= 0.0) {
-    // The offset's greatest speed on its way to zero is w |offset| / e.
+    // A critically damped offset that starts at rest reaches its greatest speed, w |offset| / e, at t = 1/w.
     rate = kBlendRate;
     if (length > 0.0) rate = std::min(rate, kEuler * kMaxCorrectionSpeed / length);
     if (angle > 0.0) rate = std::min(rate, kEuler * kMaxCorrectionTurn / angle);
   }
+  ASSERT(rate > 0.0);
   blendRate_ = rate;
   largestOffset_ = std::max(largestOffset_, length);
   largestTurn_ = std::max(largestTurn_, angle);
@@ -181,7 +188,7 @@ PlayOut::Shown PlayOut::at(Micros now, Micros delay) {
   const Micros t = now - delay;
   if (shownBefore_) {
     decay(toSeconds(std::max<Micros>(0, now - shownAt_)));
-    // What has arrived since may say something else about the instant that was shown last: that step is
+    // States that have arrived since may change the pose at the instant that was shown last. That step is
     // blended.
     if (changed_) blendStep(raw_, sample(playedAt_).worldFromPart, 0.0);
   }

@@ -1,8 +1,9 @@
 #pragma once
 
-// Shows the states of a part that others move: a short buffer played out a little late, so that jitter and losses do not
-// reach the hand or the eye. Interpolates between states (cubic Hermite, from positions and velocities), extrapolates
-// for a bounded time, then stands still; corrections after an extrapolation are blended in.
+// Shows the states of a part that another site moves. They wait in a short buffer and are played out a little
+// late, so that jitter and losses do not reach the hand. The buffer interpolates between states (cubic
+// Hermite, from positions and velocities), extrapolates for a bounded time, then stands still; corrections
+// after an extrapolation are blended in.
 //
 // No allocation: may live in the haptic thread. Times are session time.
 
@@ -13,13 +14,14 @@
 
 namespace tandem::sync {
 
-/// How late to play: follows the delay of arrivals, quickly up and slowly down. D_p = delay at a high quantile + 2 ms.
+/// The play-out delay D_p: the 98 % quantile of the transits (arrival - state time) + kReserve, followed
+/// quickly up and slowly down.
 class PlayOutDelay {
  public:
   /// A state that held at `stateTime` arrived at `arrival`.
   void observe(Micros stateTime, Micros arrival);
-  /// The delay at `now`. It grows by at most half of the elapsed time and shrinks by at most 5 % of it, so playing runs
-  /// at 0.5 to 1.05 times its speed and never backwards. 0 before the first state.
+  /// The delay at `now`. It grows by at most half of the elapsed time and shrinks by at most 5 % of it, so
+  /// playing runs at 0.5 to 1.05 times its speed and never backwards. 0 before the first state.
   Micros delay(Micros now);
 
   static constexpr Micros kReserve = 2 * kMillisecond;  // above the quantile of the delays
@@ -35,18 +37,19 @@ class PlayOutDelay {
 
 class PlayOut {
  public:
-  /// A new epoch or the end of one: from now on the part is at this pose, reached from the shown pose by a blend of
-  /// `blend` (0 = at once). Older states are forgotten (S6).
+  /// A new epoch or the end of one: from now on the part is at this pose, reached from the shown pose by a
+  /// blend of `blend` (0 = at once). Older states are forgotten (S6).
   void restart(const Pose& worldFromPart, Micros now, Micros blend);
 
-  /// A state that ownership has accepted, holding at `time`. Out-of-order states within the buffer are sorted in.
+  /// A state that ownership has accepted, holding at `time`. Out-of-order states within the buffer are sorted
+  /// in.
   void push(const PartState& state, Micros time);
 
   struct Shown {
     Pose worldFromPart;
     Twist twist;
     bool extrapolated = false;
-    bool still = true;  // nothing newer, not moving
+    bool still = true;  // at rest, and no newer state is known
   };
   /// What to show at session time `now`, playing at `now - delay`.
   Shown at(Micros now, Micros delay);
@@ -59,12 +62,13 @@ class PlayOut {
     Pose pose;
     Twist twist;
   };
-  /// Half a second at 250 Hz. When it is full the oldest goes.
+  /// Half a second at 250 Hz. When it is full, the oldest state is dropped.
   static constexpr std::size_t kCapacity = 128;
 
-  /// What the buffer alone says for the time t.
+  /// The pose that the buffer alone gives for the time t, without the blend.
   Shown sample(Micros t) const;
-  /// Adds the step from one pose to another to what is being blended away; `rate` in 1/s, 0 = by the step's size.
+  /// Adds the step from one pose to another to the offset that is being blended away; `rate` in 1/s, where 0
+  /// chooses it by the size of the step.
   void blendStep(const Pose& from, const Pose& to, double rate);
   void decay(double dt);
 
@@ -73,7 +77,7 @@ class PlayOut {
   bool changed_ = false;  // since the last at()
   bool shownBefore_ = false;
   Micros shownAt_ = 0, playedAt_ = 0;  // arguments of the last at(): session time, and play time
-  Pose raw_;                           // what it found without the blend
+  Pose raw_;                           // the pose of the last at(), without the blend
   // The blend: an offset (position, rotation vector) and its rate of change, critically damped toward zero.
   glm::dvec3 offset_{0.0, 0.0, 0.0}, offsetRate_{0.0, 0.0, 0.0};
   glm::dvec3 turn_{0.0, 0.0, 0.0}, turnRate_{0.0, 0.0, 0.0};

@@ -5,13 +5,15 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
 constexpr double kBlendTime = 0.02;                  // s
 constexpr double kAccelerationTime = 0.04;           // s
-constexpr Micros kBeyondUsual = 60 * kMillisecond;   // a stream that breaks off is not carried on for long
-constexpr double kAgeShare = 0.1;                    // of a new age in the usual one
+constexpr Micros kBeyondUsual = 60 * kMillisecond;   // past the usual age the part is extrapolated no further
+constexpr double kAgeShare = 0.1;                    // weight of a new age in the average
 constexpr double kUnseen = 1e-6;                     // m
 constexpr double kUnseenTurn = 1e-5;                 // rad
 constexpr Micros kLongestStep = 100 * kMillisecond;  // between states that tell an acceleration
@@ -33,6 +35,7 @@ void PosePrediction::restart(const Pose& worldFromPart, Micros now) {
 void PosePrediction::push(const PartState& state, Micros time) {
   if (known_ && time <= time_) return;
   const double step = toSeconds(time - time_);
+  ASSERT(!known_ || step > 0.0);
   const bool near = known_ && time - time_ <= kLongestStep;
   const glm::dvec3 rate = near ? (state.twist.linear - newest_.twist.linear) / step : glm::dvec3(0.0);
   const double share = near ? 1.0 - std::exp(-step / kAccelerationTime) : 1.0;
@@ -61,10 +64,11 @@ Pose PosePrediction::carriedOn(Micros now) const {
   const Micros farthest = std::min(kFarthest, static_cast<Micros>(usualAge_us_) + kBeyondUsual);
   const double way = toSeconds(std::clamp<Micros>(now - time_, 0, farthest));
   Pose pose = integrate(newest_.worldFromPart, newest_.twist, way);
-  // What is braking comes to rest; it does not turn back.
+  // A part that brakes comes to rest: the acceleration is applied only until the speed is zero.
   const double speed = glm::length(newest_.twist.linear);
   const double along = speed > 0.0 ? glm::dot(acceleration_, newest_.twist.linear) / speed : 0.0;
   const double braked = along < 0.0 ? std::min(way, -speed / along) : way;
+  ASSERT(braked >= 0.0 && braked <= way);
   pose.position += newest_.twist.linear * (braked - way) + 0.5 * braked * braked * acceleration_;
   return pose;
 }

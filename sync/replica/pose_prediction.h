@@ -1,7 +1,8 @@
 #pragma once
 
-// Where a part that another site moves is by now, for the eyes: the newest state carried on by its velocity and
-// acceleration to the present, corrections blended in. What it says may be wrong, so nothing may be coupled to it.
+// The display pose of a part that another site moves: the newest state extrapolated to the present by its
+// velocity and acceleration, with corrections blended in. The prediction may be wrong, so no force may be
+// coupled to it.
 //
 // No allocation. Times are session time.
 
@@ -11,19 +12,20 @@ namespace tandem::sync {
 
 class PosePrediction {
  public:
-  /// From now on the part is drawn from this pose on, at rest until there is a state.
+  /// Draws the part at this pose from now on, at rest until the first state.
   void restart(const Pose& worldFromPart, Micros now);
-  /// A state that held at `time`; older ones than the newest change nothing.
+  /// A state that held at `time`. A state older than the newest changes nothing.
   void push(const PartState& state, Micros time);
-  /// The part stands there, whatever states of a clock that is ahead have said.
+  /// Puts the part at rest at this pose, even if a state with a later time (of a clock that is ahead) is
+  /// known.
   void standAt(const Pose& worldFromPart, Micros now);
   /// What to draw at session time `now`, which does not go backwards.
   Pose at(Micros now);
 
-  /// Nobody sees a step between these two.
+  /// Whether a step between the two poses is too small to be seen.
   static bool near(const Pose& a, const Pose& b);
 
-  static constexpr Micros kFarthest = 300 * kMillisecond;  // carried on no further than that
+  static constexpr Micros kFarthest = 300 * kMillisecond;  // longest extrapolation
 
  private:
   Pose carriedOn(Micros now) const;

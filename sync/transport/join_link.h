@@ -2,8 +2,8 @@
 
 // A join link: everything that a site needs to enter a session, to be sent by mail or chat.
 //   tandem://HOST:PORT/ROLE?token=TOKEN&pin=PIN
-// TOKEN is signed by the server and used once. PIN is the SHA-256 of the server's public key (RFC 7469's form of a pin,
-// in hexadecimal): the site trusts that key and no other, so no certificate authority is needed.
+// TOKEN is signed by the server and used once. PIN is the SHA-256 of the server's public key (RFC 7469's form
+// of a pin, in hexadecimal): the site trusts that key and no other, so no certificate authority is needed.
 
 #include <cstdint>
 #include <string>

@@ -109,12 +109,14 @@ bool ReplayWindow::fresh(std::uint64_t counter) const {
 }
 
 void ReplayWindow::mark(std::uint64_t counter) {
+  ASSERT(fresh(counter));
   if (counter > highest_) {
     const std::uint64_t words = std::min<std::uint64_t>(counter / 64 - highest_ / 64, kWords);
     for (std::uint64_t i = 1; i <= words; ++i) seen_[(highest_ / 64 + i) % kWords] = 0;
     highest_ = counter;
   }
   seen_[counter / 64 % kWords] |= std::uint64_t{1} << (counter % 64);
+  ASSERT(!fresh(counter) && highest_ >= counter);
 }
 
 Sealer::Sealer(SealAlgorithm algorithm, const SealKey& key, std::uint64_t connection)
@@ -123,6 +125,7 @@ Sealer::Sealer(SealAlgorithm algorithm, const SealKey& key, std::uint64_t connec
 std::size_t Sealer::seal(DatagramKind kind, std::span<const std::byte> plain, std::byte* out) {
   if (counter_ + 1 >= kSealCounterLimit) return 0;
   ++counter_;
+  ASSERT(out != nullptr && counter_ > 0 && counter_ < kSealCounterLimit);  // a nonce is used once
   storeBig(connection_, out);
   storeBig(static_cast<std::uint64_t>(kind) << 48 | counter_, out + 8);
   aead_.encrypt(counter_, {out, kSealHeaderBytes}, plain, out + kSealHeaderBytes);
@@ -146,6 +149,9 @@ Opener::Opened Opener::open(std::span<const std::byte> datagram, std::byte* out)
   return {Verdict::accepted, static_cast<DatagramKind>(kind), datagram.size() - kSealOverheadBytes, newest};
 }
 
-std::uint64_t connectionIdOf(std::span<const std::byte> datagram) { return loadBig(datagram.data()); }
+std::uint64_t connectionIdOf(std::span<const std::byte> datagram) {
+  ASSERT(datagram.size() >= kSealOverheadBytes);
+  return loadBig(datagram.data());
+}
 
 }  // namespace tandem::sync

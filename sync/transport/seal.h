@@ -6,11 +6,9 @@
 //
 // 1. The first 16 bytes are associated data: whoever changes them breaks the tag.
 // 2. The nonce is the direction's initial vector XOR the counter. The counter starts at 1 and never repeats;
-// a key is
-//    used up before 2^48 packets (the owner closes the connection).
-// 3. A counter is marked as seen only after the tag has verified: a forged packet cannot push genuine ones
-// out of the
-//    window.
+//    a key is used up before 2^48 packets (the owner closes the connection).
+// 3. A counter is marked as seen only after the tag has verified, so a forged packet cannot push genuine ones
+//    out of the window.
 // 4. Each direction has its own key, so a packet sent back to its sender is a forgery.
 
 #include <array>
@@ -26,7 +24,7 @@ enum class SealAlgorithm : std::uint8_t { aes256Gcm = 1, chaCha20Poly1305 = 2 };
 /// The algorithms this machine offers, as a mask of 1 << (algorithm - 1). AES only where the processor has
 /// instructions for it: without them it is slow and leaks its key through the cache.
 std::uint8_t offeredAlgorithms();
-/// The best of those that both ends offer; ChaCha20-Poly1305 is always one of them.
+/// The best algorithm that both ends offer; ChaCha20-Poly1305 is always one of them.
 SealAlgorithm chooseAlgorithm(std::uint8_t offeredHere, std::uint8_t offeredThere);
 
 /// Key and initial vector of one direction, as they come out of the TLS exporter.
@@ -86,7 +84,7 @@ class Sealer {
   /// Writes plain.size() + kSealOverheadBytes bytes to `out` and returns their number, or 0 if the key is
   /// used up.
   [[nodiscard]] std::size_t seal(DatagramKind kind, std::span<const std::byte> plain, std::byte* out);
-  /// Continue after this counter: only for tests of the limit.
+  /// Continues after this counter; only for tests of the limit.
   void skipTo(std::uint64_t counter) { counter_ = counter; }
 
  private:

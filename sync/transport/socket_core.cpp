@@ -4,6 +4,8 @@
 #include <boost/asio/post.hpp>
 #include <chrono>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// What server and client have in common: links, the queue of events, the path of a datagram. Internal to the
+// What server and client share: links, the queue of events, the path of a datagram. Internal to the
 // transport.
 
 #include <utility>
@@ -69,19 +69,20 @@ class SocketCore : public SocketTransport {
   virtual void handshakeDone(Link& link) = 0;
   /// Offer or accept; anything wrong ends the link.
   virtual void greeting(Link& link, FrameType type, std::span<const std::byte> bytes) = 0;
-  /// A link is over: take it out. The link lives until retire() has been called and the caller has returned.
+  /// Takes out a link that is over. The link lives until retire() has been called and the caller has
+  /// returned.
   virtual void linkClosed(Link& link, const std::string& reason) = 0;
   void payload(Link& link, FrameType type, std::span<const std::byte> bytes);
 
  protected:
   static Micros now();
-  /// What is due by the clock; runs every kHousekeeping of waiting.
+  /// Does the work that is due by the clock; runs every kHousekeeping of waiting.
   virtual void housekeeping(Micros now) = 0;
   /// The link whose datagrams have this id, or null.
   virtual Link* linkOf(std::uint64_t wireId) = 0;
   Link* find(ConnectionId id) const;
   void announce(const std::shared_ptr<Link>& link, ConnectionId id);
-  /// Tells the peer why, then closes; the application hears `reason`.
+  /// Sends the peer the reason, then closes; the application gets a `closed` event with it.
   void refuse(Link& link, const std::string& reason);
   /// Removes an announced link and queues its `closed`.
   void drop(Link& link, const std::string& reason);

@@ -1,16 +1,15 @@
 #pragma once
 
 // Real sockets: TLS 1.3 over TCP for control, UDP for state, sealed with keys from the TLS exporter
-// (sync/transport/seal.h). Where UDP does not pass, state travels over TLS. The bytes are in sync/WIRE.md, section
-// Transport.
+// (sync/transport/seal.h). Where UDP does not pass, state travels over TLS. The bytes are in sync/WIRE.md,
+// section Transport.
 //
-// 1. One thread, but for wake(). Nothing moves outside wait(): call it in every round, with 0 if there is no
-// time.
-// 2. An event may be polled as soon as wait() returns; several may have come. state events are never queued
-// for long: what
-//    nobody polls is lost in the kernel's buffer, not kept.
+// 1. One thread calls, except for wake(). Bytes move only inside wait(), which must be called in every round,
+//    with 0 if there is no time.
+// 2. An event may be polled as soon as wait() returns; several may have come. State events are not queued for
+//    long: datagrams that nobody polls are lost in the kernel's buffer.
 // 3. close() needs further wait() calls until its `closed` event; destroying the transport gives it half a
-// second.
+//    second.
 
 #include <cstdint>
 #include <memory>
@@ -47,7 +46,7 @@ class SocketTransport : public Transport {
 };
 
 struct ListenOptions {
-  std::size_t maxConnections = kMaxSites + 8;  // a newcomer beyond is told so and closed
+  std::size_t maxConnections = kMaxSites + 8;  // beyond, a new connection is refused with the reason
   std::size_t maxPendingHandshakes = 32;       // beyond, the oldest handshake is dropped
   Micros handshakeTimeout = 5 * kSecond;       // from TCP connection to the end of the greeting
 };
@@ -62,7 +61,7 @@ struct ConnectOptions {
   Micros timeout = 5 * kSecond;  // for the TCP connection and the handshake
 };
 /// Starts to connect; the outcome is a `connected` event, or `closed` with the reason (wrong key, refused,
-/// timeout). An error at once means that the pin is not one.
+/// timeout). An immediate error means that the pin is malformed.
 Result<std::unique_ptr<SocketTransport>> connectTo(const std::string& host, std::uint16_t port,
                                                    const std::string& pin,
                                                    const ConnectOptions& options = {});

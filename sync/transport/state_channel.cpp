@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
@@ -34,8 +36,11 @@ std::size_t StateChannel::sealState(std::span<const std::byte> plain, std::byte*
 
 std::size_t StateChannel::sealProbe(DatagramKind kind, std::byte* out) {
   std::array<std::byte, kMaxStateBytes> plain{};
+  ASSERT(kind != DatagramKind::state);
   plain[0] = heard_ ? std::byte{1} : std::byte{0};
-  return sealer_.seal(kind, plain, out);
+  const std::size_t size = sealer_.seal(kind, plain, out);
+  ASSERT(size <= kMaxDatagramBytes);
+  return size;
 }
 
 std::size_t StateChannel::probeIfDue(Micros now, std::byte* out) {
@@ -50,18 +55,19 @@ StateChannel::Received StateChannel::receive(std::span<const std::byte> datagram
   const Opener::Opened opened = opener_.open(datagram, out);
   Received received{.verdict = opened.verdict, .newest = opened.newest};
   if (opened.verdict != Opener::Verdict::accepted) return received;
+  ASSERT(opened.size + kSealOverheadBytes == datagram.size());
   lastHeard_ = now;
   const bool firstHeard = !heard_;
   heard_ = true;
   if (opened.kind == DatagramKind::state) {
-    // A sender uses this path only once it knows that it is heard; its own probes say so, too, but may be
-    // late.
+    // A sender uses this path only once it knows that it is heard. Its probes say so too, but may arrive
+    // later.
     usable_ = true;
     received.isState = true;
     received.size = opened.size;
   } else if (opened.kind == DatagramKind::answer) {
     usable_ = true;
-    // Tell the server at once that the way back works, instead of at the next probe.
+    // The server learns at once, instead of at the next probe, that its datagrams arrive.
     if (firstHeard) received.replyBytes = sealProbe(DatagramKind::probe, reply);
   } else if (side_ == Side::server) {
     if (opened.newest && opened.size > 0) usable_ = out[0] != std::byte{0};

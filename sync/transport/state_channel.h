@@ -1,13 +1,13 @@
 #pragma once
 
 // The UDP path of one connection: seals and opens its datagrams, and decides from probes whether state may
-// use it. No socket and no clock: whoever owns it moves the bytes and passes the time.
+// use it. It has no socket and no clock: its owner moves the bytes and passes the time.
 //
-// 1. The client probes; the server answers. A probe says whether its sender hears the other end, so both know
-// both ways.
+// 1. The client probes; the server answers. A probe says whether its sender hears the other end, so both ends
+//    know the state of both directions.
 // 2. Probes and answers are as large as the largest state: a path that passes them passes every state.
 // 3. Silence for kPathSilence means that the path is gone; probing goes on, so state returns when the path
-// does.
+//    does.
 
 #include <cstddef>
 #include <cstdint>
@@ -25,7 +25,7 @@ inline constexpr Micros kProbeBurst = kSecond;            // how long a new clie
 inline constexpr Micros kProbeOften = 50 * kMillisecond;  // while nothing is known
 inline constexpr Micros kProbeSeldom =
     500 * kMillisecond;  // to keep the path and any address translation open
-/// Half of a lease (LeaseRules): the pings that renew it are state too, and go over TLS in time.
+/// Half of a lease (LeaseRules), so that pings, which are state too, change to TLS before the lease expires.
 inline constexpr Micros kPathSilence = kSecond;
 
 /// What the exporter of a TLS session gives: a key for each direction.
@@ -41,7 +41,7 @@ class StateChannel {
   std::uint64_t wireId() const { return wireId_; }
   /// Whether state sent now arrives, as far as is known.
   bool usable() const { return usable_; }
-  /// Notices silence.
+  /// Marks the path as gone after kPathSilence.
   void update(Micros now);
 
   /// Seals into `out` (kMaxDatagramBytes); 0: the key is used up and the connection must end.
@@ -53,7 +53,7 @@ class StateChannel {
     Opener::Verdict verdict = Opener::Verdict::forged;
     bool isState = false;  // `size` bytes of state stand in `out`
     std::size_t size = 0;
-    bool newest = false;         // the sender's address is where it is now
+    bool newest = false;         // the datagram shows the sender's current address
     std::size_t replyBytes = 0;  // a datagram to send back, in `reply`
   };
   /// `out` and `reply` have room for kMaxDatagramBytes each.
@@ -68,7 +68,7 @@ class StateChannel {
   Sealer sealer_;
   Opener opener_;
   Micros started_, lastHeard_, nextProbe_;
-  bool heard_ = false;  // the other end, lately
+  bool heard_ = false;  // a datagram of the other end came within kPathSilence
   bool usable_ = false;
 };
 

@@ -5,8 +5,8 @@
 //
 // 1. Everything runs on the thread of the io_context; a listener is called from there and may call back.
 // 2. After onClosed, or abandon(), the listener is never called again.
-// 3. What a peer can make us hold is bounded: input grows only as bytes arrive, up to one frame of the
-// allowed size.
+// 3. The memory that a peer can occupy is bounded: input grows only as bytes arrive, up to one frame of the
+//    allowed size.
 
 #include <utility>
 // Asio needs <utility> before it.
@@ -51,20 +51,20 @@ class TlsStream : public std::enable_shared_from_this<TlsStream> {
 
   TlsStream(boost::asio::ip::tcp::socket socket, boost::asio::ssl::context& context, Listener& listener);
 
-  /// Shakes hands over a connected socket.
+  /// Begins the TLS handshake over a connected socket.
   void start(Side side);
-  /// From now on frames may have this size.
+  /// Sets the largest size of a frame from now on.
   void allowFrames(std::size_t bytes) { maxFrame_ = bytes; }
   /// Queues a frame.
   void send(FrameType type, std::span<const std::byte> bytes);
   /// Bytes queued and not yet given to the kernel.
   std::size_t backlog() const { return writing_.size() - written_ + pending_.size(); }
-  /// A listener that has too much to do stops the input for a while.
+  /// Stops or resumes reading, for a listener that has too much queued.
   void pauseReading(bool paused);
   /// Sends what is queued, says goodbye, closes; then onClosed("").
   void close();
   bool closing() const { return closing_; }
-  /// Cuts the connection; the listener hears nothing more.
+  /// Cuts the connection; the listener is not called again.
   void abandon();
 
   /// Key material that both ends share and nobody else knows (RFC 8446 section 7.5). After onHandshake.

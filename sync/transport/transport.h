@@ -1,7 +1,8 @@
 #pragma once
 
-// How bytes travel, behind one interface: real sockets (sync/transport/socket_transport.h) or an in-process network on virtual time
-// (sync/transport/virtual_network.h). A site has one connection, number 0; the server has one a site.
+// How bytes travel, behind one interface: real sockets (sync/transport/socket_transport.h) or an in-process
+// network on virtual time (sync/transport/virtual_network.h). A site has one connection, number 0; the server
+// has one a site.
 //
 // One thread uses a transport. Nothing here blocks.
 
@@ -40,7 +41,8 @@ class Transport {
   virtual ~Transport() = default;
   /// The next event, if there is one.
   virtual bool poll(TransportEvent& event) = 0;
-  /// Queues a control message (at most kMaxControlBytes); a peer that does not read is closed when its queue is full.
+  /// Queues a control message (at most kMaxControlBytes); a peer that does not read is closed when its queue
+  /// is full.
   virtual void sendControl(ConnectionId connection, std::span<const std::byte> bytes) = 0;
   /// Sends a datagram (at most kMaxStateBytes), or drops it.
   virtual void sendState(ConnectionId connection, std::span<const std::byte> bytes) = 0;

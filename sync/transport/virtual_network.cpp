@@ -25,8 +25,9 @@ struct Received {
   std::string reason;
 };
 
-/// What an endpoint has received and what it counts.
 struct Link;
+
+/// What an endpoint has received and what it counts.
 struct Endpoint {
   std::deque<Received> inbox;
   TransportCounters counters;
@@ -52,7 +53,7 @@ struct Link {
   ConnectionId id = 0;    // as the server sees it
   Endpoint* end[2] = {};  // null once that side has gone
   bool open[2] = {};      // whether that side still gets events other than `closed`
-  Channel toward[2];      // toward[side]: what that side will receive
+  Channel toward[2];      // toward[side]: messages on their way to that side
 };
 
 struct Delivery {
@@ -85,7 +86,7 @@ struct Core {
 
   /// Uniform in [0, 1). The standard's distributions differ between libraries; this does not.
   double uniform() { return static_cast<double>(random() >> 11) * 0x1p-53; }
-  /// A chance that on two legs together is `whole`.
+  /// True with the probability of one leg, 1 - sqrt(1 - whole), where `whole` is that of both legs together.
   bool chance(double whole) { return whole > 0.0 && uniform() < 1.0 - std::sqrt(1.0 - std::min(whole, 1.0)); }
   Micros legDelay() {
     const double half = 0.5 * static_cast<double>(conditions.oneWay);
@@ -98,6 +99,7 @@ struct Core {
   }
 
   void schedule(Delivery delivery) {
+    ASSERT(delivery.at >= now && delivery.link != nullptr);
     delivery.order = ++order;
     deliveries.push(std::move(delivery));
   }
@@ -117,7 +119,7 @@ struct Core {
               .bytes = {}});
   }
   void sendState(const std::shared_ptr<Link>& link, Side to, std::span<const std::byte> bytes) {
-    // Every draw is made whatever the outcome, so that one condition does not shift the others' random
+    // Every draw is made whatever its outcome, so that one condition does not shift the others' random
     // numbers.
     const bool lost = chance(conditions.loss), twice = chance(conditions.duplicate);
     for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
@@ -156,6 +158,7 @@ struct Core {
     if (channel.items.empty()) return;
     Channel::Item item = std::move(channel.items.front());
     channel.items.pop_front();
+    ASSERT(channel.bytesInFlight >= item.bytes.size());
     channel.bytesInFlight -= item.bytes.size();
     if (item.closes) return close(link, delivery.to, item.reason);
     Endpoint* end = link.end[delivery.to];
@@ -178,7 +181,7 @@ struct Core {
       if (delivery.kind == Delivery::Kind::state) return;
       delivery.at = blackoutUntil[delivery.link->site];
       return deliveries.push(
-          std::move(delivery));  // with its old order: it stays in front of what came later
+          std::move(delivery));  // it keeps its order, and so stays in front of later deliveries
     }
     switch (delivery.kind) {
       case Delivery::Kind::connect:

@@ -1,12 +1,12 @@
 #pragma once
 
-// A network inside one process, on virtual time, for simulations and tests: the same seed gives the same deliveries.
-// The server sits in the middle; conditions are site to site, so each leg gets half of the delay.
+// A network inside one process, on virtual time, for simulations and tests: the same seed gives the same
+// deliveries. The server sits in the middle; conditions are site to site, so each leg gets half of the delay.
 //
-// 1. What is due at the same instant is delivered in the order in which it was sent: no order depends on addresses or
-//    threads.
-// 2. Control arrives in order and once, whatever the conditions; a loss delays it, and what was sent after it, by a
-//    resend.
+// 1. What is due at the same instant is delivered in the order in which it was sent: no order depends on
+//    addresses or threads.
+// 2. Control arrives in order and once, whatever the conditions; a loss delays it, and what was sent after
+//    it, by a resend.
 // 3. A connection's last event is `closed`.
 
 #include <cstdint>
@@ -19,7 +19,7 @@
 
 namespace tandem::sync {
 
-/// Probabilities and delays of the whole way site to site.
+/// Probabilities and delays of the whole path from site to site.
 struct NetworkConditions {
   Micros oneWay = 0;    // through the server; half on each leg
   double jitter = 0.0;  // share of the delay, uniform, plus and minus
@@ -38,14 +38,16 @@ class VirtualNetwork {
   /// When the next delivery is due; nothing if nobody has sent anything.
   std::optional<Micros> nextDelivery() const;
 
-  /// The server's end. At most one at a time: destroying it is a crash of the server (its sites see `closed`).
+  /// The server's end. At most one at a time: destroying it is a crash of the server (its sites see
+  /// `closed`).
   std::unique_ptr<Transport> listen();
-  /// A site's end; sees `connected` after a leg, or `closed` if there is no server. Destroying it is a crash of the site:
-  /// the server sees `closed` only when `deathNoticed` has passed.
+  /// A site's end; sees `connected` after a leg, or `closed` if there is no server. Destroying it is a crash
+  /// of the site: the server sees `closed` only when `deathNoticed` has passed.
   std::unique_ptr<Transport> connect(const std::string& site, Micros deathNoticed = kSecond);
 
   void setConditions(const NetworkConditions& conditions);
-  /// Nothing to or from this site passes from now until `until`; control arrives afterwards, datagrams are lost.
+  /// Nothing to or from this site passes from now until `until`; control arrives afterwards, datagrams are
+  /// lost.
   void blackout(const std::string& site, Micros until);
 
  private:

@@ -2,10 +2,11 @@
 
 // Packs integers of any width into bytes and takes them out again.
 //
-// Bit i of a stream is bit i % 8 of byte i / 8, and a number's least significant bit comes first: a number whose width
-// and place are whole bytes is therefore a little-endian integer.
+// Bit i of a stream is bit i % 8 of byte i / 8, and a number's least significant bit comes first: a number
+// whose width and place are whole bytes is therefore a little-endian integer.
 //
-// 1. A writer or reader never touches a byte outside its span. Running over the end sets a flag that stays set.
+// 1. A writer or reader never touches a byte outside its span. Running over the end sets a flag that stays
+//    set.
 // 2. A reader that has failed returns zeros, so a caller may read a whole record and check once.
 
 #include <cstddef>
@@ -23,7 +24,8 @@ class BitWriter {
   void put(std::uint64_t value, int bits);
   /// Appends a two's complement number; it must fit.
   void putSigned(std::int64_t value, int bits);
-  /// Appends 7 bits at a time, least significant first, each group followed by a bit that says whether more come.
+  /// Appends 7 bits at a time, least significant first, each group followed by a bit that says whether more
+  /// come.
   void putVarint(std::uint32_t value);
 
   std::size_t bitCount() const { return position_; }

@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
 constexpr double kWhole24 = 16777216.0;
 constexpr std::uint32_t kLow24 = (1u << 24) - 1;
-constexpr Micros kMostAhead = kSecond / 2;  // more than two clocks differ by: made before its clock was set
-constexpr std::uint32_t kPoseEvery = 8;     // datagrams: it only keeps gaps from growing
+constexpr Micros kMostAhead = kSecond / 2;  // more than two clocks that are set differ by
+constexpr std::uint32_t kPoseEvery = 8;     // datagrams; the pose bounds the error after losses
 
 /// The code of a number in steps of `quantum`, by its low 32 bits.
 std::uint32_t lowBits(double steps) {
@@ -96,6 +98,7 @@ std::optional<LinkState> LinkReceiver::receiveAt(const LinkUpdate& update, Micro
     state.worldFromDrawn =
         advanced(withPose_.worldFromDrawn, withPose_.twist, toSeconds(state.time - withPose_.time));
   }
+  ASSERT(state.epoch == newest_.epoch);
   if (ahead >= 0) newest_ = state;
   if (!posed_) return std::nullopt;
   return state;

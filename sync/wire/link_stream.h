@@ -1,11 +1,11 @@
 #pragma once
 
-// The numbers of a coordination link as they travel: sums and clocks whole at both ends, by their low bits on
-// the wire, and the pose in every eighth datagram only.
+// The numbers of a coordination link: integrals and clocks travel by their low bits and are completed at the
+// receiver; the pose travels in every eighth datagram only.
 //
-// 1. Datagrams may be lost, doubled and reordered. What is made whole is what lies nearest to the newest one
+// 1. Datagrams may be lost, doubled and reordered. Low bits are completed to the number nearest to the newest
 //    known.
-// 2. Energy is rounded down: nobody receives more than was sent.
+// 2. Energy is rounded down, so that nobody receives more than was sent.
 // 3. No allocation.
 
 #include <array>
@@ -29,20 +29,20 @@ struct LinkState {
   Twist twist;
 };
 
-/// For the wire. A pose that is no pose is left out.
+/// Encodes a state for the wire. A pose that is not valid is left out.
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part);
 
-/// The whole session time of a datagram that came at `now` (session time); nothing if it is later than clocks
-/// can differ: the datagram was made before its sender's clock was set.
+/// The session time at which a datagram was made that came at `now` (session time); nothing if it lies
+/// further ahead than clocks can differ, so that it was taken before the sender's clock was set.
 std::optional<Micros> sessionTimeOf(const LinkUpdate& update, Micros now);
 
-/// Of one peer and one part.
+/// Completes the datagrams of one peer about one part.
 class LinkReceiver {
  public:
-  /// The whole of a datagram that came at `now` (session time); nothing if it is of an earlier epoch, lies in
-  /// the future, or no pose is known yet. A larger epoch begins anew.
+  /// The completed state of a datagram that came at `now` (session time); nothing if it is of an earlier
+  /// epoch, lies in the future, or no pose is known yet. A larger epoch begins anew.
   std::optional<LinkState> receive(const LinkUpdate& update, Micros now);
-  /// The same where the datagram's own time is known already, from sessionTimeOf().
+  /// The same where the datagram's own session time is already known, from sessionTimeOf().
   std::optional<LinkState> receiveAt(const LinkUpdate& update, Micros time);
   void forget() { begun_ = false; }
 

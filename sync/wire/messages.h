@@ -1,11 +1,12 @@
 #pragma once
 
-// What server and sites say to each other, as plain structs. sync/wire/wire.h turns them into bytes and back; sync/WIRE.md
-// documents those bytes.
+// What server and sites say to each other, as plain structs. sync/wire/wire.h turns them into bytes and back;
+// sync/WIRE.md documents those bytes.
 //
 // 1. Control messages travel in order and without loss; state datagrams may be lost, doubled or reordered.
-// 2. A decoded message is already checked: enums in range, numbers finite, quaternions unit, strings within limits.
-//    It has not been checked against the session (part ids, roles, epochs): that is the receiver's duty.
+// 2. A decoded message is already checked: enums in range, numbers finite, quaternions unit, strings within
+//    limits. It has not been checked against the session (part ids, roles, epochs): that is the receiver's
+//    duty.
 
 #include <array>
 #include <cstdint>
@@ -35,8 +36,8 @@ inline constexpr Micros kMaxMicros = (Micros{1} << 55) - 1;  // +- 1141 years: s
 enum class Role : std::uint8_t { observer = 0, participant = 1, instructor = 2 };
 const char* toString(Role role);
 
-/// Chosen by the site, different for each of its requests. A site that starts again starts from another number, drawn
-/// at random, because the server remembers earlier answers (S7).
+/// Chosen by the site, different for each of its requests. A site that starts again starts from another
+/// number, drawn at random, because the server remembers earlier answers (S7).
 using RequestId = std::uint32_t;
 
 /// A site as the others see it.
@@ -57,8 +58,8 @@ struct PartRecord {
   Pose worldFromPart;
 };
 
-/// The sites that simulate a part beside its owner, because their hands or parts of theirs touch it. Newer where
-/// (epoch, version) is larger. With its owner they are n sites, each with a replica of 1/n of its mass.
+/// The sites that simulate a part beside its owner, because their hands or parts of theirs touch it. Newer
+/// where (epoch, version) is larger. With its owner they are n sites, each with a replica of 1/n of its mass.
 struct MemberRecord {
   PartId part = kNoPart;
   Epoch epoch = 0;
@@ -69,7 +70,8 @@ struct MemberRecord {
 
 // ---- control, site to server ----
 
-/// First message of a connection. `credential` is the token of a join link, or the resume ticket of an earlier Welcome.
+/// First message of a connection. `credential` is the token of a join link, or the resume ticket of an
+/// earlier Welcome.
 struct Hello {
   std::uint16_t protocolVersion = kProtocolVersion;
   bool resume = false;
@@ -77,7 +79,8 @@ struct Hello {
   std::string name;
   std::array<std::uint8_t, 3> colour{200, 200, 200};
 };
-/// Asks for bytes of the scene package from `offset` on; the server sends SceneChunks until the end or a new request.
+/// Asks for bytes of the scene package from `offset` on; the server sends SceneChunks until the end or a new
+/// request.
 struct SceneRequest {
   std::uint64_t offset = 0;
 };
@@ -112,12 +115,12 @@ struct ResetParts {
 };
 /// The site leaves for good; its parts are free at once.
 struct Goodbye {};
-/// The site simulates a part that another one owns, beside that one. Answered by an EngageReply.
+/// The site simulates a part beside the site that owns it. Answered by an EngageReply.
 struct Engage {
   RequestId request = 0;
   PartId part = kNoPart;
 };
-/// It does no longer. Answered by an EngageReply.
+/// The site no longer simulates the part. Answered by an EngageReply.
 struct Disengage {
   RequestId request = 0;
   PartId part = kNoPart;
@@ -190,8 +193,8 @@ struct CommandReply {
   bool done = false;
   std::string reason;
 };
-/// Told to every site in the same order for each part: a new epoch, or the end of an ownership (owner = kNoSite).
-/// The pose is the last state of what was before: nobody shows an older state after this (S6).
+/// Published to every site in the same order for each part: a new epoch, or the end of an ownership (owner =
+/// kNoSite). The pose is the last state of what was before: nobody shows an older state after this (S6).
 struct OwnershipChanged {
   PartRecord part;
 };
@@ -202,7 +205,7 @@ struct EngageReply {
   Denial denial = Denial::none;
   MemberRecord members;  // as they are now
 };
-/// Told to every site in the same order for each part, behind the OwnershipChanged that goes with it.
+/// Published to every site in the same order for each part, behind the OwnershipChanged that goes with it.
 struct MembersChanged {
   MemberRecord members;
 };
@@ -238,8 +241,8 @@ struct StateUpdate {
   std::uint32_t sequence = 0;  // of the datagrams from this sender to this receiver: gaps are losses
   Micros time = 0;             // session time at which these states held, by the owning site's estimate
   Presence presence;
-  bool newPresence = true;       // false: it did not come along, and is what was known
-  bool presenceKnown = true;     // false: nothing has come of it yet
+  bool newPresence = true;       // false: not in this datagram; `presence` is the newest known
+  bool presenceKnown = true;     // false: none has arrived yet
   std::vector<PartState> parts;  // what fits into kMaxStateBytes; a part in it appears once
 };
 
@@ -256,7 +259,7 @@ struct Pong {
       0;  // state datagrams received from this site so far: the site computes its uplink loss
 };
 
-/// What both ends of a line are to be, by the owner's word: multiples of the steps below.
+/// The terms of a coordination link, which its owner sets: multiples of the quanta below.
 struct LineTerms {
   double impedance = 27.0, softImpedance = 14.0;  // N s/m, of the regimes stiff and soft
   double packetPeriod = 4e-3;                     // s, between packets of either end
@@ -265,10 +268,10 @@ struct LineTerms {
 inline constexpr double kImpedanceQuantum = 0.125;       // N s/m
 inline constexpr double kPacketPeriodQuantum = 0.25e-3;  // s
 
-/// What one end of a coordination link tells the other; the server passes it on. Sums and clocks are sent by their low
-/// bits: link_stream.h makes them whole again.
+/// One end of a coordination link to the other, by way of the server. Integrals and clocks are sent by their
+/// low bits; LinkReceiver (link_stream.h) completes them.
 struct LinkUpdate {
-  SiteId peer = kNoSite;  // whom it is for; from the server: who said it
+  SiteId peer = kNoSite;  // to the server: the addressee; from the server: the sender
   PartId part = kNoPart;
   std::uint32_t epoch = 0;  // of the link, chosen by the owner; larger than any of it before
   std::uint16_t sequence = 0;
@@ -278,7 +281,7 @@ struct LinkUpdate {
   std::uint8_t fade = 0;                // 255ths
   bool on = false, asks = false;
   std::uint8_t regime = 0;  // 0 stiff, 1 soft, 2 apart
-  bool posed = false;       // what follows is there
+  bool posed = false;       // whether the fields that follow are present
   Pose worldFromDrawn;
   Twist twist;
   LineTerms terms;
@@ -286,7 +289,7 @@ struct LinkUpdate {
 inline constexpr double kWaveQuantum = 1e-5;    // sqrt(W) s
 inline constexpr double kEnergyQuantum = 1e-7;  // J
 
-/// The receiver of StateUpdates says which of those that it was to keep it has (state_stream.h).
+/// Which of the StateUpdates that were marked to be kept the receiver has (state_stream.h).
 struct StateAck {
   static constexpr std::size_t kMost = 16;
   std::uint8_t count = 0;

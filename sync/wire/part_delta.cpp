@@ -78,7 +78,7 @@ bool within(const Code3& code, std::int64_t least, std::int64_t most) {
   return std::all_of(code.begin(), code.end(), [&](std::int64_t x) { return x >= least && x <= most; });
 }
 
-/// The velocity after d seconds, by that at the baseline and the one h seconds before it.
+/// The velocity after d seconds, extrapolated from that at the baseline and the one h seconds before it.
 Code3 predictedSpeed(const Code3& before, const Code3& at, Rule rule, double h, double d) {
   if (rule == Rule::steady) return at;
   Code3 code;
@@ -89,7 +89,8 @@ Code3 predictedSpeed(const Code3& before, const Code3& at, Rule rule, double h, 
   return code;
 }
 
-/// The way from 0 to d, in steps of the velocity times seconds: v(t) = at + b t + c t^2 through all that is known.
+/// The displacement from 0 to d, in steps of the velocity times seconds: the integral of v(t) = at + b t + c
+/// t^2 through the known velocities (the trapezoid rule, where c = 0).
 glm::dvec3 way(const Code3& before, const Code3& at, const Code3& after, Rule rule, double h, double d) {
   glm::dvec3 sum;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -103,8 +104,8 @@ glm::dvec3 way(const Code3& before, const Code3& at, const Code3& after, Rule ru
   return sum;
 }
 
-/// A rotation vector as a quaternion by the series of sine and cosine: exact enough for the angles of a prediction, and
-/// the same everywhere.
+/// A rotation vector as a quaternion by the series of sine and cosine: exact enough for the angles of a
+/// prediction, and the same everywhere.
 glm::dquat turned(const glm::dvec3& rotation, const glm::dquat& from) {
   const glm::dvec3 v = 0.5 * rotation;
   const double s = v.x * v.x + v.y * v.y + v.z * v.z;
@@ -159,8 +160,9 @@ class Prediction {
   double stepsPerMetre_;
 };
 
-/// The other three, for a quaternion that leaves out this one.
+/// The codes of the other three components, for a quaternion that leaves out this one.
 Code3 threeOf(const glm::dquat& q, int leftOut) {
+  ASSERT(leftOut >= 0 && leftOut < 4);
   const double w[4] = {q.w, q.x, q.y, q.z};
   const double sign = w[leftOut] < 0.0 ? -1.0 : 1.0;
   Code3 code{};
@@ -272,7 +274,7 @@ DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros ela
     now.twist.linear = prediction.linear() + residual.threes[0];
     now.twist.angular = prediction.angular() + residual.threes[1];
   }
-  // Checked before they are used: no prediction is made from a velocity that there cannot be.
+  // Checked before they are used: no prediction is made from a velocity out of range.
   if (!within(now.twist.linear, -kSpeedMax, kSpeedMax) || !within(now.twist.angular, -kSpeedMax, kSpeedMax)) {
     reader.fail();
     return {};
@@ -290,6 +292,7 @@ DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros ela
 
 PartBaseline toldAgainst(const PartBaseline& baseline, Micros elapsed, const PartCode& now,
                          const DeltaOrders& orders) {
+  ASSERT(elapsed > 0);
   return {now, true, baseline.code.twist, elapsed, orders};
 }
 

@@ -7,11 +7,14 @@
 #include <cstring>
 #include <vector>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
-// Header: magic 8, scene hash 32, frame centre 3 x 8, half extent 8, CRC-32 of all that 4.
-// Record: payload length 4, kind 1 (0 control, 1 state), session time 8, payload, CRC-32 of all that 4.
+// Sizes in bytes.
+// - Header: magic 8, scene hash 32, frame centre 3 x 8, half extent 8, CRC-32 of all that 4.
+// - Record: payload length 4, kind 1 (0 control, 1 state), session time 8, payload, CRC-32 of all that 4.
 constexpr char kMagic[] = "TNDMREC1";
 constexpr std::size_t kHeaderBytes = 8 + 32 + 32 + 4, kRecordHead = 4 + 1 + 8, kCrcBytes = 4;
 
@@ -77,6 +80,7 @@ struct RecordingWriter::State {
     }
   }
   void write(Micros time, std::uint8_t kind) {
+    ASSERT(kind <= 1 && !payload.empty());
     record.clear();
     putNumber(record, payload.size(), 4);
     putNumber(record, kind, 1);

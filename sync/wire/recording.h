@@ -36,7 +36,7 @@ class RecordingWriter {
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
   ~RecordingWriter();  // flushes
 
-  /// A failed write is told by the next flush(); what comes after it is dropped.
+  /// The next flush() returns the error of a failed write; later entries are dropped.
   void write(Micros time, const ControlMessage& message);
   void write(Micros time, const StateMessage& message);
   Status flush();

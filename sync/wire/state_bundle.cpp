@@ -1,17 +1,19 @@
 #include "sync/wire/state_bundle.h"
 
+#include "assets/base/assert.h"
 #include "sync/wire/wire.h"
 
 namespace tandem::sync {
 namespace {
 
 constexpr std::size_t kHead = 3;        // version, kind, length of what follows
-constexpr std::size_t kLongest = 0xff;  // that is followed by another message
+constexpr std::size_t kLongest = 0xff;  // of a message that another one follows: its length has one byte
 constexpr auto kPair = static_cast<std::byte>(StateKind::pair);
 
 }  // namespace
 
 bool StateBundle::add(std::span<const std::byte> message) {
+  ASSERT(!message.empty());
   if (!bytes_.empty()) {
     const std::size_t before = bytes_.size() - last_;
     if (before > kLongest || bytes_.size() + kHead + message.size() > kMaxStateBytes) return false;
@@ -20,6 +22,7 @@ bool StateBundle::add(std::span<const std::byte> message) {
   }
   last_ = bytes_.size();
   bytes_.insert(bytes_.end(), message.begin(), message.end());
+  ASSERT(last_ + message.size() == bytes_.size());
   return true;
 }
 
@@ -29,6 +32,7 @@ std::span<const std::byte> takeMessage(std::span<const std::byte>& datagram) {
     const auto length = std::to_integer<std::size_t>(datagram[2]);
     if (length > 0 && kHead + length < datagram.size()) message = datagram.subspan(kHead, length);
   }
+  ASSERT(message.size() <= datagram.size());
   datagram = message.size() == datagram.size() ? datagram.subspan(datagram.size())
                                                : datagram.subspan(kHead + message.size());
   return message;

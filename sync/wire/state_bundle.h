@@ -1,9 +1,9 @@
 #pragma once
 
-// State messages that leave one end of a connection at the same time, in one datagram: each datagram costs 32 bytes of seal
-// and 28 of IP and UDP beside what it says.
+// State messages that leave one end of a connection at the same time, in one datagram: each datagram costs 32
+// bytes of seal and 28 of IP and UDP beside what it says.
 //
-// 1. In the order in which they were said; one by itself is a datagram as it is.
+// 1. The messages keep their order; a single message is a datagram without any head.
 // 2. No allocation once the buffer has grown.
 
 #include <cstddef>
@@ -14,9 +14,10 @@ namespace tandem::sync {
 
 class StateBundle {
  public:
-  /// False if this message does not fit beside those that are there: they are to be sent first. By itself it always fits.
+  /// False if this message does not fit beside those in the bundle, which must be sent first. An empty bundle
+  /// takes any message.
   bool add(std::span<const std::byte> message);
-  /// The same; those that are there are sent first where it does not fit. `send` is given a datagram.
+  /// Adds a message; where it does not fit, `send` is first given the datagram of those before it.
   template <typename Send>
   void add(std::span<const std::byte> message, const Send& send) {
     if (add(message)) return;
@@ -37,7 +38,8 @@ class StateBundle {
   std::size_t last_ = 0;  // where the last message begins
 };
 
-/// The first message of a datagram, which is left with the others. What is no bundle is one message, sound or not.
+/// Takes the first message off a datagram. Bytes that are no bundle count as one message, which decoding may
+/// refuse.
 std::span<const std::byte> takeMessage(std::span<const std::byte>& datagram);
 
 }  // namespace tandem::sync

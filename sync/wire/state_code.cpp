@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
+
 namespace tandem::sync {
 namespace {
 
 /// A number as a signed code in steps of `quantum`; zero is exact. Not a number becomes zero.
 std::int64_t toCode(double value, double quantum, std::int64_t min, std::int64_t max, int& clamped) {
+  ASSERT(quantum > 0.0 && min < max);
   const double code = value / quantum;
   if (!(code >= static_cast<double>(min) - 0.5)) {
     ++clamped;
@@ -39,7 +42,7 @@ Code3 getSpeed(BitReader& reader) {
   Code3 code;
   for (std::int64_t& x : code) {
     x = reader.getSigned(kSpeedBits);
-    if (x < -kSpeedMax) reader.fail();  // no encoder writes this one
+    if (x < -kSpeedMax) reader.fail();  // no encoder writes this code
   }
   return code;
 }
@@ -138,7 +141,7 @@ void putTime(BitWriter& writer, Micros time) {
 
 void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
                  int& clamped) {
-  // A pose that is no pose (a device that failed) is shown at the centre rather than sent as nonsense.
+  // An invalid pose (of a device that failed) is replaced by one at the centre.
   const Pose fallback{frame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
   const auto putPose = [&](const Pose& pose) {
     put(writer, toCode(isValid(pose) ? pose : fallback, frame, clamped));

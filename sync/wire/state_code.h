@@ -1,10 +1,11 @@
 #pragma once
 
-// Poses, velocities and parts as the integers that the wire carries, and their bits (sync/WIRE.md). Only the encoders
-// of state datagrams include this.
+// Poses, velocities and parts as the integers that the wire carries, and their bits (sync/WIRE.md). Only the
+// encoders of state datagrams include this.
 //
-// 1. Codes are what both ends agree on: a decoded code is the encoded one, so nothing drifts however often it is sent.
-// 2. Codes come from a peer: what get...() reads is checked, and a reader is failed by what no encoder writes.
+// 1. A decoded code is the encoded one, so nothing drifts however often a state is passed on.
+// 2. Codes come from a peer: get...() checks what it reads, and fails the reader on codes that no encoder
+//    writes.
 
 #include <array>
 #include <cstdint>
@@ -49,9 +50,9 @@ struct PartCode {
   friend bool operator==(const PartCode&, const PartCode&) = default;
 };
 
-/// Which of w x y z is the largest in size: what a code leaves out.
+/// Which of w x y z has the largest magnitude; a code leaves that one out.
 int largestOf(const glm::dquat& q);
-/// Counts in `clamped` what lay outside its range.
+/// Counts in `clamped` the numbers that lay outside their range.
 PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped);
 TwistCode toCode(const Twist& twist, int& clamped);
 PartCode toCode(const PartState& state, const WireFrame& frame, int& clamped);
@@ -66,10 +67,10 @@ bool sendable(const PartState& state);
 void put(BitWriter& writer, const PoseCode& code);
 void put(BitWriter& writer, const TwistCode& code);
 void putTime(BitWriter& writer, Micros time);
-/// `camera`: or without the eyes.
+/// `camera`: whether the pose of the camera goes along.
 void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
                  int& clamped);
-/// A part by itself, whatever else is known of it.
+/// A part by itself, without a baseline.
 void putWhole(BitWriter& writer, const PartCode& code);
 int wholeBits(const PartCode& code);
 

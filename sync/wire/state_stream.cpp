@@ -14,7 +14,8 @@ constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
 constexpr std::size_t kReceiverSpare =
     8;  // of reordering: a newer mark may come before what its baseline was for
 
-/// Of states that must come out as they went in: each number takes part in the order of the wire.
+/// A checksum of the states that the receiver must end up with: each number takes part, in the order of the
+/// wire.
 class Check {
  public:
   void add(const PartCode& code) {
@@ -81,7 +82,7 @@ const KeptUpdate* StateSender::baselineFor(const Stream& stream, const StateUpda
   return best;
 }
 
-/// By how much the sequences of the parts have grown since the baseline: the same for all that a site publishes.
+/// By how much the sequences of the parts have grown since the baseline; a site's parts all grow by the same.
 std::optional<std::uint32_t> StateSender::stepFrom(const KeptUpdate& baseline) const {
   for (const PartBaseline& known : baseline.parts)
     for (const PartCode& code : codes_)
@@ -90,7 +91,7 @@ std::optional<std::uint32_t> StateSender::stepFrom(const KeptUpdate& baseline) c
   return std::nullopt;
 }
 
-/// Decides how each part is told, as long as there is room, in the order in which they were given.
+/// Decides how each part is encoded, as long as there is room, in the order in which they were given.
 void StateSender::plan(const KeptUpdate* baseline, Micros elapsed, std::optional<std::uint32_t> step,
                        const WireFrame& frame, int room) {
   plans_.clear();
@@ -116,6 +117,7 @@ void StateSender::plan(const KeptUpdate* baseline, Micros elapsed, std::optional
     }
     if (bits > room) continue;
     room -= bits;
+    ASSERT(room >= 0);
     ++told;
     if (against != nullptr)
       against->code = static_cast<int>(i);
@@ -166,7 +168,7 @@ void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, s
 }
 
 void StateSender::keep(Stream& stream, const StateUpdate& update, Micros elapsed) {
-  // The slot may be the baseline's own: that is read before it is replaced.
+  // The slot may hold the baseline itself, which is read before it is replaced.
   spare_.clear();
   for (const Plan& plan : plans_)
     if (plan.code >= 0)
@@ -182,13 +184,14 @@ void StateSender::keep(Stream& stream, const StateUpdate& update, Micros elapsed
   slot.time = update.time;
   slot.acknowledged = false;
   slot.parts.swap(spare_);
+  ASSERT(stream.kept.size() <= kKept && stream.next < stream.kept.size());
   stream.next = (stream.next + 1) % kKept;
   stream.everKept = true;
   stream.keptAt = update.time;
 }
 
-/// What else goes into this update: presence where it is new, or new to this receiver; the eyes where they moved, a few
-/// times.
+/// What else goes into this update: the presence if it is new, or new to this receiver; the camera a few
+/// times after it moved, and then at times, because datagrams get lost.
 StateSender::With StateSender::Stream::goesAlong(const StateUpdate& update) {
   if (!update.presenceKnown || (!update.newPresence && presences > 0)) return {};
   const Pose& now = update.presence.worldFromCamera;
@@ -222,6 +225,7 @@ void StateSender::encode(const StateUpdate& update, const WireFrame& frame, std:
   std::size_t told = whole_.size();
   for (const Plan& plan : plans_) told += plan.code >= 0 ? 1 : 0;
   counted.leftOut += static_cast<int>(update.parts.size() - told);
+  ASSERT(counted.leftOut >= 0 && bytes.size() <= kMaxStateBytes);
   if (keeps) keep(stream, update, elapsed);
   if (losses != nullptr) *losses = counted;
 }
@@ -259,7 +263,7 @@ StateReceiver::Outcome StateReceiver::decode(std::span<const std::byte> bytes, c
   return decodeUpdate(reader, frame, *update);
 }
 
-/// The parts that the baseline has.
+/// Reads the parts that are differences to the baseline.
 StateReceiver::Outcome StateReceiver::readAgainst(BitReader& reader, const KeptUpdate& baseline,
                                                   Micros elapsed, std::uint32_t step,
                                                   const WireFrame& frame) {
@@ -272,7 +276,7 @@ StateReceiver::Outcome StateReceiver::readAgainst(BitReader& reader, const KeptU
       if (reader.get(1) == 1) continue;
       orders = getDelta(reader, known, elapsed, frame, code);
     } else if (!code.twist.still()) {
-      reader.fail();  // what moves cannot be as it was
+      reader.fail();  // a part that moves cannot be where it was
     }
     parts_.push_back(toldAgainst(known, elapsed, code, orders));
   }
@@ -281,7 +285,7 @@ StateReceiver::Outcome StateReceiver::readAgainst(BitReader& reader, const KeptU
 
 StateReceiver::Outcome StateReceiver::readWhole(BitReader& reader) {
   const std::size_t count = reader.get(8);
-  // A count is believed only as far as the bits for it are there.
+  // A count is believed only if the datagram has bits for so many parts.
   if (count * kSmallestPartBits > reader.remaining()) return Outcome::malformed;
   for (std::size_t i = 0; i < count; ++i) {
     const PartCode code = getWhole(reader);
@@ -360,7 +364,7 @@ void StateReceiver::takePresence(Stream& stream, bool camera, StateUpdate& updat
   update.presenceKnown = stream.hasPresence;
 }
 
-/// Keeps the newest; a datagram that came twice, or so late that it is older than all of them, is not kept again.
+/// Keeps the newest datagrams. One that came twice, or is older than all that are kept, is not kept again.
 void StateReceiver::keep(Stream& stream, const StateUpdate& update) {
   KeptUpdate* slot = nullptr;
   for (KeptUpdate& kept : stream.kept)

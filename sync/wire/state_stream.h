@@ -1,18 +1,18 @@
 #pragma once
 
-// StateUpdates from one end of a connection to the other, small: parts are told as differences to a datagram that the
-// receiver has said it has. Site to server and server to each site are streams of their own, each with its own losses;
-// the server decodes and encodes in between.
+// StateUpdates from one end of a connection to the other in few bytes: parts are encoded as differences to a
+// datagram that the receiver has acknowledged. Site to server and server to each site are streams of their
+// own, each with its own losses; the server decodes and encodes in between.
 //
-// 1. Every datagram is decodable alone by whoever has its baseline, and says which one that is. Whoever lacks it drops
-//    the datagram and counts it: nothing is ever applied to another baseline.
+// 1. Every datagram is decodable alone by whoever has its baseline, and says which one that is. Whoever lacks
+//    it drops the datagram and counts it: nothing is ever applied to another baseline.
 // 2. Baselines: at most every kKeepInterval the sender marks a datagram to be kept. The receiver keeps it and
-//    acknowledges it; the sender tells against the newest one acknowledged that it still has. Both keep the newest
-//    kKept that were marked, so what the sender chooses, the receiver has.
-// 3. Without an acknowledged baseline (at the start, after an outage of a second) parts are told whole: a receiver is
-//    never further from a usable state than the next datagram.
-// 4. Each datagram against a baseline carries a check of the states that must come out.
-// 5. Codes, not numbers, are kept and predicted from: nothing accumulates.
+//    acknowledges it; the sender encodes against the newest acknowledged one that it still has. Both keep the
+//    newest kKept that were marked, so what the sender chooses, the receiver has.
+// 3. Without an acknowledged baseline (at the start, after an outage of a second) parts are sent whole: a
+//    receiver is never further from a usable state than the next datagram.
+// 4. Each datagram against a baseline carries a checksum of the decoded states.
+// 5. Both ends keep integer codes, not floating-point numbers, and predict from them: no error accumulates.
 //
 // No allocation once the buffers have grown. One thread.
 
@@ -31,7 +31,7 @@ inline constexpr Micros kKeepInterval = 40 * kMillisecond;  // by the update's o
 inline constexpr std::size_t kKept = 24;                    // a stream: about a second
 inline constexpr Micros kAckInterval = 20 * kMillisecond;   // at least, between two acknowledgements
 
-/// A datagram's parts, as both ends have them.
+/// The parts of a datagram that both ends keep as a baseline.
 struct KeptUpdate {
   std::uint32_t sequence = 0;
   Micros time = 0;
@@ -41,14 +41,15 @@ struct KeptUpdate {
 
 class StateSender {
  public:
-  /// Replaces `bytes`. Parts from the back of update.parts are left out if they do not fit; presence goes along where
-  /// it is new (StateUpdate::newPresence), or new to this receiver; of it the camera where that moved, and at times.
+  /// Replaces `bytes`. Parts from the back of update.parts are left out if they do not fit; presence goes
+  /// along where it is new (StateUpdate::newPresence), or new to this receiver; of it the camera where that
+  /// moved, and at times.
   void encode(const StateUpdate& update, const WireFrame& frame, std::vector<std::byte>& bytes,
               EncodeLosses* losses = nullptr);
   void acknowledged(const StateAck& ack);
-  /// The connection is a new one: the receiver has nothing.
+  /// The connection is a new one: the receiver has no baseline.
   void reset() { streams_.clear(); }
-  /// An origin that is not coming back.
+  /// Frees the stream of an origin that is not coming back.
   void forget(SiteId origin);
 
  private:
@@ -67,7 +68,7 @@ class StateSender {
 
     With goesAlong(const StateUpdate& update);
   };
-  /// What becomes of a part of the baseline.
+  /// How one part of the baseline is encoded.
   struct Plan {
     const PartBaseline* baseline = nullptr;
     int code = -1;  // in codes_; -1: it is not in this datagram
@@ -99,12 +100,13 @@ class StateReceiver {
   enum class Outcome : std::uint8_t {
     taken,
     malformed,
-    noBaseline,  // told against a datagram that is not here
-    spoilt,      // what came out is not what went in
+    noBaseline,  // against a datagram that this end does not have
+    spoilt,      // the checksum of the decoded states does not match
   };
   /// As decodeState, for every kind of datagram; an update without a presence gets the newest one known.
   Outcome decode(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);
-  /// What is to be acknowledged by now; nothing if nothing is, or the last time was less than kAckInterval ago.
+  /// The acknowledgement that is due now; nothing if there is nothing new, or the last one is less than
+  /// kAckInterval old.
   std::optional<StateAck> takeAck(Micros now);
   void reset();
   void forget(SiteId origin);

@@ -4,9 +4,9 @@
 
 namespace tandem::sync {
 
-/// Microseconds. Session time is the server's clock, counted from the start of the session's data directory and never
-/// running backwards, also across restarts; every site estimates it (sync/replica/clock_offset.h). Local time is a site's own
-/// monotonic clock.
+/// Microseconds. Session time is the server's clock, counted from the start of the session's data directory
+/// and never running backwards, also across restarts; every site estimates it (sync/replica/clock_offset.h).
+/// Local time is a site's own monotonic clock.
 using Micros = std::int64_t;
 
 inline constexpr Micros kMillisecond = 1000;

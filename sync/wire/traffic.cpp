@@ -30,7 +30,7 @@ void Traffic::countState(std::span<const std::byte> datagram) {
     case StateKind::streamed: {
       const auto flags = std::to_integer<unsigned>(datagram[kFlags]);
       presenceBits = (flags & 2u) == 0 ? 0 : (flags & 8u) != 0 ? kPresenceBits : kHandBits;
-      const bool against = (flags & 4u) != 0;  // only what has parts is told against others
+      const bool against = (flags & 4u) != 0;  // only an update with parts has a baseline
       hasParts = against || size > bytesOf(kEmptyStreamedBits + presenceBits);
       break;
     }

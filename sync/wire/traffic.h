@@ -1,8 +1,8 @@
 #pragma once
 
-// State and control messages of one direction, counted by what they are for. Bytes are those of the messages: on
-// sockets a datagram of several has 3 more for each but the last, sealing adds 32 to each datagram (the transport counts them),
-// and a frame 5 and TLS some 22 to each control message.
+// State and control messages of one direction, counted by what they are for. Bytes are those of the messages:
+// on sockets a datagram of several has 3 more for each but the last, sealing adds 32 to each datagram (the
+// transport counts them), and a frame 5 and TLS some 22 to each control message.
 
 #include <cstddef>
 #include <cstdint>
@@ -16,12 +16,12 @@ struct Flow {
 
 struct Traffic {
   Flow parts;     // updates with parts
-  Flow presence;  // updates without, and the bytes of presence in those with parts
+  Flow presence;  // updates without parts, and the bytes of presence in those with parts
   Flow links, pings, acks;
   Flow control;
-  Flow unknown;  // of no kind that there is
+  Flow unknown;  // of a kind that does not exist
 
-  /// By its first bytes, whether or not the rest is sound.
+  /// Counts a message by its first bytes, whether or not it decodes.
   void countState(std::span<const std::byte> datagram);
   void countControl(std::size_t bytes);
   void add(const Traffic& other);

@@ -30,8 +30,8 @@ std::vector<std::byte> encodeControl(const ControlMessage& message);
 /// version is decoded, so that the server can answer it.
 Result<ControlMessage> decodeControl(std::span<const std::byte> bytes);
 
-/// What a state datagram's second byte says. A streamed update is one that StateSender writes (state_stream.h); a pair is a
-/// message and another one, or pair, behind it (state_bundle.h).
+/// What a state datagram's second byte says. A streamed update is one that StateSender writes
+/// (state_stream.h); a pair is a message and another one, or pair, behind it (state_bundle.h).
 enum class StateKind : std::uint8_t {
   update = 1,
   ping = 2,
@@ -42,7 +42,7 @@ enum class StateKind : std::uint8_t {
   pair = 7
 };
 
-/// What an encoding had to change. Zero in normal use.
+/// How many values an encoding left out or clamped. Zero in normal use.
 struct EncodeLosses {
   int leftOut = 0;  // parts that did not fit, or whose pose is not a valid one
   int clamped = 0;  // numbers outside their range on the wire (a position outside the frame, a speed)
@@ -54,8 +54,8 @@ void encodeState(const StateMessage& message, const WireFrame& frame, std::vecto
                  EncodeLosses* losses = nullptr);
 /// Whether a datagram says that it is a StateUpdate, whole or streamed.
 bool isStateUpdate(std::span<const std::byte> bytes);
-/// Every kind but the streamed one, which StateReceiver reads. Reuses the storage of `message` (a StateUpdate keeps its vector's capacity). After an error its content is
-/// unspecified.
+/// Decodes every kind but the streamed one, which StateReceiver reads. Reuses the storage of `message` (a
+/// StateUpdate keeps its vector's capacity). After an error its content is unspecified.
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);
 
 // Largest errors of quantisation (sync/WIRE.md derives them).
