@@ -2,12 +2,15 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <map>
+#include <set>
 #include <sstream>
 
 #include <tiny_gltf.h>
 
 #include "assets/generate/grey_png.h"
 #include "assets/generate/sample_scene.h"
+#include "assets/scene/describe.h"
 
 namespace tandem::generate {
 namespace {
@@ -53,44 +56,78 @@ void add(Object& object, const char* key, double value) {
   if (value != 0.0) object[key] = number(value);
 }
 
-/// Of {"force": .., "distance": ..} and the like, if any is set.
-void addPair(Object& object, const char* key, const char* first, double a, const char* second, double b) {
-  if (a != 0.0 || b != 0.0) object[key] = tinygltf::Value(Object{{first, number(a)}, {second, number(b)}});
-}
+/// Collects the described numbers of a texture that are not their defaults.
+struct TextureNumbers {
+  std::vector<std::pair<std::string, double>> numbers;
+
+  void number(const std::string& property, double value, const assets::Range&, bool = true) {
+    const std::size_t dot = property.find('.');
+    if (dot != std::string::npos) numbers.emplace_back(property.substr(dot + 1), value);
+  }
+  void choice(const char*, const auto&, const auto&) {}
+  void index(const char*, const auto&) {}
+};
 
 tinygltf::Value textureValue(const assets::SurfaceTexture& texture) {
-  static const char* const kFunctions[] = {"", "", "sine", "grid", "bumps", "noise"};
   Object value;
   if (texture.pattern == assets::SurfaceTexture::Pattern::image)
     value["image"] = index(texture.image);
   else
-    value["function"] = tinygltf::Value(std::string(kFunctions[static_cast<std::size_t>(texture.pattern)]));
-  add(value, "amplitude", texture.amplitude);
-  add(value, "wavelength", texture.wavelength);
-  if (texture.frictionScale != 1.0) value["frictionScale"] = number(texture.frictionScale);
+    value["function"] =
+        tinygltf::Value(std::string(assets::kPatternNames[static_cast<std::size_t>(texture.pattern)]));
+  assets::SurfaceTexture relief = texture;
+  relief.amplitudeForce = 0.0;  // a relief in N has a short form of its own, which no sample scene uses
+  const assets::SurfaceTexture plain;
+  TextureNumbers stated, defaults;
+  describe(stated, relief);
+  describe(defaults, plain);
+  for (std::size_t i = 0; i < stated.numbers.size(); ++i)
+    if (stated.numbers[i].second != defaults.numbers[i].second)
+      value[stated.numbers[i].first] = number(stated.numbers[i].second);
   return tinygltf::Value(value);
 }
 
+/// Writes a described record as the properties of extras.haptic. A number without a group is written where it
+/// is not its default, a group with all that apply to it where one of them is not.
+class RecordWriter {
+ public:
+  explicit RecordWriter(Object& out) : out_(out) {}
+
+  void number(const std::string& property, double value, const assets::Range&, bool applies = true) {
+    const std::size_t dot = property.find('.');
+    if (dot == std::string::npos) return add(out_, property.c_str(), value);
+    if (applies) put(property, tinygltf::Value(value), value != 0.0);
+  }
+  void choice(const std::string& property, const auto& value, const auto& names) {
+    const auto index = static_cast<std::size_t>(value);
+    put(property, tinygltf::Value(std::string(names[index])), index != 0);
+  }
+  void record(const char* property, const assets::SurfaceTexture& texture) {
+    if (texture.pattern != assets::SurfaceTexture::Pattern::none) out_[property] = textureValue(texture);
+  }
+
+  void finish() {
+    for (const std::string& group : stated_) out_[group] = tinygltf::Value(groups_[group]);
+  }
+
+ private:
+  void put(const std::string& property, tinygltf::Value value, bool states) {
+    const std::size_t dot = property.find('.');
+    const std::string group = property.substr(0, dot);
+    groups_[group][property.substr(dot + 1)] = std::move(value);
+    if (states) stated_.insert(group);
+  }
+
+  Object& out_;
+  std::map<std::string, Object> groups_;
+  std::set<std::string> stated_;
+};
+
 /// What extras.haptic of a physics material says beyond stiffness, damping and friction.
 void addSurface(Object& haptic, const assets::Surface& surface) {
-  add(haptic, "creaseAngle", surface.creaseAngle);
-  add(haptic, "viscosity", surface.viscosity);
-  if (surface.texture.pattern != assets::SurfaceTexture::Pattern::none)
-    haptic["texture"] = textureValue(surface.texture);
-  addPair(haptic, "vibration", "frequency", surface.vibrationFrequency, "amplitude",
-          surface.vibrationAmplitude);
-  addPair(haptic, "stickSlip", "force", surface.stickSlipForce, "stiffness", surface.stickSlipStiffness);
-  addPair(haptic, "magnetic", "force", surface.magneticForce, "distance", surface.magneticDistance);
-  if (surface.popThroughForce != 0.0)
-    haptic["popThrough"] = tinygltf::Value(Object{{"force", number(surface.popThroughForce)}});
-  if (surface.law == assets::Surface::Law::viscoelastic)
-    haptic["law"] = tinygltf::Value(Object{{"type", tinygltf::Value(std::string("viscoelastic"))},
-                                           {"stiffness2", number(surface.stiffness2)},
-                                           {"relaxation", number(surface.relaxation)}});
-  if (surface.law == assets::Surface::Law::plastic)
-    haptic["law"] = tinygltf::Value(Object{{"type", tinygltf::Value(std::string("plastic"))},
-                                           {"yield", number(surface.yieldForce)},
-                                           {"hardening", number(surface.hardening)}});
+  RecordWriter writer(haptic);
+  describe(writer, surface);
+  writer.finish();
 }
 
 void addImages(tinygltf::Model& model, const SampleScene& scene) {

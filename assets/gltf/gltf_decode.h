@@ -18,8 +18,8 @@ namespace tandem::assets {
 /// Decompresses every buffer view that carries EXT_meshopt_compression into document.ownedViews.
 void decodeMeshoptViews(GltfDocument& document);
 
-/// How many elements an accessor has; refused if its bytes cannot hold them, so that the count may be trusted before
-/// anything is read. 0 <= accessor < accessors.size(), here and below.
+/// How many elements an accessor has; refused if its bytes cannot hold them, so that the count may be trusted
+/// before anything is read. 0 <= accessor < accessors.size(), here and below.
 std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
 
 /// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All

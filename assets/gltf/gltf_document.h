@@ -3,8 +3,8 @@
 // A glTF file, opened: its container, its JSON and its buffers, with every reference checked. For the
 // loader's own sources (gltf_*.cpp, load_gltf.cpp) only; nothing else includes this header.
 //
-// 1. After openGltf() every index between the sections of the file is in range, and every property that the loader
-//    uses has the type that the specification gives it.
+// 1. After openGltf() every index between the sections of the file is in range, and every property that the
+//    loader uses has the type that the specification gives it.
 // 2. Byte ranges are not checked yet: that is done where they are read (gltf_decode.h).
 // 3. The JSON is checked before tinygltf reads the model from it (gltf_model.h).
 // 4. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any

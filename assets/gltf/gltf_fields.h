@@ -1,7 +1,7 @@
 #pragma once
 
 // The force fields that a glTF file places: extras.haptic.field of a node (an object, or an array of them)
-// and extras.haptic.fields of the scene. The vocabulary stands in assets/README.md. For the loader's sources
+// and extras.haptic.fields of the scene. The vocabulary stands in assets/scene/README.md. For the loader's sources
 // only.
 
 #include <cstdint>

@@ -108,7 +108,8 @@ class PhysicsReader {
     refuseFault(outOfRange(material), place);
   }
 
-  /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is such an object.
+  /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is
+  /// such an object.
   bool readHaptic(JsonView holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
     const JsonView value = holder.member("extras").member("haptic");
     if (!value) return false;

@@ -1,14 +1,15 @@
 #include "assets/gltf/gltf_surface.h"
 
 #include <algorithm>
-#include <initializer_list>
+#include <iterator>
 #include <map>
 #include <numbers>
 #include <optional>
-#include <string_view>
+#include <set>
 
 #include "assets/gltf/embedded_data.h"
 #include "assets/gltf/gltf_decode.h"
+#include "assets/scene/describe.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
@@ -16,21 +17,78 @@ namespace {
 
 constexpr double kLargestAngle = std::numbers::pi;
 
-void noteUnknown(const JsonObject& object, std::initializer_list<std::string_view> known,
-                 UnknownProperties& unknown) {
+/// A described property: "stickSlip.force" is "force" of the object "stickSlip"; a plain one belongs to no
+/// group.
+struct PropertyName {
+  explicit PropertyName(const std::string& property) {
+    const std::size_t dot = property.find('.');
+    if (dot != std::string::npos) group = property.substr(0, dot);
+    key = dot == std::string::npos ? property : property.substr(dot + 1);
+  }
+
+  std::string group, key;
+};
+
+using Keys = std::map<std::string, std::set<std::string>>;  // by group
+
+/// Collects the keys that each object of extras.haptic may have.
+struct KeyCollector {
+  Keys keys;
+
+  void number(const char* property, double, const Range&, bool = true) { add(property); }
+  void choice(const char* property, const auto&, const auto&) { add(property); }
+  void index(const char* property, const auto&) { add(property); }
+  void record(const char*, const auto& value) { describe(*this, value); }
+
+  void add(const char* property) {
+    const PropertyName name(property);
+    keys[name.group].insert(name.key);
+    if (!name.group.empty()) keys[""].insert(name.group);
+  }
+};
+
+const Keys& knownKeys() {
+  static const Keys known = [] {
+    KeyCollector collector;
+    const Surface any;
+    describe(collector, any);
+    Keys keys = std::move(collector.keys);
+    // A law may be stated beside its numbers instead of around them, and some effects have a short form.
+    for (const std::string& key : keys["law"])
+      if (key != "type") keys[""].insert(key);
+    keys[""].insert({"textureAmplitude", "textureWavelength", "popThroughForce"});
+    // The material's own numbers, and what a node carries, are read elsewhere.
+    keys[""].insert(
+        {"stiffness", "damping", "staticFriction", "dynamicFriction", "field", "control", "tolerance"});
+    return keys;
+  }();
+  return known;
+}
+
+void noteUnknown(const JsonObject& object, const std::set<std::string>& known, UnknownProperties& unknown) {
   for (const std::string& key : object.raw().keys())
-    if (std::find(known.begin(), known.end(), key) == known.end()) unknown.add(key);
+    if (known.count(key) == 0) unknown.add(key);
 }
 
 SurfaceTexture::Pattern patternOf(const JsonObject& texture) {
-  using Pattern = SurfaceTexture::Pattern;
   const std::string name = texture.text("function", "");
-  if (name == "sine") return Pattern::sine;
-  if (name == "grid") return Pattern::grid;
-  if (name == "bumps") return Pattern::bumps;
-  if (name == "noise") return Pattern::noise;
-  texture.fail("function", "'" + name.substr(0, 40) + "' is not sine, grid, bumps or noise");
+  for (std::size_t i = 0; i < std::size(kPatternNames); ++i)
+    if (!name.empty() && name == kPatternNames[i]) return static_cast<SurfaceTexture::Pattern>(i);
+  texture.fail("function", '\'' + name.substr(0, 40) + "' is not sine, grid, bumps or noise");
 }
+
+/// Reads the described numbers of one object.
+struct NumberReader {
+  const JsonObject& object;
+  std::string group;
+
+  void number(const char* property, double& value, const Range&, bool = true) {
+    const PropertyName name(property);
+    if (name.group == group) value = object.sizeOr(name.key.c_str(), value);
+  }
+  void choice(const char*, auto&, const auto&) {}
+  void index(const char*, auto&) {}
+};
 
 void readTexture(const JsonObject& haptic, JsonView document, SurfaceTexture& out,
                  UnknownProperties& unknown) {
@@ -44,12 +102,11 @@ void readTexture(const JsonObject& haptic, JsonView document, SurfaceTexture& ou
   } else {
     out.pattern = patternOf(*texture);
   }
-  out.amplitude = texture->sizeOr("amplitude", 0.0);
-  out.wavelength = texture->sizeOr("wavelength", 0.0);
-  out.frictionScale = texture->sizeOr("frictionScale", 1.0);
+  NumberReader reader{*texture, "texture"};
+  describe(reader, out);
   if (out.pattern != SurfaceTexture::Pattern::image && !(out.wavelength > 0.0))
     texture->fail("wavelength", "must be positive");
-  noteUnknown(*texture, {"image", "function", "amplitude", "wavelength", "frictionScale"}, unknown);
+  noteUnknown(*texture, knownKeys().at("texture"), unknown);
 }
 
 /// The short form: an amplitude in N over a wave of some wavelength.
@@ -63,35 +120,59 @@ void readFlatTexture(const JsonObject& haptic, SurfaceTexture& out) {
   out.wavelength = wavelength;
 }
 
-/// Two numbers of one object, e.g. {"frequency": 80, "amplitude": 0.3}.
-void readPair(const JsonObject& haptic, const char* key, const char* first, double& a, const char* second,
-              double& b, UnknownProperties& unknown) {
-  const auto object = haptic.object(key);
-  if (!object) return;
-  a = object->sizeOr(first, 0.0);
-  b = object->sizeOr(second, 0.0);
-  noteUnknown(*object, {first, second}, unknown);
-}
+/// Reads a Surface in the order of its describe(): a group's object is opened at the group's first property.
+class SurfaceReader {
+ public:
+  SurfaceReader(const JsonObject& haptic, JsonView document, UnknownProperties& unknown)
+      : haptic_(haptic), document_(document), unknown_(unknown) {}
 
-/// "elastic", or an object: {"type": "plastic", "yield": 2, "hardening": 100}.
-void readLaw(const JsonObject& haptic, Surface& out, UnknownProperties& unknown) {
-  if (!haptic.has("law")) return;
-  const std::optional<JsonObject> object = haptic.raw("law").isObject() ? haptic.object("law") : std::nullopt;
-  const JsonObject& holder = object ? *object : haptic;
-  const std::string name = object ? object->text("type", "") : haptic.text("law", "");
-  if (name == "viscoelastic") {
-    out.law = Surface::Law::viscoelastic;
-    out.stiffness2 = holder.sizeOr("stiffness2", 0.0);
-    out.relaxation = holder.sizeOr("relaxation", 0.0);
-  } else if (name == "plastic") {
-    out.law = Surface::Law::plastic;
-    out.yieldForce = holder.sizeOr("yield", 0.0);
-    out.hardening = holder.sizeOr("hardening", 0.0);
-  } else if (name != "elastic") {
-    haptic.fail("law", "'" + name.substr(0, 40) + "' is not elastic, viscoelastic or plastic");
+  void number(const char* property, double& value, const Range&, bool applies = true) {
+    const PropertyName name(property);
+    if (name.group.empty()) return read(haptic_, name.key, value);
+    if (name.group == "popThrough") read(haptic_, "popThroughForce", value);  // the short form
+    enter(name.group);
+    if (object_)
+      read(*object_, name.key, value, applies);
+    else if (name.group == "law")
+      read(haptic_, name.key, value, applies);
   }
-  if (object) noteUnknown(*object, {"type", "stiffness2", "relaxation", "yield", "hardening"}, unknown);
-}
+
+  /// "elastic", or an object: {"type": "plastic", "yield": 2, "hardening": 100}.
+  void choice(const char*, Surface::Law& law, const auto& names) {
+    if (!haptic_.has("law")) return;
+    if (haptic_.raw("law").isObject()) enter("law");
+    const std::string name = object_ ? object_->text("type", "") : haptic_.text("law", "");
+    const auto* known = std::find(std::begin(names), std::end(names), name);
+    if (known == std::end(names))
+      haptic_.fail("law", '\'' + name.substr(0, 40) + "' is not elastic, viscoelastic or plastic");
+    law = static_cast<Surface::Law>(known - std::begin(names));
+  }
+
+  void record(const char*, SurfaceTexture& texture) {
+    readTexture(haptic_, document_, texture, unknown_);
+    readFlatTexture(haptic_, texture);
+  }
+
+ private:
+  static void read(const JsonObject& object, const std::string& key, double& value, bool applies = true) {
+    if (applies) value = object.sizeOr(key.c_str(), value);
+  }
+
+  void enter(const std::string& group) {
+    if (group == group_) return;
+    group_ = group;
+    object_.reset();
+    if (group == "law" && !haptic_.raw("law").isObject()) return;
+    object_ = haptic_.object(group.c_str());
+    if (object_) noteUnknown(*object_, knownKeys().at(group), unknown_);
+  }
+
+  const JsonObject& haptic_;
+  const JsonView document_;
+  UnknownProperties& unknown_;
+  std::string group_;
+  std::optional<JsonObject> object_;  // of group_, if it is there
+};
 
 /// The bytes of an image that lies in a buffer view or a data URI.
 std::optional<Bytes> imageBytes(const GltfDocument& document, JsonView image) {
@@ -123,27 +204,9 @@ void UnknownProperties::add(const std::string& name) {
 }
 
 void readSurface(const JsonObject& haptic, JsonView document, Surface& out, UnknownProperties& unknown) {
-  noteUnknown(haptic, {"stiffness",       "damping",   "staticFriction",   "dynamicFriction",
-                       "field",           "control",   "creaseAngle",      "viscosity",
-                       "texture",         "vibration", "stickSlip",        "magnetic",
-                       "popThrough",      "law",       "stiffness2",       "relaxation",
-                       "yield",           "hardening", "textureAmplitude", "textureWavelength",
-                       "popThroughForce", "tolerance"},
-              unknown);
-  out.creaseAngle = haptic.sizeOr("creaseAngle", 0.0);
-  out.viscosity = haptic.sizeOr("viscosity", 0.0);
-  readTexture(haptic, document, out.texture, unknown);
-  readFlatTexture(haptic, out.texture);
-  readPair(haptic, "vibration", "frequency", out.vibrationFrequency, "amplitude", out.vibrationAmplitude,
-           unknown);
-  readPair(haptic, "stickSlip", "force", out.stickSlipForce, "stiffness", out.stickSlipStiffness, unknown);
-  readPair(haptic, "magnetic", "force", out.magneticForce, "distance", out.magneticDistance, unknown);
-  out.popThroughForce = haptic.sizeOr("popThroughForce", 0.0);
-  if (const auto popThrough = haptic.object("popThrough")) {
-    out.popThroughForce = popThrough->sizeOr("force", out.popThroughForce);
-    noteUnknown(*popThrough, {"force"}, unknown);
-  }
-  readLaw(haptic, out, unknown);
+  noteUnknown(haptic, knownKeys().at(""), unknown);
+  SurfaceReader reader(haptic, document, unknown);
+  describe(reader, out);
   refuseFault(outOfRange(out), haptic.place());
   out.creaseAngle = std::min(out.creaseAngle, kLargestAngle);
 }

@@ -12,7 +12,8 @@ namespace {
 
 using nlohmann::json;
 
-// Far beyond any real file; keeps what recurses over JSON, nlohmann's destructor among it, off the stack's end.
+// Far beyond any real file; keeps what recurses over JSON, nlohmann's destructor among it, off the stack's
+// end.
 constexpr int kMaxJsonDepth = 96;
 
 void checkDepth(std::string_view text) {

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <type_traits>
 
+#include "assets/scene/describe.h"
 #include "assets/scene/scene_check.h"
 
 namespace tandem::assets {
@@ -92,7 +93,6 @@ class Reader {
 };
 
 // --- arrays in planes
-// -------------------------------------------------------------------------------------------------
 
 /// Signed differences as small unsigned numbers; a bijection of 32 bits.
 std::uint32_t zigzag(std::uint32_t d) { return (d << 1) ^ (0u - (d >> 31)); }
@@ -175,17 +175,46 @@ void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
 
 // --- one function a type, for both directions: Writer takes const references, Reader mutable ones ---
 
-/// An array of things that are written one by one; each takes at least `minimum` bytes.
+/// The fewest bytes that an element of a list takes: a default one has no text and no lists of its own.
+template <typename T, typename Each>
+std::size_t leastBytes(const Each& each) {
+  Writer writer;
+  const T element{};
+  each(writer, element);
+  return writer.take().size();
+}
+
+/// An array of things that are written one by one by each(archive, thing).
 template <typename Archive, typename List, typename Each>
-void list(Archive& a, List& values, std::size_t minimum, Each&& each) {
-  a.count(values, minimum);
-  for (auto& value : values) each(value);
+void list(Archive& a, List& values, const Each& each) {
+  static const std::size_t least = leastBytes<typename std::remove_cvref_t<List>::value_type>(each);
+  a.count(values, least);
+  for (auto& value : values) each(a, value);
 }
 
 /// An array of plain numbers.
 template <typename Archive, typename Numbers>
 void numbers(Archive& a, Numbers& values) {
-  list(a, values, sizeof(values[0]), [&a](auto& value) { a.number(value); });
+  list(a, values, [](auto& archive, auto& value) { archive.number(value); });
+}
+
+/// Writes or reads the members of a record in the order of its describe().
+template <typename Archive>
+struct Described {
+  Archive& archive;
+
+  void number(const char*, auto& value, const Range&, bool = true) { archive.number(value); }
+  void bound(const char*, auto& value, const Range&) { archive.number(value); }
+  void vector(const char*, auto& value, const Range&) { archive.number(value); }
+  void choice(const char*, auto& value, const auto&) { archive.number(value); }
+  void index(const char*, auto& value) { archive.number(value); }
+  void record(const char*, auto& value) { describe(*this, value); }
+};
+
+template <typename Archive, typename Record>
+void described(Archive& a, Record& record) {
+  Described<Archive> visitor{a};
+  describe(visitor, record);
 }
 
 template <typename Archive, typename Pose_>
@@ -203,36 +232,8 @@ void material(Archive& a, Material_& m) {
   a.number(m.baseColour);
   a.number(m.metallic);
   a.number(m.roughness);
-  a.number(m.stiffness);
-  a.number(m.damping);
-  a.number(m.staticFriction);
-  a.number(m.dynamicFriction);
-  a.number(m.restitution);
+  described(a, m);
   a.number(m.surface);
-}
-
-template <typename Archive, typename Surface_>
-void surface(Archive& a, Surface_& s) {
-  a.number(s.creaseAngle);
-  a.number(s.viscosity);
-  a.number(s.texture.pattern);
-  a.number(s.texture.image);
-  a.number(s.texture.amplitude);
-  a.number(s.texture.amplitudeForce);
-  a.number(s.texture.wavelength);
-  a.number(s.texture.frictionScale);
-  a.number(s.vibrationFrequency);
-  a.number(s.vibrationAmplitude);
-  a.number(s.stickSlipForce);
-  a.number(s.stickSlipStiffness);
-  a.number(s.magneticForce);
-  a.number(s.magneticDistance);
-  a.number(s.popThroughForce);
-  a.number(s.law);
-  a.number(s.stiffness2);
-  a.number(s.relaxation);
-  a.number(s.yieldForce);
-  a.number(s.hardening);
 }
 
 void texture(Writer& out, const TextureImage& image) {
@@ -255,10 +256,7 @@ template <typename Archive, typename Shape_>
 void shape(Archive& a, Shape_& s) {
   a.number(s.kind);
   pose(a, s.partFromShape);
-  a.number(s.size);
-  a.number(s.height);
-  a.number(s.radiusTop);
-  a.number(s.radiusBottom);
+  described(a, s);
   a.number(s.material);
 }
 
@@ -267,7 +265,7 @@ void part(Archive& a, Part_& p) {
   a.text(p.name);
   a.number(p.treeNode);
   a.number(p.mesh);
-  list(a, p.shapes, 100, [&a](auto& s) { shape(a, s); });
+  list(a, p.shapes, [](auto& archive, auto& s) { shape(archive, s); });
   pose(a, p.worldFromPart);
   a.flag(p.movable);
   a.flag(p.kinematic);
@@ -287,23 +285,20 @@ void joint(Archive& a, Joint_& j) {
   a.number(j.partB);
   pose(a, j.aFromJoint);
   pose(a, j.bFromJoint);
-  list(a, j.limits, 34, [&a](auto& l) {
-    a.flag(l.angular);
-    a.number(l.axes);
-    a.number(l.min);
-    a.number(l.max);
-    a.number(l.stiffness);
-    a.number(l.damping);
+  list(a, j.limits, [](auto& archive, auto& l) {
+    archive.flag(l.angular);
+    archive.number(l.axes);
+    described(archive, l);
   });
-  list(a, j.drives, 43, [&a](auto& d) {
-    a.flag(d.angular);
-    a.flag(d.acceleration);
-    a.number(d.axis);
-    a.number(d.maxForce);
-    a.number(d.positionTarget);
-    a.number(d.velocityTarget);
-    a.number(d.stiffness);
-    a.number(d.damping);
+  list(a, j.drives, [](auto& archive, auto& d) {
+    archive.flag(d.angular);
+    archive.flag(d.acceleration);
+    archive.number(d.axis);
+    archive.number(d.maxForce);
+    archive.number(d.positionTarget);
+    archive.number(d.velocityTarget);
+    archive.number(d.stiffness);
+    archive.number(d.damping);
   });
   a.number(j.pitch);
   numbers(a, j.detents.places);
@@ -313,26 +308,6 @@ void joint(Archive& a, Joint_& j) {
   a.flag(j.collide);
 }
 
-template <typename Archive, typename Region_>
-void fieldRegion(Archive& a, Region_& r) {
-  a.number(r.kind);
-  a.number(r.halfSize);
-  a.number(r.radius);
-  a.number(r.fade);
-}
-
-template <typename Archive, typename Waveform_>
-void waveform(Archive& a, Waveform_& w) {
-  a.number(w.kind);
-  a.number(w.frequency);
-  a.number(w.endFrequency);
-  a.number(w.sweep);
-  a.number(w.phase);
-  a.number(w.width);
-  a.number(w.start);
-  a.number(w.stop);
-}
-
 template <typename Archive, typename Field_>
 void field(Archive& a, Field_& f) {
   a.text(f.name);
@@ -340,9 +315,9 @@ void field(Archive& a, Field_& f) {
   a.number(f.part);
   pose(a, f.partFromField);
   a.number(f.maxForce);
-  fieldRegion(a, f.region);
+  described(a, f.region);
   a.number(f.force);
-  waveform(a, f.waveform);
+  described(a, f.waveform);
   a.number(f.anchor);
   a.number(f.axis);
   a.flag(f.oneSided);
@@ -359,9 +334,9 @@ void field(Archive& a, Field_& f) {
   a.number(f.potential);
   a.number(f.depth);
   a.number(f.sigma);
-  list(a, f.terms, 11, [&a](auto& t) {
-    a.number(t.coefficient);
-    a.number(t.powers);
+  list(a, f.terms, [](auto& archive, auto& t) {
+    archive.number(t.coefficient);
+    archive.number(t.powers);
   });
 }
 
@@ -373,10 +348,7 @@ void control(Archive& a, Control_& c) {
   pose(a, c.worldFromAxis);
   pose(a, c.axisFromPart);
   a.flag(c.endless);
-  for (auto* value :
-       {&c.min, &c.max, &c.initial, &c.inertia, &c.springStiffness, &c.springRest, &c.damping, &c.friction,
-        &c.detents.force, &c.detents.width, &c.click.at, &c.click.drop, &c.click.width, &c.threshold})
-    a.number(*value);
+  described(a, c);
   numbers(a, c.detents.places);
   a.number(c.roles);
   numbers(a, c.shows);
@@ -457,19 +429,19 @@ void sceneBody(Archive& a, Scene_& s) {
   a.number(s.gravity);
   a.number(s.bounds.min);
   a.number(s.bounds.max);
-  list(a, s.materials, 72, [&a](auto& m) { material(a, m); });
-  list(a, s.surfaces, 134, [&a](auto& f) { surface(a, f); });
-  list(a, s.textures, 12, [&a](auto& t) { texture(a, t); });
-  list(a, s.meshes, 74, [&a](auto& m) { mesh(a, m); });
-  list(a, s.tree, 8, [&a](auto& n) {
-    a.text(n.name);
-    a.number(n.parent);
+  list(a, s.materials, [](auto& archive, auto& x) { material(archive, x); });
+  list(a, s.surfaces, [](auto& archive, auto& x) { described(archive, x); });
+  list(a, s.textures, [](auto& archive, auto& x) { texture(archive, x); });
+  list(a, s.meshes, [](auto& archive, auto& x) { mesh(archive, x); });
+  list(a, s.tree, [](auto& archive, auto& n) {
+    archive.text(n.name);
+    archive.number(n.parent);
   });
-  list(a, s.parts, 200, [&a](auto& p) { part(a, p); });
-  list(a, s.joints, 158, [&a](auto& j) { joint(a, j); });
-  list(a, s.fields, 334, [&a](auto& f) { field(a, f); });
-  list(a, s.controls, 244, [&a](auto& c) { control(a, c); });
-  list(a, s.findings, 21, [&a](auto& f) { finding(a, f); });
+  list(a, s.parts, [](auto& archive, auto& x) { part(archive, x); });
+  list(a, s.joints, [](auto& archive, auto& x) { joint(archive, x); });
+  list(a, s.fields, [](auto& archive, auto& x) { field(archive, x); });
+  list(a, s.controls, [](auto& archive, auto& x) { control(archive, x); });
+  list(a, s.findings, [](auto& archive, auto& x) { finding(archive, x); });
 }
 
 }  // namespace

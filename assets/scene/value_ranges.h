@@ -1,10 +1,7 @@
 #pragma once
 
-// The range of every number of a surface, field, control or shape: the one place that both the loader and the check of
-// scenes that came over a network go by. README.md lists them.
-//
-// The ranges are far wider than anything a hand can feel and far narrower than what arithmetic can bear: they
-// catch wrong units and hostile files, not taste.
+// Whether the numbers of a record are in the ranges that describe.h states: the one check that both the
+// loader and the check of scenes that came over a network go by.
 
 #include <optional>
 #include <string>
@@ -13,11 +10,8 @@
 
 namespace tandem::assets {
 
-/// m, of any coordinate of a mesh, a shape or a pose. Beyond, it is a mistake in the file's units, and squares
-/// and products of it lose their meaning.
-inline constexpr double kMaxCoordinate = 1e9;
-
-/// Whether all coordinates are nearer to the origin than kMaxCoordinate; false for what is not a number.
+/// Whether all coordinates are nearer to the origin than kMaxCoordinate (describe.h); false for what is not a
+/// number.
 bool nearOrigin(const glm::dvec3& p);
 
 /// A number that lies outside of its range.
