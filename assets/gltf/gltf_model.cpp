@@ -94,10 +94,10 @@ int attribute(const tinygltf::Primitive& primitive, const char* name) {
   return it == primitive.attributes.end() ? -1 : it->second;
 }
 
-GltfMesh mesh(const tinygltf::Mesh& from, JsonView json) {
+GltfMesh mesh(const tinygltf::Mesh& from, JsonView view) {
   GltfMesh to;
   to.name = from.name;
-  const JsonView primitives = json.member("primitives");
+  const JsonView primitives = view.member("primitives");
   for (std::size_t i = 0; i < from.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = from.primitives[i];
     const JsonView indices = primitives.element(i).member("indices");

@@ -228,7 +228,6 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
 }
 
 LinkPacket CoordinationLink::packet(double now) {
-  ASSERT(!(fade_ < 0.0) && !(fade_ > 1.0) && !(announced_ < 0.0));
   LinkPacket packet;
   packet.epoch = epoch_;
   packet.sequence = sequence_++;
