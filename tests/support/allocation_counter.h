@@ -1,6 +1,6 @@
 #pragma once
 
-// Heap allocations of a piece of code: compile assets/base/allocation_counter.cpp into the test or bench that wants
+// Heap allocations of a piece of code: link tandem_allocation_counter to the test or bench that wants
 // to know.
 
 #include <cstdint>
