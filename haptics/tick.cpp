@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
 #include "haptics/tick_data.h"
 
@@ -47,12 +48,26 @@ class Tick {
                                                                  : data_.tool.partUnder(data_.held.held());
     findPushed();
     report();
-    sendWrench();
-    if (input_.second != nullptr) out_.second = data_.second.send(secondCoupling_, data_.held, data_.fault);
+    send();
+    return out_;
+  }
+
+  /// The end of a tick in which an ASSERT failed: the fault is latched, and the force on its way to zero.
+  TickOutput abandon(const FailedAssertion& broken) {
+    data_.fault.raise(broken.condition, broken.file, broken.line);
+    out_.contactCount = out_.ownedCount = out_.pushedCount = 0;
+    out_.touched = kNoPart;
+    report();
+    send();
     return out_;
   }
 
  private:
+  void send() {
+    sendWrench();
+    if (input_.second != nullptr) out_.second = data_.second.send(secondCoupling_, data_.held, data_.fault);
+  }
+
   void noteSample() {
     const SampleGuard::Verdict verdict =
         data_.guard.judge(input_.device, parameters_, data_.invalidTime, out_.flags);
@@ -402,12 +417,29 @@ class Tick {
   TickOutput out_;
 };
 
+/// What a tick gives whose ASSERT failed; no force at all if not even its end holds.
+TickOutput endAfter(const FailedAssertion& broken, Tick& current) {
+  try {
+    return current.abandon(broken);
+  } catch (const FailedAssertion&) {
+    TickOutput nothing;
+    nothing.flags = kFlagFault;
+    return nothing;
+  }
+}
+
 }  // namespace
 
 TickOutput tick(const TickInput& input, const ContactScene& scene, const TickParameters& parameters,
                 TickState& state) {
   TICK_ASSERT(state.data().fault, state.data().scene == &scene.data());
-  return Tick(input, parameters, state.data()).run();
+  Tick current(input, parameters, state.data());
+  const AssertionScope scope;
+  try {
+    return current.run();
+  } catch (const FailedAssertion& broken) {
+    return endAfter(broken, current);
+  }
 }
 
 }  // namespace tandem::haptics

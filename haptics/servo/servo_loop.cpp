@@ -15,7 +15,9 @@
 #endif
 
 #include "assets/base/assert.h"
+#include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
+#include "haptics/base/fault.h"
 #include "haptics/operator/simulated_hand.h"
 #include "haptics/servo/servo_schedule.h"
 
@@ -87,6 +89,9 @@ struct ServoLoop::State {
         period_ns(static_cast<std::int64_t>(static_cast<double>(kNanosecondsPerSecond) / rate)) {}
 
   void run();
+  void loop();
+  void latch(const FailedAssertion& broken);
+  void letGo();
   std::array<Wrench, 2> call(const std::array<DeviceSample, 2>& samples, double time);
 
   const std::array<Device*, 2> devices;  // the second is null where there is none
@@ -97,6 +102,8 @@ struct ServoLoop::State {
   std::atomic<bool> stopping{false};
   std::atomic<std::uint64_t> ticks{0}, late{0}, skipped{0}, zeroed{0}, exceptions{0};
   std::atomic<int> realtimeError{kUnset}, lockError{kUnset};
+  FaultLatch fault;                 // written before `faulty` is set
+  std::atomic<bool> faulty{false};  // the force is zero until the next start
   DurationHistogram compute, period;
   std::array<std::atomic<float>, 256> recent{};
   std::atomic<std::uint32_t> recentNext{0};
@@ -104,10 +111,30 @@ struct ServoLoop::State {
 
 std::array<Wrench, 2> ServoLoop::State::call(const std::array<DeviceSample, 2>& samples, double time) {
   try {
-    return callback(samples, time);
+    const std::array<Wrench, 2> wrenches = callback(samples, time);
+    return fault.raised() ? std::array<Wrench, 2>{} : wrenches;
+  } catch (const FailedAssertion& broken) {
+    latch(broken);
+    return {};
   } catch (...) {  // an exception must not end the program with a force left on a hand
     exceptions.fetch_add(1, std::memory_order_relaxed);
     return {};
+  }
+}
+
+void ServoLoop::State::latch(const FailedAssertion& broken) {
+  fault.raise(broken.condition, broken.file, broken.line);
+  faulty.store(true, std::memory_order_release);
+}
+
+/// Zero force on all devices. A driver whose own invariant is broken sends zero once it is no longer called.
+void ServoLoop::State::letGo() {
+  for (Device* device : devices) {
+    try {
+      if (device != nullptr) device->apply(Wrench{});
+    } catch (const FailedAssertion& broken) {
+      latch(broken);
+    }
   }
 }
 
@@ -115,6 +142,16 @@ void ServoLoop::State::run() {
   flushDenormals();
   realtimeError.store(becomeRealtime());
   lockError.store(lockMemory());
+  const AssertionScope scope;
+  try {
+    loop();
+  } catch (const FailedAssertion& broken) {
+    latch(broken);
+  }
+  letGo();
+}
+
+void ServoLoop::State::loop() {
   std::array<DeviceLimits, 2> limits;
   for (std::size_t i = 0; i < 2; ++i)
     if (devices[i] != nullptr) limits[i] = devices[i]->limits();
@@ -147,8 +184,6 @@ void ServoLoop::State::run() {
     skipped.fetch_add(static_cast<std::uint64_t>(schedule.advance(now_ns())), std::memory_order_relaxed);
     ticks.fetch_add(1, std::memory_order_release);
   }
-  for (Device* device : devices)
-    if (device != nullptr) device->apply(Wrench{});
 }
 
 ServoLoop::ServoLoop(Device& device, Callback callback, double rate)
@@ -171,6 +206,8 @@ ServoLoop::~ServoLoop() { stop(); }
 void ServoLoop::start() {
   if (state_->thread.joinable()) return;
   state_->stopping.store(false);
+  state_->fault = FaultLatch{};
+  state_->faulty.store(false);
   state_->thread = std::thread([state = state_.get()] { state->run(); });
 }
 
@@ -207,6 +244,9 @@ ServoStatistics ServoLoop::statistics() const {
          "): allow it with '@realtime - memlock unlimited' in the same file");
   if (out.zeroed > 0) note("force was held at zero because ticks took longer than their period too often");
   if (out.exceptions > 0) note("the tick's callback threw; those ticks gave zero force");
+  if (s.faulty.load(std::memory_order_acquire))
+    note(std::string("broken invariant, force held at zero: ") + s.fault.file + ":" +
+         std::to_string(s.fault.line) + ": " + s.fault.condition);
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <string>
 
 #include "haptics/tick_data.h"
 #include "tests/haptics/hand_probe.h"
@@ -86,6 +87,57 @@ TEST(Tick, AppliesGainAndTheEmergencyKey) {
   EXPECT_NEAR(hand.out.toHand.force.z, 0.25 * 800.0 * 0.002, 1e-6);
   hand.parameters.zeroForce = true;
   EXPECT_EQ(hand.tick().toHand.force, glm::dvec3(0.0));
+}
+
+TickParameters rampedSpring() {
+  TickParameters p = springOnly();
+  p.slewLimit = 400.0;
+  return p;
+}
+
+/// Presses on the box; then the proxy rests on a triangle that is not there.
+void pressAndBreakTheProxy(HandProbe& hand) {
+  hand.at({0.0, 0.0, 0.02});
+  hand.to({0.0, 0.0, 0.008}, 1e-4);
+  for (int i = 0; i < 20; ++i) hand.tick();
+  hand.state.data().tool.proxy().planes[0].surface.triangle = 999;
+}
+
+TEST(Tick, LatchesABrokenInvariantOfTheProxyAndRampsTheForceToZero) {
+  HandProbe hand(boxScene(), rampedSpring());
+  pressAndBreakTheProxy(hand);
+  double last = hand.out.toHand.force.z;
+  ASSERT_NEAR(last, 1.6, 1e-6);
+  for (int i = 0; i < 3; ++i) {
+    hand.tick();
+    EXPECT_TRUE(hand.out.flags & haptics::kFlagFault);
+    EXPECT_NEAR(hand.out.toHand.force.z, last - 0.4, 1e-9);
+    last = hand.out.toHand.force.z;
+  }
+  for (int i = 0; i < 5; ++i) hand.tick();
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  const haptics::FaultLatch& fault = hand.state.fault();
+  EXPECT_NE(std::string(fault.condition).find("triangle <"), std::string::npos);
+  EXPECT_NE(std::string(fault.file).find("contact_world.cpp"), std::string::npos);
+}
+
+TEST(Tick, FeelsAgainOnceABrokenInvariantHoldsAndItsFaultIsReset) {
+  HandProbe hand(boxScene(), rampedSpring());
+  pressAndBreakTheProxy(hand);
+  for (int i = 0; i < 10; ++i) hand.tick();
+  hand.state.data().tool.proxy().planes[0].surface.triangle = 0;
+  hand.tick();
+  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  hand.state.resetFault();
+  for (int i = 0; i < 10; ++i) hand.tick();
+  EXPECT_EQ(hand.out.flags & haptics::kFlagFault, 0u);
+  EXPECT_NEAR(hand.out.toHand.force.z, 1.6, 1e-6);
+}
+
+TEST(Tick, AbortsOnABrokenInvariantBetweenTicks) {
+  HandProbe hand(boxScene());
+  hand.tick();
+  EXPECT_DEATH(hand.state.meshesChanged(99), "broken invariant: mesh < ");
 }
 
 TEST(Tick, LatchesAFaultAndLetsGoUntilItIsReset) {

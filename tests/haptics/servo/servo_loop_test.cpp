@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "assets/base/assert.h"
 #include "haptics/servo/servo_schedule.h"
 
 namespace tandem::haptics {
@@ -241,6 +242,47 @@ TEST(ServoLoop, GivesZeroForceWhenTheCallbackThrows) {
   EXPECT_EQ(device.largest, 0.0);
   EXPECT_GE(loop.statistics().exceptions, 5u);
   EXPECT_NE(loop.statistics().note.find("threw"), std::string::npos);
+}
+
+TEST(ServoLoop, HoldsZeroForceAfterABrokenInvariantInTheCallback) {
+  RecordingDevice device;
+  std::atomic<int> calls{0};
+  ServoLoop loop(device, [&](const DeviceSample&, double) {
+    ASSERT(calls.fetch_add(1) != 2);
+    return Wrench{{1.0, 0.0, 0.0}, {}};
+  });
+  loop.start();
+  waitForTicks(loop, 6);
+  const std::string note = loop.statistics().note;
+  EXPECT_NE(note.find("broken invariant"), std::string::npos) << note;
+  EXPECT_NE(note.find("servo_loop_test.cpp"), std::string::npos) << note;
+  EXPECT_GE(calls.load(), 6);
+  EXPECT_EQ(device.largest, 1.0);
+  device.largest = 0.0;
+  waitForTicks(loop, loop.statistics().ticks + 5);
+  loop.stop();
+  EXPECT_EQ(device.largest, 0.0);
+  loop.start();
+  waitForTicks(loop, loop.statistics().ticks + 2);
+  loop.stop();
+  EXPECT_EQ(device.largest, 1.0);
+  EXPECT_EQ(loop.statistics().note.find("broken invariant"), std::string::npos);
+}
+
+TEST(ServoLoop, LetsGoWhenADriversInvariantBreaks) {
+  struct Broken : RecordingDevice {
+    DeviceSample poll(double now) override {
+      ASSERT(polls.load() < 3);
+      return RecordingDevice::poll(now);
+    }
+  } device;
+  ServoLoop loop(device, [](const DeviceSample&, double) { return Wrench{{1.0, 0.0, 0.0}, {}}; });
+  loop.start();
+  while (device.applied.load() < 4) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  loop.stop();
+  EXPECT_EQ(device.largest, 1.0);
+  EXPECT_EQ(device.last.force, glm::dvec3(0.0));
+  EXPECT_NE(loop.statistics().note.find("polls.load() < 3"), std::string::npos);
 }
 
 TEST(ServoLoop, HoldsZeroForceWhenTheCallbackOverrunsEachTime) {
