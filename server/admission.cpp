@@ -1,4 +1,5 @@
 #include "server/admission.h"
+#include "sync/wire/limits.h"
 
 #include <sodium.h>
 

@@ -11,7 +11,9 @@
 #include <variant>
 #include <vector>
 
-#include "sync/wire/messages.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/time.h"
 
 namespace tandem::server {
 

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "assets/base/command_line.h"
+#include "sync/wire/limits.h"
+#include "sync/wire/participant_messages.h"
 
 namespace tandem::server {
 namespace {

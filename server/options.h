@@ -10,7 +10,6 @@
 
 #include "assets/base/result.h"
 #include "assets/gltf/load_gltf.h"
-#include "sync/wire/messages.h"
 #include "sync/wire/time.h"
 
 namespace tandem::server {

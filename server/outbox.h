@@ -8,7 +8,7 @@
 #include <deque>
 #include <memory>
 
-#include "sync/wire/messages.h"
+#include "sync/wire/control_message.h"
 
 namespace tandem::server {
 

@@ -14,7 +14,10 @@
 #include "server/publisher.h"
 #include "server/session_context.h"
 #include "server/sites.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_table.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/state_update.h"
 
 namespace tandem::server {
 

@@ -10,9 +10,11 @@
 
 #include "server/outbox.h"
 #include "sync/transport/transport.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/participant_messages.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/state_stream.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::server {
 

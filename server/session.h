@@ -28,9 +28,11 @@
 #include "server/journal.h"
 #include "server/session_config.h"
 #include "server/session_context.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/ownership_table.h"
 #include "sync/transport/transport.h"
+#include "sync/wire/participant_messages.h"
 #include "sync/wire/recording.h"
+#include "sync/wire/time.h"
 #include "sync/wire/traffic.h"
 
 namespace tandem::server {

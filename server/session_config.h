@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "server/admission.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
 
 namespace tandem::server {
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::server {
 namespace {

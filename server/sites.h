@@ -11,8 +11,9 @@
 #include <vector>
 
 #include "server/journal.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/participant_messages.h"
 #include "sync/wire/site_colours.h"
+#include "sync/wire/time.h"
 
 namespace tandem::server {
 

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "server/sqlite_database.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::server {
 namespace {

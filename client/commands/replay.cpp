@@ -10,9 +10,13 @@
 #include "client/commands/command.h"
 #include "client/join/scene_store.h"
 #include "client/viewer/viewer.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_view.h"
+#include "sync/wire/control_message.h"
 #include "sync/wire/recording.h"
 #include "sync/wire/site_colours.h"
+#include "sync/wire/state_message.h"
+#include "sync/wire/time.h"
 
 namespace tandem::client {
 

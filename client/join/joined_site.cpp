@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <chrono>
 #include <future>
-#include <map>
 
+#include "client/join/local_time.h"
 #include "haptics/safety/device_defaults.h"
+#include "sync/transport/socket_transport.h"
 
 namespace tandem::client {
 
@@ -13,37 +14,9 @@ using namespace sync;
 
 namespace {
 constexpr Micros kNetworkPeriod = kMillisecond;
-constexpr Micros kSharePeriod = 15 * kMillisecond;
-constexpr Micros kKeepPeriod = kSecond;             // between copies of a transfer under way
-constexpr Micros kTransferPatience = 30 * kSecond;  // without a byte
-constexpr double kNoticeLife = 8.0;                 // s
-constexpr std::size_t kPlotLength = 1000;           // ticks of force
+constexpr double kNoticeLife = 8.0;        // s
+constexpr std::size_t kPlotLength = 1000;  // ticks of force
 }  // namespace
-
-/// Notes what the connection is told, for reports. Network thread; the lists are guarded by the site's mutex.
-class JoinedSite::Observer : public ConnectionObserver {
- public:
-  explicit Observer(JoinedSite& site) : site_(site), start_(localNow()) {}
-  void onOwnership(const PartRecord& record) override {
-    const std::lock_guard lock(site_.mutex_);
-    site_.ownershipNotes_.push_back({since(), record});
-  }
-  void onGrab(const Grab& grab) override { asked_[grab.request] = localNow(); }
-  void onGrabReply(const GrabReply& reply) override {
-    const auto asked = asked_.find(reply.request);
-    if (asked == asked_.end()) return;  // a reclaim: no person waited
-    const double wait_ms = toSeconds(localNow() - asked->second) * 1e3;
-    asked_.erase(asked);
-    const std::lock_guard lock(site_.mutex_);
-    site_.grabNotes_.push_back({since(), wait_ms, reply.part.part, reply.denial, reply.part.owner});
-  }
-
- private:
-  double since() const { return toSeconds(localNow() - start_); }
-  JoinedSite& site_;
-  Micros start_;
-  std::map<RequestId, Micros> asked_;
-};
 
 JoinedSite::JoinedSite(const JoinOptions& options) : options_(options), store_(options.cacheDirectory) {}
 
@@ -51,12 +24,6 @@ JoinedSite::~JoinedSite() {
   if (servo_) servo_->stop();
   stop_ = true;
   if (network_.joinable()) network_.join();
-}
-
-Micros JoinedSite::localNow() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::steady_clock::now().time_since_epoch())
-      .count();
 }
 
 Result<std::unique_ptr<JoinedSite>> JoinedSite::enter(const JoinOptions& options, const Progress& progress) {
@@ -71,7 +38,6 @@ Status JoinedSite::enterSession(const Progress& progress) {
   connectionOptions.colour = options_.colour;
   connectionOptions.token = options_.link.token;
   connectionOptions.rates.deadband = options_.deadband;
-  observer_ = std::make_unique<Observer>(*this);
   connection_ =
       std::make_unique<ServerConnection>(connectionOptions, [this]() -> Result<std::unique_ptr<Transport>> {
         ConnectOptions connect;
@@ -81,62 +47,31 @@ Status JoinedSite::enterSession(const Progress& progress) {
         if (!made) return made.error();
         return std::unique_ptr<Transport>(std::move(*made));
       });
-  connection_->setObserver(observer_.get());
-  const Micros deadline = localNow() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
+  connection_->setObserver(&notes_);
+  const Micros deadline = localTime() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
   while (connection_->stage() == ServerConnection::Stage::connecting ||
          connection_->stage() == ServerConnection::Stage::entering) {
     // Somebody who enters waits in front of the screen: what does not work at once is told at once.
-    if (!connection_->reason().empty() || localNow() > deadline)
+    if (!connection_->reason().empty() || localTime() > deadline)
       return Error{options_.link.host + ":" + std::to_string(options_.link.port) + ": " +
                    (connection_->reason().empty() ? "no answer" : connection_->reason())};
     if (!progress(0.0, "entering the session")) return Error{"interrupted"};
     waitForNetwork();
-    connection_->step(localNow());
+    connection_->step(localTime());
   }
   if (connection_->stage() == ServerConnection::Stage::ended)
     return Error{"the session refused this site: " + connection_->reason()};
   return prepareScene(progress);
 }
 
-Status JoinedSite::fetch(const Progress& progress) {
-  const assets::ContentHash hash = connection_->welcome().sceneHash;
-  connection_->startTransfer(store_.beginning(hash));
-  Micros lastProgress = localNow(), lastKept = lastProgress;
-  double lastShare = -1.0;
-  while (connection_->stage() != ServerConnection::Stage::haveScene) {
-    if (connection_->stage() == ServerConnection::Stage::ended)
-      return Error{"the session ended: " + connection_->reason()};
-    if (connection_->stage() == ServerConnection::Stage::needScene)
-      connection_->startTransfer(connection_->scenePackage());  // reconnected
-    const Micros now = localNow();
-    const bool stopped = !progress(connection_->transferProgress(), "fetching the scene");
-    if (connection_->transferProgress() != lastShare) {
-      lastShare = connection_->transferProgress();
-      lastProgress = now;
-    }
-    const bool stalled = now - lastProgress > kTransferPatience;
-    if (stopped || stalled || now - lastKept > kKeepPeriod) {
-      lastKept = now;
-      store_.keepBeginning(hash, connection_->scenePackage());
-    }
-    if (stopped) return Error{"interrupted; the scene's transfer will go on from here next time"};
-    if (stalled) return Error{"the scene's transfer stands still; it will go on from here next time"};
-    waitForNetwork();
-    connection_->step(now);
-  }
-  if (assets::contentHash(connection_->scenePackage()) != hash) {
-    store_.forgetBeginning(hash);
-    return Error{
-        "the scene arrived damaged (its hash is not the announced one); enter again to fetch it anew"};
-  }
-  store_.keep(hash, connection_->scenePackage());
-  return {};
-}
-
 Status JoinedSite::prepareScene(const Progress& progress) {
   std::vector<std::byte> package = store_.find(connection_->welcome().sceneHash);
   if (package.empty()) {
-    if (Status fetched = fetch(progress); !fetched) return fetched;
+    const auto step = [this](Micros now) {
+      waitForNetwork();
+      connection_->step(now);
+    };
+    if (Status fetched = downloadScene(*connection_, store_, progress, step); !fetched) return fetched;
     package = connection_->scenePackage();
   } else {
     connection_->skipTransfer();
@@ -175,13 +110,13 @@ Status JoinedSite::modelParts(const Progress& progress) {
   Micros nextShare = 0;
   while (made.wait_for(std::chrono::seconds(0)) != std::future_status::ready) {
     waitForNetwork();
-    connection_->step(localNow());
+    connection_->step(localTime());
     if (connection_->stage() == ServerConnection::Stage::needScene)
       connection_->skipTransfer();  // came back after an outage
     ended = connection_->stage() == ServerConnection::Stage::ended;
-    if (const Micros now = localNow(); now >= nextShare) {
-      nextShare = now + kSharePeriod;
-      share();  // who is here
+    if (const Micros now = localTime(); now >= nextShare) {
+      nextShare = now + SharedSession::kPeriod;
+      shared_.exchange(*connection_, scene_.parts.size());  // the person sees who is here
     }
     if (!stop && (ended || !progress(done, "making parts ready to collide"))) stop = true;
   }
@@ -239,85 +174,27 @@ void JoinedSite::runNetwork() {
   Micros nextShare = 0;
   while (!stop_) {
     waitForNetwork();
-    const Micros now = localNow();
+    const Micros now = localTime();
     connection_->step(now);
     if (now < nextShare) continue;
-    nextShare = now + kSharePeriod;
-    share();
+    nextShare = now + SharedSession::kPeriod;
+    shared_.exchange(*connection_, scene_.parts.size());
   }
   // A last word must leave before the socket goes.
   if (connection_->stage() != ServerConnection::Stage::ended) connection_->leave();
   for (int i = 0; i < 20 && connection_->transport(); ++i) {
-    connection_->step(localNow());
+    connection_->step(localTime());
     waitForNetwork();
   }
   if (recording_)
-    if (Status flushed = recording_->flush(); !flushed) {
-      const std::lock_guard lock(mutex_);
-      shared_.notices.push_back({Notice::Level::error, 0.0, flushed.error().message});
-    }
-}
-
-void JoinedSite::share() {
-  std::vector<PartId> revokes;
-  bool reset = false;
-  {
-    const std::lock_guard lock(mutex_);
-    shared_.sites = connection_->sites();
-    shared_.owner.resize(scene_.parts.size());
-    for (std::size_t i = 0; i < shared_.owner.size(); ++i)
-      shared_.owner[i] = connection_->owner(static_cast<PartId>(i));
-    for (Notice& notice : connection_->takeNotices()) shared_.notices.push_back(std::move(notice));
-    const TransportCounters before = shared_.statistics.transport;
-    shared_.statistics = connection_->statistics();
-    const TransportCounters& after = shared_.statistics.transport;
-    const auto rate = [](std::uint64_t now, std::uint64_t then, double& kbit_s) {
-      const double present =
-          now >= then ? static_cast<double>(now - then) * 8e-3 / toSeconds(kSharePeriod) : 0.0;
-      kbit_s += 0.05 * (present - kbit_s);
-    };
-    rate(after.stateBytesOut + after.controlBytesOut, before.stateBytesOut + before.controlBytesOut,
-         shared_.sentKbit_s);
-    rate(after.stateBytesIn + after.controlBytesIn, before.stateBytesIn + before.controlBytesIn,
-         shared_.receivedKbit_s);
-    shared_.stage = connection_->stage();
-    shared_.reason = connection_->reason();
-    if (const auto* sockets = dynamic_cast<SocketTransport*>(connection_->transport()))
-      shared_.udp = sockets->stateOverUdp(0);
-    connection_->setCamera(shared_.worldFromCamera);
-    std::swap(revokes, shared_.revokes);
-    std::swap(reset, shared_.resetParts);
-  }
-  for (const PartId part : revokes) connection_->revoke(part);
-  if (reset) connection_->resetParts();
+    if (Status flushed = recording_->flush(); !flushed)
+      shared_.notice({Notice::Level::error, 0.0, flushed.error().message});
 }
 
 // ---- main thread ----
 
-bool JoinedSite::ended(std::string& reason) {
-  const std::lock_guard lock(mutex_);
-  if (shared_.stage != ServerConnection::Stage::ended) return false;
-  reason = shared_.reason;
-  return true;
-}
-
-ConnectionStatistics JoinedSite::connectionStatistics() {
-  const std::lock_guard lock(mutex_);
-  return shared_.statistics;
-}
-
 haptics::ServoStatistics JoinedSite::servoStatistics() const {
   return servo_ ? servo_->statistics() : haptics::ServoStatistics{};
-}
-
-std::vector<OwnershipNote> JoinedSite::takeOwnershipNotes() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(ownershipNotes_, {});
-}
-
-std::vector<GrabNote> JoinedSite::takeGrabNotes() {
-  const std::lock_guard lock(mutex_);
-  return std::exchange(grabNotes_, {});
 }
 
 void JoinedSite::update(ViewModel& model) {
@@ -335,31 +212,13 @@ void JoinedSite::update(ViewModel& model) {
     if (onShown) onShown(shown);
   }
   updateHand(model);
-  const std::lock_guard lock(mutex_);
-  model.sites = shared_.sites;
-  model.owner = shared_.owner;
-  model.owner.resize(scene_.parts.size(), kNoSite);
-  for (const SiteView& site : model.sites)
-    if (site.self) model.role = site.info.role;
-  model.connection.connected = shared_.stage == ServerConnection::Stage::ready;
-  model.connection.status = model.connection.connected                        ? "connected"
-                            : shared_.stage == ServerConnection::Stage::ended ? "ended: " + shared_.reason
-                            : shared_.reason.empty()                          ? "connecting"
-                                                     : "reconnecting: " + shared_.reason;
-  model.connection.roundTrip_ms = model.connection.connected ? shared_.statistics.roundTrip_ms : 0.0;
-  model.connection.lossUp = shared_.statistics.lossUp;
-  model.connection.lossDown = shared_.statistics.lossDown;
-  model.connection.playOut_ms = shared_.statistics.playOut_ms;
-  model.connection.sentKbit_s = shared_.sentKbit_s;
-  model.connection.receivedKbit_s = shared_.receivedKbit_s;
-  model.connection.stateOverUdp = shared_.udp;
+  std::vector<Notice> fresh = shared_.read(model, scene_.parts.size());
   for (Notice& notice : notices_) notice.age += elapsed;
   std::erase_if(notices_, [](const Notice& notice) { return notice.age > kNoticeLife; });
-  for (Notice& notice : shared_.notices) {
+  for (Notice& notice : fresh) {
     notice.number = ++noticeCount_;
     notices_.push_back(std::move(notice));
   }
-  shared_.notices.clear();
   model.notices = notices_;
 }
 
@@ -436,10 +295,7 @@ void JoinedSite::act(const ViewActions& actions) {
   if (actions.resetFault) ++settings_.faultResets;
   settings_.graspButton = actions.grasp;
   exchange_->settings.write(settings_);
-  const std::lock_guard lock(mutex_);
-  shared_.worldFromCamera = actions.worldFromCamera;
-  if (actions.revoke != kNoPart) shared_.revokes.push_back(actions.revoke);
-  shared_.resetParts = shared_.resetParts || actions.resetParts;
+  shared_.act(actions);
 }
 
 }  // namespace tandem::client

@@ -7,55 +7,26 @@
 #include <atomic>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <thread>
 #include <vector>
 
 #include "client/hand/hand_loop.h"
 #include "client/hand/scripted_device.h"
+#include "client/join/join_options.h"
+#include "client/join/scene_download.h"
 #include "client/join/scene_store.h"
+#include "client/join/session_notes.h"
+#include "client/join/shared_session.h"
 #include "client/session/exchange.h"
 #include "client/session/server_connection.h"
 #include "client/session/view_model.h"
 #include "haptics/servo/servo_loop.h"
-#include "sync/transport/join_link.h"
-#include "sync/transport/socket_transport.h"
-#include "sync/wire/site_colours.h"
 
 namespace tandem::client {
 
-struct JoinOptions {
-  sync::JoinLink link;
-  std::string name = "site";
-  sync::SiteColour colour = sync::kAnyColour;
-  bool udp = true;
-  double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
-  std::string cacheDirectory;
-  std::string recordPath;        // empty: no recording
-  bool partContact = true;       // a part in the hand collides with others, where the role may take one
-  double enterTimeout_s = 10.0;  // for the way into the session, the scene transfer not counted
-};
-
-/// A change of ownership as this site was told, for reports.
-struct OwnershipNote {
-  double time = 0.0;  // s since the site started
-  sync::PartRecord record;
-};
-
-/// How this site's grabs were answered.
-struct GrabNote {
-  double time = 0.0;     // s since the site started
-  double wait_ms = 0.0;  // from the request to its answer
-  PartId part = kNoPart;
-  sync::Denial denial = sync::Denial::none;
-  SiteId owner = kNoSite;  // who has it now
-};
-
 class JoinedSite {
  public:
-  /// Told the share done, 0..1, and what is being done, every few milliseconds; false stops the entering.
-  using Progress = std::function<bool(double, const char*)>;
   /// Enters the session and fetches the scene. Blocks until the scene stands. What was fetched when it is
   /// stopped, or killed, is kept: the next visit goes on from there.
   static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options, const Progress& progress);
@@ -88,29 +59,26 @@ class JoinedSite {
   void act(const ViewActions& actions);
 
   /// The site is out of the session for good, and why.
-  bool ended(std::string& reason);
-  ConnectionStatistics connectionStatistics();
+  bool ended(std::string& reason) { return shared_.ended(reason); }
+  ConnectionStatistics connectionStatistics() { return shared_.statistics(); }
   haptics::ServoStatistics servoStatistics() const;
-  std::vector<OwnershipNote> takeOwnershipNotes();
-  std::vector<GrabNote> takeGrabNotes();
+  std::vector<OwnershipNote> takeOwnershipNotes() { return notes_.drainOwnership(); }
+  std::vector<GrabNote> takeGrabNotes() { return notes_.drainGrabs(); }
   /// Called in update() for every pose that a part had here, in the order of time.
   std::function<void(const ShownPose&)> onShown;
 
  private:
-  class Observer;
   explicit JoinedSite(const JoinOptions& options);
   Status enterSession(const Progress& progress);
   Status prepareScene(const Progress& progress);
-  Status fetch(const Progress& progress);
   void runNetwork();
   void waitForNetwork();
-  void share();
   void updateHand(ViewModel& model);
-  static sync::Micros localNow();
 
   JoinOptions options_;
   SceneStore store_;
-  std::unique_ptr<Observer> observer_;
+  SessionNotes notes_;
+  SharedSession shared_;
   std::unique_ptr<ServerConnection> connection_;  // network thread, once started
   std::unique_ptr<sync::RecordingWriter> recording_;
   assets::Scene scene_;
@@ -129,25 +97,6 @@ class JoinedSite {
   std::uint64_t noticeCount_ = 0;
   std::vector<float> recentForces_;
   double lastUpdate_ = 0.0;
-
-  // shared by main and network threads
-  std::mutex mutex_;
-  struct Shared {
-    std::vector<SiteView> sites;
-    std::vector<SiteId> owner;
-    std::vector<Notice> notices;
-    ConnectionStatistics statistics;
-    std::string reason;
-    ServerConnection::Stage stage = ServerConnection::Stage::connecting;
-    bool udp = true;
-    double sentKbit_s = 0.0, receivedKbit_s = 0.0;
-    // main -> network
-    Pose worldFromCamera;
-    std::vector<PartId> revokes;
-    bool resetParts = false;
-  } shared_;
-  std::vector<OwnershipNote> ownershipNotes_;
-  std::vector<GrabNote> grabNotes_;
 };
 
 }  // namespace tandem::client

@@ -2,8 +2,9 @@
 
 // Who looks on while a site is in a session: the checks of a simulation, the reports of `join`, a recording.
 
-#include "sync/wire/messages.h"
+#include "sync/wire/ownership_messages.h"
 #include "sync/wire/recording.h"
+#include "sync/wire/state_update.h"
 
 namespace tandem::client {
 

@@ -15,7 +15,8 @@
 #include "haptics/base/triple_buffer.h"
 #include "haptics/link/tied_parts.h"
 #include "haptics/tick.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/state_update.h"
 #include "sync/wire/time.h"
 
 namespace tandem::client {

@@ -18,8 +18,10 @@
 
 #include "assets/scene/scene.h"
 #include "client/session/exchange.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/ownership_view.h"
 #include "sync/wire/link_stream.h"
+#include "sync/wire/link_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::client {
 

@@ -16,7 +16,11 @@
 #include "client/session/message_sender.h"
 #include "client/session/part_links.h"
 #include "client/session/session_clock.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_view.h"
+#include "sync/wire/link_update.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/time.h"
 
 namespace tandem::client {
 

@@ -8,7 +8,8 @@
 #include <vector>
 
 #include "client/session/view_model.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/state_update.h"
 
 namespace tandem::client {
 

@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "sync/wire/messages.h"
+#include "sync/wire/scene_messages.h"
 
 namespace tandem::client {
 

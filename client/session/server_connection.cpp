@@ -11,8 +11,6 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kMaxPongAge = 10 * kSecond;
-
 template <typename Receiver, typename Message>
 concept Handles = requires(Receiver& receiver, Message& message) {
   receiver.handle(message);
@@ -34,7 +32,8 @@ bool handleBy(Receiver& receiver, Message& message) {
 ServerConnection::ServerConnection(ConnectionOptions options, Connector connector)
     : options_(std::move(options)),
       connector_(std::move(connector)),
-      retryDelay_(options_.retryFirst),
+      backoff_(options_.retryFirst, options_.retryLongest),
+      pings_(options_.pingInterval, clock_),
       requests_(people_, sender_, watchers_) {}
 
 ServerConnection::~ServerConnection() = default;
@@ -45,7 +44,7 @@ void ServerConnection::step(Micros now) {
     if (transport_) receiveEvents();  // lets a farewell leave
     return;
   }
-  if (!transport_ && now >= retryAt_) connect();
+  if (!transport_ && backoff_.due(now)) connect();
   if (transport_) receiveEvents();
   if (!transport_ || stage_ == Stage::connecting) return;
   if (inScene_) {
@@ -61,15 +60,10 @@ void ServerConnection::stepInSession() {
   requests_.sendIntents();
   inScene_->ownership.exchangeLinks();
   if (inScene_->ownership.linkPacketIsNear()) return;
-  if (clock_.now() >= nextPing_) ping();
+  if (pings_.due())
+    sender_.sendState(pings_.next(inScene_->publishing.updatesOfConnection()), inScene_->ownership.frame());
   inScene_->receiving.acknowledge();
   inScene_->publishing.publish(worldFromCamera_);
-}
-
-void ServerConnection::ping() {
-  nextPing_ = clock_.now() + options_.pingInterval;
-  updatesAtPing_ = inScene_->publishing.updatesOfConnection();
-  sender_.sendState(Ping{++pingSequence_, clock_.now()}, inScene_->ownership.frame());
 }
 
 // ---- connecting ----
@@ -78,17 +72,12 @@ void ServerConnection::connect() {
   Result<std::unique_ptr<Transport>> made = connector_();
   if (!made) {
     reason_ = made.error().message;
-    retryLater();
+    backoff_.failed(clock_.now());
     return;
   }
   transport_ = std::move(*made);
   ASSERT(transport_ != nullptr);
   sender_.attach(transport_.get());
-}
-
-void ServerConnection::retryLater() {
-  retryAt_ = clock_.now() + retryDelay_;
-  retryDelay_ = std::min(2 * retryDelay_, options_.retryLongest);
 }
 
 void ServerConnection::disconnected(const std::string& reason) {
@@ -104,7 +93,7 @@ void ServerConnection::disconnected(const std::string& reason) {
   people_.connectionLost();
   reason_ = reason;
   enter(Stage::connecting);
-  retryLater();
+  backoff_.failed(clock_.now());
 }
 
 void ServerConnection::sayHello() {
@@ -213,7 +202,7 @@ void ServerConnection::handle(Welcome& message) {
   welcome_ = std::move(message);
   resumeTicket_ = welcome_.resumeTicket;
   options_.lease.lease = welcome_.lease;
-  retryDelay_ = options_.retryFirst;
+  backoff_.succeeded();
   clock_.reset();
   people_.reset(welcome_.site, welcome_.sites);
   fetch_.expect(welcome_.sceneBytes);
@@ -236,14 +225,9 @@ void ServerConnection::handle(const SiteLeft& message) {
 }
 
 void ServerConnection::handle(const Pong& message) {
-  const Micros now = clock_.now();
-  if (message.siteTime > now || now - message.siteTime > kMaxPongAge) return;
-  clock_.observe(message.siteTime, message.serverTime);
-  inScene_->ownership.view().renewed(message.siteTime, now);
+  if (!pings_.observe(message)) return;
+  inScene_->ownership.view().renewed(message.siteTime, clock_.now());
   requests_.reclaim(false);
-  roundTrip_ms_ = toSeconds(clock_.lastRoundTrip()) * 1e3;
-  // Only the newest ping's count stands beside the newest count of sent updates.
-  if (message.sequence == pingSequence_) lossUp_.observe(updatesAtPing_, message.received);
 }
 
 /// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
@@ -296,10 +280,7 @@ void ServerConnection::enterReady() {
   PartOwnership& ownership = inScene_->ownership;
   ownership.enter(welcome_.site);
   enter(Stage::ready);
-  nextPing_ = clock_.now();
-  updatesAtPing_ = 0;
-  lossUp_ = {};
-  roundTrip_ms_ = 0.0;
+  pings_.reset();
   inScene_->publishing.reset();
   inScene_->receiving.reset();
   inScene_->receiving.publishTimeBase();
@@ -337,8 +318,8 @@ SiteId ServerConnection::owner(PartId part) const {
 
 ConnectionStatistics ServerConnection::statistics() const {
   ConnectionStatistics statistics;
-  statistics.roundTrip_ms = roundTrip_ms_;
-  statistics.lossUp = lossUp_.loss();
+  statistics.roundTrip_ms = pings_.roundTrip_ms();
+  statistics.lossUp = pings_.lossUp();
   statistics.malformed = malformed_;
   statistics.reconnects = reconnects_;
   statistics.sent = sender_.sent();

@@ -17,33 +17,17 @@
 #include <vector>
 
 #include "assets/base/result.h"
+#include "client/session/backoff.h"
+#include "client/session/connection_options.h"
+#include "client/session/connection_statistics.h"
 #include "client/session/part_requests.h"
+#include "client/session/pings.h"
 #include "client/session/scene_fetch.h"
 #include "client/session/state_publishing.h"
 #include "client/session/state_receiving.h"
-#include "sync/wire/site_colours.h"
+#include "sync/wire/admission_messages.h"
 
 namespace tandem::client {
-
-struct ConnectionOptions {
-  std::string name = "site";
-  sync::SiteColour colour = sync::kAnyColour;
-  std::string token;  // of the join link
-  PublishRates rates;
-  sync::Micros pingInterval = 100 * sync::kMillisecond;
-  sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
-  sync::LeaseRules lease;  // the length is replaced by the server's
-};
-
-struct ConnectionStatistics {
-  double roundTrip_ms = 0.0;  // 0: no ping of this connection was answered yet
-  double lossUp = 0.0, lossDown = 0.0, playOut_ms = 0.0;
-  std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
-  std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
-  std::uint64_t reconnects = 0;
-  sync::TransportCounters transport;  // of the present connection
-  sync::Traffic sent, received;       // of all
-};
 
 class ServerConnection {
  public:
@@ -106,7 +90,6 @@ class ServerConnection {
   };
 
   void connect();
-  void retryLater();
   void disconnected(const std::string& reason);
   void sayHello();
   void receiveEvents();
@@ -126,31 +109,26 @@ class ServerConnection {
   void enterReady();
   void recordBeginning();
   void stepInSession();
-  void ping();
 
   ConnectionOptions options_;
   Connector connector_;
+  Backoff backoff_;
   std::unique_ptr<sync::Transport> transport_;
   Watchers watchers_;
   Stage stage_ = Stage::connecting;
   std::string reason_;
   std::string resumeTicket_;
-  sync::Micros retryAt_ = 0, retryDelay_;
   sync::Welcome welcome_;  // its list of parts is kept up to date until the scene is ready
   Pose worldFromCamera_;
 
   SessionClock clock_;
+  Pings pings_;
   MessageSender sender_;
   Participants people_;
   SceneFetch fetch_;
   PartRequests requests_;
   std::unique_ptr<InScene> inScene_;
 
-  std::uint32_t pingSequence_ = 0;
-  sync::Micros nextPing_ = 0;
-  std::uint64_t updatesAtPing_ = 0;  // sent on this connection before the newest ping
-  LossMeter lossUp_;
-  double roundTrip_ms_ = 0.0;
   std::uint64_t malformed_ = 0, reconnects_ = 0;
   sync::Traffic received_;
 };

@@ -12,7 +12,8 @@
 #include "assets/scene/scene.h"
 #include "client/review/clash_view.h"
 #include "haptics/tick.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/state_update.h"
 
 namespace tandem::client {
 

@@ -11,7 +11,10 @@
 #include <vector>
 
 #include "client/session/server_connection.h"
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::client {
 

@@ -8,7 +8,8 @@
 #include "assets/base/json.h"
 #include "client/base/json_input.h"
 #include "client/hand/hand_script.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/limits.h"
+#include "sync/wire/time.h"
 
 namespace tandem::client {
 

@@ -1,7 +1,10 @@
+#include "sync/replica/ownership_view.h"
+
 #include <algorithm>
+#include <vector>
 
 #include "assets/base/assert.h"
-#include "sync/replica/ownership.h"
+#include "assets/base/ids.h"
 
 namespace tandem::sync {
 

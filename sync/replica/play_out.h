@@ -10,7 +10,8 @@
 #include <array>
 #include <cstddef>
 
-#include "sync/wire/messages.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::sync {
 

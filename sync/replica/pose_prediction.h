@@ -1,12 +1,12 @@
 #pragma once
 
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 // The display pose of a part that another site moves: the newest state extrapolated to the present by its
 // velocity and acceleration, with corrections blended in. The prediction may be wrong, so no force may be
 // coupled to it.
 //
 // No allocation. Times are session time.
-
-#include "sync/wire/messages.h"
 
 namespace tandem::sync {
 

@@ -1,4 +1,5 @@
 #include "sync/transport/join_link.h"
+#include "sync/wire/limits.h"
 
 #include <algorithm>
 #include <charconv>

@@ -9,7 +9,7 @@
 #include <string>
 
 #include "assets/base/result.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/participant_messages.h"
 
 namespace tandem::sync {
 

@@ -24,13 +24,13 @@ class ClientTransport final : public SocketCore {
   void start();
   std::uint16_t port() const override;
 
-  void handshakeDone(Link& link) override;
-  void greeting(Link& link, FrameType type, std::span<const std::byte> bytes) override;
-  void linkClosed(Link& link, const std::string& reason) override;
+  void handshakeDone(Connection& connection) override;
+  void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) override;
+  void connectionClosed(Connection& connection, const std::string& reason) override;
 
  protected:
   void housekeeping(Micros now) override;
-  Link* linkOf(std::uint64_t wireId) override;
+  Connection* connectionOf(std::uint64_t wireId) override;
 
  private:
   void connect(const tcp::resolver::results_type& endpoints);
@@ -45,7 +45,7 @@ class ClientTransport final : public SocketCore {
   tcp::resolver resolver_;
   tcp::socket socket_;
   tcp::endpoint server_;
-  std::shared_ptr<Link> link_;  // null once it is closed
+  std::shared_ptr<Connection> connection_;  // null once it is closed
 };
 
 ClientTransport::ClientTransport(std::unique_ptr<SslContext> context, const std::string& host,
@@ -58,7 +58,7 @@ ClientTransport::ClientTransport(std::unique_ptr<SslContext> context, const std:
       options_(options),
       resolver_(io_),
       socket_(io_),
-      link_(std::make_shared<Link>(*this)) {}
+      connection_(std::make_shared<Connection>(*this)) {}
 
 ClientTransport::~ClientTransport() {
   resolver_.cancel();
@@ -73,11 +73,11 @@ std::uint16_t ClientTransport::port() const {
 }
 
 void ClientTransport::start() {
-  link_->deadline = now() + options_.timeout;
-  links_[0] = link_;
+  connection_->deadline = now() + options_.timeout;
+  connections_[0] = connection_;
   resolver_.async_resolve(host_, std::to_string(port_),
                           [this](const error_code& failure, const tcp::resolver::results_type& endpoints) {
-                            if (link_ == nullptr || failure == asio::error::operation_aborted) return;
+                            if (connection_ == nullptr || failure == asio::error::operation_aborted) return;
                             if (failure) return fail("cannot find the host " + host_);
                             connect(endpoints);
                           });
@@ -85,7 +85,7 @@ void ClientTransport::start() {
 
 void ClientTransport::connect(const tcp::resolver::results_type& endpoints) {
   asio::async_connect(socket_, endpoints, [this](const error_code& failure, const tcp::endpoint& server) {
-    if (link_ == nullptr || failure == asio::error::operation_aborted) return;
+    if (connection_ == nullptr || failure == asio::error::operation_aborted) return;
     server_ = server;
     connected(failure);
   });
@@ -95,20 +95,20 @@ void ClientTransport::connected(const error_code& failure) {
   if (failure == asio::error::connection_refused) return fail("no server answers at " + place_);
   if (failure) return fail("cannot connect to " + place_ + ": " + failure.message());
   tuneTcp(socket_);
-  link_->stream = std::make_shared<TlsStream>(std::move(socket_), *context_, *link_);
-  link_->stream->start(TlsStream::Side::client);
+  connection_->stream = std::make_shared<TlsStream>(std::move(socket_), *context_, *connection_);
+  connection_->stream->start(TlsStream::Side::client);
 }
 
-void ClientTransport::handshakeDone(Link& link) {
-  announce(link_, 0);
-  link.stream->send(FrameType::offer, encode(Offer{kTransportVersion, offeredAlgorithms()}));
+void ClientTransport::handshakeDone(Connection& connection) {
+  announce(connection_, 0);
+  connection.stream->send(FrameType::offer, encode(Offer{kTransportVersion, offeredAlgorithms()}));
 }
 
-void ClientTransport::greeting(Link& link, FrameType type, std::span<const std::byte> bytes) {
+void ClientTransport::greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
   const std::optional<Accept> accept = parseAccept(bytes, offeredAlgorithms());
-  if (type != FrameType::accept || link.channel != nullptr || !accept ||
-      !agree(link, accept->algorithm, accept->wireId, StateChannel::Side::client)) {
-    return refuse(link, "the server sent a greeting that cannot be read");
+  if (type != FrameType::accept || connection.channel != nullptr || !accept ||
+      !agree(connection, accept->algorithm, accept->wireId, StateChannel::Side::client)) {
+    return refuse(connection, "the server sent a greeting that cannot be read");
   }
   if (options_.udp) openUdp();
 }
@@ -126,34 +126,35 @@ void ClientTransport::openUdp() {
   }
   enlargeBuffers(udp_.native_handle());
   watchUdp();
-  sendProbe(*link_, now());
+  sendProbe(*connection_, now());
 }
 
-void ClientTransport::fail(const std::string& reason) { linkClosed(*link_, reason); }
+void ClientTransport::fail(const std::string& reason) { connectionClosed(*connection_, reason); }
 
-void ClientTransport::linkClosed(Link& link, const std::string& reason) {
-  if (link_ == nullptr) return;
-  if (!link.announced && link.stream != nullptr) ++counters_.failedHandshakes;
+void ClientTransport::connectionClosed(Connection& connection, const std::string& reason) {
+  if (connection_ == nullptr) return;
+  if (!connection.announced && connection.stream != nullptr) ++counters_.failedHandshakes;
   error_code ignored;
   resolver_.cancel();
   socket_.close(ignored);
-  drop(link, reason);
-  link_.reset();
+  drop(connection, reason);
+  connection_.reset();
 }
 
 void ClientTransport::housekeeping(Micros at) {
-  if (link_ == nullptr) return;
-  if (!link_->announced && at > link_->deadline) {
-    if (link_->stream != nullptr) link_->stream->abandon();
+  if (connection_ == nullptr) return;
+  if (!connection_->announced && at > connection_->deadline) {
+    if (connection_->stream != nullptr) connection_->stream->abandon();
     const auto seconds = std::to_string((options_.timeout + kSecond / 2) / kSecond);
     return fail("no answer from " + place_ + " within " + seconds + " s");
   }
-  if (udp_.is_open() && link_->channel != nullptr && !link_->closing) sendProbe(*link_, at);
+  if (udp_.is_open() && connection_->channel != nullptr && !connection_->closing) sendProbe(*connection_, at);
 }
 
-Link* ClientTransport::linkOf(std::uint64_t wireId) {
-  const bool known = link_ != nullptr && link_->channel != nullptr && link_->channel->wireId() == wireId;
-  return known ? link_.get() : nullptr;
+Connection* ClientTransport::connectionOf(std::uint64_t wireId) {
+  const bool known =
+      connection_ != nullptr && connection_->channel != nullptr && connection_->channel->wireId() == wireId;
+  return known ? connection_.get() : nullptr;
 }
 
 }  // namespace

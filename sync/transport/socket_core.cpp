@@ -20,39 +20,8 @@ constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // older state than this is
 constexpr std::size_t kMaxUndelivered = 4 << 20;     // bytes received that the application has not polled
 constexpr std::size_t kMaxSpare = 16;
 constexpr std::size_t kMaxSpareBytes = 64 * 1024;
-constexpr std::size_t kMaxFarewell = 200;
-
-/// A peer's text, made fit for one line of ours.
-std::string oneLine(std::span<const std::byte> bytes) {
-  std::string text;
-  for (const std::byte byte : bytes.first(std::min(bytes.size(), kMaxFarewell))) {
-    const char c = static_cast<char>(byte);
-    text += c >= ' ' && c <= '~' ? c : '?';
-  }
-  return text;
-}
 
 }  // namespace
-
-void Link::onHandshake() { core_->handshakeDone(*this); }
-
-void Link::onFrame(FrameType type, std::span<const std::byte> bytes) {
-  switch (type) {
-    case FrameType::control:
-    case FrameType::state:
-      return core_->payload(*this, type, bytes);
-    case FrameType::farewell:
-      farewell = oneLine(bytes);
-      return;
-    default:
-      return core_->greeting(*this, type, bytes);
-  }
-}
-
-void Link::onClosed(const std::string& reason) {
-  if (!refusal.empty()) return core_->linkClosed(*this, refusal);
-  core_->linkClosed(*this, farewell.empty() || closing ? reason : farewell);
-}
 
 // One thread runs the sockets; only wake() comes from another one, and a name may be looked up on Asio's own.
 SocketCore::SocketCore(Peers peers)
@@ -64,9 +33,9 @@ Micros SocketCore::now() {
   return std::chrono::duration_cast<std::chrono::microseconds>(sinceBoot).count();
 }
 
-Link* SocketCore::find(ConnectionId id) const {
-  const auto found = links_.find(id);
-  return found == links_.end() ? nullptr : found->second.get();
+Connection* SocketCore::find(ConnectionId id) const {
+  const auto found = connections_.find(id);
+  return found == connections_.end() ? nullptr : found->second.get();
 }
 
 // ---- events out ----
@@ -91,14 +60,14 @@ bool SocketCore::pollQueue(TransportEvent& event) {
   while (!queue_.empty()) {
     Event next = std::move(queue_.front());
     queue_.pop_front();
-    Link* link = find(next.connection);
-    if (link != nullptr) {
-      const bool wasFull = link->undelivered > kMaxUndelivered;
-      link->undelivered -= next.bytes.size();
-      if (wasFull && link->undelivered <= kMaxUndelivered) link->stream->pauseReading(false);
+    Connection* connection = find(next.connection);
+    if (connection != nullptr) {
+      const bool wasFull = connection->undelivered > kMaxUndelivered;
+      connection->undelivered -= next.bytes.size();
+      if (wasFull && connection->undelivered <= kMaxUndelivered) connection->stream->pauseReading(false);
     }
     const bool closed = next.kind == TransportEvent::Kind::closed;
-    if (link != nullptr && link->closing && !closed) continue;
+    if (connection != nullptr && connection->closing && !closed) continue;
     current_ = std::move(next.bytes);
     event.kind = next.kind;
     event.connection = next.connection;
@@ -109,17 +78,17 @@ bool SocketCore::pollQueue(TransportEvent& event) {
   return false;
 }
 
-void SocketCore::push(Link& link, TransportEvent::Kind kind, std::span<const std::byte> bytes) {
+void SocketCore::push(Connection& connection, TransportEvent::Kind kind, std::span<const std::byte> bytes) {
   Event event;
   event.kind = kind;
-  event.connection = link.id;
+  event.connection = connection.id;
   if (!spare_.empty() && !bytes.empty()) {
     event.bytes = std::move(spare_.back());
     spare_.pop_back();
   }
   event.bytes.assign(bytes.begin(), bytes.end());
-  link.undelivered += bytes.size();
-  if (link.undelivered > kMaxUndelivered) link.stream->pauseReading(true);
+  connection.undelivered += bytes.size();
+  if (connection.undelivered > kMaxUndelivered) connection.stream->pauseReading(true);
   queue_.push_back(std::move(event));
 }
 
@@ -130,122 +99,124 @@ void SocketCore::queueClosed(ConnectionId id, std::string reason) {
   queue_.push_back(std::move(event));
 }
 
-void SocketCore::payload(Link& link, FrameType type, std::span<const std::byte> bytes) {
-  if (!link.announced || link.closing) return;
+void SocketCore::payload(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
+  if (!connection.announced || connection.closing) return;
   if (type == FrameType::control) {
     counters_.controlBytesIn += bytes.size();
-    push(link, TransportEvent::Kind::control, bytes);
+    push(connection, TransportEvent::Kind::control, bytes);
   } else if (bytes.size() > kMaxStateBytes) {
     ++counters_.droppedOversized;
   } else {
     ++counters_.statePacketsIn;
     counters_.stateBytesIn += bytes.size();
-    push(link, TransportEvent::Kind::state, bytes);
+    push(connection, TransportEvent::Kind::state, bytes);
   }
 }
 
-void SocketCore::announce(const std::shared_ptr<Link>& link, ConnectionId id) {
-  link->id = id;
-  link->announced = true;
-  link->stream->allowFrames(kMaxFrameBytes);
-  links_[id] = link;
-  push(*link, TransportEvent::Kind::connected, {});
+void SocketCore::announce(const std::shared_ptr<Connection>& connection, ConnectionId id) {
+  connection->id = id;
+  connection->announced = true;
+  connection->stream->allowFrames(kMaxFrameBytes);
+  connections_[id] = connection;
+  push(*connection, TransportEvent::Kind::connected, {});
 }
 
-void SocketCore::drop(Link& link, const std::string& reason) {
-  const auto found = links_.find(link.id);
-  if (found == links_.end() || found->second.get() != &link) return;
-  if (link.closing) std::erase_if(queue_, [&](const Event& event) { return event.connection == link.id; });
-  queueClosed(link.id, reason);
+void SocketCore::drop(Connection& connection, const std::string& reason) {
+  const auto found = connections_.find(connection.id);
+  if (found == connections_.end() || found->second.get() != &connection) return;
+  if (connection.closing)
+    std::erase_if(queue_, [&](const Event& event) { return event.connection == connection.id; });
+  queueClosed(connection.id, reason);
   retire(std::move(found->second));
-  links_.erase(found);
+  connections_.erase(found);
 }
 
-void SocketCore::refuse(Link& link, const std::string& reason) {
-  if (!link.refusal.empty()) return;
-  const auto stream = link.stream;
-  link.refusal = reason;
-  link.deadline = now() + kCloseTime;
+void SocketCore::refuse(Connection& connection, const std::string& reason) {
+  if (!connection.refusal.empty()) return;
+  const auto stream = connection.stream;
+  connection.refusal = reason;
+  connection.deadline = now() + kCloseTime;
   stream->send(FrameType::farewell, std::as_bytes(std::span(reason)));
   stream->close();
 }
 
 // ---- bytes in from the application ----
 
-void SocketCore::sendControl(ConnectionId connection, std::span<const std::byte> bytes) {
+void SocketCore::sendControl(ConnectionId id, std::span<const std::byte> bytes) {
   ASSERT(bytes.size() <= kMaxControlBytes);
-  Link* link = find(connection);
-  if (link == nullptr || !link->announced || link->closing) return;
-  if (link->stream->backlog() + bytes.size() > kMaxBacklog) return overflow(*link);
+  Connection* connection = find(id);
+  if (connection == nullptr || !connection->announced || connection->closing) return;
+  if (connection->stream->backlog() + bytes.size() > kMaxBacklog) return overflow(*connection);
   counters_.controlBytesOut += bytes.size();
-  link->stream->send(FrameType::control, bytes);
+  connection->stream->send(FrameType::control, bytes);
 }
 
 /// A peer that does not read gets no farewell: it would stand behind what it has not read.
-void SocketCore::overflow(Link& link) {
+void SocketCore::overflow(Connection& connection) {
   ++counters_.droppedFull;
-  const auto stream = link.stream;
+  const auto stream = connection.stream;
   stream->abandon();
-  linkClosed(link, "the peer does not read: its queue is full");
+  connectionClosed(connection, "the peer does not read: its queue is full");
 }
 
-void SocketCore::sendState(ConnectionId connection, std::span<const std::byte> bytes) {
-  Link* link = find(connection);
-  if (link == nullptr || !link->announced || link->closing) return;
+void SocketCore::sendState(ConnectionId id, std::span<const std::byte> bytes) {
+  Connection* connection = find(id);
+  if (connection == nullptr || !connection->announced || connection->closing) return;
   if (bytes.size() > kMaxStateBytes) {
     ++counters_.droppedOversized;
     return;
   }
-  if (link->channel != nullptr && link->channel->usable()) {
-    const std::size_t size = link->channel->sealState(bytes, outgoing_.data());
-    if (size == 0) return refuse(*link, "the keys of this connection are used up: connect again");
-    const UdpAddress* to = link->peer.size == 0 ? nullptr : &link->peer;
+  if (connection->channel != nullptr && connection->channel->usable()) {
+    const std::size_t size = connection->channel->sealState(bytes, outgoing_.data());
+    if (size == 0) return refuse(*connection, "the keys of this connection are used up: connect again");
+    const UdpAddress* to = connection->peer.size == 0 ? nullptr : &connection->peer;
     if (!sendDatagram(udp_.native_handle(), to, {outgoing_.data(), size})) {
       ++counters_.droppedFull;
       return;
     }
   } else {
-    if (link->stream->backlog() > kMaxStateBacklog) {
+    if (connection->stream->backlog() > kMaxStateBacklog) {
       ++counters_.droppedFull;
       return;
     }
-    link->stream->send(FrameType::state, bytes);
+    connection->stream->send(FrameType::state, bytes);
   }
   ++counters_.statePacketsOut;
   counters_.stateBytesOut += bytes.size();
 }
 
-std::size_t SocketCore::controlBacklog(ConnectionId connection) const {
-  const Link* link = find(connection);
-  return link == nullptr || link->stream == nullptr ? 0 : link->stream->backlog();
+std::size_t SocketCore::controlBacklog(ConnectionId id) const {
+  const Connection* connection = find(id);
+  return connection == nullptr || connection->stream == nullptr ? 0 : connection->stream->backlog();
 }
 
-void SocketCore::close(ConnectionId connection) {
-  Link* link = find(connection);
-  if (link == nullptr || link->closing) return;
-  link->closing = true;
-  link->deadline = now() + kCloseTime;
-  if (link->stream == nullptr) return linkClosed(*link, {});
-  const auto stream = link->stream;
+void SocketCore::close(ConnectionId id) {
+  Connection* connection = find(id);
+  if (connection == nullptr || connection->closing) return;
+  connection->closing = true;
+  connection->deadline = now() + kCloseTime;
+  if (connection->stream == nullptr) return connectionClosed(*connection, {});
+  const auto stream = connection->stream;
   stream->close();
 }
 
-bool SocketCore::stateOverUdp(ConnectionId connection) const {
-  const Link* link = find(connection);
-  return link != nullptr && link->channel != nullptr && link->channel->usable();
+bool SocketCore::stateOverUdp(ConnectionId id) const {
+  const Connection* connection = find(id);
+  return connection != nullptr && connection->channel != nullptr && connection->channel->usable();
 }
 
 // ---- datagrams ----
 
-bool SocketCore::agree(Link& link, SealAlgorithm algorithm, std::uint64_t wireId, StateChannel::Side side) {
+bool SocketCore::agree(Connection& connection, SealAlgorithm algorithm, std::uint64_t wireId,
+                       StateChannel::Side side) {
   StateKeys keys;
-  if (!link.stream->exportKeys(algorithm, keys)) return false;
-  link.channel = std::make_unique<StateChannel>(side, algorithm, keys, wireId, now());
+  if (!connection.stream->exportKeys(algorithm, keys)) return false;
+  connection.channel = std::make_unique<StateChannel>(side, algorithm, keys, wireId, now());
   return true;
 }
 
-void SocketCore::sendProbe(Link& link, Micros at) {
-  if (const std::size_t size = link.channel->probeIfDue(at, outgoing_.data()); size != 0) {
+void SocketCore::sendProbe(Connection& connection, Micros at) {
+  if (const std::size_t size = connection.channel->probeIfDue(at, outgoing_.data()); size != 0) {
     sendDatagram(udp_.native_handle(), nullptr, {outgoing_.data(), size});
   }
 }
@@ -266,21 +237,21 @@ bool SocketCore::findState() {
 bool SocketCore::open(const UdpBatch::Datagram& datagram) {
   if (datagram.oversized) return ++counters_.droppedOversized, false;
   if (datagram.bytes.size() < kSealOverheadBytes) return ++counters_.droppedUnknown, false;
-  Link* link = linkOf(connectionIdOf(datagram.bytes));
-  if (link == nullptr || link->closing) return ++counters_.droppedUnknown, false;
-  const auto received =
-      link->channel->receive(datagram.bytes, datagramTime_, opened_[openedIndex_].data(), outgoing_.data());
+  Connection* connection = connectionOf(connectionIdOf(datagram.bytes));
+  if (connection == nullptr || connection->closing) return ++counters_.droppedUnknown, false;
+  const auto received = connection->channel->receive(datagram.bytes, datagramTime_,
+                                                     opened_[openedIndex_].data(), outgoing_.data());
   if (received.verdict == Opener::Verdict::forged) return ++counters_.droppedForged, false;
   if (received.verdict == Opener::Verdict::replayed) return ++counters_.droppedReplayed, false;
-  if (received.newest && peers_ == Peers::many) link->peer = *datagram.from;
+  if (received.newest && peers_ == Peers::many) connection->peer = *datagram.from;
   if (received.replyBytes != 0) {
-    sendDatagram(udp_.native_handle(), link->peer.size == 0 ? nullptr : &link->peer,
+    sendDatagram(udp_.native_handle(), connection->peer.size == 0 ? nullptr : &connection->peer,
                  {outgoing_.data(), received.replyBytes});
   }
   if (!received.isState) return false;
   ++counters_.statePacketsIn;
   counters_.stateBytesIn += received.size;
-  openedFrom_ = link->id;
+  openedFrom_ = connection->id;
   openedSize_ = received.size;
   return true;
 }
@@ -306,11 +277,11 @@ void SocketCore::keepHouse() {
   const Micros at = now();
   if (at < nextHousekeeping_) return;
   nextHousekeeping_ = at + kHousekeeping;
-  for (const auto& [id, link] : std::unordered_map(links_)) {
-    if (link->channel != nullptr) link->channel->update(at);
-    if ((link->closing || !link->refusal.empty()) && at > link->deadline) {
-      link->stream->abandon();
-      linkClosed(*link, link->refusal);
+  for (const auto& [id, connection] : std::unordered_map(connections_)) {
+    if (connection->channel != nullptr) connection->channel->update(at);
+    if ((connection->closing || !connection->refusal.empty()) && at > connection->deadline) {
+      connection->stream->abandon();
+      connectionClosed(*connection, connection->refusal);
     }
   }
   housekeeping(at);
@@ -350,11 +321,12 @@ void SocketCore::wake() {
 void SocketCore::shutDown() {
   const Micros deadline = now() + kDestructionTime;
   const auto closing = [this] {
-    return std::any_of(links_.begin(), links_.end(), [](const auto& entry) { return entry.second->closing; });
+    return std::any_of(connections_.begin(), connections_.end(),
+                       [](const auto& entry) { return entry.second->closing; });
   };
   while (closing() && now() < deadline) io_.run_one_for(std::chrono::milliseconds(10));
-  for (const auto& [id, link] : links_) {
-    if (link->stream != nullptr) link->stream->abandon();
+  for (const auto& [id, connection] : connections_) {
+    if (connection->stream != nullptr) connection->stream->abandon();
   }
 }
 

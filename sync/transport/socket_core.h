@@ -1,6 +1,6 @@
 #pragma once
 
-// What server and client share: links, the queue of events, the path of a datagram. Internal to the
+// What server and client share: the connections, the queue of events, the path of a datagram. Internal to the
 // transport.
 
 #include <utility>
@@ -16,38 +16,13 @@
 #include <unordered_map>
 #include <vector>
 
+#include "sync/transport/connection.h"
 #include "sync/transport/socket_transport.h"
 #include "sync/transport/state_channel.h"
 #include "sync/transport/tls_stream.h"
 #include "sync/transport/udp_socket.h"
 
 namespace tandem::sync {
-
-class SocketCore;
-
-/// One connection, from the TCP connect on.
-class Link : public TlsStream::Listener {
- public:
-  explicit Link(SocketCore& core) : core_(&core) {}
-
-  void onHandshake() override;
-  void onFrame(FrameType type, std::span<const std::byte> bytes) override;
-  void onClosed(const std::string& reason) override;
-
-  std::shared_ptr<TlsStream> stream;
-  std::unique_ptr<StateChannel> channel;  // once the algorithm is agreed
-  ConnectionId id = 0;
-  UdpAddress peer;              // server: where the newest authentic datagram came from
-  std::string farewell;         // what the peer said before it closed
-  std::string refusal;          // what this side said before it closed
-  std::size_t undelivered = 0;  // bytes of events not yet polled
-  Micros deadline = 0;          // for the handshake, or for the end of close()
-  bool announced = false;       // `connected` is in the queue or was polled
-  bool closing = false;         // by this side
-
- private:
-  SocketCore* core_;
-};
 
 class SocketCore : public SocketTransport {
  public:
@@ -56,48 +31,48 @@ class SocketCore : public SocketTransport {
   ~SocketCore() override;
 
   bool poll(TransportEvent& event) final;
-  void sendControl(ConnectionId connection, std::span<const std::byte> bytes) final;
-  void sendState(ConnectionId connection, std::span<const std::byte> bytes) final;
-  std::size_t controlBacklog(ConnectionId connection) const final;
-  void close(ConnectionId connection) final;
+  void sendControl(ConnectionId id, std::span<const std::byte> bytes) final;
+  void sendState(ConnectionId id, std::span<const std::byte> bytes) final;
+  std::size_t controlBacklog(ConnectionId id) const final;
+  void close(ConnectionId id) final;
   const TransportCounters& counters() const final { return counters_; }
   void wait(Micros timeout) final;
-  bool stateOverUdp(ConnectionId connection) const final;
+  bool stateOverUdp(ConnectionId id) const final;
   void wake() final;
 
-  // From a link.
-  virtual void handshakeDone(Link& link) = 0;
-  /// Offer or accept; anything wrong ends the link.
-  virtual void greeting(Link& link, FrameType type, std::span<const std::byte> bytes) = 0;
-  /// Takes out a link that is over. The link lives until retire() has been called and the caller has
+  // From a connection.
+  virtual void handshakeDone(Connection& connection) = 0;
+  /// Offer or accept; anything wrong ends the connection.
+  virtual void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) = 0;
+  /// Takes out a connection that is over. The connection lives until retire() has been called and the caller has
   /// returned.
-  virtual void linkClosed(Link& link, const std::string& reason) = 0;
-  void payload(Link& link, FrameType type, std::span<const std::byte> bytes);
+  virtual void connectionClosed(Connection& connection, const std::string& reason) = 0;
+  void payload(Connection& connection, FrameType type, std::span<const std::byte> bytes);
 
  protected:
   static Micros now();
   /// Does the work that is due by the clock; runs every kHousekeeping of waiting.
   virtual void housekeeping(Micros now) = 0;
-  /// The link whose datagrams have this id, or null.
-  virtual Link* linkOf(std::uint64_t wireId) = 0;
-  Link* find(ConnectionId id) const;
-  void announce(const std::shared_ptr<Link>& link, ConnectionId id);
+  /// The connection whose datagrams have this id, or null.
+  virtual Connection* connectionOf(std::uint64_t wireId) = 0;
+  Connection* find(ConnectionId id) const;
+  void announce(const std::shared_ptr<Connection>& connection, ConnectionId id);
   /// Sends the peer the reason, then closes; the application gets a `closed` event with it.
-  void refuse(Link& link, const std::string& reason);
-  /// Removes an announced link and queues its `closed`.
-  void drop(Link& link, const std::string& reason);
-  /// Keeps a link until no handler can be using it.
-  void retire(std::shared_ptr<Link> link) { retired_.push_back(std::move(link)); }
+  void refuse(Connection& connection, const std::string& reason);
+  /// Removes an announced connection and queues its `closed`.
+  void drop(Connection& connection, const std::string& reason);
+  /// Keeps a connection until no handler can be using it.
+  void retire(std::shared_ptr<Connection> connection) { retired_.push_back(std::move(connection)); }
   void queueClosed(ConnectionId id, std::string reason);
   /// For destructors: lets close() finish what it can within half a second, then cuts everything.
   void shutDown();
   void watchUdp();
-  void sendProbe(Link& link, Micros now);
-  bool agree(Link& link, SealAlgorithm algorithm, std::uint64_t wireId, StateChannel::Side side);
+  void sendProbe(Connection& connection, Micros now);
+  bool agree(Connection& connection, SealAlgorithm algorithm, std::uint64_t wireId, StateChannel::Side side);
 
   boost::asio::io_context io_;
   boost::asio::ip::udp::socket udp_;
-  std::unordered_map<ConnectionId, std::shared_ptr<Link>> links_;
+  std::unordered_map<ConnectionId, std::shared_ptr<Connection>> connections_;
   TransportCounters counters_;
 
  private:
@@ -107,7 +82,7 @@ class SocketCore : public SocketTransport {
     std::vector<std::byte> bytes;
     std::string reason;
   };
-  void push(Link& link, TransportEvent::Kind kind, std::span<const std::byte> bytes);
+  void push(Connection& connection, TransportEvent::Kind kind, std::span<const std::byte> bytes);
   bool pollQueue(TransportEvent& event);
   /// Opens received datagrams until one is state for the application.
   bool findState();
@@ -116,7 +91,7 @@ class SocketCore : public SocketTransport {
   void receiveUdp();
   void armTimer(Micros at);
   void keepHouse();
-  void overflow(Link& link);
+  void overflow(Connection& connection);
 
   Peers peers_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
@@ -128,7 +103,7 @@ class SocketCore : public SocketTransport {
   std::deque<Event> queue_;
   std::vector<std::vector<std::byte>> spare_;  // storage of polled events, to be used again
   std::vector<std::byte> current_;             // of the event polled last
-  std::vector<std::shared_ptr<Link>> retired_;
+  std::vector<std::shared_ptr<Connection>> retired_;
 
   UdpBatch batch_;
   std::array<std::array<std::byte, kMaxDatagramBytes>, 2>

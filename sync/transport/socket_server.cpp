@@ -33,27 +33,27 @@ class ServerTransport final : public SocketCore {
   Status listen(const std::string& host, std::uint16_t port);
   std::uint16_t port() const override { return port_; }
 
-  void handshakeDone(Link&) override {}  // the client speaks first
-  void greeting(Link& link, FrameType type, std::span<const std::byte> bytes) override;
-  void linkClosed(Link& link, const std::string& reason) override;
+  void handshakeDone(Connection&) override {}  // the client speaks first
+  void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) override;
+  void connectionClosed(Connection& connection, const std::string& reason) override;
 
  protected:
   void housekeeping(Micros now) override;
-  Link* linkOf(std::uint64_t wireId) override;
+  Connection* connectionOf(std::uint64_t wireId) override;
 
  private:
   Status bind(const asio::ip::address& address, std::uint16_t port);
   void accept();
   void accepted(tcp::socket socket);
   std::uint64_t newWireId() const;
-  std::shared_ptr<Link> takePending(Link& link);
+  std::shared_ptr<Connection> takePending(Connection& connection);
 
   std::unique_ptr<SslContext> context_;
   ListenOptions options_;
   tcp::acceptor acceptor_;
   std::uint16_t port_ = 0;
-  std::vector<std::shared_ptr<Link>> pending_;  // oldest first
-  std::unordered_map<std::uint64_t, Link*> byWireId_;
+  std::vector<std::shared_ptr<Connection>> pending_;  // oldest first
+  std::unordered_map<std::uint64_t, Connection*> byWireId_;
   ConnectionId nextId_ = 0;
   Micros acceptAt_ = 0;  // not 0: accepting rests until then
 };
@@ -62,7 +62,7 @@ ServerTransport::~ServerTransport() {
   error_code ignored;
   acceptor_.close(ignored);
   shutDown();
-  for (const auto& link : pending_) link->stream->abandon();
+  for (const auto& connection : pending_) connection->stream->abandon();
 }
 
 Status ServerTransport::bind(const asio::ip::address& address, std::uint16_t port) {
@@ -128,13 +128,13 @@ void ServerTransport::accepted(tcp::socket socket) {
   if (pending_.size() >= options_.maxPendingHandshakes) {
     // Honest handshakes are short: the oldest one is the likeliest to be a peer that only holds a place.
     pending_.front()->stream->abandon();
-    linkClosed(*pending_.front(), {});
+    connectionClosed(*pending_.front(), {});
   }
-  const auto link = std::make_shared<Link>(*this);
-  link->stream = std::make_shared<TlsStream>(std::move(socket), *context_, *link);
-  link->deadline = now() + options_.handshakeTimeout;
-  pending_.push_back(link);
-  link->stream->start(TlsStream::Side::server);
+  const auto connection = std::make_shared<Connection>(*this);
+  connection->stream = std::make_shared<TlsStream>(std::move(socket), *context_, *connection);
+  connection->deadline = now() + options_.handshakeTimeout;
+  pending_.push_back(connection);
+  connection->stream->start(TlsStream::Side::server);
 }
 
 std::uint64_t ServerTransport::newWireId() const {
@@ -145,49 +145,49 @@ std::uint64_t ServerTransport::newWireId() const {
   return id;
 }
 
-std::shared_ptr<Link> ServerTransport::takePending(Link& link) {
+std::shared_ptr<Connection> ServerTransport::takePending(Connection& connection) {
   const auto found =
-      std::find_if(pending_.begin(), pending_.end(), [&](const auto& p) { return p.get() == &link; });
+      std::find_if(pending_.begin(), pending_.end(), [&](const auto& p) { return p.get() == &connection; });
   if (found == pending_.end()) return nullptr;
-  std::shared_ptr<Link> taken = std::move(*found);
+  std::shared_ptr<Connection> taken = std::move(*found);
   pending_.erase(found);
   return taken;
 }
 
-void ServerTransport::greeting(Link& link, FrameType type, std::span<const std::byte> bytes) {
-  if (type != FrameType::offer || link.announced || !link.refusal.empty()) {
-    return refuse(link, "a frame that does not belong here");
+void ServerTransport::greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
+  if (type != FrameType::offer || connection.announced || !connection.refusal.empty()) {
+    return refuse(connection, "a frame that does not belong here");
   }
   const std::optional<Offer> offer = parseOffer(bytes);
-  if (!offer) return refuse(link, "a greeting that cannot be read");
+  if (!offer) return refuse(connection, "a greeting that cannot be read");
   if (offer->version != kTransportVersion) {
-    return refuse(link, "the server speaks transport version " + std::to_string(kTransportVersion) +
-                            ", this site version " + std::to_string(offer->version));
+    return refuse(connection, "the server speaks transport version " + std::to_string(kTransportVersion) +
+                                  ", this site version " + std::to_string(offer->version));
   }
-  if (links_.size() >= options_.maxConnections) return refuse(link, "the server is full");
+  if (connections_.size() >= options_.maxConnections) return refuse(connection, "the server is full");
   const Accept accept{chooseAlgorithm(offeredAlgorithms(), offer->algorithms), newWireId()};
-  if (!agree(link, accept.algorithm, accept.wireId, StateChannel::Side::server)) {
-    return refuse(link, "no keys for state could be made");
+  if (!agree(connection, accept.algorithm, accept.wireId, StateChannel::Side::server)) {
+    return refuse(connection, "no keys for state could be made");
   }
-  byWireId_[accept.wireId] = &link;
-  link.stream->send(FrameType::accept, encode(accept));
-  announce(takePending(link), nextId_++);
+  byWireId_[accept.wireId] = &connection;
+  connection.stream->send(FrameType::accept, encode(accept));
+  announce(takePending(connection), nextId_++);
 }
 
-void ServerTransport::linkClosed(Link& link, const std::string& reason) {
-  if (link.channel != nullptr) byWireId_.erase(link.channel->wireId());
-  if (auto pending = takePending(link)) {
+void ServerTransport::connectionClosed(Connection& connection, const std::string& reason) {
+  if (connection.channel != nullptr) byWireId_.erase(connection.channel->wireId());
+  if (auto pending = takePending(connection)) {
     ++counters_.failedHandshakes;
     retire(std::move(pending));
     return;
   }
-  drop(link, reason);
+  drop(connection, reason);
 }
 
 void ServerTransport::housekeeping(Micros at) {
   while (!pending_.empty() && pending_.front()->deadline < at) {
     pending_.front()->stream->abandon();
-    linkClosed(*pending_.front(), {});
+    connectionClosed(*pending_.front(), {});
   }
   if (acceptAt_ != 0 && at >= acceptAt_) {
     acceptAt_ = 0;
@@ -195,7 +195,7 @@ void ServerTransport::housekeeping(Micros at) {
   }
 }
 
-Link* ServerTransport::linkOf(std::uint64_t wireId) {
+Connection* ServerTransport::connectionOf(std::uint64_t wireId) {
   const auto found = byWireId_.find(wireId);
   return found == byWireId_.end() ? nullptr : found->second;
 }

@@ -17,7 +17,7 @@
 
 #include "assets/base/result.h"
 #include "sync/transport/transport.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/limits.h"
 #include "sync/wire/time.h"
 
 namespace tandem::sync {

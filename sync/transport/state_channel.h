@@ -15,7 +15,7 @@
 #include <string>
 
 #include "sync/transport/seal.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/limits.h"
 #include "sync/wire/time.h"
 
 namespace tandem::sync {

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "sync/transport/state_channel.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::sync {
 

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "assets/base/assert.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/limits.h"
+#include "sync/wire/time.h"
 
 namespace tandem::sync {
 namespace {
@@ -25,13 +26,13 @@ struct Received {
   std::string reason;
 };
 
-struct Link;
+struct Connection;
 
 /// What an endpoint has received and what it counts.
 struct Endpoint {
   std::deque<Received> inbox;
   TransportCounters counters;
-  std::map<ConnectionId, std::shared_ptr<Link>> links;
+  std::map<ConnectionId, std::shared_ptr<Connection>> connections;
 };
 
 /// One direction of the control stream of a connection: first in, first out.
@@ -48,7 +49,7 @@ struct Channel {
 
 enum Side : int { kServerSide = 0, kSiteSide = 1 };
 
-struct Link {
+struct Connection {
   std::string site;
   ConnectionId id = 0;    // as the server sees it
   Endpoint* end[2] = {};  // null once that side has gone
@@ -62,7 +63,7 @@ struct Delivery {
   std::uint64_t order = 0;
   Kind kind = Kind::control;
   Side to = kServerSide;
-  std::shared_ptr<Link> link;
+  std::shared_ptr<Connection> connection;
   std::vector<std::byte> bytes;  // state only: control waits in its channel
 };
 struct Later {
@@ -99,15 +100,16 @@ struct Core {
   }
 
   void schedule(Delivery delivery) {
-    ASSERT(delivery.at >= now && delivery.link != nullptr);
+    ASSERT(delivery.at >= now && delivery.connection != nullptr);
     delivery.order = ++order;
     deliveries.push(std::move(delivery));
   }
-  void sendControl(const std::shared_ptr<Link>& link, Side to, Channel::Item item, Micros extra = 0) {
+  void sendControl(const std::shared_ptr<Connection>& connection, Side to, Channel::Item item,
+                   Micros extra = 0) {
     Micros arrival = now + legDelay() + extra;
     for (int i = 0; i < kMostResends && chance(conditions.loss); ++i)
       arrival += conditions.oneWay + kResendPause;
-    Channel& channel = link->toward[to];
+    Channel& channel = connection->toward[to];
     channel.lastArrival = std::max(channel.lastArrival, arrival);
     channel.bytesInFlight += item.bytes.size();
     channel.items.push_back(std::move(item));
@@ -115,71 +117,71 @@ struct Core {
               .order = 0,
               .kind = Delivery::Kind::control,
               .to = to,
-              .link = link,
+              .connection = connection,
               .bytes = {}});
   }
-  void sendState(const std::shared_ptr<Link>& link, Side to, std::span<const std::byte> bytes) {
+  void sendState(const std::shared_ptr<Connection>& connection, Side to, std::span<const std::byte> bytes) {
     // Every draw is made whatever its outcome, so that one condition does not shift the others' random
     // numbers.
     const bool lost = chance(conditions.loss), twice = chance(conditions.duplicate);
     for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
       Micros delay = legDelay();
       if (chance(conditions.reorder)) delay += std::max(legDelay(), kMillisecond);
-      if (lost || blackedOut(link->site)) continue;
+      if (lost || blackedOut(connection->site)) continue;
       schedule({.at = now + delay,
                 .order = 0,
                 .kind = Delivery::Kind::state,
                 .to = to,
-                .link = link,
+                .connection = connection,
                 .bytes = {bytes.begin(), bytes.end()}});
     }
   }
 
-  void close(Link& link, Side side, const std::string& reason) {
-    if (!link.open[side]) return;
-    link.open[side] = false;
-    if (link.end[side] == nullptr) return;
-    const ConnectionId id = side == kServerSide ? link.id : 0;
-    link.end[side]->inbox.push_back({TransportEvent::Kind::closed, id, {}, reason});
+  void close(Connection& connection, Side side, const std::string& reason) {
+    if (!connection.open[side]) return;
+    connection.open[side] = false;
+    if (connection.end[side] == nullptr) return;
+    const ConnectionId id = side == kServerSide ? connection.id : 0;
+    connection.end[side]->inbox.push_back({TransportEvent::Kind::closed, id, {}, reason});
   }
   void deliverConnect(Delivery& delivery) {
-    Link& link = *delivery.link;
-    if (link.end[kSiteSide] == nullptr) return;
-    if (server == nullptr) return close(link, kSiteSide, "connection refused: no server");
-    link.end[kServerSide] = server;
-    server->links[link.id] = delivery.link;
-    link.open[kServerSide] = true;
-    link.end[kServerSide]->inbox.push_back({TransportEvent::Kind::connected, link.id, {}, {}});
-    link.end[kSiteSide]->inbox.push_back({TransportEvent::Kind::connected, 0, {}, {}});
+    Connection& connection = *delivery.connection;
+    if (connection.end[kSiteSide] == nullptr) return;
+    if (server == nullptr) return close(connection, kSiteSide, "connection refused: no server");
+    connection.end[kServerSide] = server;
+    server->connections[connection.id] = delivery.connection;
+    connection.open[kServerSide] = true;
+    connection.end[kServerSide]->inbox.push_back({TransportEvent::Kind::connected, connection.id, {}, {}});
+    connection.end[kSiteSide]->inbox.push_back({TransportEvent::Kind::connected, 0, {}, {}});
   }
   void deliverControl(Delivery& delivery) {
-    Link& link = *delivery.link;
-    Channel& channel = link.toward[delivery.to];
+    Connection& connection = *delivery.connection;
+    Channel& channel = connection.toward[delivery.to];
     if (channel.items.empty()) return;
     Channel::Item item = std::move(channel.items.front());
     channel.items.pop_front();
     ASSERT(channel.bytesInFlight >= item.bytes.size());
     channel.bytesInFlight -= item.bytes.size();
-    if (item.closes) return close(link, delivery.to, item.reason);
-    Endpoint* end = link.end[delivery.to];
-    if (end == nullptr || !link.open[delivery.to]) return;
+    if (item.closes) return close(connection, delivery.to, item.reason);
+    Endpoint* end = connection.end[delivery.to];
+    if (end == nullptr || !connection.open[delivery.to]) return;
     end->counters.controlBytesIn += item.bytes.size();
-    const ConnectionId id = delivery.to == kServerSide ? link.id : 0;
+    const ConnectionId id = delivery.to == kServerSide ? connection.id : 0;
     end->inbox.push_back({TransportEvent::Kind::control, id, std::move(item.bytes), {}});
   }
   void deliverState(Delivery& delivery) {
-    Link& link = *delivery.link;
-    Endpoint* end = link.end[delivery.to];
-    if (end == nullptr || !link.open[delivery.to]) return;
+    Connection& connection = *delivery.connection;
+    Endpoint* end = connection.end[delivery.to];
+    if (end == nullptr || !connection.open[delivery.to]) return;
     end->counters.stateBytesIn += delivery.bytes.size();
     ++end->counters.statePacketsIn;
-    const ConnectionId id = delivery.to == kServerSide ? link.id : 0;
+    const ConnectionId id = delivery.to == kServerSide ? connection.id : 0;
     end->inbox.push_back({TransportEvent::Kind::state, id, std::move(delivery.bytes), {}});
   }
   void deliver(Delivery delivery) {
-    if (blackedOut(delivery.link->site)) {
+    if (blackedOut(delivery.connection->site)) {
       if (delivery.kind == Delivery::Kind::state) return;
-      delivery.at = blackoutUntil[delivery.link->site];
+      delivery.at = blackoutUntil[delivery.connection->site];
       return deliveries.push(
           std::move(delivery));  // it keeps its order, and so stays in front of later deliveries
     }
@@ -204,18 +206,18 @@ class VirtualTransport : public Transport {
   Endpoint& endpoint() { return endpoint_; }
 
   bool poll(TransportEvent& event) override;
-  void sendControl(ConnectionId connection, std::span<const std::byte> bytes) override;
-  void sendState(ConnectionId connection, std::span<const std::byte> bytes) override;
-  std::size_t controlBacklog(ConnectionId connection) const override;
-  void close(ConnectionId connection) override;
+  void sendControl(ConnectionId id, std::span<const std::byte> bytes) override;
+  void sendState(ConnectionId id, std::span<const std::byte> bytes) override;
+  std::size_t controlBacklog(ConnectionId id) const override;
+  void close(ConnectionId id) override;
   const TransportCounters& counters() const override { return endpoint_.counters; }
 
  private:
   Side peer() const { return side_ == kServerSide ? kSiteSide : kServerSide; }
   /// Null if there is no such connection or it is closed.
-  std::shared_ptr<Link> openLink(ConnectionId connection) const {
-    const auto found = endpoint_.links.find(connection);
-    return found != endpoint_.links.end() && found->second->open[side_] ? found->second : nullptr;
+  std::shared_ptr<Connection> openConnection(ConnectionId id) const {
+    const auto found = endpoint_.connections.find(id);
+    return found != endpoint_.connections.end() && found->second->open[side_] ? found->second : nullptr;
   }
 
   std::shared_ptr<Core> core_;
@@ -227,12 +229,12 @@ class VirtualTransport : public Transport {
 
 VirtualTransport::~VirtualTransport() {
   if (core_->server == &endpoint_) core_->server = nullptr;
-  for (auto& [id, link] : endpoint_.links) {
-    const bool wasOpen = link->open[side_];
-    link->open[side_] = false;
-    link->end[side_] = nullptr;
+  for (auto& [id, connection] : endpoint_.connections) {
+    const bool wasOpen = connection->open[side_];
+    connection->open[side_] = false;
+    connection->end[side_] = nullptr;
     if (wasOpen)
-      core_->sendControl(link, peer(), {true, {}, "connection lost: the peer is gone"}, deathNoticed_);
+      core_->sendControl(connection, peer(), {true, {}, "connection lost: the peer is gone"}, deathNoticed_);
   }
 }
 
@@ -240,42 +242,42 @@ bool VirtualTransport::poll(TransportEvent& event) {
   if (endpoint_.inbox.empty()) return false;
   current_ = std::move(endpoint_.inbox.front());
   endpoint_.inbox.pop_front();
-  if (current_.kind == TransportEvent::Kind::closed) endpoint_.links.erase(current_.connection);
+  if (current_.kind == TransportEvent::Kind::closed) endpoint_.connections.erase(current_.connection);
   event = {current_.kind, current_.connection, current_.bytes, current_.reason};
   return true;
 }
 
-void VirtualTransport::sendControl(ConnectionId connection, std::span<const std::byte> bytes) {
+void VirtualTransport::sendControl(ConnectionId id, std::span<const std::byte> bytes) {
   ASSERT(bytes.size() <= kMaxControlBytes);
-  const std::shared_ptr<Link> link = openLink(connection);
-  if (!link) return;
+  const std::shared_ptr<Connection> connection = openConnection(id);
+  if (!connection) return;
   endpoint_.counters.controlBytesOut += bytes.size();
-  core_->sendControl(link, peer(), {false, {bytes.begin(), bytes.end()}, {}});
+  core_->sendControl(connection, peer(), {false, {bytes.begin(), bytes.end()}, {}});
 }
 
-void VirtualTransport::sendState(ConnectionId connection, std::span<const std::byte> bytes) {
+void VirtualTransport::sendState(ConnectionId id, std::span<const std::byte> bytes) {
   if (bytes.size() > kMaxStateBytes) {
     ++endpoint_.counters.droppedOversized;
     return;
   }
-  const std::shared_ptr<Link> link = openLink(connection);
-  if (!link) return;
+  const std::shared_ptr<Connection> connection = openConnection(id);
+  if (!connection) return;
   endpoint_.counters.stateBytesOut += bytes.size();
   ++endpoint_.counters.statePacketsOut;
-  core_->sendState(link, peer(), bytes);
+  core_->sendState(connection, peer(), bytes);
 }
 
-std::size_t VirtualTransport::controlBacklog(ConnectionId connection) const {
-  const std::shared_ptr<Link> link = openLink(connection);
-  return link ? link->toward[peer()].bytesInFlight : 0;
+std::size_t VirtualTransport::controlBacklog(ConnectionId id) const {
+  const std::shared_ptr<Connection> connection = openConnection(id);
+  return connection ? connection->toward[peer()].bytesInFlight : 0;
 }
 
-void VirtualTransport::close(ConnectionId connection) {
-  const std::shared_ptr<Link> link = openLink(connection);
-  if (!link) return;
-  core_->sendControl(link, peer(), {true, {}, "closed by the peer"});
-  std::erase_if(endpoint_.inbox, [&](const Received& r) { return r.connection == connection; });
-  core_->close(*link, side_, "");
+void VirtualTransport::close(ConnectionId id) {
+  const std::shared_ptr<Connection> connection = openConnection(id);
+  if (!connection) return;
+  core_->sendControl(connection, peer(), {true, {}, "closed by the peer"});
+  std::erase_if(endpoint_.inbox, [&](const Received& r) { return r.connection == id; });
+  core_->close(*connection, side_, "");
 }
 
 }  // namespace
@@ -315,16 +317,20 @@ std::unique_ptr<Transport> VirtualNetwork::listen() {
 
 std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micros deathNoticed) {
   auto transport = std::make_unique<VirtualTransport>(impl_, kSiteSide, deathNoticed);
-  auto link = std::make_shared<Link>();
-  link->site = site;
-  link->id = ++impl_->lastConnection;
-  link->end[kSiteSide] = &transport->endpoint();
-  link->open[kSiteSide] = true;
-  transport->endpoint().links[0] = link;
+  auto connection = std::make_shared<Connection>();
+  connection->site = site;
+  connection->id = ++impl_->lastConnection;
+  connection->end[kSiteSide] = &transport->endpoint();
+  connection->open[kSiteSide] = true;
+  transport->endpoint().connections[0] = connection;
   const Micros at = impl_->now + impl_->legDelay();
-  link->toward[kServerSide].lastArrival = link->toward[kSiteSide].lastArrival = at;
-  impl_->schedule(
-      {.at = at, .order = 0, .kind = Delivery::Kind::connect, .to = kServerSide, .link = link, .bytes = {}});
+  connection->toward[kServerSide].lastArrival = connection->toward[kSiteSide].lastArrival = at;
+  impl_->schedule({.at = at,
+                   .order = 0,
+                   .kind = Delivery::Kind::connect,
+                   .to = kServerSide,
+                   .connection = connection,
+                   .bytes = {}});
   return transport;
 }
 

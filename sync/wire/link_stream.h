@@ -12,7 +12,8 @@
 #include <cstdint>
 #include <optional>
 
-#include "sync/wire/messages.h"
+#include "sync/wire/link_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::sync {
 

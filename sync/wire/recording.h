@@ -14,7 +14,7 @@
 #include <variant>
 
 #include "assets/base/result.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/time.h"
 #include "sync/wire/wire.h"
 
 namespace tandem::sync {

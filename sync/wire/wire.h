@@ -1,6 +1,10 @@
 #pragma once
 
-// Messages to bytes and back. The bytes of a peer are hostile until decode returns ok.
+// Messages to bytes and back.
+//
+// 1. The bytes of a peer are hostile until decode returns ok.
+// 2. A decoded message is already checked: enums in range, numbers finite, quaternions unit, strings within
+//    limits. Part ids, roles and epochs are checked by the receiver, which knows the session.
 
 #include <cstddef>
 #include <span>
@@ -8,7 +12,8 @@
 
 #include "assets/base/result.h"
 #include "assets/scene/scene.h"
-#include "sync/wire/messages.h"
+#include "sync/wire/control_message.h"
+#include "sync/wire/state_message.h"
 
 namespace tandem::sync {
 

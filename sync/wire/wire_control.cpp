@@ -1,4 +1,4 @@
-// Control messages: byte 0 is the kind, then the fields of messages.h in their order, little-endian.
+// Control messages: byte 0 is the kind, then the fields of the structs in their order, little-endian.
 //
 // One list of fields serves both directions: fields(archive, message) is run with a Writer or with a Reader,
 // so what is written and what is read cannot drift apart.

@@ -2,7 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_table.h"
+#include "sync/replica/ownership_view.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/time.h"
 
 namespace tandem::sync {
 namespace {

@@ -12,7 +12,13 @@
 #include <set>
 #include <tuple>
 
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_table.h"
+#include "sync/replica/ownership_view.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 #include "tests/sync/wire/random_messages.h"
 
 namespace tandem::sync {

@@ -1,6 +1,13 @@
-#include "sync/replica/ownership.h"
 
 #include <gtest/gtest.h>
+
+#include "sync/replica/lease_rules.h"
+#include "sync/replica/ownership_table.h"
+#include "sync/replica/ownership_view.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/time.h"
 
 namespace tandem::sync {
 namespace {

@@ -4,8 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "sync/replica/ownership.h"
+#include "sync/replica/lease_rules.h"
 #include "sync/transport/state_channel.h"
+#include "sync/wire/limits.h"
+#include "sync/wire/time.h"
 #include "tests/support/forwarder.h"
 #include "tests/sync/transport/socket_ends.h"
 

@@ -1,12 +1,12 @@
-#include "sync/replica/ownership.h"
+#include "sync/replica/ownership_table.h"
 
 #include <algorithm>
-#include <deque>
 #include <limits>
 #include <map>
 #include <set>
 
 #include "assets/base/assert.h"
+#include "sync/replica/request_memory.h"
 
 namespace tandem::sync {
 namespace {
@@ -22,23 +22,10 @@ struct PartEntry {
   MemberRecord members;
 };
 
-enum class RequestKind : std::uint8_t { grab, reclaim, release };
-
-/// A request and what was answered, to be answered again (S7).
-struct Remembered {
-  RequestKind kind = RequestKind::grab;
-  RequestId request = 0;
-  PartId part = kNoPart;
-  Epoch epoch = 0;
-  Denial denial = Denial::none;
-  PartRecord record;
-};
-
 struct SiteEntry {
   std::set<PartId> owned;  // ordered, so that parts freed together are published in one order everywhere
   std::set<PartId> engaged;
   Micros engagedFrom = 0;  // when it was last heard of, for all that it is engaged in
-  std::deque<Remembered> requests;
 };
 
 bool isOlder(const PartRecord& a, const PartRecord& b) {
@@ -51,6 +38,7 @@ bool isOlder(const PartRecord& a, const PartRecord& b) {
 struct OwnershipTable::State {
   std::vector<PartEntry> parts;
   std::map<SiteId, SiteEntry> sites;
+  RequestMemory answered;
   LeaseRules rules;
   Micros recoveringUntil = std::numeric_limits<Micros>::min();
   std::size_t awaited = 0;
@@ -155,22 +143,25 @@ struct OwnershipTable::State {
     return Denial::none;
   }
 
-  /// What was answered to this very request before, or null.
-  const Remembered* remembered(SiteId site, RequestKind kind, RequestId request, PartId part,
-                               Epoch epoch) const {
-    const auto found = sites.find(site);
-    if (found == sites.end()) return nullptr;
-    for (const Remembered& r : found->second.requests) {
-      // A site that began to count anew may use a number again; that is another request.
-      if (r.request == request && r.kind == kind && r.part == part && r.epoch == epoch) return &r;
+  /// Decides about the part of a request, or gives the answer that this very request got before (S7).
+  template <typename Decide>
+  RequestMemory::Answer answerOnce(SiteId site, const RequestMemory::Request& request, bool& repeated,
+                                   const Decide& decide) {
+    if (const RequestMemory::Answer* earlier = answered.find(site, request)) {
+      repeated = true;
+      return *earlier;
     }
-    return nullptr;
-  }
-  void remember(SiteId site, const Remembered& answer) {
-    std::deque<Remembered>& requests = sites[site].requests;
-    if (requests.size() == kRememberedRequests) requests.pop_front();
-    requests.push_back(answer);
-    ASSERT(requests.size() <= kRememberedRequests);
+    RequestMemory::Answer answer;
+    answer.record.part = request.part;
+    if (request.part >= parts.size()) {
+      answer.denial = Denial::unknownPart;
+    } else {
+      PartEntry& part = parts[request.part];
+      answer.denial = decide(part);
+      answer.record = part.record;
+    }
+    answered.remember(site, request, answer);
+    return answer;
   }
 
   Denial decideGrab(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
@@ -201,6 +192,13 @@ struct OwnershipTable::State {
     cameBack(part);
     part.leaseFrom = now;
     part.record.worldFromPart = request.worldFromPart;
+    return Denial::none;
+  }
+  Denial decideRelease(SiteId site, const Release& request, PartEntry& part, bool& changed) {
+    if (part.record.owner != site || part.record.epoch != request.epoch) return Denial::stale;
+    part.record.worldFromPart = request.worldFromPart;
+    passOn(part);
+    changed = true;
     return Denial::none;
   }
 };
@@ -238,66 +236,30 @@ void OwnershipTable::restore(std::span<const PartRecord> records, Micros now) {
 
 OwnershipTable::Decision OwnershipTable::grab(SiteId site, Role role, const Grab& request, Micros now) {
   Decision decision;
-  decision.reply.request = request.request;
-  if (const Remembered* r = state_->remembered(site, RequestKind::grab, request.request, request.part, 0)) {
-    return {{request.request, r->denial, r->record}, false, true};
-  }
-  if (request.part >= state_->parts.size()) {
-    decision.reply.denial = Denial::unknownPart;
-    decision.reply.part.part = request.part;
-  } else {
-    PartEntry& part = state_->parts[request.part];
-    decision.reply.denial = state_->decideGrab(site, role, part, now, decision.changed);
-    decision.reply.part = part.record;
-  }
-  state_->remember(site, {RequestKind::grab, request.request, request.part, 0, decision.reply.denial,
-                          decision.reply.part});
+  const auto [denial, record] = state_->answerOnce(
+      site, {RequestMemory::Kind::grab, request.request, request.part, 0}, decision.repeated,
+      [&](PartEntry& part) { return state_->decideGrab(site, role, part, now, decision.changed); });
+  decision.reply = {request.request, denial, record};
   return decision;
 }
 
 OwnershipTable::Decision OwnershipTable::reclaim(SiteId site, Role role, const Reclaim& request, Micros now) {
   Decision decision;
-  decision.reply.request = request.request;
-  if (const Remembered* r =
-          state_->remembered(site, RequestKind::reclaim, request.request, request.part, request.epoch)) {
-    return {{request.request, r->denial, r->record}, false, true};
-  }
-  if (request.part >= state_->parts.size()) {
-    decision.reply.denial = Denial::unknownPart;
-    decision.reply.part.part = request.part;
-  } else {
-    PartEntry& part = state_->parts[request.part];
-    decision.reply.denial = state_->decideReclaim(site, role, request, part, now);
-    decision.reply.part = part.record;
-  }
-  state_->remember(site, {RequestKind::reclaim, request.request, request.part, request.epoch,
-                          decision.reply.denial, decision.reply.part});
+  const auto [denial, record] = state_->answerOnce(
+      site, {RequestMemory::Kind::reclaim, request.request, request.part, request.epoch}, decision.repeated,
+      [&](PartEntry& part) { return state_->decideReclaim(site, role, request, part, now); });
+  decision.reply = {request.request, denial, record};
   return decision;
 }
 
 OwnershipTable::ReleaseDecision OwnershipTable::release(SiteId site, const Release& request) {
   ReleaseDecision decision;
-  decision.reply.request = request.request;
-  if (const Remembered* r =
-          state_->remembered(site, RequestKind::release, request.request, request.part, request.epoch)) {
-    return {{request.request, r->denial, r->record}, false};
-  }
-  if (request.part >= state_->parts.size()) {
-    decision.reply.denial = Denial::unknownPart;
-    decision.reply.part.part = request.part;
-  } else {
-    PartEntry& part = state_->parts[request.part];
-    if (part.record.owner == site && part.record.epoch == request.epoch) {
-      part.record.worldFromPart = request.worldFromPart;
-      state_->passOn(part);
-      decision.changed = true;
-    } else {
-      decision.reply.denial = Denial::stale;
-    }
-    decision.reply.part = part.record;
-  }
-  state_->remember(site, {RequestKind::release, request.request, request.part, request.epoch,
-                          decision.reply.denial, decision.reply.part});
+  bool repeated = false;
+  const auto [denial, record] = state_->answerOnce(
+      site, {RequestMemory::Kind::release, request.request, request.part, request.epoch}, repeated,
+      [&](PartEntry& part) { return state_->decideRelease(site, request, part, decision.changed); });
+  ASSERT(!(repeated && decision.changed));
+  decision.reply = {request.request, denial, record};
   return decision;
 }
 
@@ -375,6 +337,7 @@ void OwnershipTable::renew(SiteId site, Micros now) {
 
 std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
   std::vector<PartRecord> freed;
+  state_->answered.forget(site);
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return freed;
   state_->disengageFromAll(found->second, site);

@@ -1,0 +1,96 @@
+#include "client/join/shared_session.h"
+
+#include <utility>
+
+#include "assets/base/assert.h"
+#include "sync/transport/socket_transport.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+void SharedSession::exchange(ServerConnection& connection, std::size_t partCount) {
+  ToNetwork commands;
+  {
+    const std::lock_guard lock(mutex_);
+    toMain_.sites = connection.sites();
+    toMain_.owner.resize(partCount);
+    for (std::size_t i = 0; i < partCount; ++i) toMain_.owner[i] = connection.owner(static_cast<PartId>(i));
+    for (Notice& notice : connection.takeNotices()) toMain_.notices.push_back(std::move(notice));
+    const TransportCounters before = toMain_.statistics.transport;
+    toMain_.statistics = connection.statistics();
+    measureRates(before, toMain_.statistics.transport);
+    toMain_.stage = connection.stage();
+    toMain_.reason = connection.reason();
+    if (const auto* sockets = dynamic_cast<SocketTransport*>(connection.transport()))
+      toMain_.udp = sockets->stateOverUdp(0);
+    commands.worldFromCamera = toNetwork_.worldFromCamera;
+    std::swap(commands.revokes, toNetwork_.revokes);
+    std::swap(commands.resetParts, toNetwork_.resetParts);
+  }
+  connection.setCamera(commands.worldFromCamera);
+  for (const PartId part : commands.revokes) connection.revoke(part);
+  if (commands.resetParts) connection.resetParts();
+}
+
+/// Bytes since the last exchange as a rate, through a low-pass of the first order with a weight of 0.05.
+void SharedSession::measureRates(const TransportCounters& before, const TransportCounters& after) {
+  const auto rate = [](std::uint64_t now, std::uint64_t then, double& kbit_s) {
+    // A new connection counts from zero.
+    const double present = now >= then ? static_cast<double>(now - then) * 8e-3 / toSeconds(kPeriod) : 0.0;
+    kbit_s += 0.05 * (present - kbit_s);
+    ASSERT(kbit_s >= 0.0);
+  };
+  rate(after.stateBytesOut + after.controlBytesOut, before.stateBytesOut + before.controlBytesOut,
+       toMain_.sentKbit_s);
+  rate(after.stateBytesIn + after.controlBytesIn, before.stateBytesIn + before.controlBytesIn,
+       toMain_.receivedKbit_s);
+}
+
+void SharedSession::notice(Notice notice) {
+  const std::lock_guard lock(mutex_);
+  toMain_.notices.push_back(std::move(notice));
+}
+
+std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount) {
+  const std::lock_guard lock(mutex_);
+  model.sites = toMain_.sites;
+  model.owner = toMain_.owner;
+  model.owner.resize(partCount, kNoSite);
+  for (const SiteView& site : model.sites)
+    if (site.self) model.role = site.info.role;
+  model.connection.connected = toMain_.stage == ServerConnection::Stage::ready;
+  model.connection.status = model.connection.connected                        ? "connected"
+                            : toMain_.stage == ServerConnection::Stage::ended ? "ended: " + toMain_.reason
+                            : toMain_.reason.empty()                          ? "connecting"
+                                                     : "reconnecting: " + toMain_.reason;
+  model.connection.roundTrip_ms = model.connection.connected ? toMain_.statistics.roundTrip_ms : 0.0;
+  model.connection.lossUp = toMain_.statistics.lossUp;
+  model.connection.lossDown = toMain_.statistics.lossDown;
+  model.connection.playOut_ms = toMain_.statistics.playOut_ms;
+  model.connection.sentKbit_s = toMain_.sentKbit_s;
+  model.connection.receivedKbit_s = toMain_.receivedKbit_s;
+  model.connection.stateOverUdp = toMain_.udp;
+  return std::exchange(toMain_.notices, {});
+}
+
+void SharedSession::act(const ViewActions& actions) {
+  const std::lock_guard lock(mutex_);
+  toNetwork_.worldFromCamera = actions.worldFromCamera;
+  if (actions.revoke != kNoPart) toNetwork_.revokes.push_back(actions.revoke);
+  toNetwork_.resetParts = toNetwork_.resetParts || actions.resetParts;
+}
+
+bool SharedSession::ended(std::string& reason) {
+  const std::lock_guard lock(mutex_);
+  if (toMain_.stage != ServerConnection::Stage::ended) return false;
+  reason = toMain_.reason;
+  return true;
+}
+
+ConnectionStatistics SharedSession::statistics() {
+  const std::lock_guard lock(mutex_);
+  return toMain_.statistics;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,23 @@
+#pragma once
+
+// What a connection to the server is started with.
+
+#include <string>
+
+#include "client/session/state_publisher.h"
+#include "sync/replica/lease_rules.h"
+#include "sync/wire/site_colours.h"
+
+namespace tandem::client {
+
+struct ConnectionOptions {
+  std::string name = "site";
+  sync::SiteColour colour = sync::kAnyColour;
+  std::string token;  // of the join link
+  PublishRates rates;
+  sync::Micros pingInterval = 100 * sync::kMillisecond;
+  sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
+  sync::LeaseRules lease;  // the length is replaced by the server's
+};
+
+}  // namespace tandem::client

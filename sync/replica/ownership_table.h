@@ -1,0 +1,106 @@
+#pragma once
+
+// The server's side of ownership: who owns which part, and who simulates it beside its owner. The rules S1 to
+// S8 as a pure state machine: no clock, no network, no thread; time comes in as an argument, decisions come
+// out as values.
+//
+// 1. A part has one owner or none. Every grant and every end of an ownership is published; a grant has a new
+//    epoch, larger than any before it (S1), also across restarts (restore()).
+// 2. Records of a part are ordered by epoch, and within an epoch an ended ownership (owner = kNoSite) comes
+//    after a running one. A grant, a revocation and a reset each begin a new epoch; a release, an expiry and a
+//    leave end the running one.
+// 3. A request repeated by (site, request id) gets the same answer again (S7), as long as RequestMemory holds
+//    it. An older one, or one from before a restart of the server, is decided anew; that grants nothing twice,
+//    because a Grab by the owner is answered with the epoch that it has.
+// 4. After restore() no part gets a new owner, not even one that nobody owned, until each restored owner has
+//    come back (reclaimed, released, left, or published in its epoch) or lease + drift has passed (S8).
+// 5. A site that comes back with a ticket finds its parts in Welcome and reclaims or releases each: its pings
+//    keep all of them.
+// 6. Sites may be engaged in a part that another one owns. Their list is versioned (S5), and each is on it
+//    for as long as its pings keep it there. Where the owner lets go, leaves or is no longer heard of, the
+//    site that has been engaged for longest owns the part in the next epoch, so no simulated part is without
+//    an owner.
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "sync/replica/lease_rules.h"
+#include "sync/wire/ownership_messages.h"
+#include "sync/wire/participant_messages.h"
+#include "sync/wire/state_update.h"
+
+namespace tandem::sync {
+
+class OwnershipTable {
+ public:
+  /// movable[i]: whether part i may be granted. Poses at rest come from the scene.
+  OwnershipTable(std::vector<bool> movable, std::vector<Pose> worldFromPartAtRest, LeaseRules rules);
+  ~OwnershipTable();
+  OwnershipTable(OwnershipTable&&) noexcept;
+
+  /// Takes over what the journal kept. Owners have until `now` + lease (+ drift) to come back.
+  void restore(std::span<const PartRecord> records, Micros now);
+
+  struct Decision {
+    GrabReply reply;
+    bool changed = false;   // a new epoch: write it to the journal, then reply, then publish it
+    bool repeated = false;  // an earlier answer, given again
+  };
+  Decision grab(SiteId site, Role role, const Grab& request, Micros now);
+  Decision reclaim(SiteId site, Role role, const Reclaim& request, Micros now);
+
+  struct ReleaseDecision {
+    ReleaseReply reply;
+    bool changed = false;
+  };
+  ReleaseDecision release(SiteId site, const Release& request);
+
+  struct EngageDecision {
+    EngageReply reply;
+    bool changed = false;
+  };
+  EngageDecision engage(SiteId site, Role role, const Engage& request, Micros now);
+  EngageDecision disengage(SiteId site, const Disengage& request);
+  MemberRecord members(PartId part) const;
+  /// Whether one of the two sites owns the part and the other one is engaged in it.
+  bool tied(PartId part, SiteId a, SiteId b) const;
+  /// Of every part that somebody is engaged in.
+  std::vector<MemberRecord> allMembers() const;
+  /// The lists that have changed since the last call, in order: to be published behind the part's own record.
+  std::vector<MemberRecord> takeChangedMembers();
+
+  /// Ends an ownership by an instructor's word, and all engagement, with a new epoch. Returns the part as it
+  /// is now, or nothing if nobody owned it.
+  std::optional<PartRecord> revoke(PartId part, Micros now);
+  /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or
+  /// was never granted.
+  std::optional<PartRecord> reset(PartId part, Micros now);
+
+  /// A site's ping arrived: all its leases run anew.
+  void renew(SiteId site, Micros now);
+  /// The site left for good: its parts are free now, or pass to a member. (A lost connection is not a leave:
+  /// the lease decides.)
+  std::vector<PartRecord> leave(SiteId site);
+  /// Lease expiry: ends each ownership whose lease has run out, and returns the parts, free now or passed to
+  /// a member. Sites that are no longer heard of are disengaged.
+  std::vector<PartRecord> expire(Micros now);
+  /// When the next lease runs out if it is not renewed; nothing if nobody owns a part.
+  std::optional<Micros> nextExpiry() const;
+
+  /// Whether a state that came from `site` may be relayed; if so its pose becomes the part's last known one
+  /// (S2).
+  bool accept(SiteId site, const PartState& state);
+
+  const PartRecord& part(PartId part) const;
+  /// Every part that was ever granted or moved.
+  std::vector<PartRecord> records() const;
+  bool recovering(Micros now) const;
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tandem::sync

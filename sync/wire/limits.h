@@ -1,0 +1,26 @@
+#pragma once
+
+// Versions of the protocol, and the bounds of its messages. A message outside a bound is refused.
+
+#include <cstddef>
+#include <cstdint>
+
+#include "sync/wire/time.h"
+
+namespace tandem::sync {
+
+inline constexpr std::uint16_t kProtocolVersion = 4;  // of a connection
+inline constexpr std::uint8_t kStateVersion = 2;      // of a datagram by itself, on a wire or in a recording
+
+inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
+inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
+inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
+inline constexpr std::size_t kMaxStateBytes = 1200;       // a whole datagram
+inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;
+// A Welcome with kMaxParts records fits.
+inline constexpr std::size_t kMaxControlBytes = (1 << 20) + (1 << 16);
+inline constexpr std::size_t kMaxSites = 64;
+inline constexpr std::size_t kMaxStateParts = 255;           // in one StateUpdate; fewer fit as a rule
+inline constexpr Micros kMaxMicros = (Micros{1} << 55) - 1;  // +- 1141 years: sums of a few never overflow
+
+}  // namespace tandem::sync
