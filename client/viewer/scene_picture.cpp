@@ -1,8 +1,9 @@
 #include "client/viewer/scene_picture.h"
 
 #include <algorithm>
-#include <cstring>
-#include <type_traits>
+
+#include "assets/base/assert.h"
+#include "assets/base/fnv1a.h"
 
 namespace tandem::client {
 namespace {
@@ -10,39 +11,22 @@ namespace {
 constexpr int kSamples = 4;
 constexpr std::uint32_t kFramesToRest = 20;  // a part that pauses for less stays out of the layer
 
-/// A number that differs when the values given to it differ (FNV-1a over their bytes).
-class Fingerprint {
- public:
-  template <typename T>
-  void add(const T& value) {
-    static_assert(std::has_unique_object_representations_v<T> || std::is_floating_point_v<T>);
-    unsigned char bytes[sizeof(T)];
-    std::memcpy(bytes, &value, sizeof(T));
-    for (const unsigned char byte : bytes) hash_ = (hash_ ^ byte) * 1099511628211ull;
-  }
-  template <typename T>
-  void addVector(const T& v) {
-    for (int i = 0; i < T::length(); ++i) add(v[i]);
-  }
-  void add(const Pose& pose) {
-    addVector(pose.position);
-    addVector(pose.orientation);
-  }
-  void add(const PartLook& look) {
-    for (const float value : {look.alpha, look.tintAmount, look.rimAmount, look.edgeWidth}) add(value);
-    addVector(look.tint);
-    addVector(look.edgeColour);
-  }
-  std::uint64_t value() const { return hash_; }
+void add(Fnv1a& hash, const Pose& pose) {
+  hash.addComponents(pose.position);
+  hash.addComponents(pose.orientation);
+}
 
- private:
-  std::uint64_t hash_ = 14695981039346656037ull;
-};
+void add(Fnv1a& hash, const PartLook& look) {
+  for (const float value : {look.alpha, look.tintAmount, look.rimAmount, look.edgeWidth}) hash.add(value);
+  hash.addComponents(look.tint);
+  hash.addComponents(look.edgeColour);
+}
 
 bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation == b.orientation; }
 
 void copy(const GlTarget& from, const GlTarget& to, GLbitfield what) {
   const glm::ivec2 size = from.size();
+  ASSERT(to.size() == size);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, from.framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, to.framebuffer());
   glBlitFramebuffer(0, 0, size.x, size.y, 0, 0, size.x, size.y, what, GL_NEAREST);
@@ -52,6 +36,7 @@ void copy(const GlTarget& from, const GlTarget& to, GLbitfield what) {
 
 void ScenePicture::sortParts(const Content& content) {
   const std::size_t count = content.worldFromPart.size();
+  ASSERT(content.looks.size() == count);
   lastPose_.resize(count);
   framesAtRest_.resize(count, kFramesToRest);
   resting_.clear();
@@ -67,34 +52,34 @@ void ScenePicture::sortParts(const Content& content) {
   }
 }
 
-std::uint64_t ScenePicture::printOfLayer(const Content& content, const glm::ivec2& size) const {
-  Fingerprint print;
-  print.add(content.view.worldFromEye);
-  print.addVector(content.view.size);
-  print.add(content.view.near);
-  print.add(content.view.far);
-  print.addVector(size);
-  print.add(content.edges);
+std::uint64_t ScenePicture::hashOfLayer(const Content& content, const glm::ivec2& size) const {
+  Fnv1a hash;
+  add(hash, content.view.worldFromEye);
+  hash.addComponents(content.view.size);
+  hash.add(content.view.near);
+  hash.add(content.view.far);
+  hash.addComponents(size);
+  hash.add(content.edges);
   for (const PartId part : resting_) {
-    print.add(part);
-    print.add(content.worldFromPart[part]);
-    print.add(content.looks[part]);
+    hash.add(part);
+    add(hash, content.worldFromPart[part]);
+    add(hash, content.looks[part]);
   }
-  return print.value();
+  return hash.value();
 }
 
-std::uint64_t ScenePicture::printOfRest(const Content& content) const {
-  Fingerprint print;
+std::uint64_t ScenePicture::hashOfRest(const Content& content) const {
+  Fnv1a hash;
   for (const PartId part : moving_) {
-    print.add(part);
-    print.add(content.worldFromPart[part]);
-    print.add(content.looks[part]);
+    hash.add(part);
+    add(hash, content.worldFromPart[part]);
+    add(hash, content.looks[part]);
   }
   for (const GlyphBatch::Vertex& vertex : content.glyphs.triangles()) {
-    print.addVector(vertex.position);
-    print.addVector(vertex.colour);
+    hash.addComponents(vertex.position);
+    hash.addComponents(vertex.colour);
   }
-  return print.value();
+  return hash.value();
 }
 
 void ScenePicture::drawLayer(const Content& content, const SceneRenderer& parts) const {
@@ -108,7 +93,7 @@ void ScenePicture::drawLayer(const Content& content, const SceneRenderer& parts)
 void ScenePicture::update(const Content& content, const glm::ivec2& size, const SceneRenderer& parts,
                           const GlyphRenderer& glyphs) {
   sortParts(content);
-  const std::uint64_t layer = printOfLayer(content, size), rest = printOfRest(content);
+  const std::uint64_t layer = hashOfLayer(content, size), rest = hashOfRest(content);
   if (layer == lastLayer_ && rest == lastRest_) return;
   layer_.resize(size, kSamples, GL_RGBA8);
   multisampled_.resize(size, kSamples, GL_RGBA8);
@@ -129,6 +114,7 @@ void ScenePicture::update(const Content& content, const glm::ivec2& size, const 
 
 void ScenePicture::show(unsigned framebuffer, const glm::ivec2& corner) const {
   const glm::ivec2 size = resolved_.size();
+  ASSERT(size.x > 0 && size.y > 0);  // update() comes first
   glBindFramebuffer(GL_READ_FRAMEBUFFER, resolved_.framebuffer());
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, framebuffer);
   glBlitFramebuffer(0, 0, size.x, size.y, corner.x, corner.y, corner.x + size.x, corner.y + size.y,

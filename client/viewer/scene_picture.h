@@ -33,8 +33,8 @@ class ScenePicture {
 
  private:
   void sortParts(const Content& content);
-  std::uint64_t printOfLayer(const Content& content, const glm::ivec2& size) const;
-  std::uint64_t printOfRest(const Content& content) const;
+  std::uint64_t hashOfLayer(const Content& content, const glm::ivec2& size) const;
+  std::uint64_t hashOfRest(const Content& content) const;
   void drawLayer(const Content& content, const SceneRenderer& parts) const;
 
   GlTarget layer_, multisampled_, resolved_;
