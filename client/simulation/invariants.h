@@ -1,8 +1,8 @@
 #pragma once
 
-// Watches a simulated session from outside and says which promises of the protocol were broken: S1-S4, S6-S8,
-// L1, L2, L4 of the design. Knows nothing of how ownership is implemented: it sees what sites were told, sent
-// and applied, and what the server's record says at each instant.
+// Checks the rules of the ownership protocol (sync/README.md) on a simulated session from outside: S1-S4, S7, S8,
+// L1, L2 and L4; S6 shows as S2. It shares no code with the implementation: it sees the messages that sites
+// receive and send, the states that they apply, and the server's record at each instant.
 
 #include <cstdint>
 #include <map>
@@ -21,30 +21,32 @@ namespace tandem::client {
 struct Violation {
   std::string rule;  // "S1" ... "L4"
   double at = 0.0;   // s, virtual time
-  std::string what;
+  std::string what;  // the part, epoch and sites
 };
 
 class Invariants {
  public:
   Invariants(std::size_t sites, sync::LeaseRules lease);
 
-  void setTime(sync::Micros now) { now_ = now; }
+  /// Virtual time never goes back.
+  void setTime(sync::Micros now);
 
-  // what a site (by index in the scenario) sees and does
+  // Messages of a site. `site` is its index in the scenario, `self` its id in the session.
   void onOwnership(std::size_t site, const sync::PartRecord& record);
   void onGrab(std::size_t site, const sync::Grab& grab);
   void onGrabReply(std::size_t site, const sync::GrabReply& reply);
   void onRelease(const sync::Release& release);
   void onAccepted(std::size_t site, const sync::PartState& state);
-  void onPublished(std::size_t site, SiteId self, const sync::PartState& state);
+  void onPublished(SiteId self, const sync::PartState& state);
   void onConnection(std::size_t site, bool up);
   void onDead(std::size_t site, SiteId self);
 
-  // what the server's record says, once a tick, for parts that ever had an owner
+  // The server's record, once a tick for each part that ever had an owner.
   void onServerRecord(const sync::PartRecord& record);
   void onServerRestart(const std::vector<sync::PartRecord>& restored);
 
-  /// At the end: unanswered requests, parts of the dead that stay owned, replicas that differ.
+  /// Checks at the end of a run that every request was answered and that the replicas of each part agree
+  /// (name of the part, largest distance between two sites in m).
   void finish(const std::vector<std::pair<std::string, double>>& replicaErrors);
 
   const std::vector<Violation>& violations() const { return violations_; }
@@ -57,20 +59,22 @@ class Invariants {
   const std::vector<Grant>& grants() const { return grants_; }
 
  private:
-  struct SeenPart {
+  /// The newest state that a site has applied to a part.
+  struct AppliedState {
     Epoch epoch = 0;
     std::uint32_t sequence = 0;
   };
-  void broken(const char* rule, std::string what);
+  void reportBroken(const char* rule, std::string what);
 
   sync::LeaseRules lease_;
   sync::Micros now_ = 0, restartedAt_ = -1;
   std::vector<Violation> violations_;
   std::vector<Grant> grants_;
   std::map<std::pair<PartId, Epoch>, SiteId> ownerOf_;  // S1
-  std::map<PartId, sync::PartRecord> server_;
-  std::map<PartId, sync::PartRecord> restored_;
-  std::vector<std::map<PartId, SeenPart>> seen_;  // S2, a site each
+  std::map<PartId, sync::PartRecord> server_;           // as of the last tick
+  std::map<PartId, sync::PartRecord>
+      restored_;  // from the journal at the last restart, less what was released
+  std::vector<std::map<PartId, AppliedState>> applied_;  // S2, a site each
   struct OpenGrab {
     PartId part = kNoPart;
     sync::Micros at = 0;

@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 namespace {
@@ -15,14 +17,25 @@ constexpr double kRestForceStep = 0.3;   // N in 20 ms
 constexpr std::size_t kRestTicks = 1500;
 }  // namespace
 
+void HandMeasures::add(const HandSample& sample) {
+  double largestSquare = 0.0;
+  const std::size_t first = samples_.size() >= kStepWindow ? samples_.size() - kStepWindow : 0;
+  for (std::size_t i = first; i < samples_.size(); ++i) {
+    const glm::dvec3 change = sample.force - samples_[i].force;
+    largestSquare = std::max(largestSquare, glm::dot(change, change));
+  }
+  forceChanges_.push_back(std::sqrt(largestSquare));
+  samples_.push_back(sample);
+}
+
 double HandMeasures::energyCreated() const {
-  double most = 0.0;
-  for (const HandSample& sample : samples_) most = std::max(most, sample.energyGiven);
-  return most;
+  double largest = 0.0;
+  for (const HandSample& sample : samples_) largest = std::max(largest, sample.energyGiven);
+  return largest;
 }
 
 double HandMeasures::feltStiffness() const {
-  // The direction in which the hand travelled while pressing, then force against travel along it.
+  // The axis is the mean force while pressing; force and travel are taken along it.
   glm::dvec3 meanPosition(0.0), meanForce(0.0);
   double count = 0.0;
   for (const HandSample& s : samples_)
@@ -47,19 +60,8 @@ double HandMeasures::feltStiffness() const {
   return xx > 1e-12 ? -xf / xx : 0.0;
 }
 
-double HandMeasures::forceChange(std::size_t tick) const {
-  // The largest change within the window ends at its newest sample for the window in which it is first seen.
-  double most = 0.0;
-  const std::size_t first = tick >= kStepWindow ? tick - kStepWindow : 0;
-  for (std::size_t i = first; i < tick; ++i)
-    most = std::max(most, glm::length(samples_[tick].force - samples_[i].force));
-  return most;
-}
-
 double HandMeasures::forceStep() const {
-  double most = 0.0;
-  for (std::size_t i = 0; i < samples_.size(); ++i) most = std::max(most, forceChange(i));
-  return most;
+  return samples_.empty() ? 0.0 : *std::max_element(forceChanges_.begin(), forceChanges_.end());
 }
 
 double HandMeasures::handoverExcess() const {
@@ -67,14 +69,15 @@ double HandMeasures::handoverExcess() const {
   for (const std::size_t change : roleChanges_) {
     std::vector<double> before;
     for (std::size_t i = change >= 1000 ? change - 1000 : 0; i < change; ++i)
-      before.push_back(forceChange(i));
+      before.push_back(forceChanges_[i]);
     if (before.empty()) continue;
     const std::size_t rank = before.size() * 99 / 100;
     std::nth_element(before.begin(), before.begin() + static_cast<std::ptrdiff_t>(rank), before.end());
     double after = 0.0;
-    // Windows that reach back before the change are left out: they would count the motion before it.
+    // A window that reaches back before the change would count the motion before it: of the first 20 ms, only
+    // the change against the last force before is taken.
     for (std::size_t i = change + kStepWindow; i < std::min(change + 500, samples_.size()); ++i)
-      after = std::max(after, forceChange(i));
+      after = std::max(after, forceChanges_[i]);
     for (std::size_t i = change; i < std::min(change + kStepWindow, samples_.size()); ++i)
       if (change > 0) after = std::max(after, glm::length(samples_[i].force - samples_[change - 1].force));
     excess = std::max(excess, after - before[rank]);
@@ -86,10 +89,10 @@ bool HandMeasures::pushed() const {
   return std::any_of(samples_.begin(), samples_.end(), [](const HandSample& s) { return s.pushed; });
 }
 
-double HandMeasures::mostForce() const {
-  double most = 0.0;
-  for (const HandSample& s : samples_) most = std::max(most, glm::length(s.force));
-  return most;
+double HandMeasures::maxForce() const {
+  double largest = 0.0;
+  for (const HandSample& s : samples_) largest = std::max(largest, glm::length(s.force));
+  return largest;
 }
 
 double HandMeasures::rmsForce() const {
@@ -105,13 +108,14 @@ bool HandMeasures::slidOff() const {
 }
 
 bool HandMeasures::restsUnshaken(const std::vector<bool>& undisturbed, bool brushed) const {
+  ASSERT(undisturbed.size() == samples_.size());
   for (const HandSample& s : samples_)
     if (!(glm::length(s.position - samples_.front().position) < kDiverged)) return false;
   std::size_t stillFor = 0;
   for (std::size_t i = 0; i < samples_.size(); ++i) {
     stillFor = undisturbed[i] && (brushed || !samples_[i].brushes) ? stillFor + 1 : 0;
-    // The hands' targets must have stood for half a second: an arm needs that long to settle.
-    if (stillFor > 500 && forceChange(i) > kRestForceStep) return false;
+    // An arm needs half a second to settle after its target has come to rest.
+    if (stillFor > 500 && forceChanges_[i] > kRestForceStep) return false;
   }
   return true;
 }

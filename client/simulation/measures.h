@@ -1,6 +1,6 @@
 #pragma once
 
-// What `tandem simulate` measures of one hand, by the definitions of its output. Fed once a tick.
+// The measures of one hand that `tandem simulate` reports, by the definitions of its output.
 
 #include <vector>
 
@@ -14,46 +14,49 @@ struct HandSample {
   glm::dvec3 force{0.0, 0.0, 0.0};     // N, as the device applies it
   glm::dvec3 position{0.0, 0.0, 0.0};  // m, true device position
   double energyGiven = 0.0;            // J, to the hand, less what the scene's own sources gave
-  bool pressing = false;               // on a fixed part
+  bool pressing = false;               // the tool touches a fixed part
   bool still = false;                  // the person's target stands still
-  bool brushes = false;                // the tool touches a part that may move
-  bool pushed = false;                 // and that one does
+  bool brushes = false;                // the tool touches a movable part
+  bool pushed = false;                 // the tool touches a movable part that moves
 };
 
-/// How one hand fared. Ticks are 1 ms.
+/// Collects one sample of a hand a tick, and computes the measures. A tick is 1 ms.
 class HandMeasures {
  public:
-  void add(const HandSample& sample) { samples_.push_back(sample); }
+  void add(const HandSample& sample);
   /// The hand's site gained or lost a part in this tick.
   void roleChanged() { roleChanges_.push_back(samples_.size()); }
 
-  /// J: the most by which the energy given ever exceeded what came in.
+  /// J: the largest excess, at any time, of the energy given over what came in.
   double energyCreated() const;
-  /// N/m: least-squares slope of force against travel while pressing, along the direction of most travel; 0
-  /// without.
+  /// N/m: least-squares slope of force against travel while pressing, along the mean force; 0 if nothing was
+  /// pressed.
   double feltStiffness() const;
   /// N: largest change of force within 20 ms.
   double forceStep() const;
-  /// N: the same in the 0.5 s after a role change, less its 99th percentile in the second before; 0 without.
+  /// N: the largest such change in the 0.5 s after a role change, less the 99th percentile of those in the second
+  /// before; 0 without a role change.
   double handoverExcess() const;
   double rmsForce() const;
-  double mostForce() const;  // N
-  bool pushed() const;       // at any time
-  /// Nothing diverges; the last 1.5 s, if the target is still there, move < 0.5 mm; no force changes by more
-  /// than 0.3 N in 20 ms while `allStill` (one entry a tick, for all hands).
+  double maxForce() const;  // N
+  bool pushed() const;      // at any time
+  /// Whether nothing diverges, the position moves less than 0.5 mm peak to peak in the last 1.5 s if all targets
+  /// stand still then, and the force never changes by more than 0.3 N in 20 ms while all hands stand still
+  /// (`allStill`, one entry a sample).
   bool stable(const std::vector<bool>& allStill) const;
-  /// Whether in the last tick the bare tool came off a part that may move: who shares that part feels it, later.
+  /// Whether the bare tool left a movable part in the last tick. The part's co-holders feel that, later.
   bool slidOff() const;
-  /// Nothing diverges, and no force changes by more than 0.3 N in 20 ms while all hands stand still, no bare tool slides
-  /// off a part (`undisturbed`, one entry a tick) and this one's is not where others may push parts against it.
+  /// Whether nothing diverges, and the force never changes by more than 0.3 N in 20 ms while all hands stand
+  /// still, no bare tool slides off a part (`undisturbed`, one entry a sample) and this bare tool touches no part
+  /// that others may push.
   bool calm(const std::vector<bool>& undisturbed) const;
   const std::vector<HandSample>& samples() const { return samples_; }
 
  private:
-  double forceChange(std::size_t tick) const;  // within the 20 ms that end at this tick
   bool restsUnshaken(const std::vector<bool>& undisturbed, bool brushed) const;
 
   std::vector<HandSample> samples_;
+  std::vector<double> forceChanges_;  // N, a sample each: the largest change within the 20 ms that end there
   std::vector<std::size_t> roleChanges_;
 };
 

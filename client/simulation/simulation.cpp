@@ -2,22 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstring>
-#include <fstream>
 #include <memory>
 #include <random>
 
 #include <glm/geometric.hpp>
 
-#include "assets/scene/scene_package.h"
-#include "client/hand/hand_loop.h"
-#include "client/hand/scripted_device.h"
-#include "client/session/server_connection.h"
-#include "client/simulation/measures.h"
-#include "haptics/safety/device_defaults.h"
-#include "server/memory_journal.h"
-#include "server/session.h"
+#include "assets/base/assert.h"
+#include "client/simulation/simulated_site.h"
 
 namespace tandem::client {
 
@@ -25,558 +16,255 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kTick = kMillisecond;
-constexpr std::int64_t kWallClock = 1700000000;  // Unix time at virtual time 0: any constant
+constexpr Micros kTick = kSimulationTick;
 
-/// FNV-1a over the bits of doubles: equal only if every tick was equal.
-class Fingerprint {
- public:
-  void add(double value) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &value, sizeof bits);
-    for (int i = 0; i < 8; ++i) {
-      hash_ ^= (bits >> (8 * i)) & 0xff;
-      hash_ *= 1099511628211ull;
-    }
+/// Distances between two poses of one part, m.
+struct Distances {
+  double squares = 0.0, max = 0.0;
+  std::uint64_t count = 0;
+  void add(double distance) {
+    squares += distance * distance;
+    max = std::max(max, distance);
+    ++count;
   }
-  void add(const glm::dvec3& v) { add(v.x), add(v.y), add(v.z); }
-  std::string hex() const {
-    char text[17];
-    std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash_));
-    return text;
-  }
-
- private:
-  std::uint64_t hash_ = 14695981039346656037ull;
-};
-
-Role roleOf(const std::string& name) {
-  return name == "instructor" ? Role::instructor : name == "observer" ? Role::observer : Role::participant;
-}
-
-class Simulation;
-
-/// One person with everything at their site.
-class SimulatedSite : public ConnectionObserver {
- public:
-  SimulatedSite(Simulation& simulation, std::size_t index, const ScenarioSite& description, HandScript script,
-                const haptics::ContactScene& contact, const Pose& start, Micros clockOffset);
-
-  void start();
-  void crash();
-  void step(Micros now);
-
-  void onOwnership(const PartRecord& record) override;
-  void onGrab(const Grab& grab) override;
-  void onGrabReply(const GrabReply& reply) override;
-  void onRelease(const Release& release) override;
-  void onAccepted(SiteId from, const PartState& state) override;
-  void onPublished(const PartState& state) override;
-  void onConnection(bool up) override;
-
-  bool paused(Micros now) const { return now < pausedUntil; }
-  bool inSession() const { return connection && connection->stage() == ServerConnection::Stage::ready; }
-  Micros local(Micros now) const { return now + clockOffset; }
-
-  const std::string& name() const { return description.name; }
-
-  Simulation& simulation;
-  std::size_t index;
-  const ScenarioSite& description;
-  Micros clockOffset, joinsAt, pausedUntil = 0;
-  SiteId id = kNoSite;
-  std::unique_ptr<Exchange> exchange;
-  std::unique_ptr<HandLoop> hand;
-  std::unique_ptr<ServerConnection> connection;
-  ScriptedDevice device;
-  HandMeasures measures;
-  glm::dvec3 lastTarget{0.0, 0.0, 0.0};
-  double sourceEnergy = 0.0;
-  std::vector<Pose> lastPoses;  // of every part, as of the last tick here
-  std::vector<Pose> drawn;      // of every part, as a window here would show it
-  std::uint64_t packetsBefore = 0, bytesBefore = 0, droppedStates = 0, denials = 0;
-  Traffic sentBefore;  // by what crashed since
-
- private:
-  HandSettingsInput settings() const;
-  void tickHand(Micros now);
-  void noteContact(PartId part, HandSample& measured) const;
-  void addSources(const haptics::TickOutput& tick);
-  void countTransport();
+  double rms() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0; }
 };
 
 class Simulation {
  public:
-  Simulation(const Scenario& script, const haptics::ContactScene& parts, const SimulationOptions& options)
-      : scenario(script),
-        scene(parts.scene()),
-        contact(parts),
-        package(assets::packScene(parts.scene())),
-        network(options.seed, script.network),
-        conditions(script.network),
-        invariants(script.sites.size(), LeaseRules{}),
-        watch(options.watch),
-        mistake(options.mistake) {
-    key.seed.fill(static_cast<std::uint8_t>(options.seed));
-    if (!options.tracePath.empty()) {
-      trace.open(options.tracePath);
-      trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags,links,fade,play_out_ms,lx,ly,lz\n";
-    }
+  Simulation(const Scenario& scenario, const haptics::ContactScene& contact, const SimulationOptions& options)
+      : scenario_(scenario),
+        scene_(contact.scene()),
+        context_(scenario, contact, options),
+        conditions_(scenario.network),
+        watch_(options.watch) {
+    if (options.tracePath.empty()) return;
+    context_.trace.open(options.tracePath);
+    context_.trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags,links,fade,play_out_ms,lx,ly,lz\n";
   }
 
   Status addSites(std::uint64_t seed);
-  Status run();
+  void run();
   SimulationResult result();
+  /// False if the trace could not be written so far.
+  bool traceIsGood() { return context_.trace.flush().good(); }
 
-  void startServer();
-  void killServer();
-  void stepServer();
+ private:
+  void tick();
   void applyFaults();
+  void apply(const Fault& fault);
+  void restart();
+  void applyNetworkChanges();
   void compareReplicas();
+  void compareReplicas(const SimulatedSite& owner, const haptics::OwnedPart& part);
   void showSites();
+  double replicaError(PartId part, SimulationResult& result) const;
 
-  const Scenario& scenario;
-  const assets::Scene& scene;
-  const haptics::ContactScene& contact;
-  std::vector<std::byte> package;
-  VirtualNetwork network;
-  NetworkConditions conditions;
-  Invariants invariants;
-  std::function<void(double, std::span<const SimulatedSiteState>)> watch;
-  Mistake mistake;
-  server::SigningKey key;
-  server::MemoryJournal journal;
-  std::unique_ptr<Transport> serverTransport;
-  std::unique_ptr<server::Session> session;
-  Micros now = 0, serverClockOffset = 0, restartAt = -1;
-  std::vector<std::unique_ptr<SimulatedSite>> sites;
-  std::vector<bool> faultDone, blackoutDone, stepDone;
-  std::vector<std::pair<Micros, std::size_t>> rejoin;
-  std::vector<bool> allStill, undisturbed;  // a tick each
-  std::vector<bool> everOwned;
-  Fingerprint fingerprint;
-  std::ofstream trace;
-  double linkWork = 0.0, linkWorkMost = 0.0;  // J, on all replicas
-  struct Distances {
-    double squares = 0.0, most = 0.0;
-    std::uint64_t count = 0;
-    void add(double distance) {
-      squares += distance * distance;
-      most = std::max(most, distance);
-      ++count;
-    }
-    double rms() const { return count > 0 ? std::sqrt(squares / static_cast<double>(count)) : 0.0; }
-  };
-  Distances displayed, shared;
-  Micros sharedTicks = 0;
+  const Scenario& scenario_;
+  const assets::Scene& scene_;
+  SimulationContext context_;
+  NetworkConditions conditions_;
+  std::function<void(double, std::span<const SimulatedSiteState>)> watch_;
+  std::vector<std::unique_ptr<SimulatedSite>> sites_;
+  Micros now_ = 0, serverRestartsAt_ = -1;
+  std::vector<bool> faultDone_, blackoutDone_, stepDone_;  // an entry of the scenario each
+  std::vector<std::pair<Micros, std::size_t>> rejoin_;     // when which site starts again; < 0: done
+  std::vector<bool> allStill_, undisturbed_;               // a tick each
+  Distances displayed_, shared_;
+  std::uint64_t sharedTicks_ = 0;
+  double maxLinkWork_ = 0.0;  // J
 };
-
-// ---- a site ----
-
-SimulatedSite::SimulatedSite(Simulation& sim, std::size_t siteIndex, const ScenarioSite& siteDescription,
-                             HandScript script, const haptics::ContactScene& contact, const Pose& start,
-                             Micros offset)
-    : simulation(sim),
-      index(siteIndex),
-      description(siteDescription),
-      clockOffset(offset),
-      joinsAt(static_cast<Micros>(description.joins * 1e6)),
-      exchange(std::make_unique<Exchange>()),
-      hand(std::make_unique<HandLoop>(contact, *exchange)),
-      device(sim.scene, std::move(script), description.arm, description.device, start,
-             [this](PartId part) { return hand->worldFromPart(part); }) {
-  lastTarget = start.position;
-  for (const assets::Part& part : sim.scene.parts) lastPoses.push_back(part.worldFromPart);
-  drawn = lastPoses;
-  exchange->settings.write(settings());
-}
-
-/// What this site's ticks are given: the plain defaults, so that scenarios compare whatever the device, or on
-/// request what a device of this kind gets in a real session.
-HandSettingsInput SimulatedSite::settings() const {
-  HandSettingsInput settings;
-  haptics::TickParameters& parameters = settings.parameters;
-  if (description.fit) haptics::fitToDevice(device.limits(), 0.0, parameters);
-  parameters.forceLimit = description.device.forceMax;
-  parameters.gravity = simulation.scene.gravity;
-  if (description.stiffness > 0.0) {
-    parameters.stiffness = parameters.graspStiffness = description.stiffness;
-    parameters.stiffnessLimit = 0.0;
-  }
-  return settings;
-}
-
-void SimulatedSite::start() {
-  ConnectionOptions options;
-  options.name = description.name;
-  options.rates.most = simulation.scenario.packetHz;
-  options.rates.deadband = description.deadband;
-  options.token =
-      simulation.session ? simulation.session->makeToken(roleOf(description.role), kWallClock + 86400) : "";
-  connection = std::make_unique<ServerConnection>(options, [this]() -> Result<std::unique_ptr<Transport>> {
-    countTransport();
-    return simulation.network.connect(name());
-  });
-  connection->setObserver(this);
-}
-
-void SimulatedSite::countTransport() {
-  if (!connection || !connection->transport()) return;
-  packetsBefore += connection->transport()->counters().statePacketsOut;
-  bytesBefore +=
-      connection->transport()->counters().stateBytesOut + connection->transport()->counters().controlBytesOut;
-}
-
-void SimulatedSite::crash() {
-  countTransport();
-  if (connection) {
-    droppedStates += connection->statistics().droppedStates;
-    sentBefore.add(connection->statistics().sent);
-    simulation.invariants.onDead(index, id);
-  }
-  connection.reset();
-  id = kNoSite;
-  // The process is gone with all that it knew; arm and device stay in the world.
-  exchange = std::make_unique<Exchange>();
-  exchange->settings.write(settings());
-  hand = std::make_unique<HandLoop>(simulation.contact, *exchange);
-}
-
-void SimulatedSite::step(Micros now) {
-  tickHand(now);
-  if (paused(now) || !connection) return;
-  connection->step(local(now));
-  if (connection->stage() == ServerConnection::Stage::needScene) connection->skipTransfer();
-  if (connection->stage() == ServerConnection::Stage::haveScene)
-    connection->sceneReady(simulation.scene, *exchange);
-  id = connection->welcome().site;
-  if (connection->stage() == ServerConnection::Stage::ended) simulation.invariants.onConnection(index, false);
-}
-
-void SimulatedSite::noteContact(PartId part, HandSample& measured) const {
-  if (!simulation.scene.parts[part].movable) {
-    measured.pressing = true;
-  } else {
-    measured.brushes = true;
-    measured.pushed = measured.pushed || hand->worldFromPart(part).position != lastPoses[part].position;
-  }
-}
-
-void SimulatedSite::tickHand(Micros now) {
-  const haptics::DeviceSample sample = device.poll(toSeconds(now));
-  Wrench wrench;
-  // Before the program is started, while it stands still and when it is dead, the device's watchdog gives zero force.
-  const bool running = !paused(now) && connection;
-  if (running) {
-    hand->setWish(device.wish());
-    hand->setControl(device.control());
-    wrench = hand->tick(sample, local(now));
-  }
-  device.apply(wrench);
-  const haptics::TickOutput& tick = hand->output().tick;
-  HandSample measured;
-  measured.force = wrench.force;
-  measured.position = device.hand().devicePose().position;
-  measured.energyGiven = device.hand().energyGiven() - sourceEnergy;
-  for (int i = 0; i < tick.contactCount; ++i)
-    noteContact(tick.contacts[static_cast<std::size_t>(i)].part, measured);
-  if (running) addSources(tick);
-  ShownPose shown;
-  while (exchange->shown.pop(shown)) drawn[shown.part] = shown.worldFromDrawn;
-  const glm::dvec3 target = device.target().worldFromTarget.position;
-  measured.still = target == lastTarget;
-  lastTarget = target;
-  measures.add(measured);
-  simulation.fingerprint.add(wrench.force);
-  simulation.fingerprint.add(measured.position);
-  if (simulation.trace.is_open() && now % (10 * kMillisecond) == 0) {
-    const haptics::OwnedPart* held = tick.simulated(tick.held);
-    const haptics::TieReport tie = held != nullptr ? held->tie : haptics::TieReport{};
-    char line[400];
-    const glm::dvec3& p = tick.worldFromProxy.position;
-    std::snprintf(line, sizeof line,
-                  "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u,%d,%.3f,%.1f,%.5f,%.5f,%.5f\n",
-                  toSeconds(now), name().c_str(), measured.position.x, measured.position.y,
-                  measured.position.z, p.x, p.y, p.z, wrench.force.x, wrench.force.y, wrench.force.z,
-                  tick.held == kNoPart ? "" : simulation.scene.parts[tick.held].name.c_str(), tick.flags,
-                  tie.links, tie.fade, tie.delay * 1e3, tie.pull.force.x, tie.pull.force.y, tie.pull.force.z);
-    simulation.trace << line;
-  }
-}
-
-/// What the scene itself gave to this hand in this tick was not created: the weight of a held part, the
-/// work of parts that others push against the tool, and what force fields give by their laws. Nor was what came over
-/// links: whether those create energy is seen in all of them together. What leads a replica may give some: no sum of it
-/// is kept.
-void SimulatedSite::addSources(const haptics::TickOutput& tick) {
-  const assets::Scene& scene = simulation.scene;
-  sourceEnergy += tick.sourcePower * toSeconds(kTick);
-  for (int i = 0; i < tick.ownedCount; ++i) {
-    const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
-    if (part.tie.links == 0) continue;
-    const glm::dvec3 centre =
-        transformPoint(part.worldFromPart, scene.parts[part.part].massProperties.centreOfMass);
-    const glm::dvec3 velocity = velocityAt(part.worldFromPart, part.twist, centre);
-    const auto workOf = [&](const Wrench& wrench) {
-      return toSeconds(kTick) *
-             (glm::dot(wrench.force, velocity) + glm::dot(wrench.torque, part.twist.angular));
-    };
-    const double work = workOf(part.tie.pull);
-    sourceEnergy += work + workOf(part.tie.lead);
-    simulation.linkWork += work;
-  }
-  if (tick.held != kNoPart) {
-    const assets::Part& part = scene.parts[tick.held];
-    sourceEnergy += part.massProperties.mass * part.gravityFactor *
-                    glm::dot(scene.gravity, device.hand().deviceVelocity()) * toSeconds(kTick);
-  }
-  for (int i = 0; i < tick.contactCount; ++i) {
-    const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
-    const Pose now = hand->worldFromPart(contact.part);
-    const glm::dvec3 before =
-        transformPoint(lastPoses[contact.part], transformPoint(inverse(now), contact.point));
-    sourceEnergy += contact.force * std::max(0.0, glm::dot(contact.normal, contact.point - before));
-  }
-  for (std::size_t i = 0; i < lastPoses.size(); ++i)
-    if (scene.parts[i].movable) lastPoses[i] = hand->worldFromPart(static_cast<PartId>(i));
-}
-
-void SimulatedSite::onOwnership(const PartRecord& record) {
-  simulation.invariants.onOwnership(index, record);
-  simulation.everOwned[record.part] = true;
-  if (record.owner == connection->welcome().site || hand->output().tick.held == record.part)
-    measures.roleChanged();
-}
-void SimulatedSite::onGrab(const Grab& grab) { simulation.invariants.onGrab(index, grab); }
-void SimulatedSite::onRelease(const Release& release) { simulation.invariants.onRelease(release); }
-void SimulatedSite::onGrabReply(const GrabReply& reply) {
-  if (reply.denial != Denial::none) ++denials;
-  simulation.invariants.onGrabReply(index, reply);
-}
-void SimulatedSite::onAccepted(SiteId, const PartState& state) {
-  simulation.invariants.onAccepted(index, state);
-}
-void SimulatedSite::onPublished(const PartState& state) {
-  simulation.invariants.onPublished(index, connection->welcome().site, state);
-}
-void SimulatedSite::onConnection(bool up) { simulation.invariants.onConnection(index, up); }
-
-// ---- the session ----
 
 Status Simulation::addSites(std::uint64_t seed) {
   std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
-  for (std::size_t i = 0; i < scenario.sites.size(); ++i) {
-    const ScenarioSite& description = scenario.sites[i];
+  for (std::size_t i = 0; i < scenario_.sites.size(); ++i) {
+    const ScenarioSite& description = scenario_.sites[i];
     Result<HandScript> script = parseHandScript(
-        description.script, scenario.path + ": sites[" + std::to_string(i) + "].script", scene);
+        description.script, scenario_.path + ": sites[" + std::to_string(i) + "].script", scene_);
     if (!script) return script.error();
     const Pose start =
-        description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene, i);
+        description.hasStart ? Pose{description.start, {1.0, 0.0, 0.0, 0.0}} : defaultHandStart(scene_, i);
     // Each site's clock started some time in the last eleven days.
     const auto offset = static_cast<Micros>(random() % 1000000000000ull);
-    sites.push_back(
-        std::make_unique<SimulatedSite>(*this, i, description, std::move(*script), contact, start, offset));
+    sites_.push_back(
+        std::make_unique<SimulatedSite>(context_, i, description, std::move(*script), start, offset));
   }
-  faultDone.assign(scenario.faults.size(), false);
-  blackoutDone.assign(scenario.blackouts.size(), false);
-  stepDone.assign(scenario.steps.size(), false);
-  everOwned.assign(scene.parts.size(), false);
+  faultDone_.assign(scenario_.faults.size(), false);
+  blackoutDone_.assign(scenario_.blackouts.size(), false);
+  stepDone_.assign(scenario_.steps.size(), false);
   return {};
 }
 
-void Simulation::startServer() {
-  server::SessionConfig config;
-  config.key = key;
-  config.maxSites = kMaxSites;
-  if (mistake == Mistake::regrantedEarly) config.lease.driftPpm = -9e5;
-  serverTransport = network.listen();
-  const server::JournalContents kept = journal.contents();
-  serverClockOffset = kept.sessionTime - now;  // a new process: its clock goes on from what the journal knows
-  session = std::make_unique<server::Session>(scene, package, config, *serverTransport, journal, nullptr,
-                                              now + serverClockOffset, kWallClock + now / kSecond);
-  if (now > 0) invariants.onServerRestart(kept.parts);
-}
-
-void Simulation::killServer() {
-  session.reset();
-  serverTransport.reset();
-  journal.crash();
-  if (mistake == Mistake::journalForgotten) journal = server::MemoryJournal{};
-}
-
-void Simulation::stepServer() {
-  if (!session) return;
-  session->step(now + serverClockOffset, kWallClock + now / kSecond);
-  for (std::size_t i = 0; i < scene.parts.size(); ++i)
-    if (const PartRecord& record = session->ownership().part(static_cast<PartId>(i)); record.epoch > 0)
-      invariants.onServerRecord(record);
-}
-
 void Simulation::applyFaults() {
-  const double t = toSeconds(now);
-  for (std::size_t i = 0; i < scenario.faults.size(); ++i) {
-    const Fault& fault = scenario.faults[i];
-    if (faultDone[i] || t < fault.at) continue;
-    faultDone[i] = true;
-    const Micros until = now + static_cast<Micros>(std::max(fault.lasts, 0.0) * 1e6);
-    if (fault.kind == Fault::Kind::killServer) {
-      killServer();
-      if (fault.lasts >= 0.0) restartAt = until;
-      continue;
-    }
-    for (auto& site : sites) {
-      if (site->name() != fault.site) continue;
-      if (fault.kind == Fault::Kind::pauseSite) {
-        site->pausedUntil = until;
-      } else {
-        site->crash();
-        if (fault.lasts >= 0.0) rejoin.emplace_back(until, site->index);
-      }
-    }
+  const double t = toSeconds(now_);
+  for (std::size_t i = 0; i < scenario_.faults.size(); ++i) {
+    if (faultDone_[i] || t < scenario_.faults[i].at) continue;
+    faultDone_[i] = true;
+    apply(scenario_.faults[i]);
   }
-  if (restartAt >= 0 && now >= restartAt) {
-    restartAt = -1;
-    startServer();
-  }
-  for (auto& [at, index] : rejoin)
-    if (at >= 0 && now >= at && session) {
-      if (!sites[index]->connection) sites[index]->start();  // else it was killed before it had joined
-      at = -1;
-    }
-  for (std::size_t i = 0; i < scenario.blackouts.size(); ++i)
-    if (!blackoutDone[i] && t >= scenario.blackouts[i].at) {
-      blackoutDone[i] = true;
-      network.blackout(scenario.blackouts[i].site,
-                       now + static_cast<Micros>(scenario.blackouts[i].lasts * 1e6));
-    }
-  for (std::size_t i = 0; i < scenario.steps.size(); ++i)
-    if (!stepDone[i] && t >= scenario.steps[i].at) {
-      stepDone[i] = true;
-      conditions.oneWay = scenario.steps[i].oneWay;
-      network.setConditions(conditions);
-    }
+  restart();
 }
 
-/// The owner's part against what every other site shows of it at this instant, and against its replicas.
+void Simulation::apply(const Fault& fault) {
+  const Micros until = now_ + static_cast<Micros>(std::max(fault.lasts, 0.0) * 1e6);
+  if (fault.kind == Fault::Kind::killServer) {
+    context_.server.kill();
+    if (fault.lasts >= 0.0) serverRestartsAt_ = until;
+    return;
+  }
+  for (auto& site : sites_) {
+    if (site->name() != fault.site) continue;
+    if (fault.kind == Fault::Kind::pauseSite) {
+      site->pauseUntil(until);
+    } else {
+      site->crash();
+      if (fault.lasts >= 0.0) rejoin_.emplace_back(until, site->index());
+    }
+  }
+}
+
+/// Starts what was killed and is due again. A site waits for the server; it may run already if it was killed
+/// before it had joined.
+void Simulation::restart() {
+  if (serverRestartsAt_ >= 0 && now_ >= serverRestartsAt_) {
+    serverRestartsAt_ = -1;
+    context_.server.start(now_, context_.invariants);
+  }
+  for (auto& [at, index] : rejoin_) {
+    if (at < 0 || now_ < at || !context_.server.running()) continue;
+    if (!sites_[index]->started()) sites_[index]->start();
+    at = -1;
+  }
+}
+
+void Simulation::applyNetworkChanges() {
+  const double t = toSeconds(now_);
+  for (std::size_t i = 0; i < scenario_.blackouts.size(); ++i) {
+    const Blackout& blackout = scenario_.blackouts[i];
+    if (blackoutDone_[i] || t < blackout.at) continue;
+    blackoutDone_[i] = true;
+    context_.network.blackout(blackout.site, now_ + static_cast<Micros>(blackout.lasts * 1e6));
+  }
+  for (std::size_t i = 0; i < scenario_.steps.size(); ++i) {
+    if (stepDone_[i] || t < scenario_.steps[i].at) continue;
+    stepDone_[i] = true;
+    conditions_.oneWay = scenario_.steps[i].oneWay;
+    context_.network.setConditions(conditions_);
+  }
+}
+
+/// Measures how far the owner's pose of each part is from what the other sites draw of it at this instant, and
+/// from the replicas of its co-holders.
 void Simulation::compareReplicas() {
-  linkWorkMost = std::max(linkWorkMost, linkWork);
-  bool anyShared = false;
-  for (const auto& owner : sites) {
-    if (!owner->inSession()) continue;
-    const haptics::TickOutput& tick = owner->hand->output().tick;
+  maxLinkWork_ = std::max(maxLinkWork_, context_.linkWork);
+  const Distances before = shared_;
+  for (const auto& site : sites_) {
+    if (!site->inSession()) continue;
+    const haptics::TickOutput& tick = site->tick();
     for (int i = 0; i < tick.ownedCount; ++i) {
       const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
-      fingerprint.add(part.worldFromPart.position);
-      if (owner->connection->owner(part.part) != owner->id) continue;  // a guest
-      for (const auto& other : sites) {
-        if (other == owner || !other->inSession()) continue;
-        displayed.add(glm::length(other->drawn[part.part].position - part.worldFromPart.position));
-        if (other->hand->output().tick.simulated(part.part) == nullptr) continue;
-        shared.add(glm::length(other->hand->worldFromPart(part.part).position - part.worldFromPart.position));
-        anyShared = true;
-      }
+      context_.fingerprint.add(part.worldFromPart.position);
+      if (site->ownerOf(part.part) == site->id()) compareReplicas(*site, part);
     }
   }
-  sharedTicks += anyShared ? 1 : 0;
+  sharedTicks_ += shared_.count > before.count ? 1 : 0;
+}
+
+void Simulation::compareReplicas(const SimulatedSite& owner, const haptics::OwnedPart& part) {
+  const glm::dvec3& position = part.worldFromPart.position;
+  for (const auto& other : sites_) {
+    if (other.get() == &owner || !other->inSession()) continue;
+    displayed_.add(glm::length(other->worldFromDrawn(part.part).position - position));
+    if (other->tick().simulated(part.part) == nullptr) continue;
+    shared_.add(glm::length(other->worldFromPart(part.part).position - position));
+  }
 }
 
 void Simulation::showSites() {
   std::vector<SimulatedSiteState> states;
-  for (const auto& site : sites) {
-    const HandSample& sample = site->measures.samples().back();
-    states.push_back({sample.position, sample.force, &site->hand->output().tick});
+  for (const auto& site : sites_) {
+    const HandSample& sample = site->measures().samples().back();
+    states.push_back({sample.position, sample.force, &site->tick()});
   }
-  watch(toSeconds(now), states);
+  watch_(toSeconds(now_), states);
 }
 
-Status Simulation::run() {
-  startServer();
-  const auto ticks = static_cast<Micros>(std::llround(scenario.duration * 1e3));
-  for (Micros tick = 0; tick < ticks; ++tick) {
-    now = tick * kTick;
-    invariants.setTime(now);
-    network.advanceTo(now);
-    journal.advanceTo(now);
-    applyFaults();
-    stepServer();
-    bool still = true, slidOff = false;
-    for (auto& site : sites) {
-      if (!site->connection && site->joinsAt >= 0 && now >= site->joinsAt && session) {
-        site->joinsAt = -1;
-        site->start();
-      }
-      site->step(now);
-      still = still && site->measures.samples().back().still;
-      slidOff = slidOff || site->measures.slidOff();
-    }
-    allStill.push_back(still);
-    undisturbed.push_back(still && !slidOff);
-    compareReplicas();
-    if (watch) showSites();
+void Simulation::tick() {
+  context_.invariants.setTime(now_);
+  context_.network.advanceTo(now_);
+  context_.server.advanceJournalTo(now_);
+  applyFaults();
+  applyNetworkChanges();
+  context_.server.step(now_, context_.invariants);
+  bool still = true, slidOff = false;
+  for (auto& site : sites_) {
+    if (context_.server.running()) site->startWhenDue(now_);
+    site->step(now_);
+    still = still && site->measures().samples().back().still;
+    slidOff = slidOff || site->measures().slidOff();
   }
-  return {};
+  allStill_.push_back(still);
+  undisturbed_.push_back(still && !slidOff);
+  compareReplicas();
+  if (watch_) showSites();
+}
+
+void Simulation::run() {
+  ASSERT(sites_.size() == scenario_.sites.size() && allStill_.empty());
+  context_.server.start(0, context_.invariants);
+  const auto ticks = static_cast<Micros>(std::llround(scenario_.duration * 1e3));
+  for (Micros i = 0; i < ticks; ++i) {
+    now_ = i * kTick;
+    tick();
+  }
+}
+
+/// By how much the poses of a part that nobody owns differ between the sites, m. The first site's pose goes
+/// into the result.
+double Simulation::replicaError(PartId part, SimulationResult& result) const {
+  const SimulatedSite* first = nullptr;
+  double error = 0.0;
+  for (const auto& site : sites_) {
+    if (!site->inSession() || site->ownerOf(part) != kNoSite) continue;
+    const Pose& pose = site->worldFromPart(part);
+    if (first != nullptr) {
+      error = std::max(error, glm::length(pose.position - first->worldFromPart(part).position));
+    } else {
+      result.finalPoses[scene_.parts[part].name] = pose;
+      first = site.get();
+    }
+  }
+  return error;
 }
 
 SimulationResult Simulation::result() {
   SimulationResult result;
   std::vector<std::pair<std::string, double>> replicaErrors;
-  for (std::size_t part = 0; part < scene.parts.size(); ++part) {
-    if (!everOwned[part]) continue;
-    const SimulatedSite* first = nullptr;
-    double error = 0.0;
-    for (const auto& site : sites) {
-      if (!site->inSession() || site->connection->owner(static_cast<PartId>(part)) != kNoSite) continue;
-      const Pose& pose = site->hand->worldFromPart(static_cast<PartId>(part));
-      if (first)
-        error = std::max(error, glm::length(pose.position -
-                                            first->hand->worldFromPart(static_cast<PartId>(part)).position));
-      else
-        result.finalPoses[scene.parts[part].name] = pose;
-      if (!first) first = site.get();
-    }
-    replicaErrors.emplace_back(scene.parts[part].name, error);
+  for (std::size_t part = 0; part < scene_.parts.size(); ++part)
+    if (context_.everOwned[part])
+      replicaErrors.emplace_back(scene_.parts[part].name, replicaError(static_cast<PartId>(part), result));
+  context_.invariants.finish(replicaErrors);
+  for (const auto& site : sites_) {
+    result.sites[site->name()] = site->result(scenario_.duration, undisturbed_);
+    result.stable = result.stable && site->measures().stable(allStill_);
+    result.siteNames[site->id()] = site->name();
+    result.droppedStates += site->droppedStates();
+    result.denials += site->denials();
   }
-  invariants.finish(replicaErrors);
-  for (const auto& site : sites) {
-    SimulatedSiteResult& out = result.sites[site->name()];
-    out.energyCreated = site->measures.energyCreated();
-    out.feltStiffness = site->measures.feltStiffness();
-    out.forceStep20ms = site->measures.forceStep();
-    out.handoverExcess = site->measures.handoverExcess();
-    out.rmsForce = site->measures.rmsForce();
-    out.mostForce = site->measures.mostForce();
-    const TransportCounters counters = site->connection && site->connection->transport()
-                                           ? site->connection->transport()->counters()
-                                           : TransportCounters{};
-    out.packetsPerSecond =
-        static_cast<double>(site->packetsBefore + counters.statePacketsOut) / scenario.duration;
-    out.sent = site->sentBefore;
-    if (site->connection) out.sent.add(site->connection->statistics().sent);
-    out.bytesPerSecond =
-        static_cast<double>(site->bytesBefore + counters.stateBytesOut + counters.controlBytesOut) /
-        scenario.duration;
-    out.calm = site->measures.calm(undisturbed);
-    out.pushed = site->measures.pushed();
-    result.stable = result.stable && site->measures.stable(allStill);
-    result.siteNames[site->id] = site->name();
-    result.droppedStates +=
-        site->droppedStates + (site->connection ? site->connection->statistics().droppedStates : 0);
-    result.denials += site->denials;
-  }
-  result.displayedRms = displayed.rms();
-  result.displayedMax = displayed.most;
-  result.discrepancyRms = shared.rms();
-  result.discrepancyMax = shared.most;
-  result.shared = toSeconds(sharedTicks * kTick);
-  result.energyOfLinks = linkWorkMost;
-  result.grants = invariants.grants();
-  result.violations = invariants.violations();
-  for (const assets::Part& part : scene.parts) result.partNames.push_back(part.name);
-  result.hash = fingerprint.hex();
+  result.displayedRms = displayed_.rms();
+  result.displayedMax = displayed_.max;
+  result.discrepancyRms = shared_.rms();
+  result.discrepancyMax = shared_.max;
+  result.shared = toSeconds(static_cast<Micros>(sharedTicks_) * kTick);
+  result.energyOfLinks = maxLinkWork_;
+  result.grants = context_.invariants.grants();
+  result.violations = context_.invariants.violations();
+  for (const assets::Part& part : scene_.parts) result.partNames.push_back(part.name);
+  result.hash = context_.fingerprint.hex();
   return result;
 }
 
-/// The site that owned a part first, or the first of the list.
+/// The site that owned a part first, or the first of the scenario.
 std::string leader(const SimulationResult& result, const Scenario& scenario) {
   if (!result.grants.empty()) {
     const auto name = result.siteNames.find(result.grants.front().site);
@@ -591,12 +279,10 @@ Result<SimulationResult> simulate(const Scenario& scenario, const haptics::Conta
                                   const SimulationOptions& options) {
   Simulation simulation(scenario, contact, options);
   if (Status status = simulation.addSites(options.seed); !status) return status.error();
-  if (!options.tracePath.empty() && !simulation.trace)
-    return Error{options.tracePath + ": cannot be written"};
-  if (Status status = simulation.run(); !status) return status.error();
-  simulation.trace.flush();
-  if (!options.tracePath.empty() && !simulation.trace)
-    return Error{options.tracePath + ": cannot be written"};
+  const Error unwritable{options.tracePath + ": cannot be written"};
+  if (!simulation.traceIsGood()) return unwritable;
+  simulation.run();
+  if (!simulation.traceIsGood()) return unwritable;
   SimulationResult result = simulation.result();
   if (!options.leaderLoad || scenario.network.oneWay == 0) return result;
   Scenario near = scenario;

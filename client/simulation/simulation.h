@@ -22,7 +22,7 @@ struct SimulatedSiteResult {
   double feltStiffness = 0.0;                           // N/m, 0 if nothing fixed was pressed
   double forceStep20ms = 0.0;                           // N
   double handoverExcess = 0.0;                          // N
-  double rmsForce = 0.0, mostForce = 0.0;               // N
+  double rmsForce = 0.0, maxForce = 0.0;                // N
   double packetsPerSecond = 0.0, bytesPerSecond = 0.0;  // sent
   bool calm = true;                                     // HandMeasures::calm()
   bool pushed = false;                                  // others pushed a part against its bare tool

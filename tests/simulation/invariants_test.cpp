@@ -41,7 +41,7 @@ TEST_F(InvariantsTest, AnOrdinaryHandOverBreaksNothing) {
   invariants.onServerRecord(record(1, 1));
   invariants.onOwnership(0, record(1, 1));
   invariants.onOwnership(1, record(1, 1));
-  invariants.onPublished(0, 1, state(1, 1));
+  invariants.onPublished(1, state(1, 1));
   invariants.onAccepted(1, state(1, 1));
   invariants.onServerRecord(record(kNoSite, 1));
   invariants.onServerRecord(record(2, 2));
@@ -78,7 +78,7 @@ TEST_F(InvariantsTest, FindsAStateThatIsNotNewer) {
 TEST_F(InvariantsTest, FindsAFormerOwnerThatStillPublishes) {
   invariants.onServerRecord(record(1, 1));
   invariants.onServerRecord(record(2, 2));
-  invariants.onPublished(0, 1, state(1, 9));
+  invariants.onPublished(1, state(1, 9));
   EXPECT_EQ(rules(invariants), "S3 ");
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <map>
 #include <nlohmann/json.hpp>
 
 namespace tandem::test {
@@ -12,18 +13,34 @@ haptics::ArmParameters relaxedArm() { return {}; }
 haptics::ArmParameters firmArm() { return {1.5, 300.0, 12.0, 800.0, 10.0}; }
 haptics::ArmParameters lightArm() { return {1.46, 4.88, 4.5, 375.0, 7.9}; }
 
-SharedSession::SharedSession(const std::string& name, Contact contact) {
+struct SharedSession::Loaded {
+  client::Scenario scenario;
+  assets::Scene scene;
+  haptics::ContactScene contact;
+
+  Loaded(client::Scenario described, assets::Scene loadedScene)
+      : scenario(std::move(described)), scene(std::move(loadedScene)), contact(scene) {}
+};
+
+std::shared_ptr<const SharedSession::Loaded> SharedSession::load(const std::string& name, Contact contact) {
+  static std::map<std::pair<std::string, Contact>, std::shared_ptr<const Loaded>> made;
+  std::shared_ptr<const Loaded>& entry = made[{name, contact}];
+  if (entry) return entry;
   const std::string path = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/" + name + ".json";
   Result<client::Scenario> loaded = client::loadScenario(path);
   EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
-  scenario = std::move(*loaded);
-  Result<assets::Scene> scene = assets::loadGltf(scenario.scene, scenario.load);
+  Result<assets::Scene> scene = assets::loadGltf(loaded->scene, loaded->load);
   EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
-  scene_ = std::move(*scene);
-  contact_ = std::make_shared<haptics::ContactScene>(scene_);
+  const auto session = std::make_shared<Loaded>(std::move(*loaded), std::move(*scene));
   if (contact == Contact::models) {
-    EXPECT_TRUE(contact_->modelParts());
+    EXPECT_TRUE(session->contact.modelParts());
   }
+  entry = session;
+  return entry;
+}
+
+SharedSession::SharedSession(const std::string& name, Contact contact) : loaded_(load(name, contact)) {
+  scenario = loaded_->scenario;
   options.leaderLoad = false;
 }
 
@@ -35,7 +52,7 @@ void SharedSession::delayGrasp(std::size_t site, double seconds) {
 }
 
 client::SimulationResult SharedSession::run() const {
-  Result<client::SimulationResult> result = client::simulate(scenario, *contact_, options);
+  Result<client::SimulationResult> result = client::simulate(scenario, loaded_->contact, options);
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
   return std::move(*result);
 }
@@ -45,7 +62,7 @@ std::uint64_t sessions() {
   return text != nullptr ? std::strtoull(text, nullptr, 10) : 1000;
 }
 
-std::uint64_t seedsUpTo(std::uint64_t most) { return std::clamp<std::uint64_t>(sessions() / 50, 1, most); }
+std::uint64_t seedsUpTo(std::uint64_t max) { return std::clamp<std::uint64_t>(sessions() / 50, 1, max); }
 
 std::string describe(const client::SimulationResult& result) {
   std::string text;

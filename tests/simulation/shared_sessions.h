@@ -1,48 +1,50 @@
 #pragma once
 
-// Whole sessions on virtual time in which sites share parts: the scenarios beside this file, changed here and there.
+// Sessions on virtual time in which sites share parts. They run the scenarios of this folder, which a test changes
+// where it needs to.
 
-#include <functional>
+#include <memory>
 #include <string>
 
 #include "client/simulation/simulation.h"
 
 namespace tandem::test {
 
-/// The laboratory's arms: relaxed, firm, and one that holds on but is easily led.
+/// Arms of three people: relaxed, firm, and one that holds on but is easily led.
 haptics::ArmParameters relaxedArm();
 haptics::ArmParameters firmArm();
 haptics::ArmParameters lightArm();
 
-/// A scenario of this folder with its scene, whose parts collide.
+/// A scenario of this folder with its scene. The scene and its contact models are made once a process for each
+/// scenario, and shared by all sessions of it.
 class SharedSession {
  public:
-  enum class Contact { models, none };  // whether held parts collide
+  enum class Contact { models, none };  // with models, held parts collide
   explicit SharedSession(const std::string& name, Contact contact = Contact::models);
 
   client::Scenario scenario;
   client::SimulationOptions options;
   client::SimulationResult run() const;
-  const assets::Scene& scene() const { return contact_->scene(); }
 
   void setDelay(double milliseconds) {
     scenario.network.oneWay = static_cast<sync::Micros>(1e3 * milliseconds);
   }
-  /// The hand of a site goes to its part later, s.
+  /// Delays the grasps in a site's script by `seconds`.
   void delayGrasp(std::size_t site, double seconds);
   haptics::ArmParameters& arm(std::size_t site) { return scenario.sites[site].arm; }
 
  private:
-  assets::Scene scene_;
-  std::shared_ptr<haptics::ContactScene> contact_;
+  struct Loaded;
+  static std::shared_ptr<const Loaded> load(const std::string& name, Contact contact);
+  std::shared_ptr<const Loaded> loaded_;
 };
 
-/// How many sessions are drawn at random (TANDEM_SEEDS, else 1000); scenarios take a fiftieth of it as seeds, `most` at
-/// most.
+/// How many sessions are drawn at random: TANDEM_SEEDS, or 1000.
 std::uint64_t sessions();
-std::uint64_t seedsUpTo(std::uint64_t most);
+/// How many seeds a scenario runs with: a fiftieth of sessions(), at least 1 and no more than `max`.
+std::uint64_t seedsUpTo(std::uint64_t max);
 
-/// What was broken, for messages.
+/// The broken rules and the grants of a run, for messages.
 std::string describe(const client::SimulationResult& result);
 
 }  // namespace tandem::test

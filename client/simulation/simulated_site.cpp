@@ -1,0 +1,251 @@
+#include "client/simulation/simulated_site.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/assert.h"
+#include "haptics/safety/device_defaults.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+
+constexpr Micros kTick = kSimulationTick;
+
+}  // namespace
+
+SimulatedSite::SimulatedSite(SimulationContext& context, std::size_t index, const ScenarioSite& description,
+                             HandScript script, const Pose& worldFromStart, Micros clockOffset)
+    : context_(context),
+      index_(index),
+      description_(description),
+      clockOffset_(clockOffset),
+      joinsAt_(static_cast<Micros>(description.joins * 1e6)),
+      exchange_(std::make_unique<Exchange>()),
+      hand_(std::make_unique<HandLoop>(context.contact, *exchange_)),
+      device_(context.scene, std::move(script), description.arm, description.device, worldFromStart,
+              [this](PartId part) { return hand_->worldFromPart(part); }),
+      lastTarget_(worldFromStart.position) {
+  for (const assets::Part& part : context.scene.parts) lastPoses_.push_back(part.worldFromPart);
+  worldFromDrawn_ = lastPoses_;
+  exchange_->settings.write(settings());
+}
+
+/// The parameters of this site's ticks: the plain defaults, so that scenarios compare whatever the device, or
+/// on request those of a real session on such a device.
+HandSettingsInput SimulatedSite::settings() const {
+  HandSettingsInput settings;
+  haptics::TickParameters& parameters = settings.parameters;
+  if (description_.fit) haptics::fitToDevice(device_.limits(), 0.0, parameters);
+  parameters.forceLimit = description_.device.forceMax;
+  parameters.gravity = context_.scene.gravity;
+  if (description_.stiffness > 0.0) {
+    parameters.stiffness = parameters.graspStiffness = description_.stiffness;
+    parameters.stiffnessLimit = 0.0;
+  }
+  return settings;
+}
+
+void SimulatedSite::start() {
+  ASSERT(!started());
+  ConnectionOptions options;
+  options.name = description_.name;
+  options.rates.most = context_.scenario.packetHz;
+  options.rates.deadband = description_.deadband;
+  options.token = context_.server.makeToken(description_.role);
+  connection_ = std::make_unique<ServerConnection>(options, [this]() -> Result<std::unique_ptr<Transport>> {
+    countTransport();
+    return context_.network.connect(name());
+  });
+  connection_->setObserver(this);
+}
+
+void SimulatedSite::startWhenDue(Micros now) {
+  if (started() || joinsAt_ < 0 || now < joinsAt_) return;
+  joinsAt_ = -1;
+  start();
+}
+
+void SimulatedSite::countTransport() {
+  if (!connection_ || !connection_->transport()) return;
+  const TransportCounters counters = connection_->transport()->counters();
+  packetsBefore_ += counters.statePacketsOut;
+  bytesBefore_ += counters.stateBytesOut + counters.controlBytesOut;
+}
+
+void SimulatedSite::crash() {
+  countTransport();
+  if (connection_) {
+    droppedBefore_ += connection_->statistics().droppedStates;
+    sentBefore_.add(connection_->statistics().sent);
+    context_.invariants.onDead(index_, id_);
+  }
+  connection_.reset();
+  id_ = kNoSite;
+  exchange_ = std::make_unique<Exchange>();
+  exchange_->settings.write(settings());
+  hand_ = std::make_unique<HandLoop>(context_.contact, *exchange_);
+}
+
+void SimulatedSite::step(Micros now) {
+  tickHand(now);
+  if (paused(now) || !connection_) return;
+  connection_->step(local(now));
+  if (connection_->stage() == ServerConnection::Stage::needScene) connection_->skipTransfer();
+  if (connection_->stage() == ServerConnection::Stage::haveScene)
+    connection_->sceneReady(context_.scene, *exchange_);
+  id_ = connection_->welcome().site;
+  if (connection_->stage() == ServerConnection::Stage::ended) context_.invariants.onConnection(index_, false);
+}
+
+void SimulatedSite::tickHand(Micros now) {
+  const haptics::DeviceSample reading = device_.poll(toSeconds(now));
+  Wrench toHand;
+  // The device's watchdog gives zero force while no client runs: before it is started, while it stands still
+  // and when it is dead.
+  const bool running = !paused(now) && connection_;
+  if (running) {
+    hand_->setWish(device_.wish());
+    hand_->setControl(device_.control());
+    toHand = hand_->tick(reading, local(now));
+  }
+  device_.apply(toHand);
+  const HandSample sample = measure(toHand);
+  if (running) addSources(tick());
+  ShownPose shown;
+  while (exchange_->shown.pop(shown)) worldFromDrawn_[shown.part] = shown.worldFromDrawn;
+  measures_.add(sample);
+  context_.fingerprint.add(sample.force);
+  context_.fingerprint.add(sample.position);
+  if (context_.trace.is_open() && now % (10 * kMillisecond) == 0) writeTrace(sample, now);
+}
+
+HandSample SimulatedSite::measure(const Wrench& toHand) {
+  HandSample sample;
+  sample.force = toHand.force;
+  sample.position = device_.hand().devicePose().position;
+  sample.energyGiven = device_.hand().energyGiven() - sourceEnergy_;
+  for (int i = 0; i < tick().contactCount; ++i)
+    noteContact(tick().contacts[static_cast<std::size_t>(i)].part, sample);
+  const glm::dvec3 target = device_.target().worldFromTarget.position;
+  sample.still = target == lastTarget_;
+  lastTarget_ = target;
+  return sample;
+}
+
+void SimulatedSite::noteContact(PartId part, HandSample& sample) const {
+  ASSERT(part < lastPoses_.size());
+  if (!context_.scene.parts[part].movable) {
+    sample.pressing = true;
+  } else {
+    sample.brushes = true;
+    sample.pushed = sample.pushed || hand_->worldFromPart(part).position != lastPoses_[part].position;
+  }
+}
+
+void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
+  const haptics::OwnedPart* held = tick().simulated(tick().held);
+  const haptics::TieReport tie = held != nullptr ? held->tie : haptics::TieReport{};
+  const glm::dvec3& p = tick().worldFromProxy.position;
+  char line[400];
+  std::snprintf(line, sizeof line,
+                "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u,%d,%.3f,%.1f,%.5f,%.5f,%.5f\n",
+                toSeconds(now), name().c_str(), sample.position.x, sample.position.y, sample.position.z, p.x,
+                p.y, p.z, sample.force.x, sample.force.y, sample.force.z,
+                tick().held == kNoPart ? "" : context_.scene.parts[tick().held].name.c_str(), tick().flags,
+                tie.links, tie.fade, tie.delay * 1e3, tie.pull.force.x, tie.pull.force.y, tie.pull.force.z);
+  context_.trace << line;
+}
+
+/// Adds the energy that the scene itself gave to this hand in this tick, which the haptic loop did not create:
+/// the work of force fields, coordination links, the weight of a held part and parts that others push against
+/// the tool. Whether the links create energy is judged over all of them together (SimulationContext::linkWork).
+void SimulatedSite::addSources(const haptics::TickOutput& tick) {
+  sourceEnergy_ += tick.sourcePower * toSeconds(kTick);
+  addLinkWork(tick);
+  if (tick.held != kNoPart) {
+    const assets::Part& part = context_.scene.parts[tick.held];
+    sourceEnergy_ += part.massProperties.mass * part.gravityFactor *
+                     glm::dot(context_.scene.gravity, device_.hand().deviceVelocity()) * toSeconds(kTick);
+  }
+  addPushedContacts(tick);
+  for (std::size_t i = 0; i < lastPoses_.size(); ++i)
+    if (context_.scene.parts[i].movable) lastPoses_[i] = hand_->worldFromPart(static_cast<PartId>(i));
+}
+
+/// The leash on a replica (`lead`) may give some energy too; it counts as a source here and in no sum of links.
+void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
+  for (int i = 0; i < tick.ownedCount; ++i) {
+    const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
+    if (part.tie.links == 0) continue;
+    const glm::dvec3 centre =
+        transformPoint(part.worldFromPart, context_.scene.parts[part.part].massProperties.centreOfMass);
+    const glm::dvec3 velocity = velocityAt(part.worldFromPart, part.twist, centre);
+    const auto workOf = [&](const Wrench& wrench) {
+      return toSeconds(kTick) *
+             (glm::dot(wrench.force, velocity) + glm::dot(wrench.torque, part.twist.angular));
+    };
+    const double work = workOf(part.tie.pull);
+    sourceEnergy_ += work + workOf(part.tie.lead);
+    context_.linkWork += work;
+  }
+}
+
+void SimulatedSite::addPushedContacts(const haptics::TickOutput& tick) {
+  for (int i = 0; i < tick.contactCount; ++i) {
+    const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
+    const Pose now = hand_->worldFromPart(contact.part);
+    const glm::dvec3 before =
+        transformPoint(lastPoses_[contact.part], transformPoint(inverse(now), contact.point));
+    sourceEnergy_ += contact.force * std::max(0.0, glm::dot(contact.normal, contact.point - before));
+  }
+}
+
+std::uint64_t SimulatedSite::droppedStates() const {
+  return droppedBefore_ + (connection_ ? connection_->statistics().droppedStates : 0);
+}
+
+SimulatedSiteResult SimulatedSite::result(double duration, const std::vector<bool>& undisturbed) const {
+  SimulatedSiteResult out;
+  out.energyCreated = measures_.energyCreated();
+  out.feltStiffness = measures_.feltStiffness();
+  out.forceStep20ms = measures_.forceStep();
+  out.handoverExcess = measures_.handoverExcess();
+  out.rmsForce = measures_.rmsForce();
+  out.maxForce = measures_.maxForce();
+  const TransportCounters counters =
+      connection_ && connection_->transport() ? connection_->transport()->counters() : TransportCounters{};
+  out.packetsPerSecond = static_cast<double>(packetsBefore_ + counters.statePacketsOut) / duration;
+  out.bytesPerSecond =
+      static_cast<double>(bytesBefore_ + counters.stateBytesOut + counters.controlBytesOut) / duration;
+  out.sent = sentBefore_;
+  if (connection_) out.sent.add(connection_->statistics().sent);
+  out.calm = measures_.calm(undisturbed);
+  out.pushed = measures_.pushed();
+  return out;
+}
+
+void SimulatedSite::onOwnership(const PartRecord& record) {
+  context_.invariants.onOwnership(index_, record);
+  context_.everOwned[record.part] = true;
+  if (record.owner == connection_->welcome().site || tick().held == record.part) measures_.roleChanged();
+}
+void SimulatedSite::onGrab(const Grab& grab) { context_.invariants.onGrab(index_, grab); }
+void SimulatedSite::onRelease(const Release& release) { context_.invariants.onRelease(release); }
+void SimulatedSite::onGrabReply(const GrabReply& reply) {
+  if (reply.denial != Denial::none) ++denials_;
+  context_.invariants.onGrabReply(index_, reply);
+}
+void SimulatedSite::onAccepted(SiteId, const PartState& state) {
+  context_.invariants.onAccepted(index_, state);
+}
+void SimulatedSite::onPublished(const PartState& state) {
+  context_.invariants.onPublished(connection_->welcome().site, state);
+}
+void SimulatedSite::onConnection(bool up) { context_.invariants.onConnection(index_, up); }
+
+}  // namespace tandem::client
