@@ -12,35 +12,9 @@
 namespace tandem {
 namespace {
 
-Json fromLibrary(const nlohmann::json& from) {
-  switch (from.type()) {
-    case nlohmann::json::value_t::boolean:
-      return from.get<bool>();
-    case nlohmann::json::value_t::number_integer:
-      return from.get<std::int64_t>();
-    case nlohmann::json::value_t::number_unsigned:
-      return from.get<std::uint64_t>();
-    case nlohmann::json::value_t::number_float:
-      return from.get<double>();
-    case nlohmann::json::value_t::string:
-      return from.get_ref<const std::string&>();
-    case nlohmann::json::value_t::array: {
-      Json array = Json::array();
-      for (const nlohmann::json& element : from) array.push(fromLibrary(element));
-      return array;
-    }
-    case nlohmann::json::value_t::object: {
-      Json object = Json::object();
-      for (const auto& [name, member] : from.items()) object[name] = fromLibrary(member);
-      return object;
-    }
-    default:
-      return nullptr;
-  }
-}
-
 nlohmann::ordered_json toLibrary(const Json& from) {
   switch (from.kind()) {
+    case Json::Kind::absent:
     case Json::Kind::null:
       return nullptr;
     case Json::Kind::boolean:
@@ -59,8 +33,9 @@ nlohmann::ordered_json toLibrary(const Json& from) {
       return array;
     }
     case Json::Kind::object: {
-      nlohmann::ordered_json object = nlohmann::ordered_json::object();
-      for (const auto& [name, member] : from.members()) object[name] = toLibrary(member);
+      // push_back() of the underlying vector: the library's own insertion searches the object for every member.
+      nlohmann::ordered_json::object_t object;
+      for (const auto& [name, member] : from.members()) object.push_back({name, toLibrary(member)});
       return object;
     }
   }
@@ -69,14 +44,82 @@ nlohmann::ordered_json toLibrary(const Json& from) {
 
 [[noreturn]] void fail(const std::string& what) { throw JsonError(what); }
 
-/// The library's message without its own name and number in front.
+/// The library's message on one line, without "[json.exception.parse_error.101] " in front.
 std::string reasonOf(const nlohmann::json::exception& error) {
-  const std::string text = error.what();
-  const std::size_t end = text.find("] ");
-  return end == std::string::npos ? text : text.substr(end + 2);
+  std::string text = error.what();
+  if (const std::size_t end = text.find("] "); end != std::string::npos) text.erase(0, end + 2);
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 32; }, ' ');
+  return text;
+}
+
+bool namedBefore(const Json::Member& a, const Json::Member& b) { return a.first < b.first; }
+
+/// Sorts members by name. Of members with one name the last remains, as RFC 8259, 4 leaves to the reader.
+void sortMembers(std::vector<Json::Member>& members) {
+  std::stable_sort(members.begin(), members.end(), namedBefore);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    if (i + 1 < members.size() && members[i + 1].first == members[i].first) continue;
+    if (count != i) members[count] = std::move(members[i]);
+    ++count;
+  }
+  members.erase(members.begin() + static_cast<std::ptrdiff_t>(count), members.end());
 }
 
 }  // namespace
+
+/// Builds a value from the events of the library's parser, which is not recursive.
+class JsonBuilder final : public nlohmann::json_sax<nlohmann::json> {
+ public:
+  Json root;
+  std::string error;
+
+  bool null() override { return add(nullptr); }
+  bool boolean(bool value) override { return add(value); }
+  bool number_integer(number_integer_t value) override { return add(value); }
+  bool number_unsigned(number_unsigned_t value) override { return add(value); }
+  bool number_float(number_float_t value, const string_t&) override { return add(value); }
+  bool string(string_t& value) override { return add(std::move(value)); }
+  bool binary(binary_t&) override { return false; }  // JSON text has none
+  bool start_object(std::size_t) override { return open(Json::object()); }
+  bool start_array(std::size_t) override { return open(Json::array()); }
+  bool key(string_t& name) override {
+    open_.back()->members_.emplace_back(std::move(name), Json());
+    return true;
+  }
+  bool end_object() override {
+    sortMembers(open_.back()->members_);
+    return end_array();
+  }
+  bool end_array() override {
+    open_.pop_back();
+    return true;
+  }
+  bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception& reason) override {
+    error = reasonOf(reason);
+    return false;
+  }
+
+ private:
+  Json& place(Json value) {
+    if (open_.empty()) return root = std::move(value);
+    Json& parent = *open_.back();
+    if (parent.isArray()) return parent.elements_.emplace_back(std::move(value));
+    return parent.members_.back().second = std::move(value);
+  }
+  bool add(Json value) {
+    place(std::move(value));
+    return true;
+  }
+  bool open(Json value) {
+    open_.push_back(&place(std::move(value)));
+    return true;
+  }
+
+  /// The arrays and objects that have begun and not ended. Only the last of them grows, so the pointers stay valid.
+  std::vector<Json*> open_;
+};
 
 Json::Json() = default;
 Json::Json(std::nullptr_t) {}
@@ -106,6 +149,11 @@ Json::Json(std::initializer_list<Json> values) {
 
 Json Json::array() { return {Kind::array, 0}; }
 Json Json::object() { return {Kind::object, 0}; }
+
+const Json& Json::absent() {
+  static const Json none(Kind::absent, 0);
+  return none;
+}
 
 bool Json::boolean() const {
   if (!isBoolean()) fail("must be true or false");
@@ -137,14 +185,22 @@ const std::string& Json::text() const {
 
 std::size_t Json::size() const { return elements_.size() + members_.size(); }
 
-bool Json::contains(std::string_view name) const {
-  return std::any_of(members_.begin(), members_.end(), [&](const Member& m) { return m.first == name; });
+const Json& Json::member(std::string_view name) const {
+  for (const Member& member : members_)
+    if (member.first == name) return member.second;
+  return absent();
+}
+
+Json* Json::find(std::string_view name) {
+  for (Member& member : members_)
+    if (member.first == name) return &member.second;
+  return nullptr;
 }
 
 const Json& Json::at(std::string_view name) const {
-  for (const Member& member : members_)
-    if (member.first == name) return member.second;
-  fail("lacks \"" + std::string(name) + "\"");
+  const Json& found = member(name);
+  if (found.isAbsent()) fail("lacks \"" + std::string(name) + "\"");
+  return found;
 }
 
 const Json& Json::at(std::size_t index) const {
@@ -155,8 +211,7 @@ const Json& Json::at(std::size_t index) const {
 Json& Json::operator[](std::string_view name) {
   if (isNull()) kind_ = Kind::object;
   if (!isObject()) fail("is no object, to have \"" + std::string(name) + "\"");
-  for (Member& member : members_)
-    if (member.first == name) return member.second;
+  if (Json* found = find(name)) return *found;
   return members_.emplace_back(std::string(name), Json()).second;
 }
 
@@ -175,7 +230,9 @@ void Json::update(const Json& other) {
   for (const Member& member : other.members_) (*this)[member.first] = member.second;
 }
 
-const std::vector<Json::Member>& Json::members() const { return members_; }
+void Json::erase(std::string_view name) {
+  std::erase_if(members_, [&](const Member& member) { return member.first == name; });
+}
 
 Json Json::rounded() const {
   Json result = *this;
@@ -189,14 +246,35 @@ Json Json::rounded() const {
   return result;
 }
 
-std::string Json::dump(int indent) const { return toLibrary(*this).dump(indent); }
+std::string Json::dump(int indent) const {
+  return toLibrary(*this).dump(indent, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
 
-Result<Json> Json::parse(const std::string& text) {
-  try {
-    return fromLibrary(nlohmann::json::parse(text));
-  } catch (const nlohmann::json::exception& error) {
-    return Error{reasonOf(error)};
+int Json::nesting(std::string_view text) {
+  int depth = 0, deepest = 0;
+  bool inString = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (inString) {
+      if (c == '\\') ++i;
+      if (c == '"') inString = false;
+    } else if (c == '"') {
+      inString = true;
+    } else if (c == '{' || c == '[') {
+      deepest = std::max(deepest, ++depth);
+    } else if (c == '}' || c == ']') {
+      --depth;
+    }
   }
+  return deepest;
+}
+
+Result<Json> Json::parse(std::string_view text) {
+  if (nesting(text) > kMaxNesting)
+    return Error{"is nested deeper than " + std::to_string(kMaxNesting) + " levels"};
+  JsonBuilder builder;
+  if (!nlohmann::json::sax_parse(text.begin(), text.end(), &builder)) return Error{builder.error};
+  return std::move(builder.root);
 }
 
 }  // namespace tandem

@@ -1,9 +1,12 @@
 #pragma once
 
 // JSON as a value: read from hostile text, built up by the programs that write results. The parser and the writer are
-// nlohmann's, whose headers cost seconds to compile; json.cpp alone includes them for all that uses this.
+// nlohmann's, whose headers cost seconds to compile; json.cpp is the one source of the programs that includes them.
 //
-// Members of an object keep the order in which they were added; parse() sorts them by name.
+// 1. Members of an object keep the order in which they were added; parse() sorts them by name.
+// 2. There are two ways to read. at() and the typed values throw JsonError for what is not there or is of another kind.
+//    member() never throws: it returns an absent value, whose own members are absent too, so that a path of optional
+//    members can be followed in one expression. References stay valid until the value that holds them is changed.
 
 #include <concepts>
 #include <cstddef>
@@ -27,7 +30,7 @@ class JsonError : public std::runtime_error {
 
 class Json {
  public:
-  enum class Kind : std::uint8_t { null, boolean, integer, natural, real, text, array, object };
+  enum class Kind : std::uint8_t { absent, null, boolean, integer, natural, real, text, array, object };
   using Member = std::pair<std::string, Json>;
 
   Json();  // null
@@ -55,12 +58,17 @@ class Json {
 
   static Json array();
   static Json object();
+  /// The value that member() returns where there is none.
+  static const Json& absent();
 
   Kind kind() const { return kind_; }
-  bool isNull() const { return kind_ == Kind::null; }
+  bool isAbsent() const { return kind_ == Kind::absent; }
+  bool isNull() const { return kind_ == Kind::null; }  // null counts as a value that is there
   bool isBoolean() const { return kind_ == Kind::boolean; }
   bool isNumber() const { return isInteger() || kind_ == Kind::real; }
   bool isInteger() const { return kind_ == Kind::integer || kind_ == Kind::natural; }
+  /// A whole number that is written without a sign, a fraction and an exponent.
+  bool isNatural() const { return kind_ == Kind::natural; }
   bool isText() const { return kind_ == Kind::text; }
   bool isArray() const { return kind_ == Kind::array; }
   bool isObject() const { return kind_ == Kind::object; }
@@ -75,35 +83,47 @@ class Json {
   /// Elements or members; 0 of anything else.
   std::size_t size() const;
   bool empty() const { return size() == 0; }
-  bool contains(std::string_view name) const;
+  bool contains(std::string_view name) const { return !member(name).isAbsent(); }
+  /// The member of that name; absent where there is none or this is no object.
+  const Json& member(std::string_view name) const;
+  /// The same to be changed; null where there is none.
+  Json* find(std::string_view name);
   /// A member or an element that must be there; throws JsonError if it is not.
   const Json& at(std::string_view name) const;
   const Json& at(std::size_t index) const;
   /// The member of that name, added as null if there is none; null becomes an object. Throws JsonError for anything else.
   Json& operator[](std::string_view name);
-  const Json& operator[](std::string_view name) const { return at(name); }
-  const Json& operator[](std::size_t index) const { return at(index); }
 
   /// Appends an element; null becomes an array. Throws JsonError for anything else.
   void push(Json value);
   Json& back();
-  /// Takes over the members of another object.
+  /// Copies the members of another object into this one.
   void update(const Json& other);
+  /// Removes a member if it is there.
+  void erase(std::string_view name);
 
-  const std::vector<Member>& members() const;
+  const std::vector<Member>& members() const { return members_; }
+  std::vector<Member>& members() { return members_; }
   const Json* begin() const { return elements_.data(); }
   const Json* end() const { return elements_.data() + elements_.size(); }
+  Json* begin() { return elements_.data(); }
+  Json* end() { return elements_.data() + elements_.size(); }
 
   /// The same with every fraction rounded to nine significant digits: a pose's nm, a day's ms.
   Json rounded() const;
 
-  /// The text; with an indent of 0 or more, one member a line.
+  /// The text; with an indent of 0 or more, one member a line. Bytes that are not UTF-8 become U+FFFD.
   std::string dump(int indent = -1) const;
 
-  /// Reads hostile text. The error is the reason and the place, without a file's name.
-  static Result<Json> parse(const std::string& text);
+  /// Reads hostile text. The error is the reason and the place on one line, without a file's name. Text that nests
+  /// deeper than kMaxNesting is refused, so that what recurses over a value stays within the stack.
+  static Result<Json> parse(std::string_view text);
+  static constexpr int kMaxNesting = 96;
+  /// How deep the brackets outside of strings nest.
+  static int nesting(std::string_view text);
 
  private:
+  friend class JsonBuilder;
   Json(Kind kind, std::uint64_t bits) : kind_(kind), bits_(bits) {}
 
   Kind kind_ = Kind::null;

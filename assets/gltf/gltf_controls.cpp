@@ -206,7 +206,7 @@ class ControlReader {
       if (!control.endless) places.back() = control.max;
       return places;
     }
-    const std::size_t size = object.raw("positions").size();
+    const std::size_t size = object.count("positions");
     if (size > kMaxDetents) object.fail("positions", "are more than 4096");
     places = object.numbers("positions", size).value();
     for (double& place : places) place *= scale;
@@ -249,11 +249,10 @@ class ControlReader {
     if (layer != object.has("shows")) object.fail("shows", layer ? "is missing" : "only a layer shows parts");
     if (!layer) return;
     control.threshold = object.numberOr("threshold", 0.5 * (control.min + control.max) / scale) * scale;
-    const JsonView list = object.raw("shows");
+    const Json& list = object.raw("shows");
     if (!list.isArray()) object.fail("shows", "must be an array of nodes");
-    for (std::size_t i = 0; i < list.size(); ++i) {
-      const JsonView entry = list.element(i);
-      const auto flat = entry.isWhole() ? flatOf_.find(entry.whole()) : flatOf_.end();
+    for (const Json& entry : list) {
+      const auto flat = entry.isNatural() ? flatOf_.find(entry.integer()) : flatOf_.end();
       const PartId part = flat == flatOf_.end() ? kNoPart : partOfNode_[flat->second];
       if (part == kNoPart) object.fail("shows", "names a node that is no part of the scene");
       if (part == control.part) object.fail("shows", "a layer cannot show itself");
@@ -274,13 +273,14 @@ std::vector<Control> readControls(const GltfDocument& document, const Scene& sce
                                   const std::vector<FlatNode>& nodes, const std::vector<PartId>& partOfNode,
                                   double unitScale) {
   std::vector<Control> controls;
-  const JsonView list = document.json.root().member("nodes");
+  const Json& list = document.json.member("nodes");
   const ControlReader reader(scene, nodes, partOfNode, unitScale);
   for (std::size_t flat = 0; flat < nodes.size(); ++flat) {
     const std::size_t node = nodes[flat].gltfNode;
-    if (const JsonView control = list.element(node).member("extras").member("haptic").member("control"))
-      controls.push_back(
-          reader.read(JsonObject(control, placeName("nodes", node, "extras.haptic.control")), flat));
+    const Json& control = list.at(node).member("extras").member("haptic").member("control");
+    if (control.isAbsent()) continue;
+    controls.push_back(
+        reader.read(JsonObject(control, placeName("nodes", node, "extras.haptic.control")), flat));
   }
   return controls;
 }

@@ -152,21 +152,21 @@ void requireFinite(const std::vector<glm::dvec3>& positions, const std::string& 
   }
 }
 
-std::size_t wholeIn(JsonView object, const char* key, const std::string& place, bool required,
+std::size_t wholeIn(const Json& object, const char* key, const std::string& place, bool required,
                     std::size_t limit) {
-  const JsonView value = object.member(key);
-  if (!value) {
+  const Json& value = object.member(key);
+  if (value.isAbsent()) {
     if (required) throw GltfError(place + "." + key, "is missing");
     return 0;
   }
-  const bool good = value.isWhole() && value.whole() <= limit;
+  const bool good = value.isNatural() && value.integer() <= limit;
   if (!good) throw GltfError(place + "." + key, "must be a whole number of at most " + std::to_string(limit));
-  return static_cast<std::size_t>(value.whole());
+  return static_cast<std::size_t>(value.integer());
 }
 
 /// `fallback` where the value is absent, empty where it is no text.
-std::string textOr(JsonView value, const char* fallback) {
-  if (!value) return fallback;
+std::string textOr(const Json& value, const char* fallback) {
+  if (value.isAbsent()) return fallback;
   return value.isText() ? value.text() : "";
 }
 
@@ -181,7 +181,7 @@ void applyMeshoptFilter(const std::string& filter, Bytes& bytes, std::size_t cou
                   "'" + filter.substr(0, 40) + "' does not fit a stride of " + std::to_string(stride));
 }
 
-Bytes decodeMeshopt(const GltfDocument& document, JsonView extension, std::size_t viewLength,
+Bytes decodeMeshopt(const GltfDocument& document, const Json& extension, std::size_t viewLength,
                     const std::string& place) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t bufferIndex = wholeIn(extension, "buffer", place, true, kMax);
@@ -277,10 +277,10 @@ ByteView viewBytes(const GltfDocument& document, std::size_t index) {
 void decodeMeshoptViews(GltfDocument& document) {
   const std::size_t count = document.model.bufferViews.size();
   document.ownedViews.resize(count);
-  const JsonView views = document.json.root().member("bufferViews");
+  const Json& views = document.json.member("bufferViews");
   for (std::size_t i = 0; i < count; ++i) {
-    const JsonView extension = findExtension(views.element(i), "EXT_meshopt_compression");
-    if (!extension) continue;
+    const Json& extension = findExtension(views.at(i), "EXT_meshopt_compression");
+    if (extension.isAbsent()) continue;
     document.ownedViews[i] = decodeMeshopt(document, extension, document.model.bufferViews[i].byteLength,
                                            placeName("bufferViews", i, "EXT_meshopt_compression"));
   }
@@ -364,11 +364,11 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t
   return indices;
 }
 
-DracoMesh decodeDraco(const GltfDocument& document, JsonView extension, const std::string& place) {
+DracoMesh decodeDraco(const GltfDocument& document, const Json& extension, const std::string& place) {
   constexpr std::size_t kMax = std::numeric_limits<std::int32_t>::max();
   const std::size_t view = wholeIn(extension, "bufferView", place, true, kMax);
   if (view >= document.model.bufferViews.size()) throw GltfError(place + ".bufferView", "is out of range");
-  const JsonView attributes = extension.member("attributes");
+  const Json& attributes = extension.member("attributes");
   if (!attributes.isObject()) throw GltfError(place + ".attributes", "is missing");
   const std::size_t positionId = wholeIn(attributes, "POSITION", place + ".attributes", true, kMax);
   const ByteView bytes = viewBytes(document, view);

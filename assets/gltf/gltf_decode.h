@@ -41,6 +41,6 @@ struct DracoMesh {
 };
 
 /// The geometry of a primitive with KHR_draco_mesh_compression; `extension` is that object.
-DracoMesh decodeDraco(const GltfDocument& document, JsonView extension, const std::string& place);
+DracoMesh decodeDraco(const GltfDocument& document, const Json& extension, const std::string& place);
 
 }  // namespace tandem::assets

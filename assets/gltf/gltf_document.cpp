@@ -91,19 +91,19 @@ std::filesystem::path externalPath(const std::string& uri, const std::string& di
   return std::filesystem::path(directory) / relative;
 }
 
-bool isMeshoptFallback(JsonView buffer) {
-  const JsonView fallback = findExtension(buffer, "EXT_meshopt_compression").member("fallback");
-  return fallback.isFlag() && fallback.flag();
+bool isMeshoptFallback(const Json& buffer) {
+  const Json& fallback = findExtension(buffer, "EXT_meshopt_compression").member("fallback");
+  return fallback.isBoolean() && fallback.boolean();
 }
 
 /// Fills buffers[i] from the GLB's chunk, a data URI or a file beside this one.
 void openBuffer(GltfDocument& document, const Container& container, std::size_t i,
                 const std::string* directory) {
-  const JsonView buffer = document.json.root().member("buffers").element(i);
+  const Json& buffer = document.json.member("buffers").at(i);
   const std::string place = placeName("buffers", i);
-  const std::size_t length = static_cast<std::size_t>(buffer.member("byteLength").whole());
-  const JsonView uriAt = buffer.member("uri");
-  if (!uriAt) {
+  const std::size_t length = static_cast<std::size_t>(buffer.member("byteLength").integer());
+  const Json& statedUri = buffer.member("uri");
+  if (statedUri.isAbsent()) {
     if (i == 0 && container.hasBinary)
       document.buffers[i] = container.binary;
     else if (isMeshoptFallback(buffer))
@@ -111,7 +111,7 @@ void openBuffer(GltfDocument& document, const Container& container, std::size_t 
     else
       throw GltfError(place, "has neither a uri nor a binary chunk");
   } else {
-    const std::string uri = uriAt.text();
+    const std::string& uri = statedUri.text();
     Bytes& owned = document.ownedBuffers[i];
     if (uri.compare(0, 5, "data:") == 0) {
       std::optional<Bytes> bytes = decodeDataUri(uri);
@@ -167,30 +167,32 @@ Bytes readWholeFile(const std::string& path, const std::string& place) {
 
 std::vector<std::string> extensionNames(const GltfDocument& document, const char* key) {
   std::vector<std::string> names;
-  const JsonView list = document.json.root().member(key);
-  if (!list) return names;
+  const Json& list = document.json.member(key);
+  if (list.isAbsent()) return names;
   if (!list.isArray()) throw GltfError(key, "must be an array");
-  for (std::size_t i = 0; i < list.size(); ++i) {
-    if (!list.element(i).isText()) throw GltfError(key, "must hold strings");
-    names.push_back(list.element(i).text());
+  for (const Json& name : list) {
+    if (!name.isText()) throw GltfError(key, "must hold strings");
+    names.push_back(name.text());
   }
   return names;
 }
 
-JsonView findExtension(JsonView object, const char* name) {
-  const JsonView extension = object.member("extensions").member(name);
-  return extension.isObject() ? extension : JsonView();
+const Json& findExtension(const Json& object, const char* name) {
+  const Json& extension = object.member("extensions").member(name);
+  return extension.isObject() ? extension : Json::absent();
 }
 
 void openGltf(Bytes file, const std::string* directory, GltfDocument& document) {
   document.file = std::move(file);
   const Container container = splitContainer(document.file);
-  document.json.parse(container.json);
-  const JsonView root = document.json.root();
+  Result<Json> parsed = Json::parse(container.json);
+  if (!parsed) throw GltfError("json", parsed.error().message);
+  document.json = std::move(*parsed);
+  const Json& root = document.json;
   if (!root.isObject()) throw GltfError("json", "is not an object");
-  const JsonView asset = root.member("asset");
+  const Json& asset = root.member("asset");
   if (!asset.isObject()) throw GltfError("asset", "is missing");
-  const JsonView version = asset.member("version");
+  const Json& version = asset.member("version");
   if (!version.isText() || version.text().compare(0, 2, "2.") != 0)
     throw GltfError("asset.version", "is not glTF 2.x");
   checkRules(document.json);

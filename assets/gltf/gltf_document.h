@@ -1,31 +1,30 @@
 #pragma once
 
-// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. For the
-// loader's own sources (gltf_*.cpp, load_gltf.cpp) only; nothing else includes this header.
+// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. Only the loader's own
+// sources (gltf_*.cpp, load_gltf.cpp) include this header.
 //
-// 1. After openGltf() every index between the sections of the file is in range, and every property that the
-//    loader uses has the type that the specification gives it.
-// 2. Byte ranges are not checked yet: that is done where they are read (gltf_decode.h).
+// 1. After openGltf() every index between the sections of the file is in range, and every property that the loader
+//    uses has the type that the specification gives it.
+// 2. Byte ranges are checked where the bytes are read (gltf_decode.h), not by openGltf().
 // 3. The JSON is checked before tinygltf reads the model from it (gltf_model.h).
-// 4. Inside the loader a broken file is thrown as GltfError, since it may be found ten calls deep and on any
-//    thread; the functions of load_gltf.h turn it into an Error.
+// 4. A broken file is thrown as GltfError inside the loader, because it may be found ten calls deep and on any thread;
+//    the functions of load_gltf.h turn the exception into an Error.
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "assets/base/json.h"
 #include "assets/gltf/gltf_error.h"
 #include "assets/gltf/gltf_model.h"
-#include "assets/gltf/json_view.h"
 
 namespace tandem::assets {
 
 using Bytes = std::vector<unsigned char>;
 using ByteView = std::span<const unsigned char>;
 
-/// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters
-/// replaced.
+/// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters replaced.
 std::string cleanText(std::string text);
 
 /// An opened file. Not movable: views point into it.
@@ -38,7 +37,7 @@ struct GltfDocument {
   std::vector<Bytes> ownedBuffers;  // per buffer: from a data URI or a file of its own, else empty
   std::vector<ByteView> buffers;    // per buffer: its byteLength bytes; empty for a meshopt fallback buffer
   std::vector<ByteView> externals;  // buffers that came from files of their own, for the content hash
-  JsonTree json;                    // the whole document; extensions and extras are read from here
+  Json json;                        // the whole document; extensions and extras are read from here
   GltfModel model;                  // the core sections; filled by readModel(), not by openGltf()
   std::vector<Bytes> ownedViews;    // per buffer view: decompressed by meshopt, else empty
 };
@@ -54,6 +53,6 @@ Bytes readWholeFile(const std::string& path, const std::string& place);
 std::vector<std::string> extensionNames(const GltfDocument& document, const char* key);
 
 /// object.extensions[name] if it is there and an object, else absent.
-JsonView findExtension(JsonView object, const char* name);
+const Json& findExtension(const Json& object, const char* name);
 
 }  // namespace tandem::assets

@@ -56,7 +56,7 @@ class FieldReader {
   }
 
   static void refuseUnknown(const JsonObject& object, const std::vector<std::string>& known) {
-    for (const std::string& key : object.raw().keys()) {
+    for (const auto& [key, value] : object.raw().members()) {
       if (std::find(known.begin(), known.end(), key) != known.end()) continue;
       std::string list;
       for (const std::string& name : known) list += (list.empty() ? "" : ", ") + name;
@@ -248,17 +248,16 @@ class FieldReader {
   }
 
   void readPath() {
-    const JsonView points = json_.raw("points");
+    const Json& points = json_.raw("points");
     const std::string reason =
         "must be an array of 2 to " + std::to_string(kMaxPathPoints) + " points [x, y, z]";
     if (!points.isArray() || points.size() < 2 || points.size() > kMaxPathPoints)
       json_.fail("points", reason);
-    for (std::size_t at = 0; at < points.size(); ++at) {
-      const JsonView entry = points.element(at);
+    for (const Json& entry : points) {
       if (!entry.isArray() || entry.size() != 3) json_.fail("points", reason);
       glm::dvec3 p;
       for (int i = 0; i < 3; ++i) {
-        const JsonView value = entry.element(static_cast<std::size_t>(i));
+        const Json& value = entry.at(static_cast<std::size_t>(i));
         if (!value.isNumber() || !std::isfinite(value.number())) json_.fail("points", reason);
         p[i] = value.number() * scale_ * turn_;
       }
@@ -372,13 +371,14 @@ class FieldsReader {
   std::vector<PlacedField> read() {
     for (std::uint32_t i = 0; i < nodes_.size(); ++i) {
       const std::size_t node = nodes_[i].gltfNode;
-      const JsonView field = hapticOf("nodes", node).member("field");
-      if (!field) continue;
+      const Json& field = hapticOf("nodes", node).member("field");
+      if (field.isAbsent()) continue;
       const std::string place = placeName("nodes", node, "extras.haptic.field");
       readEach(field, place, nodes_[i].worldFromNode, i, document_.model.nodes[node].name);
     }
     const auto scene = static_cast<std::size_t>(std::max(0, document_.model.defaultScene));
-    if (const JsonView fields = hapticOf("scenes", scene).member("fields"))
+    const Json& fields = hapticOf("scenes", scene).member("fields");
+    if (!fields.isAbsent())
       readEach(fields, placeName("scenes", scene, "extras.haptic.fields"),
                glm::scale(glm::dmat4(1.0), glm::dvec3(unitScale_)), kNone, "");
     return std::move(out_);
@@ -386,19 +386,18 @@ class FieldsReader {
 
  private:
   /// extras.haptic of an element of a section.
-  JsonView hapticOf(const char* section, std::size_t index) const {
-    const JsonView list = document_.json.root().member(section);
-    if (!list.isArray() || index >= list.size()) return {};
-    return list.element(index).member("extras").member("haptic");
+  const Json& hapticOf(const char* section, std::size_t index) const {
+    const Json& list = document_.json.member(section);
+    if (!list.isArray() || index >= list.size()) return Json::absent();
+    return list.at(index).member("extras").member("haptic");
   }
 
-  void readEach(JsonView value, const std::string& place, const glm::dmat4& worldFromNode,
+  void readEach(const Json& value, const std::string& place, const glm::dmat4& worldFromNode,
                 std::uint32_t flatNode, const std::string& name) {
     if (value.isObject()) return readOne(JsonObject(value, place), worldFromNode, flatNode, name);
     if (!value.isArray()) throw GltfError(place, "must be an object or an array of objects");
     for (std::size_t i = 0; i < value.size(); ++i)
-      readOne(JsonObject(value.element(i), place + "[" + std::to_string(i) + "]"), worldFromNode, flatNode,
-              name);
+      readOne(JsonObject(value.at(i), place + "[" + std::to_string(i) + "]"), worldFromNode, flatNode, name);
   }
 
   void readOne(const JsonObject& object, const glm::dmat4& worldFromNode, std::uint32_t flatNode,

@@ -65,8 +65,8 @@ class SoupBuilder {
     }
     std::size_t base = 0, vertices = 0;
     std::optional<std::vector<std::uint32_t>> indices;
-    if (primitive.draco) {
-      DracoMesh decoded = decodeDraco(document_, primitive.draco, place + ".KHR_draco_mesh_compression");
+    if (primitive.draco != nullptr) {
+      DracoMesh decoded = decodeDraco(document_, *primitive.draco, place + ".KHR_draco_mesh_compression");
       base = addPositions(decoded.positions, piece.partFromMesh, place);
       vertices = decoded.positions.size();
       indices = std::move(decoded.indices);
@@ -88,7 +88,7 @@ class SoupBuilder {
   /// The first set of texture coordinates; Draco's are not read.
   std::vector<glm::vec2> texCoords(const GltfPrimitive& primitive, std::size_t vertices,
                                    const std::string& place) {
-    if (primitive.texCoords < 0 || primitive.draco) {
+    if (primitive.texCoords < 0 || primitive.draco != nullptr) {
       ++notes_.withoutUv;
       return {};
     }
@@ -159,7 +159,8 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
     // Draco's accessors have no bytes of their own; its decoder checks its counts itself.
     const auto count = [&](int accessor) {
       const auto index = static_cast<std::size_t>(accessor);
-      return primitive.draco ? document.model.accessors[index].count : elementCount(document, index);
+      return primitive.draco != nullptr ? document.model.accessors[index].count
+                                        : elementCount(document, index);
     };
     const std::size_t vertices = primitive.positions >= 0 ? count(primitive.positions) : 0;
     const std::size_t corners = primitive.indices >= 0 ? count(primitive.indices) : vertices;

@@ -6,7 +6,7 @@
 
 namespace tandem::assets {
 
-JsonObject::JsonObject(JsonView value, std::string place) : value_(value), place_(std::move(place)) {
+JsonObject::JsonObject(const Json& value, std::string place) : value_(&value), place_(std::move(place)) {
   if (!value.isObject()) throw GltfError(place_, "must be an object");
 }
 
@@ -17,24 +17,24 @@ void JsonObject::fail(const char* key, const std::string& reason) const {
 }
 
 std::optional<JsonObject> JsonObject::object(const char* key) const {
-  const JsonView value = raw(key);
-  if (!value) return std::nullopt;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return std::nullopt;
   return JsonObject(value, place_ + "." + key);
 }
 
 std::vector<JsonObject> JsonObject::objects(const char* key) const {
   std::vector<JsonObject> out;
-  const JsonView value = raw(key);
-  if (!value) return out;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return out;
   if (!value.isArray()) fail(key, "must be an array");
   for (std::size_t i = 0; i < value.size(); ++i)
-    out.emplace_back(value.element(i), place_ + "." + key + "[" + std::to_string(i) + "]");
+    out.emplace_back(value.at(i), place_ + "." + key + "[" + std::to_string(i) + "]");
   return out;
 }
 
 std::optional<double> JsonObject::number(const char* key) const {
-  const JsonView value = raw(key);
-  if (!value) return std::nullopt;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return std::nullopt;
   if (!value.isNumber() || !std::isfinite(value.number())) fail(key, "must be a finite number");
   return value.number();
 }
@@ -46,13 +46,13 @@ double JsonObject::sizeOr(const char* key, double fallback) const {
 }
 
 std::optional<std::vector<double>> JsonObject::numbers(const char* key, std::size_t count) const {
-  const JsonView value = raw(key);
-  if (!value) return std::nullopt;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return std::nullopt;
   const std::string reason = "must be an array of " + std::to_string(count) + " finite numbers";
   if (!value.isArray() || value.size() != count) fail(key, reason);
   std::vector<double> out;
   for (std::size_t i = 0; i < count; ++i) {
-    const JsonView entry = value.element(i);
+    const Json& entry = value.at(i);
     if (!entry.isNumber() || !std::isfinite(entry.number())) fail(key, reason);
     out.push_back(entry.number());
   }
@@ -66,38 +66,44 @@ std::optional<glm::dvec3> JsonObject::vector(const char* key) const {
 }
 
 bool JsonObject::flag(const char* key, bool fallback) const {
-  const JsonView value = raw(key);
-  if (!value) return fallback;
-  if (!value.isFlag()) fail(key, "must be true or false");
-  return value.flag();
+  const Json& value = raw(key);
+  if (value.isAbsent()) return fallback;
+  if (!value.isBoolean()) fail(key, "must be true or false");
+  return value.boolean();
 }
 
 std::string JsonObject::text(const char* key, const std::string& fallback) const {
-  const JsonView value = raw(key);
-  if (!value) return fallback;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return fallback;
   if (!value.isText()) fail(key, "must be a string");
   return value.text();
 }
 
 std::vector<std::string> JsonObject::texts(const char* key) const {
   std::vector<std::string> out;
-  const JsonView value = raw(key);
-  if (!value) return out;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return out;
   if (!value.isArray()) fail(key, "must be an array of strings");
   for (std::size_t i = 0; i < value.size(); ++i) {
-    if (!value.element(i).isText()) fail(key, "must be an array of strings");
-    out.push_back(value.element(i).text());
+    if (!value.at(i).isText()) fail(key, "must be an array of strings");
+    out.push_back(value.at(i).text());
   }
   return out;
 }
 
+std::size_t JsonObject::count(const char* key) const {
+  const Json& value = raw(key);
+  if (value.isAbsent() || value.isNull()) return 0;
+  return value.isArray() || value.isObject() ? value.size() : 1;
+}
+
 std::optional<std::size_t> JsonObject::index(const char* key, std::size_t size, const char* what) const {
-  const JsonView value = raw(key);
-  if (!value) return std::nullopt;
-  const bool good = value.isWhole() && value.whole() < size;
+  const Json& value = raw(key);
+  if (value.isAbsent()) return std::nullopt;
+  const bool good = value.isNatural() && value.integer() < size;
   if (!good)
     fail(key, value.dump().substr(0, 40) + " is out of range (" + std::to_string(size) + " " + what + ")");
-  return static_cast<std::size_t>(value.whole());
+  return static_cast<std::size_t>(value.integer());
 }
 
 std::size_t JsonObject::requiredIndex(const char* key, std::size_t size, const char* what) const {
@@ -110,9 +116,9 @@ void refuseFault(const std::optional<RangeFault>& fault, const std::string& plac
   if (fault) throw GltfError(place + '.' + fault->property, fault->reason);
 }
 
-std::optional<JsonObject> extensionOf(JsonView value, const char* name, const std::string& place) {
-  const JsonView extension = findExtension(value, name);
-  if (!extension) return std::nullopt;
+std::optional<JsonObject> extensionOf(const Json& value, const char* name, const std::string& place) {
+  const Json& extension = findExtension(value, name);
+  if (extension.isAbsent()) return std::nullopt;
   return JsonObject(extension, place + "." + name);
 }
 

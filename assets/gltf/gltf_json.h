@@ -7,22 +7,22 @@
 
 #include <glm/vec3.hpp>
 
+#include "assets/base/json.h"
 #include "assets/gltf/gltf_error.h"
-#include "assets/gltf/json_view.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
 
-/// One JSON object and where it stands in the file.
+/// One JSON object of a document and where it stands in the file. Valid as long as the document.
 class JsonObject {
  public:
   /// Throws GltfError where the value is no object.
-  JsonObject(JsonView value, std::string place);
+  JsonObject(const Json& value, std::string place);
   /// An object without properties.
   static JsonObject empty(std::string place);
 
   const std::string& place() const { return place_; }
-  bool has(const char* key) const { return static_cast<bool>(value_.member(key)); }
+  bool has(const char* key) const { return value_->contains(key); }
 
   /// A property that is an object; nothing if it is absent.
   std::optional<JsonObject> object(const char* key) const;
@@ -39,19 +39,21 @@ class JsonObject {
   bool flag(const char* key, bool fallback) const;
   std::string text(const char* key, const std::string& fallback) const;
   std::vector<std::string> texts(const char* key) const;
+  /// Elements of a property that is an array; 0 if it is absent or null, 1 if it is a plain value.
+  std::size_t count(const char* key) const;
   /// An index below `size`; a message says "of `what`".
   std::optional<std::size_t> index(const char* key, std::size_t size, const char* what) const;
   std::size_t requiredIndex(const char* key, std::size_t size, const char* what) const;
 
   [[noreturn]] void fail(const char* key, const std::string& reason) const;
   /// A property as it stands, of any type; absent if there is none.
-  JsonView raw(const char* key) const { return value_.member(key); }
-  JsonView raw() const { return value_; }
+  const Json& raw(const char* key) const { return value_->member(key); }
+  const Json& raw() const { return *value_; }
 
  private:
   explicit JsonObject(std::string place) : place_(std::move(place)) {}
 
-  JsonView value_;
+  const Json* value_ = &Json::absent();
   std::string place_;
 };
 
@@ -59,6 +61,6 @@ class JsonObject {
 void refuseFault(const std::optional<RangeFault>& fault, const std::string& place);
 
 /// value.extensions[name] as a checked object.
-std::optional<JsonObject> extensionOf(JsonView value, const char* name, const std::string& place);
+std::optional<JsonObject> extensionOf(const Json& value, const char* name, const std::string& place);
 
 }  // namespace tandem::assets

@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <tiny_gltf.h>
-#include <nlohmann/json.hpp>
 
 #include "assets/gltf/gltf_document.h"
 #include "assets/gltf/gltf_error.h"
@@ -11,32 +10,31 @@
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
 constexpr const char* kSections[] = {"bufferViews", "accessors", "meshes", "nodes", "scenes", "materials"};
 
-void stripObject(json& object) {
+void stripObject(Json& object) {
   object.erase("extensions");
   object.erase("extras");
 }
 
-/// The part of the document that tinygltf is given: tinygltf neither checks indices nor passes over a broken image, and it
-/// has no entry for JSON that is already parsed.
-std::string sectionsOf(const json& document) {
-  json out = {{"asset", {{"version", "2.0"}}}};
-  for (const char* section : kSections)
-    if (const auto it = document.find(section); it != document.end()) out[section] = *it;
-  if (const auto it = document.find("scene"); it != document.end()) out["scene"] = *it;
-  for (const char* section : kSections)
-    if (const auto it = out.find(section); it != out.end())
-      for (json& object : *it) stripObject(object);
-  if (const auto meshes = out.find("meshes"); meshes != out.end())
-    for (json& mesh : *meshes)
-      for (json& primitive : mesh["primitives"]) {
+/// The part of the document that tinygltf is given. tinygltf checks no index, refuses a file for a broken image, and has
+/// no entry for JSON that is already parsed.
+std::string sectionsOf(const Json& document) {
+  Json out;
+  out["asset"]["version"] = "2.0";
+  if (document.contains("scene")) out["scene"] = document.at("scene");
+  for (const char* section : kSections) {
+    if (!document.contains(section)) continue;
+    Json& copy = out[section] = document.at(section);
+    for (Json& object : copy) stripObject(object);
+  }
+  if (Json* meshes = out.find("meshes"))
+    for (Json& mesh : *meshes)
+      for (Json& primitive : mesh["primitives"]) {
         stripObject(primitive);
         primitive.erase("targets");
         // tinygltf refuses index accessors without a buffer view, which are legal where they are sparse or where Draco
-        // holds the data; they are taken from the JSON instead.
+        // holds the data. mesh() below reads the indices from the document instead.
         primitive.erase("indices");
       }
   return out.dump();
@@ -94,17 +92,18 @@ int attribute(const tinygltf::Primitive& primitive, const char* name) {
   return it == primitive.attributes.end() ? -1 : it->second;
 }
 
-GltfMesh mesh(const tinygltf::Mesh& from, JsonView view) {
+GltfMesh mesh(const tinygltf::Mesh& from, const Json& stated) {
   GltfMesh to;
   to.name = from.name;
-  const JsonView primitives = view.member("primitives");
   for (std::size_t i = 0; i < from.primitives.size(); ++i) {
     const tinygltf::Primitive& primitive = from.primitives[i];
-    const JsonView indices = primitives.element(i).member("indices");
+    const Json& statedPrimitive = stated.at("primitives").at(i);
+    const Json& indices = statedPrimitive.member("indices");
+    const Json& draco = findExtension(statedPrimitive, "KHR_draco_mesh_compression");
     to.primitives.push_back({primitive.mode < 0 ? 4 : primitive.mode, attribute(primitive, "POSITION"),
                              attribute(primitive, "TEXCOORD_0"),
-                             indices ? static_cast<int>(indices.whole()) : -1, primitive.material,
-                             findExtension(primitives.element(i), "KHR_draco_mesh_compression")});
+                             indices.isAbsent() ? -1 : static_cast<int>(indices.integer()),
+                             primitive.material, draco.isAbsent() ? nullptr : &draco});
   }
   return to;
 }
@@ -114,26 +113,26 @@ GltfNode node(const tinygltf::Node& from) {
 }
 
 GltfMaterial material(const tinygltf::Material& from) {
-  const tinygltf::PbrMetallicRoughness& look = from.pbrMetallicRoughness;
+  const tinygltf::PbrMetallicRoughness& pbr = from.pbrMetallicRoughness;
   GltfMaterial to;
   to.name = from.name;
-  if (look.baseColorFactor.size() == to.baseColour.size())
-    std::copy(look.baseColorFactor.begin(), look.baseColorFactor.end(), to.baseColour.begin());
-  to.metallic = look.metallicFactor;
-  to.roughness = look.roughnessFactor;
+  if (pbr.baseColorFactor.size() == to.baseColour.size())
+    std::copy(pbr.baseColorFactor.begin(), pbr.baseColorFactor.end(), to.baseColour.begin());
+  to.metallic = pbr.metallicFactor;
+  to.roughness = pbr.roughnessFactor;
   return to;
 }
 
 }  // namespace
 
-GltfModel readModel(const JsonTree& document) {
-  const tinygltf::Model from = parse(sectionsOf(document.library()));
-  const JsonView meshes = document.root().member("meshes");
+GltfModel readModel(const Json& document) {
+  const tinygltf::Model from = parse(sectionsOf(document));
+  const Json& meshes = document.member("meshes");
   GltfModel to;
   for (const tinygltf::BufferView& view : from.bufferViews) to.bufferViews.push_back(bufferView(view));
   for (const tinygltf::Accessor& each : from.accessors) to.accessors.push_back(accessor(each));
   for (std::size_t i = 0; i < from.meshes.size(); ++i)
-    to.meshes.push_back(mesh(from.meshes[i], meshes.element(i)));
+    to.meshes.push_back(mesh(from.meshes[i], meshes.at(i)));
   for (const tinygltf::Node& each : from.nodes) to.nodes.push_back(node(each));
   for (const tinygltf::Scene& scene : from.scenes) to.scenes.push_back(scene.nodes);
   to.defaultScene = from.defaultScene;

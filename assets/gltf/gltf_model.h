@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "assets/gltf/json_view.h"
+#include "assets/base/json.h"
 
 namespace tandem::assets {
 
@@ -51,7 +51,7 @@ struct GltfAccessor {
 struct GltfPrimitive {
   int mode = 4;
   int positions = -1, texCoords = -1, indices = -1, material = -1;
-  JsonView draco;  // KHR_draco_mesh_compression, if it is there
+  const Json* draco = nullptr;  // KHR_draco_mesh_compression in the document, if it is there
 };
 
 struct GltfMesh {
@@ -87,6 +87,6 @@ struct GltfModel {
 };
 
 /// Reads the model with tinygltf; throws GltfError where tinygltf refuses it.
-GltfModel readModel(const JsonTree& document);
+GltfModel readModel(const Json& document);
 
 }  // namespace tandem::assets

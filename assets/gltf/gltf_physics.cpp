@@ -18,7 +18,7 @@ struct Section {
 
 class PhysicsReader {
  public:
-  explicit PhysicsReader(const GltfDocument& document) : document_(document), json_(document.json.root()) {}
+  explicit PhysicsReader(const GltfDocument& document) : document_(document), json_(document.json) {}
 
   GltfPhysics read() {
     readShapes("KHR_implicit_shapes", khrShapes_, 0.25);
@@ -28,9 +28,9 @@ class PhysicsReader {
     readJoints("KHR_physics_rigid_bodies", khrJoints_);
     readJoints("OMI_physics_joint", omiJoints_);
     readGravity();
-    const JsonView nodes = json_.member("nodes");
+    const Json& nodes = json_.member("nodes");
     out_.nodes.resize(nodes.size());
-    for (std::size_t i = 0; i < nodes.size(); ++i) readNode(nodes.element(i), i);
+    for (std::size_t i = 0; i < nodes.size(); ++i) readNode(nodes.at(i), i);
     addCounted("trigger", triggers_, "Triggers are not simulated.");
     addCounted("convex-hull", hulls_, "Colliders that ask for a convex hull are felt as their exact mesh.");
     addCounted("old-collider-form", oldForms_,
@@ -110,9 +110,9 @@ class PhysicsReader {
 
   /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is
   /// such an object.
-  bool readHaptic(JsonView holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
-    const JsonView value = holder.member("extras").member("haptic");
-    if (!value) return false;
+  bool readHaptic(const Json& holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
+    const Json& value = holder.member("extras").member("haptic");
+    if (value.isAbsent()) return false;
     const JsonObject haptic(value, place + ".extras.haptic");
     // A force field that a node carries (gltf_fields.h) and a tolerance say nothing about its surface.
     const std::size_t others = (haptic.has("field") ? 1u : 0u) + (haptic.has("tolerance") ? 1u : 0u);
@@ -173,14 +173,13 @@ class PhysicsReader {
   // --- joints and gravity
 
   std::uint8_t readAxes(const JsonObject& limit, const char* key) {
-    const JsonView axes = limit.raw(key);
+    const Json& axes = limit.raw(key);
     if (!axes.isArray() || axes.size() == 0 || axes.size() > 3)
       limit.fail(key, "must name one to three axes");
     std::uint8_t bits = 0;
-    for (std::size_t i = 0; i < axes.size(); ++i) {
-      const JsonView axis = axes.element(i);
-      if (!axis.isWhole() || axis.whole() > 2) limit.fail(key, "axes are 0, 1 and 2");
-      bits = static_cast<std::uint8_t>(bits | 1u << axis.whole());
+    for (const Json& axis : axes) {
+      if (!axis.isNatural() || axis.integer() > 2) limit.fail(key, "axes are 0, 1 and 2");
+      bits = static_cast<std::uint8_t>(bits | 1u << axis.integer());
     }
     return bits;
   }
@@ -226,7 +225,7 @@ class PhysicsReader {
     const std::string type = detents->text("type", "");
     if (type != "linear" && type != "angular") detents->fail("type", "must be linear or angular");
     joint.detentsTurn = type == "angular";
-    const std::size_t size = detents->raw("positions").size();
+    const std::size_t size = detents->count("positions");
     if (size == 0 || size > kMaxDetents) detents->fail("positions", "must be one to 4096 numbers");
     joint.detents.places = detents->numbers("positions", size).value();
     joint.detents.force = detents->sizeOr("force", 0.0);
@@ -329,16 +328,16 @@ class PhysicsReader {
   }
 
   /// extras.haptic.tolerance of a node, m; 0 where it states none.
-  static double readTolerance(JsonView node, const std::string& place) {
-    const JsonView value = node.member("extras").member("haptic");
-    if (!value) return 0.0;
+  static double readTolerance(const Json& node, const std::string& place) {
+    const Json& value = node.member("extras").member("haptic");
+    if (value.isAbsent()) return 0.0;
     const JsonObject haptic(value, place + ".extras.haptic");
     const std::optional<double> tolerance = haptic.number("tolerance");
     if (tolerance) refuseFault(toleranceFault(*tolerance), haptic.place());
     return tolerance.value_or(0.0);
   }
 
-  void readNode(JsonView value, std::size_t index) {
+  void readNode(const Json& value, std::size_t index) {
     PhysicsNode& node = out_.nodes[index];
     const std::string place = placeName("nodes", index);
     node.contactTolerance = readTolerance(value, place);
@@ -369,7 +368,7 @@ class PhysicsReader {
   }
 
   const GltfDocument& document_;
-  const JsonView json_;
+  const Json& json_;
   GltfPhysics out_;
   Section khrShapes_, omiShapes_, khrMaterials_, omiMaterials_, khrFilters_, omiFilters_, khrJoints_,
       omiJoints_;

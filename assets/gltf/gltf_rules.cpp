@@ -4,16 +4,12 @@
 #include <cmath>
 #include <limits>
 
-#include <nlohmann/json.hpp>
-
 #include "assets/gltf/gltf_error.h"
 
 namespace tandem::assets {
 namespace {
 
-using nlohmann::json;
-
-constexpr std::int64_t kMaxWhole = std::numeric_limits<std::int32_t>::max();
+constexpr std::uint64_t kMaxWhole = std::numeric_limits<std::int32_t>::max();
 
 enum class Kind { whole, wholes, numbers3, numbers4, numbers16, text, flag, object, objects, wholeMap };
 
@@ -74,47 +70,43 @@ constexpr Rule kSparsePartRules[] = {
     {"sparse", "componentType", Kind::whole},
 };
 
-std::size_t sectionSize(const json& document, const char* section) {
-  const auto it = document.find(section);
-  return it == document.end() ? 0 : it->size();
-}
+std::size_t sectionSize(const Json& document, const char* section) { return document.member(section).size(); }
 
 /// Checks a whole number in [0, 2^31) and that it is an index of `refersTo`. 3.0 is a legal way of writing 3.
-void checkWhole(json& value, const std::string& place, const char* refersTo, const json& document) {
-  if (value.is_number_float()) {
-    const double number = value.get<double>();
+void checkWhole(Json& value, const std::string& place, const char* refersTo, const Json& document) {
+  if (value.isNumber() && !value.isInteger()) {
+    const double number = value.number();
     if (number == std::floor(number) && std::abs(number) <= 1e15) value = static_cast<std::int64_t>(number);
   }
-  if (!value.is_number_integer()) throw GltfError(place, "must be a whole number");
-  const bool tooLarge = value.is_number_unsigned() ? value.get<std::uint64_t>() > std::uint64_t(kMaxWhole)
-                                                   : value.get<std::int64_t>() > kMaxWhole;
-  if (tooLarge) throw GltfError(place, value.dump() + " is too large");
-  if (value.get<std::int64_t>() < 0) throw GltfError(place, value.dump() + " is negative");
+  if (!value.isInteger()) throw GltfError(place, "must be a whole number");
+  if (!value.isNatural() && value.signedInteger() < 0) throw GltfError(place, value.dump() + " is negative");
+  if (value.integer() > kMaxWhole) throw GltfError(place, value.dump() + " is too large");
   if (refersTo == nullptr) return;
   const std::size_t size = sectionSize(document, refersTo);
-  if (value.get<std::size_t>() >= size)
+  if (value.integer() >= size)
     throw GltfError(
         place, "index " + value.dump() + " is out of range (" + std::to_string(size) + " " + refersTo + ")");
 }
 
-void checkNumbers(const json& value, std::size_t count, const std::string& place) {
-  const bool good = value.is_array() && value.size() == count &&
-                    std::all_of(value.begin(), value.end(), [](const json& v) { return v.is_number(); });
+void checkNumbers(const Json& value, std::size_t count, const std::string& place) {
+  const bool good = value.isArray() && value.size() == count &&
+                    std::all_of(value.begin(), value.end(), [](const Json& v) { return v.isNumber(); });
   if (!good) throw GltfError(place, "must be an array of " + std::to_string(count) + " numbers");
 }
 
-void checkKind(json& value, const Rule& rule, const std::string& place, const json& document) {
+void checkKind(Json& value, const Rule& rule, const std::string& place, const Json& document) {
   switch (rule.kind) {
     case Kind::whole:
       return checkWhole(value, place, rule.refersTo, document);
     case Kind::wholes:
-      if (!value.is_array()) throw GltfError(place, "must be an array");
-      for (std::size_t i = 0; i < value.size(); ++i)
-        checkWhole(value[i], place + "[" + std::to_string(i) + "]", rule.refersTo, document);
+      if (!value.isArray()) throw GltfError(place, "must be an array");
+      for (std::size_t i = 0; Json & entry : value)
+        checkWhole(entry, place + "[" + std::to_string(i++) + "]", rule.refersTo, document);
       return;
     case Kind::wholeMap:
-      if (!value.is_object()) throw GltfError(place, "must be an object");
-      for (auto& [key, entry] : value.items()) checkWhole(entry, place + "." + key, rule.refersTo, document);
+      if (!value.isObject()) throw GltfError(place, "must be an object");
+      for (auto& [key, entry] : value.members())
+        checkWhole(entry, place + "." + key, rule.refersTo, document);
       return;
     case Kind::numbers3:
       return checkNumbers(value, 3, place);
@@ -123,39 +115,38 @@ void checkKind(json& value, const Rule& rule, const std::string& place, const js
     case Kind::numbers16:
       return checkNumbers(value, 16, place);
     case Kind::text:
-      if (!value.is_string()) throw GltfError(place, "must be a string");
+      if (!value.isText()) throw GltfError(place, "must be a string");
       return;
     case Kind::flag:
-      if (!value.is_boolean()) throw GltfError(place, "must be true or false");
+      if (!value.isBoolean()) throw GltfError(place, "must be true or false");
       return;
     case Kind::object:
-      if (!value.is_object()) throw GltfError(place, "must be an object");
+      if (!value.isObject()) throw GltfError(place, "must be an object");
       return;
     case Kind::objects:
-      if (!value.is_array()) throw GltfError(place, "must be an array");
-      for (const json& entry : value)
-        if (!entry.is_object()) throw GltfError(place, "must hold objects");
+      if (!value.isArray()) throw GltfError(place, "must be an array");
+      for (const Json& entry : value)
+        if (!entry.isObject()) throw GltfError(place, "must hold objects");
       return;
   }
 }
 
-void checkRule(json& object, const Rule& rule, const std::string& place, const json& document) {
-  const auto it = object.find(rule.key);
+void checkRule(Json& object, const Rule& rule, const std::string& place, const Json& document) {
   const std::string where = place + "." + rule.key;
-  if (it != object.end()) return checkKind(*it, rule, where, document);
+  if (Json* value = object.find(rule.key)) return checkKind(*value, rule, where, document);
   if (rule.required) throw GltfError(where, "is missing");
 }
 
-void checkPrimitives(json& mesh, const std::string& place, const json& document) {
-  json& primitives = mesh["primitives"];
-  for (std::size_t i = 0; i < primitives.size(); ++i)
-    for (const Rule& rule : kPrimitiveRules)
-      checkRule(primitives[i], rule, place + ".primitives[" + std::to_string(i) + "]", document);
+void checkPrimitives(Json& mesh, const std::string& place, const Json& document) {
+  for (std::size_t i = 0; Json & primitive : mesh["primitives"]) {
+    const std::string where = place + ".primitives[" + std::to_string(i++) + "]";
+    for (const Rule& rule : kPrimitiveRules) checkRule(primitive, rule, where, document);
+  }
 }
 
-void checkSparse(json& accessor, const std::string& place, const json& document) {
-  const auto sparse = accessor.find("sparse");
-  if (sparse == accessor.end()) return;
+void checkSparse(Json& accessor, const std::string& place, const Json& document) {
+  Json* sparse = accessor.find("sparse");
+  if (sparse == nullptr) return;
   const std::string where = place + ".sparse";
   for (const Rule& rule : kSparseRules) checkRule(*sparse, rule, where, document);
   for (const char* part : {"indices", "values"})
@@ -166,28 +157,26 @@ void checkSparse(json& accessor, const std::string& place, const json& document)
 
 }  // namespace
 
-void checkRules(JsonTree& tree) {
-  json& document = tree.mutableRoot();
+void checkRules(Json& document) {
   for (const char* section :
        {"buffers", "bufferViews", "accessors", "meshes", "nodes", "scenes", "materials"}) {
-    const auto it = document.find(section);
-    if (it == document.end()) continue;
-    if (!it->is_array()) throw GltfError(section, "must be an array");
-    for (std::size_t i = 0; i < it->size(); ++i)
-      if (!(*it)[i].is_object()) throw GltfError(placeName(section, i), "must be an object");
+    const Json& list = document.member(section);
+    if (list.isAbsent()) continue;
+    if (!list.isArray()) throw GltfError(section, "must be an array");
+    for (std::size_t i = 0; i < list.size(); ++i)
+      if (!list.at(i).isObject()) throw GltfError(placeName(section, i), "must be an object");
   }
-  for (const Rule& rule : kRules) {
-    const auto it = document.find(rule.section);
-    if (it == document.end()) continue;
-    for (std::size_t i = 0; i < it->size(); ++i)
-      checkRule((*it)[i], rule, placeName(rule.section, i), document);
-  }
-  for (std::size_t i = 0; i < sectionSize(document, "meshes"); ++i)
-    checkPrimitives(document["meshes"][i], placeName("meshes", i), document);
-  for (std::size_t i = 0; i < sectionSize(document, "accessors"); ++i)
-    checkSparse(document["accessors"][i], placeName("accessors", i), document);
-  if (const auto scene = document.find("scene"); scene != document.end())
-    checkWhole(*scene, "scene", "scenes", document);
+  const auto forEach = [&](const char* section, const auto& check) {
+    if (Json* list = document.find(section))
+      for (std::size_t i = 0; Json & object : *list) check(object, placeName(section, i++));
+  };
+  for (const Rule& rule : kRules)
+    forEach(rule.section,
+            [&](Json& object, const std::string& place) { checkRule(object, rule, place, document); });
+  forEach("meshes", [&](Json& mesh, const std::string& place) { checkPrimitives(mesh, place, document); });
+  forEach("accessors",
+          [&](Json& accessor, const std::string& place) { checkSparse(accessor, place, document); });
+  if (Json* scene = document.find("scene")) checkWhole(*scene, "scene", "scenes", document);
 }
 
 }  // namespace tandem::assets

@@ -66,7 +66,7 @@ const Keys& knownKeys() {
 }
 
 void noteUnknown(const JsonObject& object, const std::set<std::string>& known, UnknownProperties& unknown) {
-  for (const std::string& key : object.raw().keys())
+  for (const auto& [key, value] : object.raw().members())
     if (known.count(key) == 0) unknown.add(key);
 }
 
@@ -90,11 +90,11 @@ struct NumberReader {
   void index(const char*, auto&) {}
 };
 
-void readTexture(const JsonObject& haptic, JsonView document, SurfaceTexture& out,
+void readTexture(const JsonObject& haptic, const Json& document, SurfaceTexture& out,
                  UnknownProperties& unknown) {
   const auto texture = haptic.object("texture");
   if (!texture) return;
-  const JsonView textures = document.member("textures");
+  const Json& textures = document.member("textures");
   const std::size_t count = textures.isArray() ? textures.size() : 0;
   if (const auto image = texture->index("image", count, "textures")) {
     out.pattern = SurfaceTexture::Pattern::image;
@@ -123,7 +123,7 @@ void readFlatTexture(const JsonObject& haptic, SurfaceTexture& out) {
 /// Reads a Surface in the order of its describe(): a group's object is opened at the group's first property.
 class SurfaceReader {
  public:
-  SurfaceReader(const JsonObject& haptic, JsonView document, UnknownProperties& unknown)
+  SurfaceReader(const JsonObject& haptic, const Json& document, UnknownProperties& unknown)
       : haptic_(haptic), document_(document), unknown_(unknown) {}
 
   void number(const char* property, double& value, const Range&, bool applies = true) {
@@ -168,30 +168,31 @@ class SurfaceReader {
   }
 
   const JsonObject& haptic_;
-  const JsonView document_;
+  const Json& document_;
   UnknownProperties& unknown_;
   std::string group_;
   std::optional<JsonObject> object_;  // of group_, if it is there
 };
 
 /// The bytes of an image that lies in a buffer view or a data URI.
-std::optional<Bytes> imageBytes(const GltfDocument& document, JsonView image) {
-  if (const JsonView view = image.member("bufferView")) {
-    if (!view.isWhole() || view.whole() >= document.model.bufferViews.size()) return std::nullopt;
-    const ByteView bytes = viewBytes(document, static_cast<std::size_t>(view.whole()));
+std::optional<Bytes> imageBytes(const GltfDocument& document, const Json& image) {
+  const Json& view = image.member("bufferView");
+  if (!view.isAbsent()) {
+    if (!view.isNatural() || view.integer() >= document.model.bufferViews.size()) return std::nullopt;
+    const ByteView bytes = viewBytes(document, static_cast<std::size_t>(view.integer()));
     return Bytes(bytes.begin(), bytes.end());
   }
-  const JsonView uri = image.member("uri");
+  const Json& uri = image.member("uri");
   return uri.isText() ? decodeDataUri(uri.text()) : std::nullopt;
 }
 
 /// The `source` of a texture, if both are what the specification says.
-JsonView sourceImage(JsonView document, std::size_t texture) {
-  const JsonView source = document.member("textures").element(texture).member("source");
-  const JsonView images = document.member("images");
-  if (!source.isWhole() || !images.isArray() || source.whole() >= images.size()) return {};
-  const JsonView image = images.element(static_cast<std::size_t>(source.whole()));
-  return image.isObject() ? image : JsonView();
+const Json& sourceImage(const Json& document, std::size_t texture) {
+  const Json& source = document.member("textures").at(texture).member("source");
+  const Json& images = document.member("images");
+  if (!source.isNatural() || !images.isArray() || source.integer() >= images.size()) return Json::absent();
+  const Json& image = images.at(static_cast<std::size_t>(source.integer()));
+  return image.isObject() ? image : Json::absent();
 }
 
 }  // namespace
@@ -203,7 +204,7 @@ void UnknownProperties::add(const std::string& name) {
   for (const char c : name.substr(0, 40)) names += c >= ' ' && c <= '~' ? c : '?';
 }
 
-void readSurface(const JsonObject& haptic, JsonView document, Surface& out, UnknownProperties& unknown) {
+void readSurface(const JsonObject& haptic, const Json& document, Surface& out, UnknownProperties& unknown) {
   noteUnknown(haptic, knownKeys().at(""), unknown);
   SurfaceReader reader(haptic, document, unknown);
   describe(reader, out);
@@ -220,8 +221,8 @@ std::vector<TextureImage> readTextures(const GltfDocument& document, std::vector
     if (texture.pattern != SurfaceTexture::Pattern::image) continue;
     const auto [it, isNew] = known.emplace(texture.image, kNoTexture);
     if (isNew) {
-      const JsonView source = sourceImage(document.json.root(), texture.image);
-      const std::optional<Bytes> bytes = source ? imageBytes(document, source) : std::nullopt;
+      const Json& source = sourceImage(document.json, texture.image);
+      const std::optional<Bytes> bytes = source.isAbsent() ? std::nullopt : imageBytes(document, source);
       if (std::optional<TextureImage> image = bytes ? decodeImage(*bytes) : std::nullopt) {
         it->second = static_cast<std::uint32_t>(images.size());
         images.push_back(std::move(*image));

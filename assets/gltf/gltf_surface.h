@@ -22,7 +22,8 @@ struct UnknownProperties {
 
 /// Reads the properties of `haptic` that make up a Surface; texture.image becomes a glTF texture index,
 /// checked. Throws GltfError where a known property has a wrong type or sign, or is outside of its range.
-void readSurface(const JsonObject& haptic, JsonView document, Surface& surface, UnknownProperties& unknown);
+void readSurface(const JsonObject& haptic, const Json& document, Surface& surface,
+                 UnknownProperties& unknown);
 
 /// Decodes the images of all surfaces and turns their texture indices into those of the result. A surface
 /// whose image cannot be read (not PNG or JPEG, a file of its own, too large) loses its texture; `unread`

@@ -11,26 +11,6 @@ namespace {
 constexpr int kDeepest = 32;  // a scenario needs 5
 constexpr std::uintmax_t kLargestFile = 64u << 20;
 
-/// Whether brackets outside of strings nest deeper than kDeepest.
-bool tooDeep(const std::string& text) {
-  int depth = 0;
-  bool quoted = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const char c = text[i];
-    if (quoted) {
-      if (c == '\\') ++i;
-      if (c == '"') quoted = false;
-    } else if (c == '"') {
-      quoted = true;
-    } else if (c == '[' || c == '{') {
-      if (++depth > kDeepest) return true;
-    } else if (c == ']' || c == '}') {
-      --depth;
-    }
-  }
-  return false;
-}
-
 }  // namespace
 
 Result<std::string> readTextFile(const std::string& path) {
@@ -48,7 +28,7 @@ Result<std::string> readTextFile(const std::string& path) {
 }
 
 Result<Json> parseJson(const std::string& text, const std::string& source) {
-  if (tooDeep(text))
+  if (Json::nesting(text) > kDeepest)
     return Error{source + ": JSON nested deeper than " + std::to_string(kDeepest) + " levels"};
   Result<Json> parsed = Json::parse(text);
   if (!parsed) return Error{source + ": not JSON: " + parsed.error().message};

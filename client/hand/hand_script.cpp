@@ -25,9 +25,9 @@ constexpr double kMostHz = 500.0;  // half the rate of the loop
 /// A field's number within +-most; throws a message for a person.
 double number(const Json& step, const char* key, double most = kFarthest) {
   if (!step.contains(key)) throw std::string("lacks \"") + key + "\"";
-  if (!step[key].isNumber() || !std::isfinite(step[key].number()))
+  if (!step.at(key).isNumber() || !std::isfinite(step.at(key).number()))
     throw std::string("\"") + key + "\" must be a finite number";
-  const double value = step[key].number();
+  const double value = step.at(key).number();
   if (std::abs(value) > most)
     throw std::string("\"") + key + "\" must be at most " + std::to_string(static_cast<int>(most)) +
         " in size";
@@ -41,11 +41,11 @@ double duration(const Json& step, const char* key) {
 }
 
 glm::dvec3 vector(const Json& step, const char* key) {
-  if (!step.contains(key) || !step[key].isArray() || step[key].size() != 3)
+  if (!step.contains(key) || !step.at(key).isArray() || step.at(key).size() != 3)
     throw std::string("needs \"") + key + "\": [x, y, z]";
   glm::dvec3 value;
   for (int i = 0; i < 3; ++i) {
-    const Json& entry = step[key][static_cast<std::size_t>(i)];
+    const Json& entry = step.at(key).at(static_cast<std::size_t>(i));
     if (!entry.isNumber() || !std::isfinite(entry.number()))
       throw std::string("\"") + key + "\" must hold three finite numbers";
     if (std::abs(entry.number()) > kFarthest)
@@ -56,8 +56,8 @@ glm::dvec3 vector(const Json& step, const char* key) {
 }
 
 glm::dvec3 axis(const Json& step) {
-  if (step.contains("axis") && step["axis"].isText()) {
-    const std::string name = step["axis"].text();
+  if (step.contains("axis") && step.at("axis").isText()) {
+    const std::string name = step.at("axis").text();
     if (name == "x") return {1.0, 0.0, 0.0};
     if (name == "y") return {0.0, 1.0, 0.0};
     if (name == "z") return {0.0, 0.0, 1.0};
@@ -70,19 +70,19 @@ glm::dvec3 axis(const Json& step) {
 
 /// Without a scene (null) any name will do: it is looked up once the scene is there.
 PartId part(const Json& step, const assets::Scene* scene) {
-  if (!step.contains("part") || !step["part"].isText()) throw std::string("needs \"part\": \"NAME\"");
+  if (!step.contains("part") || !step.at("part").isText()) throw std::string("needs \"part\": \"NAME\"");
   if (scene == nullptr) return kNoPart;
-  const std::string name = step["part"].text();
+  const std::string name = step.at("part").text();
   const PartId id = assets::findPart(*scene, name);
   if (id == kNoPart) throw "no part is named \"" + name + "\"";
   return id;
 }
 
 PartId controlPart(const Json& step, const assets::Scene* scene) {
-  if (!step.contains("control") || !step["control"].isText())
+  if (!step.contains("control") || !step.at("control").isText())
     throw std::string("needs \"control\": \"NAME\"");
   if (scene == nullptr) return kNoPart;
-  const std::string name = step["control"].text();
+  const std::string name = step.at("control").text();
   for (const assets::Control& control : scene->controls)
     if (control.name == name || scene->parts[control.part].name == name) return control.part;
   throw "no control is named \"" + name + "\"";
@@ -103,8 +103,8 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   refuseUnknown(entry);
   ScriptStep step;
   step.at = duration(entry, "t");
-  if (!entry.contains("do") || !entry["do"].isText()) throw std::string("needs \"do\": \"VERB\"");
-  const std::string verb = entry["do"].text();
+  if (!entry.contains("do") || !entry.at("do").isText()) throw std::string("needs \"do\": \"VERB\"");
+  const std::string verb = entry.at("do").text();
   if (verb == "grasp") {
     step.verb = Verb::grasp;
     step.part = part(entry, scene);
@@ -200,7 +200,7 @@ Result<HandScript> parseScript(const std::string& text, const std::string& sourc
   HandScript script;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     try {
-      script.steps.push_back(parseStep(steps[i], scene));
+      script.steps.push_back(parseStep(steps.at(i), scene));
     } catch (const std::string& reason) {
       return Error{source + ": step " + std::to_string(i + 1) + ": " + reason};
     }

@@ -27,7 +27,7 @@ class Fields {
   }
   double number(const char* key, double fallback, double least, double most) {
     if (!has(key)) return fallback;
-    const Json& value = object_[key];
+    const Json& value = object_.at(key);
     if (!value.isNumber() || !std::isfinite(value.number()) || value.number() < least ||
         value.number() > most)
       throw where_ + ": \"" + key + "\" must be a number from " + short_(least) + " to " + short_(most);
@@ -39,8 +39,8 @@ class Fields {
   }
   std::string text(const char* key, const std::string& fallback) {
     if (!has(key)) return fallback;
-    if (!object_[key].isText()) throw where_ + ": \"" + key + "\" must be a string";
-    return object_[key].text();
+    if (!object_.at(key).isText()) throw where_ + ": \"" + key + "\" must be a string";
+    return object_.at(key).text();
   }
   std::string requiredText(const char* key) {
     if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
@@ -49,10 +49,10 @@ class Fields {
   const Json& list(const char* key) {
     static const Json empty = Json::array();
     if (!has(key)) return empty;
-    if (!object_[key].isArray()) throw where_ + ": \"" + key + "\" must be a list";
-    return object_[key];
+    if (!object_.at(key).isArray()) throw where_ + ": \"" + key + "\" must be a list";
+    return object_.at(key);
   }
-  const Json& operator[](const char* key) { return object_[key]; }
+  const Json& operator[](const char* key) { return object_.at(key); }
   const std::string& where() const { return where_; }
   /// A misspelt key would silently simulate something else.
   void refuseUnknown() const {
@@ -117,10 +117,10 @@ ScenarioSite parseSite(const Json& entry, const std::string& where) {
     const Json& start = fields["start"];
     if (!start.isArray() || start.size() != 3) throw where + ": \"start\" must be [x, y, z]";
     for (std::size_t i = 0; i < 3; ++i) {
-      if (!start[i].isNumber() || !(std::abs(start[i].number()) <= kFarthest))
+      if (!start.at(i).isNumber() || !(std::abs(start.at(i).number()) <= kFarthest))
         throw where + ": \"start\" must hold numbers within " + std::to_string(static_cast<int>(kFarthest)) +
             " m";
-      site.start[static_cast<glm::length_t>(i)] = start[i].number();
+      site.start[static_cast<glm::length_t>(i)] = start.at(i).number();
     }
     site.hasStart = true;
   }

@@ -1,13 +1,11 @@
 #pragma once
 
-// Messages of Haply's device service for the Inverse3 (with or without VerseGrip), JSON text. Pure; safe for
-// any text.
+// Messages of Haply's device service for the Inverse3 (with or without VerseGrip), JSON text. Pure; safe for any text.
 //
 //   from it  {"inverse3":[{"device_id":"..","state":{"cursor_position":{x,y,z},"cursor_velocity":{x,y,z}}}],
 //             "wireless_verse_grip":[{"state":{"orientation":{x,y,z,w},"buttons":{a,b,c}}}]}           m, m/s
 //   to it    {"inverse3":[{"device_id":"..","commands":{"set_cursor_force":{"values":{x,y,z}}}}]}      N
 //
-// Source: Haply's public client examples. Its axes: x right, y away from the user, z up.
 // Source: Haply's public client examples. Its axes: x right, y away from the user, z up.
 
 #include <cstdint>
@@ -37,8 +35,7 @@ enum class HaplyMessage {
 
 HaplyMessage decodeHaply(std::string_view text, HaplyState& state);
 
-/// Message with a force in N, device axes; a non-finite force becomes zero. An empty id gives a reply without
-/// a command.
+/// Message with a force in N, device axes; a non-finite force becomes zero. An empty id gives a reply without a command.
 std::string encodeHaply(const std::string& id, const glm::dvec3& force);
 
 /// Converts device axes to axes with y up and z towards the user.
