@@ -42,7 +42,7 @@ bool ContactHistory::isOf(PartId first, PartId other, const ContactIsland& islan
 }
 
 void ContactHistory::recallFriction(const ContactIsland& island, ContactSolver& solver) const {
-  std::array<ContactSolver::Friction, ContactSolver::kMostActive> known;
+  std::array<FrictionForce, ActiveSet::kMaxRows> known;
   std::size_t count = 0;
   for (int i = 0; i < last_->frictionCount && count < known.size(); ++i) {
     const Friction& last = last_->frictions[static_cast<std::size_t>(i)];
@@ -57,7 +57,7 @@ void ContactHistory::recallFriction(const ContactIsland& island, ContactSolver& 
 }
 
 void ContactHistory::noteFriction(const ContactIsland& island, const ContactSolver& solver) {
-  for (const ContactSolver::Friction& friction : solver.friction()) {
+  for (const FrictionForce& friction : solver.friction()) {
     if (!TICK_ASSERT(fault_, friction.source.pair < island.pairCount())) return;
     if (now_->frictionCount == kMaxFrictions) return;
     const ContactPair& pair = island.pair(friction.source.pair);
@@ -84,7 +84,7 @@ void ContactHistory::noteContacts(const ContactIsland& island, const ContactRows
     Contact& contact = contacts_[static_cast<std::size_t>(k)];
     if (island.bodyOf(contact.first) >= 0) ++contact.unused;
   }
-  for (const ContactSolver::ActiveRow& active : solver.active()) {
+  for (const ActiveSet::Row& active : solver.active()) {
     if (!TICK_ASSERT(fault_, active.row >= 0 && active.row < rows.exactRows())) continue;
     RowSource source = rows.exact(active.row).source;
     if (source.sample == assets::kNone) continue;  // of a joint, or of a way out

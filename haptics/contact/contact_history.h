@@ -56,7 +56,7 @@ class ContactHistory {
 
  private:
   static constexpr int kMaxContacts = 48, kKeptFor = 16;
-  static constexpr int kMaxFrictions = 2 * ContactSolver::kMostActive;
+  static constexpr int kMaxFrictions = 2 * ActiveSet::kMaxRows;
 
   struct Contact {
     PartId first = kNoPart, other = kNoPart;
@@ -65,7 +65,7 @@ class ContactHistory {
   };
   struct Friction {
     PartId first = kNoPart, other = kNoPart;
-    ContactSolver::Friction friction;
+    FrictionForce friction;
   };
   struct Motion {
     PartId part = kNoPart;

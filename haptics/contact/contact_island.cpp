@@ -50,7 +50,7 @@ const ContactBody& ContactIsland::addMoving(const MovingPart& part, double dt) {
   body.goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
   body.mass = part.body->mass;
   StepGoal& goal = goals_[static_cast<std::size_t>(at)];
-  goal.before = Displacement{};
+  goal.applied = Displacement{};
   goal.root = part.step.root;
   return body;
 }
@@ -100,7 +100,7 @@ void ContactIsland::place() {
     const ContactBody& one = first(pair);
     pair.otherFromFirst = inverse(otherPose(pair)) * one.pose;
     if (pair.second >= 0)
-      rowPairs_[static_cast<std::size_t>(i)].apart = one.centre - body(pair.second).centre;
+      rowPairs_[static_cast<std::size_t>(i)].offset = one.centre - body(pair.second).centre;
   }
 }
 
@@ -109,7 +109,7 @@ void ContactIsland::moveBody(int i, const Displacement& u) {
   ContactBody& body = bodies_[static_cast<std::size_t>(i)];
   body.pose.orientation = glm::normalize(fromRotationVector(u.angular) * body.pose.orientation);
   body.pose.position = body.centre + u.linear - body.pose.orientation * body.centreOfMass;
-  Displacement& moved = goals_[static_cast<std::size_t>(i)].before;
+  Displacement& moved = goals_[static_cast<std::size_t>(i)].applied;
   moved = {moved.linear + u.linear, moved.angular + u.angular};
 }
 
@@ -132,7 +132,7 @@ Displacement ContactIsland::left(int i) const {
 }
 
 Displacement ContactIsland::relative(int index, const Displacement& first, const Displacement& second) const {
-  return seenFrom(first, second, rowPairs_[static_cast<std::size_t>(index)].apart);
+  return relativeDisplacement(first, second, rowPairs_[static_cast<std::size_t>(index)].offset);
 }
 
 Displacement ContactIsland::relativeMoved(int index) const {

@@ -11,8 +11,8 @@
 #include <span>
 
 #include "haptics/base/fault.h"
-#include "haptics/contact/contact_solver.h"
 #include "haptics/contact/moving_part.h"
+#include "haptics/contact/step_space.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/scene/part_model.h"
 
@@ -88,7 +88,7 @@ class ContactIsland {
   /// The pose of a pair's other part, or of the world.
   const Pose& otherPose(const ContactPair& pair) const;
   /// What a body has moved in this tick so far.
-  const Displacement& moved(int body) const { return goals_[static_cast<std::size_t>(body)].before; }
+  const Displacement& moved(int body) const { return goals_[static_cast<std::size_t>(body)].applied; }
   /// What is left of a body's goal.
   Displacement left(int body) const;
   /// What a pair's first body has moved, or has left to move, as seen from the other one.

@@ -87,7 +87,7 @@ void ContactStep::solve(const Tick& tick, int maxPicks) {
   solver_.solve(island_.goals(), island_.rowPairs(), kStill * island_.tolerance(), maxPicks, rows_, refiner_);
   work.exact += refiner_.queries();
   work.overflow = work.overflow || rows_.dropped() > 0;
-  work.picks += solver_.picks();
+  work.picks += solver_.iterations();
   work.infeasible += solver_.infeasible();
 }
 
@@ -131,7 +131,7 @@ void ContactStep::finish(MovingPart& part, int index, bool moved, double dt) con
 }
 
 void ContactStep::noteTouches(const Tick& tick) const {
-  for (const ContactSolver::ActiveRow& active : solver_.active()) {
+  for (const ActiveSet::Row& active : solver_.active()) {
     const ExactRow& row = rows_.exact(active.row);
     if (!TICK_ASSERT(fault_, row.source.pair < island_.pairCount())) continue;
     const ContactPair& pair = island_.pair(row.source.pair);

@@ -9,8 +9,8 @@
 
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_island.h"
-#include "haptics/contact/contact_solver.h"
 #include "haptics/contact/overlaps.h"
+#include "haptics/contact/row_refiner.h"
 #include "haptics/contact/sample_memory.h"
 #include "haptics/contact/side_query.h"
 #include "haptics/contact/touching_feature.h"

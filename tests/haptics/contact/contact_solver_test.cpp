@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <random>
 #include <vector>
 
 #include "haptics/contact/contact_solver.h"
+#include "tests/haptics/contact/solver_numbers.h"
 
 namespace tandem::test {
 namespace {
@@ -16,7 +16,7 @@ using haptics::ExactRow;
 using haptics::RowSource;
 using haptics::StepGoal;
 using Matrix6 = std::array<std::array<double, 6>, 6>;
-using Vector6 = std::array<double, 6>;
+using haptics::Vector6;
 
 Vector6 flat(const Displacement& u) {
   return {u.linear.x, u.linear.y, u.linear.z, u.angular.x, u.angular.y, u.angular.z};
@@ -55,37 +55,6 @@ class Shelf final : public haptics::RowRefiner {
   int looks = 0;
 };
 
-class Numbers {
- public:
-  explicit Numbers(unsigned seed) : random_(seed) {}
-  double operator()() { return spread_(random_); }
-  glm::dvec3 vector() { return {(*this)(), (*this)(), (*this)()}; }
-
- private:
-  std::mt19937 random_;
-  std::uniform_real_distribution<double> spread_{-1.0, 1.0};
-};
-
-/// Something like a part of 0.1 kg and 2 cm on a coupling.
-StepGoal randomGoal(Numbers& number) {
-  StepGoal goal;
-  for (std::size_t i = 0; i < 6; ++i) {
-    for (std::size_t k = 0; k < i; ++k) goal.root[i][k] = 0.02 * number() * (i < 3 ? 1.0 : 0.02);
-    goal.root[i][i] = (0.3 + 0.05 * number()) * (i < 3 ? 1.0 : 0.02);
-  }
-  goal.free = {1e-4 * number.vector(), 5e-3 * number.vector()};
-  return goal;
-}
-
-ExactRow randomRow(Numbers& number, std::uint32_t sample) {
-  ExactRow row;
-  row.normal = glm::normalize(number.vector());
-  row.arm = 0.02 * number.vector();
-  row.gap = 2e-5 * std::abs(number());
-  row.source.sample = sample;
-  return row;
-}
-
 constexpr double kTolerance = 1e-10;
 
 /// One body, and one pair of it with something that does not give way.
@@ -103,7 +72,7 @@ void expectOptimal(const StepGoal& goal, const Shelf& shelf, const ContactSolver
   Vector6 left = pull(goal, u);
   double size = 0.0;
   for (const double x : left) size = std::max(size, std::abs(x));
-  for (const ContactSolver::ActiveRow& active : solver.active()) {
+  for (const haptics::ActiveSet::Row& active : solver.active()) {
     EXPECT_GE(active.multiplier, 0.0);
     const Vector6 w = wrench(rows.exact(active.row));
     for (std::size_t k = 0; k < 6; ++k) left[k] -= active.multiplier * w[k];
