@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Holds the sources to the table of rooms in CMakeLists.txt: who may include whom, without a circle.
 
-A room may include itself, the rooms of its row and whatever those stand on. A row may name only rooms above it in the table,
-so that there is no circle, and only rooms that it includes. Exit code 1 names every include and every row against that.
+A room may include itself, the rooms of its row and whatever those stand on. A row may name only rooms above
+it in the table, so that there is no circle, and only rooms that it includes. Exit code 1 names every include
+and every row against that.
 """
 import pathlib
 import re
@@ -28,7 +29,9 @@ def violations(root):
         allowed[room] = {room}
         for other in below:
             if other not in allowed or other == room:
-                found.append(f"CMakeLists.txt: {room} names {other}, which does not stand above it in the table")
+                found.append(
+                             f"CMakeLists.txt: {room} names {other}, which does not stand above it in the "
+                             "table")
             else:
                 allowed[room] |= allowed[other]
     included = {room: set() for room in rooms}
@@ -49,13 +52,15 @@ def violations(root):
                 if target not in allowed[room]:
                     found.append(f"{name}:{number}: {room} must not include {target}: {line.strip()}")
     for room, below in rooms.items():
-        found += [f"CMakeLists.txt: {room} does not include {other}" for other in below if other not in included[room]]
+        found += [f"CMakeLists.txt: {room} does not include {other}" for other in below
+                  if other not in included[room]]
     return found
 
 
 def self_test():
     """A check that cannot fail is none: each kind of violation in a made-up tree must be found."""
-    table = 'set(TANDEM_ROOMS\n  "assets:"\n  "haptics: assets"\n  "sync: assets client"\n  "client: sync"\n)\n'
+    table = ('set(TANDEM_ROOMS\n  "assets:"\n  "haptics: assets"\n'
+             '  "sync: assets client"\n  "client: sync"\n)\n')
     expected = [
         "CMakeLists.txt: sync names client, which does not stand above it in the table",
         'sync/bad.cpp:1: sync must not include haptics: #include "haptics/tick.h"',
@@ -68,7 +73,8 @@ def self_test():
         root = pathlib.Path(folder)
         (root / "CMakeLists.txt").write_text(table, encoding="utf-8")
         (root / "sync/attic").mkdir(parents=True)
-        (root / "sync/bad.cpp").write_text('#include "haptics/tick.h"\n#include "assets/pose.h"\n', encoding="utf-8")
+        (root / "sync/bad.cpp").write_text('#include "haptics/tick.h"\n#include "assets/pose.h"\n',
+                                           encoding="utf-8")
         (root / "sync/attic/lost.h").write_text("", encoding="utf-8")
         return sorted(violations(root)) == sorted(expected)
 

@@ -1,15 +1,17 @@
 #!/usr/bin/env python3
-"""Whether a rebuilt Tandem gives the same results as before, to the bit. For changes that must change nothing.
+"""Shows whether a rebuilt Tandem gives the same results as before, to the bit.
 
-    python3 tests/same_results.py record --bin build/release/bin -o before.json [--data DIR] [--seeds 3] [--quick]
+    python3 tests/same_results.py record --bin build/release/bin -o before.json [--data DIR] [--seeds 3]
+      [--quick]
     python3 tests/same_results.py compare before.json after.json
     python3 tests/same_results.py benches --a BIN --b BIN [--runs 5] [--data DIR]
 
-`record` keeps: the hash of every scenario in tests/simulation/scenarios with each seed; the ticks of `tandem probe` with a point, a
-ball and every movable part of every sample scene along a seeded path; `tandem check --json` of the sample scenes and of the
-engine in --data. Times are left out. `compare` exits with 1 and names each result that differs, with the largest difference of
-each column of ticks. `benches` runs the benches of two builds in turn, as ratios to their yardsticks, and prints the medians
-and what B differs from A in per cent.
+`record` keeps: the hash of every scenario in tests/simulation/scenarios with each seed; the ticks of `tandem
+probe` with a point, a ball and every movable part of every sample scene along a seeded path; `tandem check
+--json` of the sample scenes and of the engine in --data. Times are left out. `compare` exits with 1 and names
+each result that differs, with the largest difference of each column of ticks. `benches` runs the benches of
+two builds in turn, as ratios to their yardsticks, and prints the medians and what B differs from A in per
+cent.
 """
 import argparse
 import concurrent.futures
@@ -66,7 +68,8 @@ def gltf_nodes(scene):
 
 
 def write_path(file, start, orientation, reach, seed):
-    """A smooth path of TICKS_S from `start`: three sines an axis, `reach` m far; a part also turns by up to 0.2 rad."""
+    """A smooth path of TICKS_S from `start`: three sines an axis, `reach` m far; a part also turns by up to
+    0.2 rad."""
     draw = random.Random(seed)
     waves = [[(draw.uniform(0.3, 1.0), draw.uniform(0.5, 3.0)) for _ in range(3)] for _ in range(4)]
 
@@ -102,7 +105,8 @@ def without_times(value):
 
 
 def ticks(binaries, scene, tool, reach, cache):
-    """The columns of `probe --ticks`, without the time that ticks took, as name -> list of the cells' texts."""
+    """The columns of `probe --ticks`, without the time that ticks took, as name -> list of the cells'
+    texts."""
     nodes = gltf_nodes(scene)
     name = tool.split(":", 1)[1] if tool.startswith("part:") else sorted(nodes)[len(nodes) // 2]
     start, orientation = nodes[name]
@@ -121,22 +125,27 @@ def ticks(binaries, scene, tool, reach, cache):
 def record(options):
     binaries = pathlib.Path(options.bin)
     result = {"scenarios": {}, "ticks": {}, "checks": {}}
-    with tempfile.TemporaryDirectory() as cache, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with (tempfile.TemporaryDirectory() as cache,
+          concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool):
         jobs = {}
         for scene in SCENES + ([pathlib.Path(options.data) / "2CylinderEngine.glb"] if options.data else []):
             jobs["checks", scene.name] = pool.submit(lambda s: without_times(json.loads(run(
-                [binaries / "tandem", "check", s, "--json"], env={**os.environ, "XDG_CACHE_HOME": cache}))), scene)
+                [binaries / "tandem", "check", s, "--json"],
+                env={**os.environ, "XDG_CACHE_HOME": cache}))), scene)
         for scene in SCENES:
-            movable = [part["name"] for part in jobs["checks", scene.name].result()["parts"] if part["movable"]]
+            movable = [part["name"] for part in jobs["checks", scene.name].result()["parts"]
+                       if part["movable"]]
             # The first run of a scene bakes its models; those that follow read them.
             tools = ["point", "ball:0.002"] + [f"part:{name}" for name in movable]
             for tool in tools[:1] if options.quick else tools:
                 reach = STROKES_MM[tool.startswith("part:")] / 1000.0
-                jobs["ticks", f"{scene.name} {tool}"] = pool.submit(ticks, binaries, scene, tool, reach, cache)
+                jobs["ticks", f"{scene.name} {tool}"] = pool.submit(ticks, binaries, scene, tool, reach,
+                                                                    cache)
         for scenario in SCENARIOS[:2] if options.quick else SCENARIOS:
             for seed in range(1, options.seeds + 1):
                 jobs["scenarios", f"{scenario.stem} {seed}"] = pool.submit(lambda s, n: re.search(
-                    r"hash ([0-9a-f]+)", run([binaries / "tandem", "simulate", s, "--seed", n])).group(1), scenario, seed)
+                    r"hash ([0-9a-f]+)", run([binaries / "tandem", "simulate", s, "--seed", n])).group(1),
+                                                                           scenario, seed)
         for done, ((kind, name), job) in enumerate(jobs.items(), 1):
             result[kind][name] = job.result()
             print(f"\r{done} of {len(jobs)}  {kind} {name:60}", end="", file=sys.stderr, flush=True)
@@ -146,7 +155,9 @@ def record(options):
 
 def differences(kind, name, before, after):
     if kind != "ticks":
-        return "" if before == after else f"{kind} {name}: {json.dumps(before)[:300]} became {json.dumps(after)[:300]}"
+        if before == after:
+            return ""
+        return f"{kind} {name}: {json.dumps(before)[:300]} became {json.dumps(after)[:300]}"
     if list(before) != list(after):
         return f"ticks {name}: columns {list(before)} became {list(after)}"
     worst = {}
@@ -161,7 +172,8 @@ def differences(kind, name, before, after):
 
 
 def compare(options):
-    before, after = (json.loads(pathlib.Path(p).read_text(encoding="utf-8")) for p in (options.before, options.after))
+    before, after = (json.loads(pathlib.Path(p).read_text(encoding="utf-8"))
+                     for p in (options.before, options.after))
     found, count = [], 0
     for kind in before:
         for name in sorted(set(before[kind]) | set(after[kind])):
@@ -186,20 +198,23 @@ def benches(options):
                     # A line of a bench is what was measured, then its figures.
                     numbers = re.findall(r"(?<![\w.])\d+\.?\d*(?:e-?\d+)?(?![\w.])", line.split(":", 1)[-1])
                     if ":" in line and numbers:
-                        figures.setdefault((bench, line.split(":", 1)[0].strip()), {"a": [], "b": []})[side].append(
+                        figures.setdefault((bench, line.split(":", 1)[0].strip()),
+                                           {"a": [], "b": []})[side].append(
                             [float(n) for n in numbers])
     for (bench, what), sides in figures.items():
         columns = zip(zip(*sides["a"]), zip(*sides["b"]))
         cells = []
         for a, b in columns:
             left, right = statistics.median(a), statistics.median(b)
-            cells.append(f"{left:g} -> {right:g}" + (f" ({100.0 * (right / left - 1.0):+.1f} %)" if left else ""))
+            cells.append(f"{left:g} -> {right:g}"
+                         + (f" ({100.0 * (right / left - 1.0):+.1f} %)" if left else ""))
         print(f"{bench} {what}: " + ", ".join(cells))
     return 0
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     commands = parser.add_subparsers(required=True)
     one = commands.add_parser("record")
     one.add_argument("--bin", required=True)

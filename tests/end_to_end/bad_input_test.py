@@ -25,7 +25,8 @@ def scenario(folder, name, change):
 def cases(folder, binaries):
     """Pairs of a command and a word that the line must hold."""
     (folder / "path.csv").write_text("t,x,y,z\n0,0,0,0.2\n")
-    (folder / "deep.json").write_text(json.dumps({"scene": PUMP, "duration_s": 1, "sites": [{"name": "a", "script": "?"}]})
+    (folder / "deep.json").write_text(json.dumps({"scene": PUMP, "duration_s": 1,
+                                                  "sites": [{"name": "a", "script": "?"}]})
                                       .replace('"?"', "[" * 100000 + "]" * 100000))
     probe = ["tandem", "probe", PUMP, "--path", str(folder / "path.csv")]
     yield probe + ["--stiffness", "nan"], "--stiffness"
@@ -56,12 +57,16 @@ def cases(folder, binaries):
     yield ["tandem", "join", "tandem://nonsense", "--duration", "nan"], "--duration"
     # Refused before the link is used up: nobody listens there, and nobody is asked.
     link = "tandem://127.0.0.1:1/participant?token=" + "ab" * 16 + "&pin=" + "cd" * 32
-    (folder / "desk.json").write_text(json.dumps({"view_from_device": {"position": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]},
-                                                  "scale": 1, "residual_rms_m": 0, "residual_worst_m": 0, "pairs": 4}))
+    (folder / "desk.json").write_text(json.dumps({"view_from_device": {"position": [0, 0, 0],
+                                                                       "orientation_wxyz": [1, 0, 0, 0]},
+                                                  "scale": 1, "residual_rms_m": 0, "residual_worst_m": 0,
+                                                  "pairs": 4}))
     (folder / "jump.json").write_text(json.dumps([{"t": 0, "do": "jump"}]))
     yield ["tandem", "join", link, "--hand", str(folder / "jump.json")], "step 1"
-    yield ["tandem", "join", link, "--device", "simulated", "--calibration", str(folder / "desk.json")], "no workspace"
-    yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration", str(folder / "none.json")], "none.json"
+    yield ["tandem", "join", link, "--device", "simulated", "--calibration",
+           str(folder / "desk.json")], "no workspace"
+    yield ["tandem", "join", link, "--device", "simulated-arm", "--calibration",
+           str(folder / "none.json")], "none.json"
     yield ["tandem", "devices", "--test", "none", "--hid-record", str(folder / "no" / "r")], "--hid-record"
     (folder / "pump.step").write_text("ISO-10303-21;\nHEADER;\n")
     (folder / "pump.stl").write_bytes(bytes(84))
@@ -80,7 +85,8 @@ def cases(folder, binaries):
     data = folder / "data"
     serve = ["tandem-server", PUMP, "--listen", "127.0.0.1:0", "--duration", "0.1"]
     recording = str(folder / "nobody.rec")
-    subprocess.run([binaries / serve[0], *serve[1:], "--data", data, "--record", recording], capture_output=True, timeout=60,
+    subprocess.run([binaries / serve[0], *serve[1:], "--data", data, "--record", recording],
+                   capture_output=True, timeout=60,
                    check=True)
     yield ["tandem", "replay", recording, "--scene", PUMP, "--headless", "--at", "99"], "the recording ends"
     (data / "tls.key").write_text("x")
@@ -90,7 +96,8 @@ def cases(folder, binaries):
            str(folder / "full")], "full"
     (folder / "long.csv").write_text("t,x,y,z\n" + "".join(f"{i / 1000},0,0,0.2\n" for i in range(100)))
     yield ["bash", "-c", 'ulimit -f 2; exec "$@"', "-", str(binaries / "tandem"), "probe", PUMP, "--path",
-           str(folder / "long.csv"), "--tool", "part:impeller", "--ticks", str(folder / "long_ticks.csv")], "long_ticks.csv"
+           str(folder / "long.csv"), "--tool", "part:impeller", "--ticks",
+           str(folder / "long_ticks.csv")], "long_ticks.csv"
 
 
 def main():
@@ -103,7 +110,9 @@ def main():
             lines = run.stderr.splitlines()
             if run.returncode != 2 or len(lines) != 1 or word not in lines[0]:
                 failures += 1
-                print(f"{command}: exit code {run.returncode}, wanted 2 and one line with {word!r}; got {lines[:3]}")
+                print(
+                      f"{command}: exit code {run.returncode}, wanted 2 and one line with {word!r}; got "
+                      f"{lines[:3]}")
     return 1 if failures else 0
 
 

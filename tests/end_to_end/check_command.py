@@ -1,4 +1,5 @@
-"""What the tests of commands share: the sample scenes, where the commands are, `tandem check`, and what was expected in vain."""
+"""What the tests of commands share: the sample scenes, where the commands are, `tandem check`, and what was
+expected in vain."""
 import argparse
 import pathlib
 import subprocess

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""tandem check tells what contact of parts in the hand is computed with, and warns of fits that facets cannot show.
+"""tandem check tells what contact of parts in the hand is computed with, and warns of fits that facets cannot
+show.
 
     python3 tests/end_to_end/check_contact_test.py --bin build/release/bin
 """
@@ -22,19 +23,22 @@ def scene_of(parts):
     def add(data, kind, component, count, **more):
         nonlocal blob
         views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data)})
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind, **more})
+        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count,
+                          "type": kind, **more})
         blob += data
         return len(accessors) - 1
 
     nodes, meshes = [], []
     for name, (points, triangles, place) in parts.items():
-        box = {"min": [min(p[i] for p in points) for i in range(3)], "max": [max(p[i] for p in points) for i in range(3)]}
+        box = {"min": [min(p[i] for p in points) for i in range(3)],
+               "max": [max(p[i] for p in points) for i in range(3)]}
         position = add(b"".join(struct.pack("<3f", *p) for p in points), "VEC3", 5126, len(points), **box)
         indices = add(b"".join(struct.pack("<3I", *t) for t in triangles), "SCALAR", 5125, 3 * len(triangles))
         meshes.append({"primitives": [{"attributes": {"POSITION": position}, "indices": indices}]})
         nodes.append({"name": name, "mesh": len(meshes) - 1, "translation": place})
     return json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}], "nodes": nodes,
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}],
+        "nodes": nodes,
         "meshes": meshes, "accessors": accessors, "bufferViews": views,
         "buffers": [{"byteLength": len(blob),
                      "uri": "data:application/octet-stream;base64," + base64.b64encode(blob).decode()}]})
@@ -65,20 +69,23 @@ def check_fits(binaries, folder):
     scene = folder / "peg.gltf"
     for segments, clearance, warned in [(40, 0.02, True), (104, 0.02, False), (40, 0.5, False)]:
         scene.write_text(peg_in_ring(segments, clearance))
-        findings = json.loads(run(binaries, scene, "--json", "--movable", "peg", "--no-cache").stdout)["findings"]
+        findings = json.loads(run(binaries, scene, "--json", "--movable", "peg",
+                                  "--no-cache").stdout)["findings"]
         fits = [f for f in findings if f["code"] == "coarse-fit"]
         expect(len(fits) == int(warned), f"{segments} segments, {clearance} mm: {findings}")
         if fits:
             expect(fits[0]["where"] == "peg" and fits[0]["severity"] == "warning", f"{fits}")
             expect("at least 100 segments" in fits[0]["message"], fits[0]["message"])
     scene.write_text(peg_in_ring(40, 0.02))
-    expect("at least 100 segments" in run(binaries, scene, "--movable", "peg").stdout, "the table does not warn")
+    expect("at least 100 segments" in run(binaries, scene, "--movable", "peg").stdout,
+           "the table does not warn")
 
 
 def check_contact(binaries, folder):
     """Models of parts in the hand: none made unasked, all with --models, and from then on shown."""
     corners = [(x, y, z) for z in (-0.01, 0.01) for y in (-0.01, 0.01) for x in (-0.01, 0.01)]
-    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3),
+             (0, 4, 6), (0, 6, 2),
              (1, 3, 7), (1, 7, 5)]
     larger = [tuple(2 * x for x in p) for p in corners]
     scene = folder / "boxes.gltf"
@@ -89,8 +96,10 @@ def check_contact(binaries, folder):
 
     expect(models() == {"models": [], "missing": 0}, "nothing can be held, and yet there are models")
     none = models("--movable", "held")
-    expect(none["missing"] == 2 and not list(folder.glob("tandem/*.field")), f"models are made unasked: {none}")
-    expect("--models" in run(binaries, scene, "--movable", "held").stdout, "the table does not say how to get them")
+    expect(none["missing"] == 2 and not list(folder.glob("tandem/*.field")),
+           f"models are made unasked: {none}")
+    expect("--models" in run(binaries, scene, "--movable", "held").stdout,
+           "the table does not say how to get them")
     for options, source, tried in [(["--models"], "made", True), ([], "cache", False)]:
         found = models("--movable", "held", *options)
         by_part = {m["part"]: m for m in found["models"]}
@@ -98,8 +107,10 @@ def check_contact(binaries, folder):
         expect(by_part["held"]["held"] and not by_part["base"]["held"], "who can be held is told wrongly")
         for m in by_part.values():
             expect(m["bake_from"] == source and m["samples"] > 100 and m["memory_bytes"] > 0, f"{m}")
-            expect(0 < m["error_m"] <= m["tolerance_m"] < 1e-5 and m["meets_tolerance"] and m["sag_m"] == 0.0, f"{m}")
-            expect(m["tolerance_from"] == "default" and m["clearance_to"] is None, f"100 um are too far to matter: {m}")
+            expect(0 < m["error_m"] <= m["tolerance_m"] < 1e-5 and m["meets_tolerance"]
+                   and m["sag_m"] == 0.0, f"{m}")
+            expect(m["tolerance_from"] == "default" and m["clearance_to"] is None,
+                   f"100 um are too far to matter: {m}")
         cost = by_part["held"]["cost_us"]
         expect((cost is not None and cost["p99"] >= cost["p50"] > 0) == tried, f"cost {cost}")
         expect(by_part["base"]["cost_us"] is None, "a part that nobody holds has a cost")
@@ -110,12 +121,14 @@ def check_contact(binaries, folder):
 def check_shapes(binaries, folder):
     """Implicit shapes are exact and need nothing made; a mesh beside them has its field."""
     corners = [(x, y, z) for z in (-0.01, 0.01) for y in (-0.01, 0.01) for x in (-0.012, 0.012)]
-    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
+    faces = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3),
+             (0, 4, 6), (0, 6, 2),
              (1, 3, 7), (1, 7, 5)]
     gltf = json.loads(scene_of({"cube": (corners, faces, [0, 0, 0])}))
     gltf["extensionsUsed"] = ["KHR_implicit_shapes", "KHR_physics_rigid_bodies"]
     gltf["extensions"] = {"KHR_implicit_shapes": {"shapes": [{"type": "sphere", "sphere": {"radius": 0.01}}]}}
-    gltf["nodes"].append({"name": "ball", "translation": [0, 0, 0.0205], "extensions": {"KHR_physics_rigid_bodies": {
+    gltf["nodes"].append({"name": "ball", "translation": [0, 0, 0.0205],
+                          "extensions": {"KHR_physics_rigid_bodies": {
         "motion": {"mass": 0.03}, "collider": {"geometry": {"shape": 0}}}}})
     gltf["scenes"][0]["nodes"].append(1)
     scene = folder / "shapes.gltf"
@@ -127,9 +140,11 @@ def check_shapes(binaries, folder):
         expect(contact["missing"] == missing, f"only the cube needs a field: {contact}")
         ball = models["ball"]
         expect(ball["model"] == "exact, by formula" and ball["bake_from"] == "formula", f"{ball}")
-        expect(ball["error_m"] < 1e-15 and ball["sag_m"] == 0 and ball["cells"] == 0 and ball["meets_tolerance"], f"{ball}")
+        expect(ball["error_m"] < 1e-15 and ball["sag_m"] == 0 and ball["cells"] == 0
+               and ball["meets_tolerance"], f"{ball}")
     expect(models["cube"]["model"] == "field + samples" and models["cube"]["cells"] > 0, f"{models}")
-    expect("exact, by formula" in run(binaries, scene, *options[1:]).stdout, "the table does not tell of formulas")
+    expect("exact, by formula" in run(binaries, scene, *options[1:]).stdout,
+           "the table does not tell of formulas")
 
 
 def check_tolerances(binaries, folder):
@@ -141,7 +156,8 @@ def check_tolerances(binaries, folder):
         if given:
             gltf["nodes"][0]["extras"] = {"haptic": {"tolerance": given}}
         scene.write_text(json.dumps(gltf))
-        models = json.loads(run(binaries, scene, "--json", "--movable", "peg", "--models").stdout)["contact"]["models"]
+        models = json.loads(run(binaries, scene, "--json", "--movable", "peg",
+                                "--models").stdout)["contact"]["models"]
         peg, ring = ({m["part"]: m for m in models}[name] for name in ("peg", "ring"))
         clearance = 5e-6 * math.cos(math.pi / 104)
         expect(ring["tolerance_from"] == "clearance" and ring["clearance_to"] == "peg", f"{ring}")

@@ -78,7 +78,8 @@ def check_remarks(binaries):
     lines = [line for line in run(binaries, scene).stdout.splitlines() if line.startswith("remark")]
     stiff = [line for line in lines if ": stiffness is felt as" in line]
     expect(len(stiff) == 1 and "and 17 more" in stiff[0], f"remarks on stiffness: {stiff}")
-    expect(any("magnetic pull changes by 400 N/m" in line for line in lines), "the steep magnet has no remark")
+    expect(any("magnetic pull changes by 400 N/m" in line for line in lines),
+           "the steep magnet has no remark")
     surfaces = json.loads(run(binaries, scene, "--json").stdout)["surfaces"]
     count = sum("stiffness is felt as" in text and "stick-slip" not in text
                 for surface in surfaces for text in surface["remarks"])
@@ -90,15 +91,20 @@ def check_remarks(binaries):
 def check_grasp(binaries):
     """K <= b / (T/2 + t_d), for turning as well where the device has the motors for it."""
     scene = SCENES / "peg_board.glb"
-    for device, delay, force, torque in (("desktop", 0, 200, None), ("sixdof", 0, 600, 2), ("sixdof", 5, 0.3 / 5.5e-3, 1 / 5.5)):
-        grasp = json.loads(run(binaries, scene, "--json", "--device", device, "--delay-ms", str(delay)).stdout)["grasp"]
+    for device, delay, force, torque in (("desktop", 0, 200, None), ("sixdof", 0, 600, 2),
+                                         ("sixdof", 5, 0.3 / 5.5e-3, 1 / 5.5)):
+        grasp = json.loads(run(binaries, scene, "--json", "--device", device, "--delay-ms",
+                               str(delay)).stdout)["grasp"]
         expect(abs(grasp["stiffest_n_per_m"] / force - 1) < 1e-9, f"{device}: {grasp}")
         turning = grasp["stiffest_n_m_per_rad"]
-        expect(turning is torque if torque is None else abs(turning / torque - 1) < 1e-9, f"{device}: {grasp}")
-        expect(grasp["used_n_per_m"] <= grasp["stiffest_n_per_m"] and not grasp["defaults_kept"], f"{device}: {grasp}")
+        expect(turning is torque if torque is None else abs(turning / torque - 1) < 1e-9,
+               f"{device}: {grasp}")
+        expect(grasp["used_n_per_m"] <= grasp["stiffest_n_per_m"] and not grasp["defaults_kept"],
+               f"{device}: {grasp}")
     text = run(binaries, scene, "--device", "sixdof").stdout
     expect("stiffest stable grasp: 600 N/m and 2 N*m/rad" in text, text)
-    expect("drives no torque" in run(binaries, scene).stdout, "a device without torque motors has a limit of turning")
+    expect("drives no torque" in run(binaries, scene).stdout,
+           "a device without torque motors has a limit of turning")
     kept = json.loads(run(binaries, scene, "--json", "--device", "damped").stdout)["grasp"]
     expect(kept["defaults_kept"] and kept["used_n_per_m"] == 800, f"{kept}")
 

@@ -11,22 +11,26 @@ import sys
 from check_command import SCENES, binaries_of_command_line, expect, report, run
 
 # Everything of the samples stands 0.2 mm above its bench; the filter's fits are 0.1 mm wide.
-NEAR = {"control_panel": 1, "filter_change": 7, "guided_path": 0, "peg_board": 4, "pump": 11, "solar_system": 0,
+NEAR = {"control_panel": 1, "filter_change": 7, "guided_path": 0, "peg_board": 4, "pump": 11,
+        "solar_system": 0,
         "surfaces": 18}
 
 
 def check_samples(binaries):
     for name, near in NEAR.items():
         scene = SCENES / f"{name}.glb"
-        clashes = json.loads(run(binaries, scene, "--clash", "--clearance", "0.0005", "--json").stdout)["clashes"]
+        clashes = json.loads(run(binaries, scene, "--clash", "--clearance", "0.0005",
+                                 "--json").stdout)["clashes"]
         counts = (clashes["hard"], clashes["touches"], clashes["clearance"])
         expect(counts == (0, 0, near), f"{name}: {counts}")
-        expect(len(clashes["found"]) == near and all(f["may_collide"] for f in clashes["found"]), f"{name}: list")
+        expect(len(clashes["found"]) == near and all(f["may_collide"] for f in clashes["found"]),
+               f"{name}: list")
         distances = [f["distance_m"] for f in clashes["found"]]
         expect(distances == sorted(distances), f"{name}: not in order")
         tight = [d for d in distances if d < 0.00015]
         expect(len(tight) == (3 if name == "filter_change" else 0), f"{name}: {tight}")
-        expect(all(abs(d - 0.0001) < 2e-8 or abs(d - 0.0002) < 2e-8 for d in distances), f"{name}: {distances}")
+        expect(all(abs(d - 0.0001) < 2e-8 or abs(d - 0.0002) < 2e-8 for d in distances),
+               f"{name}: {distances}")
         none = json.loads(run(binaries, scene, "--clash", "--json").stdout)["clashes"]
         expect(none["found"] == [], f"{name}: found something without a clearance")
 
@@ -53,10 +57,12 @@ def check_distance(binaries):
 
 def check_engine(binaries, engine):
     clashes = json.loads(run(binaries, engine, "--units", "mm", "--clash", "--json").stdout)["clashes"]
-    expect(clashes["hard"] + clashes["touches"] > 90 and clashes["hard"] > 50, f"engine: {clashes['hard']} hard")
+    expect(clashes["hard"] + clashes["touches"] > 90 and clashes["hard"] > 50,
+           f"engine: {clashes['hard']} hard")
     depths = {frozenset((f["a"], f["b"])): f["depth_m"] for f in clashes["found"]}
     # By 1500 random points of each surface, with the winding number as the sum of solid angles.
-    for pair, depth in ((("body #2", "body_8"), 7.033e-3), (("rod_123-699_0_Parts_1", "Piston_123-844_0_Parts_1"), 2e-3),
+    for pair, depth in ((("body #2", "body_8"), 7.033e-3),
+                        (("rod_123-699_0_Parts_1", "Piston_123-844_0_Parts_1"), 2e-3),
                         (("body_4", "body_6"), 4.97e-4), (("rod_123-699_0_Parts_1", "body_24"), 1.037e-4)):
         found = depths.get(frozenset(pair), 0.0)
         expect(abs(found - depth) < 0.06 * depth, f"engine: {pair} {found} m deep, not {depth}")
@@ -64,11 +70,14 @@ def check_engine(binaries, engine):
 
 def check_bad_arguments(binaries):
     scene = SCENES / "peg_board.glb"
-    for arguments, word in ((("--distance", "peg_0.5", "cork"), "cork"), (("--distance", "board", "board"), "twice"),
-                            (("--distance", "board"), "--distance"), (("--clash", "--clearance", "-1"), "--clearance"),
+    for arguments, word in ((("--distance", "peg_0.5", "cork"), "cork"),
+                            (("--distance", "board", "board"), "twice"),
+                            (("--distance", "board"), "--distance"),
+                            (("--clash", "--clearance", "-1"), "--clearance"),
                             (("--clash", "--clearance", "wide"), "--clearance"),
                             (("--clearance", "0.001"), "--clash"), (("--tolerance", "0.001"), "--clash"),
-                            (("--clash", "--tolerance", "-0.1"), "--tolerance"), (("--clash", "--clearance", "nan"), "--clearance")):
+                            (("--clash", "--tolerance", "-0.1"), "--tolerance"),
+                            (("--clash", "--clearance", "nan"), "--clearance")):
         result = run(binaries, scene, *arguments)
         lines = result.stderr.strip().splitlines()
         expect(result.returncode == 2 and len(lines) == 1 and word in lines[0] and not result.stdout,

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The control panel between real processes on loopback: a scripted hand presses the button and others see it go in and
-come back; values that are set arrive everywhere; who may not, may not.
+"""The control panel between real processes on loopback: a scripted hand presses the button and others see it
+go in and come back; values that are set arrive everywhere; who may not, may not.
 
     python3 tests/end_to_end/controls_test.py --bin build/release/bin
 """
@@ -59,8 +59,10 @@ def test_panel(binaries, folder):
     grabs = {grab["part"]: grab["answer"] for grab in results["ben"]["grabs"]}
     check(grabs.get("level") == "granted", f"a participant sets the slider: {grabs}")
     check(grabs.get("gauge layer") not in (None, "granted"), f"but not the instructor's switch: {grabs}")
-    levels = {name: result["poses"]["level"][0] for name, result in results.items() if "level" in result["poses"]}
-    check(len(levels) == 3 and all(abs(x - 0.08) < 1e-4 for x in levels.values()), f"all have its value: {levels}")
+    levels = {name: result["poses"]["level"][0] for name,
+              result in results.items() if "level" in result["poses"]}
+    check(len(levels) == 3 and all(abs(x - 0.08) < 1e-4 for x in levels.values()),
+          f"all have its value: {levels}")
 
 
 def main():

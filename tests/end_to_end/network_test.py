@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
-"""Sessions of real processes over a network with delay, jitter and losses: tests/support/network_relay.py on loopback.
+"""Sessions of real processes over a network with delay, jitter and losses: tests/support/network_relay.py on
+loopback.
 
     python3 tests/end_to_end/network_test.py --bin build/release/bin [--only NAME]
 
-What comes next waits until the server says that what it needs has happened. Figures of time are printed; judged is only
-that nothing is faster than the network, and that a round trip belongs to this network and not to another one.
+What comes next waits until the server says that what it needs has happened. Figures of time are printed;
+judged is only that nothing is faster than the network, and that a round trip belongs to this network and not
+to another one.
 """
 import argparse
 import csv
@@ -18,7 +20,8 @@ import subprocess
 import sys
 import time
 
-from session_test import (PEG, ROOT, SCENE, Server, Site, check, distance, follower_errors, grasp, move, passes, poses_of,
+from session_test import (PEG, ROOT, SCENE, Server, Site, check, distance, follower_errors, grasp, move,
+                          passes, poses_of,
                           wait_for, with_own_cache)
 
 RELAY = ROOT / "tests" / "support" / "network_relay.py"
@@ -34,7 +37,8 @@ class Relay:
 
     def __init__(self, port, sites, network):
         self.process = subprocess.Popen(
-            [sys.executable, RELAY, "--server", f"127.0.0.1:{port}", "--sites", str(sites), "--network", json.dumps(network),
+            [sys.executable, RELAY, "--server", f"127.0.0.1:{port}", "--sites", str(sites), "--network",
+             json.dumps(network),
              "--orders"], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
         self.port, self.ports = port, json.loads(self.process.stdout.readline())["ports"]
 
@@ -102,13 +106,15 @@ def check_ownership(*results):
             check(epoch >= newest.get(part, 0), f"epochs only grow: {result['ownership']}")
             newest[part] = epoch
             if note["owner"]:
-                check(owner.setdefault((part, epoch), note["owner"]) == note["owner"], f"one owner of {part} in {epoch}")
+                check(owner.setdefault((part, epoch), note["owner"]) == note["owner"],
+                      f"one owner of {part} in {epoch}")
 
 
 def check_network(session, index, result, one_way, figures):
     """A site's figures are those of its network, and its loss that which the relay counted."""
     # Two legs, each up to 20 % faster; a machine that stood still shows as a longer one.
-    check(0.8 * one_way - 0.1 < result["round_trip_ms"] < 2.5 * one_way + 50.0, f"round trip: {result['round_trip_ms']} ms")
+    check(0.8 * one_way - 0.1 < result["round_trip_ms"] < 2.5 * one_way + 50.0,
+          f"round trip: {result['round_trip_ms']} ms")
     counts = session.relay.counts()["sites"][index]
     for way in ("up", "down"):
         share = counts[way].get("lost", 0) / counts[way]["datagrams"]
@@ -117,7 +123,8 @@ def check_network(session, index, result, one_way, figures):
         traffic = result["received" if way == "down" else "sent"]
         updates = max(1, traffic["parts"]["packets"] + traffic["presence"]["packets"])
         chance = 3 * (share * (1 - share) / updates) ** 0.5
-        check(abs(share - measured) < 0.015 + chance, f"lost {way}: {share} says the relay, {measured} the site")
+        check(abs(share - measured) < 0.015 + chance,
+              f"lost {way}: {share} says the relay, {measured} the site")
     figures.setdefault("round_trip_ms", {})[session.sites[index].name] = result["round_trip_ms"]
 
 
@@ -145,10 +152,13 @@ def check_same_pose(*results):
 
 
 def test_relay(binaries, folder, figures):
-    """The network itself: never too fast, loses and doubles as many as it should, reorders, and is dark when it is told to."""
-    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server, socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as site:
+    """The network itself: never too fast, loses and doubles as many as it should, reorders, and is dark when
+    it is told to."""
+    with (socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as server,
+          socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as site):
         server.bind(("127.0.0.1", 0))
-        relay = Relay(server.getsockname()[1], 1, {"one_way_ms": 40, "jitter": 0.2, "loss": 0.36, "duplicate": 0.19})
+        relay = Relay(server.getsockname()[1], 1,
+                      {"one_way_ms": 40, "jitter": 0.2, "loss": 0.36, "duplicate": 0.19})
         try:
             site.connect(("127.0.0.1", relay.ports[0]))
             def arrived(count):
@@ -166,7 +176,8 @@ def test_relay(binaries, folder, figures):
 
             numbers, shortest = arrived(2000)
             # A leg has half of the delay, 1 - sqrt(1 - p) of the rest: 20 % lost, 10 % doubled.
-            check(0.016 <= shortest + 1e-4, f"no datagram is faster than 20 ms less 20 %: {1e3 * shortest} ms")
+            check(0.016 <= shortest + 1e-4,
+                  f"no datagram is faster than 20 ms less 20 %: {1e3 * shortest} ms")
             check(abs(len(set(numbers)) / 2000 - 0.8) < 0.04, f"a fifth is lost: {len(set(numbers))} came")
             check(abs(len(numbers) / len(set(numbers)) - 1.1) < 0.03, f"a tenth comes twice: {len(numbers)}")
             check(numbers != sorted(numbers), "some overtake others")
@@ -188,7 +199,8 @@ def test_relay(binaries, folder, figures):
 
 
 def test_hand_over(binaries, folder, figures):
-    """25 ms, 20 % jitter, 2 % loss: one takes a part, moves it, lets it go; another one has seen that, then takes it."""
+    """25 ms, 20 % jitter, 2 % loss: one takes a part, moves it, lets it go; another one has seen that, then
+    takes it."""
     with Session(binaries, folder, 3, WAN) as session:
         eve = session.join("eve", None)
         ada = session.join("ada", [grasp(1.0), move(2.2, [0.0, 0.2, 0.0], 0.75), release(4.0)])
@@ -203,19 +215,23 @@ def test_hand_over(binaries, folder, figures):
         pose = results[0]["poses"][PEG]
         check(pose[1] > 0.15 and pose[0] > -0.03, f"moved by both: {pose}")
         for index, result in enumerate(results):
-            check(result["reconnects"] == 0 and result["state_over_udp"], f"connected, by datagrams: {result}")
+            check(result["reconnects"] == 0 and result["state_over_udp"],
+                  f"connected, by datagrams: {result}")
             check_network(session, index, result, WAN["one_way_ms"], figures)
         for result in results[1:]:
-            check([grab["answer"] for grab in result["grabs"]] == ["granted"], f"no grant is lost: {result['grabs']}")
+            check([grab["answer"] for grab in result["grabs"]] == ["granted"],
+                  f"no grant is lost: {result['grabs']}")
         counts = session.relay.counts()
         # Of all sites together: one that says little may lose or double nothing in a few seconds.
         check(all(sum(site[way].get(what, 0) for site in counts["sites"]) > 0 for way in ("up", "down")
-                  for what in ("lost", "duplicated", "overtaken")), f"the network was as bad as it should be: {counts}")
+                  for what in ("lost", "duplicated", "overtaken")),
+              f"the network was as bad as it should be: {counts}")
         figures["relay_late_ms_in_session"] = counts["late_ms"]
 
 
 def test_without_datagrams(binaries, folder, figures):
-    """Where no datagram passes, state goes over TLS; by datagrams once they pass, and over TLS again when they do not."""
+    """Where no datagram passes, state goes over TLS; by datagrams once they pass, and over TLS again when
+    they do not."""
     network = {"one_way_ms": 50, "jitter": 0.2, "loss": 1.0}
     with Session(binaries, folder, 3, network) as session:
         eve = session.join("eve", None)
@@ -223,16 +239,20 @@ def test_without_datagrams(binaries, folder, figures):
         session.wait_until_said(PEG, "released by", '"ada"')
         result, = session.leave(ada)
         check(not result["state_over_udp"] and result["reconnects"] == 0, "over TLS")
-        check(0.8 * network["one_way_ms"] - 0.1 < result["round_trip_ms"] < 2.5 * network["one_way_ms"] + 50.0,
+        one_way = network["one_way_ms"]
+        check(0.8 * one_way - 0.1 < result["round_trip_ms"] < 2.5 * one_way + 50.0,
               f"round trip: {result['round_trip_ms']} ms")
-        check(not any("passed" in site[way] for site in session.relay.counts()["sites"] for way in ("up", "down")),
+        check(not any("passed" in site[way] for site in session.relay.counts()["sites"]
+                      for way in ("up", "down")),
               "no datagram passed")
 
         session.relay.order(loss=0.0)
-        wait_for(lambda: session.relay.counts()["sites"][0]["down"].get("passed", 0) > 50, "eve is sent datagrams")
+        wait_for(lambda: session.relay.counts()["sites"][0]["down"].get("passed", 0) > 50,
+                 "eve is sent datagrams")
         ben = session.join("ben", [grasp(1.0), move(6.0, [0.05, 0.0, 0.0], 0.75), release(8.0)])
         session.wait_until_said(PEG, "granted", '"ben"')
-        session.relay.order(loss=1.0)  # from before ben moves it: 2 s without datagrams, and both go back to TLS
+        # From before ben moves it: 2 s without datagrams, and both go back to TLS.
+        session.relay.order(loss=1.0)
         session.wait_until_said(PEG, "released by", '"ben"')
         results = [result, *session.leave(eve, ben)]
         check_ownership(*results)
@@ -244,7 +264,8 @@ def test_without_datagrams(binaries, folder, figures):
 
 
 def test_blackouts(binaries, folder, figures):
-    """A dark second while a part is moved: it stays its owner's. Longer than its lease: it is another one's, for all."""
+    """A dark second while a part is moved: it stays its owner's. Longer than its lease: it is another one's,
+    for all."""
     with Session(binaries, folder, 3, WAN) as session:
         eve = session.join("eve", None)
         sway = {"t": 2.5, "do": "sine", "axis": [0.0, 1.0, 0.0], "amplitude": 0.03, "hz": 0.5, "for_s": 100}
@@ -256,7 +277,8 @@ def test_blackouts(binaries, folder, figures):
             session.relay.order(blackout={"for_s": 1.0, "burst": burst})
             time.sleep(3.0)
             light.append(newest(session, "ada"))
-        check(not session.server.said(PEG, "is free") and not session.server.said("lost"), "a second is no reason to lose it")
+        check(not session.server.said(PEG, "is free") and not session.server.said("lost"),
+              "a second is no reason to lose it")
 
         session.relay.order(blackout={"for_s": 60, "site": 1, "burst": True})
         session.wait_until_said(PEG, "is free")
@@ -267,13 +289,17 @@ def test_blackouts(binaries, folder, figures):
         results = session.leave(eve, ada, ben)
         check_ownership(*results)
         check_same_pose(*results)
-        # Before it was dark, and well after each time; what has been written of it is some tenths of a second old.
+        # Before it was dark, and well after each time; what has been written of it is some tenths of a second
+        # old.
         for end in light:
             check_follower(session, "ada", "eve", figures, lambda at: end - 700000 < at <= end)
         owners = [note["owner"] for note in results[0]["ownership"] if note["part"] == PEG]
-        check(owners == [results[1]["site"], 0, results[2]["site"], 0], f"ada's, nobody's, ben's, nobody's: {owners}")
-        check([grab["answer"] for grab in results[2]["grabs"]] == ["granted"], f"no grant is lost: {results[2]['grabs']}")
-        check(results[1]["ownership"][-1]["epoch"] == results[2]["ownership"][-1]["epoch"], "ada has heard of it")
+        check(owners == [results[1]["site"], 0, results[2]["site"], 0],
+              f"ada's, nobody's, ben's, nobody's: {owners}")
+        check([grab["answer"] for grab in results[2]["grabs"]] == ["granted"],
+              f"no grant is lost: {results[2]['grabs']}")
+        check(results[1]["ownership"][-1]["epoch"] == results[2]["ownership"][-1]["epoch"],
+              "ada has heard of it")
         counts = session.relay.counts()["sites"]
         check(all(counts[index]["up"]["blacked_out"] > 0 for index in (0, 1)), f"it was dark: {counts}")
 
@@ -281,10 +307,12 @@ def test_blackouts(binaries, folder, figures):
 def replayed(session, recording):
     """(summary, [(t, site, force)]) of a recording, from its beginning."""
     summary, forces = session.folder / "summary.json", session.folder / "forces.csv"
-    subprocess.run([session.binaries / "tandem", "replay", recording, "--headless", "--scene", SCENE, "--json", summary,
+    subprocess.run([session.binaries / "tandem", "replay", recording, "--headless", "--scene", SCENE,
+                    "--json", summary,
                     "--forces", forces], check=True, timeout=60, stdout=subprocess.DEVNULL)
     with open(forces, newline="") as file:
-        rows = [(float(row["t"]), int(row["site"]), tuple(float(row[axis]) for axis in "xyz")) for row in csv.DictReader(file)]
+        rows = [(float(row["t"]), int(row["site"]), tuple(float(row[axis]) for axis in "xyz"))
+                for row in csv.DictReader(file)]
     return json.loads(summary.read_text()), rows
 
 
@@ -294,10 +322,12 @@ def mean_force(rows, site, begin, end):
 
 
 def test_shared_grasp(binaries, folder, figures):
-    """Two hold a part and pull against each other: both feel it. One lets go; then it shares again, and inherits the part."""
+    """Two hold a part and pull against each other: both feel it. One lets go; then it shares again, and
+    inherits the part."""
     with Session(binaries, folder, 2, WAN) as session:
         recording = folder / "ada.rec"
-        ada = session.join("ada", [grasp(1.0), move(2.2, [0.0, 0.12, 0.0], 0.75)], extra=("--record", recording))
+        ada = session.join("ada", [grasp(1.0), move(2.2, [0.0, 0.12, 0.0], 0.75)],
+                           extra=("--record", recording))
         session.wait_until_said(PEG, "granted", '"ada"')
         ben = session.join("ben", [grasp(3.0), move(5.0, [0.04, 0.0, 0.0], 0.5), release(8.0), grasp(10.0)])
         session.wait_until_said(PEG, '"ben"', "lets part")
@@ -308,12 +338,15 @@ def test_shared_grasp(binaries, folder, figures):
         results += session.leave(ben)
         check_ownership(*results)
         owners = [note["owner"] for note in results[1]["ownership"] if note["part"] == PEG]
-        check(owners == [results[0]["site"], results[1]["site"]], f"ada's, then ben's who shared it: {owners}")
-        check(not any(result["reconnects"] or result["fault"] for result in results), "connected, and no fault")
+        check(owners == [results[0]["site"], results[1]["site"]],
+              f"ada's, then ben's who shared it: {owners}")
+        check(not any(result["reconnects"] or result["fault"] for result in results),
+              "connected, and no fault")
 
         summary, rows = replayed(session, recording)
         shared = [(note["t"], note["sites"]) for note in summary["shared"] if note["part"] == PEG]
-        check([sites for _, sites in shared[:3]] == [[results[1]["site"]], [], [results[1]["site"]]], f"shared: {shared}")
+        check([sites for _, sites in shared[:3]] == [[results[1]["site"]], [], [results[1]["site"]]],
+              f"shared: {shared}")
         (begin, _), (end, _), _ = shared[:3]
         felt = {}
         for result, name in zip(results, ("ada", "ben")):
@@ -322,16 +355,19 @@ def test_shared_grasp(binaries, folder, figures):
                           "after": mean_force(rows, result["site"], end + 1.0, end + 1.5)}
         figures["shared_grasp_n"] = felt
         # Arms, couplings and link give way, one after the other: of 4 cm some 0.6 N are left.
-        check(felt["ada"]["pulled"] > 0.3 and felt["ben"]["pulled"] < -0.3, f"each is pulled to the other: {felt}")
+        check(felt["ada"]["pulled"] > 0.3 and felt["ben"]["pulled"] < -0.3,
+              f"each is pulled to the other: {felt}")
         for name in felt:
-            check(abs(felt[name]["before"]) < 0.1 and abs(felt[name]["after"]) < 0.1, f"and only while both pull: {felt}")
+            check(abs(felt[name]["before"]) < 0.1 and abs(felt[name]["after"]) < 0.1,
+                  f"and only while both pull: {felt}")
 
 
 TESTS = [test_relay, test_hand_over, test_without_datagrams, test_blackouts, test_shared_grasp]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--bin", required=True, type=pathlib.Path)
     parser.add_argument("--only")
     arguments = parser.parse_args()

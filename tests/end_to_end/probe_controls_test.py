@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""tandem probe presses the button of the control panel: the forces of its ticks must follow the button's profile.
+"""tandem probe presses the button of the control panel: the forces of its ticks must follow the button's
+profile.
 
     python3 tests/end_to_end/probe_controls_test.py --bin build/release/bin
 """
@@ -48,7 +49,8 @@ def main():
             path.write("t,x,y,z\n")
             for i in range(-lead, STEPS + 1):
                 path.write(f"{(i + lead) * 1e-3:.3f},-0.09,{TOP - 1e-6 * i:.9f},-0.04\n")
-        subprocess.run([binaries / "tandem", "probe", SCENE, "--path", folder / "path.csv", "--force-limit", "20",
+        subprocess.run([binaries / "tandem", "probe", SCENE, "--path", folder / "path.csv",
+                        "--force-limit", "20",
                         "--ticks", folder / "ticks.csv", "--json", folder / "probe.json"], check=True,
                        stdout=subprocess.DEVNULL)
         with open(folder / "ticks.csv") as ticks:
@@ -68,11 +70,13 @@ def main():
     expect(worst <= 0.025, "the force leaves the profile of the button")
     expect(drop >= 0.15, "there is no click")
     expect(parts == {"start"}, "the tool touched something else")
-    # Pressed to its stop at 2.5 mm, which is compared with the proxy: the cap stands where the tool rests on it.
+    # Pressed to its stop at 2.5 mm, which is compared with the proxy: the cap stands where the tool rests on
+    # it.
     gap = max(abs(TOP - float(row["py"]) - value) for row, value in zip(rows[20:], values[20:]))
     expect(0.0024 < max(values) < 0.0026 and gap <= 20e-6,
            f"the value of the button is not told: at most {max(values)}, {gap} from the proxy")
-    expect(known["unit"] == "m" and abs(known["last"] - values[-1]) <= 1e-11 and known["most"] >= max(values) - 1e-11,
+    expect(known["unit"] == "m" and abs(known["last"] - values[-1]) <= 1e-11
+           and known["most"] >= max(values) - 1e-11,
            f"the summary tells another value: {known}")
     expect(summary["allocations"] == 0, "ticks used the heap")
     return report()

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""tandem probe pushes a box onto a plate: contact log, impulse, work and swept poses against what a spring gives.
+"""tandem probe pushes a box onto a plate: contact log, impulse, work and swept poses against what a spring
+gives.
 
     python3 tests/end_to_end/probe_parts_test.py --bin build/release/bin
 """
@@ -22,7 +23,8 @@ BESIDE = 0.003  # m, from the box to the post
 def scene():
     """A box of 20 mm that stands GAP above a plate, and a post beside it; z is up."""
     corners = [(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]
-    faces = [0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6]
+    faces = [0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 2, 3, 0, 3, 1, 4,
+             5, 7, 4, 7, 6]
     parts = {"box": ((0.02, 0.02, 0.02), (0, 0, 0.01 + GAP)), "plate": ((0.06, 0.06, 0.01), (0, 0, -0.005)),
              "post, tall": ((0.01, 0.01, 0.05), (0.015 + BESIDE, 0, 0.025 + 0.0002))}
     data, views, accessors, meshes, nodes = b"", [], [], [], []
@@ -31,19 +33,22 @@ def scene():
         indices = b"".join(struct.pack("<I", f) for f in faces)
         for blob, kind, count, component in ((points, "VEC3", 8, 5126), (indices, "SCALAR", 36, 5125)):
             views.append({"buffer": 0, "byteOffset": len(data), "byteLength": len(blob)})
-            accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count, "type": kind})
+            accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count,
+                              "type": kind})
             data += blob
         meshes.append({"primitives": [{"attributes": {"POSITION": 2 * i}, "indices": 2 * i + 1}]})
         nodes.append({"name": name, "mesh": i, "translation": at})
     uri = "data:application/octet-stream;base64," + base64.b64encode(data).decode()
-    return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}], "nodes": nodes,
+    return json.dumps({"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1, 2]}],
+                       "nodes": nodes,
                        "meshes": meshes, "accessors": accessors, "bufferViews": views,
                        "buffers": [{"byteLength": len(data), "uri": uri}]})
 
 
 def probe(binaries, folder, *arguments):
     path = [] if "--path" in arguments else ["--path", folder / "path.csv"]
-    return subprocess.run([binaries / "tandem", "probe", folder / "scene.gltf", "--movable", "box", *path, *arguments],
+    return subprocess.run([binaries / "tandem", "probe", folder / "scene.gltf", "--movable", "box", *path,
+                           *arguments],
                           capture_output=True, text=True)
 
 
@@ -68,14 +73,17 @@ def check_contacts(folder, summary):
     with open(folder / "contacts.csv") as file:
         rows = list(csv.DictReader(file))
     expect({row["part"] for row in rows} == {"plate"}, "the log names another part")
-    expect(all(abs(float(row["nz"]) - 1) < 1e-6 and abs(float(row["pz"])) < 5e-6 for row in rows), "normals, places")
-    expect(near(sum(float(row["force"]) for row in rows) * 1e-3, plate["impulse_ns"], 1e-6), "log and sum differ")
+    expect(all(abs(float(row["nz"]) - 1) < 1e-6 and abs(float(row["pz"])) < 5e-6 for row in rows),
+           "normals, places")
+    expect(near(sum(float(row["force"]) for row in rows) * 1e-3, plate["impulse_ns"], 1e-6),
+           "log and sum differ")
 
 
 def check_swept(folder, summary):
     with open(folder / "swept.csv") as file:
         rows = list(csv.DictReader(file))
-    expect(len(rows) == summary["swept"]["poses"] and 5 <= len(rows) <= 7, f"{len(rows)} poses for 1 mm by 0.2 mm")
+    expect(len(rows) == summary["swept"]["poses"] and 5 <= len(rows) <= 7,
+           f"{len(rows)} poses for 1 mm by 0.2 mm")
     expect(abs(float(rows[0]["z"]) - 0.01 - GAP) < 1e-6, f"{rows[0]}")
     for before, row in zip(rows, rows[1:]):
         expect(0.0002 <= float(before["z"]) - float(row["z"]) < 0.00021, f"{row}")
@@ -116,8 +124,10 @@ def main():
             path.write("t,x,y,z\n")
             for i in range(steps + round(1000 * HOLD) + 1):
                 path.write(f"{i * 1e-3:.3f},0,0,{0.01 + GAP - SPEED * 1e-3 * min(i, steps):.9f}\n")
-        result = probe(binaries, folder, "--tool", "part:box", "--stiffness", str(STIFFNESS), "--damping", "0",
-                       "--contacts", folder / "contacts.csv", "--swept", folder / "swept.csv", "--swept-step", "0.0002",
+        result = probe(binaries, folder, "--tool", "part:box", "--stiffness", str(STIFFNESS), "--damping",
+                       "0",
+                       "--contacts", folder / "contacts.csv", "--swept", folder / "swept.csv",
+                       "--swept-step", "0.0002",
                        "--json", folder / "probe.json")
         expect(result.returncode == 0, result.stderr)
         expect("touched plate in" in result.stdout and "least clearance" in result.stdout, result.stdout)
@@ -128,7 +138,8 @@ def main():
         check_two_hands(binaries, folder)
         for option in ("--contacts", "--swept", "--second-path"):
             result = probe(binaries, folder, option, folder / "none.csv")
-            expect(result.returncode == 2 and " --tool part:NAME" in result.stderr, f"{option}: {result.stderr}")
+            expect(result.returncode == 2 and " --tool part:NAME" in result.stderr,
+                   f"{option}: {result.stderr}")
             expect(len(result.stderr.strip().splitlines()) == 1, result.stderr)
     return report()
 

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Runs `tandem report --quick` as a user would: one page that needs nothing else, its figures beside it, no allocation.
+"""Runs `tandem report --quick` as a user would: one page that needs nothing else, its figures beside it, no
+allocation.
 
     python3 tests/end_to_end/report_test.py --bin build/release/bin
 """
@@ -46,7 +47,8 @@ def main():
     binaries = binaries_of_command_line()
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        command = [binaries / "tandem", "report", "--quick", "--out", folder / "r.html", "--json", folder / "r.json"]
+        command = [binaries / "tandem", "report", "--quick", "--out", folder / "r.html", "--json",
+                   folder / "r.json"]
         run = subprocess.run(command, capture_output=True, text=True, timeout=250)
         assert run.returncode == 0, run.stderr
         figures = json.loads((folder / "r.json").read_text())
@@ -70,7 +72,8 @@ def main():
         held = {e["id"]: {s["id"]: s for s in e["settings"]} for e in figures["held"]}
         assert set(held) == {"held-peg", "held-slide", "held-plates", "held-inside"}, held.keys()
         for case, settings in held.items():
-            assert {"tandem", "field-1-samples-4", "field-4-samples-1", "unrefined", "steps-1", "looks-30"} <= \
+            assert {"tandem", "field-1-samples-4", "field-4-samples-1", "unrefined", "steps-1",
+                    "looks-30"} <= \
                 set(settings), (case, settings.keys())
             assert ("fcl" in settings) == beside, (case, settings.keys())
             assert settings["tandem"]["penetration_m"]["max"] < 20e-6, (case, settings["tandem"])
@@ -79,15 +82,18 @@ def main():
             assert f"<h3>{next(e['title'] for e in figures['held'] if e['id'] == case)}" in text, case
         links = {e["id"]: {s["id"]: s for s in e["settings"]} for e in figures["links"]}
         assert set(links) == {"link-25ms", "link-100ms"}, links.keys()
-        for case, (stiffness, apart, load) in {"link-25ms": (217, 2e-3, 1.2), "link-100ms": (66, 10e-3, 1.5)}.items():
+        for case, (stiffness, apart, load) in {"link-25ms": (217, 2e-3, 1.2),
+                                               "link-100ms": (66, 10e-3, 1.5)}.items():
             used = links[case]["link"]
             assert used["stable"] and used["created_j"] <= 1e-3, (case, used)
             assert used["hand_to_hand_n_m"] >= stiffness and used["wall_n_m"] >= 830, (case, used)
             assert used["apart_m"]["rms"] <= apart and used["leader_force_ratio"] <= load, (case, used)
-            assert {"no-network", "plain-400", "plain-best", "tank-best"} <= set(links[case]), (case, links[case].keys())
+            assert {"no-network", "plain-400", "plain-best",
+                    "tank-best"} <= set(links[case]), (case, links[case].keys())
         assert not links["link-100ms"]["plain-400"]["stable"], links["link-100ms"]["plain-400"]
         assert "<h2>Across the network" in text and 'class="unstable"' in text
-        failing = subprocess.run([*command, "--scenes", "plane", "--peers", "/bin/false"], capture_output=True, text=True, timeout=250)
+        failing = subprocess.run([*command, "--scenes", "plane", "--peers", "/bin/false"],
+                                 capture_output=True, text=True, timeout=250)
         assert failing.returncode == 1 and "/bin/false" in failing.stderr, failing.stderr
     print(f"{len(experiments)} experiments, {page.count['svg']} plots")
 

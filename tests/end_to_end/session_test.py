@@ -62,7 +62,8 @@ class Server:
         self.err_path = self.folder / f"server{self.starts}.err"
         self.process = subprocess.Popen(
             [self.binaries / "tandem-server", SCENE, "--listen", f"127.0.0.1:{self.port}", "--data",
-             self.folder / "data", "--invite", "participant=6", "--invite", "observer=1", "--invite", "instructor=1",
+             self.folder / "data", "--invite", "participant=6", "--invite", "observer=1", "--invite",
+             "instructor=1",
              *self.extra],
             stdout=open(self.out_path, "w"), stderr=open(self.err_path, "w"))
         wait_for(lambda: self.dead() or len(self.links("participant")) >= 6, "the server prints its links")
@@ -114,8 +115,9 @@ def with_own_cache():
 
 
 def made_ready(binaries, cache):
-    """Puts what contact of the scene's parts needs into a site's cache: its hand begins when that is ready, and the scripts
-    of several sites are to begin together. False on a machine (or under a sanitizer) that takes too long for it."""
+    """Puts what contact of the scene's parts needs into a site's cache: its hand begins when that is ready,
+    and the scripts of several sites are to begin together. False on a machine (or under a sanitizer) that
+    takes too long for it."""
     kept = pathlib.Path(os.environ["XDG_CACHE_HOME"]) / ("models-" + SCENE.stem)
     if not kept.exists():
         kept.mkdir()
@@ -191,7 +193,8 @@ def poses_of(path, part, owned):
 
 
 def follower_errors(owner_rows, follower_rows):
-    """Distance between follower and owner at the same session time, the play-out delay taken out; m, and owner speed."""
+    """Distance between follower and owner at the same session time, the play-out delay taken out; m, and
+    owner speed."""
     times = [t for t, _ in owner_rows]
     errors = []
     for t, p in follower_rows:
@@ -227,11 +230,13 @@ def test_contend(binaries, folder, figures):
         late = [answer for answer in answers if answer != "granted"]
         check(len(answers) - len(late) == 1 and late in ([], ["somebody else holds it"]) and
               server.count(PEG, "is engaged") == 1, f"one owns it, one shares it: {answers}")
-        check(server.count(PEG, "released by", "now with") <= 1 and server.said(PEG, "released by"), "nobody has it in the end")
+        check(server.count(PEG, "released by", "now with") <= 1 and server.said(PEG, "released by"),
+              "nobody has it in the end")
         for site, result in zip((a, b), results):
             check(("held_without_contact" in result["flags_seen"]) == (not site.collides),
                   f"what {site.name} holds collides, unless told not to: {result['flags_seen']}")
-        check(distance(results[0]["poses"][PEG], results[1]["poses"][PEG]) < 1e-5, "both end with the same pose")
+        check(distance(results[0]["poses"][PEG], results[1]["poses"][PEG]) < 1e-5,
+              "both end with the same pose")
     finally:
         server.stop()
 
@@ -249,25 +254,29 @@ def test_follow(binaries, folder, figures):
         results = [owner.result(), follower.leave()]
         figures["grab_wait_ms"] = [grab["wait_ms"] for grab in results[0]["grabs"]]
         figures["round_trip_ms"] = [r["round_trip_ms"] for r in results]
-        errors = follower_errors(poses_of(folder / "ada.csv", PEG, True), poses_of(folder / "ben.csv", PEG, False))
+        errors = follower_errors(poses_of(folder / "ada.csv", PEG, True),
+                                 poses_of(folder / "ben.csv", PEG, False))
         moving = [e for e, speed in errors if speed > 0.05]
         check(len(moving) > 200, f"the follower saw the part move ({len(moving)} poses)")
         figures["follower_error_mm"] = {"max": 1e3 * max(moving), "mean": 1e3 * sum(moving) / len(moving),
                                         "peak_speed_m_s": max(speed for _, speed in errors)}
         check(max(speed for _, speed in errors) > 0.4, "the part moved at about 0.5 m/s")
-        # The bound for every pose is held on virtual time (tests/sync/replica/play_out_test.cpp). Here a process that the
-        # machine puts to sleep in the middle of a motion shows for a moment: the tail is printed, the median judged.
+        # The bound for every pose is held on virtual time (tests/sync/replica/play_out_test.cpp). Here a
+        # process that the machine puts to sleep in the middle of a motion shows for a moment: the tail is
+        # printed, the median judged.
         moving.sort()
         median, p95 = moving[len(moving) // 2], moving[int(0.95 * len(moving))]
         figures["follower_error_mm"].update(median=1e3 * median, p95=1e3 * p95)
         check(median < 1e-3, f"the follower is within 1 mm of the owner (median {1e3 * median:.3f} mm)")
-        check(distance(results[0]["poses"][PEG], results[1]["poses"][PEG]) < 1e-5, "both end with the same pose")
+        check(distance(results[0]["poses"][PEG], results[1]["poses"][PEG]) < 1e-5,
+              "both end with the same pose")
     finally:
         server.stop()
 
 
 def test_server_killed(binaries, folder, figures):
-    """kill -9 of the server while a part is held: with the same data it goes on, the holder keeps its part."""
+    """kill -9 of the server while a part is held: with the same data it goes on, the holder keeps its
+    part."""
     server = Server(binaries, folder)
     try:
         script = [grasp(1.0), move(2.0, [0.0, 0.10, 0.0], 1.0), move(6.0, [0.05, 0.0, 0.0], 1.0),
@@ -289,7 +298,8 @@ def test_server_killed(binaries, folder, figures):
             check(results[name]["reconnects"] >= 1, f"{name} came back")
         epochs = [note["epoch"] for note in results["ada"]["ownership"] if note["part"] == PEG]
         check(epochs == sorted(epochs), f"epochs only grow: {epochs}")
-        owners = [note["owner"] for note in results["ada"]["ownership"] if note["part"] == PEG and note["owner"]]
+        owners = [note["owner"] for note in results["ada"]["ownership"] if note["part"] == PEG
+                  and note["owner"]]
         check(set(owners) == {results["ada"]["site"]}, f"nobody else ever owned it: {owners}")
         start = results["ada"]["poses"][PEG]
         for name in ("eve", "late"):
@@ -301,11 +311,13 @@ def test_server_killed(binaries, folder, figures):
 
 
 def test_two_hands(binaries, folder, figures):
-    """One person with two hands at a part: asked for once, lifted by both, kept by the second when the first lets go."""
+    """One person with two hands at a part: asked for once, lifted by both, kept by the second when the first
+    lets go."""
     server = Server(binaries, folder)
     try:
         second = folder / "second.json"
-        second.write_text(json.dumps([grasp(1.4), move(2.4, [0.0, 0.05, 0.0], 0.6), move(4.2, [0.0, 0.03, 0.0], 0.4)]))
+        second.write_text(json.dumps([grasp(1.4), move(2.4, [0.0, 0.05, 0.0], 0.6),
+                                      move(4.2, [0.0, 0.03, 0.0], 0.4)]))
         a = Site(binaries, folder, server.link("participant"), "ada",
                  [grasp(0.8), move(2.4, [0.0, 0.05, 0.0], 0.6), {"t": 3.4, "do": "release"}], 5.5,
                  extra=("--no-part-contact", "--second-hand", second))
@@ -324,7 +336,8 @@ def test_owner_killed(binaries, folder, figures):
     """kill -9 of the owner: the part stays where it was last seen; after the lease somebody else takes it."""
     server = Server(binaries, folder)
     try:
-        a = Site(binaries, folder, server.link("participant"), "ada", [grasp(0.8), move(1.5, [0.0, 0.1, 0.0], 0.8)], 60)
+        a = Site(binaries, folder, server.link("participant"), "ada",
+                 [grasp(0.8), move(1.5, [0.0, 0.1, 0.0], 0.8)], 60)
         server.wait_until_said(PEG, "granted", '"ada"')
         # Its hand begins no earlier than now: its grasp comes when the lease of whom is killed below is over.
         b = Site(binaries, folder, server.link("participant"), "ben",
@@ -336,7 +349,8 @@ def test_owner_killed(binaries, folder, figures):
         result = b.result()
         notes = [n for n in result["ownership"] if n["part"] == PEG]
         check(any(n["owner"] == 0 for n in notes), "the dead site's part was freed")
-        check(any(g["answer"] == "granted" for g in result["grabs"]), f"and taken by the other: {result['grabs']}")
+        check(any(g["answer"] == "granted" for g in result["grabs"]),
+              f"and taken by the other: {result['grabs']}")
         check("held_without_contact" in result["flags_seen"], "who does without contact is told so")
         check(result["poses"][PEG][1] > 0.12, f"from where it was last seen: {result['poses'][PEG]}")
     finally:
@@ -364,27 +378,33 @@ def test_refusals(binaries, folder, figures):
         altered = server.link("participant")
         head, token = altered.split("token=")
         middle = len(token.split("&")[0]) // 2
-        altered = head + "token=" + token[:middle] + ("A" if token[middle] != "A" else "B") + token[middle + 1:]
+        altered = head + "token=" + token[:middle] + ("A" if token[middle] != "A"
+                                                      else "B") + token[middle + 1:]
         run_once([*join, altered, *options], 2, "an altered token", ["credential", "sign", "token"])
         pin = server.link("participant")
         pin = pin[:-1] + ("0" if pin[-1] != "0" else "1")
         run_once([*join, pin, *options], 2, "a wrong pin", ["key"])
-        run_once([*join, "tandem://127.0.0.1:1/participant?token=x&pin=" + "0" * 64, *options], 2, "no server",
+        run_once([*join, "tandem://127.0.0.1:1/participant?token=x&pin=" + "0" * 64, *options], 2,
+                 "no server",
                  ["127.0.0.1:1"])
         run_once([*join, "http://example.org", *options], 2, "no link at all", ["link"])
-        run_once([binaries / "tandem-server", folder / "missing.glb", "--data", folder / "other"], 2, "no scene",
+        run_once([binaries / "tandem-server", folder / "missing.glb", "--data", folder / "other"], 2,
+                 "no scene",
                  ["missing.glb"])
     finally:
         server.stop()
 
 
 def test_scene_transfer(binaries, folder, figures):
-    """A broken-off transfer goes on where it ended; a damaged beginning is refused once, then fetched anew."""
+    """A broken-off transfer goes on where it ended; a damaged beginning is refused once, then fetched
+    anew."""
     server = Server(binaries, folder)
     try:
         def join():
-            return subprocess.run([binaries / "tandem", "join", server.link("participant"), "--headless", "--quiet",
-                                   "--duration", "0.3", "--cache", folder / "cache"], stderr=subprocess.PIPE, text=True,
+            return subprocess.run([binaries / "tandem", "join", server.link("participant"), "--headless",
+                                   "--quiet",
+                                   "--duration", "0.3", "--cache", folder / "cache"],
+                                  stderr=subprocess.PIPE, text=True,
                                   timeout=30)
 
         check(join().returncode == 0, "the first visit fetches the scene")
@@ -398,7 +418,8 @@ def test_scene_transfer(binaries, folder, figures):
         whole.unlink()
         part.write_bytes(bytes(len(package) // 2))
         damaged = join()
-        check(damaged.returncode == 2 and "damaged" in damaged.stderr, f"a damaged beginning is found: {damaged.stderr}")
+        check(damaged.returncode == 2 and "damaged" in damaged.stderr,
+              f"a damaged beginning is found: {damaged.stderr}")
         check(join().returncode == 0 and whole.read_bytes() == package, "and fetched anew")
     finally:
         server.stop()
@@ -413,7 +434,8 @@ def test_fault_signal(binaries, folder, figures):
         time.sleep(1.0)
         site.process.send_signal(signal.SIGUSR1)
         result = site.result()
-        check(result["end"] == "done" and result["fault_clears"] == 1, f"one signal, heard: {result['fault_clears']}")
+        check(result["end"] == "done" and result["fault_clears"] == 1,
+              f"one signal, heard: {result['fault_clears']}")
         check(result["fault"] is None, "no fault is left")
     finally:
         server.stop()
@@ -429,7 +451,8 @@ def soak(binaries, folder, seconds):
         while time.monotonic() < end:
             rounds += 1
             sites = [Site(binaries, folder, server.link("participant"), f"s{i}",
-                          [grasp(0.5 + 0.2 * i, part), move(1.5, [0.0, 0.05, 0.0], 0.5), {"t": 2.5, "do": "release"}], 5)
+                          [grasp(0.5 + 0.2 * i, part), move(1.5, [0.0, 0.05, 0.0], 0.5),
+                           {"t": 2.5, "do": "release"}], 5)
                      for i, part in enumerate([PEG, PEG, "peg_0.1"])]
             time.sleep(2.0)
             victim = random.randrange(4)

@@ -1,9 +1,9 @@
 """Judges no run during which the machine stood still.
 
-A virtual machine may be put to sleep for a tenth of a second at any moment. A hand's loop that sleeps takes its force away
-and finds its tool elsewhere, a script goes on meanwhile: what such a run shows is that nothing breaks, not that a part was
-moved as far as it should have been. A run that fails is judged again if the machine stood still during it, and counts as
-failed at once if it did not.
+A virtual machine may be put to sleep for a tenth of a second at any moment. A hand's loop that sleeps takes
+its force away and finds its tool elsewhere, a script goes on meanwhile: what such a run shows is that nothing
+breaks, not that a part was moved as far as it should have been. A run that fails is judged again if the
+machine stood still during it, and counts as failed at once if it did not.
 """
 import threading
 import time
@@ -56,7 +56,8 @@ class Steady:
             except failures as failure:
                 if attempt + 1 == ATTEMPTS or self.pulse.missed + self.stalls == 0:
                     raise
-                print(f"again, for the machine stood still ({self.pulse.missed} times here, {self.stalls} in hands): "
+                print(f"again, for the machine stood still ({self.pulse.missed} times here, "
+                      f"{self.stalls} in hands): "
                       f"{failure}")
 
 

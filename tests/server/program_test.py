@@ -30,7 +30,8 @@ class Server:
     def __init__(self, program, folder, *options):
         folder.mkdir()
         self.out, self.err = folder / "out", folder / "err"
-        # restore_signals=False: Python ignores SIGXFSZ, and so shall the server, so that a write fails instead.
+        # restore_signals=False: Python ignores SIGXFSZ, and so shall the server, so that a write fails
+        # instead.
         self.process = subprocess.Popen(
             [program, SCENE, "--listen", "127.0.0.1:0", "--data", folder / "data", *options],
             stdout=open(self.out, "w"), stderr=open(self.err, "w"), restore_signals=False)
@@ -39,7 +40,8 @@ class Server:
         return [line.split()[1] for line in self.out.read_text().splitlines() if line.startswith(role + " ")]
 
     def started(self):
-        wait_for(lambda: self.process.poll() is not None or len(self.links("observer")) > 0, "links are printed")
+        wait_for(lambda: self.process.poll() is not None or len(self.links("observer")) > 0,
+                 "links are printed")
         assert self.process.poll() is None, self.err.read_text()
 
     def stop(self):

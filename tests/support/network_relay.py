@@ -1,25 +1,29 @@
 #!/usr/bin/env python3
-"""Stands between sites and their server on this machine and makes a worse network of it: TCP and UDP on a port a site.
+"""Stands between sites and their server on this machine and makes a worse network of it: TCP and UDP on a
+port a site.
 
     python3 tests/support/network_relay.py --server 127.0.0.1:7480 --sites 2 \
         --network '{"one_way_ms": 25, "jitter": 0.2, "loss": 0.02}'
 
-A site joins by the server's link with the relay's port in it. The conditions are those of `tandem simulate`: site to site,
-so each leg, between a site and the server, gets half of the delay and its share of what is lost.
+A site joins by the server's link with the relay's port in it. The conditions are those of `tandem simulate`:
+site to site, so each leg, between a site and the server, gets half of the delay and its share of what is
+lost.
 
   one_way_ms              delay site to site
   jitter                  share of the delay, uniform, plus and minus
   loss, duplicate         probability a datagram on the whole way
   reorder                 probability that a datagram is held back by one more delay, 1 ms at least
-  blackouts               [{"at": 5, "for_s": 0.2, "site": 1, "burst": true}, ..]: what would arrive meanwhile is lost, or with
-                          `burst` comes at once in the end; without `site` (from 0) that of all
+  blackouts               [{"at": 5, "for_s": 0.2, "site": 1, "burst": true}, ..]: what would arrive
+                          meanwhile is lost, or with `burst` comes at once in the end; without `site`
+                          (from 0) that of all
   steps                   [{"at": 5, "one_way_ms": 250}, ..]: any of the upper four, from then on
-TCP loses nothing and keeps its order; it is delayed as datagrams are, and waits for the end of a blackout. Times count
-from the relay's start in s.
+TCP loses nothing and keeps its order; it is delayed as datagrams are, and waits for the end of a blackout.
+Times count from the relay's start in s.
 
-Prints one line of JSON when it listens, {"ports": [..]}, and another in the end: counts a site and way, and by how much it
-was late itself. It ends after --duration or, with --orders, with its standard input, each line of which is an object as in
-`steps`, as in `blackouts` ({"blackout": {"for_s": 1}}; 0 ends one), without `at`, or {"report": true}, for the counts so far.
+Prints one line of JSON when it listens, {"ports": [..]}, and another in the end: counts a site and way, and
+by how much it was late itself. It ends after --duration or, with --orders, with its standard input, each line
+of which is an object as in `steps`, as in `blackouts` ({"blackout": {"for_s": 1}}; 0 ends one), without `at`,
+or {"report": true}, for the counts so far.
 """
 import argparse
 import array
@@ -50,7 +54,8 @@ def of_a_leg(probability):
 
 
 class Leg:
-    """One way between a site and the server: what happens to each datagram. The same seed, the same fates in order."""
+    """One way between a site and the server: what happens to each datagram. The same seed, the same fates in
+    order."""
 
     def __init__(self, conditions, seed):
         self.conditions = conditions
@@ -72,7 +77,8 @@ class Leg:
         """When a datagram that came at `now` is passed on: never, once or twice."""
         self.counts["datagrams"] += 1
         lost, twice = self.chance("loss"), self.chance("duplicate")
-        delays = [self.delay() + (max(self.delay(), 1e-3) if self.chance("reorder") else 0.0) for _ in range(1 + twice)]
+        delays = [self.delay() + (max(self.delay(), 1e-3) if self.chance("reorder") else 0.0)
+                  for _ in range(1 + twice)]
         if lost:
             self.counts["lost"] += 1
             return []
@@ -187,7 +193,8 @@ class Stream:
                 self.under_way.appendleft((due, data[sent:]))
                 self.relay.watch_writable(self.sink, self.write)
                 break
-        if self.size <= MOST_UNDER_WAY and not (self.under_way and not self.under_way[-1][1]) and not self.ended:
+        if self.size <= MOST_UNDER_WAY and not (self.under_way
+                                                and not self.under_way[-1][1]) and not self.ended:
             self.relay.watch(self.source, self.read)
 
 
@@ -234,7 +241,8 @@ def datagram_socket():
 
 
 def received(source):
-    """(bytes, when the kernel had them, from where) of what has come: a relay that slept adds no delay to a longer one."""
+    """(bytes, when the kernel had them, from where) of what has come: a relay that slept adds no delay to a
+    longer one."""
     for _ in range(DATAGRAMS_A_ROUND):
         try:
             data, ancillary, _, address = source.recvmsg(2048, 64)
@@ -361,21 +369,25 @@ def run(relay, network, duration, orders):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--server", required=True, help="HOST:PORT of tandem-server, IPv4")
     parser.add_argument("--sites", type=int, default=2)
     parser.add_argument("--network", type=json.loads, default={}, help="conditions, JSON")
     parser.add_argument("--seed", default="1")
     parser.add_argument("--duration", type=float, default=600.0, help="s")
-    parser.add_argument("--orders", action="store_true", help="take changes from standard input, and end with it")
+    parser.add_argument("--orders", action="store_true",
+                        help="take changes from standard input, and end with it")
     arguments = parser.parse_args()
     host, _, port = arguments.server.rpartition(":")
     gc.disable()
     try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))  # a network is not held up by what machines do
+        # A network is not held up by what machines do.
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(10))
     except PermissionError:
         pass
-    conditions = {name: value for name, value in arguments.network.items() if name not in ("steps", "blackouts")}
+    conditions = {name: value for name,
+                  value in arguments.network.items() if name not in ("steps", "blackouts")}
     relay = Relay((host, int(port)), arguments.sites, conditions, arguments.seed)
     print(json.dumps({"ports": relay.ports}), flush=True)
     try:

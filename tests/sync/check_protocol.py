@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Searches ownership.pml with spin: no assertion may fail as it stands, its own one must with each of its mutations.
+"""Searches ownership.pml with spin: no assertion may fail as it stands, its own one must with each of its
+mutations.
 
-Exhaustive, breadth first, so that what is found is a shortest history: three sites and one part, 11 events in any order;
-two parts, 9 events; every mutation within that. Sampled: two parts and up to 200 events, depth first in orders that seeds
-choose, until a table of 2^23 bits is full; one mutation must be noticed in that way too. Nothing depends on time. About two
-minutes and 2 GB; needs Debian's package spin.
+Exhaustive, breadth first, so that what is found is a shortest history: three sites and one part, 11 events in
+any order; two parts, 9 events; every mutation within that. Sampled: two parts and up to 200 events, depth
+first in orders that seeds choose, until a table of 2^23 bits is full; one mutation must be noticed in that
+way too. Nothing depends on time. About two minutes and 2 GB; needs Debian's package spin.
 """
 import dataclasses
 import os
@@ -27,7 +28,8 @@ class Mutation:
 
 
 MUTATIONS = [Mutation("EPOCH_IN_MEMORY", "highest"), Mutation("NO_EPOCH_CHECK", "shown"),
-             Mutation("EARLY_REGRANT", "ended"), Mutation("NO_RECLAIM", "ended"), Mutation("NO_HEIR", "engaged"),
+             Mutation("EARLY_REGRANT", "ended"), Mutation("NO_RECLAIM", "ended"),
+             Mutation("NO_HEIR", "engaged"),
              Mutation("NO_RECOVERY", "recovering", parts=2)]
 
 
