@@ -8,7 +8,7 @@ namespace tandem::client {
 
 namespace {
 
-constexpr int kDeepest = 32;  // a scenario needs 5
+constexpr int kMaxDepth = 32;  // a scenario needs 5
 constexpr std::uintmax_t kLargestFile = 64u << 20;
 
 }  // namespace
@@ -28,8 +28,8 @@ Result<std::string> readTextFile(const std::string& path) {
 }
 
 Result<Json> parseJson(const std::string& text, const std::string& source) {
-  if (Json::nesting(text) > kDeepest)
-    return Error{source + ": JSON nested deeper than " + std::to_string(kDeepest) + " levels"};
+  if (Json::nesting(text) > kMaxDepth)
+    return Error{source + ": JSON nested deeper than " + std::to_string(kMaxDepth) + " levels"};
   Result<Json> parsed = Json::parse(text);
   if (!parsed) return Error{source + ": not JSON: " + parsed.error().message};
   return parsed;

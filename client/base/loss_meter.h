@@ -1,6 +1,6 @@
 #pragma once
 
-// What share of the datagrams on a way was lost, since both of its ends listen.
+// The share of datagrams in one direction that was lost since both ends listen.
 
 #include <algorithm>
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace tandem::client {
 
-/// Fed with two counts that only grow: what was sent and, of that, what has arrived. What was sent before the
-/// first arrival is no loss: the other end did not listen yet.
+/// Observes two counts that only grow: datagrams sent, and those of them that have arrived. Datagrams sent
+/// before the first arrival count as no loss, because the other end did not listen yet.
 class LossMeter {
  public:
   void observe(std::uint64_t sent, std::uint64_t arrived) {

@@ -36,13 +36,13 @@ std::string readableBytes(std::size_t bytes) {
 
 std::string tieInWords(const haptics::TieReport& tie) {
   if (tie.links == 0) return "";
-  char way[32];
-  std::snprintf(way, sizeof way, " (%.0f ms)", 1e3 * tie.delay);
+  char delay[32];
+  std::snprintf(delay, sizeof delay, " (%.0f ms)", 1e3 * tie.delay);
   if (tie.regime == haptics::LinkRegime::apart)
-    return std::string("one at a time: too far away to be felt") + way;
+    return std::string("one at a time: too far away to be felt") + delay;
   if (!tie.heard) return "nothing is heard of the other hand";
   if (tie.fade < 0.99) return "coming up";
-  return (tie.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(way);
+  return (tie.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(delay);
 }
 
 }  // namespace tandem::client

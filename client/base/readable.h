@@ -9,7 +9,7 @@
 
 namespace tandem::client {
 
-/// Three significant digits, all of a number's whole ones; "<0.001" for less than that.
+/// Three significant digits, more where the whole part has more; "<0.001" for less than that.
 std::string threeDigits(double value);
 
 /// A length in m, as "1.31 mm" or "0.4 um".
@@ -21,7 +21,8 @@ std::string readableMass(double mass);
 /// "512 B", "1.21 kB", "3.4 MB".
 std::string readableBytes(std::size_t bytes);
 
-/// How the other hands on the held part are felt, and by how long a way: "stiff (27 ms)"; empty if nobody shares it.
+/// How stiffly the hands of co-holders are felt, and at which delay: "stiff (27 ms)"; empty if nobody shares
+/// the part.
 std::string tieInWords(const haptics::TieReport& tie);
 
 }  // namespace tandem::client

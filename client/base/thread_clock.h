@@ -1,6 +1,6 @@
 #pragma once
 
-// The processor time of the calling thread: what a tick costs, whatever else the machine does meanwhile.
+// The processor time of the calling thread: the cost of a tick, whatever else the machine does meanwhile.
 
 namespace tandem::client {
 

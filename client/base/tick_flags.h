@@ -1,6 +1,6 @@
 #pragma once
 
-// The names of what a tick may have to say, for reports.
+// The names of the flags of a tick, for reports.
 
 #include <cstdint>
 #include <span>

@@ -1,6 +1,6 @@
 #pragma once
 
-// What was sent or received, by cause, as the reports write it.
+// Datagrams sent or received, by cause, as reports write them.
 
 #include "assets/base/json.h"
 #include "sync/wire/traffic.h"

@@ -31,8 +31,8 @@ struct Arguments {
 
 /// The coupling to a held part on a device.
 struct GraspFit {
-  haptics::CouplingGains most, used;
-  bool kept = false;  // the defaults are within what is stable
+  haptics::CouplingGains stiffest, used;
+  bool kept = false;  // the defaults are stable
 };
 
 GraspFit fitGrasp(const haptics::DeviceLimits& limits, double delay) {
@@ -46,12 +46,12 @@ GraspFit fitGrasp(const haptics::DeviceLimits& limits, double delay) {
               fitted.graspRotDamping == defaults.graspRotDamping};
 }
 
-/// How a part is modelled for the stylus, and what that costs.
+/// The model of a part for the stylus, and its cost.
 struct StylusModel {
   std::string name, model;
   std::size_t triangles = 0, bytes = 0;
-  double error = 0.0;        // m, PartStroke::error: tessellation of the file's own surfaces is not in it
-  std::size_t touching = 0;  // ticks of which that is the most; 0: nothing can touch the part
+  double error = 0.0;  // m, PartStroke::error: without the tessellation error of the file's own surfaces
+  std::size_t touching = 0;  // ticks over which `error` is the maximum; 0: nothing can touch the part
   double cost_us_p50 = 0.0, cost_us_p99 = 0.0;
   bool movable = false;
   double mass = 0.0;
@@ -119,9 +119,9 @@ Json featureJson(const Feature& feature, const char* name, const char* kind) {
 
 void printGrasp(const DeviceClass& device, const Arguments& arguments) {
   const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
-  std::printf("stiffest stable grasp: %.0f N/m", fit.most.stiffness);
-  if (fit.most.rotStiffness > 0.0)
-    std::printf(" and %.3g N*m/rad (damping %.2g N*m*s/rad)", fit.most.rotStiffness,
+  std::printf("stiffest stable grasp: %.0f N/m", fit.stiffest.stiffness);
+  if (fit.stiffest.rotStiffness > 0.0)
+    std::printf(" and %.3g N*m/rad (damping %.2g N*m*s/rad)", fit.stiffest.rotStiffness,
                 device.limits.rotDamping);
   else
     std::printf("; the device drives no torque, so turning has no limit of its own");
@@ -131,9 +131,9 @@ void printGrasp(const DeviceClass& device, const Arguments& arguments) {
 
 Json graspJson(const DeviceClass& device, const Arguments& arguments) {
   const GraspFit fit = fitGrasp(device.limits, arguments.delay_ms * 1e-3);
-  const bool turns = fit.most.rotStiffness > 0.0;
-  return {{"stiffest_n_per_m", fit.most.stiffness},
-          {"stiffest_n_m_per_rad", turns ? Json(fit.most.rotStiffness) : nullptr},
+  const bool turns = fit.stiffest.rotStiffness > 0.0;
+  return {{"stiffest_n_per_m", fit.stiffest.stiffness},
+          {"stiffest_n_m_per_rad", turns ? Json(fit.stiffest.rotStiffness) : nullptr},
           {"used_n_per_m", fit.used.stiffness},
           {"used_n_m_per_rad", fit.used.rotStiffness},
           {"defaults_kept", fit.kept}};
@@ -198,7 +198,7 @@ void printFeatures(const char* what, const std::vector<Feature>& features) {
   for (const Feature& feature : features) std::printf("%s %s\n", what, inOneLine(feature).c_str());
 }
 
-/// One line for each kind of remark, with the first that it is true of.
+/// Prints one line for each kind of remark, with the first feature that has it.
 void printRemarks(const char* what, const std::vector<Feature>& features) {
   for (const RemarkGroup& group : groupRemarks(features)) {
     std::string where = group.example;
@@ -245,7 +245,7 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
   printGrasp(device, arguments);
 }
 
-/// Without --models only what is there already.
+/// Makes the contact models; without --models only those in the cache.
 void makeModels(haptics::ContactScene& contact, const Arguments& arguments) {
   if (arguments.models) {
     modelParts(contact, arguments.scene.noCache);
@@ -263,7 +263,7 @@ int run(const Arguments& arguments) {
     return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
   Result<assets::Scene> scene = loadScene(arguments.scene);
   if (!scene) return badInput(scene.error());
-  if (arguments.clashes.asked()) return runClashes(*scene, arguments.clashes);
+  if (arguments.clashes.requested()) return runClashes(*scene, arguments.clashes);
   for (assets::Finding& finding : assets::fitFindings(*scene)) scene->findings.push_back(std::move(finding));
   haptics::ContactScene contact(*scene);
   makeModels(contact, arguments);

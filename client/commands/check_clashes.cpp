@@ -43,7 +43,7 @@ Json toJson(const assets::Scene& scene, const Clash& clash) {
           {"may_collide", clash.mayCollide}};
 }
 
-/// Whether nothing but the facets of curved surfaces may overlap.
+/// Whether the facets of curved surfaces alone may explain an overlap.
 bool withinFacets(const Clash& clash) {
   return clash.kind == ClashKind::hard && clash.depth <= clash.facetSag;
 }
@@ -137,7 +137,7 @@ void print(const assets::Scene& scene, const Clash& clash) {
   if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
 }
 
-/// The two parts of --distance, or what is wrong with them.
+/// The two parts that --distance names.
 Result<std::pair<PartId, PartId>> namedPair(const assets::Scene& scene,
                                             const std::vector<std::string>& names) {
   PartId parts[2];

@@ -1,6 +1,6 @@
 #pragma once
 
-// `tandem check --clash` and `--distance`: how parts stand to each other.
+// `tandem check --clash` and `--distance`: overlaps, touches and distances of parts.
 
 #include <string>
 #include <vector>
@@ -16,10 +16,10 @@ struct ClashArguments {
   std::vector<std::string> distance;  // --distance: two names, or none
   bool json = false;
 
-  bool asked() const { return all || !distance.empty(); }
+  bool requested() const { return all || !distance.empty(); }
 };
 
-/// Prints what was asked; returns the exit code.
+/// Prints the clashes and the distance that the arguments request; returns the exit code.
 int runClashes(const assets::Scene& scene, const ClashArguments& arguments);
 
 }  // namespace tandem::client

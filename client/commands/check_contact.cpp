@@ -28,7 +28,7 @@ const char* nameOf(haptics::PartTolerance::From from) {
   return "default";
 }
 
-/// Where a tolerance comes from, for a person.
+/// The origin of a tolerance in words.
 std::string originOf(const assets::Scene& scene, const ContactModel& m) {
   std::string text = nameOf(m.toleranceFrom);
   if (m.clearanceTo != kNoPart)
@@ -42,7 +42,7 @@ std::size_t missing(const std::vector<ContactModel>& models) {
       std::count_if(models.begin(), models.end(), [](const ContactModel& m) { return !m.made; }));
 }
 
-/// The rest of a line of the table.
+/// Prints the columns of a model after its name and role.
 void printModel(const assets::Scene& scene, const ContactModel& m) {
   std::printf("%-17s %9s %10s%c %9s %8zu %9s ", m.byFormula ? "exact, by formula" : "field",
               readableLength(m.tolerance).c_str(), readableLength(m.fieldError).c_str(),
@@ -59,7 +59,7 @@ void printModel(const assets::Scene& scene, const ContactModel& m) {
   std::printf("%9s %-14s %.90s\n", readableBytes(m.bytes).c_str(), made, originOf(scene, m).c_str());
 }
 
-/// Parts that take more than a tick of a running site has.
+/// Remarks on held parts whose predicted tick takes more than a tick's period.
 void printCostly(const assets::Scene& scene, const std::vector<ContactModel>& models) {
   constexpr double kTick = 1000.0;  // us
   std::size_t count = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What `tandem check` tells of contact between a part in the hand and others.
+// The output of `tandem check` about contact between a held part and others.
 
 #include <vector>
 

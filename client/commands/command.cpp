@@ -15,7 +15,7 @@
 namespace tandem::client {
 
 int badInput(const Error& error) {
-  // Messages quote files and arguments, which may hold line breaks and codes that a terminal obeys.
+  // Messages quote files and arguments, which may hold line breaks and control codes of a terminal.
   std::string line = error.message;
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
@@ -70,7 +70,7 @@ void modelParts(haptics::ContactScene& contact, bool noCache) {
     line.show(done, what);
     return true;
   };
-  static_cast<void>(contact.modelParts(options));  // nobody stops it
+  static_cast<void>(contact.modelParts(options));  // `progress` never stops it
 }
 
 ProgressLine::ProgressLine(bool named) : named_(named), start_(std::chrono::steady_clock::now()) {}
@@ -105,8 +105,8 @@ Status writable(const std::string& path) {
   const fs::file_status status = fs::status(path, error);
   if (fs::is_directory(status)) return Error{path + ": cannot be written: is a directory"};
   const fs::path parent = fs::path(path).parent_path();
-  const std::string asked = fs::exists(status) ? path : parent.empty() ? "." : parent.string();
-  if (::access(asked.c_str(), W_OK) != 0)
+  const std::string existing = fs::exists(status) ? path : parent.empty() ? "." : parent.string();
+  if (::access(existing.c_str(), W_OK) != 0)
     return Error{path + ": cannot be written: " + std::error_code(errno, std::generic_category()).message()};
   return {};
 }

@@ -1,8 +1,7 @@
 #pragma once
 
-// The sub-commands of `tandem`, one a file. Each adds its options to the command line and sets the exit code
-// when it is the one that was asked for: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or
-// input.
+// The sub-commands of `tandem`, one a file. Each adds its options to the command line and, when it runs, sets
+// the exit code: 0 done, 1 the run failed or a bound was broken, 2 bad arguments or input.
 
 #include <chrono>
 #include <string>
@@ -30,7 +29,7 @@ void addReport(assets::CommandLine& program, int& exitCode);
 /// Prints one line on stderr and returns kExitBadInput.
 int badInput(const Error& error);
 
-/// The options that say how to read a scene, shared by the commands that load one from a file.
+/// The options of reading a scene, shared by the commands that load one from a file.
 struct SceneArguments {
   std::string path;
   std::string units = "m";
@@ -42,8 +41,8 @@ Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);
 /// Loads the scene through the user's cache, with a progress bar if stderr is a terminal.
 Result<assets::Scene> loadScene(const SceneArguments& arguments);
 
-/// What takes longer than half a second says on stderr how far it is: a line that is drawn anew on a terminal;
-/// elsewhere nothing, or one line that names it.
+/// Shows the progress of a task on stderr once it takes longer than half a second. A terminal gets one line
+/// that is redrawn; elsewhere nothing is printed, or one line with the name of the task if `named`.
 class ProgressLine {
  public:
   explicit ProgressLine(bool named = false);
@@ -55,7 +54,7 @@ class ProgressLine {
  private:
   bool named_;
   std::chrono::steady_clock::time_point start_;
-  std::string what_;    // as last shown; empty: nothing was
+  std::string what_;    // the task as last shown; empty before
   double done_ = -1.0;  // as last shown
 };
 
@@ -65,11 +64,10 @@ void modelParts(haptics::ContactScene& contact, bool noCache);
 /// A number as help and tables show it: up to six digits, no trailing zeros.
 std::string inShort(double value);
 
-/// Whether a file could be written there, asked before a run whose result would be lost. An empty path is
-/// fine.
+/// Checks whether a file can be written there, so that a run does not lose its result. An empty path is fine.
 Status writable(const std::string& path);
 
-/// Writes text to a file, or says why not.
+/// Writes text to a file; the error gives the reason.
 Status writeFile(const std::string& path, const std::string& text);
 
 }  // namespace tandem::client

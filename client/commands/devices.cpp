@@ -60,7 +60,7 @@ int printUdevRule() {
   return written && std::fflush(stdout) == 0 ? kExitDone : kExitFailed;
 }
 
-/// What to do with a device, or why it will not move here.
+/// A hint for the person: how to move the device, or why it does not move here.
 std::string whatToDo(const std::string& name) {
   if (name == "stylus")
     return "This is the pen that mouse and keyboard move in the window of 'tandem join'. There is no window "
@@ -112,7 +112,7 @@ int test(const Arguments& arguments) {
   return state.valid > 0 || arguments.test == "none" ? kExitDone : kExitFailed;
 }
 
-/// Pairs of points in, a calibration out: on stdout, or in a file with the residual on stdout.
+/// Fits a calibration to pairs of points. Prints it, or writes it to a file and prints the residual.
 int calibrate(const Arguments& arguments) {
   const Result<std::vector<haptics::PointPair>> pairs = haptics::loadPairs(arguments.calibrate);
   if (!pairs) return badInput(pairs.error());

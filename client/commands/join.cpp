@@ -32,7 +32,7 @@ struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
       record, json, trace, name, colour, cache;
   bool headless = false, tcp = false, quiet = false, noPartContact = false;
-  double duration = 0.0, clashes = -1.0;  // s; m, below 0: the list of clashes stays shut
+  double duration = 0.0, clashes = -1.0;  // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900;
   double deadband = PublishRates{}.deadband;
 };
@@ -44,7 +44,7 @@ struct Report {
   std::vector<OwnershipNote> ownership;
   std::vector<GrabNote> grabs;
   int faultClears = 0;
-  double modelSeconds = 0.0;  // until parts in the hand could collide
+  double modelSeconds = 0.0;  // until held parts could collide
   void collect(JoinedSite& site) {
     for (OwnershipNote& note : site.takeOwnershipNotes()) ownership.push_back(note);
     for (GrabNote& note : site.takeGrabNotes()) grabs.push_back(note);
@@ -66,7 +66,7 @@ std::string defaultName(const sync::JoinLink& link) {
   return user && *user ? user : sync::toString(link.role);
 }
 
-/// The device in the hand, and how the window or a script reaches it.
+/// The device in a hand, and the view of it through which the window or a script steers it.
 struct Hand {
   std::unique_ptr<haptics::Device> device;
   haptics::VirtualStylus* stylus = nullptr;
@@ -74,7 +74,7 @@ struct Hand {
   ScriptedDevice* scripted = nullptr;
 };
 
-/// Opens the device of `option` (--device), placed as its calibration says.
+/// Opens the device `name`, placed by its calibration. `option` names the option in errors.
 Result<std::unique_ptr<haptics::Device>> openNamed(const std::string& name, const std::string& calibration,
                                                    const std::optional<Pose>& start,
                                                    const char* option = "--device") {
@@ -107,10 +107,10 @@ bool hasSecondHand(const Arguments& arguments) {
          !arguments.secondHand.empty();
 }
 
-/// The same person's other hand; without a device if there is none.
+/// Makes the second hand of the same person; without a device if there is none.
 Result<Hand> makeSecondHand(const Arguments& arguments, JoinedSite& site) {
   if (!hasSecondHand(arguments)) return Hand{};
-  // On the other side of the scene, where no other site's hand begins.
+  // The hand begins on the other side of the scene, where no other site's hand begins.
   Pose start = defaultHandStart(site.scene(), site.id() + 1u);
   start.position.y += 0.1 * glm::length(site.scene().bounds.max - site.scene().bounds.min);
   if (!arguments.secondHand.empty()) return scriptedHand(arguments.secondHand, site, start);
@@ -122,7 +122,7 @@ Result<Hand> makeSecondHand(const Arguments& arguments, JoinedSite& site) {
   return hand;
 }
 
-/// What can be said of the second hand before there is a session.
+/// Checks the second hand's options as far as that is possible before there is a session.
 Status checkSecondHand(const Arguments& arguments) {
   if (!arguments.secondHand.empty()) return checkHandScript(arguments.secondHand);
   const std::string& name = arguments.secondDevice;
@@ -155,7 +155,7 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
   return hand;
 }
 
-/// Poses of parts as this site had them, one row each: what an accuracy check compares between sites.
+/// Writes the poses of parts as this site has them, a row each, so that they can be compared between sites.
 class PoseTrace {
  public:
   explicit PoseTrace(const std::string& path) : file_(path) {
@@ -248,7 +248,7 @@ class JoinRun {
 
   int run() {
     const bool window = !arguments_.headless && displayPresent();
-    if (!arguments_.headless && !window && !arguments_.quiet) tellHeadless();
+    if (!arguments_.headless && !window && !arguments_.quiet) noteHeadless();
     if (window) {
       Result<std::unique_ptr<Viewer>> viewer =
           Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
@@ -288,15 +288,15 @@ class JoinRun {
  private:
   using Clock = std::chrono::steady_clock;
 
-  void tellHeadless() const {
+  void noteHeadless() const {
     const bool hand =
         !arguments_.hand.empty() || !arguments_.device.empty() || site_.role() == sync::Role::observer;
     std::fprintf(stderr, "tandem: no display: running headless%s\n",
                  hand ? "" : ", without a hand: --hand FILE scripts one, --device NAME takes a device");
   }
 
-  /// Nothing can be taken before it can collide: meanwhile the window shows the scene and how far it is, and
-  /// without a window a line does.
+  /// Makes the contact models. No part can be held before they exist; meanwhile the window, or a line of
+  /// text, shows the progress.
   Status modelParts() {
     const Clock::time_point start = Clock::now();
     ProgressLine line(!arguments_.quiet);
@@ -342,8 +342,8 @@ class JoinRun {
       if (viewer_) {
         const ViewActions actions = viewer_->frame(model_);
         if (stylus) followMouse(*stylus, actions, elapsed);
-        // A SpaceMouse or gamepad moves the stylus as seen on the screen; full deflection crosses the scene
-        // in four seconds.
+        // A SpaceMouse or gamepad moves the stylus in screen axes. Full deflection crosses the scene in four
+        // seconds.
         if (steered) steered->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
         searchClashes(actions);
@@ -361,7 +361,7 @@ class JoinRun {
     if (end_.empty()) end_ = "interrupted";
   }
 
-  /// What the held part is nearest to, for the window and the picture.
+  /// Puts the held part's nearest neighbour into the model of the window and the picture.
   void showClearance() {
     model_.hand.nearest = {};
     if (!clearance_) return;
@@ -369,7 +369,7 @@ class JoinRun {
     if (found) model_.hand.nearest = {found->b, found->distance - found->depth, found->onA, found->onB};
   }
 
-  /// What the list of clashes asks for, in a thread of its own; nothing before it does.
+  /// Starts and stops the search of clashes as the list of clashes requests it.
   void searchClashes(const ViewActions& actions) {
     if (actions.findClashes) {
       if (!clashes_) clashes_ = std::make_unique<ClashSearch>(site_.contact());
@@ -392,14 +392,14 @@ class JoinRun {
     Viewer& viewer = **opened;
     showClashes();
     for (int i = 0; i < 3; ++i)
-      static_cast<void>(viewer.frame(model_));  // panels find their sizes in the first frames
-    viewer.fitAll();                            // parts and hands may be far from where the scene began
+      static_cast<void>(viewer.frame(model_));  // panels take their sizes in the first frames
+    viewer.fitAll();                            // parts and hands may be far from their initial poses
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
     return viewer.screenshot(arguments_.screenshot);
   }
 
-  /// Until all are found, and the camera is where the first one is seen.
+  /// Draws frames until the search has ended and the camera shows the first clash.
   void frameClashes(Viewer& viewer) {
     viewer.openClashes({arguments_.clashes, false});
     for (int after = 0; after < 40 && !interrupted; after += model_.clashes.findings ? 1 : 0) {
@@ -409,16 +409,16 @@ class JoinRun {
     }
   }
 
-  /// What SIGUSR1 asked for: there may be no window with a button for it.
+  /// Clears the fault once for each SIGUSR1, since there may be no window with a button for it.
   void clearFaults() {
-    const int asked = faultClears;
-    if (asked == report_.faultClears) return;
-    report_.faultClears = asked;
+    const int requests = faultClears;
+    if (requests == report_.faultClears) return;
+    report_.faultClears = requests;
     site_.clearFault();
   }
 
-  /// The tip follows the mouse. A mouse can jump to the other side of a part, where a hand could not go: a
-  /// tip that stays caught far from where the mouse is, is put back there.
+  /// Moves the tip with the mouse. A mouse can jump to the far side of a part, where a hand could not go. A
+  /// tip that stays caught far from the mouse is put back to it.
   void followMouse(haptics::VirtualStylus& stylus, const ViewActions& actions, double elapsed) {
     if (actions.stylusMoved)
       stylus.setTarget(actions.worldFromStylus.position, actions.worldFromStylus.orientation);
@@ -431,7 +431,7 @@ class JoinRun {
     }
   }
 
-  /// A site without a window still has eyes for the others: where a window would begin.
+  /// Sets the camera of a site without a window, which the others see, to the initial view of a window.
   void lookAtAll() {
     ViewActions actions;
     actions.worldFromCamera = worldFromCamera(fitView(site_.scene().bounds, 1.6));
@@ -461,11 +461,11 @@ class JoinRun {
   const Arguments& arguments_;
   JoinedSite& site_;
   std::unique_ptr<Viewer> viewer_;
-  std::unique_ptr<ClearanceWatch> clearance_;  // null where nobody sees it
-  std::unique_ptr<ClashSearch> clashes_;       // null until somebody asks for them
+  std::unique_ptr<ClearanceWatch> clearance_;  // null without a window and a picture
+  std::unique_ptr<ClashSearch> clashes_;       // null before the first search
   std::unique_ptr<PoseTrace> trace_;
   ViewModel model_;
-  ViewActions waiting_;  // what was done before the hand was there
+  ViewActions waiting_;  // input from before the hand exists
   Report report_;
   static constexpr double kCaughtShare = 0.05;  // of the scene's size
   static constexpr double kCaughtFor = 0.5;     // s
@@ -477,7 +477,7 @@ class JoinRun {
 int run(Arguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
-  // A link works once: whatever can be wrong on this side is found before it is used up.
+  // A link works once, so everything on this side is checked before it is used.
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
   if (arguments.clashes >= 0.0 && arguments.headless && arguments.screenshot.empty())

@@ -55,8 +55,8 @@ struct Row {
   double time = 0.0;
   Pose hand, proxy;
   haptics::TickOutput tick;
-  std::vector<double> controls;  // m or rad, of the scene's controls in their order, after the tick
-  double depth = 0.0;            // m, with part:NAME: the deepest penetration, as measured exactly
+  std::vector<double> controls;  // values after the tick, m or rad, in the order of the scene's controls
+  double depth = 0.0;            // m, with part:NAME: the exact deepest penetration
   double compute_ns = 0.0;
 };
 
@@ -108,13 +108,13 @@ Twist twistBetween(const PathRow& from, const PathRow& to, double dt) {
           rotationVector(to.pose.orientation * glm::conjugate(from.pose.orientation)) / dt};
 }
 
-/// Without a device nothing clamps the force, so that it can be compared with the exact one. What others do
-/// to the hand is limited all the same.
+/// The parameters of the ticks. Without a device nothing clamps the force, so that it can be compared with
+/// the exact one; the slew limit on forces that others cause stays on.
 haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceClass* device,
                                      const assets::Scene& scene) {
   haptics::TickParameters p;
   p.forceLimit = p.torqueLimit = std::numeric_limits<double>::infinity();
-  // A script may move a hand of any size: a jump is what crosses half of the scene in a tick.
+  // Scenes have any size: a motion counts as a jump if it crosses half of the scene in a tick.
   const double diagonal = glm::length(scene.bounds.max - scene.bounds.min);
   p.maxDeviceSpeed = std::max(10.0, std::isfinite(diagonal) ? 0.5 * diagonal / p.dt : 0.0);
   if (device != nullptr) haptics::fitToDevice(device->limits, 0.0, p);
@@ -131,20 +131,20 @@ haptics::TickParameters parametersOf(const Arguments& arguments, const DeviceCla
   return p;
 }
 
-/// A path as a device reads it, row by row; after its last row the hand holds still there.
+/// The readings of a device that follows a path, row by row. After the last row it stands still.
 class Readings {
  public:
   Readings(const std::vector<PathRow>& path, double dt) : path_(path), dt_(dt) {}
 
-  /// The velocity is that since the last reading that was one, however long ago.
+  /// The reading of a tick. Its velocity is taken from the last valid row, however long ago.
   haptics::DeviceSample at(std::size_t tick) {
     const PathRow& row = path_[std::min(tick, path_.size() - 1)];
     haptics::DeviceSample sample;
     sample.worldFromDevice = row.pose;
-    // A stamp that stood still would be a lost device.
+    // A time stamp that stands still would count as a lost device.
     sample.time =
         tick < path_.size() ? row.time : row.time + dt_ * static_cast<double>(tick + 1 - path_.size());
-    sample.valid = true;  // an invalid row goes in as it is: the tick must find out
+    sample.valid = true;  // an invalid row is passed on: the tick has to detect it
     if (!row.valid) return sample;
     if (before_ != nullptr)
       sample.twist = twistBetween(*before_, row, static_cast<double>(tick - beforeIndex_) * dt_);
@@ -162,7 +162,7 @@ class Readings {
 
 class Probe {
  public:
-  /// With --ticks it measures how deep the part in the hand is in others; takes far longer than the ticks.
+  /// With --ticks it also measures the penetration of the held part, which takes far longer than the ticks.
   Probe(const assets::Scene& scene, const haptics::ContactScene& contact,
         const haptics::TickParameters& parameters, Tool tool, const Arguments& arguments)
       : scene_(scene),
@@ -179,7 +179,7 @@ class Probe {
     parameters_.gravity = scene.gravity;
   }
 
-  /// `second`: of the other hand, which takes the part too; empty: there is none.
+  /// Runs a tick for each row. `second`: the path of a second hand, which holds the part too; empty: none.
   void run(const std::vector<PathRow>& path, const std::vector<PathRow>& second,
            const std::vector<MovedPart>& moves) {
     std::vector<haptics::PartMotion> moved(moves.size());
@@ -209,7 +209,7 @@ class Probe {
           {haptics::PartCommand::Kind::grasp, tool_.part, {}, 1}};
       if (i == 0 && tool_.part != kNoPart) input.commands = {take, second.empty() ? 2u : 3u};
       Commands touched;
-      if (i > 0) input.commands = {touched.data(), takeTouched(moves, touched)};
+      if (i > 0) input.commands = {touched.data(), ownTouched(moves, touched)};
       step(input, path[i]);
     }
   }
@@ -217,15 +217,15 @@ class Probe {
   const std::vector<Row>& rows() const { return rows_; }
   std::uint64_t allocations() const { return allocations_; }
   const ContactLog& log() const { return log_; }
-  /// Null unless --swept was asked for.
+  /// Null without --swept.
   const SweptPath* swept() const { return swept_.get(); }
 
  private:
   using Commands = std::array<haptics::PartCommand, haptics::kMaxPartCommands>;
 
-  /// Commands that give the hand the controls that it touches and the parts that would give way to it, and take from
-  /// it those that rest: without a session nobody else could have them.
-  std::size_t takeTouched(const std::vector<MovedPart>& moves, Commands& commands) const {
+  /// Fills in commands that make this hand own the controls that it touches and the parts that it pushes, and
+  /// release those at rest. In a session the server grants them; here no other site can have them.
+  std::size_t ownTouched(const std::vector<MovedPart>& moves, Commands& commands) const {
     using Kind = haptics::PartCommand::Kind;
     std::size_t count = 0;
     const haptics::TickOutput& last = rows_.back().tick;
@@ -322,7 +322,7 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
   return writeFile(path, text);
 }
 
-/// Of the first hand or the second.
+/// Ticks by flag, of the first hand or of the second.
 Json flagCounts(const std::vector<Row>& rows, bool second = false) {
   Json counts = Json::object();
   for (const auto& [bit, name] : tickFlagNames()) {
@@ -334,36 +334,36 @@ Json flagCounts(const std::vector<Row>& rows, bool second = false) {
   return counts;
 }
 
-/// Where each control ended and between which values it was, m or rad.
+/// The last, least and greatest value of each control, m or rad.
 Json controlValues(const std::vector<Row>& rows, const assets::Scene& scene) {
   Json values = Json::object();
   for (std::size_t i = 0; i < scene.controls.size(); ++i) {
-    double least = rows.front().controls[i], most = least;
+    double least = rows.front().controls[i], largest = least;
     for (const Row& row : rows) {
       least = std::min(least, row.controls[i]);
-      most = std::max(most, row.controls[i]);
+      largest = std::max(largest, row.controls[i]);
     }
     values[scene.controls[i].name] = {{"unit", assets::turns(scene.controls[i]) ? "rad" : "m"},
                                       {"last", rows.back().controls[i]},
                                       {"least", least},
-                                      {"most", most}};
+                                      {"most", largest}};
   }
   return values;
 }
 
-/// What was felt, under which limits.
+/// Prints the largest forces of the first hand, its limits and its flags.
 void printForces(const std::vector<Row>& rows, const haptics::TickParameters& parameters,
                  const DeviceClass* device) {
-  double most = 0.0, torque = 0.0;
+  double largest = 0.0, torque = 0.0;
   int contacts = 0;
   std::size_t touching = 0;
   for (const Row& row : rows) {
-    most = std::max(most, glm::length(row.tick.toHand.force));
+    largest = std::max(largest, glm::length(row.tick.toHand.force));
     torque = std::max(torque, glm::length(row.tick.toHand.torque));
     contacts = std::max(contacts, row.tick.contactCount);
     touching += row.tick.contactCount > 0 ? 1 : 0;
   }
-  std::printf("largest force %.4g N, torque %.4g N*m; %zu ticks in contact, at most %d contacts\n", most,
+  std::printf("largest force %.4g N, torque %.4g N*m; %zu ticks in contact, at most %d contacts\n", largest,
               torque, touching, contacts);
   if (device != nullptr)
     std::printf("device %s: stiffness %.0f N/m where the material states none, force limit %.4g N\n",
@@ -373,20 +373,20 @@ void printForces(const std::vector<Row>& rows, const haptics::TickParameters& pa
     std::printf("  %s in %llu ticks\n", name.c_str(), static_cast<unsigned long long>(count.integer()));
 }
 
-/// What the second hand felt.
+/// Prints the largest forces of the second hand and its flags.
 void printSecond(const std::vector<Row>& rows) {
-  double most = 0.0, torque = 0.0;
+  double largest = 0.0, torque = 0.0;
   for (const Row& row : rows) {
-    most = std::max(most, glm::length(row.tick.second.toHand.force));
+    largest = std::max(largest, glm::length(row.tick.second.toHand.force));
     torque = std::max(torque, glm::length(row.tick.second.toHand.torque));
   }
-  std::printf("second hand: largest force %.4g N, torque %.4g N*m\n", most, torque);
+  std::printf("second hand: largest force %.4g N, torque %.4g N*m\n", largest, torque);
   const Json flags = flagCounts(rows, true);
   for (const auto& [name, count] : flags.members())
     std::printf("  %s in %llu ticks\n", name.c_str(), static_cast<unsigned long long>(count.integer()));
 }
 
-/// What the part in the hand touched, and what work the hand did.
+/// The contacts of the held part summed up, and the work of the hand.
 Json contactSums(const ContactLog& log, const assets::Scene& scene) {
   Json parts = Json::array();
   for (const ContactLog::Touched& t : log.touched())

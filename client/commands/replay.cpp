@@ -54,7 +54,7 @@ Result<Recording> readRecording(const std::string& path) {
   return recording;
 }
 
-/// The session at one instant of a recording. Going back begins anew.
+/// The session at one instant of a recording. Seeking backwards replays from the beginning.
 class Playback {
  public:
   Playback(const Recording& recording, const assets::Scene& scene) : recording_(recording), scene_(scene) {
@@ -126,7 +126,7 @@ class Playback {
   std::size_t next_ = 0;
 };
 
-/// What a site did in a recording.
+/// The sums of one site over a recording.
 struct SiteSum {
   std::string name;
   std::uint64_t updates = 0;
@@ -134,22 +134,24 @@ struct SiteSum {
   int grants = 0;
 };
 
-/// What happened: for the summary and --json.
+/// The sums of a recording, for the summary and --json.
 struct Summary {
   std::map<SiteId, SiteSum> sites;
   int grants = 0, denials = 0;
   Json ownership = Json::array();
-  Json shared = Json::array();  // who simulates a part beside its owner
+  Json shared = Json::array();  // the co-holders of a part, at each change
 };
 
-/// Whoever asked to share a part is told in the answer, the others by a message.
+/// The co-holders of a part if the message carries them: a reply to the site that asked, a message to the
+/// others.
 const sync::MemberRecord* membersIn(const sync::ControlMessage& message) {
   if (const auto* changed = std::get_if<sync::MembersChanged>(&message)) return &changed->members;
   if (const auto* reply = std::get_if<sync::EngageReply>(&message)) return &reply->members;
   return nullptr;
 }
 
-/// A grant is a newer epoch with an owner; those that stand at the beginning happened before it.
+/// Recognises grants: records with a newer epoch and an owner. Records at the beginning are of grants before
+/// it.
 class GrantCount {
  public:
   bool isGrant(const sync::PartRecord& record, double time) {
@@ -217,7 +219,7 @@ Json toJson(const Recording& recording, const Summary& summary) {
   return json.rounded();
 }
 
-/// The force on each hand in N, world axes, as often as its site told it.
+/// The force on each hand in N, world axes, a row for each update of its site.
 std::string forcesCsv(const Recording& recording) {
   std::string csv = "t,site,x,y,z\n";
   for (const sync::RecordingEntry& entry : recording.entries) {

@@ -15,7 +15,7 @@ struct Arguments {
   bool quiet = false, noPartContact = false;
 };
 
-/// What a hand that pressed a fixed part felt of it, N/m; a dash for one that pressed none.
+/// The stiffness that a hand felt of a fixed part, N/m; a dash if it pressed none.
 std::string feltBy(const SimulatedSiteResult& site) {
   char text[32];
   std::snprintf(text, sizeof text, "%.1f", site.feltStiffness);

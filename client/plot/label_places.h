@@ -16,7 +16,7 @@ class LabelPlaces {
   void avoid(double x, double y, double half = 6.0) {
     taken_.push_back({x - half, y - half, x + half, y + half});
   }
-  /// Keeps off a line, less strictly than off a marker: small boxes along it.
+  /// Keeps labels off a line, less strictly than off a marker, by small boxes along it.
   void avoidLine(double x0, double y0, double x1, double y1) {
     const int pieces = 1 + static_cast<int>(std::hypot(x1 - x0, y1 - y0) / 4.0);
     for (int i = 1; i < pieces; ++i) {
@@ -25,7 +25,7 @@ class LabelPlaces {
     }
   }
 
-  /// The label's text element.
+  /// Places a label beside the point and returns its text element.
   std::string place(double x, double y, const std::string& text) {
     const double width = 6.4 * static_cast<double>(text.size()), height = 12.0;
     Box best{};

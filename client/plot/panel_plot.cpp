@@ -14,10 +14,10 @@ constexpr double kLeft = 66.0, kRight = 436.0, kLane = 36.0, kTop = 56.0, kBotto
 constexpr double kLegendRow = 21.0, kLegendColumn = 290.0;
 constexpr int kLegendColumns = 3;
 
-std::string crossAt(double x, double y, const Look& look, const std::string& tooltip) {
-  return format(
-             R"(<path class="unstable" d="M%.1f %.1fl9 9m0 -9l-9 9" fill="none" stroke="%s" stroke-width="2.2">)",
-             x - 4.5, y - 4.5, look.colour.c_str()) +
+std::string crossAt(double x, double y, const SeriesStyle& style, const std::string& tooltip) {
+  return format(R"(<path class="unstable" d="M%.1f %.1fl9 9m0 -9l-9 9" fill="none" stroke="%s" )"
+                R"(stroke-width="2.2">)",
+                x - 4.5, y - 4.5, style.colour.c_str()) +
          "<title>" + escaped(tooltip) + "</title></path>\n";
 }
 
@@ -35,9 +35,10 @@ class PanelDrawing {
     for (const double v : x_.lines()) places_.avoid(x_.at(v), kBottom + 16.0, 12.0);
     places_.avoidLine(kRight + 6.0, kTop, kRight + 6.0, kBottom);
     for (const PanelSeries& series : panel_.series) avoid(series);
-    for (const PanelSeries& series : panel_.series) svg += way(series);
+    for (const PanelSeries& series : panel_.series) svg += lineThrough(series);
     std::string marks;
-    for (const PanelSeries& series : panel_.series) marks = marksOf(series) + marks;  // the first lies on top
+    for (const PanelSeries& series : panel_.series)
+      marks = marksOf(series) + marks;  // the first series lies on top
     return svg + marks + labels_;
   }
 
@@ -85,13 +86,13 @@ class PanelDrawing {
     }
   }
 
-  std::string way(const PanelSeries& series) const {
+  std::string lineThrough(const PanelSeries& series) const {
     if (!series.joined || series.points.size() < 2) return "";
-    std::string way;
+    std::string path;
     for (const PlotPoint& p : series.points)
-      way += format("%s%.1f %.1f", way.empty() ? "M" : "L", atX(p), atY(p));
-    return R"(<path fill="none" stroke-width="1.6" stroke-opacity="0.45" stroke=")" + series.look.colour +
-           (series.look.hollow ? "\" stroke-dasharray=\"5 4" : "") + "\" d=\"" + way + "\"/>\n";
+      path += format("%s%.1f %.1f", path.empty() ? "M" : "L", atX(p), atY(p));
+    return R"(<path fill="none" stroke-width="1.6" stroke-opacity="0.45" stroke=")" + series.style.colour +
+           (series.style.hollow ? "\" stroke-dasharray=\"5 4" : "") + "\" d=\"" + path + "\"/>\n";
   }
 
   std::string marksOf(const PanelSeries& series) {
@@ -100,16 +101,16 @@ class PanelDrawing {
       const double px = atX(p), py = atY(p);
       if (p.y < panel_.floorY)
         svg += format(R"(<path class="below" d="M%.1f %.1fv9m-3 -3l3 3l3 -3" fill="none" stroke="%s"/>)", px,
-                      py, series.look.colour.c_str()) +
+                      py, series.style.colour.c_str()) +
                "\n";
       if (p.ringed)
         svg += format(R"(<circle cx="%.1f" cy="%.1f" r="9" fill="none" stroke="%s" stroke-width="1.5"/>)", px,
                       py, kInk) +
                "\n";
-      svg += markerAt(px, py, series.look, p.tooltip, 0.8);
+      svg += markerAt(px, py, series.style, p.tooltip, 0.8);
       if (!p.label.empty()) labels_ += places_.place(px, py, p.label);
     }
-    for (const PlotPoint& p : series.unstable) svg += crossAt(atX(p), kLane, series.look, p.tooltip);
+    for (const PlotPoint& p : series.unstable) svg += crossAt(atX(p), kLane, series.style, p.tooltip);
     return svg;
   }
 
@@ -119,21 +120,22 @@ class PanelDrawing {
   std::string labels_;
 };
 
-std::vector<Look> looksOf(const std::vector<Panel>& panels) {
-  std::vector<Look> looks;
+std::vector<SeriesStyle> stylesOf(const std::vector<Panel>& panels) {
+  std::vector<SeriesStyle> styles;
   for (const Panel& panel : panels)
     for (const PanelSeries& series : panel.series)
-      if (std::none_of(looks.begin(), looks.end(), [&](const Look& l) { return l.name == series.look.name; }))
-        looks.push_back(series.look);
-  return looks;
+      if (std::none_of(styles.begin(), styles.end(),
+                       [&](const SeriesStyle& l) { return l.name == series.style.name; }))
+        styles.push_back(series.style);
+  return styles;
 }
 
 }  // namespace
 
 std::string panelsSvg(const std::vector<Panel>& panels) {
-  const std::vector<Look> looks = looksOf(panels);
+  const std::vector<SeriesStyle> styles = stylesOf(panels);
   const double rows = std::ceil(0.5 * static_cast<double>(panels.size()));
-  const double legendRows = std::ceil(static_cast<double>(looks.size()) / kLegendColumns);
+  const double legendRows = std::ceil(static_cast<double>(styles.size()) / kLegendColumns);
   std::string label;
   for (const Panel& panel : panels) label += (label.empty() ? "" : "; ") + panel.title;
   std::string svg = begin(kPanelHeight * rows + kLegendRow * legendRows + 8.0, label);
@@ -141,8 +143,8 @@ std::string panelsSvg(const std::vector<Panel>& panels) {
     svg += format(R"svg(<g transform="translate(%.0f %.0f)">)svg", i % 2 == 0 ? 0.0 : kPanelWidth,
                   kPanelHeight * static_cast<double>(i / 2)) +
            "\n" + PanelDrawing(panels[i]).draw() + "</g>\n";
-  for (std::size_t i = 0; i < looks.size(); ++i)
-    svg += legend({looks[i]}, kLeft + kLegendColumn * static_cast<double>(i % kLegendColumns),
+  for (std::size_t i = 0; i < styles.size(); ++i)
+    svg += legend({styles[i]}, kLeft + kLegendColumn * static_cast<double>(i % kLegendColumns),
                   kPanelHeight * rows + 10.0 + kLegendRow * static_cast<double>(i / kLegendColumns));
   return svg + "</svg>\n";
 }

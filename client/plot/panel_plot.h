@@ -10,13 +10,13 @@
 namespace tandem::client::report {
 
 struct PanelSeries {
-  Look look;
+  SeriesStyle style;
   std::vector<PlotPoint> points;    // labels beside the points, where there is room
-  std::vector<PlotPoint> unstable;  // their y counts for nothing: crosses in a lane above the plot
+  std::vector<PlotPoint> unstable;  // drawn as crosses in a lane above the plot; y is ignored
   bool joined = true;
 };
 
-/// Two logarithmic axes. What is less than `floorY` is drawn on it with an arrow down.
+/// Two logarithmic axes. Values below `floorY` are drawn on it with an arrow down.
 struct Panel {
   std::string title, xLabel, yLabel;
   double floorY = 1e-9;

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
 #include "client/plot/label_places.h"
 #include "client/plot/svg_shapes.h"
 
 namespace tandem::client::report {
 namespace {
 
-constexpr double kAsExact = 0.01;  // what is more exact by less does not lie on the front
+constexpr double kAsExact = 0.01;  // a point that is more exact by a smaller share does not lie on the front
 
 /// Where a plot's axes are, px.
 struct PlotBox {
@@ -40,18 +41,20 @@ std::string frameOf(const ScatterPlot& plot, const LogAxis& x, const LogAxis& y,
   return svg;
 }
 
-/// From each point on: the least error at that cost or less.
+/// The stair of the front: from each point on, the least error at that cost or less.
 std::string frontOf(const ScatterPlot& plot, const LogAxis& x, const LogAxis& y, double right) {
-  std::string way;
+  std::string path;
   double before = 0.0;
+  ASSERT(std::is_sorted(plot.front.begin(), plot.front.end(),
+                        [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; }));
   for (const PlotPoint& p : plot.front) {
     const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
-    way += way.empty() ? format("M%.1f %.1f", px, py) : format("L%.1f %.1fL%.1f %.1f", px, before, px, py);
+    path += path.empty() ? format("M%.1f %.1f", px, py) : format("L%.1f %.1fL%.1f %.1f", px, before, px, py);
     before = py;
   }
-  if (way.empty()) return "";
+  if (path.empty()) return "";
   return "<path class=\"front\" fill=\"none\" stroke-width=\"1.4\" stroke-dasharray=\"5 4\" stroke=\"" +
-         std::string(kInk) + "\" d=\"" + way + format("L%.1f %.1f", right, before) + "\"/>\n";
+         std::string(kInk) + "\" d=\"" + path + format("L%.1f %.1f", right, before) + "\"/>\n";
 }
 
 }  // namespace
@@ -77,7 +80,7 @@ std::string scatterSvg(const ScatterPlot& plot) {
   std::string svg = begin(height, plot.yLabel + " against " + plot.xLabel) +
                     frameOf(plot, x, y, ys, {left, top, right, bottom});
   std::string marks, labels;
-  std::vector<Look> looks;
+  std::vector<SeriesStyle> styles;
   LabelPlaces places;
   for (const PlotSeries& series : plot.series)
     for (std::size_t i = 0; i < series.points.size(); ++i) {
@@ -94,31 +97,31 @@ std::string scatterSvg(const ScatterPlot& plot) {
     places.avoidLine(px, before, px, y.at(std::max(plot.front[i].y, plot.floorY)));
   }
   for (const PlotSeries& series : plot.series) {
-    looks.push_back(series.look);
-    std::string way, own;
+    styles.push_back(series.style);
+    std::string path, own;
     for (const PlotPoint& p : series.points) {
       const double px = x.at(p.x), py = y.at(std::max(p.y, plot.floorY));
-      way += format("%s%.1f %.1f", way.empty() ? "M" : "L", px, py);
-      if (p.y <= plot.floorY)  // less than can be shown: an arrow down from where it is drawn
+      path += format("%s%.1f %.1f", path.empty() ? "M" : "L", px, py);
+      if (p.y <= plot.floorY)  // below the floor
         own +=
             format(R"(<path class="below" d="M%.1f %.1fv12m-3.5 -4l3.5 4l3.5 -4" fill="none" stroke="%s" )",
-                   px, py, series.look.colour.c_str()) +
+                   px, py, series.style.colour.c_str()) +
             "stroke-width=\"1.6\"/>\n";
       if (p.ringed)
         own += format(R"(<circle cx="%.1f" cy="%.1f" r="10" fill="none" stroke="%s" stroke-width="1.6"/>)",
                       px, py, kInk) +
                "\n";
-      own += markerAt(px, py, series.look, p.tooltip);
+      own += markerAt(px, py, series.style, p.tooltip);
       if (!p.label.empty()) labels += places.place(px, py, p.label);
     }
     marks = own + marks;  // the first series lies on top
     if (series.joined && series.points.size() > 1)
-      svg += R"(<path fill="none" stroke-width="1.2" stroke-opacity="0.35" stroke=")" + series.look.colour +
-             "\" d=\"" + way + "\"/>\n";
+      svg += R"(<path fill="none" stroke-width="1.2" stroke-opacity="0.35" stroke=")" + series.style.colour +
+             "\" d=\"" + path + "\"/>\n";
   }
   svg += frontOf(plot, x, y, right);
-  const double rows = 21.0 * static_cast<double>(looks.size());
-  labels += legend(looks, right + 32.0, top + 14.0);
+  const double rows = 21.0 * static_cast<double>(styles.size());
+  labels += legend(styles, right + 32.0, top + 14.0);
   if (!plot.front.empty())
     labels += format(R"(<path d="M%.1f %.1fh20" stroke="%s" stroke-width="1.6" stroke-dasharray="5 4"/>)",
                      right + 22.0, top + 14.0 + rows, kInk) +
@@ -139,7 +142,7 @@ std::string rangeSvg(const RangePlot& plot) {
   }
   const LogAxis x(values, left, right);
   std::string svg = begin(height + 56.0, plot.xLabel), marks;
-  std::vector<Look> looks;
+  std::vector<SeriesStyle> styles;
   for (const double v : x.lines()) {
     const double at = x.at(v);
     svg += lineFrom(at, top, at, height, kGrid, 1.0) +
@@ -152,30 +155,31 @@ std::string rangeSvg(const RangePlot& plot) {
     y += 0.5 * between;
     for (const RangeMark& mark : row.marks) {
       y += 0.5 * perMark;
-      const Look& look = mark.look;
-      marks += format(
-          R"(<line x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f" stroke="%s" stroke-width="3" stroke-linecap="round" stroke-opacity="0.5"/>)",
-          x.at(mark.low), y, x.at(mark.high), y, look.colour.c_str());
-      marks += markerAt(x.at(mark.low), y, look, mark.tooltip, 0.75);
+      const SeriesStyle& style = mark.style;
+      marks += format(R"(<line x1="%.1f" y1="%.1f" x2="%.1f" y2="%.1f" stroke="%s" stroke-width="3" )"
+                      R"(stroke-linecap="round" stroke-opacity="0.5"/>)",
+                      x.at(mark.low), y, x.at(mark.high), y, style.colour.c_str());
+      marks += markerAt(x.at(mark.low), y, style, mark.tooltip, 0.75);
       y += 0.5 * perMark;
-      if (std::none_of(looks.begin(), looks.end(), [&](const Look& l) { return l.name == look.name; }))
-        looks.push_back(look);
+      if (std::none_of(styles.begin(), styles.end(),
+                       [&](const SeriesStyle& l) { return l.name == style.name; }))
+        styles.push_back(style);
     }
     y += 0.5 * between;
     svg += lineFrom(left, y, right, y, kGrid, 1.0);
   }
   svg += textAt(0.5 * (left + right), height + 44.0, "middle", kInk, 13.0, plot.xLabel);
-  return svg + marks + legend(looks, right + 32.0, top + 14.0) + "</svg>\n";
+  return svg + marks + legend(styles, right + 32.0, top + 14.0) + "</svg>\n";
 }
 
 std::string barsSvg(const std::vector<Bar>& bars) {
   const double left = 280.0, right = 790.0, row = 24.0;
-  double most = 0.0;
-  for (const Bar& bar : bars) most = std::max(most, bar.length);
+  double longest = 0.0;
+  for (const Bar& bar : bars) longest = std::max(longest, bar.length);
   std::string svg = begin(row * static_cast<double>(bars.size()) + 12.0, "bars");
   for (std::size_t i = 0; i < bars.size(); ++i) {
     const double y = 6.0 + row * static_cast<double>(i);
-    const double length = most > 0.0 ? (right - left) * bars[i].length / most : 0.0;
+    const double length = longest > 0.0 ? (right - left) * bars[i].length / longest : 0.0;
     svg += textAt(left - 14.0, y + 16.0, "end", kInk, 12.0, bars[i].name);
     svg += format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="15" fill="%s"/>)", left, y + 4.0,
                   std::max(length, 1.0), bars[i].colour.c_str()) +

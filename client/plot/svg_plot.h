@@ -10,8 +10,8 @@ namespace tandem::client::report {
 
 enum class Marker { circle, square, diamond, triangle };
 
-/// How one setting looks in every plot.
-struct Look {
+/// How the series of one setting is drawn in every plot.
+struct SeriesStyle {
   std::string name;
   std::string colour;  // #rrggbb
   Marker marker = Marker::circle;
@@ -27,7 +27,7 @@ struct PlotPoint {
 };
 
 struct PlotSeries {
-  Look look;
+  SeriesStyle style;
   std::vector<PlotPoint> points;
   bool joined = true;  // by a line, in this order
 };
@@ -38,17 +38,18 @@ struct ScatterPlot {
   std::string xLabel, yLabel;
   std::vector<PlotSeries> series;
   double floorY = 1e-9;
-  std::vector<PlotPoint> front;  // a dashed stair from point to point; x rises, y falls
+  std::vector<PlotPoint> front;  // drawn as a dashed stair from point to point
   std::string frontName;         // in the legend
 };
-/// Of these points, those to which no other one is at once no dearer (x) and as exact (y; within 1 %): x rises, y falls.
+/// The Pareto front: the points to which no other one is both at most as dear (x) and as exact (y, within 1
+/// %). In order of rising x and falling y.
 std::vector<PlotPoint> paretoFront(std::vector<PlotPoint> points);
 
 std::string scatterSvg(const ScatterPlot& plot);
 
 /// Rows of ranges on one logarithmic axis: from the median to the 99th percentile.
 struct RangeMark {
-  Look look;
+  SeriesStyle style;
   double low = 0.0, high = 0.0;
   std::string tooltip;
 };

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <utility>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client::report {
 
 std::string format(const char* pattern, ...) {
@@ -14,8 +16,8 @@ std::string format(const char* pattern, ...) {
   va_start(arguments, pattern);
   const int length = std::vsnprintf(text, sizeof text, pattern, arguments);
   va_end(arguments);
-  return std::string(text,
-                     static_cast<std::size_t>(std::clamp(length, 0, static_cast<int>(sizeof text) - 1)));
+  ASSERT(length >= 0 && length < static_cast<int>(sizeof text));  // a shape that is cut off is no shape
+  return std::string(text, static_cast<std::size_t>(length));
 }
 
 std::string textAt(double x, double y, const char* anchor, const char* colour, double size,
@@ -31,26 +33,27 @@ std::string lineFrom(double x0, double y0, double x1, double y1, const std::stri
          "\n";
 }
 
-std::string markerAt(double x, double y, const Look& look, const std::string& tooltip, double scale) {
-  scale *= look.size;
+std::string markerAt(double x, double y, const SeriesStyle& style, const std::string& tooltip, double scale) {
+  scale *= style.size;
   const double r = 5.0 * scale, side = 9.0 * scale, tip = 6.0 * scale;
-  const std::string style = format(R"(fill="%s" stroke="%s" stroke-width="1.8")",
-                                   look.hollow ? "#ffffff" : look.colour.c_str(), look.colour.c_str());
+  const std::string attributes =
+      format(R"(fill="%s" stroke="%s" stroke-width="1.8")", style.hollow ? "#ffffff" : style.colour.c_str(),
+             style.colour.c_str());
   std::string shape;
-  if (look.marker == Marker::circle)
-    shape = format(R"(<circle cx="%.1f" cy="%.1f" r="%.1f" %s>)", x, y, r, style.c_str());
-  if (look.marker == Marker::square)
+  if (style.marker == Marker::circle)
+    shape = format(R"(<circle cx="%.1f" cy="%.1f" r="%.1f" %s>)", x, y, r, attributes.c_str());
+  if (style.marker == Marker::square)
     shape = format(R"(<rect x="%.1f" y="%.1f" width="%.1f" height="%.1f" %s>)", x - 0.5 * side,
-                   y - 0.5 * side, side, side, style.c_str());
-  if (look.marker == Marker::diamond)
+                   y - 0.5 * side, side, side, attributes.c_str());
+  if (style.marker == Marker::diamond)
     shape = format(R"(<path d="M%.1f %.1fl%.1f %.1fl%.1f %.1fl%.1f %.1fz" %s>)", x, y - tip, tip, tip, -tip,
-                   tip, -tip, -tip, style.c_str());
-  if (look.marker == Marker::triangle)
+                   tip, -tip, -tip, attributes.c_str());
+  if (style.marker == Marker::triangle)
     shape = format(R"(<path d="M%.1f %.1fl%.1f %.1fh%.1fz" %s>)", x, y - tip, tip, 1.7 * tip, -2.0 * tip,
-                   style.c_str());
-  const char* end = look.marker == Marker::circle   ? "</circle>"
-                    : look.marker == Marker::square ? "</rect>"
-                                                    : "</path>";
+                   attributes.c_str());
+  const char* end = style.marker == Marker::circle   ? "</circle>"
+                    : style.marker == Marker::square ? "</rect>"
+                                                     : "</path>";
   return shape + "<title>" + escaped(tooltip) + "</title>" + end + "\n";
 }
 
@@ -75,13 +78,15 @@ LogAxis::LogAxis(const std::vector<double>& values, double from, double to, doub
 
 LogAxis::LogAxis(double from, double to, std::vector<double> lines)
     : from_(from), to_(to), lines_(std::move(lines)) {
+  ASSERT(!lines_.empty() && std::is_sorted(lines_.begin(), lines_.end()) && lines_.front() > 0.0);
   span();
 }
 
 void LogAxis::span() {
+  ASSERT(from_ != to_ && !lines_.empty());
   low_ = std::log10(lines_.front());
   high_ = std::log10(lines_.back());
-  if (lines_.size() == 1) low_ -= 0.5, high_ += 0.5;  // in the middle
+  if (lines_.size() == 1) low_ -= 0.5, high_ += 0.5;  // a single line lies in the middle
 }
 
 double LogAxis::at(double value) const {
@@ -90,6 +95,7 @@ double LogAxis::at(double value) const {
 }
 
 std::string axisNumber(double value, bool powers) {
+  ASSERT(value > 0.0);
   if (powers ? value > 0.9 && value < 11.0 : value > 0.9e-3 && value < 1.1e5)
     return format(value < 999.0 ? "%.3g" : "%.0f", value);
   const char* digits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
@@ -106,12 +112,12 @@ std::string begin(double height, const std::string& label) {
          R"(font-family="system-ui, 'DejaVu Sans', sans-serif" aria-label=")" + escaped(label) + "\">\n";
 }
 
-std::string legend(const std::vector<Look>& looks, double x, double y) {
+std::string legend(const std::vector<SeriesStyle>& styles, double x, double y) {
   std::string svg;
-  for (std::size_t i = 0; i < looks.size(); ++i) {
+  for (std::size_t i = 0; i < styles.size(); ++i) {
     const double row = y + 21.0 * static_cast<double>(i);
-    svg += markerAt(x, row, looks[i], looks[i].name) +
-           textAt(x + 13.0, row + 4.0, "start", kInk, 12.0, looks[i].name);
+    svg += markerAt(x, row, styles[i], styles[i].name) +
+           textAt(x + 13.0, row + 4.0, "start", kInk, 12.0, styles[i].name);
   }
   return svg;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// What the report's plots are drawn with. Lengths in px of a page that is kWidth wide.
+// The shapes of the report's plots. Lengths in px of a page that is kWidth wide.
 
 #include <string>
 #include <vector>
@@ -19,11 +19,13 @@ __attribute__((format(printf, 1, 2))) std::string format(const char* pattern, ..
 std::string textAt(double x, double y, const char* anchor, const char* colour, double size,
                    const std::string& text);
 std::string lineFrom(double x0, double y0, double x1, double y1, const std::string& colour, double width);
-std::string markerAt(double x, double y, const Look& look, const std::string& tooltip, double scale = 1.0);
-/// Opens the picture.
+std::string markerAt(double x, double y, const SeriesStyle& style, const std::string& tooltip,
+                     double scale = 1.0);
+/// The opening tag of a picture; `label` describes it for screen readers.
 std::string begin(double height, const std::string& label);
-std::string legend(const std::vector<Look>& looks, double x, double y);
-/// A number of an axis: plain where it is short, else as a power of ten; `powers`: an axis that needs those.
+std::string legend(const std::vector<SeriesStyle>& styles, double x, double y);
+/// A number of an axis: plain where it is short, else as a power of ten. `powers`: the axis has powers of
+/// ten.
 std::string axisNumber(double value, bool powers = false);
 
 /// A logarithmic axis around some positive values, with lines at 1, 2, 5 or at powers of ten.

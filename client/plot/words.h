@@ -1,6 +1,6 @@
 #pragma once
 
-// Figures as the page writes them.
+// Numbers with their units as the page writes them.
 
 #include <cstdio>
 #include <string>

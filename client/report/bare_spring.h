@@ -4,8 +4,8 @@
 
 namespace tandem::client::report {
 
-/// No damping, no limits, so that the force is the stiffness, N/m, times the depth and can be compared; the
-/// tool's radius in m.
+/// Parameters without damping and limits: the force is the stiffness (N/m) times the depth, and can be
+/// compared. The tool's radius is in m.
 inline haptics::TickParameters bareSpring(double stiffness, double toolRadius = 0.0) {
   haptics::TickParameters p;
   p.toolRadius = toolRadius;

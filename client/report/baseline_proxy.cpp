@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client::report {
 
 template <typename Real>
@@ -61,11 +63,13 @@ void SegmentTree<Real>::build(std::uint32_t node, std::uint32_t first, std::uint
 }
 
 template <typename Real>
-bool SegmentTree<Real>::meets(const Box& box, const Vec& from, const Vec& inverseWay, Real most) const {
-  Real enter = Real(0), leave = most;
+bool SegmentTree<Real>::meets(const Box& box, const Vec& from, const Vec& inverseDisplacement,
+                              Real limit) const {
+  Real enter = Real(0), leave = limit;
   for (int i = 0; i < 3; ++i) {
-    const Real a = (box.low[i] - from[i]) * inverseWay[i], b = (box.high[i] - from[i]) * inverseWay[i];
-    // Not a number where the way runs in a box's face: such a slab does not decide.
+    const Real a = (box.low[i] - from[i]) * inverseDisplacement[i],
+               b = (box.high[i] - from[i]) * inverseDisplacement[i];
+    // NaN where the segment lies in a box's face: min and max then ignore that slab.
     enter = std::max(enter, std::min(a, b));
     leave = std::min(leave, std::max(a, b));
   }
@@ -75,23 +79,23 @@ bool SegmentTree<Real>::meets(const Box& box, const Vec& from, const Vec& invers
 
 /// Möller & Trumbore 1997, "Fast, minimum storage ray/triangle intersection".
 template <typename Real>
-void SegmentTree<Real>::testTriangle(std::uint32_t triangle, const Vec& from, const Vec& way,
+void SegmentTree<Real>::testTriangle(std::uint32_t triangle, const Vec& from, const Vec& displacement,
                                      Hit& hit) const {
   const Vec &a = corners_[3 * triangle], &b = corners_[3 * triangle + 1], &c = corners_[3 * triangle + 2];
-  const Vec ab = b - a, ac = c - a, p = glm::cross(way, ac);
+  const Vec ab = b - a, ac = c - a, p = glm::cross(displacement, ac);
   const Real determinant = glm::dot(ab, p);
   if (determinant == Real(0)) return;
   const Vec offset = from - a, q = glm::cross(offset, ab);
-  const Real u = glm::dot(offset, p) / determinant, v = glm::dot(way, q) / determinant;
+  const Real u = glm::dot(offset, p) / determinant, v = glm::dot(displacement, q) / determinant;
   const Real t = glm::dot(ac, q) / determinant;
   if (u < Real(0) || v < Real(0) || u + v > Real(1) || t < Real(0) || t >= hit.t) return;
   const Vec normal = glm::normalize(glm::cross(ab, ac));
-  hit = {t, glm::dot(normal, way) > Real(0) ? -normal : normal, triangle};
+  hit = {t, glm::dot(normal, displacement) > Real(0) ? -normal : normal, triangle};
 }
 
 template <typename Real>
-bool SegmentTree<Real>::firstHit(const Vec& from, const Vec& way, Hit& hit) const {
-  const Vec inverse(Real(1) / way.x, Real(1) / way.y, Real(1) / way.z);
+bool SegmentTree<Real>::firstHit(const Vec& from, const Vec& displacement, Hit& hit) const {
+  const Vec inverse(Real(1) / displacement.x, Real(1) / displacement.y, Real(1) / displacement.z);
   std::array<std::uint32_t, 64> stack;
   std::size_t top = 0;
   stack[top++] = 0;
@@ -99,11 +103,13 @@ bool SegmentTree<Real>::firstHit(const Vec& from, const Vec& way, Hit& hit) cons
   while (top > 0) {
     const Node& node = nodes_[stack[--top]];
     if (!meets(node.box, from, inverse, hit.t)) continue;
-    if (node.count == 0 && top + 2 <= stack.size()) {
+    if (node.count == 0) {
+      ASSERT(top + 2 <= stack.size());  // splits at the median keep the tree below this depth
       stack[top++] = node.first;
       stack[top++] = node.first + 1;
     }
-    for (std::uint32_t i = 0; i < node.count; ++i) testTriangle(order_[node.first + i], from, way, hit);
+    for (std::uint32_t i = 0; i < node.count; ++i)
+      testTriangle(order_[node.first + i], from, displacement, hit);
   }
   return hit.triangle != before;
 }
@@ -111,7 +117,7 @@ bool SegmentTree<Real>::firstHit(const Vec& from, const Vec& way, Hit& hit) cons
 template <typename Real>
 BaselineProxy<Real>::BaselineProxy(const SegmentTree<Real>& tree, PlaneOrder order, const glm::dvec3& start)
     : tree_(tree), order_(order), position_(start) {
-  // Single precision tells world coordinates apart to some 1e-7 of their size; the gap must be well above.
+  // Single precision resolves world coordinates to some 1e-7 of their size; the gap must be well above that.
   const Real reach =
       std::max({tree.size(), std::abs(position_.x), std::abs(position_.y), std::abs(position_.z)});
   gap_ = reach * Real(256) * std::numeric_limits<Real>::epsilon();
@@ -129,18 +135,18 @@ typename BaselineProxy<Real>::Vec BaselineProxy<Real>::target(const Vec& goal) c
 
 template <typename Real>
 bool BaselineProxy<Real>::step(const Vec& goal) {
-  const Vec way = target(goal) - position_;
+  const Vec displacement = target(goal) - position_;
   typename SegmentTree<Real>::Hit hit;
-  if (!tree_.firstHit(position_, way, hit)) {
-    position_ += way;
+  if (!tree_.firstHit(position_, displacement, hit)) {
+    position_ += displacement;
     planes_ = 0;
     return false;
   }
-  if (planes_ == 0) point_ = position_ + way * hit.t;
-  // Stops short of the plane by the gap, but never behind where it was.
-  const Real approach = -glm::dot(way, hit.normal);
+  if (planes_ == 0) point_ = position_ + displacement * hit.t;
+  // The proxy stops short of the plane by the gap, but never moves backwards.
+  const Real approach = -glm::dot(displacement, hit.normal);
   const Real share = approach > Real(0) ? hit.t - gap_ / approach : Real(0);
-  position_ += way * std::max(share, Real(0));
+  position_ += displacement * std::max(share, Real(0));
   if (planes_ < 2) normals_[planes_] = hit.normal;
   planes_ = planes_ == 2 ? 0 : planes_ + 1;
   return planes_ > 0;

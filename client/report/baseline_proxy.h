@@ -1,11 +1,11 @@
 #pragma once
 
-// A proxy as most libraries of the field have it, to measure Tandem's against: segments are intersected with
+// A proxy as most libraries of the field have it, as a baseline for Tandem's: segments are intersected with
 // triangles one after another, and each hit gives one plane (Zilles & Salisbury 1995 as sequences of at most
 // three planes; Ruspini, Kolarov & Khatib 1997, section 4). Written for the report alone; a point tool on
 // still parts.
 //
-// Real is the precision of everything: vertices, boxes, arithmetic.
+// Real is the type of vertices, boxes and arithmetic.
 
 #include <cstdint>
 #include <limits>
@@ -37,8 +37,8 @@ class SegmentTree {
 
   explicit SegmentTree(const assets::Scene& scene);
 
-  /// The first triangle between from and from + way; both sides count.
-  bool firstHit(const Vec& from, const Vec& way, Hit& hit) const;
+  /// The first triangle between `from` and `from + displacement`; both sides of a triangle count.
+  bool firstHit(const Vec& from, const Vec& displacement, Hit& hit) const;
 
   /// Length of the diagonal of everything, m.
   Real size() const { return size_; }
@@ -54,8 +54,8 @@ class SegmentTree {
   static constexpr std::uint32_t kLeaf = 4;
 
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count, std::vector<Vec>& centres);
-  bool meets(const Box& box, const Vec& from, const Vec& inverseWay, Real most) const;
-  void testTriangle(std::uint32_t triangle, const Vec& from, const Vec& way, Hit& hit) const;
+  bool meets(const Box& box, const Vec& from, const Vec& inverseDisplacement, Real limit) const;
+  void testTriangle(std::uint32_t triangle, const Vec& from, const Vec& displacement, Hit& hit) const;
 
   std::vector<Vec> corners_;          // three a triangle
   std::vector<std::uint32_t> order_;  // triangles in leaf order
@@ -81,7 +81,7 @@ class BaselineProxy {
 
   const SegmentTree<Real>& tree_;
   const PlaneOrder order_;
-  Real gap_;  // m, kept from a surface: a share of the scene's size that Real can still tell from 0
+  Real gap_;  // m, kept from a surface: a share of the scene's size, well above the resolution of Real
   Vec position_;
   Vec normals_[2] = {Vec(Real(0)), Vec(Real(0))};
   Vec point_{Real(0)};  // of the first plane

@@ -4,7 +4,7 @@
 
 namespace tandem::client::report {
 
-/// A figure that the project has promised, and what was measured.
+/// A target of the project and the measured figure.
 struct Bound {
   std::string name, unit;
   double measured = 0.0, target = 0.0;

@@ -1,14 +1,14 @@
 #pragma once
 
-// Where an ideal god object would be, in closed form: what every measured force is compared with; for
+// The position of an ideal god object in closed form, with which every measured force is compared. For
 // polygons see assets/generate/profile_god_object.h. Lengths in m, part frame.
 
 #include <glm/vec3.hpp>
 
 namespace tandem::client::report {
 
-/// The nearest allowed place of a ball's centre to `goal` outside a sphere around the origin; `radius` is
-/// that of the sphere plus that of the ball. Undefined at the very centre: then +z.
+/// The position of a ball's centre nearest to `goal` outside a sphere around the origin; `radius` is the sum
+/// of both radii. For a goal at the centre of the sphere, the one on +z.
 glm::dvec3 outsideSphere(const glm::dvec3& goal, double radius);
 
 /// The nearest point to `goal` with z >= height.

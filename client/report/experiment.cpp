@@ -7,6 +7,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/generate/bench_meshes.h"
 #include "assets/generate/profile_god_object.h"
 #include "client/report/exact_answers.h"
@@ -21,7 +22,7 @@ constexpr double kGrooveHalfAngle = kPi / 6.0;
 constexpr double kInset = 0.8 * kMillimetre;  // depth under the gear, whose teeth are 2 mm wide at their tips
 constexpr int kApproach = 40;                 // ticks in which the tool comes down
 
-/// Ways to write a number of triangles in an id.
+/// A number of triangles as an id and a title write it.
 struct Size {
   const char* name;
   const char* title;
@@ -43,7 +44,7 @@ Experiment onePart(assets::Mesh mesh, const glm::dvec3& position = glm::dvec3(0.
   return e;
 }
 
-/// 0 to 1 over the first ticks, with no step of speed at either end.
+/// Rises from 0 to 1 over the first ticks, with no step of speed at either end.
 double approach(int tick) {
   const double share = std::min(1.0, static_cast<double>(tick) / kApproach);
   return share * share * (3.0 - 2.0 * share);
@@ -73,8 +74,8 @@ Experiment sphere(double radius, double ball, int triangles, const glm::dvec3& c
   return e;
 }
 
-/// A closed curve beside the profile, inside or outside of it. Its normal is the mean over kInset either way,
-/// so that the hand goes smoothly round corners which the surface has sharp.
+/// A closed curve at a given depth under the profile, or above it. Its normal is the mean over kInset in both
+/// directions, so that the hand goes smoothly round sharp corners of the surface.
 class InsetCurve {
  public:
   explicit InsetCurve(const std::vector<glm::dvec2>& profile) : profile_(profile) {
@@ -84,8 +85,8 @@ class InsetCurve {
     }
   }
 
-  /// Where the outline is farthest out near the x axis: on a tooth's tip.
-  double wayOfOutermost() const {
+  /// The arc length at which the outline is farthest out along x: on a tooth's tip.
+  double arcOfOutermost() const {
     double best = 0.0;
     for (int i = 0; i < 1000; ++i)
       if (sample(1e-3 * i * length_).first.x > sample(best).first.x) best = 1e-3 * i * length_;
@@ -120,8 +121,8 @@ class InsetCurve {
   double length_ = 0.0;
 };
 
-/// A ball is a point outside the gear grown by its radius; arcs in pieces of 30 urad are 0.1 pm off,
-/// and a goal near their centre rests up to some 0.1 um beside the place.
+/// A ball is a point outside the gear grown by its radius. Arcs are pieces of 30 urad, which are 0.1 pm off;
+/// a goal near an arc's centre gives a proxy up to some 0.1 um beside the exact one.
 Experiment gear(int triangles, double ball, int ticks) {
   const std::vector<glm::dvec2> profile =
       ball > 0.0 ? generate::grownProfile(generate::gearProfile(), ball, 3e-5) : generate::gearProfile();
@@ -129,7 +130,7 @@ Experiment gear(int triangles, double ball, int ticks) {
   const InsetCurve curve(profile);
   generate::ProfileGodObject exact(profile);
   // 0.1 m/s along the outline, begun over a tooth; no layer of the mesh is at this height.
-  const double start = curve.wayOfOutermost(), z = 0.50712 * generate::kGearHeight;
+  const double start = curve.arcOfOutermost(), z = 0.50712 * generate::kGearHeight;
   for (int i = 0; i < ticks; ++i) {
     const double down = approach(i);
     const glm::dvec2 goal = curve.at(start + 1e-4 * i, (2.0 * down - 1.0) * kInset);
@@ -140,7 +141,7 @@ Experiment gear(int triangles, double ball, int ticks) {
   return e;
 }
 
-/// A place on a circle that meets no vertex of the sheet: `way` m along it, and down to 2 mm under z = 0.
+/// A point on a circle that meets no vertex of the sheet, `way` m along it, and down to 2 mm under z = 0.
 glm::dvec3 circleAt(double way, int tick) {
   constexpr double kCircle = 0.04;  // m
   const double angle = way / kCircle;
@@ -160,8 +161,8 @@ Experiment plane(int ticks) {
   return e;
 }
 
-/// The same plane with friction, 0.005 to 0.2 m/s. The proxy is drawn along once it lags by more than the
-/// coefficient times the depth, straight towards the hand: on a plane that is exact (Harwin & Melder 2002).
+/// The same plane with friction, 0.005 to 0.2 m/s. The proxy follows straight towards the hand once it lags
+/// by more than the coefficient times the depth, which is exact on a plane (Harwin & Melder 2002).
 Experiment roughPlane(double friction, int ticks) {
   Experiment e = onePart(generate::flatSheet(0.2, 100));
   for (assets::Material& m : e.scene.materials) m.staticFriction = m.dynamicFriction = friction;
@@ -259,7 +260,7 @@ Experiment buildExperiment(const std::string& id, int ticks) {
   const std::vector<ExperimentInfo> all = allExperiments();
   const auto info = std::find_if(all.begin(), all.end(), [&](const ExperimentInfo& i) { return i.id == id; });
   Experiment e;
-  if (info == all.end()) return e;
+  ASSERT(info != all.end() && ticks > 0);
   if (info->family == "sphere") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(0.0), ticks);
   if (info->family == "sphere-far") e = sphere(0.05, 0.0, trianglesOf(id), glm::dvec3(10.0), ticks);
   if (info->family == "gear") e = gear(trianglesOf(id), 0.0, ticks);

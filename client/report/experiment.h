@@ -1,7 +1,7 @@
 #pragma once
 
-// The experiments of the report: a scene, a device path a tick long each row, and where an ideal god object
-// is in every tick. The same experiments are given to Tandem, to the baselines and to the peers.
+// The experiments of the report: a scene, a device path with an entry a tick, and the position of an ideal
+// god object in every tick. Tandem, the baselines and the peers run the same experiments.
 
 #include <string>
 #include <vector>
@@ -10,12 +10,12 @@
 
 namespace tandem::client::report {
 
-/// What sets an experiment apart from the others of its family.
+/// The description of an experiment.
 struct ExperimentInfo {
   std::string id;           // kebab-case, as --scenes takes it
   std::string family;       // experiments of one family share a plot
   std::string title;        // for people
-  std::string about;        // one sentence: what moves where
+  std::string about;        // one sentence: the motion and the surface
   bool quick = false;       // part of --quick
   double toolRadius = 0.0;  // m
   double friction = 0.0;    // static and dynamic; baselines and peers have none and are left out
@@ -28,15 +28,15 @@ struct PathPoint {
   double lift = 0.0;                     // m: by how much every part stands above where the scene has it
 };
 
-/// A scene made ready for one experiment. Built in the code, the same on every machine.
+/// One experiment with its scene, which is generated and the same on every machine.
 struct Experiment {
   ExperimentInfo info;
   assets::Scene scene;
   std::vector<PathPoint> path;  // one entry a millisecond; starts in free space
   bool partsMove = false;       // all parts follow PathPoint::lift
   double stiffness = 1000.0;    // N/m
-  double facetDepth = 0.0;      // m: the most by which facets lie under the exact surface; 0 = they are exact
-  double facetTilt = 0.0;       // rad: the most by which a facet's normal is off
+  double facetDepth = 0.0;  // m: the largest depth of a facet under the exact surface; 0 = the mesh is exact
+  double facetTilt = 0.0;   // rad: the largest error of a facet's normal
 };
 
 /// All experiments, in the order of the report.

@@ -9,8 +9,8 @@
 
 #include "assets/base/percentiles.h"
 #include "assets/generate/bench_meshes.h"
-#include "client/report/asked.h"
 #include "client/report/bare_spring.h"
+#include "client/report/targets.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/operator/simulated_hand.h"
 #include "haptics/scene/contact_scene.h"
@@ -23,7 +23,7 @@ constexpr double kTick = 1e-3, kPush = 1.0;  // s, N
 constexpr haptics::SimulatedDeviceParameters kDevice{};
 constexpr double kMass = kDevice.mass, kQuantum = kDevice.quantum;
 
-/// One hand on one scene, by its position alone.
+/// A hand on a scene, given by its position alone.
 class Hand {
  public:
   Hand(const assets::Scene& scene, const haptics::TickParameters& p)
@@ -45,8 +45,8 @@ class Hand {
   double time_ = 0.0;
 };
 
-/// Tangential against normal force of a tool that strokes a sphere of 20,000 triangles 2 mm deep, against
-/// the coefficient; the normal is the sphere's, so that what the facets do to it counts.
+/// The ratio of tangential to normal force of a tool that strokes a sphere of 20,000 triangles 2 mm deep,
+/// against the coefficient. The normal is the sphere's, so that the tilt of the facets counts as an error.
 void sphereFriction(std::vector<Figure>& out) {
   constexpr double kCoefficient = 0.3, kRadius = 0.05, kDepth = 2e-3;
   assets::Scene scene = generate::sceneOf(generate::sphereMesh(kRadius, 20'000));
@@ -84,7 +84,7 @@ void refit(std::vector<Figure>& out) {
     least = std::min(least, took.count());
   }
   out.push_back({"refit-100k", "refit of a tree of 100 k triangles, all cores, least of 9", "ms", least,
-                 kAskedRefit_ms, false});
+                 kRefitTarget_ms, false});
 }
 
 struct Loop {
@@ -92,8 +92,8 @@ struct Loop {
   bool quantised = false, controlled = false;
 };
 
-/// A device of 45 g pressed onto a wall with 1 N, solved exactly between ticks: whether its swing dies, or
-/// stays within three quanta of the reading either way.
+/// Whether the oscillation of a device of 45 g, pressed onto a wall with 1 N, decays or stays within three
+/// quanta of the reading in both directions. The motion between ticks is solved exactly.
 bool staysBounded(const Loop& loop) {
   const assets::Scene scene = generate::sceneOf(generate::flatSheet(0.4, 2));
   haptics::TickParameters p = bareSpring(loop.share * 2.0 * loop.damping / kTick);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Figures that are no cost against error: friction of a curved mesh, refitting a tree, the closed loop of a
-// device and a wall. Measured in this process, a few seconds in all.
+// Figures that no plot of cost against error shows: friction of a curved mesh, refitting a tree, the closed
+// loop of a device and a wall. Measured in this process in a few seconds.
 
 #include <string>
 #include <vector>

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <map>
 
+#include "assets/base/assert.h"
 #include "client/plot/svg_plot.h"
 #include "client/plot/words.h"
-#include "client/report/asked.h"
 #include "client/report/link_page.h"
 #include "client/report/part_page.h"
+#include "client/report/targets.h"
 
 namespace tandem::client::report {
 namespace {
@@ -34,8 +35,8 @@ details{margin:8px 0}summary{cursor:pointer;color:#2b5f8a}
 </style>
 )";
 
-Look lookOf(const Measurement& m) {
-  static const std::map<std::string, Look> kLooks = {
+SeriesStyle styleOf(const Measurement& m) {
+  static const std::map<std::string, SeriesStyle> kKnown = {
       {"tandem", {"", "#0b6e99", Marker::circle, false}},
       {"shading", {"", "#3d5a99", Marker::circle, false}},
       {"no-memory", {"", "#69b3d3", Marker::circle, false}},
@@ -46,13 +47,14 @@ Look lookOf(const Measurement& m) {
       {"one-plane-float", {"", "#ab3545", Marker::square, true}},
       {"embree", {"", "#6a4c93", Marker::diamond, false}},
       {"fcl", {"", "#4f7d3a", Marker::diamond, false}}};
-  const auto known = kLooks.find(m.setting);
-  Look look = known != kLooks.end() ? known->second : Look{"", "#6b7785", Marker::diamond, true};
-  look.name = m.name;
-  return look;
+  const auto known = kKnown.find(m.setting);
+  SeriesStyle style =
+      known != kKnown.end() ? known->second : SeriesStyle{"", "#6b7785", Marker::diamond, true};
+  style.name = m.name;
+  return style;
 }
 
-/// What tells an experiment from the others of its family: "10k", "all moving", "3 mm ball".
+/// The part of the title that differs within a family: "10k", "all moving", "3 mm ball".
 std::string sizeOf(const ExperimentInfo& info) {
   const std::size_t comma = info.title.find(", ");
   const std::string rest = comma == std::string::npos ? info.title : info.title.substr(comma + 2);
@@ -72,8 +74,8 @@ std::string scatterOf(const std::vector<const ExperimentResult*>& family) {
   for (const ExperimentResult* e : family) {
     for (const Measurement& m : e->settings) {
       auto series = std::find_if(plot.series.begin(), plot.series.end(),
-                                 [&](const PlotSeries& s) { return s.look.name == m.name; });
-      if (series == plot.series.end()) series = plot.series.insert(series, PlotSeries{lookOf(m), {}});
+                                 [&](const PlotSeries& s) { return s.style.name == m.name; });
+      if (series == plot.series.end()) series = plot.series.insert(series, PlotSeries{styleOf(m), {}});
       const bool labelled = family.size() > 1 && m.setting == "tandem";
       series->points.push_back({m.cost.p99, m.error.p99, labelled ? sizeOf(e->info) : "", tooltip(*e, m)});
     }
@@ -112,7 +114,7 @@ std::string rangesOf(const SweepResult& result) {
   for (const ExperimentResult& e : result.experiments) {
     RangeRow row{e.info.title, {}};
     for (const Measurement& m : e.settings)
-      row.marks.push_back({lookOf(m), m.cost.p50, m.cost.p99, tooltip(e, m)});
+      row.marks.push_back({styleOf(m), m.cost.p50, m.cost.p99, tooltip(e, m)});
     plot.rows.push_back(std::move(row));
   }
   return "<figure>" + rangeSvg(plot) + "</figure>\n";
@@ -120,16 +122,16 @@ std::string rangesOf(const SweepResult& result) {
 
 std::string buildBars(const SweepResult& result) {
   std::vector<Bar> bars;
-  std::size_t most = 0;
-  for (const ExperimentResult& e : result.experiments) most = std::max(most, e.triangles);
+  std::size_t largest = 0;
+  for (const ExperimentResult& e : result.experiments) largest = std::max(largest, e.triangles);
   for (const ExperimentResult& e : result.experiments) {
-    if (e.triangles * 10 < most || e.parts > 1) continue;
+    if (e.triangles * 10 < largest || e.parts > 1) continue;
     for (const Measurement& m : e.settings) {
       if (m.setting != "tandem" && m.setting != "three-planes-double" && m.kind != Kind::peer) continue;
       const std::string who = m.kind == Kind::tandem ? "Tandem"
                               : m.kind == Kind::peer ? m.setting
                                                      : "baseline";
-      bars.push_back({e.info.id + ", " + who, number(m.build_ms) + " ms", m.build_ms, lookOf(m).colour});
+      bars.push_back({e.info.id + ", " + who, number(m.build_ms) + " ms", m.build_ms, styleOf(m).colour});
     }
   }
   return bars.empty() ? "" : "<figure>" + barsSvg(bars) + "</figure>\n";
@@ -232,6 +234,7 @@ std::string familySection(const SweepResult& result, const std::string& family) 
   std::vector<const ExperimentResult*> members;
   for (const ExperimentResult& e : result.experiments)
     if (e.info.family == family) members.push_back(&e);
+  ASSERT(!members.empty());
   const ExperimentInfo& first = members.front()->info;
   const std::string heading =
       members.size() > 1 ? first.title.substr(0, first.title.find(", ")) : first.title;
@@ -309,21 +312,21 @@ std::vector<Bound> boundsOf(const SweepResult& result) {
         gears = true;
         gear = std::max(gear, m.error.relativeP99);
       }
-      const auto cost = [&](const char* id, const AskedCost& asked) {
+      const auto cost = [&](const char* id, const TargetCost& target) {
         if (e.info.id != id) return;
-        if (asked.p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, asked.p50});
-        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, asked.p99});
+        if (target.p50 > 0.0) bounds.push_back({e.info.title + ": tick p50", "µs", m.cost.p50, target.p50});
+        bounds.push_back({e.info.title + ": tick p99", "µs", m.cost.p99, target.p99});
       };
-      cost("gear-1m", kAskedOfGear);
-      cost("gear-ball1-1m", kAskedOfGearBall);
+      cost("gear-1m", kGearTarget);
+      cost("gear-ball1-1m", kGearBallTarget);
       if (e.info.id == "friction")
         bounds.push_back(
             {"friction on a plane: error of the force, p99", "%", 100.0 * m.error.relativeP99, 0.5});
-      cost("fine-ball3-1m", kAskedOfFineSphere);
-      cost("parts-still", kAskedOfStillParts);
-      cost("parts-moving", kAskedOfMovingParts);
+      cost("fine-ball3-1m", kFineSphereTarget);
+      cost("parts-still", kStillPartsTarget);
+      cost("parts-moving", kMovingPartsTarget);
       if (e.info.id == "gear-1m")
-        bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kAskedBuild_ms});
+        bounds.push_back({"build of 1 M triangles", "ms", m.build_ms, kBuildTarget_ms});
     }
   }
   for (const PartExperimentResult& e : result.held) partBounds(e, bounds, counted, allocations);

@@ -45,7 +45,7 @@ Json settingJson(const LinkMeasurement& m) {
   json["diverged"] = m.diverged;
   json["created_j"] = number(m.created);
   json["rest_m"] = figure(m, m.rest);
-  json["apart_m"] = {{"rms", figure(m, m.apart)}, {"max", figure(m, m.mostApart)}};
+  json["apart_m"] = {{"rms", figure(m, m.apart)}, {"max", figure(m, m.maxApart)}};
   json["off_grip_m"] = figure(m, m.offGrip);
   json["hand_to_hand_n_m"] = figure(m, m.handToHand);
   json["wall_n_m"] = figure(m, m.wall);

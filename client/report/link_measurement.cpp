@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include "assets/base/assert.h"
 #include "client/base/thread_clock.h"
 #include "client/report/link_recording.h"
 #include "sync/transport/seal.h"
@@ -21,7 +22,8 @@ constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 constexpr double kDivergence = 1.0;    // J, made at the devices
 constexpr double kDragEnd = 8.0;       // s
 constexpr double kMeasuredFrom = 3.0;  // s, in which bytes are counted until kDragEnd
-// Bytes of a message with a pose and a twist on the link's wire, without sums and energy; and of what others add.
+// Bytes of a message with a pose and a twist on the link's wire, without sums and energy, and of the
+// additions of other architectures.
 constexpr double kPoseMessage = 45.0, kEnergy = 4.0, kWrench = 12.0;
 
 bench::TieMaker endsOf(const LinkSetting& setting) {
@@ -59,7 +61,7 @@ struct Case {
   bench::Block block;
 };
 
-/// `recording` may be null; it stays empty where nothing ties replicas.
+/// `recording` may be null. It stays empty where the architecture has no replicas to tie.
 std::unique_ptr<HandBench> benchOf(const LinkSetting& setting, const Case& c,
                                    std::shared_ptr<LinkRecording> recording = nullptr) {
   const bench::Network network = networkOf(c.delay, setting);
@@ -82,7 +84,7 @@ Case dragCase(double delay, int seed) {
   return {delay, static_cast<unsigned>(seed), bench::twoHands(bench::firmArm(), bench::lightArm()), {}};
 }
 
-/// What a link's packet takes, sealed.
+/// The bytes of a link's packet, sealed.
 double bytesOf(const haptics::LinkPacket& packet) {
   sync::LinkState state;
   state.epoch = packet.epoch;
@@ -126,7 +128,7 @@ void runDrag(const LinkSetting& setting, double delay, int seed, LinkMeasurement
   const bench::DragFigures d = bench::drag(*people, {.until = kDragEnd});
   note(d, out);
   out.apart = std::max(out.apart, d.rms);
-  out.mostApart = std::max(out.mostApart, d.most);
+  out.maxApart = std::max(out.maxApart, d.most);
   out.offGrip = std::max(out.offGrip, d.offGrip);
   out.load = std::max(out.load, d.load);
   out.change = std::max(out.change, d.change);
@@ -158,7 +160,7 @@ void runPress(const LinkSetting& setting, double delay, int seed, LinkMeasuremen
   out.wall = std::min(out.wall, p.stiffness);
 }
 
-/// us of one of `count` things that `work` does.
+/// The processor time of `work`, divided by `count`, us.
 template <typename Work>
 double timeOf(double count, const Work& work) {
   const double from = threadMicroseconds();
@@ -166,7 +168,7 @@ double timeOf(double count, const Work& work) {
   return (threadMicroseconds() - from) / count;
 }
 
-/// us of the implicit step of a body that `grips` hands hold and nothing else touches.
+/// The time of the implicit step of a body that `grips` hands hold and nothing else touches, us.
 double heldStep(std::size_t grips) {
   constexpr int kSteps = 4000;
   haptics::RigidBody body = bench::bodyOf({});
@@ -183,7 +185,7 @@ double heldStep(std::size_t grips) {
   });
 }
 
-/// The least that `work` tells of several runs over the least of the yardstick, by turns.
+/// The least result of several runs of `work` over the least time of the yardstick; the two run in turn.
 template <typename Work>
 double inYardsticks(const Work& work) {
   double least = std::numeric_limits<double>::infinity(), yardstick = least;
@@ -206,6 +208,7 @@ bench::Network networkOf(double delay, const LinkSetting& setting) {
 }
 
 LinkMeasurement measureLink(const LinkSetting& setting, double delay, int seeds, double aloneLoad) {
+  ASSERT(seeds >= 1 && delay >= 0.0 && setting.packetHz > 0.0);
   LinkMeasurement out;
   out.setting = setting;
   out.handToHand = out.wall = std::numeric_limits<double>::infinity();

@@ -1,6 +1,6 @@
 #pragma once
 
-// Two people on one part across the network: one way of tying their sites together, and what it gives them.
+// Two people on one part across the network: one architecture that couples their sites, and its figures.
 
 #include <string>
 
@@ -11,7 +11,7 @@ namespace tandem::client::report {
 
 enum class Architecture { link, plain, tank, server, oneRoom };
 
-/// One way of tying two sites together.
+/// One architecture with its parameters.
 struct LinkSetting {
   std::string id, name;
   Architecture architecture = Architecture::link;
@@ -23,40 +23,39 @@ struct LinkSetting {
   bool letsGo = false;     // hands that let go in tension are tried too
 };
 
-/// What is measured of it; the worst of all seeds. Only `cost` depends on the machine.
+/// The figures of a setting, the worst of all seeds. Only `cost` depends on the machine.
 struct LinkMeasurement {
   LinkSetting setting;
-  double apart = 0.0,
-         mostApart = 0.0;   // m, rms and largest: between the part at the two sites, in the shared drag
-  double offGrip = 0.0;     // m rms: the leader's hand from where the part that it sees is held
-  double load = 0.0;        // the leader's force in the drag, of that without a network
-  double change = 0.0;      // N: largest change of force in 20 ms on any hand in the drag
-  double handToHand = 0.0;  // N/m
-  double wall = 0.0;        // N/m, as the guest feels it; NaN where it was not reached
-  double playOut = 0.0;     // s, by which the peer is played out late, at the end of the drag; links only
-  double bytes = 0.0;       // a second, each way
-  double created = 0.0;     // J, at the device ports, in any run
-  double rest = 0.0;        // m, peak to peak, when hands have let go; NaN where that was not tried
-  double cost = 0.0;        // of a tick of one end, in yardsticks; NaN where it was not timed
-  bool diverged = false;    // a part has gone 0.6 m astray, or a joule was made of nothing: no figures
-  double off = 0.0;  // 0..1 of the drag's ticks in which a link was off: each has the whole part for itself
-  bool stable() const { return !diverged && created <= bench::kEnergyBound && !(rest > kMostRest); }
+  double apart = 0.0, maxApart = 0.0;  // m, rms and largest, between the part at the two sites in the drag
+  double offGrip = 0.0;                // m rms: the leader's hand from its grip on the displayed part
+  double load = 0.0;                   // the leader's force in the drag, of that without a network
+  double change = 0.0;                 // N: largest change of force in 20 ms on any hand in the drag
+  double handToHand = 0.0;             // N/m
+  double wall = 0.0;                   // N/m, as the co-holder feels it; NaN where it was not reached
+  double playOut = 0.0;                // s, the play-out delay of the peer at the end of the drag; links only
+  double bytes = 0.0;                  // a second, each way
+  double created = 0.0;                // J, at the device ports, in any run
+  double rest = 0.0;      // m, peak to peak, when hands have let go; NaN where that was not tried
+  double cost = 0.0;      // of a tick of one end, in yardsticks; NaN where it was not timed
+  bool diverged = false;  // a part went 0.6 m astray, or 1 J was created: no figures
+  double off = 0.0;  // 0..1 of the drag's ticks in which the link was off and each site had the whole part
+  bool stable() const { return !diverged && created <= bench::kEnergyBound && !(rest > kMaxRest); }
 
-  static constexpr double kMostRest = 1e-3;  // m
+  static constexpr double kMaxRest = 1e-3;  // m
 };
 
-/// Of every experiment: `delay` s one way, 20 % jitter, 2 % loss.
+/// The network of every experiment: `delay` s one way, 20 % jitter, 2 % loss.
 bench::Network networkOf(double delay, const LinkSetting& setting);
 
-/// Runs the shared drag, the pull and the press, and letting go where the setting asks for it, with each seed from 1 on.
-/// `aloneLoad` N rms: of the leader without a network, or 0.
+/// Runs the shared drag, the pull and the press, and letting go where the setting asks for it, with each seed
+/// from 1 on. `aloneLoad` N rms: of the leader without a network, or 0.
 LinkMeasurement measureLink(const LinkSetting& setting, double delay, int seeds, double aloneLoad);
 
 /// N rms on the leader of the shared drag without a network.
 double loadWithoutNetwork();
 
-/// Times a tick of one end, in multiples of the implicit step of a held part in the same run (coupleBody with one grip):
-/// receive, pull, settle and packet, as they come in the drag; of the server its own step.
+/// Times a tick of one end, in multiples of the implicit step of a held part in the same run (coupleBody with
+/// one grip): receive, pull, settle and packet, as they come in the drag; of the server its own step.
 double tickCost(const LinkSetting& setting, double delay);
 
 }  // namespace tandem::client::report

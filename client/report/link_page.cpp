@@ -6,7 +6,7 @@
 
 #include "client/plot/panel_plot.h"
 #include "client/plot/words.h"
-#include "client/report/asked.h"
+#include "client/report/targets.h"
 
 namespace tandem::client::report {
 namespace {
@@ -29,14 +29,14 @@ constexpr const char* kApartLabel = "sites apart, rms, mm";
 constexpr const char* kHandToHandLabel = "hand to hand, N/m";
 constexpr const char* kLoadLabel = "leader's force, × no network";
 constexpr const char* kChangeLabel = "largest change in 20 ms, N";
-// What is less is drawn there: mm, N/m, -, N.
+// The floors of the axes: mm, N/m, -, N.
 constexpr double kLeastApart = 0.1, kLeastStiffness = 2.0, kLeastLoad = 0.2, kLeastChange = 0.01;
 
 bool isLink(const LinkMeasurement& m) { return m.setting.architecture == Architecture::link; }
 bool isOff(const LinkMeasurement& m) { return isLink(m) && m.off > 0.5; }
 
-/// What the link replaces, and what it would be without a network.
-Look lookOfRival(const LinkMeasurement& m) {
+/// The style of an architecture other than the link.
+SeriesStyle styleOfRival(const LinkMeasurement& m) {
   const std::string& name = m.setting.name;
   switch (m.setting.architecture) {
     case Architecture::plain:
@@ -90,11 +90,11 @@ std::string tooltip(const LinkExperimentResult& e, const LinkMeasurement& m) {
          ", " + number(1e-3 * m.bytes) + " kB/s";
 }
 
-/// One more point of a series, which is begun where it is new.
-void put(Panel& panel, const Look& look, bool joined, const PlotPoint& point, bool stable) {
+/// Adds a point to the series with this style's name, which is made if it is new.
+void put(Panel& panel, const SeriesStyle& style, bool joined, const PlotPoint& point, bool stable) {
   auto series = std::find_if(panel.series.begin(), panel.series.end(),
-                             [&](const PanelSeries& s) { return s.look.name == look.name; });
-  if (series == panel.series.end()) series = panel.series.insert(series, PanelSeries{look, {}, {}, joined});
+                             [&](const PanelSeries& s) { return s.style.name == style.name; });
+  if (series == panel.series.end()) series = panel.series.insert(series, PanelSeries{style, {}, {}, joined});
   if (stable && !std::isfinite(point.y)) return;
   (stable ? series->points : series->unstable).push_back(point);
 }
@@ -113,13 +113,13 @@ Panel overDelay(const SweepResult& result, const char* title, const char* yLabel
       if (isLink(m) && !m.setting.inUse) continue;
       PlotPoint point = pointOf(e, m, 1e3 * e.delay, measure(m));
       if (isOff(m)) point.label = "off";
-      put(panel, lookOfRival(m), true, point, m.stable());
+      put(panel, styleOfRival(m), true, point, m.stable());
     }
   }
   return panel;
 }
 
-/// Light to heavy lines.
+/// From light to dark as the impedance grows.
 const char* colourOf(double impedance) {
   return impedance < 10.0   ? "#8fc7e0"
          : impedance < 20.0 ? "#4f9fbf"
@@ -130,14 +130,14 @@ const char* colourOf(double impedance) {
 void putRivals(const LinkExperimentResult& e, const Measure& x, const Measure& y, Panel& panel) {
   for (const LinkMeasurement& m : e.settings) {
     if (isLink(m) || m.setting.architecture == Architecture::oneRoom) continue;
-    put(panel, lookOfRival(m), false, pointOf(e, m, x(m), y(m)), m.stable());
+    put(panel, styleOfRival(m), false, pointOf(e, m, x(m), y(m)), m.stable());
   }
 }
 
-/// The settings that are drawn, those of one `name` as one line in the order of the sweep.
+/// The settings that are drawn. Settings whose styles have one name form one line, in the order of the sweep.
 struct Lines {
   Chosen drawn;
-  std::function<Look(const LinkMeasurement&)> look;
+  std::function<SeriesStyle(const LinkMeasurement&)> style;
   std::function<std::string(const LinkMeasurement&)> label;
 };
 
@@ -155,11 +155,11 @@ void putLines(const LinkExperimentResult& e, const Lines& lines, const Measure& 
     PlotPoint point = pointOf(e, *m, x(*m), y(*m));
     point.ringed = m->setting.inUse;
     point.label = lines.label(*m);
-    put(panel, lines.look(*m), true, point, m->stable());
+    put(panel, lines.style(*m), true, point, m->stable());
   }
 }
 
-/// The delays at which knobs were turned.
+/// The delays with more settings of the link than the one in use.
 std::vector<const LinkExperimentResult*> turned(const SweepResult& result) {
   std::vector<const LinkExperimentResult*> found;
   for (const LinkExperimentResult& e : result.links)
@@ -179,23 +179,23 @@ std::string rateFigure(const SweepResult& result) {
   for (const LinkExperimentResult* e : turned(result)) {
     Panel panel{delayInWords(*e), "kB/s each way", kApartLabel, kLeastApart, {}, {}};
     const double used = usedImpedance(*e);
-    putLines(
-        *e,
-        {[](const LinkMeasurement& m) { return m.setting.margin == 0.0; },
-         [](const LinkMeasurement& m) {
-           return Look{"link, b = " + number(m.setting.impedance) + " N·s/m", colourOf(m.setting.impedance)};
-         },
-         [&](const LinkMeasurement& m) {
-           return m.setting.impedance == used ? number(m.setting.packetHz) + " Hz" : "";
-         }},
-        kKilobytes, kApart, panel);
+    putLines(*e,
+             {[](const LinkMeasurement& m) { return m.setting.margin == 0.0; },
+              [](const LinkMeasurement& m) {
+                return SeriesStyle{"link, b = " + number(m.setting.impedance) + " N·s/m",
+                                   colourOf(m.setting.impedance)};
+              },
+              [&](const LinkMeasurement& m) {
+                return m.setting.impedance == used ? number(m.setting.packetHz) + " Hz" : "";
+              }},
+             kKilobytes, kApart, panel);
     putRivals(*e, kKilobytes, kApart, panel);
     panels.push_back(std::move(panel));
   }
   return "<figure>" + panelsSvg(panels) + "</figure>\n";
 }
 
-/// What stiffness costs the leader: a line a margin, along it the impedance.
+/// Stiffness against the leader's force: a line a margin, along it the impedance.
 std::string impedanceFigure(const SweepResult& result) {
   const auto colour = [](double margin) {
     return margin < -0.007 ? "#8a2f6b" : margin < 0.0 ? "#c9590b" : margin < 0.005 ? "#0b6e99" : "#4f7d3a";
@@ -203,11 +203,12 @@ std::string impedanceFigure(const SweepResult& result) {
   std::vector<Panel> panels;
   for (const LinkExperimentResult* e : turned(result)) {
     Panel panel{delayInWords(*e), kLoadLabel, kHandToHandLabel, kLeastStiffness, {}, {}};
-    const auto look = [&](const LinkMeasurement& m) {
-      return Look{"link, margin " + signedMilliseconds(m.setting.margin) + " ms", colour(m.setting.margin)};
+    const auto style = [&](const LinkMeasurement& m) {
+      return SeriesStyle{"link, margin " + signedMilliseconds(m.setting.margin) + " ms",
+                         colour(m.setting.margin)};
     };
     putLines(*e,
-             {[](const LinkMeasurement& m) { return m.setting.packetHz == 250.0; }, look,
+             {[](const LinkMeasurement& m) { return m.setting.packetHz == 250.0; }, style,
               [](const LinkMeasurement& m) {
                 return m.setting.margin == 0.0 ? "b " + number(m.setting.impedance) : "";
               }},
@@ -218,7 +219,7 @@ std::string impedanceFigure(const SweepResult& result) {
   return "<figure>" + panelsSvg(panels) + "</figure>\n";
 }
 
-Look lookOfDelay(double delay) {
+SeriesStyle styleOfDelay(double delay) {
   const char* colour = delay < 0.02   ? "#4f9fbf"
                        : delay < 0.04 ? "#0b6e99"
                        : delay < 0.08 ? "#4f7d3a"
@@ -226,7 +227,7 @@ Look lookOfDelay(double delay) {
   return {number(1e3 * delay) + " ms one way", colour, Marker::circle};
 }
 
-/// What the margin buys and costs, and what a tick costs: a line a delay.
+/// Benefit and cost of the margin, and the cost of a tick: a line a delay.
 std::string marginFigure(const SweepResult& result) {
   Panel change{"Roughness", "played out late by, ms", kChangeLabel, kLeastChange, {}, {}};
   Panel apart{"Distance", "played out late by, ms", kApartLabel, kLeastApart, {}, {}};
@@ -234,14 +235,14 @@ std::string marginFigure(const SweepResult& result) {
   Panel cost{"Load", "packets a second", "tick of an end, × held step", 0.01, {}, {}};
   for (const LinkExperimentResult* e : turned(result)) {
     const double used = usedImpedance(*e);
-    const auto look = [&](const LinkMeasurement&) { return lookOfDelay(e->delay); };
+    const auto style = [&](const LinkMeasurement&) { return styleOfDelay(e->delay); };
     const Lines alongMargin{
         [&](const LinkMeasurement& m) { return m.setting.packetHz == 250.0 && m.setting.impedance == used; },
-        look, [](const LinkMeasurement& m) { return signedMilliseconds(m.setting.margin); }};
+        style, [](const LinkMeasurement& m) { return signedMilliseconds(m.setting.margin); }};
     putLines(*e, alongMargin, kPlayOut, kChange, change);
     putLines(*e, alongMargin, kPlayOut, kApart, apart);
     putLines(*e, alongMargin, kPlayOut, kHandToHand, stiffness);
-    const Lines timed{[](const LinkMeasurement& m) { return std::isfinite(m.cost); }, look,
+    const Lines timed{[](const LinkMeasurement& m) { return std::isfinite(m.cost); }, style,
                       [](const LinkMeasurement&) { return std::string(); }};
     putLines(*e, timed, kPackets, kCost, cost);
   }
@@ -275,7 +276,7 @@ std::string rowOf(const LinkMeasurement& m) {
   for (const std::string& cell :
        {cellUnless(alone, number(m.setting.packetHz)),
         cellUnless(!isLink(m), signedMilliseconds(m.setting.margin)), gainsOf(m.setting),
-        cellUnless(none, number(1e3 * m.apart)), cellUnless(none, number(1e3 * m.mostApart)),
+        cellUnless(none, number(1e3 * m.apart)), cellUnless(none, number(1e3 * m.maxApart)),
         cellUnless(none, number(1e3 * m.offGrip)), cellUnless(none, isOff(m) ? "off" : number(m.handToHand)),
         cellUnless(none || !std::isfinite(m.wall), number(m.wall)), cellUnless(none, number(m.load)),
         cellUnless(none, number(m.change, 2)), cellUnless(!isLink(m), number(1e3 * m.playOut)),
@@ -311,57 +312,73 @@ std::string tablesOf(const SweepResult& result) {
 }
 
 /// Each measure in one sentence.
-const char* const kMeasures = R"(<ul>
-<li><b>Sites apart</b> is the distance, root mean square from 3 to 8 s, between the centres of the part at the two sites at one instant, while a firm arm leads it to and fro by 5 cm at 0.5 Hz and the other hand lightly holds on.</li>
-<li><b>Leader's force</b> is the leader's root mean square force in that drag, over what it is where both hands hold the part itself.</li>
-<li><b>Hand off part</b> is the distance, root mean square, of the leader's device from where the part that it sees is held.</li>
-<li><b>Change in 20 ms</b> is the largest by which the force on either hand differs from that 20 ms before, in the steady middle of that drag.</li>
-<li><b>Hand to hand</b> is the force on a firm hand that holds still, over the way between the two devices, while the other firm hand pulls 15 mm away.</li>
-<li><b>Wall</b> is the least-squares slope of force against travel that the guest feels who presses the part with 2 N against a wall of 5 N/mm (in series with the grasp of 1 N/mm: 833 N/m).</li>
-<li><b>kB/s</b> counts the sealed messages of one direction, without UDP and IP: those of the link as its wire encodes them; others are given the same header, pose and twist, the tank 4 bytes more and the server's forces 12.</li>
-<li><b>Tick</b> is the processor time of one end in one tick, replayed from the drag, over that of the implicit step of a held part in the same run; of the server its own step with both springs.</li>
-<li><b>Made</b> is the most by which the energy given at both devices ever exceeded what came in, in any run.</li>
-<li><b>Stable</b> is what never diverges, makes at most 1 mJ, and, where hands let go in tension, rests within 1 mm; what makes a joule, or goes 0.6 m astray, <b>diverges</b> and has no figures.</li>
-</ul>
-)";
+const char* const kMeasures =
+    "<ul>\n"
+    "<li><b>Sites apart</b> is the distance, root mean square from 3 to 8 s, between the centres of "
+    "the part at the two sites at one instant, while a firm arm leads it to and fro by 5 cm at 0.5 "
+    "Hz and the other hand lightly holds on.</li>\n"
+    "<li><b>Leader's force</b> is the leader's root mean square force in that drag, over what it is "
+    "where both hands hold the part itself.</li>\n"
+    "<li><b>Hand off part</b> is the distance, root mean square, of the leader's device from where "
+    "the part that it sees is held.</li>\n"
+    "<li><b>Change in 20 ms</b> is the largest by which the force on either hand differs from that "
+    "20 ms before, in the steady middle of that drag.</li>\n"
+    "<li><b>Hand to hand</b> is the force on a firm hand that holds still, over the way between the "
+    "two devices, while the other firm hand pulls 15 mm away.</li>\n"
+    "<li><b>Wall</b> is the least-squares slope of force against travel that the guest feels who "
+    "presses the part with 2 N against a wall of 5 N/mm (in series with the grasp of 1 N/mm: 833 "
+    "N/m).</li>\n"
+    "<li><b>kB/s</b> counts the sealed messages of one direction, without UDP and IP: those of the "
+    "link as its wire encodes them; others are given the same header, pose and twist, the tank 4 "
+    "bytes more and the server's forces 12.</li>\n"
+    "<li><b>Tick</b> is the processor time of one end in one tick, replayed from the drag, over that "
+    "of the implicit step of a held part in the same run; of the server its own step with both "
+    "springs.</li>\n"
+    "<li><b>Made</b> is the most by which the energy given at both devices ever exceeded what came "
+    "in, in any run.</li>\n"
+    "<li><b>Stable</b> is what never diverges, makes at most 1 mJ, and, where hands let go in "
+    "tension, rests within 1 mm; what makes a joule, or goes 0.6 m astray, <b>diverges</b> and has "
+    "no figures.</li>\n"
+    "</ul>\n";
 
 const char* const kArchitectures =
-    R"(. The <b>coordination link</b> is the code that sessions run: replicas at both sites, tied by wave variables. It
-stands beside what it replaces: the part simulated <b>on the server</b>, midway; a <b>plain delayed spring</b> between
-replicas; the same spring behind a <b>tank</b> of energy (Franken et al. 2011); and <b>no network</b>, both hands on the
-part itself. <i>Its best</i> are, of 75 pairs of gains tried at each delay, those that feel stiffest from hand to hand,
-are stable, stay so with half as much stiffness more, and take of the leader at most twice the force without a network.
-Where none will do, the softest tried are shown. What is unstable stands as a cross above its plot.</p>
+    R"(. The <b>coordination link</b> is the code that sessions run: replicas at both sites, tied by wave
+variables. It stands beside what it replaces: the part simulated <b>on the server</b>, midway; a <b>plain
+delayed spring</b> between replicas; the same spring behind a <b>tank</b> of energy (Franken et al. 2011);
+and <b>no network</b>, both hands on the part itself. <i>Its best</i> are, of 75 pairs of gains tried at
+each delay, those that feel stiffest from hand to hand, are stable, stay so with half as much stiffness
+more, and take of the leader at most twice the force without a network. Where none will do, the softest
+tried are shown. What is unstable stands as a cross above its plot.</p>
 )";
 
 std::string introduction(const SweepResult& result) {
   const int seeds = result.links.front().seeds;
   return R"(<h2>Across the network</h2>
-<p>Two people hold one part of 1 kg, each at their own site, with 20 % jitter and 2 % loss between them; arms and devices
-are modelled, time is virtual, and each figure is )" +
+<p>Two people hold one part of 1 kg, each at their own site, with 20 % jitter and 2 % loss between them;
+arms and devices are modelled, time is virtual, and each figure is )" +
          (seeds == 1 ? std::string("that of seed 1") : "the worst of " + std::to_string(seeds) + " seeds") +
          kArchitectures + kMeasures;
 }
 
 const char* const kAboutDelay = R"(<h3>What it replaces, by delay</h3>
-<p>A server shows both sites the same part, a way late: they are close to each other, and far from the hands. A link that
-is <i>off</i> leaves each with the whole part.</p>
+<p>A server shows both sites the same part, a way late: they are close to each other, and far from the
+hands. A link that is <i>off</i> leaves each with the whole part.</p>
 )";
 
 const char* const kAboutRate = R"(<h3>Packet rate: bytes against distance</h3>
-<p>A line is an impedance b, along it the packet rate; the ring is the link as sessions have it. <b>Left is cheaper, down
-is closer.</b> The sites of a server are close to each other, not to the hands.</p>
+<p>A line is an impedance b, along it the packet rate; the ring is the link as sessions have it. <b>Left is
+cheaper, down is closer.</b> The sites of a server are close to each other, not to the hands.</p>
 )";
 
 const char* const kAboutImpedance = R"(<h3>Impedance: stiffness against the leader's force</h3>
-<p>A line is a margin of the play-out, along it the impedance, at 250 packets a second. A line weighs b times its delay,
-which the leader carries. <b>Left is lighter, up is stiffer.</b></p>
+<p>A line is a margin of the play-out, along it the impedance, at 250 packets a second. A line weighs b
+times its delay, which the leader carries. <b>Left is lighter, up is stiffer.</b></p>
 )";
 
 const char* const kAboutMargin = R"(<h3>Margin and load</h3>
-<p>How much later than what a link finds enough the peer is played out: -10, -5, 0, +10 ms, at 250 packets a second.
-Sooner, the wave runs dry oftener, and what the reserve cannot lend is lost; later costs distance and stiffness. Last:
-what a tick of one end costs.</p>
+<p>How much later than what a link finds enough the peer is played out: -10, -5, 0, +10 ms, at 250 packets a
+second. Sooner, the wave runs dry oftener, and what the reserve cannot lend is lost; later costs distance
+and stiffness. Last: what a tick of one end costs.</p>
 )";
 
 }  // namespace
@@ -381,17 +398,17 @@ void linkBounds(const LinkExperimentResult& e, std::vector<Bound>& bounds) {
   for (const LinkMeasurement& m : e.settings) {
     if (!m.setting.inUse) continue;
     const std::string where = delayInWords(e) + ": ";
-    for (const AskedOfLink& asked : kAskedOfLink) {
-      if (std::abs(asked.delay_ms - 1e3 * e.delay) > 0.5) continue;
-      bounds.push_back({where + "wall felt by the guest", "N/m", m.wall, asked.wall, true});
-      if (asked.handToHand > 0.0)
-        bounds.push_back({where + "hand to hand", "N/m", m.handToHand, asked.handToHand, true});
-      if (asked.apart_mm > 0.0)
-        bounds.push_back({where + "sites apart, rms", "mm", 1e3 * m.apart, asked.apart_mm});
-      bounds.push_back({where + "leader's force", "×", m.load, asked.load});
+    for (const LinkTarget& target : kLinkTargets) {
+      if (std::abs(target.delay_ms - 1e3 * e.delay) > 0.5) continue;
+      bounds.push_back({where + "wall felt by the guest", "N/m", m.wall, target.wall, true});
+      if (target.handToHand > 0.0)
+        bounds.push_back({where + "hand to hand", "N/m", m.handToHand, target.handToHand, true});
+      if (target.apart_mm > 0.0)
+        bounds.push_back({where + "sites apart, rms", "mm", 1e3 * m.apart, target.apart_mm});
+      bounds.push_back({where + "leader's force", "×", m.load, target.load});
     }
     bounds.push_back(
-        {where + "bytes each way at 250 packets a second", "kB/s", 1e-3 * m.bytes, kAskedLinkBytes_k});
+        {where + "bytes each way at 250 packets a second", "kB/s", 1e-3 * m.bytes, kLinkBytesTarget_k});
     bounds.push_back({where + "energy made", "mJ", 1e3 * m.created, 1e3 * bench::kEnergyBound});
   }
 }

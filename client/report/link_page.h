@@ -16,7 +16,7 @@ std::string linkSection(const SweepResult& result);
 /// "25 ms one way".
 std::string delayInWords(const LinkExperimentResult& e);
 
-/// What the project asks of the link in use at these delays.
+/// Adds the targets for the link in use at this delay.
 void linkBounds(const LinkExperimentResult& e, std::vector<Bound>& bounds);
 
 }  // namespace tandem::client::report

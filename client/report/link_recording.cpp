@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client::report {
 namespace {
 
@@ -12,7 +14,7 @@ class RecordedEnd : public bench::TieEnd {
       : end_(std::move(end)), recording_(std::move(recording)) {}
 
   void receive(const haptics::LinkPacket& packet) override {
-    recording_->heard.push_back(packet);
+    recording_->received.push_back(packet);
     end_->receive(packet);
   }
   haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override {
@@ -20,16 +22,18 @@ class RecordedEnd : public bench::TieEnd {
     tick.now = now;
     tick.before = worldFromCentre;
     tick.twistBefore = twist;
-    tick.heard = recording_->heard.size();
+    tick.received = recording_->received.size();
     return end_->pull(now, worldFromCentre, twist);
   }
   void settle(const Pose& worldFromCentre, const Twist& twist) override {
+    ASSERT(!recording_->ticks.empty());  // pull() begins a tick
     recording_->ticks.back().after = worldFromCentre;
     recording_->ticks.back().twistAfter = twist;
     end_->settle(worldFromCentre, twist);
     recording_->ticks.back().off = end_->apart();
   }
   haptics::LinkPacket packet(double now) override {
+    ASSERT(!recording_->ticks.empty());
     recording_->ticks.back().sends = true;
     return recording_->sent.emplace_back(end_->packet(now));
   }
@@ -61,9 +65,10 @@ bench::TieMaker recordingFirst(bench::TieMaker make, std::shared_ptr<LinkRecordi
 }
 
 void replay(const LinkRecording& recording, bench::TieEnd& end) {
-  std::size_t heard = 0;
+  std::size_t received = 0;
   for (const LinkRecording::Tick& tick : recording.ticks) {
-    for (; heard < tick.heard; ++heard) end.receive(recording.heard[heard]);
+    ASSERT(tick.received <= recording.received.size());
+    for (; received < tick.received; ++received) end.receive(recording.received[received]);
     end.pull(tick.now, tick.before, tick.twistBefore);
     end.settle(tick.after, tick.twistAfter);
     if (tick.sends) end.packet(tick.now);

@@ -1,6 +1,6 @@
 #pragma once
 
-// What one end of a tie is called with in a run, to be timed and weighed afterwards.
+// The calls of one end of a tie in a run, recorded so that they can be replayed and timed.
 
 #include <memory>
 #include <vector>
@@ -14,16 +14,16 @@ struct LinkRecording {
     double now = 0.0;
     Pose before, after;
     Twist twistBefore, twistAfter;
-    std::size_t heard = 0;            // packets until then
+    std::size_t received = 0;         // packets received until then
     bool sends = false, off = false;  // off: there is no tie at this delay
   };
-  std::vector<haptics::LinkPacket> heard, sent;
+  std::vector<haptics::LinkPacket> received, sent;
   std::vector<Tick> ticks;
   /// 0..1 of the ticks.
   double offShare() const;
 };
 
-/// Makes ends as `make` does; the first one that is made is recorded.
+/// A maker that makes ends by `make` and records the first of them.
 bench::TieMaker recordingFirst(bench::TieMaker make, std::shared_ptr<LinkRecording> recording);
 
 /// Calls a fresh end as the recorded one was called.

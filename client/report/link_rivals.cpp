@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client::report {
 
 using haptics::SixAxes;
@@ -19,7 +21,7 @@ haptics::CouplingGains couplingOf(const SpringGains& gains) {
 
 haptics::LinkPull dragAnd(const Wrench& held) { return {held, kServerDrag, kServerDrag * kLever * kLever}; }
 
-/// Half the way: half the delay, and a loss that makes the whole one with that of the other half.
+/// One of two equal legs: half the delay, and the loss that gives the whole one over both legs.
 bench::Network legOf(bench::Network network) {
   network.delay *= 0.5;
   network.loss = 1.0 - std::sqrt(1.0 - network.loss);
@@ -29,16 +31,16 @@ bench::Network legOf(bench::Network network) {
 }  // namespace
 
 void TankEnd::receive(const haptics::LinkPacket& packet) {
-  if (heard_ && packet.time <= peer_.time) return;
-  if (!heard_) drawnTo_ = own_.worldFromDrawn;
+  if (hasPeer_ && packet.time <= peer_.time) return;
+  if (!hasPeer_) drawnTo_ = own_.worldFromDrawn;
   peer_ = packet;
-  heard_ = true;
+  hasPeer_ = true;
 }
 
 haptics::LinkPull TankEnd::pull(double, const Pose& worldFromCentre, const Twist&) {
-  damping_ = gains_.damping + std::min(kMost, kFilling * std::max(0.0, kLevel - tank_));
+  damping_ = gains_.damping + std::min(kMaxFilling, kFilling * std::max(0.0, kLevel - tank_));
   const double damping = damping_ + kDrag;
-  if (!heard_) return {{}, damping, damping * lever_ * lever_};
+  if (!hasPeer_) return {{}, damping, damping * lever_ * lever_};
   tank_ += peer_.energy - taken_;
   taken_ = peer_.energy;
   const double half = 0.5 * gains_.stiffness;
@@ -73,6 +75,7 @@ ServerBench::ServerBench(const Setup& setup)
       clock_(setup.network.packetPeriod),
       body_(bodyOf(setup.block)),
       onHands_(setup.sites.size()) {
+  ASSERT(setup.sites.size() <= haptics::kMostCouplings);
   const bench::Network leg = legOf(setup.network);
   for (unsigned i = 0; i < setup.sites.size(); ++i) {
     const unsigned seed = 193u * setup.seed + 2u * i;
@@ -85,8 +88,8 @@ void ServerBench::tick() {
   const double now = time();
   for (Leg& leg : legs_)
     leg.up.deliver(now, [&](const Up& up) {
-      if (!leg.hears || up.time > leg.heard.time) leg.heard = up;
-      leg.hears = true;
+      if (!leg.hasReceived || up.time > leg.received.time) leg.received = up;
+      leg.hasReceived = true;
     });
   stepServer();
   if (clock_.due(now)) send(now);
@@ -108,9 +111,9 @@ void ServerBench::stepServer() {
   std::array<std::size_t, haptics::kMostCouplings> whose{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
-    if (!legs_[i].hears) continue;
+    if (!legs_[i].hasReceived) continue;
     whose[count] = i;
-    springs[count++] = {sites_[i].bodyFromGrip, legs_[i].heard.device, legs_[i].heard.twist,
+    springs[count++] = {sites_[i].bodyFromGrip, legs_[i].received.device, legs_[i].received.twist,
                         couplingOf(setup_.gains)};
   }
   const bench::WallTouch touch = bench::touchWall(setup_.block, body_);
@@ -127,7 +130,9 @@ void ServerBench::send(double now) {
 }
 
 OneRoomBench::OneRoomBench(const std::vector<bench::BenchSite>& sites, const bench::Block& block)
-    : HandBench(sites, block), block_(block), body_(bodyOf(block)) {}
+    : HandBench(sites, block), block_(block), body_(bodyOf(block)) {
+  ASSERT(sites.size() <= haptics::kMostCouplings);
+}
 
 void OneRoomBench::tick() {
   std::array<haptics::Coupling, haptics::kMostCouplings> grips;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "assets/base/assert.h"
 #include "haptics/link/link_regime.h"
 
 namespace tandem::client::report {
@@ -15,10 +16,10 @@ constexpr std::array kRates{60.0, 100.0, 150.0, 250.0, 500.0};
 constexpr std::array kMargins{-10, -5, 0, 10};  // ms
 constexpr std::array kImpedances{7, 14, 27, 40};
 constexpr int kManySeeds = 3;
-constexpr double kMostLoad = 2.0;  // of gains that are found: a leader who can still lead
+constexpr double kMaxLoad = 2.0;  // the largest load on a leader who can still lead, for gains that are found
 
 constexpr SpringGains kPlainAsIs{400.0, 5.0};
-constexpr SpringGains kSoftest{5.0, 2.0};  // that are tried
+constexpr SpringGains kSoftest{5.0, 2.0};  // of the gains that are tried
 
 struct Known {
   int delay_ms;
@@ -59,7 +60,7 @@ LinkSetting rival(const char* id, Architecture architecture, const SpringGains& 
   return s;
 }
 
-/// N s/m, as sessions have it at this delay.
+/// The impedance of sessions at this delay, N s/m.
 int usedImpedance(double delay) {
   haptics::RegimeByAge regime;
   regime.restart(delay);
@@ -77,7 +78,7 @@ LinkSetting inUse(double delay) {
   return s;
 }
 
-/// A link with its knobs turned.
+/// A link with other parameters than those in use.
 LinkSetting turned(double rate, int margin_ms, int impedance) {
   LinkSetting s;
   s.id = "link-" + std::to_string(static_cast<int>(rate)) + "hz-margin" + std::to_string(margin_ms) + "ms-b" +
@@ -90,7 +91,7 @@ LinkSetting turned(double rate, int margin_ms, int impedance) {
   return s;
 }
 
-/// Every combination of the knobs; of --quick one knob at a time.
+/// Every combination of the parameters; with --quick one parameter at a time.
 std::vector<LinkSetting> turnedSettings(double delay, bool quick) {
   std::vector<LinkSetting> all;
   if (delay > haptics::LinkParameters{}.farthest) return all;
@@ -121,13 +122,13 @@ std::vector<LinkSetting> settingsAt(double delay, const SweepOptions& options) {
   return all;
 }
 
-/// Whether a tick is timed: cost depends on what an end does and on how often it hears and says something.
+/// Whether a tick is timed. The cost depends on the architecture and on the packet rate alone.
 bool isTimed(const LinkSetting& s, double delay) {
   if (s.architecture != Architecture::link) return true;
   return s.inUse || (s.margin == 0.0 && s.impedance == usedImpedance(delay));
 }
 
-/// Of all seeds, or of the first alone where that is unstable.
+/// The worst of all seeds, or the first alone where that is unstable.
 LinkMeasurement worstOf(const LinkSetting& setting, double delay, int seeds, double alone) {
   const LinkMeasurement first = measureLink(setting, delay, 1, alone);
   return first.stable() ? measureLink(setting, delay, seeds, alone) : first;
@@ -135,7 +136,10 @@ LinkMeasurement worstOf(const LinkSetting& setting, double delay, int seeds, dou
 
 }  // namespace
 
-double delayOf(const ExperimentInfo& info) { return 1e-3 * std::stod(info.id.substr(5)); }
+double delayOf(const ExperimentInfo& info) {
+  ASSERT(info.id.starts_with("link-"));
+  return 1e-3 * std::stod(info.id.substr(5));
+}
 
 std::vector<ExperimentInfo> allLinkExperiments() {
   std::vector<ExperimentInfo> all;
@@ -178,12 +182,12 @@ SpringGains searchGains(Architecture architecture, double delay, int seeds) {
       LinkSetting more = setting;
       more.gains.stiffness *= 1.5;
       const LinkMeasurement m = worstOf(setting, delay, seeds, alone);
-      if (!m.stable() || m.load > kMostLoad || !worstOf(more, delay, seeds, alone).stable()) continue;
+      if (!m.stable() || m.load > kMaxLoad || !worstOf(more, delay, seeds, alone).stable()) continue;
       if (m.handToHand > stiffest) {
         stiffest = m.handToHand;
         best = setting.gains;
       }
-      break;  // what is softer under the same damper feels softer
+      break;  // softer springs under the same damper feel softer
     }
   }
   return best;

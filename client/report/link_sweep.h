@@ -1,7 +1,7 @@
 #pragma once
 
-// Speed against error across the network: the link of sessions with every combination of its knobs, and what it replaces,
-// at every delay.
+// The sweep across the network: the link of sessions with every combination of its parameters, and the other
+// architectures, at every delay.
 
 #include <vector>
 
@@ -14,17 +14,17 @@ namespace tandem::client::report {
 std::vector<ExperimentInfo> allLinkExperiments();
 std::vector<ExperimentInfo> chosenLinkExperiments(const SweepOptions& options);
 
-/// All settings at one delay; seconds.
+/// Measures all settings at one delay; takes seconds.
 LinkExperimentResult sweepLinks(const ExperimentInfo& info, const SweepOptions& options);
 
 /// s, one way.
 double delayOf(const ExperimentInfo& info);
 
-/// Of the gains that are tried, those that feel stiffest from hand to hand, are stable in every run, stay so with half as
-/// much stiffness more, and take of the leader at most twice the force without a network. Zero gains: there are none.
-/// A minute.
+/// Searches the gains that feel stiffest from hand to hand, are stable in every run, also with 1.5 times the
+/// stiffness, and load the leader with at most twice the force without a network. Zero if there are none.
+/// Takes a minute.
 SpringGains searchGains(Architecture architecture, double delay, int seeds);
-/// What that search found with 3 seeds.
+/// The result of that search with 3 seeds.
 SpringGains knownGains(Architecture architecture, double delay);
 
 }  // namespace tandem::client::report

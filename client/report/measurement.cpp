@@ -5,12 +5,13 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/base/percentiles.h"
 
 namespace tandem::client::report {
 namespace {
 
-// Where the exact force is weaker than this share of its peak, a ratio to it says nothing.
+// Relative errors are taken only where the exact force is at least this share of its peak.
 constexpr double kWeak = 0.05;
 
 double rms(const std::vector<double>& values) {
@@ -23,6 +24,8 @@ double rms(const std::vector<double>& values) {
 
 void judge(const Experiment& experiment, const std::vector<Samples>& runs, Measurement& out) {
   const std::size_t ticks = experiment.path.size();
+  ASSERT(!runs.empty());
+  for (const Samples& run : runs) ASSERT(run.us.size() == ticks && run.force.size() == ticks);
   std::vector<glm::dvec3> exact;
   double peak = 0.0;
   for (const PathPoint& p : experiment.path) {

@@ -1,6 +1,6 @@
 #pragma once
 
-// What one method gave in one experiment, and how it is judged.
+// The figures of one method in one experiment, and how they are judged.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +13,8 @@
 namespace tandem::client::report {
 
 /// Microseconds a tick. A tick gives the same bits every time, so each tick's cost is the least of several
-/// runs: what other programs took is left out. `p99Single` is the 99th percentile of the first run alone.
+/// runs, which leaves out the time that other programs took. `p99Single` is the 99th percentile of the first
+/// run alone.
 struct Cost {
   double p50 = 0.0, p99 = 0.0, max = 0.0, p99Single = 0.0;
 };
@@ -42,17 +43,17 @@ struct Measurement {
   ForceStep step;
   std::uint64_t allocations = 0;  // in all ticks
   bool allocationsCounted = false;
-  double build_ms = 0.0;  // of the tree, or what the method needs in its place
+  double build_ms = 0.0;  // of the tree, or the method's equivalent
 };
 
-/// One run of a method over a path: what it took and gave.
+/// One run of a method over a path.
 struct Samples {
   std::vector<double> us;         // one a tick
   std::vector<glm::dvec3> force;  // one a tick, N
 };
 
-/// Judges the forces of the first run and the least cost of all runs. Every run must have path.size()
-/// entries.
+/// Computes the figures from the forces of the first run and the least cost of all runs. Every run must have
+/// path.size() entries.
 void judge(const Experiment& experiment, const std::vector<Samples>& runs, Measurement& out);
 
 }  // namespace tandem::client::report

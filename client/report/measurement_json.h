@@ -1,6 +1,6 @@
 #pragma once
 
-// What the figures of every setting have in common in JSON, whatever the experiment. For the files that write reports.
+// The JSON that all kinds of experiments have in common. For the files that write reports.
 
 #include "assets/base/json.h"
 #include "client/report/measurement.h"
@@ -15,7 +15,7 @@ const char* nameOf(Kind kind);
 void putCost(Json& setting, const Cost& cost);
 void putError(Json& setting, const ForceError& error);
 
-/// A number of the object, finite and not negative. These throw JsonError at what is no measure.
+/// A number of the object, finite and not negative. These throw JsonError at anything else.
 double measure(const Json& object, const char* key);
 Cost costFrom(const Json& setting);
 ForceError errorFrom(const Json& setting);

@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/generate/shapes.h"
 
 namespace tandem::client::report {
@@ -51,7 +52,7 @@ assets::TriangleSoup box(const glm::dvec3& size, int n) {
   return soup;
 }
 
-/// Both parts without friction; the held one stands where the path begins.
+/// Adds both parts without friction; the held one stands at the start of the path.
 void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup other,
               const glm::dquat& turned = {1.0, 0.0, 0.0, 0.0}) {
   e.scene.materials.emplace_back().name = "smooth";
@@ -74,15 +75,16 @@ void addParts(PartExperiment& e, assets::TriangleSoup held, assets::TriangleSoup
   }
 }
 
-/// Velocity of the hand as a tick is told it: of the way since the last one.
+/// The hand's velocity as the tick receives it: the displacement since the last tick, divided by the time.
 glm::dvec3 velocityAt(const PartExperiment& e, std::size_t i) {
   return i == 0 ? glm::dvec3(0.0) : (e.path[i].goal - e.path[i - 1].goal) / kDt;
 }
 
-/// Spring and damper between where the hand leads the part and where an ideal one is: what the hand feels of
-/// a part that is `held` back along some axes (1), and follows without lag along the others (0).
+/// Sets the exact force: spring and damper between the hand's target and an ideal part that is held back
+/// along some axes (1 in `held`) and follows without lag along the others (0).
 void pushBack(PartExperiment& e, std::size_t i, const glm::dvec3& ideal, const glm::dvec3& idealVelocity,
               const glm::dvec3& held) {
+  ASSERT(i < e.path.size());
   const glm::dvec3 spring = e.stiffness * (ideal - e.path[i].goal);
   const glm::dvec3 damper = e.damping * (idealVelocity - velocityAt(e, i));
   e.path[i].exactForce = held * (spring + damper);
@@ -91,13 +93,13 @@ void pushBack(PartExperiment& e, std::size_t i, const glm::dvec3& ideal, const g
 constexpr double kPegRadius = 10.0 * kMillimetre, kPegClearance = 0.01 * kMillimetre;  // radial
 constexpr double kPegLength = 40.0 * kMillimetre, kEngaged = 30.0 * kMillimetre;
 
-/// How a round surface is cut.
+/// How a round surface is divided.
 struct Cut {
   int sides, layers;
 };
 constexpr Cut kFine{320, 29}, kQuick{160, 13};  // 20 k and 4.5 k triangles
 
-/// Along +y (shapes.h turns z to y), its tip's face in y = 0, with a chamfer of 1 mm there.
+/// A peg along +y (shapes.h maps z to y). The face of its tip lies in y = 0 and has a chamfer of 1 mm.
 assets::TriangleSoup peg(const Cut& cut) {
   std::vector<generate::ProfilePoint> profile{{0.0, 0.0}, {kPegRadius - kMillimetre, 0.0}};
   for (int i = 0; i <= cut.layers; ++i)
@@ -108,7 +110,8 @@ assets::TriangleSoup peg(const Cut& cut) {
   return solid.soup();
 }
 
-/// A square of 30 mm, its top in y = 0, with a blind bore. The bore's side middles are on its circle.
+/// A square block of 30 mm with its top in y = 0 and a blind bore. The middles of the bore's sides lie on its
+/// circle.
 assets::TriangleSoup boredBlock(const Cut& cut) {
   constexpr double kHalf = 15.0 * kMillimetre, kHeight = 45.0 * kMillimetre, kDepth = 40.0 * kMillimetre;
   const generate::Loop bore = generate::circleAround(kPegRadius + kPegClearance, cut.sides);
@@ -126,9 +129,9 @@ assets::TriangleSoup boredBlock(const Cut& cut) {
   return solid.soup();
 }
 
-/// Led 20 um further aside than it has room, and that way slowly round. Both polygons have their corners in the
-/// same directions, so the peg's origin may be anywhere within a polygon of as many sides; turning gives it no
-/// more room.
+/// The hand leads the peg aside, 20 um beyond its clearance, and slowly round in that position. The polygons
+/// of peg and bore have their corners in the same directions, so the peg's origin may be anywhere within a
+/// polygon of as many sides; rotation gives it no more room.
 PartExperiment pegInBore(int ticks, const Cut& cut) {
   PartExperiment e;
   const double room = kPegRadius + kPegClearance - kPegRadius * std::cos(kPi / cut.sides);
@@ -147,21 +150,22 @@ PartExperiment pegInBore(int ticks, const Cut& cut) {
     pushBack(e, e.path.size() - 1, {ideal.x, -kEngaged, -ideal.y}, {speed.x, 0.0, -speed.y}, glm::dvec3(1.0));
     before = ideal;
   }
-  // In the middle of what is in the bore, so that the wall's force makes it tilt nowhere.
+  // The grip is in the middle of the part of the peg that is in the bore, so that the wall's force does not
+  // tilt it.
   e.grip = {0.0, 0.5 * (kEngaged + kMillimetre), 0.0};
   addParts(e, peg(cut), boredBlock(cut));
   return e;
 }
 
-/// Pressed 1 mm into the block's top and led round in a circle of 15 mm at 100 mm/s.
+/// The cube is pressed 1 mm into the block's top and led round a circle of 15 mm at 100 mm/s.
 PartExperiment slidingCube(int ticks) {
   constexpr double kSide = 10.0 * kMillimetre, kCircle = 15.0 * kMillimetre, kSpeed = 0.1;
   PartExperiment e;
   const double mass = kDensity * kSide * kSide * kSide;
-  double way = 0.0;
+  double travelled = 0.0;
   for (int i = 0; i < ticks; ++i) {
-    way += kDt * kSpeed * smooth((i - 150) / 200.0);
-    const glm::dvec2 out(std::cos(way / kCircle), std::sin(way / kCircle));
+    travelled += kDt * kSpeed * smooth((i - 150) / 200.0);
+    const glm::dvec2 out(std::cos(travelled / kCircle), std::sin(travelled / kCircle));
     PartPathPoint& point = e.path.emplace_back();
     point.goal =
         glm::dvec3(kCircle * out, 0.5 * kSide + 0.1 * kMillimetre - 1.1 * kMillimetre * smooth(i / 100.0));
@@ -169,7 +173,7 @@ PartExperiment slidingCube(int ticks) {
     point.force = i >= 450;
     point.depth = true;
     pushBack(e, e.path.size() - 1, {0.0, 0.0, 0.5 * kSide}, glm::dvec3(0.0), {0.0, 0.0, 1.0});
-    // Going round it draws the hand outwards.
+    // The centrifugal force draws the hand outwards.
     point.exactForce += glm::dvec3(mass * kSpeed * kSpeed / kCircle * out, 0.0);
   }
   assets::TriangleSoup block = box(glm::dvec3(60.0 * kMillimetre), 24);
@@ -178,32 +182,33 @@ PartExperiment slidingCube(int ticks) {
   return e;
 }
 
-/// From 5 mm above at 200 mm/s to 20 mm below, a rest, and back, again and again.
+/// The plate goes from 5 mm above to 20 mm below at 200 mm/s, rests, and goes back, again and again.
 PartExperiment plateOnPlate(int ticks) {
   constexpr double kThick = 0.5 * kMillimetre, kSpeed = 0.2, kTop = 5.0 * kMillimetre,
                    kLow = -20.0 * kMillimetre;
-  constexpr int kWay = 125, kRest = 75, kPeriod = 2 * (kWay + kRest);
+  constexpr int kStroke = 125, kRest = 75, kPeriod = 2 * (kStroke + kRest);
   PartExperiment e;
   for (int i = 0; i < ticks; ++i) {
     const int phase = i % kPeriod;
-    const double down = kTop - kSpeed * kDt * phase, up = kLow + kSpeed * kDt * (phase - kWay - kRest);
-    const double z = phase < kWay + kRest ? std::max(kLow, down) : std::min(kTop, up);
+    const double down = kTop - kSpeed * kDt * phase, up = kLow + kSpeed * kDt * (phase - kStroke - kRest);
+    const double z = phase < kStroke + kRest ? std::max(kLow, down) : std::min(kTop, up);
     PartPathPoint& point = e.path.emplace_back();
     point.goal = {3.0 * kMillimetre, -2.0 * kMillimetre, z};
-    // It lands in the 23rd millisecond, and must have come to rest 40 ms later. On the way up the damper takes
-    // it off the floor before the hand is there.
-    point.contact = z < (phase < kWay ? 0.2 : -2.0) * kMillimetre;
+    // The plate lands in the 23rd millisecond and must be at rest 40 ms later. On the way up the damper lifts
+    // it off before the hand reaches the floor.
+    point.contact = z < (phase < kStroke ? 0.2 : -2.0) * kMillimetre;
     point.force = z < -2.0 * kMillimetre && phase >= 65;
     point.depth = true;
     pushBack(e, e.path.size() - 1, {0.0, 0.0, std::max(z, kThick)}, glm::dvec3(0.0), {0.0, 0.0, 1.0});
   }
-  e.askedDepth = 20e-6;
+  e.targetDepth = 20e-6;
   addParts(e, box({40.0 * kMillimetre, 40.0 * kMillimetre, kThick}, 8),
            box({60.0 * kMillimetre, 60.0 * kMillimetre, kThick}, 8), fromRotationVector({0.0, 0.0, 0.5}));
   return e;
 }
 
-/// A cube of 5 mm, 20 mm from the middle of a block of 60 mm when it is taken: the nearest way out is along +x.
+/// A cube of 5 mm, 20 mm from the middle of a block of 60 mm when it is taken: the nearest way out is along
+/// +x.
 PartExperiment cubeInBlock() {
   constexpr double kSide = 5.0 * kMillimetre, kBlock = 60.0 * kMillimetre;
   constexpr int kOut = 1700, kTicks = 2000;  // by then it is out
@@ -222,7 +227,9 @@ PartExperiment cubeInBlock() {
 }  // namespace
 
 glm::dvec2 insidePolygon(const glm::dvec2& goal, double inner, int sides) {
-  // Along and across the side that the goal is before, whose middle is half a side from a corner.
+  ASSERT(inner > 0.0 && sides >= 3);
+  // Coordinates along and across the side nearest to the goal. The middle of a side is half a step from a
+  // corner.
   const double step = 2.0 * kPi / sides;
   const double middle = (std::floor(std::atan2(goal.y, goal.x) / step) + 0.5) * step;
   const glm::dvec2 outward(std::cos(middle), std::sin(middle)), along(-outward.y, outward.x);
@@ -253,6 +260,7 @@ std::vector<ExperimentInfo> allPartExperiments() {
 }
 
 PartExperiment buildPartExperiment(const std::string& id, int ticks, bool quick) {
+  ASSERT(ticks > 0);
   PartExperiment e;
   if (id == "held-peg") e = pegInBore(ticks, quick ? kQuick : kFine);
   if (id == "held-slide") e = slidingCube(ticks);
@@ -260,6 +268,7 @@ PartExperiment buildPartExperiment(const std::string& id, int ticks, bool quick)
   if (id == "held-inside") e = cubeInBlock();
   for (const ExperimentInfo& info : allPartExperiments())
     if (info.id == id) e.info = info;
+  ASSERT(e.info.id == id);  // one of allPartExperiments()
   return e;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The report's experiments with a part in the hand: two parts, a path of the hand, and the force of an ideal god
-// object in every tick. The same are given to Tandem and to the peers. Lengths in m, world frame.
+// The report's experiments with a part in the hand: two parts, a path of the hand, and the force of an ideal
+// god object in every tick. Tandem and the peers run the same experiments. Lengths in m, world frame.
 
 #include <string>
 #include <vector>
@@ -12,35 +12,36 @@ namespace tandem::client::report {
 
 inline constexpr PartId kHeldPart = 0, kOtherPart = 1;  // of every scene here
 
-/// One tick of the path, and what can be judged in it.
+/// One tick of the path, and the figures that can be judged in it.
 struct PartPathPoint {
-  glm::dvec3 goal{0.0, 0.0, 0.0};        // where the hand leads the held part's origin; it is never turned
-  glm::dvec3 exactForce{0.0, 0.0, 0.0};  // N, on the hand; of an ideal part that has come to follow the hand
-  bool contact = false;                  // the parts touch, or would if nothing had stopped the held one
-  bool force = false;                    // the exact force holds
-  bool depth = false;                    // the held part must not be in the other one
+  glm::dvec3 goal{0.0, 0.0, 0.0};  // the target of the held part's origin; the hand never rotates it
+  glm::dvec3 exactForce{0.0, 0.0,
+                        0.0};  // N, on the hand, of an ideal part that follows the hand in steady state
+  bool contact = false;        // the parts touch, or would if nothing had stopped the held one
+  bool force = false;          // the exact force holds
+  bool depth = false;          // the held part must not be in the other one
 };
 
-/// Built in the code, the same on every machine.
+/// One experiment with its scene, which is generated and the same on every machine.
 struct PartExperiment {
   ExperimentInfo info;
   assets::Scene scene;              // kHeldPart where the path begins; kOtherPart stands still at the origin
-  glm::dvec3 grip{0.0};             // held part's frame: where the hand has it
+  glm::dvec3 grip{0.0};             // the hand's grip, in the held part's frame
   std::vector<PartPathPoint> path;  // one entry a millisecond
   double stiffness = 1000.0;        // N/m, of the coupling
   double damping = 4.0;             // N·s/m
-  double askedDepth = 5e-6;         // m, the most that the project allows itself here
+  double targetDepth = 5e-6;        // m, the project's target for the penetration
 };
 
 /// All of them, in the order of the report.
 std::vector<ExperimentInfo> allPartExperiments();
 
-/// Builds one by its id, with about `ticks` ticks; `quick`: of fewer triangles where that saves seconds. The id must
-/// be one of allPartExperiments().
+/// Builds one by its id, with about `ticks` ticks; `quick`: of fewer triangles where that saves seconds. The
+/// id must be one of allPartExperiments().
 PartExperiment buildPartExperiment(const std::string& id, int ticks, bool quick = false);
 
-/// The nearest point to `goal` within a regular polygon of `sides` around the origin, whose sides are `inner` m from
-/// it; a corner lies on +x.
+/// The point nearest to `goal` in a regular polygon around the origin with `sides` sides at a distance of
+/// `inner` m; a corner lies on +x.
 glm::dvec2 insidePolygon(const glm::dvec2& goal, double inner, int sides);
 
 }  // namespace tandem::client::report

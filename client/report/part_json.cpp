@@ -44,7 +44,7 @@ Json partExperimentJson(const PartExperimentResult& e) {
                {"triangles", e.triangles},
                {"ticks", e.ticks},
                {"peak_force_n", number(e.peakForce)},
-               {"asked_penetration_m", number(e.askedDepth)}};
+               {"asked_penetration_m", number(e.targetDepth)}};
   json["settings"] = Json::array();
   for (const PartMeasurement& m : e.settings) json["settings"].push(settingJson(m));
   return json;

@@ -9,7 +9,8 @@ namespace tandem::client::report {
 
 Json partExperimentJson(const PartExperimentResult& e);
 
-/// What a program that measures peers wrote for one experiment; throws JsonError at what is no measure.
+/// Reads what a program that measures peers wrote for one experiment; throws JsonError where that is no
+/// measurement.
 PartExperimentResult partPeersFromJson(const Json& entry);
 
 }  // namespace tandem::client::report

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/base/percentiles.h"
 
 namespace tandem::client::report {
@@ -46,6 +47,8 @@ bool usualIterations(const haptics::ContactEffort& effort) {
 
 void judgePart(const PartExperiment& experiment, const std::vector<std::vector<PartSample>>& runs,
                PartMeasurement& out) {
+  ASSERT(!runs.empty());
+  for (const std::vector<PartSample>& each : runs) ASSERT(each.size() == experiment.path.size());
   const std::vector<PartSample>& run = runs.front();
   std::vector<double> depth, error, relative, forceStep, normalStep;
   std::size_t contacts = 0, found = 0;

@@ -1,6 +1,6 @@
 #pragma once
 
-// What one method gave in one experiment with a part in the hand, and how it is judged.
+// The figures of one method in one experiment with a part in the hand, and how they are judged.
 
 #include <cstdint>
 #include <string>
@@ -25,20 +25,21 @@ struct PartMeasurement {
   double fieldScale = 1.0, sampleScale = 1.0;  // haptics::ModelOptions; 1 for peers
   haptics::ContactEffort effort;               // of the tick; the default for peers
   Cost cost;                                   // of a whole tick; peers: of their query alone
-  Spread depth;       // m, exact: how deep the part is left; peers: error of the depth that they report
-  ForceError error;   // N
-  Spread forceStep;   // N a tick, beyond the exact change
-  Spread normalStep;  // rad a tick, of the contact's direction
-  double found =
-      0.0;  // share of the ticks with a contact in which one was reported that pushes the right way
-  double cell = 0.0, spacing = 0.0;  // m, smallest of the held part's field, and of its samples; 0 for peers
+  Spread depth;        // m, exact penetration; peers: error of the depth that they report
+  ForceError error;    // N
+  Spread forceStep;    // N a tick, beyond the exact change
+  Spread normalStep;   // rad a tick, of the contact's direction
+  double found = 0.0;  // share of the ticks with a contact in which one with the right sense was reported
+  double cell = 0.0,
+         spacing =
+             0.0;  // m, of the held part: smallest cell of its field, spacing of its samples; 0 for peers
   double build_ms = 0.0;
   std::size_t memory = 0;         // bytes, of what was built; 0: not known
   std::uint64_t allocations = 0;  // in all ticks
   bool allocationsCounted = false;
 };
 
-/// Whether the tick is given as many steps and looks as it is when it is used.
+/// Whether the tick has as many steps and queries as in use.
 bool usualIterations(const haptics::ContactEffort& effort);
 
 /// One tick of one run.

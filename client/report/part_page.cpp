@@ -7,21 +7,21 @@
 
 #include "client/plot/svg_plot.h"
 #include "client/plot/words.h"
-#include "client/report/asked.h"
+#include "client/report/targets.h"
 
 namespace tandem::client::report {
 namespace {
 
-constexpr double kShownDepth = 1e-3, kShownForce = 1e-6;  // um, N: what is less is drawn there
+constexpr double kShownDepth = 1e-3, kShownForce = 1e-6;  // um, N: the floors of the axes
 
 std::string degrees(double radians) {
   const double value = radians * 180.0 / std::numbers::pi;
   return value < 1e-4 ? "0" : number(value) + "°";
 }
 
-/// Settings with the same fields are one line, from dense samples to sparse ones; what the tick is given less stands
-/// apart.
-Look lookOf(const PartMeasurement& m) {
+/// Settings with the same fields form one line, from dense to sparse samples. Settings with fewer steps or
+/// queries form a line of their own.
+SeriesStyle styleOf(const PartMeasurement& m) {
   static const std::map<std::string, std::string> kPeers = {
       {"fcl", "#4f7d3a"}, {"bullet", "#6a4c93"}, {"ode", "#ab3545"}};
   if (m.kind == Kind::peer) {
@@ -61,13 +61,13 @@ std::string shortName(const PartMeasurement& m) {
   return text;
 }
 
-/// Peers whose answer knows of no contact say so.
+/// The label of a peer that reports no contact is "no contact".
 std::string labelOf(const PartMeasurement& m) {
   if (m.setting == "tandem") return "as used";
   return m.found < 0.5 && m.kind == Kind::peer ? "no contact" : "";
 }
 
-/// Tandem as it is used comes first: it lies on top.
+/// The settings in drawing order. Tandem as it is used comes first and lies on top.
 std::vector<const PartMeasurement*> inDrawingOrder(const PartExperimentResult& e) {
   std::vector<const PartMeasurement*> ordered;
   for (const PartMeasurement& m : e.settings) ordered.push_back(&m);
@@ -85,7 +85,7 @@ std::vector<const PartMeasurement*> inDrawingOrder(const PartExperimentResult& e
   return ordered;
 }
 
-/// `costOf` of a tick against what `errorOf` tells of a setting.
+/// A plot of `costOf` against `errorOf` of every setting.
 template <typename CostOf, typename ErrorOf>
 std::string plotOf(const PartExperimentResult& e, const char* whichCost, const std::string& yLabel,
                    double floor, CostOf costOf, ErrorOf errorOf) {
@@ -104,11 +104,11 @@ std::string plotOf(const PartExperimentResult& e, const char* whichCost, const s
                        [&](const PlotPoint& p) { return p.x == x && p.y == std::max(y, floor); });
   };
   for (const PartMeasurement* m : inDrawingOrder(e)) {
-    const Look look = lookOf(*m);
+    const SeriesStyle style = styleOf(*m);
     auto series = std::find_if(plot.series.begin(), plot.series.end(),
-                               [&](const PlotSeries& s) { return s.look.name == look.name; });
+                               [&](const PlotSeries& s) { return s.style.name == style.name; });
     if (series == plot.series.end()) {
-      series = plot.series.insert(series, PlotSeries{look, {}, true});
+      series = plot.series.insert(series, PlotSeries{style, {}, true});
       series->joined = m->kind == Kind::tandem && m->effort.exact && usualIterations(m->effort);
     }
     const double cost = costOf(*m), error = errorOf(*m);
@@ -173,7 +173,7 @@ std::string lengthsInWords(const PartExperimentResult& e) {
   return "";
 }
 
-/// What a plot cannot show: whether a method knows of the contact at all, and how steadily.
+/// In words, what a plot cannot show: whether a method finds the contact at all, and how steadily.
 std::string contactsInWords(const PartExperimentResult& e) {
   std::string text;
   for (const PartMeasurement& m : e.settings) {
@@ -261,12 +261,12 @@ void partBounds(const PartExperimentResult& e, std::vector<Bound>& bounds, bool&
     }
     if (m.setting != "tandem") continue;
     const std::string& name = e.info.title;
-    bounds.push_back({name + ": tick p50", "µs", m.cost.p50, kAskedOfHeldPart.p50});
-    bounds.push_back({name + ": tick p99", "µs", m.cost.p99, kAskedOfHeldPart.p99});
-    bounds.push_back({name + ": longest tick", "ms", 1e-3 * m.cost.max, kAskedOfHeldPartAtMost_ms});
-    bounds.push_back({name + ": penetration, largest", "µm", 1e6 * m.depth.max, 1e6 * e.askedDepth});
-    bounds.push_back(
-        {name + ": change of force a tick beyond the exact one, p99", "N", m.forceStep.p99, kAskedForceStep});
+    bounds.push_back({name + ": tick p50", "µs", m.cost.p50, kHeldPartTarget.p50});
+    bounds.push_back({name + ": tick p99", "µs", m.cost.p99, kHeldPartTarget.p99});
+    bounds.push_back({name + ": longest tick", "ms", 1e-3 * m.cost.max, kHeldPartLongest_ms});
+    bounds.push_back({name + ": penetration, largest", "µm", 1e6 * m.depth.max, 1e6 * e.targetDepth});
+    bounds.push_back({name + ": change of force a tick beyond the exact one, p99", "N", m.forceStep.p99,
+                      kForceStepTarget});
     bounds.push_back({name + ": ticks in contact that report it", "%", 100.0 * m.found, 100.0, true});
   }
 }

@@ -13,8 +13,8 @@ namespace tandem::client::report {
 /// Explanation, plots and tables; empty if there was no such experiment.
 std::string partSection(const SweepResult& result);
 
-/// What the project has promised for this experiment, of Tandem as it is used. Adds the heap's use to
-/// `allocations` and sets `counted` where it was counted.
+/// Adds the project's targets for this experiment, for Tandem as it is used. Adds the heap allocations to
+/// `allocations` and sets `counted` where they were counted.
 void partBounds(const PartExperimentResult& e, std::vector<Bound>& bounds, bool& counted,
                 double& allocations);
 

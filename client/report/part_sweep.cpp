@@ -11,6 +11,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "client/base/thread_clock.h"
 #include "haptics/measure/held_depth.h"
 #include "haptics/scene/contact_scene_data.h"
@@ -24,7 +25,7 @@ constexpr int kRuns = 2;  // each tick's cost is the least of them
 constexpr int kDepthEvery = 7, kLarge = 9'000;
 constexpr int kFewLooks = 30;
 
-/// The experiment's coupling, and no limit that would hide what contact does.
+/// The experiment's coupling, without any limit that would hide the effect of contact.
 haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::ContactEffort& effort) {
   haptics::TickParameters p;
   p.effort = effort;
@@ -35,7 +36,7 @@ haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::Con
   return p;
 }
 
-/// The direction in which all contacts together push; zero without any.
+/// The direction of the sum of all contact forces; zero without contacts.
 glm::dvec3 directionOf(const haptics::TickOutput& out) {
   glm::dvec3 sum(0.0);
   for (int i = 0; i < out.contactCount; ++i)
@@ -97,7 +98,7 @@ class PartRun {
   std::uint64_t count_ = 0;
 };
 
-/// What a model is made with.
+/// The resolution with which a model is made.
 struct Making {
   double field = 1.0, samples = 1.0;
   bool asUsed() const { return field == 1.0 && samples == 1.0; }
@@ -112,8 +113,9 @@ std::vector<Making> makingsOf(const SweepOptions& options) {
   return all;
 }
 
-/// What the tick is given on such a model, as it is used first. Refinement is turned off on every field at two
-/// densities of samples; steps and looks are cut where it can be seen how that trades with cells and samples.
+/// The efforts of the tick on such a model, first the one in use. Refinement is turned off on every field at
+/// two densities of samples. Steps and queries are cut on three models, to compare that with coarser cells
+/// and samples.
 std::vector<haptics::ContactEffort> effortsOf(const Making& making, const SweepOptions& options) {
   const haptics::ContactEffort used;
   std::vector<haptics::ContactEffort> all{used};
@@ -162,7 +164,8 @@ PartMeasurement named(const Making& making, const haptics::ContactEffort& effort
   return out;
 }
 
-/// Where fields are kept while settings with the same ones are measured; gone with this object.
+/// A temporary folder that caches fields while settings with the same fields are measured. The destructor
+/// removes it.
 class FieldFolder {
  public:
   FieldFolder() : path_((std::filesystem::temp_directory_path() / "tandem-report-XXXXXX").string()) {
@@ -175,7 +178,7 @@ class FieldFolder {
   FieldFolder(const FieldFolder&) = delete;
   FieldFolder& operator=(const FieldFolder&) = delete;
 
-  /// Empty where none can be made: then every field is made anew.
+  /// Empty if no folder can be made; then every field is made anew.
   const std::string& path() const { return path_; }
 
  private:
@@ -186,6 +189,7 @@ class FieldFolder {
 
 void measureTick(const PartExperiment& experiment, const haptics::ContactScene& contact, int runs,
                  int depthEvery, std::uint64_t (*allocations)(), PartMeasurement& out) {
+  ASSERT(runs > 0 && depthEvery > 0 && &contact.scene() == &experiment.scene);
   haptics::HeldPartDepthMeter meter(contact, kHeldPart);
   std::vector<std::vector<PartSample>> all;
   for (int i = 0; i < runs; ++i) {
@@ -214,7 +218,7 @@ PartExperimentResult sweepPart(const ExperimentInfo& info, const SweepOptions& o
   result.info = info;
   result.triangles = assets::triangleCount(experiment.scene);
   result.ticks = experiment.path.size();
-  result.askedDepth = experiment.askedDepth;
+  result.targetDepth = experiment.targetDepth;
   for (const PartPathPoint& p : experiment.path)
     if (p.force) result.peakForce = std::max(result.peakForce, glm::length(p.exactForce));
   const int depthEvery = result.triangles > kLarge ? kDepthEvery : 1;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Speed against error with a part in the hand: every such experiment with every setting that the code has, in this
-// process.
+// Speed against error with a part in the hand: every such experiment with every setting that the code has, in
+// this process.
 
 #include <string>
 #include <vector>
@@ -21,8 +21,9 @@ int partTicksOf(const SweepOptions& options);
 /// One experiment with all settings; seconds each.
 PartExperimentResult sweepPart(const ExperimentInfo& info, const SweepOptions& options);
 
-/// Runs the whole tick over the path, `runs` times, and judges it. `contact` is of experiment.scene; without part
-/// models the part passes through. The depth is measured in every `depthEvery`-th tick. The tick is given out.effort.
+/// Runs the whole tick over the path, `runs` times, and judges it. `contact` is of experiment.scene; without
+/// part models the part passes through. The depth is measured in every `depthEvery`-th tick. The tick is
+/// given out.effort.
 void measureTick(const PartExperiment& experiment, const haptics::ContactScene& contact, int runs,
                  int depthEvery, std::uint64_t (*allocations)(), PartMeasurement& out);
 

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A file of our own in the temporary directory, gone with this object.
+/// A new file in the temporary directory, which the destructor removes.
 class TemporaryFile {
  public:
   TemporaryFile() : path_((fs::temp_directory_path() / "tandem-peers-XXXXXX").string()) {

@@ -20,13 +20,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double kSmoothBelow = 0.6;  // rad: far above what facets of a sphere of 1000 triangles turn by
+constexpr double kSmoothBelow = 0.6;  // rad: far above the angle between facets of a sphere of 1000 triangles
 
 double microseconds(Clock::time_point from, Clock::time_point to) {
   return std::chrono::duration<double, std::micro>(to - from).count();
 }
 
-/// What of Tandem a setting turns.
+/// Options of a Tandem setting.
 struct Knobs {
   bool remember = true;    // known planes are kept from tick to tick
   bool floatData = false;  // the device's position is rounded to single precision
@@ -74,7 +74,8 @@ class TandemRun {
     }
   }
 
-  /// Leaves the proxy what friction and the path depend on: where it is, and whether it slides.
+  /// Resets the proxy except for the state on which friction and the path depend: its position and whether it
+  /// slides.
   static void forget(haptics::Proxy& proxy) {
     haptics::Proxy fresh;
     fresh.position = proxy.position;
@@ -213,12 +214,12 @@ class ExperimentSweep {
   std::vector<Measurement> results_;
 };
 
-/// What the facets of a sphere may cost: their depth, and the tilt of their normals at the depth of the
-/// stroke.
+/// The error of the force that the facets of a sphere cause by their depth and, at the depth of the stroke,
+/// by their tilt.
 double facetError(const Experiment& e) {
   double deepest = 0.0;
   for (const PathPoint& p : e.path) deepest = std::max(deepest, glm::length(p.exactProxy - p.device));
-  // A proxy keeps its facet until the goal has left the facet's prism: twice the tilt at most.
+  // A proxy keeps its facet until the goal has left the facet's prism, so that at most twice the tilt counts.
   return e.stiffness * (e.facetDepth + 2.0 * e.facetTilt * (deepest + e.facetDepth));
 }
 

@@ -17,12 +17,13 @@
 namespace tandem::client::report {
 
 struct SweepOptions {
-  bool quick = false;          // fewer experiments, shorter paths
-  bool thoroughLinks = false;  // across the network: three seeds, and the best gains of others searched for
+  bool quick = false;  // fewer experiments, shorter paths
+  bool thoroughLinks =
+      false;  // across the network: three seeds, and a search of the best gains of the rivals
   std::vector<std::string> only;  // ids of experiments; empty: all (of --quick, if set)
-  /// Heap allocations of this thread so far; null where nobody counts them.
+  /// Returns the heap allocations of this thread so far; null where they are not counted.
   std::uint64_t (*allocations)() = nullptr;
-  /// Told before each experiment: how many are done, of how many, and which comes.
+  /// Called before each experiment: experiments done, number of all, and the next one.
   std::function<void(std::size_t, std::size_t, const ExperimentInfo&)> progress;
 };
 
@@ -31,7 +32,7 @@ struct ExperimentResult {
   ExperimentInfo info;
   std::size_t triangles = 0, parts = 0, ticks = 0;
   double peakForce = 0.0;   // N, exact
-  double facetError = 0.0;  // N: what the facets alone may cost, from their depth and tilt; 0 = exact facets
+  double facetError = 0.0;  // N: error from the depth and tilt of the facets alone; 0 = exact facets
   std::vector<Measurement> settings;
 };
 
@@ -39,8 +40,8 @@ struct ExperimentResult {
 struct PartExperimentResult {
   ExperimentInfo info;
   std::size_t triangles = 0, ticks = 0;
-  double peakForce = 0.0;   // N, exact, of the judged ticks
-  double askedDepth = 0.0;  // m, the most that the project allows itself
+  double peakForce = 0.0;    // N, exact, of the judged ticks
+  double targetDepth = 0.0;  // m, the project's target
   std::vector<PartMeasurement> settings;
 };
 
@@ -59,7 +60,7 @@ struct SweepResult {
   std::vector<PartExperimentResult> held;
   std::vector<LinkExperimentResult> links;
   std::vector<Figure> figures;     // empty where single experiments were asked for
-  std::vector<std::string> peers;  // that were measured, with versions
+  std::vector<std::string> peers;  // the libraries that were measured, with versions
 };
 
 /// The experiments that the options ask for, in the report's order.
@@ -71,7 +72,7 @@ int ticksOf(const SweepOptions& options);
 /// Runs of one setting: each tick's cost is the least of them.
 int runsOf(const SweepOptions& options);
 
-/// Seconds to minutes; everything happens in the calling thread but the building of trees.
+/// Runs the sweep in the calling thread; trees are built on several. Takes seconds to minutes.
 SweepResult sweep(const SweepOptions& options);
 
 /// Processor, cores and load, in one line.

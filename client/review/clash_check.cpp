@@ -10,6 +10,7 @@
 
 #include <glm/common.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/scene/part_pairs.h"
 #include "client/review/facet_sag.h"
 #include "haptics/base/in_parallel.h"
@@ -34,19 +35,22 @@ struct BoxedPart {
 
 struct Pair {
   PartId a, b;
-  std::size_t triangles;  // of both: what it may cost
+  std::size_t triangles;  // of both, a measure of the cost
 };
 
 const TriangleBvh* treeOf(const haptics::ContactScene& contact, PartId part) {
+  ASSERT(part < contact.data().colliders.size());
   const TriangleBvh* tree = contact.data().colliders[part].tree;
   return tree == nullptr || tree->empty() ? nullptr : tree;
 }
 
-/// Where everything stands.
+/// The poses of all parts, given or the file's.
 class Poses {
  public:
   Poses(const haptics::ContactScene& contact, std::span<const Pose> given)
-      : scene_(contact.scene()), given_(given) {}
+      : scene_(contact.scene()), given_(given) {
+    ASSERT(given.empty() || given.size() == scene_.parts.size());
+  }
   const Pose& operator[](PartId part) const {
     return given_.empty() ? scene_.parts[part].worldFromPart : given_[part];
   }
@@ -56,7 +60,7 @@ class Poses {
   std::span<const Pose> given_;
 };
 
-/// Parts with geometry, by the lower end of their boxes along x.
+/// Parts with geometry, sorted by the lower end of their boxes along x.
 std::vector<BoxedPart> boxedParts(const haptics::ContactScene& contact, const Poses& worldFromPart) {
   std::vector<BoxedPart> parts;
   for (std::size_t i = 0; i < contact.scene().parts.size(); ++i) {
@@ -84,11 +88,11 @@ bool nearEnough(const assets::Bounds& a, const assets::Bounds& b, double reach) 
   return true;
 }
 
-/// Pairs whose boxes come as near as the clearance, the dearest first.
+/// Pairs whose boxes come as near as the clearance, the most expensive first.
 std::vector<Pair> nearPairs(const haptics::ContactScene& contact, const Poses& worldFromPart,
                             double clearance) {
   const std::vector<BoxedPart> parts = boxedParts(contact, worldFromPart);
-  double largest = 0.0;  // m; boxes are grown by what the pairs' own tolerances may be worth
+  double largest = 0.0;  // m; boxes are grown by a bound of the pairs' own tolerances
   for (const BoxedPart& p : parts) {
     largest = std::max(
         {largest, glm::length(p.box.max - p.box.min), glm::length(p.box.max), glm::length(p.box.min)});
@@ -129,7 +133,7 @@ void setWitness(const haptics::MeshOverlap& overlap, Clash& clash) {
   (overlap.inA ? clash.onA : clash.onB) += overlap.wayOut;
 }
 
-/// Of both meshes, where the clash was found.
+/// The sag of the facets of both meshes at the witness points.
 double sagOf(const PlacedMesh& a, const PlacedMesh& b, const Clash& clash) {
   double sag = 0.0;
   for (const auto& [mesh, point] : {std::pair{a, clash.onA}, std::pair{b, clash.onB}}) {
@@ -152,7 +156,8 @@ std::optional<Clash> measure(const PlacedMesh& a, const PlacedMesh& b, double cl
   }
   const bool touches = overlap.meeting == Meeting::touching;
   haptics::MeshGap gap;
-  // Where they touch the walk finds what the overlap's did; twice the tolerance covers its rounding.
+  // For touching parts this search finds the same points as the overlap did; twice the tolerance covers its
+  // rounding.
   if (!haptics::nearestPoints(a, b, touches ? 2.0 * haptics::touchTolerance(a, b) : clearance, gap))
     return {};
   clash.kind = touches ? ClashKind::touch : ClashKind::clearance;
@@ -188,6 +193,7 @@ std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a,
 
 std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId part,
                                  std::span<const Pose> worldFromPart) {
+  ASSERT(worldFromPart.size() == contact.scene().parts.size());
   const TriangleBvh* own = treeOf(contact, part);
   if (own == nullptr) return {};
   const PlacedMesh placed{own, worldFromPart[part]};
@@ -231,6 +237,7 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
 }
 
 ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions& options) {
+  ASSERT(options.clearance >= 0.0);
   const Poses worldFromPart(contact, options.worldFromPart);
   const std::vector<Pair> pairs = nearPairs(contact, worldFromPart, options.clearance);
   const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
@@ -248,6 +255,7 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
     }
   });
   ClashReport report;
+  ASSERT(done <= pairs.size());
   report.pairs = pairs.size();
   report.complete = done == pairs.size();
   for (std::size_t i = 0; i < pairs.size(); ++i) {

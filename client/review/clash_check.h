@@ -1,8 +1,8 @@
 #pragma once
 
-// Which parts of an assembly overlap, touch, or come nearer to each other than asked, all standing where the
-// file has them or at poses that are given. Exact on the triangles that contact uses; shapes of glTF are measured as the triangles that
-// stand for them (haptics/scene/README.md).
+// Finds the parts of an assembly that overlap, touch, or come nearer to each other than a clearance, at the
+// file's poses or at given ones. Exact on the triangles that contact uses; shapes of glTF are measured as the
+// triangles that represent them (haptics/scene/README.md).
 //
 // 1. The answer does not depend on the number of threads.
 
@@ -28,7 +28,7 @@ namespace tandem::client {
 enum class ClashKind : std::uint8_t {
   hard,       // deeper in each other than rounding explains
   touch,      // surfaces meet, see haptics::touchTolerance()
-  clearance,  // apart, but by less than asked
+  clearance,  // apart, but nearer than the clearance
 };
 
 /// What was found between two parts, world frame.
@@ -37,46 +37,45 @@ struct Clash {
   ClashKind kind = ClashKind::clearance;
   double depth = 0.0;     // m, of a hard clash; its definition is haptics::overlapOf()'s
   double distance = 0.0;  // m, between the surfaces; 0 unless kind is clearance
-  glm::dvec3 onA{0.0, 0.0, 0.0},
-      onB{0.0, 0.0, 0.0};  // m, points of both surfaces that far apart: the deepest
-                           // point and the nearest of the other's surface; of
-                           // sheets, one point where they cross
-  double facetSag =
-      0.0;  // m: how far the facets there may be off the curved surfaces that they stand for, both
-            // parts together; what is shallower may be none
-  bool contained = false;  // no surfaces cross: one holds the other, or a shell of it
-  bool sheets = false;     // open surfaces: depth is how far facets stand through others
+  /// m, the witness points, one on each surface: the deepest point and the nearest one of the other surface;
+  /// of sheets, one point where they cross.
+  glm::dvec3 onA{0.0, 0.0, 0.0}, onB{0.0, 0.0, 0.0};
+  /// m: how far the facets at the witness points may be off the curved surfaces that they represent, both
+  /// parts together. A shallower overlap may be an artefact of the facets.
+  double facetSag = 0.0;
+  bool contained = false;  // no surfaces cross: one part holds the other, or a shell of it
+  bool sheets = false;     // open surfaces: depth is how far a facet reaches through another
   bool mayCollide = true;  // false: a collision filter or a joint lets them pass through each other
 };
 
 struct ClashOptions {
-  double clearance = 0.0;  // m, below which parts that do not touch are told
-  double tolerance = 0.0;  // m, overlaps no deeper are touches; haptics::touchTolerance() is the least
+  double clearance = 0.0;  // m, below which parts that do not touch are reported
+  double tolerance = 0.0;  // m, overlaps no deeper count as touches; haptics::touchTolerance() is the minimum
   int threads = 0;         // 0 = all cores
-  std::span<const Pose> worldFromPart;      // one a part; empty: where the file has them
-  const std::atomic<bool>* stop = nullptr;  // set by anybody: no further pair is begun
-  /// Called now and then from the calling thread: pairs done, and of how many. May be empty.
+  std::span<const Pose> worldFromPart;      // one a part; empty: the file's poses
+  const std::atomic<bool>* stop = nullptr;  // once true, no further pair is begun
+  /// Called now and then in the calling thread: pairs done, and the number of all. May be empty.
   std::function<void(std::size_t done, std::size_t pairs)> progress;
 };
 
 struct ClashReport {
-  /// a < b. Pairs that may collide first; of each: hard ones, deepest first, touches, then clearances, nearest first.
+  /// a < b. Pairs that may collide first; of each: hard ones, deepest first, touches, then clearances,
+  /// nearest first.
   std::vector<Clash> clashes;
-  std::size_t pairs = 0;  // whose boxes come as near as the clearance; all others are further apart
-  bool complete = true;   // false: stopped before all pairs were asked
+  std::size_t pairs = 0;  // pairs whose boxes come as near as the clearance; all others are further apart
+  bool complete = true;   // false: stopped before all pairs were measured
 };
 
-/// Asks all pairs of parts that have geometry. Throws nothing, allocates, starts threads.
+/// Measures all pairs of parts that have geometry. Throws nothing, allocates, starts threads.
 ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions& options);
 
-/// The same of one pair at given poses, however far apart they are: `clearance` if nothing touches. None
-/// where a part has no geometry.
+/// Measures one pair at given poses, however far apart. Nothing if a part has no geometry.
 std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a, const Pose& worldFromA,
                                  PartId b, const Pose& worldFromB);
 
-/// What a part (`a` of the answer) is nearest to, all parts standing at these poses (one a part): its nearest
-/// neighbour among those that it may collide with; the first one found, with its depth, if it overlaps any.
-/// None where it has no geometry or is alone.
+/// The nearest neighbour of a part (`a` of the result) at these poses (one a part), among parts that may
+/// collide with it. If it overlaps any, the first one found, with its depth. Nothing if the part has no
+/// geometry or is alone.
 std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId part,
                                  std::span<const Pose> worldFromPart);
 

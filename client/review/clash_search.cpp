@@ -6,6 +6,7 @@
 #include <mutex>
 #include <thread>
 
+#include "assets/base/assert.h"
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
@@ -86,7 +87,7 @@ class ClashSearch::Worker {
  private:
   void run(const haptics::ContactScene& contact, const ClashQuestion& question,
            const std::vector<Pose>& poses) {
-    // On Linux this is the thread's own; where it fails the thread is as nice as the others.
+    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
     static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
     auto findings = std::make_shared<const ClashFindings>(searchClashes(
         contact, question, poses,
@@ -104,13 +105,14 @@ class ClashSearch::Worker {
   std::atomic<bool> stop_{false};
   std::size_t done_ = 0, pairs_ = 0;
   std::shared_ptr<const ClashFindings> findings_;
-  std::thread thread_;  // the last: it uses all of the above
+  std::thread thread_;  // last member, since it uses all of the above
 };
 
 ClashSearch::ClashSearch(const haptics::ContactScene& contact) : contact_(contact) {}
 ClashSearch::~ClashSearch() = default;
 
 void ClashSearch::start(const ClashQuestion& question, const std::vector<Pose>& worldFromPart) {
+  ASSERT(question.atRest || worldFromPart.size() == contact_.scene().parts.size());
   std::erase_if(stopped_, [](const std::unique_ptr<Worker>& worker) { return !worker->view().running; });
   if (worker_ && worker_->view().running) {
     worker_->stop();

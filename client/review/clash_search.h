@@ -1,9 +1,9 @@
 #pragma once
 
-// Looks for the clashes of an assembly in a thread of its own: never in the tick, and on one core, with less claim to it
-// than the hand's loop has. Without a question there is no thread.
+// Finds the clashes of an assembly in a thread of its own, on one core and at a lower priority than the
+// hand's loop. Before the first search there is no thread.
 //
-// 1. All methods are for one thread, which never waits in them; the destructor does.
+// 1. All methods are for one thread, which never waits in them; only the destructor waits.
 
 #include <memory>
 #include <vector>
@@ -21,10 +21,10 @@ class ClashSearch {
   ClashSearch(const ClashSearch&) = delete;
   ClashSearch& operator=(const ClashSearch&) = delete;
 
-  /// Asks anew, of parts at these poses (one a part; not looked at where the question is of parts at rest). A search
-  /// that runs is stopped, and ends by itself after the pair that it is measuring.
+  /// Starts a search at these poses (one a part; ignored where the question is of parts at rest). A running
+  /// search is stopped and ends after the pair that it is measuring.
   void start(const ClashQuestion& question, const std::vector<Pose>& worldFromPart);
-  /// The running search ends after the pair that it is measuring; what it has found until then is its answer.
+  /// Stops the running search after the pair that it is measuring. Its findings until then are its answer.
   void stop();
   ClashSearchView view() const;
 
@@ -32,11 +32,11 @@ class ClashSearch {
   class Worker;
   const haptics::ContactScene& contact_;
   std::unique_ptr<Worker> worker_;                // null before the first question
-  std::vector<std::unique_ptr<Worker>> stopped_;  // by newer questions, not ended yet
+  std::vector<std::unique_ptr<Worker>> stopped_;  // stopped by newer questions, not ended yet
   std::shared_ptr<const ClashFindings> last_;
 };
 
-/// What such a search finds, in the calling thread. `progress` and `stop` as in ClashOptions.
+/// Runs such a search in the calling thread. `progress` and `stop` as in ClashOptions.
 ClashFindings searchClashes(const haptics::ContactScene& contact, const ClashQuestion& question,
                             const std::vector<Pose>& worldFromPart,
                             const std::function<void(std::size_t, std::size_t)>& progress = {},

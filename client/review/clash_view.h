@@ -1,6 +1,7 @@
 #pragma once
 
-// Clashes of an assembly as a window shows them: what was asked, how far the search is, what it found. Plain data.
+// Clashes of an assembly as a window shows them: the question, the progress of the search, and its findings.
+// Plain data.
 
 #include <cstddef>
 #include <memory>
@@ -11,26 +12,26 @@
 namespace tandem::client {
 
 struct ClashQuestion {
-  double clearance = 1e-3;  // m, below which parts that do not touch are told
-  bool atRest = false;      // where the file has the parts; else as they stand when it is asked
+  double clearance = 1e-3;  // m, below which parts that do not touch are reported
+  bool atRest = false;      // at the file's poses; else at those of the moment of the question
 };
 
 struct FoundClash {
   Clash clash;
-  bool overlapsAtRest = false;  // of a hard one: the parts overlap where the file has them too
+  bool overlapsAtRest = false;  // a hard clash whose parts overlap at the file's poses too
 };
 
 /// The answer to one question.
 struct ClashFindings {
   ClashQuestion asked;
-  std::vector<FoundClash> found;    // hard ones that are none at rest first, then as in ClashReport
+  std::vector<FoundClash> found;    // hard clashes that do not overlap at rest first, then as in ClashReport
   std::vector<Pose> worldFromPart;  // where the parts stood, one a part
-  std::size_t pairs = 0;            // that came as near as the clearance by their boxes
-  bool complete = true;             // false: stopped before all pairs were asked
+  std::size_t pairs = 0;            // pairs whose boxes came as near as the clearance
+  bool complete = true;             // false: stopped before all pairs were measured
 };
 
 struct ClashSearchView {
-  bool possible = false;  // somebody here can look for clashes
+  bool possible = false;  // a search can be started
   bool running = false;
   std::size_t done = 0, pairs = 0;                // of the running search
   std::shared_ptr<const ClashFindings> findings;  // of the last search; null before one has ended

@@ -7,13 +7,15 @@
 #include <mutex>
 #include <thread>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kPeriod = std::chrono::milliseconds(100);
-constexpr int kRest = 3;       // times what a measurement took, before the next one
+constexpr int kRest = 3;       // pause before the next measurement, in durations of the last one
 constexpr int kNiceness = 10;  // the hand's thread comes first
 
 }  // namespace
@@ -32,13 +34,14 @@ class ClearanceWatch::Worker {
   }
 
   std::optional<Clash> update(PartId part, const std::vector<Pose>& worldFromPart) {
+    ASSERT(part == kNoPart || part < worldFromPart.size());
     const std::lock_guard lock(mutex_);
     if (part != part_) answer_.reset();
     part_ = part;
-    if (part == kNoPart) asked_ = false;
-    if (part != kNoPart && !asked_ && !busy_ && Clock::now() >= due_) {
+    if (part == kNoPart) requested_ = false;
+    if (part != kNoPart && !requested_ && !busy_ && Clock::now() >= due_) {
       poses_ = worldFromPart;
-      asked_ = true;
+      requested_ = true;
       wake_.notify_one();
     }
     return answer_;
@@ -46,13 +49,13 @@ class ClearanceWatch::Worker {
 
  private:
   void run() {
-    // On Linux this is the thread's own; where it fails the thread is as nice as the others.
+    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
     static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
     std::unique_lock lock(mutex_);
     while (true) {
-      wake_.wait(lock, [this] { return stop_ || asked_; });
+      wake_.wait(lock, [this] { return stop_ || requested_; });
       if (stop_) return;
-      asked_ = false;
+      requested_ = false;
       busy_ = true;
       const PartId part = part_;
       const std::vector<Pose> poses = std::move(poses_);
@@ -70,12 +73,12 @@ class ClearanceWatch::Worker {
   const haptics::ContactScene& contact_;
   std::mutex mutex_;
   std::condition_variable wake_;
-  bool stop_ = false, asked_ = false, busy_ = false;
+  bool stop_ = false, requested_ = false, busy_ = false;
   PartId part_ = kNoPart;
-  std::vector<Pose> poses_;  // one a part, of the question
+  std::vector<Pose> poses_;  // one a part, for the requested measurement
   std::optional<Clash> answer_;
   Clock::time_point due_{};
-  std::thread thread_;  // the last: it uses all of the above
+  std::thread thread_;  // last member, since it uses all of the above
 };
 
 ClearanceWatch::ClearanceWatch(const haptics::ContactScene& contact)

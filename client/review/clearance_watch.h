@@ -1,9 +1,9 @@
 #pragma once
 
-// How near the part in the hand is to its nearest neighbour, measured in a thread of its own while the part
-// is moved: never in the tick, and never so often that it takes more than a quarter of a core.
+// Measures the clearance between the held part and its nearest neighbour in a thread of its own, so rarely
+// that it takes no more than a quarter of a core.
 //
-// 1. All methods are for one thread, which never waits for a measurement, but for the destructor.
+// 1. All methods are for one thread. Only the destructor waits for a measurement.
 
 #include <memory>
 #include <optional>
@@ -21,9 +21,9 @@ class ClearanceWatch {
   ClearanceWatch(const ClearanceWatch&) = delete;
   ClearanceWatch& operator=(const ClearanceWatch&) = delete;
 
-  /// The nearest neighbour of `part` among parts that may collide with it, of the last measurement; none until
-  /// there is one. Starts the next with these poses (one a part) if the last was ready and long enough ago,
-  /// about ten times a second. kNoPart forgets all.
+  /// The nearest neighbour of `part`, among parts that may collide with it, in the last measurement; nothing
+  /// before the first one. Starts the next measurement with these poses (one a part) about ten times a
+  /// second. kNoPart discards the last measurement.
   std::optional<Clash> update(PartId part, const std::vector<Pose>& worldFromPart);
 
  private:

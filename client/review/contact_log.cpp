@@ -5,9 +5,12 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 void ContactLog::note(double time, const Pose& device, bool valid, const haptics::TickOutput& tick) {
+  ASSERT(tick.contactCount >= 0 && tick.contactCount <= haptics::kMaxContacts);
   std::fill(forceNow_.begin(), forceNow_.end(), -1.0);
   for (int i = 0; i < tick.contactCount; ++i) {
     const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
@@ -17,6 +20,7 @@ void ContactLog::note(double time, const Pose& device, bool valid, const haptics
     double& now = forceNow_[static_cast<std::size_t>(&entry - touched_.data())];
     now = std::max(now, 0.0) + contact.force;
   }
+  ASSERT(forceNow_.size() == touched_.size());
   for (std::size_t i = 0; i < touched_.size(); ++i) {
     if (forceNow_[i] < 0.0) continue;
     ++touched_[i].ticks;
@@ -26,10 +30,10 @@ void ContactLog::note(double time, const Pose& device, bool valid, const haptics
   fullTicks_ += tick.contactCount == haptics::kMaxContacts ? 1 : 0;
   const bool touching = tick.contactCount > 0;
   if (started_ && valid) {
-    const glm::dvec3 way = device.position - device_.position;
-    const glm::dvec3 turn = rotationVector(device.orientation * glm::conjugate(device_.orientation));
-    const double done = -0.5 * (glm::dot(toHand_.force + tick.toHand.force, way) +
-                                glm::dot(toHand_.torque + tick.toHand.torque, turn));
+    const glm::dvec3 displacement = device.position - device_.position;
+    const glm::dvec3 rotation = rotationVector(device.orientation * glm::conjugate(device_.orientation));
+    const double done = -0.5 * (glm::dot(toHand_.force + tick.toHand.force, displacement) +
+                                glm::dot(toHand_.torque + tick.toHand.torque, rotation));
     work_ += done;
     if (touching || touching_) contactWork_ += done;
   }

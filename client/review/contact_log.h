@@ -1,7 +1,7 @@
 #pragma once
 
-// What a part in the hand touches while it is moved, tick by tick and summed up: for how long, how hard, what impulse,
-// and what work the hand did. For reviews of an assembly; allocates.
+// Logs the contacts of a held part, tick by tick and summed up: time, force, impulse, and the work of the
+// hand. For reviews of an assembly; allocates.
 
 #include <cstdint>
 #include <string>
@@ -21,21 +21,21 @@ class ContactLog {
     double impulse = 0.0;       // N·s, the same over time
   };
 
-  /// `dt` in s; `rows`: whether to keep a row a contact for csv().
+  /// `dt`: s, the period of a tick. `rows`: keep a row a contact for csv().
   ContactLog(const assets::Scene& scene, double dt, bool rows) : scene_(scene), dt_(dt), keepsRows_(rows) {}
 
-  /// One tick: its time (s), where the device was, world, and what the tick answered. `valid`: the device told where it
-  /// is; where not, no work is counted until it does again.
+  /// Logs one tick: its time (s), the device's pose in the world, and the tick's output. `valid`: the reading
+  /// is valid. No work is counted from an invalid reading until the next valid one.
   void note(double time, const Pose& device, bool valid, const haptics::TickOutput& tick);
 
-  /// In the order in which they were first touched.
+  /// In the order of the first contact.
   const std::vector<Touched>& touched() const { return touched_; }
-  /// Work that the hand did against what it felt, J: the integral of -force . velocity and -torque . spin, between ticks
-  /// with the mean of both ends, so that a spring gives 1/2 K d^2. In all, with weight and inertia of the part; and
-  /// while the part touched anything.
+  /// Work of the hand against the force that it feels, J: the integral of -force . velocity - torque . spin
+  /// by the trapezoidal rule, so that a spring gives 1/2 K d^2. work() includes the weight and inertia of the
+  /// part; contactWork() counts only the time in which the part touches anything.
   double work() const { return work_; }
   double contactWork() const { return contactWork_; }
-  /// Ticks with as many contacts as a tick tells (haptics::kMaxContacts): there may have been weaker ones.
+  /// Ticks with as many contacts as a tick can report (haptics::kMaxContacts); weaker ones may be missing.
   std::uint64_t fullTicks() const { return fullTicks_; }
   /// t,part,px,py,pz,nx,ny,nz,force: a row a contact, SI, world; the normal points away from `part`.
   std::string csv() const;

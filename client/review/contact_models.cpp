@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/scene/control.h"
 #include "client/base/thread_clock.h"
 #include "client/review/facet_sag.h"
@@ -19,12 +20,12 @@ namespace {
 constexpr int kTicksAnAxis = 60;
 constexpr double kDraw = 0.01;  // of the part's size
 
-/// A control in the hand moves along its axis alone, whatever stands there.
+/// Controls are excluded: a held control moves along its axis alone and collides with nothing.
 bool canBeHeld(const assets::Scene& scene, PartId part) {
   return scene.parts[part].movable && assets::controlOf(scene, part) == nullptr;
 }
 
-/// Ticks of a hand that takes the part by its middle and draws it to and fro.
+/// The times of ticks in which a hand holds the part by its middle and moves it to and fro, us.
 std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
                             PartId part) {
   haptics::TickState state(contact);
@@ -39,7 +40,8 @@ std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics:
   input.device.valid = true;
   input.device.worldFromDevice.position = middle;
   input.commands = take;
-  static_cast<void>(haptics::tick(input, contact, parameters, state));  // taking it is no usual tick
+  static_cast<void>(
+      haptics::tick(input, contact, parameters, state));  // the tick of the grasp itself is not typical
   input.commands = {};
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 0; i < kTicksAnAxis; ++i) {
@@ -53,9 +55,10 @@ std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics:
   return times;
 }
 
-/// Of parts that share a model the strictest decides.
+/// Sets the tolerance. Of parts that share a model the strictest decides.
 void setTolerance(const haptics::ContactScene& contact, PartId id, ContactModel& model) {
   const haptics::ContactScene::Data& data = contact.data();
+  ASSERT(data.tolerances.size() == data.colliders.size() && id < data.colliders.size());
   model.toleranceOf = id;
   for (std::size_t i = 0; i < data.colliders.size(); ++i)
     if (data.colliders[i].model == data.colliders[id].model &&

@@ -5,7 +5,8 @@
 namespace tandem::client {
 namespace {
 
-/// Physical damping and quantum are what limits stiffness; figures of published data sheets and measurements.
+/// Figures of published data sheets and measurements. Physical damping and quantum limit the stable
+/// stiffness.
 const DeviceClass kDevices[] = {
     {"desktop",
      "desktop arm of the Phantom Omni class",

@@ -66,7 +66,7 @@ Result<std::vector<PathRow>> loadDevicePath(const std::string& path) {
       if (std::abs(norm - 1.0) > 1e-2) return Error{where + "the quaternion is not a unit one"};
       row.pose.orientation = glm::normalize(q);
     }
-    // A time that is no number belongs to a reading that is not valid, and says nothing of the order.
+    // A time that is not finite belongs to an invalid reading and does not count for the order.
     if (std::isfinite(row.time)) {
       if (row.time < latest)
         return Error{where + "the time goes backwards: " + cell(row.time) + " after " + cell(latest)};

@@ -5,6 +5,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 namespace {
 
@@ -17,6 +19,7 @@ glm::dvec3 doubleArea(const assets::Mesh& mesh, std::uint32_t triangle) {
 }  // namespace
 
 double facetSag(const assets::Mesh& mesh, std::uint32_t triangle) {
+  ASSERT(triangle < mesh.triangles.size());
   if (triangle >= mesh.neighbours.size() || triangle >= mesh.edgeFlags.size()) return 0.0;
   const auto& corners = mesh.triangles[triangle];
   const glm::dvec3 normal = doubleArea(mesh, triangle);
@@ -29,7 +32,8 @@ double facetSag(const assets::Mesh& mesh, std::uint32_t triangle) {
     const double edge = glm::length(mesh.positions[corners[(e + 1) % 3]] - mesh.positions[corners[e]]);
     if (!(area > 0.0) || !(glm::length(other) > 0.0) || !(edge > 0.0)) continue;
     const double turn = std::atan2(glm::length(glm::cross(normal, other)), glm::dot(normal, other));
-    // A flat face beside the narrow facets of a fillet is no chord of it: the narrower of both counts.
+    // A flat face beside the narrow facets of a fillet is no chord of the fillet, so the narrower of both
+    // counts.
     const double chord = std::min(area, glm::length(other)) / edge;
     sag = std::max(sag, 0.5 * chord * std::tan(0.25 * turn));
   }

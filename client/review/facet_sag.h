@@ -1,6 +1,7 @@
 #pragma once
 
-// How far flat triangles may be off the curved surface that they stand for, judging by the triangles alone.
+// Estimates how far flat triangles may be off the curved surface that they represent, from the triangles
+// alone.
 
 #include <cstdint>
 
@@ -8,9 +9,8 @@
 
 namespace tandem::client {
 
-/// Of one triangle, m, judging by how much its neighbours turn across edges that are not sharp: a chord of
-/// length c whose tangents turn by t lies c/2 tan(t/4) under its arc. 0 where the mesh does not know its
-/// neighbours.
+/// The sag of one triangle, m, from the angles to its neighbours across edges that are not sharp: a chord of
+/// length c whose tangents turn by t lies c/2 tan(t/4) under its arc. 0 where the mesh has no adjacency.
 double facetSag(const assets::Mesh& mesh, std::uint32_t triangle);
 
 /// The largest of all triangles, m.

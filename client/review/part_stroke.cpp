@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "client/base/thread_clock.h"
 #include "haptics/geometry/triangle_math.h"
 
@@ -74,13 +75,14 @@ class Stroker {
     note(haptics::tick(reading(true), contact_, parameters_, state_));
   }
 
-  /// Moves the stylus towards a place as far as a hand comes in a tick; whether it is there.
+  /// Moves the stylus towards a target by at most the distance that a hand covers in a tick. True once it is
+  /// there.
   bool approach(const glm::dvec3& target) {
-    const glm::dvec3 way = target - device_;
-    const double length = glm::length(way), most = kFastest * kStep * size_;
-    const bool near = length <= most;
-    device_ = near ? target : device_ + way * (most / length);
-    stroke_.longestStep = std::max(stroke_.longestStep, std::min(length, most));
+    const glm::dvec3 displacement = target - device_;
+    const double length = glm::length(displacement), limit = kFastest * kStep * size_;
+    const bool near = length <= limit;
+    device_ = near ? target : device_ + displacement * (limit / length);
+    stroke_.longestStep = std::max(stroke_.longestStep, std::min(length, limit));
     return near;
   }
 
@@ -91,13 +93,14 @@ class Stroker {
     stroke_.tick_us.push_back(threadMicroseconds() - start);
     if (!note(out)) return;
     ++stroke_.touching;
-    // Relief and magnets act before the facets hold the tool back.
+    // Relief and magnets act before the facets constrain the tool; those ticks are not judged.
     if (proxy_ == device_) return;
     haptics::SurfacePoint exact;
     if (world_.nearest(part_, proxy_, size_, exact)) stroke_.error = std::max(stroke_.error, exact.distance);
   }
 
-  /// Where the tool is and what it lies on, for the next step; whether it touches the part.
+  /// Stores the tool's position and the contact's normal for the next step. True if the tool touches the
+  /// part.
   bool note(const haptics::TickOutput& out) {
     proxy_ = out.worldFromProxy.position;
     for (int i = 0; i < out.contactCount; ++i) {
@@ -112,12 +115,12 @@ class Stroker {
   }
 
   double facets() const {
-    double most = 0.0;
+    double limit = 0.0;
     using Kind = assets::ImplicitShape::Kind;
     for (const assets::ImplicitShape& shape : contact_.scene().parts[part_].shapes)
       if (shape.kind != Kind::box && shape.kind != Kind::plane)
-        most = std::max({most, shape.radiusBottom, shape.kind == Kind::sphere ? 0.0 : shape.radiusTop});
-    return kFacets * most;
+        limit = std::max({limit, shape.radiusBottom, shape.kind == Kind::sphere ? 0.0 : shape.radiusTop});
+    return kFacets * limit;
   }
 
   const haptics::ContactScene& contact_;
@@ -136,6 +139,7 @@ class Stroker {
 
 PartStroke strokePart(const haptics::ContactScene& contact, const haptics::ContactWorld& world,
                       haptics::TickState& state, PartId part) {
+  ASSERT(part < contact.scene().parts.size());
   const haptics::TriangleBvh* tree = world.collider(part).tree;
   if (tree == nullptr || tree->mesh().triangles.empty()) return {};
   return Stroker(contact, world, state, part).run();

@@ -12,6 +12,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/triangle_math.h"
 
 namespace tandem::client {
@@ -29,7 +30,7 @@ std::string number(double value) {
   return text;
 }
 
-/// Those that are not zero.
+/// The quantities that are not zero.
 std::vector<Quantity> present(std::initializer_list<Quantity> all) {
   std::vector<Quantity> out;
   for (const Quantity& quantity : all)
@@ -81,10 +82,10 @@ void remark(Feature& feature, const char* kind, bool applies, std::string text) 
   if (applies) feature.remarks.push_back({kind, std::move(text)});
 }
 
-/// `what` has a value that a device holds to its `most`; 0 = not known.
-void remarkHeld(Feature& feature, const char* what, double value, double most, const char* unit) {
-  remark(feature, what, most > 0.0 && value > most,
-         std::string(what) + " is felt as " + number(most) + " " + unit + ", the most on this device");
+/// Remarks that a device limits the value of `what` to `max`; 0 = not known.
+void remarkHeld(Feature& feature, const char* what, double value, double max, const char* unit) {
+  remark(feature, what, max > 0.0 && value > max,
+         std::string(what) + " is felt as " + number(max) + " " + unit + ", the most on this device");
 }
 
 void remarkForce(Feature& feature, const char* what, double value, const FeatureLimits& limits) {
@@ -93,7 +94,7 @@ void remarkForce(Feature& feature, const char* what, double value, const Feature
              " N of this device");
 }
 
-/// One number of a pair is zero, so that nothing comes of the other.
+/// Whether exactly one number of a pair is zero, which makes the other ineffective.
 bool half(double a, double b) { return (a == 0.0) != (b == 0.0); }
 
 void judgeMaterial(const assets::Material& m, const FeatureLimits& limits, Feature& feature) {
@@ -103,7 +104,7 @@ void judgeMaterial(const assets::Material& m, const FeatureLimits& limits, Featu
          "dynamic friction is more than static: what has begun to slide is held more firmly");
 }
 
-/// Numbers of which one is missing.
+/// Judges pairs of numbers of which one is missing.
 void judgePairs(const Surface& s, Feature& feature) {
   const SurfaceTexture& t = s.texture;
   remark(feature, "vibration pair", half(s.vibrationFrequency, s.vibrationAmplitude),
@@ -123,7 +124,7 @@ void judgePairs(const Surface& s, Feature& feature) {
          "texture without an amplitude or a frictionScale: not felt");
 }
 
-/// What the device does not bear or cannot give.
+/// Judges values that the device cannot render stably or cannot reach.
 void judgeByDevice(const assets::Material& m, const Surface& s, const FeatureLimits& limits,
                    Feature& feature) {
   remark(feature, "vibration rate",
@@ -162,8 +163,8 @@ void judgeSurface(const assets::Material& m, const Surface& s, const FeatureLimi
 
 /// The edges within one material of a mesh that turn, rad.
 struct EdgeTurns {
-  std::size_t turning = 0, below = 0;  // all; those that a crease angle takes for smooth
-  double least = kTurn, most = 0.0;
+  std::size_t turning = 0, below = 0;  // all of them; those that the crease angle takes for smooth
+  double least = kTurn, max = 0.0;
 };
 
 glm::dvec3 areaOf(const assets::Mesh& mesh, std::size_t t) {
@@ -172,7 +173,7 @@ glm::dvec3 areaOf(const assets::Mesh& mesh, std::size_t t) {
 }
 
 EdgeTurns edgeTurns(const assets::Mesh& mesh, std::uint16_t material, double crease) {
-  constexpr double kFlat = 1e-4;  // rad; what rounding to floats leaves of a plane
+  constexpr double kFlat = 1e-4;  // rad; above the angles that rounding to floats gives a plane
   EdgeTurns turns;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (mesh.triangleMaterial[t] != material) continue;
@@ -185,15 +186,15 @@ EdgeTurns edgeTurns(const assets::Mesh& mesh, std::uint16_t material, double cre
       ++turns.turning;
       if (angle <= crease) ++turns.below;
       turns.least = std::min(turns.least, angle);
-      turns.most = std::max(turns.most, angle);
+      turns.max = std::max(turns.max, angle);
     }
   }
   return turns;
 }
 
-/// A crease angle in degrees, or one that misses all edges, is a likely mistake.
+/// Remarks on a crease angle that shades no edge, or all of them, as one in degrees would: a likely mistake.
 void judgeCrease(const assets::Mesh& mesh, std::uint16_t material, double crease, Feature& feature) {
-  constexpr double kCorner = 0.25 * std::numbers::pi;  // rad: what turns by more is meant to be an edge
+  constexpr double kCorner = 0.25 * std::numbers::pi;  // rad: a larger angle is meant to be an edge
   const EdgeTurns turns = edgeTurns(mesh, material, crease);
   const std::string is = "creaseAngle of " + number(crease) + " rad ";
   remark(feature, "crease shades nothing", turns.below == 0,
@@ -201,8 +202,8 @@ void judgeCrease(const assets::Mesh& mesh, std::uint16_t material, double crease
              (turns.turning == 0 ? "the surface is flat"
                                  : "no edge turns by less than " + number(turns.least) + " rad"));
   remark(feature, "crease shades everything",
-         turns.turning > 0 && turns.below == turns.turning && turns.most > kCorner,
-         is + "shades everything: also edges that turn by " + number(turns.most) + " rad feel round");
+         turns.turning > 0 && turns.below == turns.turning && turns.max > kCorner,
+         is + "shades everything: also edges that turn by " + number(turns.max) + " rad feel round");
 }
 
 std::vector<std::uint16_t> materialsOf(const assets::Scene& scene, const assets::Part& part) {
@@ -237,7 +238,7 @@ std::string rolesText(std::uint32_t roles) {
   return text.empty() ? "nobody" : text;
 }
 
-/// Width of one well: as stated, else the least distance between two.
+/// The width of one detent's well: as stated, else the least distance between two detents.
 double wellWidth(const assets::Detents& detents) {
   if (detents.width > 0.0) return detents.width;
   double least = 0.0;
@@ -253,7 +254,7 @@ void judgeControl(const assets::Control& c, const FeatureLimits& limits, Feature
   remark(feature, "detents", !c.detents.places.empty() && c.detents.force == 0.0,
          "detents without a force: not felt");
   remark(feature, "click", c.click.width > 0.0 && c.click.drop == 0.0, "click without a drop: not felt");
-  // What a dial's torque is to the tool depends on where that presses.
+  // The force of a dial's torque on the tool depends on where the tool presses, so dials are not judged.
   if (turns(c)) return;
   remarkForce(feature, "its click", c.click.drop, limits);
   remarkForce(feature, "its detents", c.detents.force, limits);
@@ -268,27 +269,28 @@ void judgeControl(const assets::Control& c, const FeatureLimits& limits, Feature
 }
 
 Feature controlFeature(const assets::Scene& scene, const assets::Control& c, const FeatureLimits& limits) {
-  const std::string way = turns(c) ? "rad" : "m", force = turns(c) ? "N·m" : "N";
+  ASSERT(c.part < scene.parts.size());
+  const std::string unit = turns(c) ? "rad" : "m", force = turns(c) ? "N·m" : "N";
   Feature feature{c.name, toString(c.kind), scene.parts[c.part].name, {}, {}, assets::kNone};
   feature.effects.push_back({"range",
-                             {{"min", c.min, way}, {"max", c.max, way}, {"value", c.initial, way}},
+                             {{"min", c.min, unit}, {"max", c.max, unit}, {"value", c.initial, unit}},
                              c.endless ? "endless" : ""});
   if (c.springStiffness > 0.0)
     feature.effects.push_back(
-        {"spring", {{"stiffness", c.springStiffness, force + "/" + way}, {"rest", c.springRest, way}}});
-  add(feature, "damping", {{"damping", c.damping, force + "·s/" + way}});
+        {"spring", {{"stiffness", c.springStiffness, force + "/" + unit}, {"rest", c.springRest, unit}}});
+  add(feature, "damping", {{"damping", c.damping, force + "·s/" + unit}});
   add(feature, "friction", {{"friction", c.friction, force}});
   add(feature, "inertia", {{"inertia", c.inertia, turns(c) ? "kg·m^2" : "kg"}});
   if (c.detents.force > 0.0 && !c.detents.places.empty())
-    add(feature, "detents", {{"force", c.detents.force, force}, {"width", c.detents.width, way}},
+    add(feature, "detents", {{"force", c.detents.force, force}, {"width", c.detents.width, unit}},
         std::to_string(c.detents.places.size()) + " places");
   if (c.click.drop > 0.0)
     feature.effects.push_back(
-        {"click", {{"at", c.click.at, way}, {"drop", c.click.drop, force}, {"width", c.click.width, way}}});
+        {"click", {{"at", c.click.at, unit}, {"drop", c.click.drop, force}, {"width", c.click.width, unit}}});
   feature.effects.push_back({"roles", {}, rolesText(c.roles)});
   std::string shown;
   for (const PartId part : c.shows) shown += (shown.empty() ? "" : ", ") + scene.parts[part].name;
-  if (!shown.empty()) feature.effects.push_back({"shows", {{"threshold", c.threshold, way}}, shown});
+  if (!shown.empty()) feature.effects.push_back({"shows", {{"threshold", c.threshold, unit}}, shown});
   judgeControl(c, limits, feature);
   return feature;
 }
@@ -425,7 +427,8 @@ std::vector<Feature> controlFeatures(const assets::Scene& scene, const FeatureLi
 
 std::vector<RemarkGroup> groupRemarks(const std::vector<Feature>& features) {
   std::vector<RemarkGroup> groups;
-  std::map<std::string, std::pair<std::size_t, std::set<std::uint32_t>>> seen;  // kind to place, materials
+  std::map<std::string, std::pair<std::size_t, std::set<std::uint32_t>>>
+      seen;  // by kind: index of the group, and its materials
   for (const Feature& feature : features) {
     for (const Remark& remark : feature.remarks) {
       const auto [it, isNew] = seen.try_emplace(remark.kind, groups.size(), std::set<std::uint32_t>{});
@@ -441,7 +444,8 @@ std::vector<RemarkGroup> groupRemarks(const std::vector<Feature>& features) {
 
 std::vector<Feature> oneEachMaterial(const std::vector<Feature>& surfaces) {
   std::vector<Feature> each;
-  std::map<std::uint32_t, std::pair<std::size_t, std::size_t>> seen;  // material to place, further parts
+  std::map<std::uint32_t, std::pair<std::size_t, std::size_t>>
+      seen;  // by material: index of the feature, and the number of further parts
   for (const Feature& feature : surfaces) {
     const auto [it, isNew] = seen.try_emplace(feature.material, each.size(), 0);
     if (isNew)

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a scene's surfaces, fields and controls feel like, in words and numbers: for `tandem check`.
+// Describes how a scene's surfaces, fields and controls feel, in words and numbers: for `tandem check`.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,14 +19,14 @@ struct Quantity {
   std::string unit;  // SI; empty for a plain number
 };
 
-/// One way in which a surface differs from a bare spring, or one property of a field or control.
+/// One effect by which a surface differs from a bare spring, or one property of a field or control.
 struct Effect {
   std::string name;
   std::vector<Quantity> quantities;
-  std::string text{};  // what is not a number, e.g. the pattern of a relief
+  std::string text{};  // a property that is not a number, e.g. the pattern of a relief
 };
 
-/// What will not be felt as written.
+/// A property that will not be felt as the file states it.
 struct Remark {
   std::string kind;  // the same for all remarks of one sort, whatever their numbers
   std::string text;  // one sentence
@@ -36,22 +36,22 @@ struct Remark {
 struct Feature {
   std::string name;  // of the part, field or control
   std::string kind;  // of the material, field or control
-  std::string part;  // that it is or goes with; empty for a field that stands in the world
+  std::string part;  // name of the part that it is or moves with; empty for a field fixed in the world
   std::vector<Effect> effects;
   std::vector<Remark> remarks;
   std::uint32_t material = assets::kNone;  // into Scene::materials; kNone for fields and controls
 };
 
-/// What values are judged by.
+/// The limits by which values are judged.
 struct FeatureLimits {
-  double stiffest = 0.0;  // N/m, that the device bears for good; 0 = not known
-  double contact = 0.0;   // N/m, to which a hand's contacts are held on it; 0 = not known
+  double stiffest = 0.0;  // N/m, the stiffest stable contact of the device; 0 = not known
+  double contact = 0.0;   // N/m, to which a hand's contacts are limited on it; 0 = not known
   double maxForce = 0.0;  // N; 0 = not known
   double tickRate = 1000.0;
-  double damping = 0.0;  // N·s/m, to which damping of surfaces and fields is held; 0 = not known
+  double damping = 0.0;  // N·s/m, to which damping of surfaces and fields is limited; 0 = not known
 };
 
-/// The materials of each part that are more than a spring with the tool's stiffness, in order of parts.
+/// The materials of each part that state more than the tool's default spring, in order of parts.
 std::vector<Feature> surfaceFeatures(const assets::Scene& scene, const FeatureLimits& limits);
 std::vector<Feature> fieldFeatures(const assets::Scene& scene, const FeatureLimits& limits);
 std::vector<Feature> controlFeatures(const assets::Scene& scene, const FeatureLimits& limits);

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/scene/part_pairs.h"
 #include "client/review/clash_check.h"
 #include "client/review/contact_log.h"
@@ -17,6 +18,7 @@ namespace tandem::client {
 SweptPath::SweptPath(const haptics::ContactScene& contact, PartId part, double step)
     : contact_(contact), part_(part) {
   const std::vector<haptics::Collider>& colliders = contact.data().colliders;
+  ASSERT(part < colliders.size());
   radius_ = colliders[part].radius;
   centre_ = colliders[part].centre;
   step_ = step > 0.0 ? step : radius_ / 25.0;
@@ -28,14 +30,14 @@ SweptPath::SweptPath(const haptics::ContactScene& contact, PartId part, double s
   }
 }
 
-double SweptPath::wayBetween(const Pose& a, const Pose& b) const {
+double SweptPath::displacementBound(const Pose& a, const Pose& b) const {
   const double shift = glm::length(transformPoint(a, centre_) - transformPoint(b, centre_));
   return shift + radius_ * glm::length(rotationVector(b.orientation * glm::conjugate(a.orientation)));
 }
 
 void SweptPath::note(double time, const haptics::TickState& state) {
   const Pose& pose = state.worldFromPart(part_);
-  if (!stops_.empty() && !(wayBetween(stops_.back().worldFromPart, pose) >= step_)) return;
+  if (!stops_.empty() && !(displacementBound(stops_.back().worldFromPart, pose) >= step_)) return;
   Stop stop{time, pose, {}};
   const std::vector<haptics::Collider>& colliders = contact_.data().colliders;
   const haptics::PlacedMesh own{colliders[part_].tree, pose};
@@ -90,6 +92,7 @@ std::string SweptPath::csv() const {
       text += line;
       ++next;
     }
+    ASSERT(next == stop.near.end());  // every clearance has a column
     text += '\n';
   }
   return text;

@@ -69,8 +69,8 @@ void Invariants::onAccepted(std::size_t site, const sync::PartState& state) {
 }
 
 void Invariants::onPublished(SiteId self, const sync::PartState& state) {
-  // S3: once the server has granted the part to another site, the former owner publishes nothing of it, whether
-  // or not it has received word of the grant.
+  // S3: once the server has granted the part to another site, the former owner publishes nothing of it,
+  // whether or not it has received word of the grant.
   const auto record = server_.find(state.part);
   if (record != server_.end() && record->second.owner != kNoSite && record->second.epoch > state.epoch &&
       record->second.owner != self)

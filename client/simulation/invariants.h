@@ -1,8 +1,8 @@
 #pragma once
 
-// Checks the rules of the ownership protocol (sync/README.md) on a simulated session from outside: S1-S4, S7, S8,
-// L1, L2 and L4; S6 shows as S2. It shares no code with the implementation: it sees the messages that sites
-// receive and send, the states that they apply, and the server's record at each instant.
+// Checks the rules of the ownership protocol (sync/README.md) on a simulated session from outside: S1-S4, S7,
+// S8, L1, L2 and L4; S6 shows as S2. It shares no code with the implementation: it sees the messages that
+// sites receive and send, the states that they apply, and the server's record at each instant.
 
 #include <cstdint>
 #include <map>

@@ -34,21 +34,21 @@ class HandMeasures {
   double feltStiffness() const;
   /// N: largest change of force within 20 ms.
   double forceStep() const;
-  /// N: the largest such change in the 0.5 s after a role change, less the 99th percentile of those in the second
-  /// before; 0 without a role change.
+  /// N: the largest such change in the 0.5 s after a role change, less the 99th percentile of those in the
+  /// second before; 0 without a role change.
   double handoverExcess() const;
   double rmsForce() const;
   double maxForce() const;  // N
   bool pushed() const;      // at any time
-  /// Whether nothing diverges, the position moves less than 0.5 mm peak to peak in the last 1.5 s if all targets
-  /// stand still then, and the force never changes by more than 0.3 N in 20 ms while all hands stand still
-  /// (`allStill`, one entry a sample).
+  /// Whether nothing diverges, the position moves less than 0.5 mm peak to peak in the last 1.5 s if all
+  /// targets stand still then, and the force never changes by more than 0.3 N in 20 ms while all hands stand
+  /// still (`allStill`, one entry a sample).
   bool stable(const std::vector<bool>& allStill) const;
   /// Whether the bare tool left a movable part in the last tick. The part's co-holders feel that, later.
   bool slidOff() const;
   /// Whether nothing diverges, and the force never changes by more than 0.3 N in 20 ms while all hands stand
-  /// still, no bare tool slides off a part (`undisturbed`, one entry a sample) and this bare tool touches no part
-  /// that others may push.
+  /// still, no bare tool slides off a part (`undisturbed`, one entry a sample) and this bare tool touches no
+  /// part that others may push.
   bool calm(const std::vector<bool>& undisturbed) const;
   const std::vector<HandSample>& samples() const { return samples_; }
 

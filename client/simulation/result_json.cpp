@@ -1,3 +1,4 @@
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "client/base/traffic_json.h"
 #include "client/simulation/simulation.h"
@@ -34,6 +35,7 @@ std::string toJson(const SimulationResult& result) {
   for (const auto& [name, site] : result.sites) json["sent"][name] = trafficJson(site.sent);
   json["grants"] = Json::array();
   for (const auto& grant : result.grants) {
+    ASSERT(grant.part < result.partNames.size());
     const auto name = result.siteNames.find(grant.site);
     json["grants"].push({{"t", grant.at},
                          {"part", result.partNames[grant.part]},

@@ -15,7 +15,7 @@ namespace tandem::client {
 
 namespace {
 
-/// Reads fields of one object, and knows which of them nobody asked for.
+/// Reads the fields of one object and refuses fields that nobody reads.
 class Fields {
  public:
   Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {
@@ -54,7 +54,7 @@ class Fields {
   }
   const Json& operator[](const char* key) { return object_.at(key); }
   const std::string& where() const { return where_; }
-  /// A misspelt key would silently simulate something else.
+  /// Throws if the object has a key that was not read: a misspelt key must not be ignored.
   void refuseUnknown() const {
     for (const auto& [key, value] : object_.members())
       if (!known_.count(key)) throw where_ + ": does not know \"" + key + "\"";
@@ -72,7 +72,7 @@ class Fields {
   std::set<std::string> known_;
 };
 
-/// Names stand in the columns of a trace and in lines for a person.
+/// Whether a name can stand in a CSV column and in a line of text.
 bool plain(const std::string& name) {
   return std::none_of(name.begin(), name.end(),
                       [](unsigned char c) { return c < 32 || c == 127 || c == ',' || c == '"'; });
@@ -190,7 +190,7 @@ Scenario parse(const Json& document, const std::string& path) {
   scenario.path = path;
   const std::string scene = fields.requiredText("scene");
   const fs::path beside = fs::path(path).parent_path() / scene;
-  std::error_code unreadable;  // a name that no file can have is not beside it: loading says what is wrong
+  std::error_code unreadable;  // ignored: loading reports what is wrong with the name
   scenario.scene = fs::exists(beside, unreadable) ? beside.string() : scene;
   scenario.duration = fields.required("duration_s", 0.001, 3600.0);
   Result<double> units = assets::parseUnits(fields.text("units", "m"));

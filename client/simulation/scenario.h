@@ -1,7 +1,7 @@
 #pragma once
 
-// A scenario of `tandem simulate`: people, devices, network and faults, read from JSON. The form is in
-// client/simulation/README.md.
+// A scenario of `tandem simulate`: people, devices, network and faults, read from JSON
+// (client/simulation/README.md).
 
 #include <string>
 #include <vector>
@@ -18,9 +18,9 @@ struct ScenarioSite {
   std::string name;
   haptics::ArmParameters arm;
   haptics::SimulatedDeviceParameters device;
-  bool fit = false;  // limits, stiffnesses and passivity control as `tandem join` has them on such a device
-  double stiffness = 0.0;                     // N/m, of contacts and grasps, whatever fits; 0: not stated
-  double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
+  bool fit = false;        // limits, stiffnesses and passivity control as in `tandem join` on such a device
+  double stiffness = 0.0;  // N/m, of contacts and grasps, overrides `fit`; 0: not stated
+  double deadband = PublishRates{}.deadband;  // Weber fraction of its published states
   std::string role = "participant";
   bool hasStart = false;
   glm::dvec3 start{0.0, 0.0, 0.0};  // m, world

@@ -161,9 +161,10 @@ void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
   context_.trace << line;
 }
 
-/// Adds the energy that the scene itself gave to this hand in this tick, which the haptic loop did not create:
-/// the work of force fields, coordination links, the weight of a held part and parts that others push against
-/// the tool. Whether the links create energy is judged over all of them together (SimulationContext::linkWork).
+/// Adds the energy that the scene itself gave to this hand in this tick, which the haptic loop did not
+/// create: the work of force fields, coordination links, the weight of a held part and parts that others push
+/// against the tool. Whether the links create energy is judged over all of them together
+/// (SimulationContext::linkWork).
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   sourceEnergy_ += tick.sourcePower * toSeconds(kTick);
   addLinkWork(tick);
@@ -177,7 +178,8 @@ void SimulatedSite::addSources(const haptics::TickOutput& tick) {
     if (context_.scene.parts[i].movable) lastPoses_[i] = hand_->worldFromPart(static_cast<PartId>(i));
 }
 
-/// The leash on a replica (`lead`) may give some energy too; it counts as a source here and in no sum of links.
+/// The leash on a replica (`lead`) may give some energy too; it counts as a source here and in no sum of
+/// links.
 void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
   for (int i = 0; i < tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
@@ -231,6 +233,7 @@ SimulatedSiteResult SimulatedSite::result(double duration, const std::vector<boo
 
 void SimulatedSite::onOwnership(const PartRecord& record) {
   context_.invariants.onOwnership(index_, record);
+  ASSERT(record.part < context_.everOwned.size());
   context_.everOwned[record.part] = true;
   if (record.owner == connection_->welcome().site || tick().held == record.part) measures_.roleChanged();
 }

@@ -48,7 +48,8 @@ struct SimulationContext {
 
 class SimulatedSite final : public ConnectionObserver {
  public:
-  /// `context` and `description` must outlive this object. `clockOffset` is the site's clock less virtual time.
+  /// `context` and `description` must outlive this object. `clockOffset` is the site's clock less virtual
+  /// time.
   SimulatedSite(SimulationContext& context, std::size_t index, const ScenarioSite& description,
                 HandScript script, const Pose& worldFromStart, sync::Micros clockOffset);
 

@@ -153,8 +153,8 @@ void Simulation::applyNetworkChanges() {
   }
 }
 
-/// Measures how far the owner's pose of each part is from what the other sites draw of it at this instant, and
-/// from the replicas of its co-holders.
+/// Measures how far the owner's pose of each part is from what the other sites draw of it at this instant,
+/// and from the replicas of its co-holders.
 void Simulation::compareReplicas() {
   maxLinkWork_ = std::max(maxLinkWork_, context_.linkWork);
   const Distances before = shared_;
@@ -203,6 +203,7 @@ void Simulation::tick() {
     still = still && site->measures().samples().back().still;
     slidOff = slidOff || site->measures().slidOff();
   }
+  ASSERT(allStill_.size() == undisturbed_.size());
   allStill_.push_back(still);
   undisturbed_.push_back(still && !slidOff);
   compareReplicas();
@@ -277,6 +278,7 @@ std::string leader(const SimulationResult& result, const Scenario& scenario) {
 
 Result<SimulationResult> simulate(const Scenario& scenario, const haptics::ContactScene& contact,
                                   const SimulationOptions& options) {
+  ASSERT(!scenario.sites.empty() && scenario.duration > 0.0);
   Simulation simulation(scenario, contact, options);
   if (Status status = simulation.addSites(options.seed); !status) return status.error();
   const Error unwritable{options.tracePath + ": cannot be written"};

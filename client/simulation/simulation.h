@@ -1,8 +1,8 @@
 #pragma once
 
 // A whole session in one process on virtual time: the server's session, the wire, ownership, sites and haptic
-// loops are the very code that runs over sockets; only clocks, network, disk, arms and devices are models.
-// The same scenario and seed give the same result to the bit.
+// loops are the code that runs over sockets; clocks, network, disk, arms and devices are models. The same
+// scenario and seed give the same result to the bit.
 
 #include <cstdint>
 #include <functional>
@@ -25,24 +25,24 @@ struct SimulatedSiteResult {
   double rmsForce = 0.0, maxForce = 0.0;                // N
   double packetsPerSecond = 0.0, bytesPerSecond = 0.0;  // sent
   bool calm = true;                                     // HandMeasures::calm()
-  bool pushed = false;                                  // others pushed a part against its bare tool
+  bool pushed = false;                                  // others pushed a part against this hand's bare tool
   sync::Traffic sent;                                   // over the whole time
 };
 
 struct SimulationResult {
   bool stable = true;
   std::map<std::string, SimulatedSiteResult> sites;
-  double displayedRms = 0.0, displayedMax = 0.0;  // m, owner's part against what others draw
-  double discrepancyRms = 0.0,
-         discrepancyMax = 0.0;  // m, owner's replica against those of who shares the part
-  double shared = 0.0;          // s, for which a part was shared
-  double energyOfLinks = 0.0;   // J, the most that all links together ever created
+  double displayedRms = 0.0, displayedMax = 0.0;      // m, owner's part against the display poses of others
+  double discrepancyRms = 0.0, discrepancyMax = 0.0;  // m, owner's replica against those of co-holders
+  double shared = 0.0;                                // s, for which a part had co-holders
+  double energyOfLinks = 0.0;  // J, the largest energy that all links together had created at any time
   double leaderLoadRatio = 1.0;
   std::vector<Invariants::Grant> grants;
   std::map<SiteId, std::string> siteNames;
   std::vector<std::string> partNames;
   std::vector<Violation> violations;
-  std::map<std::string, Pose> finalPoses;  // by part, of the parts that were ever granted; first live site's
+  std::map<std::string, Pose>
+      finalPoses;  // by part, of parts that were ever granted, as the first live site has them
   std::uint64_t droppedStates = 0, denials = 0;
   std::string hash;  // of every pose and force of every tick
 };
@@ -54,23 +54,23 @@ struct SimulatedSiteState {
   const haptics::TickOutput* tick = nullptr;
 };
 
-/// What is done wrong on purpose, to see it noticed.
+/// A deliberate mistake, to check that the invariants detect it.
 enum class Mistake : std::uint8_t {
   none,
-  journalForgotten,  // a server that is started again knows of no epoch
-  regrantedEarly,    // it frees a part after a tenth of its owner's lease
+  journalForgotten,  // a restarted server knows no epoch
+  regrantedEarly,    // the server frees a part after a tenth of its owner's lease
 };
 
 struct SimulationOptions {
   std::uint64_t seed = 1;
   Mistake mistake = Mistake::none;
-  std::function<void(double t, std::span<const SimulatedSiteState>)> watch;  // each tick
+  std::function<void(double t, std::span<const SimulatedSiteState>)> watch;  // called after each tick
   std::string tracePath;                                                     // empty: no trace
   bool leaderLoad = true;  // runs the scenario again without delay, for the ratio
 };
 
-/// Runs the scenario on the scene that `contact` is of. Whether parts in the hand collide is whether their
-/// models were made (ContactScene::modelParts()).
+/// Runs the scenario on the scene of `contact`. Held parts collide if their models were made
+/// (ContactScene::modelParts()).
 Result<SimulationResult> simulate(const Scenario& scenario, const haptics::ContactScene& contact,
                                   const SimulationOptions& options);
 

@@ -6,12 +6,14 @@
 #include <glm/gtc/constants.hpp>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 namespace {
 
 constexpr double kFitMargin = 1.12;
-constexpr double kNearestShareOfFar =
-    2e-4;  // keeps a 24-bit depth buffer useful with the camera inside the scene
+// The least near plane as a share of the far plane: a 24-bit depth buffer stays useful inside the scene.
+constexpr double kNearestShareOfFar = 2e-4;
 
 bool isEmpty(const assets::Bounds& bounds) {
   return !(bounds.min.x <= bounds.max.x && bounds.min.y <= bounds.max.y && bounds.min.z <= bounds.max.z);
@@ -60,6 +62,7 @@ Camera cameraAt(const Pose& worldFromEye, const Camera& like) {
 }
 
 View makeView(const Camera& camera, const glm::dvec2& size, const Sphere& content) {
+  ASSERT(content.radius >= 0.0);
   View view;
   view.camera = camera;
   view.size = glm::max(size, glm::dvec2(1.0));

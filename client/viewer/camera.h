@@ -1,6 +1,6 @@
 #pragma once
 
-// Where the eye is, and the arithmetic between pixels and the world. Pure functions; no GL.
+// The camera, and the arithmetic between pixels and the world. Pure functions; no GL.
 //
 // Pixels count from the top left corner of the view, y down. Depth is the distance from the eye along its
 // viewing direction, in m. World +y is up.
@@ -47,7 +47,7 @@ Camera cameraAt(const Pose& worldFromEye, const Camera& like);
 
 /// Turns the camera about a world point by a mouse motion in pixels.
 void orbit(Camera& camera, const glm::dvec2& pixels, const glm::dvec3& pivot);
-/// Shifts the camera so that what is at that scale follows the mouse.
+/// Shifts the camera so that points at a depth where a pixel spans `metresPerPixel` follow the mouse.
 void pan(Camera& camera, const glm::dvec2& pixels, double metresPerPixel);
 /// Zooms in (positive steps) so that the world point stays under its pixel.
 void zoom(Camera& camera, double steps, const glm::dvec3& towards);

@@ -7,6 +7,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "assets/base/assert.h"
 #include "client/viewer/colours.h"
 
 namespace tandem::client {
@@ -14,7 +15,7 @@ namespace {
 
 constexpr double kFlight = 0.5;  // s
 // Half of the view's height, in lengths of the gap and in diagonals of the smaller part.
-constexpr double kGapsShown = 14.0, kLeastShown = 0.06, kMostShown = 0.5;
+constexpr double kGapsShown = 14.0, kMinShown = 0.06, kMaxShown = 0.5;
 constexpr double kSeenFromAside = 0.6;  // sine between the line and the line of sight
 constexpr float kOthersAlpha = 0.08f, kClashAlpha = 0.62f;
 constexpr double kPoint = 4.0, kHalo = 9.0;  // pixels
@@ -47,7 +48,8 @@ bool seenFromAside(const Camera& camera, const glm::dvec3& line) {
   return glm::length(glm::cross(sightOf(camera), line)) >= kSeenFromAside;
 }
 
-/// Turned as little as makes a line (unit) seen from aside.
+/// Turns the camera by the first of a few angles, the smallest first, from which the unit vector `line` is
+/// seen from the side.
 void turnAside(Camera& camera, const glm::dvec3& line) {
   constexpr std::array<double, 5> kTurns{0.0, 0.7, -0.7, 1.4, -1.4};
   const Camera before = camera;
@@ -104,6 +106,7 @@ std::vector<ClashRow> clashRows(const ClashFindings& findings, const assets::Sce
     return scene.parts[part].name.empty() ? "part " + std::to_string(part) : scene.parts[part].name;
   };
   for (const FoundClash& found : findings.found) {
+    ASSERT(found.clash.a < scene.parts.size() && found.clash.b < scene.parts.size());
     if (found.clash.kind == ClashKind::touch && !touches) continue;
     rows.push_back(
         {&found, nameOf(found.clash.a), nameOf(found.clash.b), measureOf(found.clash), noteOf(found)});
@@ -125,8 +128,9 @@ ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
   const auto now = [&](PartId part, const glm::dvec3& then) {
     return transformPoint(worldFromPart[part], transformPoint(inverse(findings.worldFromPart[part]), then));
   };
+  ASSERT(findings.worldFromPart.size() == worldFromPart.size());
   ClashWitness witness{now(a, found.clash.onA), now(b, found.clash.onB), false};
-  // Both may have gone the same way: then each point is where the other part would take it.
+  // Both parts may have moved together: then either part carries each point to the same place.
   const double off =
       glm::length(now(b, found.clash.onA) - witness.onA) + glm::length(now(a, found.clash.onB) - witness.onB);
   const double scale = 1.0 + glm::length(witness.onA) + glm::length(witness.onB);
@@ -140,7 +144,7 @@ Camera cameraFor(const Camera& from, const ClashWitness& witness, double smaller
   const double gap = glm::length(line);
   if (gap > 0.0) turnAside(camera, line / gap);
   const double half = std::max(
-      0.6 * gap, std::clamp(kGapsShown * gap, kLeastShown * smallerDiagonal, kMostShown * smallerDiagonal));
+      0.6 * gap, std::clamp(kGapsShown * gap, kMinShown * smallerDiagonal, kMaxShown * smallerDiagonal));
   const glm::dvec3 middle = 0.5 * (witness.onA + witness.onB);
   camera.target = middle;
   if (half > 0.0) {
@@ -151,6 +155,7 @@ Camera cameraFor(const Camera& from, const ClashWitness& witness, double smaller
 }
 
 void markClash(const Clash& clash, std::vector<PartLook>& looks) {
+  ASSERT(clash.a < looks.size() && clash.b < looks.size());
   for (PartLook& look : looks) look.alpha = std::min(look.alpha, kOthersAlpha);
   colourPart(looks[clash.a], kClashColourA);
   colourPart(looks[clash.b], kClashColourB);
@@ -177,11 +182,12 @@ void addClash(const Clash& clash, const ClashWitness& witness, GlyphBatch& batch
 void CameraFlight::start(const Camera& from, const Camera& to) {
   from_ = from;
   to_ = to;
-  from_.yaw = to.yaw + std::remainder(from.yaw - to.yaw, glm::two_pi<double>());  // the short way round
+  from_.yaw = to.yaw + std::remainder(from.yaw - to.yaw, glm::two_pi<double>());  // by the smaller angle
   left_ = kFlight;
 }
 
 Camera CameraFlight::step(double dt) {
+  ASSERT(dt >= 0.0);
   left_ = std::max(0.0, left_ - dt);
   const double t = 1.0 - left_ / kFlight, s = t * t * (3.0 - 2.0 * t);
   Camera camera = to_;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The list of clashes apart from how it is drawn: its rows in words, which one is chosen, where its witness points are
-// now, and the camera that shows it.
+// The list of clashes apart from how it is drawn: its rows in words, which one is chosen, where its witness
+// points are now, and the camera that shows it.
 
 #include <optional>
 #include <span>
@@ -16,13 +16,13 @@ namespace tandem::client {
 
 /// What the person set and chose.
 struct ClashUi {
-  bool open = false;   // the list is seen
-  bool asked = false;  // for the first time
+  bool open = false;       // the list is shown
+  bool requested = false;  // the list has requested a search at least once
   ClashQuestion question;
-  bool touches = false;             // list what touches, too
+  bool touches = false;             // touching pairs are listed too
   PartId a = kNoPart, b = kNoPart;  // the chosen pair
-  bool fly = false;                 // the camera shall go there
-  bool choosesFirst = false;        // once there is one
+  bool fly = false;                 // the camera is to move to the chosen pair
+  bool choosesFirst = false;        // the first pair that is found becomes the chosen one
 };
 
 /// One clash in words.
@@ -33,7 +33,7 @@ struct ClashRow {
   std::string note;  // "at rest too", "facets alone may explain it", ...; empty where there is nothing to say
 };
 
-/// How many there are of each kind, of pairs that may collide.
+/// The number of clashes of each kind. Pairs that may not collide count as passThrough alone.
 struct ClashCounts {
   std::size_t hard = 0, atRest = 0, touches = 0, near = 0, passThrough = 0;
 };
@@ -43,13 +43,13 @@ ClashCounts countClashes(const ClashFindings& findings);
 /// In the order of the findings; touches only if they are wanted. Points into `findings`.
 std::vector<ClashRow> clashRows(const ClashFindings& findings, const assets::Scene& scene, bool touches);
 
-/// Of the pair that was chosen; null if the findings have none of it.
+/// The clash of the chosen pair; null if the findings hold none.
 const FoundClash* chosenClash(const ClashFindings* findings, const ClashUi& ui);
 
-/// The points of both surfaces, which go with their parts.
+/// The witness points on both surfaces, carried along with the parts.
 struct ClashWitness {
   glm::dvec3 onA{0.0, 0.0, 0.0}, onB{0.0, 0.0, 0.0};  // m, world
-  bool moved = false;  // the parts stand otherwise to each other than when they were measured
+  bool moved = false;  // the pose of one part relative to the other has changed since the measurement
 };
 ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
                        std::span<const Pose> worldFromPart);
@@ -57,23 +57,23 @@ ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
 /// "0.412 mm deep", "touch" or "0.080 mm apart".
 std::string measureOf(const Clash& clash);
 
-/// A camera that shows the witness points from aside, and enough of the smaller part (its diagonal in m) to know where
-/// that is.
+/// A camera that looks across the line between the witness points, and shows enough of the smaller part (its
+/// diagonal in m) to recognise the place.
 Camera cameraFor(const Camera& from, const ClashWitness& witness, double smallerDiagonal, double aspect);
 
-/// Both parts coloured, everything see-through so that the points are seen.
+/// Colours both parts, and makes all parts transparent so that the witness points are visible.
 void markClash(const Clash& clash, std::vector<PartLook>& looks);
 
-/// The witness points, a line between them, and its length in words.
+/// Adds the witness points, the line between them, and a label with its length.
 void addClash(const Clash& clash, const ClashWitness& witness, GlyphBatch& batch, std::vector<Label>& labels);
 
-/// A camera on its way.
+/// An animated change from one camera to another.
 class CameraFlight {
  public:
   void start(const Camera& from, const Camera& to);
   void stop() { left_ = 0.0; }
   bool flying() const { return left_ > 0.0; }
-  /// Where it is `dt` s later.
+  /// Advances by `dt` s and returns the camera there.
   Camera step(double dt);
 
  private:

@@ -7,12 +7,12 @@
 namespace tandem::client {
 namespace {
 
-void ask(const PanelContext& context) {
-  context.ui.clashes.asked = true;
+void requestSearch(const PanelContext& context) {
+  context.ui.clashes.requested = true;
   context.actions.findClashes = context.ui.clashes.question;
 }
 
-/// What to look for.
+/// The inputs of the search.
 void drawQuestion(const PanelContext& context) {
   ClashUi& ui = context.ui.clashes;
   int atRest = ui.question.atRest ? 1 : 0;
@@ -30,13 +30,13 @@ void drawQuestion(const PanelContext& context) {
   if (ImGui::InputFloat("##clearance", &millimetres, 0.0f, 0.0f, "%.3g mm") && millimetres >= 0.0f)
     ui.question.clearance = 1e-3 * static_cast<double>(millimetres);
   changed = ImGui::IsItemDeactivatedAfterEdit() || changed;
-  if (changed && ui.asked) ask(context);
+  if (changed && ui.requested) requestSearch(context);
 }
 
 void drawProgress(const PanelContext& context) {
   const ClashSearchView& search = context.model.clashes;
   if (!search.running) {
-    if (ImGui::Button("Look again", ImVec2(-1.0f, 0.0f))) ask(context);
+    if (ImGui::Button("Look again", ImVec2(-1.0f, 0.0f))) requestSearch(context);
     return;
   }
   const float share =
@@ -75,7 +75,7 @@ ImVec4 colourOf(const FoundClash& found) {
   return found.overlapsAtRest ? theme::kWarning : theme::kBad;
 }
 
-/// The chosen one's in the colours that its parts have in the scene.
+/// Draws the names of both parts; those of the chosen clash in the colours that the parts have in the scene.
 void drawNames(const PanelContext& context, const ClashRow& row, bool chosen) {
   const float width = ImGui::GetContentRegionAvail().x;
   const std::string all = shortenedTo(row.first + ", " + row.second, width);
@@ -139,7 +139,7 @@ void drawRows(const PanelContext& context, const ClashFindings& findings) {
 void drawClashes(const PanelContext& context) {
   ClashUi& ui = context.ui.clashes;
   const ClashFindings* findings = context.model.clashes.findings.get();
-  if (!ui.asked) ask(context);
+  if (!ui.requested) requestSearch(context);
   drawQuestion(context);
   drawProgress(context);
   if (findings == nullptr) return;

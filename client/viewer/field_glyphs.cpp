@@ -18,7 +18,7 @@ constexpr double kCentreRadius = 4.5, kRingRadius = 16.0;
 const GlyphColour kFieldColour(0.24f, 0.07f, 0.42f, 0.75f);
 const GlyphColour kRegionColour(0.24f, 0.07f, 0.42f, 0.30f);
 
-/// One field's mark in the making.
+/// Draws the mark of one field.
 struct Mark {
   GlyphBatch& batch;
   const ForceField& field;
@@ -38,7 +38,7 @@ struct Mark {
     for (std::size_t i = 0; i + 1 < points.size(); ++i)
       batch.line(at(points[i]), at(points[i + 1]), 1.6, colour);
   }
-  /// The curve that is felt, by short lines.
+  /// Draws the path that is felt as short segments.
   void path() const {
     const haptics::FieldPath curve(field.points, field.smooth, field.closed);
     const int pieces = static_cast<int>(curve.pieces()), steps = field.smooth ? 8 : 1;
@@ -46,12 +46,12 @@ struct Mark {
     for (int i = 0; i <= pieces * steps; ++i) points.push_back(curve.point(static_cast<double>(i) / steps));
     polyline(points, kFieldColour);
   }
-  /// With its axis, so that it is seen from the side too.
+  /// Draws a ring and its axis, so that the mark is visible from the side too.
   void ring(const glm::dvec3& axis) const {
     ringAbout(transformVector(worldFromField, axis));
     batch.line(at({}), at(axis * (kRingRadius * px)), 1.6, kFieldColour);
   }
-  /// What has no direction faces the eye.
+  /// Draws the ring of a field without direction, facing the eye.
   void ringTowardsEye() const {
     ringAbout(batch.view().worldFromEye.orientation * glm::dvec3(0.0, 0.0, 1.0));
   }

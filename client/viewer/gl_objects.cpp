@@ -5,6 +5,8 @@
 
 #include <glm/gtc/type_ptr.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 namespace {
 
@@ -121,6 +123,7 @@ void GlProgram::set(const char* uniform, const glm::mat4& value) const {
 }
 
 void GlTarget::resize(const glm::ivec2& size, int samples, GLenum colourFormat) {
+  ASSERT(size.x > 0 && size.y > 0 && samples >= 0);
   if (size == size_) return;
   size_ = size;
   glBindFramebuffer(GL_FRAMEBUFFER, framebuffer_.id());
@@ -138,6 +141,7 @@ void GlTarget::bind() const {
 }
 
 void floatAttribute(GLuint index, int components, std::size_t stride, std::size_t offset, int divisor) {
+  ASSERT(components >= 1 && components <= 4 && offset < stride);
   glEnableVertexAttribArray(index);
   glVertexAttribPointer(index, components, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
                         reinterpret_cast<const void*>(static_cast<std::uintptr_t>(offset)));

@@ -43,7 +43,7 @@ using GlVertexArray = GlName<GlKind::vertexArray>;
 /// A linked vertex and fragment shader with uniforms set by name.
 class GlProgram {
  public:
-  /// The error holds the compiler's log; `name` stands in it.
+  /// The error holds `name` and the compiler's log.
   static Result<GlProgram> make(const char* name, const std::string& vertex, const std::string& fragment);
   GlProgram(GlProgram&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
   GlProgram& operator=(GlProgram&& other) noexcept {

@@ -5,6 +5,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "assets/base/assert.h"
 #include "client/viewer/shaders.h"
 
 namespace tandem::client {
@@ -73,6 +74,7 @@ void GlyphBatch::cone(const glm::dvec3& start, const glm::dvec3& end, double sta
 
 void GlyphBatch::ring(const glm::dvec3& centre, const glm::dvec3& normal, double innerRadius,
                       double outerRadius, const GlyphColour& colour) {
+  ASSERT(innerRadius >= 0.0 && innerRadius <= outerRadius);
   const auto basis = basisOf(normal);
   for (int side = 0; side < kSides; ++side) {
     const glm::dvec3 u = around(basis, side), v = around(basis, side + 1);

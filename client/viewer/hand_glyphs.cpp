@@ -9,7 +9,7 @@
 namespace tandem::client {
 namespace {
 
-// Sizes in pixels: a hand must be seen whether the scene is a watch or a wing.
+// Sizes in pixels: a hand must be visible whether the scene is a watch or a wing.
 constexpr double kStylusLength = 120.0;
 constexpr double kTipRadius = 3.2;
 constexpr double kBarrelRadius = 5.0;
@@ -17,7 +17,8 @@ constexpr double kArrowAtLimit = 130.0;  // length of the arrow of a force at th
 constexpr double kDiscRadius = 9.0;
 constexpr double kNormalLength = 26.0;
 constexpr double kFrustumDepth = 46.0;
-constexpr double kLargerFrustum = 0.3;  // of the first one, each
+constexpr double kLargerFrustum =
+    0.3;  // by which each further frustum at one place is larger, as a share of the first
 constexpr double kSameEyes = 6.0;
 constexpr double kLabelHeight = 22.0;
 constexpr double kShortestMeasure = 4.0;
@@ -87,7 +88,8 @@ void addContacts(const HandView& hand, GlyphBatch& batch) {
   }
 }
 
-/// A measure between the held part and what it is nearest to, unless it is shorter than it is thick.
+/// Draws the distance between the held part and its nearest neighbour, unless the line would be shorter than
+/// it is thick.
 void addClearance(const HandView& hand, GlyphBatch& batch, std::vector<Label>& labels) {
   const NearestView& nearest = hand.nearest;
   if (hand.held == kNoPart || nearest.part == kNoPart || !(nearest.clearance > 0.0)) return;
@@ -119,7 +121,8 @@ void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& l
   addClearance(hand, batch, labels);
 }
 
-/// How many people before this one look from the same place, as sites without a window do.
+/// The number of people listed before this one whose camera is at the same place, as those of sites without a
+/// window are.
 int sameEyes(const ViewModel& model, const SiteView& site, const View& view) {
   const glm::dvec3& eye = site.presence.worldFromCamera.position;
   int count = 0;
@@ -132,8 +135,8 @@ int sameEyes(const ViewModel& model, const SiteView& site, const View& view) {
   return count;
 }
 
-/// A small pyramid that opens where the other person looks; each of several at one place is larger than the
-/// one before it, with its name below that one's.
+/// Draws a small pyramid that opens in the direction of the other person's view. Of several at one place,
+/// each is larger than the one before it, and its name stands below that one's.
 void addCamera(const Pose& worldFromCamera, const SiteView& site, int before, GlyphBatch& batch,
                std::vector<Label>& labels) {
   const View& view = batch.view();

@@ -1,6 +1,7 @@
 #pragma once
 
-// What stands for people in a scene: this hand with its force and contacts, the others' hands, their cameras.
+// The glyphs of people in a scene: this hand with its force and contacts, and the hands and cameras of
+// others.
 
 #include <string>
 #include <vector>
@@ -17,7 +18,7 @@ struct Label {
   std::string text;
 };
 
-/// Adds everything that stands for people to the batch, and the words that go with it to `labels`.
+/// Adds everything that stands for people to the batch, and its labels to `labels`.
 void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
 
 }  // namespace tandem::client

@@ -13,7 +13,7 @@ namespace {
 
 bool clientSupports(const char* extension) { return epoxy_has_egl_extension(EGL_NO_DISPLAY, extension); }
 
-/// Displays in the order of trying: Mesa without any window system, then whatever is the default.
+/// The displays to try, in order: Mesa without any window system, then the default one.
 std::array<EGLDisplay, 2> candidateDisplays() {
   EGLDisplay surfaceless = EGL_NO_DISPLAY;
   if (clientSupports("EGL_EXT_platform_base") && clientSupports("EGL_MESA_platform_surfaceless"))
@@ -37,7 +37,8 @@ EGLContext createContext(EGLDisplay display) {
   return eglCreateContext(display, config, EGL_NO_CONTEXT, version);
 }
 
-/// The display is not terminated at the end: EGL hands the same one to everybody in the process.
+/// A context of EGL. The display is not terminated at the end, because EGL gives the same one to the whole
+/// process.
 class EglContext {
  public:
   EglContext() = default;

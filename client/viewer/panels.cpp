@@ -41,7 +41,7 @@ void section(const PanelContext& context, const char* title, Draw draw) {
   ImGui::Dummy(ImVec2(0.0f, 1.0f));
 }
 
-/// The one control that must be found without looking for it.
+/// The button that sets all forces to zero. It stands on top, in red, so that it is found at once.
 void drawZeroForce(const PanelContext& context) {
   HandSettings& settings = context.actions.settings;
   const bool off = settings.zeroForce;
@@ -70,10 +70,10 @@ void partCount(const PanelContext& context) {
   ImGui::TextColored(theme::kMuted, "%s", text);
 }
 
-/// Parts or clashes.
+/// The left panel's tabs: parts and clashes.
 void drawTabs(const PanelContext& context, PartTree& tree) {
   ClashUi& clashes = context.ui.clashes;
-  const bool wanted = clashes.open && !clashes.asked;  // opened by other means than a click on the tab
+  const bool wanted = clashes.open && !clashes.requested;  // opened by other means than a click on the tab
   if (!ImGui::BeginTabBar("##tabs")) return;
   const auto tab = [&](const char* name, ImGuiTabItemFlags flags, const auto& draw) {
     ImGui::PushFont(context.fonts.strong);
@@ -148,7 +148,7 @@ void drawOwnHand(const PanelContext& context) {
   }
 }
 
-/// In a replay: what the person does whose view this is. Nobody followed: nothing.
+/// In a replay: the activity of the person whose camera is followed; nothing while nobody is.
 void drawFollowed(const PanelContext& context) {
   const SiteView* site = findSite(context.model, context.ui.following);
   if (context.ui.following == kNoSite || site == nullptr) return;
@@ -259,7 +259,8 @@ void drawReplayBar(const PanelContext& context, const Rect& viewport) {
   char text[48];
   std::snprintf(text, sizeof text, "%.1f s of %.1f s", model.duration, model.duration);
   const float right = ImGui::GetContentRegionMax().x - 86.0f * context.scale;
-  const float room = ImGui::CalcTextSize(text).x + 12.0f * context.scale;  // as wide as the time will get
+  const float room =
+      ImGui::CalcTextSize(text).x + 12.0f * context.scale;  // for the longest text that the time becomes
   ImGui::SetNextItemWidth(right - room - ImGui::GetCursorPosX());
   if (ImGui::SliderFloat("##time", &time, 0.0f, static_cast<float>(model.duration), "")) {
     context.actions.seek = true;

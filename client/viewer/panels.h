@@ -1,7 +1,7 @@
 #pragma once
 
-// The panels around the scene. Each draws what the model says, and writes what the person did into the state
-// of the interface or the actions. ImGui's context is current.
+// The panels around the scene. Each draws the model, and writes the person's input into the state of the
+// interface or the actions. ImGui's context is current.
 
 #include <memory>
 #include <string>
@@ -62,7 +62,8 @@ Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& w
 void drawPeople(const PanelContext& context);
 /// The scene's controls with their values; a permitted role may set them.
 void drawControls(const PanelContext& context);
-/// The list of clashes, with what to look for; asks for it when it is drawn for the first time.
+/// The list of clashes with the inputs of the search; requests the search when it is drawn for the first
+/// time.
 void drawClashes(const PanelContext& context);
 void drawHand(const PanelContext& context);
 void drawNetwork(const PanelContext& context);
@@ -74,15 +75,15 @@ void drawLabels(const View& view, const Rect& viewport, const std::vector<Label>
 void drawNotices(const PanelContext& context, const Rect& viewport);
 void drawReplayBar(const PanelContext& context, const Rect& viewport);
 void drawHelp(const PanelContext& context);
-/// What a slider spans, and how its number is written.
+/// The range of a slider and the format of its number.
 struct SliderRange {
   float min, max;
   const char* pattern;  // of printf, for one double
   int flags = 0;        // ImGuiSliderFlags
 };
-/// A slider with its number at its right, where no handle lies over it; whether the person moved it.
+/// A slider with its number to the right, where the handle does not cover it. True if the person moved it.
 bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range);
-/// What somebody does, in words: holds, touches, watches.
+/// The activity of a person in words: holds, touches, watches.
 std::string activityOf(const ViewModel& model, const SiteView& site);
 /// A filled circle of a site's colour, as tall as a line of text.
 void colourDot(const glm::vec3& srgb, bool hollow = false);

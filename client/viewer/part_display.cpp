@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
+#include "assets/base/assert.h"
 #include "client/viewer/colours.h"
 
 namespace tandem::client {
 namespace {
 
 constexpr float kTransparentAlpha = 0.28f;
-constexpr glm::vec3 kSelection(0.95f, 0.55f,
-                               0.05f);  // sRGB; orange is kept out of the sites' colours' meaning
+constexpr glm::vec3 kSelection(0.95f, 0.55f, 0.05f);  // sRGB; not one of the sites' colours
 constexpr glm::vec3 kHover(0.25f, 0.30f, 0.38f);
 
 void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
@@ -20,7 +20,7 @@ void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
   look.edgeWidth = heldHere ? 2.2f : 1.6f;
 }
 
-/// What a layer of the scene hides is not there, for the eye as for the hand.
+/// Hides the parts that a layer of the scene hides: the hand does not feel them either.
 void hideLayers(const ViewModel& model, std::vector<PartLook>& looks) {
   if (model.scene == nullptr) return;
   for (const assets::Control& layer : model.scene->controls) {
@@ -35,7 +35,10 @@ void hideLayers(const ViewModel& model, std::vector<PartLook>& looks) {
 
 void PartDisplay::isolate(const std::vector<PartId>& parts) {
   std::vector<bool> wanted(isolated_.size(), false);
-  for (const PartId part : parts) wanted[part] = true;
+  for (const PartId part : parts) {
+    ASSERT(part < wanted.size());
+    wanted[part] = true;
+  }
   if (isolating_ && wanted == isolated_) {
     isolating_ = false;
     return;
@@ -52,6 +55,7 @@ void PartDisplay::showAll() {
 }
 
 void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks) {
+  ASSERT(display.partCount() == model.worldFromPart.size());
   looks.assign(model.worldFromPart.size(), PartLook{});
   for (std::size_t p = 0; p < looks.size(); ++p) {
     const auto part = static_cast<PartId>(p);

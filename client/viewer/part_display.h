@@ -1,6 +1,6 @@
 #pragma once
 
-// Which parts a person wants to see and how; and from that, with ownership and touch, how each part looks.
+// Which parts a person wants to see and how. With ownership and touch this gives the look of each part.
 
 #include <vector>
 
@@ -14,6 +14,7 @@ class PartDisplay {
   explicit PartDisplay(std::size_t partCount)
       : hidden_(partCount), transparent_(partCount), isolated_(partCount) {}
 
+  std::size_t partCount() const { return hidden_.size(); }
   bool visible(PartId part) const { return !hidden_[part] && (!isolating_ || isolated_[part]); }
   bool transparent(PartId part) const { return transparent_[part]; }
   bool isolating() const { return isolating_; }
@@ -31,7 +32,7 @@ class PartDisplay {
   bool isolating_ = false;
 };
 
-/// One look a part: hidden, transparent, in its owner's colour, touched, selected.
+/// Computes the look of each part: hidden, transparent, in its owner's colour, touched, selected.
 void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks);
 
 }  // namespace tandem::client

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 
+#include "assets/base/assert.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 
@@ -15,7 +16,7 @@ std::string lowered(std::string text) {
   return text;
 }
 
-/// The text, or as much of its beginning as fits into a width, with dots behind it.
+/// The text, or the beginning of it that fits into `width` with dots after it.
 std::string shortened(const std::string& text, float width) {
   if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
   std::string kept = text;
@@ -107,7 +108,7 @@ PartTree::PartTree(const assets::Scene& scene)
     const std::uint32_t node = scene.parts[p].treeNode;
     (node < partsOf_.size() ? partsOf_[node] : loose_).push_back(static_cast<PartId>(p));
   }
-  // Open the upper levels as long as they fit a screen; what holds no part is folded away.
+  // Opens the upper levels while their rows fit a screen.
   std::size_t shown = roots_.size();
   for (std::uint32_t node = 0; node < scene.tree.size(); ++node) {
     const bool parentOpen = scene.tree[node].parent >= scene.tree.size() || open_[scene.tree[node].parent];
@@ -119,6 +120,7 @@ PartTree::PartTree(const assets::Scene& scene)
 }
 
 std::vector<PartId> PartTree::partsUnder(std::uint32_t node) const {
+  ASSERT(node < children_.size());
   std::vector<PartId> parts;
   std::vector<std::uint32_t> pending{node};
   while (!pending.empty()) {

@@ -11,6 +11,7 @@ namespace tandem::client {
 
 Status writePng(const std::string& path, int width, int height, const std::vector<std::uint8_t>& rgb) {
   const int stride = 3 * width;
+  ASSERT(width > 0 && height > 0);
   ASSERT(rgb.size() == static_cast<std::size_t>(stride) * static_cast<std::size_t>(height));
   // A negative stride from the last row turns the picture upright without copying it.
   const std::uint8_t* topRow =

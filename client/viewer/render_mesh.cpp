@@ -9,6 +9,8 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 namespace {
 
@@ -50,7 +52,8 @@ void joinOverEdge(const assets::Mesh& mesh, std::uint32_t triangle, std::uint32_
   const std::uint32_t next = (edge + 1) % 3;
   const std::uint32_t start = cornerOf(mesh, other, mesh.triangles[triangle][edge]);
   const std::uint32_t end = cornerOf(mesh, other, mesh.triangles[triangle][next]);
-  // A neighbour that runs along the edge the same way faces the other way: its normal must not be mixed in.
+  // A neighbour that runs along the edge in the same direction has the opposite orientation, and its normal
+  // must not be mixed in.
   if (start == kNone || end == kNone || (end + 1) % 3 != start) return;
   groups.join(3 * triangle + edge, 3 * other + start);
   groups.join(3 * triangle + next, 3 * other + end);
@@ -75,7 +78,7 @@ glm::dvec3 safeNormalize(const glm::dvec3& v) {
   return length > 0.0 ? v / length : glm::dvec3(0.0, 1.0, 0.0);
 }
 
-/// Vertices, and the vertex of each corner (3 T).
+/// Fills `vertices`; returns the vertex of each corner (3 T).
 std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<RenderVertex>& vertices) {
   CornerGroups groups = smoothGroups(mesh);
   const std::size_t cornerCount = 3 * mesh.triangles.size();
@@ -159,6 +162,7 @@ RenderCluster makeCluster(const RenderMesh& mesh, std::uint32_t first, std::uint
     low = glm::min(low, mesh.vertices[mesh.indices[i]].position);
     high = glm::max(high, mesh.vertices[mesh.indices[i]].position);
   }
+  ASSERT(count > 0 && count % 3 == 0);
   return {first, count, 0.5f * (low + high), 0.5f * glm::length(high - low)};
 }
 
@@ -280,6 +284,7 @@ RenderMesh makeRenderMesh(const assets::Mesh& mesh) {
   addIndices(mesh, vertexOfCorner, out);
   addClusters(out);
   addFeatureEdges(mesh, out.featureEdges);
+  ASSERT(out.indices.size() == 3 * mesh.triangles.size());
   return out;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Turns a Mesh into what the GPU draws: vertices with crease-aware normals, triangles by material, feature
+// Turns a Mesh into buffers for the GPU: vertices with crease-aware normals, triangles by material, feature
 // edges. Pure functions; no GL.
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct RenderRange {
   std::uint32_t firstIndex = 0, indexCount = 0;
 };
 
-/// A run of neighbouring triangles within one range, with a sphere around them: what is out of sight, or away
-/// from a picking ray, is skipped by the cluster.
+/// A run of neighbouring triangles within one range, and a sphere around them. Clusters out of view, or off a
+/// picking ray, are skipped whole.
 struct RenderCluster {
   std::uint32_t firstIndex = 0, indexCount = 0;
   glm::vec3 centre{0.0f};  // m, part frame
@@ -31,8 +31,8 @@ struct RenderCluster {
 
 struct RenderMesh {
   std::vector<RenderVertex> vertices;
-  std::vector<std::uint32_t>
-      indices;  // three a triangle, ordered by material, then along a space-filling curve
+  /// Three a triangle, ordered by material, then along a space-filling curve.
+  std::vector<std::uint32_t> indices;
   std::vector<RenderRange> ranges;
   std::vector<RenderCluster> clusters;  // cover the indices without gap
   std::vector<glm::vec3> featureEdges;  // two points an edge, each edge once; sharp, open or non-manifold

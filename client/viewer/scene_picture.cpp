@@ -9,7 +9,8 @@ namespace tandem::client {
 namespace {
 
 constexpr int kSamples = 4;
-constexpr std::uint32_t kFramesToRest = 20;  // a part that pauses for less stays out of the layer
+constexpr std::uint32_t kFramesToRest =
+    20;  // a part that has stood still for fewer frames stays out of the layer
 
 void add(Fnv1a& hash, const Pose& pose) {
   hash.addComponents(pose.position);

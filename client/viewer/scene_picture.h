@@ -1,8 +1,8 @@
 #pragma once
 
-// Keeps the picture of a scene between frames and draws anew only what changed: a layer with the parts at
-// rest, over it the parts that move, the transparent ones and the glyphs. Without that, a software renderer
-// would spend the cores that the haptic loop needs on a scene in which a hand moves.
+// Keeps the picture of a scene between frames and redraws only what has changed. A layer holds the parts at
+// rest; moving parts, transparent parts and glyphs are drawn over it. Redrawing everything while a hand moves
+// would take a software renderer the cores that the haptic loop needs.
 
 #include <cstdint>
 #include <span>

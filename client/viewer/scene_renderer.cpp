@@ -6,6 +6,7 @@
 
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "assets/base/assert.h"
 #include "client/viewer/shaders.h"
 
 namespace tandem::client {
@@ -13,7 +14,7 @@ namespace {
 
 constexpr double kLinePull = 1.2e-3;  // share of the distance by which edges stand before their surfaces
 constexpr double kEdgesFrom = 14.0;   // pixels across a part below which its edges are not drawn
-constexpr double kEdgesFull = 90.0;   // and from which on they are fully dark
+constexpr double kEdgesFull = 90.0;   // pixels from which on they are fully dark
 constexpr float kFaint = 0.15f;       // opacity of a part below which its edges are no stronger
 constexpr float kEdgeOpacity = 0.62f;
 constexpr glm::vec3 kThinEdgeColour(0.10f, 0.12f, 0.15f);
@@ -127,6 +128,7 @@ void SceneRenderer::upload(const RenderMesh& mesh, GpuMesh& gpu) {
 }
 
 const SceneRenderer::GpuMesh* SceneRenderer::meshOf(PartId part) const {
+  ASSERT(part < meshOfPart_.size());
   const std::uint32_t index = meshOfPart_[part];
   return index < meshes_.size() ? &meshes_[index] : nullptr;
 }
@@ -184,6 +186,7 @@ void SceneRenderer::drawBackground(const Background& background) const {
 
 void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
                          std::span<const PartLook> looks, std::span<const PartId> parts, bool edges) const {
+  ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
   std::vector<std::pair<double, PartId>> transparent;
   std::vector<PartId> opaque;
   for (const PartId part : parts) {
@@ -299,9 +302,9 @@ void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFr
 
 std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel,
                                        std::span<const Pose> worldFromPart, std::span<const PartLook> looks) {
+  ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
   const glm::dvec3 direction = glm::normalize(view.pointAt(pixel, 1.0) - view.worldFromEye.position);
-  const double pixelAtFar =
-      view.metresPerPixel(view.far);  // the target's one pixel is a thin pyramid, not a ray
+  const double pixelAtFar = view.metresPerPixel(view.far);  // the target's pixel is a thin pyramid, not a ray
   const auto meetsRay = [&](const Sphere& sphere) {
     const glm::dvec3 toCentre = sphere.centre - view.worldFromEye.position;
     return glm::length(glm::cross(toCentre, direction)) <= sphere.radius + pixelAtFar;
@@ -332,6 +335,7 @@ std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel
   if (colour[3] == 0) return std::nullopt;
   Hit hit;
   hit.part = static_cast<PartId>(colour[0] + 256 * colour[1]);
+  ASSERT(hit.part < worldFromPart.size());
   hit.depth = depthFromBuffer(view, depth);
   hit.point = view.pointAt(pixel, hit.depth);
   return hit;

@@ -75,8 +75,8 @@ class SceneRenderer {
   const GpuMesh* meshOf(PartId part) const;
   Sphere worldSphere(PartId part, const Pose& worldFromPart) const;
   bool inView(const View& view, const Sphere& sphere) const;
-  /// Draws those clusters of a run of indices for whose spheres (world) the test holds, joined where they
-  /// follow on.
+  /// Draws those clusters of a run of indices for whose spheres (world) the test holds. Adjacent clusters are
+  /// drawn in one call.
   template <typename Test>
   static void drawClusters(const GpuMesh& mesh, std::uint32_t first, std::uint32_t count,
                            const Pose& worldFromPart, Test visible);

@@ -30,7 +30,7 @@ std::string format(const char* pattern, Args... args) {
   return text;
 }
 
-/// Text that goes on in the next line where the panel ends.
+/// Draws text that wraps at the panel's edge.
 void wrapped(const ImVec4& colour, const std::string& text) {
   ImGui::PushTextWrapPos(0.0f);
   ImGui::TextColored(colour, "%s", text.c_str());
@@ -82,7 +82,7 @@ void drawPerson(const PanelContext& context, const SiteView& site) {
   ImGui::PopID();
 }
 
-/// How near the held part is to its nearest neighbour.
+/// Draws the distance between the held part and its nearest neighbour.
 void drawNearest(const ViewModel& model) {
   const NearestView& nearest = model.hand.nearest;
   if (model.hand.held == kNoPart || nearest.part == kNoPart) return;

@@ -31,7 +31,8 @@ vec3 shade(vec3 base, float metallic, float roughness, vec3 n, vec3 v) {
   float up = dot(reflect(-v, n), upInEye);
   float border = 0.15 + 0.85 * roughness;
   vec3 mirrored = mix(vec3(0.29, 0.29, 0.30), vec3(0.95, 0.97, 1.0), smoothstep(-border, border, up));
-  light += mirrored * (f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0)) * (1.0 - 0.35 * roughness);
+  vec3 grazing = f0 + (max(vec3(1.0 - roughness), f0) - f0) * pow(1.0 - nv, 5.0);
+  light += mirrored * grazing * (1.0 - 0.35 * roughness);
   light += diffuse * (0.56 * nk + 0.14 * max(dot(n, fill), 0.0));
   light += 0.9 * nk * min(distribution * visibility, 4.0) * fresnel;
   return light;

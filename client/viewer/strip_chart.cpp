@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "assets/base/assert.h"
 #include "client/viewer/theme.h"
 
 namespace tandem::client {
@@ -84,6 +85,7 @@ void drawStripChart(const StripChart& chart, const std::vector<float>& values, f
   ImGui::InvisibleButton(chart.id, size);
   float top = chart.minimumRange;
   for (const float value : values) top = std::max(top, std::isfinite(value) ? value : 0.0f);
+  ASSERT(top > 0.0f);
   const Frame frame{origin, {origin.x + size.x, origin.y + size.y}, niceCeiling(top)};
   ImDrawList& list = *ImGui::GetWindowDrawList();
   list.AddRectFilled(frame.min, frame.max, theme::packed(theme::kRaised), 3.0f);

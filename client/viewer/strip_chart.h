@@ -8,7 +8,7 @@
 namespace tandem::client {
 
 /// A plot of recent values against time, newest at the right, with a limit line. Min and max of each pixel
-/// column are drawn, so that a single late tick among thousands is still seen.
+/// column are drawn, so that a single late tick among thousands is visible.
 struct StripChart {
   const char* id = "";
   const char* title = "";

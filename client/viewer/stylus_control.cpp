@@ -7,6 +7,8 @@
 
 #include <glm/gtc/quaternion.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 namespace {
 
@@ -18,7 +20,8 @@ constexpr double kApproachTime = 0.02;  // s, time constant when the surface com
 constexpr double kRetreatTime = 0.09;   // s, when it falls away
 constexpr double kOffsetTime = 0.12;    // s, in which a free tip comes back under the mouse
 
-/// The tip comes no nearer to the eye than this, m. Not the near plane: that follows the scene, and the hand.
+/// The least distance of the tip from the eye, m. It is not the near plane, which follows the scene and the
+/// hand.
 double nearest(const View& view) { return 0.02 * view.camera.distance; }
 
 bool moved(const Pose& a, const Pose& b, double tolerance) {
@@ -34,6 +37,7 @@ glm::dquat restingOrientation() {
 }  // namespace
 
 void StylusControl::place(const View& view, double depth) {
+  ASSERT(depth > 0.0);
   eyeFromStylus_ = restingOrientation();
   depth_ = std::max(depth - kClearance * view.metresPerPixel(depth), nearest(view));
   worldFromStylus_.position = view.pointAt(0.5 * view.size, depth_);
@@ -99,13 +103,14 @@ void StylusControl::updateGrasp(const Situation& now) {
 }
 
 bool StylusControl::update(const Situation& now) {
+  ASSERT(now.input.dt >= 0.0);
   const Pose before = worldFromStylus_;
   updateGrasp(now);
   turn(now);
   const bool follow = (now.cursorInView || mouseGrasp_) && !now.cameraMoving;
   if (follow) {
     if (!inView_ || !placed_) {
-      // The mouse comes back from a panel or from moving the camera: a held part must not jump under it.
+      // The mouse comes back from a panel or from moving the camera. A held part must not jump to it.
       const auto tip = now.view.project(worldFromStylus_.position);
       offset_ = tip && (now.holding || grasping()) ? *tip - now.cursor : glm::dvec2(0.0);
       depth_ = std::max(now.view.depthOf(worldFromStylus_.position), nearest(now.view));

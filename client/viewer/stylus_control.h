@@ -2,12 +2,11 @@
 
 // The virtual stylus: mouse and keyboard as a six-axis hand, for people without a device. No GL.
 //
-// 1. The tip stays under the mouse; its depth follows the visible surface just before it (unless turned off),
-// plus what
-//    the person pushed with W/S or Ctrl + wheel. So hovering and pressing W touches.
-// 2. While something is held, the tip moves parallel to the screen and keeps its orientation in the world,
-// and nothing
-//    about the camera moves it.
+// 1. The tip stays under the mouse. Unless that is turned off, its depth follows the visible surface and
+//    stays just before it, plus what the person pushed with W/S or Ctrl + wheel: pressing W over a surface
+//    touches it.
+// 2. While a part is held, the tip moves parallel to the screen and keeps its orientation in the world;
+//    moving the camera does not move it.
 
 #include <optional>
 
@@ -51,7 +50,7 @@ class StylusControl {
   glm::dquat eyeFromStylus_{1.0, 0.0, 0.0, 0.0};
   glm::dvec2 offset_{0.0, 0.0};  // pixels from the cursor to the tip
   double depth_ = 1.0;           // m
-  double push_ = 0.0;            // m beyond the place just before the surface
+  double push_ = 0.0;            // m, by the person, beyond that place
   bool mouseGrasp_ = false, latched_ = false, placed_ = false, inView_ = false;
 };
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Where pictures go and input comes from: a GLFW window, or an EGL context without any display. Main thread
-// only.
+// The target of pictures and the source of input: a GLFW window, or an EGL context without any display. Main
+// thread only.
 
 #include <array>
 #include <bitset>
@@ -22,7 +22,7 @@ struct Input {
   glm::dvec2 cursor{-1e9, -1e9};  // window pixels, top left origin
   glm::dvec2 cursorMove{0.0, 0.0};
   std::array<bool, 3> down{}, pressed{}, released{};  // left, right, middle
-  glm::dvec2 pressedAt{-1e9, -1e9};  // where the last button went down: the cursor may have gone on since
+  glm::dvec2 pressedAt{-1e9, -1e9};  // where the last button went down; the cursor may have moved since
   double wheel = 0.0;                // steps, away from the person = positive
   bool shift = false, ctrl = false;
   std::bitset<kKeyCount> keysDown;
@@ -45,12 +45,12 @@ class Surface {
   /// Starts ImGui's platform side; its context and this surface are current.
   virtual void startInterface() = 0;
   virtual void stopInterface() = 0;
-  /// Takes in events and tells ImGui; ImGui::NewFrame() follows.
+  /// Polls events and passes them to ImGui; ImGui::NewFrame() follows.
   virtual void beginFrame(Input& input) = 0;
   /// Shows the picture, at most 60 times a second (30 where the processor draws).
   virtual void present() = 0;
   virtual bool closeRequested() const = 0;
-  /// Whether somebody sees frame after frame.
+  /// Whether frames follow each other, as in a window; false where single pictures are taken.
   virtual bool live() const = 0;
 };
 

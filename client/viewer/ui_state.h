@@ -1,6 +1,6 @@
 #pragma once
 
-// What the panels change and the viewer carries out.
+// The state that the panels change and the viewer reads.
 
 #include <array>
 #include <optional>
@@ -21,7 +21,7 @@ struct UiState {
   bool showEdges = true;
   bool followSurface = true;
   SiteId following = kNoSite;              // whose camera this one follows
-  std::optional<std::vector<PartId>> fit;  // asked for in this frame; empty = all visible parts
+  std::optional<std::vector<PartId>> fit;  // parts to fit the view to in this frame; empty = all visible ones
   std::array<char, 128> search{};
 };
 

@@ -126,6 +126,7 @@ class SceneViewer final : public Viewer {
   void moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
                   ViewActions& actions);
   void partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView);
+  void steerCamera(const ViewModel& model, double dt);
   void follow(const ViewModel& model);
   void chooseClash(const ViewModel& model);
   const FoundClash* shownClash(const ViewModel& model) const;
@@ -173,13 +174,13 @@ View SceneViewer::currentView(const ViewModel& model) const {
       includePoint(site.presence.worldFromTool.position);
       includePoint(site.presence.worldFromCamera.position);
     }
-  // In coarse steps: a hand that moves must not change the depth planes, and with them the whole picture,
-  // each frame.
+  // The radius changes in coarse steps. A moving hand must not change the depth planes, and with them the
+  // whole picture, in each frame.
   if (content.radius > 0.0) content.radius = std::exp2(std::ceil(4.0 * std::log2(content.radius)) / 4.0);
   return makeView(camera_, viewport_.size(), content);
 }
 
-/// Tips of styli belong to everything, unless somebody has strayed far from all parts.
+/// Extends the bounds of all parts by the tips of styli, except those far away from all parts.
 void includePeople(const ViewModel& model, assets::Bounds& bounds) {
   if (!(bounds.min.x <= bounds.max.x)) return;
   const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
@@ -196,6 +197,7 @@ void includePeople(const ViewModel& model, assets::Bounds& bounds) {
 }
 
 void SceneViewer::fit(const ViewModel& model) {
+  ASSERT(ui_.fit.has_value());
   std::vector<PartId> parts = *ui_.fit;
   ui_.fit.reset();
   const bool everything = parts.empty();
@@ -273,6 +275,20 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
         break;
     }
   }
+}
+
+/// Moves the camera to what was asked for: a fit, another person's view, or a clash.
+void SceneViewer::steerCamera(const ViewModel& model, double dt) {
+  if (!started_ && camera_.distance == fitView(sceneBounds_, 1.0).distance)
+    camera_ = fitFrom(camera_, sceneBounds_, viewport_.size().x / std::max(viewport_.size().y, 1.0));
+  if (ui_.fit) {
+    fit(model);
+    flight_.stop();
+  }
+  follow(model);
+  chooseClash(model);
+  flyToClash(model);
+  if (flight_.flying()) camera_ = flight_.step(dt);
 }
 
 void SceneViewer::follow(const ViewModel& model) {
@@ -408,19 +424,10 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   viewport_ = {{0.0, 0.0}, glm::dvec2(surface_->size())};
   keys(model, input, actions);
   if (options_.panels && ui_.showPanels) viewport_ = drawPanels(context, tree_, glm::dvec2(surface_->size()));
-  if (!started_ && camera_.distance == fitView(sceneBounds_, 1.0).distance)
-    camera_ = fitFrom(camera_, sceneBounds_, viewport_.size().x / std::max(viewport_.size().y, 1.0));
-  if (ui_.fit) {
-    fit(model);
-    flight_.stop();
-  }
-  follow(model);
-  chooseClash(model);
-  flyToClash(model);
-  if (flight_.flying()) camera_ = flight_.step(input.dt);
+  steerCamera(model, input.dt);
 
-  // In a slow frame the mouse has gone on since it clicked: a click on a panel must not grasp what it is over
-  // now.
+  // In a slow frame the mouse has moved since the click: a click on a panel must not grasp the part that is
+  // under the mouse by now.
   if (!viewport_.contains(input.pressedAt)) input.pressed.fill(false);
   const glm::dvec2 cursor = input.cursor - viewport_.min;
   const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);

@@ -33,7 +33,7 @@ class Viewer {
   virtual Camera& camera() = 0;
   /// A key (GLFW's code) for the next frame, as if it had been pressed.
   virtual void pressKey(int key) = 0;
-  /// Shows the list of clashes, asks for them, and chooses the first one that is found.
+  /// Shows the list of clashes, requests a search, and chooses the first clash that is found.
   virtual void openClashes(const ClashQuestion& question) = 0;
   /// Fits the view to all parts and styli as the next frame's model has them.
   virtual void fitAll() = 0;

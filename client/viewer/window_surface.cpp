@@ -35,7 +35,7 @@ class WindowSurface final : public Surface {
  public:
   explicit WindowSurface(GLFWwindow* window) : window_(window) {
     glfwSetWindowUserPointer(window_, this);
-    // Our callbacks come first: ImGui's chain to them.
+    // These callbacks are installed first: ImGui's call them.
     glfwSetKeyCallback(window_, [](GLFWwindow* w, int key, int, int action, int) {
       auto* self = static_cast<WindowSurface*>(glfwGetWindowUserPointer(w));
       if (action == GLFW_PRESS && key >= 0) self->keysPressed_.push_back(key);
@@ -93,8 +93,9 @@ class WindowSurface final : public Surface {
   void present() override {
     const auto drawn = Clock::now();
     glfwSwapBuffers(window_);
-    // A display without vertical synchronisation (a virtual one, say) would let the loop run free. A software
-    // renderer uses every core: it pauses for half as long as it drew, so that the haptic loop keeps one.
+    // A display without vertical synchronisation, such as a virtual one, would let the loop run free. A
+    // software renderer uses every core, so it pauses for half as long as it drew to leave one to the haptic
+    // loop.
     auto until = frameStart_ + (software_ ? kSoftwareInterval : kFrameInterval);
     if (software_) until = std::max(until, Clock::now() + (drawn - frameStart_) / 2);
     std::this_thread::sleep_until(until);

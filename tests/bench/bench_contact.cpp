@@ -27,7 +27,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
-#include "client/report/asked.h"
+#include "client/report/targets.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
@@ -148,7 +148,7 @@ std::vector<std::vector<haptics::PartMotion>> allMoving(const Scene& scene, int 
 
 struct Line {
   std::string name;
-  report::AskedCost asked;
+  report::TargetCost target;
   bool judged = true;  // by the exit code
 };
 
@@ -192,13 +192,13 @@ class Bench {
     report_.value("  p50 / Embree p50", "", tick.p50 / query.p50);
     report_.value("  p99 / Embree p99", "", tick.p99 / query.p99);
     report_.value("  in contact", "%", 100.0 * touching / static_cast<double>(ours.size()));
-    const auto judge = [&](const char* which, double measured, double asked) {
-      if (!(asked > 0.0)) return;
-      const bool met = report_.bound("  " + line.name + which, measured, asked);
+    const auto judge = [&](const char* which, double measured, double target) {
+      if (!(target > 0.0)) return;
+      const bool met = report_.bound("  " + line.name + which, measured, target);
       met_ = met_ && (met || !line.judged);
     };
-    judge(" p50, us", tick.p50, line.asked.p50);
-    judge(" p99, us", tick.p99, line.asked.p99);
+    judge(" p50, us", tick.p50, line.target.p50);
+    judge(" p99, us", tick.p99, line.target.p99);
     met_ = report_.bound("  allocations", static_cast<double>(allocations), 0.0) && met_;
   }
 
@@ -209,9 +209,9 @@ class Bench {
     const haptics::ContactScene contact(scene);
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);
-    run({"gear outline point", report::kAskedOfGear}, contact, embree, gearOutline(ticks()), 0.0);
-    run({"gear face point", report::kAskedOfGear}, contact, embree, gearFace(ticks()), 0.0);
-    run({"gear outline ball 1 mm", report::kAskedOfGearBall}, contact, embree, gearOutline(ticks()), 0.001);
+    run({"gear outline point", report::kGearTarget}, contact, embree, gearOutline(ticks()), 0.0);
+    run({"gear face point", report::kGearTarget}, contact, embree, gearFace(ticks()), 0.0);
+    run({"gear outline ball 1 mm", report::kGearBallTarget}, contact, embree, gearOutline(ticks()), 0.001);
   }
 
   void sphere() {
@@ -221,7 +221,7 @@ class Bench {
     const bench::WorldMesh world = bench::flatten(scene);
     bench::EmbreeYardstick embree(world);
     for (const int mm : {0, 1, 3}) {
-      run({"sphere ball " + std::to_string(mm) + " mm", report::kAskedOfFineSphere}, contact, embree,
+      run({"sphere ball " + std::to_string(mm) + " mm", report::kFineSphereTarget}, contact, embree,
           aroundSphere(0.010, ticks()), 1e-3 * mm);
     }
   }
@@ -235,10 +235,10 @@ class Bench {
       bench::EmbreeYardstick embree(world);
       const std::string name = plates ? "10k plates" : "10k parts";
       const std::vector<Stance> way = overFloor(0.2, plates ? 0.0 : 0.002, ticks());
-      run({name + " still", report::kAskedOfStillParts}, contact, embree, way, 0.0);
+      run({name + " still", report::kStillPartsTarget}, contact, embree, way, 0.0);
       // Plates that touch cannot swing without cutting into each other.
       if (plates) continue;
-      run({name + " moving", report::kAskedOfMovingParts, false}, contact, embree, way, 0.0,
+      run({name + " moving", report::kMovingPartsTarget, false}, contact, embree, way, 0.0,
           allMoving(scene, 8));
     }
   }
@@ -303,7 +303,7 @@ class Bench {
       report_.row("refit 100 k, " + std::to_string(threads) + " threads", "ms", bench::percentiles(wall));
       if (threads == 2) {
         report_.bound("  refit 100 k, best, ms", *std::min_element(wall.begin(), wall.end()),
-                      report::kAskedRefit_ms);
+                      report::kRefitTarget_ms);
       }
     }
   }
@@ -326,7 +326,7 @@ class Bench {
     const bench::WorldMesh world = bench::flatten(scene);
     report_.value("  rtcCommitScene", "ms", 1e3 * bench::EmbreeYardstick(world).buildSeconds());
     met_ = report_.bound("  build 1 M, best, ms", *std::min_element(wall.begin(), wall.end()),
-                         report::kAskedBuild_ms) &&
+                         report::kBuildTarget_ms) &&
            met_;
   }
 

@@ -1,5 +1,4 @@
-// The checker of the protocol's promises must itself be able to fail: every rule is broken here once, on
-// purpose.
+// The checker of the protocol's rules must be able to fail: every rule is broken here once, on purpose.
 
 #include "client/simulation/invariants.h"
 

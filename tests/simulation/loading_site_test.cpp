@@ -1,4 +1,4 @@
-// A site that takes long to make a scene ready is told what happens meanwhile.
+// A site that takes long to make a scene ready receives what happens meanwhile.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 using namespace sync;
 constexpr std::int64_t kUnix = 1000000;
 
-/// A server, somebody who is ready, and a connection that still makes its scene ready.
+/// A server, another site that is ready, and a connection that still makes its scene ready.
 struct Loading {
   assets::Scene scene;
   std::vector<std::byte> package = std::vector<std::byte>(100);
@@ -55,7 +55,7 @@ struct Loading {
     other.say(Ready{});
     run(40 * kMillisecond);
   }
-  /// Somebody enters the session; not ready yet.
+  /// Another site enters the session; it is not ready yet.
   void join(test::FakeSite& site, const std::string& name) {
     site.frame = wireFrame(scene.bounds);
     site.transport = network.connect(name);

@@ -1,4 +1,5 @@
-// A part in a hand collides in a session as it does alone: who pushes it feels the stop, everybody sees it there.
+// A held part collides in a session as it does alone: the hand that pushes it feels the stop, and all sites
+// see it there.
 
 #include <gtest/gtest.h>
 
@@ -39,7 +40,7 @@ struct PegOverPlate {
   const std::string& name() const { return builder.scene.parts[peg].name; }
 };
 
-/// One site takes the peg, pushes it 30 mm down and lets go of it there; another, the first of the list,
+/// One site takes the peg, pushes it 30 mm down and lets go of it there; another one, the first of the list,
 /// watches.
 Scenario pushDown(const std::string& part) {
   Scenario scenario;
@@ -73,7 +74,7 @@ TEST(PartContactInASession, APegThatIsPushedOntoAPlateRestsOnItAtEverySite) {
   haptics::ContactScene contact(made.builder.scene);
   ASSERT_TRUE(contact.modelParts());
   const SimulationResult result = run(made, contact);
-  // Where the watching site has it; that all sites agree is the last rule of the invariants.
+  // The pose at the watching site. The invariants check that all sites agree.
   ASSERT_EQ(result.finalPoses.count(made.name()), 1u);
   EXPECT_NEAR(result.finalPoses.at(made.name()).position.y, 0.0, 20e-6);
   EXPECT_TRUE(result.violations.empty());
@@ -125,12 +126,12 @@ TEST(PartContactInASession, APartThatGivesWayIsAskedForAndGoesAlongAtEverySite) 
     ASSERT_TRUE(result.ok()) << result.error().message;
     EXPECT_TRUE(result->violations.empty());
     const auto slider = result->finalPoses.find(scene.parts[1].name);
-    const double way = slider == result->finalPoses.end() ? 0.0 : slider->second.position.x - 0.025;
-    // As far as the hand goes on after 5 mm, but for what the modelled arm gives way.
+    const double displacement = slider == result->finalPoses.end() ? 0.0 : slider->second.position.x - 0.025;
+    // The slider moves as far as the hand after the first 5 mm, less the compliance of the modelled arm.
     if (rails)
-      EXPECT_NEAR(way, 0.015, 2e-3);
+      EXPECT_NEAR(displacement, 0.015, 2e-3);
     else
-      EXPECT_LT(std::abs(way), 1e-6);
+      EXPECT_LT(std::abs(displacement), 1e-6);
   }
 }
 

@@ -1,6 +1,7 @@
-// Sessions drawn at random: who grasps which part when, the network, and the faults. Each one must keep every rule
-// of ownership and create no energy, and no hand may feel what happens elsewhere. TANDEM_SEEDS sets their number,
-// TANDEM_FIRST_SEED the first seed; TANDEM_TRACE names a file for the trace of the last session.
+// Sessions drawn at random: who grasps which part when, the network, and the faults. Each one must keep every
+// rule of ownership and create no energy, and no hand may feel what happens elsewhere. TANDEM_SEEDS sets
+// their number, TANDEM_FIRST_SEED the first seed; TANDEM_TRACE names a file for the trace of the last
+// session.
 
 #include <gtest/gtest.h>
 
@@ -74,8 +75,8 @@ client::Fault fault(Dice& dice, const std::string& site) {
   }
 }
 
-/// Draws a session into `scenario`. Returns which sites are paused or killed: their devices' watchdogs let go of
-/// the hand, which therefore feels a step.
+/// Draws a session into `scenario`. Returns which sites are paused or killed: their devices' watchdogs let go
+/// of the hand, which therefore feels a step.
 std::vector<bool> draw(client::Scenario& scenario, std::uint64_t seed) {
   Dice dice(seed);
   const haptics::ArmParameters arms[] = {relaxedArm(), firmArm(), lightArm()};
@@ -86,8 +87,8 @@ std::vector<bool> draw(client::Scenario& scenario, std::uint64_t seed) {
     client::ScenarioSite& site = scenario.sites[i];
     site.name = std::string(1, static_cast<char>('a' + i));
     site.arm = arms[dice.below(3)];
-    // A device at its limit gives the hand less force than the part receives. That creates energy, but not in the
-    // links, so the limit is out of reach here.
+    // A device at its limit gives the hand less force than the part receives. That creates energy, but not in
+    // the links, so the limit is out of reach here.
     site.device.forceMax = 30.0;
     site.stiffness = 200.0;  // N/m: what such a device can display without limit cycles
     site.start = {dice.in(-0.03, 0.03), dice.in(-0.08, 0.02), 0.09};
@@ -138,8 +139,8 @@ void check(SharedSession& session, const client::Scenario& plain, std::uint64_t 
   ++(gentle ? tally.gentle : tally.rough);
   for (std::size_t i = 0; i < disturbed.size(); ++i) {
     const client::SimulatedSiteResult& site = result.sites.at(session.scenario.sites[i].name);
-    // The work that others do on a bare tool by pushing a part against it is known only roughly, from the contact
-    // forces and the motion of the part.
+    // The work that others do on a bare tool by pushing a part against it is known only roughly, from the
+    // contact forces and the motion of the part.
     EXPECT_TRUE(site.pushed || site.energyCreated <= kEnergyBound)
         << session.scenario.sites[i].name << " " << site.energyCreated;
     ++(site.pushed ? tally.pushed : tally.unpushed);

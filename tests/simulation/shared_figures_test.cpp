@@ -1,5 +1,5 @@
-// What two people feel of each other through one part, by the delay between them: over the whole path, from hand to
-// hand through ticks, links, wire and server. TANDEM_FULL_SIZE prints the figures.
+// Two people hold one part: the figures of what they feel of each other at several delays, from hand to hand
+// through ticks, links, wire and server. TANDEM_FULL_SIZE prints the figures.
 
 #include <gtest/gtest.h>
 
@@ -22,7 +22,7 @@ bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 struct Arms {
   const char* name;
-  haptics::ArmParameters owner, guest;
+  haptics::ArmParameters owner, coHolder;
 };
 const std::array<Arms, 3> kArms{{{"relaxed", relaxedArm(), relaxedArm()},
                                  {"mixed", firmArm(), relaxedArm()},
@@ -30,9 +30,9 @@ const std::array<Arms, 3> kArms{{{"relaxed", relaxedArm(), relaxedArm()},
 
 /// The least, greatest and mean of a figure over seeds.
 struct Spread {
-  double least = 1e300, most = -1e300, sum = 0.0;
+  double least = 1e300, largest = -1e300, sum = 0.0;
   int count = 0;
-  void add(double x) { least = std::min(least, x), most = std::max(most, x), sum += x, ++count; }
+  void add(double x) { least = std::min(least, x), largest = std::max(largest, x), sum += x, ++count; }
   double mean() const { return sum / count; }
 };
 
@@ -42,27 +42,27 @@ void expectHonest(const client::SimulationResult& result) {
   for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
 }
 
-/// N/m between two hands, while the second one pulls.
+/// The stiffness between two hands while the second one pulls, N/m.
 double handToHand(SharedSession& session) {
-  double force = 0.0, way = 0.0, start = 0.0;
+  double force = 0.0, displacement = 0.0, start = 0.0;
   session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
     const double apart = sites[1].device.x - sites[0].device.x;
     if (t < 4.9) start = apart;
     if (t < 8.0) return;
-    way += apart - start;
+    displacement += apart - start;
     force += 0.5 * (sites[0].force.x - sites[1].force.x);
   };
   expectHonest(session.run());
-  return force / way;
+  return force / displacement;
 }
 
 TEST(SharedFigures, HandsFeelEachOtherAsStiffAsTheDelayAllows) {
   constexpr std::array<double, 5> kBound{270.0, 217.0, 164.0, 66.0,
-                                         0.0};  // N/m; beyond 150 ms there is no link
+                                         0.0};  // N/m; there is no link beyond 150 ms
   for (const Arms& arms : kArms) {
     SharedSession session("shared_pull");
     session.arm(0) = arms.owner;
-    session.arm(1) = arms.guest;
+    session.arm(1) = arms.coHolder;
     for (std::size_t i = 0; i < kDelays.size(); ++i) {
       Spread stiffness;
       session.setDelay(kDelays[i]);
@@ -70,12 +70,12 @@ TEST(SharedFigures, HandsFeelEachOtherAsStiffAsTheDelayAllows) {
         stiffness.add(handToHand(session));
       if (prints())
         std::printf("hand to hand, %-7s %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", arms.name, kDelays[i],
-                    stiffness.mean(), stiffness.least, stiffness.most);
+                    stiffness.mean(), stiffness.least, stiffness.largest);
       if (kBound[i] > 0.0) {
         EXPECT_GE(stiffness.least, kBound[i]) << arms.name << " " << kDelays[i];
       }
       if (kDelays[i] > 200.0) {
-        EXPECT_LT(stiffness.most, 5.0) << "there should be no link";
+        EXPECT_LT(stiffness.largest, 5.0) << "there should be no link";
       }
     }
   }
@@ -85,9 +85,9 @@ TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
   constexpr std::array<double, 5> kFelt{1.2e-3, 2e-3, 3.7e-3, 10e-3, 1.0};         // m rms
   constexpr std::array<double, 5> kDisplayed{0.5e-3, 0.5e-3, 0.5e-3, 1e-3, 6e-3};  // m rms
   constexpr std::array<double, 5> kLeader{1.1, 1.2, 1.4, 1.5, 1.0};
-  for (const auto& guest : {relaxedArm(), lightArm()}) {
+  for (const auto& coHolder : {relaxedArm(), lightArm()}) {
     SharedSession session("shared_drag");
-    session.arm(1) = guest;
+    session.arm(1) = coHolder;
     const auto leaderForce = [&](Spread& felt, Spread& displayed) {
       double squares = 0.0;
       int count = 0;
@@ -112,25 +112,27 @@ TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
         ratio.add(leaderForce(felt, displayed) / near);
       if (prints())
         std::printf("drag, arm of %3.0f N/m %3.0f ms: felt %.2f mm, displayed %.3f mm, leader %.2f\n",
-                    guest.stiffness, kDelays[i], 1e3 * felt.most, 1e3 * displayed.most, ratio.most);
-      EXPECT_LE(felt.most, kFelt[i]) << kDelays[i];
-      EXPECT_LE(displayed.most, kDisplayed[i]) << kDelays[i];
-      EXPECT_LE(ratio.most, kLeader[i]) << kDelays[i];
+                    coHolder.stiffness, kDelays[i], 1e3 * felt.largest, 1e3 * displayed.largest,
+                    ratio.largest);
+      EXPECT_LE(felt.largest, kFelt[i]) << kDelays[i];
+      EXPECT_LE(displayed.largest, kDisplayed[i]) << kDelays[i];
+      EXPECT_LE(ratio.largest, kLeader[i]) << kDelays[i];
     }
   }
 }
 
-/// What a site sends in a session that is cut off at `end` s, bytes: all messages, and 32 for the seal of each datagram.
+/// The bytes that a site sends in a session that is cut off at `end` s: all messages, and 32 for the seal of
+/// each datagram.
 double sentBy(SharedSession& session, const std::string& site, double end) {
   session.scenario.duration = end;
   const client::SimulatedSiteResult sent = session.run().sites.at(site);
   return end * (sent.bytesPerSecond + 32.0 * sent.packetsPerSecond);
 }
 
-// Links, states, hands and eyes, pings and acknowledgements together, while a part is dragged to and fro by two.
+// Links, states, presence, pings and acknowledgements together, while two people drag a part to and fro.
 TEST(SharedFigures, ASharedPartTakesFewBytesASecond) {
   struct Rate {
-    double hz, most;  // kB/s
+    double hz, largest;  // kB/s
   };
   for (const Rate& rate : {Rate{250.0, 24.0}, Rate{100.0, 10.0}}) {
     SharedSession session("shared_drag");
@@ -139,13 +141,13 @@ TEST(SharedFigures, ASharedPartTakesFewBytesASecond) {
     for (const char* site : {"a", "b"}) {
       const double each = 1e-3 * (sentBy(session, site, 13.0) - sentBy(session, site, 5.0)) / 8.0;
       if (prints()) std::printf("sent by %s at %.0f packets a second: %.2f kB/s\n", site, rate.hz, each);
-      EXPECT_LE(each, rate.most) << site << " " << rate.hz;
+      EXPECT_LE(each, rate.largest) << site << " " << rate.hz;
       EXPECT_GE(each, 0.032 * rate.hz) << "less than the seals of its packets";
     }
   }
 }
 
-TEST(SharedFigures, GuestFeelsTheWallAsIfAlone) {
+TEST(SharedFigures, CoHolderFeelsTheWallAsIfAlone) {
   for (const double delay : kDelays) {
     SharedSession session("shared_wall");
     session.setDelay(delay);
@@ -157,27 +159,27 @@ TEST(SharedFigures, GuestFeelsTheWallAsIfAlone) {
     }
     if (prints())
       std::printf("wall, guest %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", delay, felt.mean(), felt.least,
-                  felt.most);
+                  felt.largest);
     EXPECT_GE(felt.least, 830.0) << delay;
   }
 }
 
 struct Pressing {
   double stiffness = 0.0;  // N/m
-  double ripple = 0.0;     // N, most of either hand's force about its mean once both have settled
+  double ripple = 0.0;     // N, largest deviation of either hand's force from its mean once both have settled
 };
 
-/// Two sites whose parts, each its own, are pressed together: force at the hands by how far they have come nearer than where
-/// the parts touch.
+/// Two sites press their parts together: the force at the hands over the distance by which they are nearer
+/// than at the first touch.
 Pressing pressedTogether(SharedSession& session) {
   constexpr double kGap = 0.03;  // m, between the parts at first
-  double start = 0.0, force = 0.0, way = 0.0;
+  double start = 0.0, force = 0.0, displacement = 0.0;
   std::array<Spread, 2> forces;
   session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
     const double apart = sites[0].device.y - sites[1].device.y;
     if (t < 2.9) start = apart;
     if (t < 6.5 || t > 7.9) return;
-    way += start - apart - kGap;
+    displacement += start - apart - kGap;
     force += 0.5 * (sites[0].force.y - sites[1].force.y);
     for (std::size_t i = 0; i < 2; ++i) forces[i].add(sites[i].force.y);
   };
@@ -185,15 +187,15 @@ Pressing pressedTogether(SharedSession& session) {
   expectHonest(result);
   EXPECT_GT(result.shared, 3.0) << "nobody simulated the other one's part";
   Pressing pressing;
-  pressing.stiffness = force / way;
+  pressing.stiffness = force / displacement;
   for (const Spread& hand : forces)
-    pressing.ripple = std::max({pressing.ripple, hand.most - hand.mean(), hand.mean() - hand.least});
+    pressing.ripple = std::max({pressing.ripple, hand.largest - hand.mean(), hand.mean() - hand.least});
   return pressing;
 }
 
 TEST(SharedFigures, PartsOfTwoOwnersArePressedTogether) {
-  constexpr std::array<double, 5> kBound{330.0, 280.0, 235.0, 100.0, 44.0};  // N/m; 458 in one place
-  constexpr double kRipple = 0.15;  // N: about what is just noticeable
+  constexpr std::array<double, 5> kBound{330.0, 280.0, 235.0, 100.0, 44.0};  // N/m; 458 without a network
+  constexpr double kRipple = 0.15;  // N: about the just noticeable difference
   for (std::size_t i = 0; i < kDelays.size(); ++i) {
     SharedSession session("pressed_together");
     session.setDelay(kDelays[i]);
@@ -205,9 +207,9 @@ TEST(SharedFigures, PartsOfTwoOwnersArePressedTogether) {
     }
     if (prints())
       std::printf("pressed together %3.0f ms: %3.0f N/m (%3.0f..%3.0f), ripple at most %.3f N\n", kDelays[i],
-                  stiffness.mean(), stiffness.least, stiffness.most, ripple.most);
+                  stiffness.mean(), stiffness.least, stiffness.largest, ripple.largest);
     EXPECT_GE(stiffness.least, kBound[i]) << kDelays[i];
-    EXPECT_LE(ripple.most, kRipple) << kDelays[i];
+    EXPECT_LE(ripple.largest, kRipple) << kDelays[i];
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Sessions on virtual time in which sites share parts. They run the scenarios of this folder, which a test changes
-// where it needs to.
+// Sessions on virtual time in which sites share parts. They run the scenarios of this folder, which a test
+// changes where it needs to.
 
 #include <memory>
 #include <string>
@@ -15,8 +15,8 @@ haptics::ArmParameters relaxedArm();
 haptics::ArmParameters firmArm();
 haptics::ArmParameters lightArm();
 
-/// A scenario of this folder with its scene. The scene and its contact models are made once a process for each
-/// scenario, and shared by all sessions of it.
+/// A scenario of this folder with its scene. The scene and its contact models are made once a process for
+/// each scenario, and shared by all sessions of it.
 class SharedSession {
  public:
   enum class Contact { models, none };  // with models, held parts collide

@@ -1,5 +1,5 @@
-// Whole sessions on virtual time: the scenarios beside this file must hold every promise of the protocol, and
-// end the same way for the same seed.
+// Whole sessions on virtual time: the scenarios of this folder must keep every rule of the protocol, and give
+// the same result for the same seed.
 
 #include "client/simulation/simulation.h"
 
@@ -33,7 +33,7 @@ SimulationResult run(const Loaded& loaded, std::uint64_t seed) {
   SimulationOptions options;
   options.seed = seed;
   options.leaderLoad = false;
-  // Without models of its parts: what is held passes through the others, and a run takes milliseconds.
+  // Without contact models a held part passes through others, and a run takes milliseconds.
   const haptics::ContactScene contact(loaded.scene);
   Result<SimulationResult> result = simulate(loaded.scenario, contact, options);
   EXPECT_TRUE(result.ok()) << (result.ok() ? "" : result.error().message);
@@ -47,8 +47,8 @@ TEST(Simulation, TwoSitesGrabAtOnceHandOverAndTheServerRestarts) {
   const SimulationResult result = run(loaded, 11);
   EXPECT_TRUE(result.violations.empty()) << describe(result);
   EXPECT_TRUE(result.stable);
-  // One of the two wins the first grab, the other is told; after the restart the other takes the part; then
-  // the first.
+  // One of the two wins the first grab and the other is denied; after the restart the other takes the part,
+  // then the first.
   ASSERT_EQ(result.grants.size(), 3u) << describe(result);
   EXPECT_EQ(result.denials, 1u);
   std::set<SiteId> winners{result.grants[0].site, result.grants[1].site};
@@ -86,7 +86,7 @@ TEST(Simulation, HandOverHoldsForManySeeds) {
     const SimulationResult result = run(loaded, seed);
     EXPECT_TRUE(result.violations.empty()) << "seed " << seed << "\n" << describe(result);
     EXPECT_TRUE(result.stable) << "seed " << seed;
-    // Where b has it first, it leaves the part to a, who holds it too: that is a grant more.
+    // If b has it first, it leaves the part to its co-holder a, which takes one more grant.
     EXPECT_GE(result.grants.size(), 3u) << "seed " << seed << "\n" << describe(result);
     EXPECT_LE(result.grants.size(), 4u) << "seed " << seed << "\n" << describe(result);
   }
@@ -122,8 +122,8 @@ TEST(Simulation, ControlsAreSetSeenAndKeptByThoseWhoMay) {
                ? -1.0
                : assets::controlValue(*assets::controlOf(loaded.scene, id), pose->second);
   };
-  // As the first site has them, which set none of these: two by a participant, one by the instructor after
-  // the server's restart. The dial was set between detents and has turned into the next.
+  // Values at the first site, which set none of these: two by a participant, one by the instructor after the
+  // server's restart. The dial was set between detents and has turned into the next.
   EXPECT_NEAR(value("mode"), 2.0 * 3.141592653589793 / 6.0, 2e-3);
   EXPECT_NEAR(value("level"), 0.05, 1e-4);
   EXPECT_NEAR(value("gauge layer"), 0.012, 1e-4);
@@ -147,7 +147,7 @@ TEST(Simulation, BodiesThatAttractGoWithTheirPartsAtEverySite) {
   loaded.scene.fields.clear();
   const SimulationResult without = run(loaded, 1);
   // Measured: 0.06 mJ where the body is grasped, 0.26 mJ at the other site; the fields themselves hold 10 mJ
-  // and more. Were the force of the contact that the grasp ends faded by time alone, it would be 1.7 mJ.
+  // and more. If the force of the contact that the grasp ends were faded by time alone, it would be 1.7 mJ.
   EXPECT_LT(result.sites.at("a").energyCreated, 2e-4);
   EXPECT_LT(result.sites.at("b").energyCreated, 5e-4);
   EXPECT_GT(result.sites.at("b").rmsForce, 0.1) << "the sun is felt";
@@ -155,7 +155,7 @@ TEST(Simulation, BodiesThatAttractGoWithTheirPartsAtEverySite) {
   EXPECT_NE(result.hash, without.hash);
 }
 
-/// Stiffness that a hand feels which presses a fixed plate, N/m.
+/// The stiffness that a hand feels when it presses a fixed plate, N/m.
 double feltOnAPlate(bool fit, double stiffness, double deviceDamping) {
   Loaded loaded = load("hand_over.json");
   loaded.scenario.duration = 3.0;
@@ -166,7 +166,7 @@ double feltOnAPlate(bool fit, double stiffness, double deviceDamping) {
   site.stiffness = stiffness;
   site.device.damping = deviceDamping;
   site.script = R"([{"t":0.2,"do":"press","part":"board","depth":0.02,"over_s":0.8}])";
-  // Surfaces that state a stiffness of their own would hide what the site's is.
+  // Surfaces that state a stiffness of their own would hide the site's.
   for (assets::Material& material : loaded.scene.materials) material.stiffness = 0.0;
   return run(loaded, 1).sites.at("a").feltStiffness;
 }

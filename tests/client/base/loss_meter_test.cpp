@@ -9,7 +9,7 @@ TEST(LossMeter, CountsNothingThatWasSentBeforeTheOtherEndListened) {
   LossMeter meter;
   meter.observe(10, 0);
   EXPECT_EQ(meter.loss(), 0.0);
-  meter.observe(25, 12);  // thirteen were for nobody
+  meter.observe(25, 12);  // thirteen were sent before the other end listened
   meter.observe(125, 112);
   EXPECT_EQ(meter.loss(), 0.0);
 }

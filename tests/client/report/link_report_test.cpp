@@ -1,4 +1,4 @@
-// Across the network: what the report says of two sites on one part, against runs of the bench itself, physics, and
+// The report on two sites that share a part, checked against runs of the bench itself, physics, and
 // architectures that must fail.
 
 #include <gtest/gtest.h>
@@ -59,7 +59,7 @@ TEST(LinkReport, MeasuresTheLinkAsARunOfTheBenchDoes) {
   EXPECT_EQ(m.handToHand, pulled.stiffness);
   EXPECT_EQ(m.wall, pressed.stiffness);
   EXPECT_TRUE(m.stable());
-  // And it is this link: another impedance, margin and rate are measured as other ones.
+  // The control: with another impedance, margin or rate the figures differ.
   LinkSetting other = inUse();
   other.inUse = false;
   other.impedance = 14.0;
@@ -92,7 +92,7 @@ TEST(LinkReport, WhatMustFailFails) {
 }
 
 TEST(LinkReport, TankHoldsWhatThePlainSpringDoesNot) {
-  // It makes no more than both tanks began with; rough it may be.
+  // It creates no more energy than the tanks hold at the start, however rough it is.
   const LinkMeasurement tank = measureLink(tiedBy(Architecture::tank, {400.0, 5.0}), 0.05, 1, 0.0);
   EXPECT_FALSE(tank.diverged);
   EXPECT_LE(tank.created, 0.02);
@@ -113,7 +113,7 @@ TEST(LinkReport, BestGainsOfOthersAreStableAndThreeTimesAsStiffWouldNotDo) {
     const LinkMeasurement stiffer = measureLink(setting, 0.025, 1, alone);
     EXPECT_TRUE(!stiffer.stable() || stiffer.load > 2.0) << gains.stiffness;
   }
-  EXPECT_GT(knownGains(Architecture::plain, 0.025).stiffness, 0.0);  // something was tried
+  EXPECT_GT(knownGains(Architecture::plain, 0.025).stiffness, 0.0);  // a search has found gains
 }
 
 TEST(LinkReport, CountsTheBytesOfTheWire) {
@@ -137,9 +137,9 @@ TEST(LinkReport, TimesWhatItRecorded) {
   ASSERT_EQ(recording->ticks.size(), 4000u);
   bench::LinkEnd again(setup.link, setup.network.delay);
   replay(*recording, again);
-  // An end that has heard and felt the same says the same.
-  const haptics::LinkPacket said = again.packet(4.0);
-  EXPECT_EQ(said.sequence, recording->sent.size());
+  // A fresh end with the same input gives the same packet.
+  const haptics::LinkPacket packet = again.packet(4.0);
+  EXPECT_EQ(packet.sequence, recording->sent.size());
   setup.tie = make;
   bench::LinkBench bench(setup);
   bench.runTo(4.0, [](double t, int who) { return who == 0 ? bench::dragWay(t) : haptics::SixAxes{}; });
@@ -147,7 +147,7 @@ TEST(LinkReport, TimesWhatItRecorded) {
   EXPECT_GT(tickCost(inUse(), 0.025), 0.0);
 }
 
-/// One delay at which the plain spring is unstable, one knob at a time.
+/// A quick sweep at one delay at which the plain spring is unstable.
 const SweepResult& linkSweep() {
   static const SweepResult result = [] {
     SweepOptions options;
@@ -196,7 +196,7 @@ TEST(LinkReport, PageShowsUnstableAsUnstable) {
   const std::string page = html.substr(0, html.find("<script"));
   for (const char* bad : {">nan", ">inf", "\"nan", "nan\"", "-nan", " inf ", " nan "})
     EXPECT_EQ(page.find(bad), std::string::npos) << bad;
-  // The control: without what diverges there is no cross.
+  // The control: without unstable settings there is no cross.
   SweepResult calm = linkSweep();
   std::erase_if(calm.links[0].settings, [](const LinkMeasurement& m) { return !m.stable(); });
   EXPECT_EQ(countOf(linkSection(calm), "class=\"unstable\""), 0u);

@@ -25,7 +25,7 @@ using Json = nlohmann::json;
 constexpr std::size_t kQuickSettings = 6;
 constexpr const char* kSmall[] = {"held-slide", "held-plates"};
 
-/// One small sweep, shared by the tests that look at its results.
+/// One small sweep, whose results several tests share.
 const SweepResult& heldSweep() {
   static const SweepResult result = [] {
     SweepOptions options;
@@ -105,7 +105,8 @@ TEST(PartExperiments, GoalInAPolygonIsTheNearestPointOfIt) {
       continue;
     }
     EXPECT_NEAR(out, 0.0, 1e-12);
-    // Nearest: every corner lies behind the plane through it that the goal is straight above.
+    // It is the nearest point if every corner lies behind the plane through it normal to the line to the
+    // goal.
     for (int k = 0; k < 6; ++k) {
       const glm::dvec2 corner =
           glm::dvec2(std::cos(k * M_PI / 3.0), std::sin(k * M_PI / 3.0)) / std::cos(M_PI / 6.0);
@@ -126,7 +127,7 @@ TEST(PartSweep, GivesTheForceOfAnIdealPart) {
 }
 
 TEST(PartSweep, FindsThatAPartThatNothingHoldsIsWrong) {
-  // The control: the same tick where the scene has no part models. The point in the hand still touches the floor.
+  // The control: the same tick on a scene without part models. The point tool still touches the floor.
   const PartExperiment e = buildPartExperiment("held-plates", 400);
   const haptics::ContactScene bare(e.scene, 1);
   PartMeasurement m;
@@ -162,7 +163,7 @@ TEST(PartReport, SettingsChangeWhatTheyAreNamedFor) {
 }
 
 TEST(PartSweep, GivesTheTickTheEffortThatTheSettingNames) {
-  // What a field says of a face is not exact, by far more than rounding.
+  // A field's distance from a face is off by far more than rounding.
   for (const PartExperimentResult& e : heldSweep().held) {
     const double refined = e.settings[0].error.p99, unrefined = settingOf(e, "unrefined").error.p99;
     EXPECT_GT(unrefined - refined, 1e-9) << e.info.id;

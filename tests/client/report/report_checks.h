@@ -1,6 +1,6 @@
 #pragma once
 
-// What tests ask of a page that the program writes.
+// Checks of a page that the program writes.
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 
 namespace tandem::test {
 
-/// Elements that are opened are closed again, in order. Enough for a page that the program writes itself.
+/// Whether all elements are closed again in the right order. Suffices for a page that the program writes
+/// itself.
 inline void expectBalanced(const std::string& html) {
   std::vector<std::string> open;
   for (std::size_t at = html.find('<'); at != std::string::npos; at = html.find('<', at + 1)) {
@@ -31,7 +32,7 @@ inline void expectBalanced(const std::string& html) {
   EXPECT_TRUE(open.empty());
 }
 
-/// How often a text stands in another.
+/// How often `part` occurs in a text.
 inline std::size_t countOf(const std::string& text, const std::string& word) {
   std::size_t count = 0;
   for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at + 1)) ++count;

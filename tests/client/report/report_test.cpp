@@ -27,7 +27,7 @@ using generate::insideProfile;
 using generate::ProfileGodObject;
 using Json = nlohmann::json;
 
-/// One small sweep, shared by the tests that look at its results.
+/// One small sweep, whose results several tests share.
 const SweepResult& smallSweep() {
   static const SweepResult result = [] {
     SweepOptions options;
@@ -61,7 +61,8 @@ TEST(ProfileGodObject, RestsOnTheSideOfAnOutlineFromWhichItCame) {
     object.place({goal.x, 4.0});
     const glm::dvec2 at = object.follow(goal);
     EXPECT_NEAR(at.x, goal.x, 1e-15);
-    EXPECT_NEAR(at.y, std::max(goal.y, 1.0), 1e-15);  // never the bottom, however near the goal is to it
+    EXPECT_NEAR(at.y, std::max(goal.y, 1.0),
+                1e-15);  // never on the bottom side, however near the goal is to it
   }
 }
 
@@ -100,8 +101,8 @@ TEST(ProfileGodObject, GoesWhereTinyStepsOfBruteForceGo) {
     const glm::dvec2 goal(radius * std::cos(angle), radius * std::sin(angle));
     const glm::dvec2 before = crawler;
     for (int i = 0; i < 5000 && crawler != goal; ++i) {
-      const glm::dvec2 way = goal - crawler;
-      const glm::dvec2 there = crawler + way * std::min(1.0, 5e-6 / glm::length(way));
+      const glm::dvec2 displacement = goal - crawler;
+      const glm::dvec2 there = crawler + displacement * std::min(1.0, 5e-6 / glm::length(displacement));
       const glm::dvec2 last = crawler;
       crawler = insideProfile(profile, there) ? nearestOnProfile(profile, there) : there;
       if (glm::length(crawler - last) < 1e-9) break;
@@ -111,7 +112,7 @@ TEST(ProfileGodObject, GoesWhereTinyStepsOfBruteForceGo) {
     free += exact == goal ? 1 : 0;
     longest = std::max(longest, glm::length(crawler - before));
   }
-  // The way held what is hard: contact, free space, and a snap round a corner.
+  // The path contained the hard cases: contact, free space, and a snap round a corner.
   EXPECT_GT(free, 3);
   EXPECT_LT(free, 37);
   EXPECT_GT(longest, 1e-3);  // the hand goes 0.8 mm a tick at most
@@ -162,7 +163,8 @@ TEST(Sweep, IsExactOnFlatWallsWhereABaselineOfOnePlaneATickIsNot) {
     EXPECT_LE(setting(id, "tandem").error.relativeP99, 1e-6) << id;
     EXPECT_GE(setting(id, "one-plane-double").error.relativeP99, 0.02) << id;
   }
-  // It stands still every second tick: at 0.5 m/s that is 0.5 mm of lag, a quarter of the depth of 2 mm.
+  // The proxy stands still every second tick: at 0.5 m/s that is 0.5 mm of lag, a quarter of the depth of 2
+  // mm.
   EXPECT_NEAR(setting("plane", "one-plane-double").error.relativeMax, 0.25, 0.01);
   EXPECT_LE(setting("plane", "three-planes-double").error.relativeP99, 1e-6);
 }
@@ -182,7 +184,7 @@ TEST(Sweep, CountsNoHeapUseInTicks) {
     }
 }
 
-/// Every number of a JSON value is finite: what was not became null and is found.
+/// Whether a JSON value holds no null: numbers that are not finite are written as null.
 void expectNoNull(const Json& json, const std::string& where) {
   if (json.is_structured()) {
     for (const auto& [key, value] : json.items()) expectNoNull(value, where + "/" + key);
@@ -268,7 +270,7 @@ TEST(SvgPlot, MarksWhatIsTooSmallToBeDrawnWhereItIs) {
 }
 
 TEST(SvgPlot, NoLabelLiesOnAMarkerOrAnotherLabel) {
-  // Points of three sizes all but on one another, with lines through them.
+  // Points of three sizes, nearly at one place, with lines through them.
   ScatterPlot plot;
   plot.series = {
       {{"a", "#112233"}, {{1.0, 1e-3, "1 k", ""}, {1.02, 1e-3, "10 k", ""}, {1.3, 1e-3, "100 k", ""}}},

@@ -1,4 +1,4 @@
-// Clashes of scenes made in code, whose depths and distances are known.
+// Clashes of generated scenes, whose depths and distances are known.
 
 #include "client/review/clash_check.h"
 
@@ -19,7 +19,7 @@ using client::ClashKind;
 using client::ClashOptions;
 using client::ClashReport;
 
-/// Cubes of 10 mm along x, each as far from the one before as told (m, below 0: overlapping).
+/// Cubes of 10 mm along x with these gaps between them (m, negative: overlapping).
 assets::Scene rowOfCubes(const std::vector<double>& gaps) {
   assets::Scene scene = tests::sceneOf(boxMesh(glm::dvec3(0.01)));
   for (const double gap : gaps) {
@@ -74,7 +74,8 @@ TEST(ClashCheck, TakesShallowOverlapsForTouchesIfAskedTo) {
 }
 
 TEST(ClashCheck, TellsWhatFacetsMayBeOffCurvedSurfaces) {
-  // A shaft and a bore of one radius, 48 sides each, turned so that corners stand before the middles of sides.
+  // A shaft and a bore of one radius with 48 sides each, rotated so that the corners of one are at the
+  // middles of the other's sides.
   test::Peg peg;
   peg.chamfer = 0.0;
   peg.facets = {48, 4};

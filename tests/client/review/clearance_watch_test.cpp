@@ -1,4 +1,5 @@
-// The thread that measures the held part: answers come, follow the part, and are forgotten with it.
+// The thread that measures the held part's clearance: answers arrive, follow the part, and are discarded with
+// it.
 
 #include "client/review/clearance_watch.h"
 
@@ -26,7 +27,7 @@ assets::Scene twoCubes() {
   return scene;
 }
 
-/// Asks as a window would until the answer is as wanted; false after ten seconds.
+/// Updates the watch as a window would until the answer is as wanted; false after ten seconds.
 bool comes(ClearanceWatch& watch, PartId part, const std::vector<Pose>& poses,
            const std::function<bool(const Clash&)>& wanted) {
   for (int i = 0; i < 2000; ++i) {

@@ -1,4 +1,4 @@
-// The search for clashes in its thread, and the list of what it found apart from how it is drawn.
+// The search for clashes in its thread, and the list of its findings apart from drawing.
 
 #include "client/viewer/clash_list.h"
 
@@ -48,7 +48,7 @@ TEST(ClashSearch, TellsOverlapsAtRestFromThoseThatCameAbout) {
   EXPECT_TRUE(before.found[0].overlapsAtRest);
   EXPECT_NEAR(before.found[0].clash.depth, 1e-3, 1e-5);
   EXPECT_EQ(before.found[1].clash.kind, ClashKind::clearance);
-  poses[3].position.x = 0.0195 + 0.0098;  // d goes 0.2 mm into c: less deep than a is in b, but new
+  poses[3].position.x = 0.0195 + 0.0098;  // d overlaps c by 0.2 mm: less than a and b, but not at rest
   const ClashFindings after = searchClashes(contact, {1e-3, false}, poses);
   ASSERT_EQ(after.found.size(), 3u);
   EXPECT_EQ(after.found[0].clash.a, 2);
@@ -82,7 +82,7 @@ TEST(ClashSearch, WhatIsStoppedSaysSo) {
   EXPECT_EQ(findings.pairs, 2u);
 }
 
-/// Looks as a window would until the search has ended; false after twenty seconds.
+/// Polls as a window would until the search has ended; false after twenty seconds.
 bool ends(const ClashSearch& search) {
   for (int i = 0; i < 4000 && search.view().running; ++i)
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -106,7 +106,7 @@ TEST(ClashSearch, AnswersFromItsThreadAndKeepsTheLastAnswerMeanwhile) {
   EXPECT_NE(search.view().findings, nullptr);
   ASSERT_TRUE(ends(search));
   EXPECT_EQ(search.view().findings->found.size(), 1u);
-  for (int i = 0; i < 20; ++i) search.start({1e-3, true}, {});  // each stops the one before
+  for (int i = 0; i < 20; ++i) search.start({1e-3, true}, {});  // each stops the previous one
   search.stop();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// Reads a PNG back, so that tests can look at what a viewer drew.
+// Reads a PNG back, so that tests can examine a viewer's picture.
 
 #include <array>
 #include <cstdint>
@@ -25,8 +25,8 @@ struct Picture {
 /// An empty picture if the file cannot be read.
 Picture readPng(const std::string& path);
 
-/// How many pixels of two pictures differ by more than `tolerance` in a channel; what only one
-/// of them has differs.
+/// How many pixels of two pictures differ by more than `tolerance` in a channel; pixels that only one of them
+/// has count as different.
 int countDifferent(const Picture& a, const Picture& b, int tolerance);
 
 }  // namespace tandem::client

@@ -152,7 +152,7 @@ TEST_F(StylusTest, MovingTheCameraNeverMovesAHeldPart) {
     EXPECT_FALSE(frame(Input{}, {400.0 + 8.0 * i, 300.0 + 3.0 * i}));
   }
   cameraMoving_ = false;
-  frame(Input{}, {560.0, 360.0});  // the mouse is elsewhere now: the part must not jump under it
+  frame(Input{}, {560.0, 360.0});  // the mouse is elsewhere now: the part must not jump to it
   const Pose after = stylus_.worldFromStylus();
   EXPECT_LT(glm::length(after.position - before.position), 1e-9);
   EXPECT_NEAR(std::abs(glm::dot(after.orientation, before.orientation)), 1.0, 1e-9);

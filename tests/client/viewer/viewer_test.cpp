@@ -46,7 +46,7 @@ bool isRed(const Rgb& c) { return c[0] > 90 && c[0] > 2 * c[1] && c[0] > 2 * c[2
 bool isGreen(const Rgb& c) { return c[1] > 70 && c[1] > 2 * c[0] && c[1] > 2 * c[2]; }
 bool isBlue(const Rgb& c) { return c[2] > 110 && c[2] > c[0] + 40 && c[2] > c[1] + 15; }
 
-/// A file that no other test process writes: they run side by side.
+/// A path that no other test process uses, since test processes run side by side.
 std::string ownFile(const char* what) {
   return testing::TempDir() + "tandem_viewer_" + what + std::to_string(::getpid()) + ".png";
 }
@@ -177,7 +177,7 @@ TEST_F(ViewerTest, EveryKindOfFieldIsDrawnWhereItIs) {
     field.part = kNoPart;
     const Picture with = draw();
     EXPECT_GT(countDifferent(without, with, 8), 15) << assets::nameOf(kind);
-    field.part = 0;  // goes with the left box
+    field.part = 0;  // moves with the left box
     EXPECT_GT(countDifferent(with, draw(), 8), 15) << assets::nameOf(kind);
   }
   field.region.kind = assets::FieldRegion::Kind::sphere;
@@ -345,16 +345,16 @@ TEST_F(ViewerTest, TheListOfClashesAsksOnceItIsOpenAndShowsWhatIsChosen) {
   }
   const glm::dvec3 before = (*opened)->camera().target;
   (*opened)->openClashes({0.2, true});
-  int asked = 0;
+  int requested = 0;
   for (int i = 0; i < 5; ++i) {
     const ViewActions actions = (*opened)->frame(model_);
-    asked += actions.findClashes ? 1 : 0;
+    requested += actions.findClashes ? 1 : 0;
     if (actions.findClashes) {
       EXPECT_EQ(actions.findClashes->clearance, 0.2);
       EXPECT_TRUE(actions.findClashes->atRest);
     }
   }
-  EXPECT_EQ(asked, 1);
+  EXPECT_EQ(requested, 1);
   auto findings = std::make_shared<ClashFindings>();
   findings->worldFromPart = model_.worldFromPart;
   Clash clash{0, 1};
@@ -386,7 +386,7 @@ TEST_F(ViewerTest, TheListOfClashesAsksOnceItIsOpenAndShowsWhatIsChosen) {
   EXPECT_EQ((*opened)->camera().target, glm::dvec3(0.0, 0.0, 0.05)) << "the camera stays";
 }
 
-/// Pixels of the right panel's empty margin that something has been written on.
+/// Pixels of the right panel's margin, which should be empty, with something drawn on them.
 int writtenInMargin(const Picture& picture) {
   int count = 0;
   for (int y = 0; y < picture.height - 40; ++y)
