@@ -259,10 +259,10 @@ class Tick {
   /// What the tool did to the parts simulated here that are free or in the other hand, as its contacts were in the last
   /// tick.
   void loadFreeParts() {
-    if (data_.partContact == nullptr && data_.held.held(1) == kNoPart && !data_.held.ties().any()) return;
+    if (data_.partContact == nullptr && data_.held.held(1) == kNoPart && !data_.held.links().any()) return;
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (entry.grips[0].holds || entry.moved.control != nullptr) continue;
-      const bool gives = entry.grips[1].holds || data_.held.ties().has(entry.part) || givesWay(entry.part);
+      const bool gives = entry.grips[1].holds || data_.held.links().has(entry.part) || givesWay(entry.part);
       const bool touches = valid_ && data_.tool.started() && data_.tool.pressesOn(entry.part) && gives;
       if (!touches) {
         data_.held.push(entry.part, {});
@@ -380,7 +380,7 @@ class Tick {
     for (const SimulatedPart& entry : data_.held.parts()) {
       out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {
           entry.part,   entry.body.worldFromBody, entry.body.twist,
-          entry.held(), HeldParts::atRest(entry), data_.held.ties().report(entry.part)};
+          entry.held(), HeldParts::atRest(entry), data_.held.links().report(entry.part)};
     }
   }
 

@@ -8,8 +8,8 @@
 // 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
 // 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
 //
-// Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still. One that other sites
-// simulate too is tied to their replicas (tied_parts.h).
+// Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still. One that
+// other sites simulate too is linked to their replicas (replica_links.h).
 
 #include <cstddef>
 #include <cstdint>
@@ -22,8 +22,9 @@
 
 namespace tandem::haptics {
 
-struct PartTie;
-struct TiedPacket;
+struct LinkId;
+struct LinkTerms;
+struct AddressedPacket;
 
 /// Everything that a tick remembers from one to the next. Allocated once, for one scene.
 class TickState {
@@ -41,34 +42,41 @@ class TickState {
   const FaultLatch& fault() const;
 
   /// After ContactScene::refitMesh(mesh), before the next tick: the proxy stays outside the parts as they are
-  /// now, on the side on which it touched them, and the change of force grows at the limited rate. By the thread
-  /// that ticks. Free of allocation; 3 ns a part of the scene, and 70 ns (moving: 160) a part that uses the mesh.
-  /// Limit: which side it touches is taken from the facets as they now are, so that the proxy comes out on the
-  /// other side of one that has turned by over 90 degrees meanwhile; adopt() knows the facets before.
+  /// now, on the side on which it touched them, and the change of force grows at the limited rate. By the
+  /// thread that ticks. Free of allocation; 3 ns a part of the scene, and 70 ns (moving: 160) a part that
+  /// uses the mesh. Limit: which side it touches is taken from the facets as they now are, so that the proxy
+  /// comes out on the other side of one that has turned by over 90 degrees meanwhile; adopt() knows the
+  /// facets before.
   void meshesChanged(std::uint32_t mesh);
 
   /// The same for a ContactScene made by withMesh(): the next tick must be given `next`, and the one before,
   /// unchanged until here, may end. A part that had no triangles when this state was made stays untouchable.
   void adopt(const ContactScene& next);
 
-  /// What follows is about ties to other sites' replicas of parts that are owned here (tied_parts.h): by the thread that
-  /// ticks, between ticks, free of allocation.
+  /// What follows is about coordination links to other sites' replicas of parts that are owned here
+  /// (replica_links.h): by the thread that ticks, between ticks, free of allocation.
 
-  /// Ties a part. A tie that there is carries on or begins anew, its force running out meanwhile. False if the part is not
-  /// owned here, is a control, or there is no room.
-  bool tie(const PartTie& tie);
-  /// Ends a tie: its force runs out. The hand keeps what it holds.
-  void untie(PartId part, SiteId peer);
-  /// How many sites simulate a tied part, this one included.
+  /// Begins a link now. An existing one carries on or begins anew, while its force decays. False if the part
+  /// is not owned here, is a control, or there is no room.
+  bool beginLink(const LinkTerms& terms);
+  /// Orders a link, which beginOrderedLinks() begins as soon as its part is owned here. Replaces an order for
+  /// the same link.
+  void orderLink(const LinkTerms& terms);
+  void beginOrderedLinks();
+  void cancelLinkOrders(PartId part);
+  /// Ends a link or cancels its order: the force decays. The hand keeps what it holds.
+  void endLink(LinkId link);
+  /// Sets how many sites simulate a linked part, this one included.
   void setSimulators(PartId part, int simulators);
-  /// What a peer sent. False if it was of no use: anything may come.
-  bool receive(PartId part, SiteId peer, const LinkPacket& packet);
-  /// What is to be sent after the last tick; what does not fit stays due. Returns how many.
-  std::size_t takePackets(std::span<TiedPacket> packets);
+  /// Receives a peer's packet. False if it was dropped; a packet may hold anything.
+  bool receive(const AddressedPacket& packet);
+  /// Hands out the packets to be sent after the last tick and returns their count; those that do not fit stay
+  /// due.
+  std::size_t drainPackets(std::span<AddressedPacket> packets);
 
-  /// The ticks have stood still for so long that the device's own watchdog let go of the hand. If the next reading that
-  /// counts shows it elsewhere, it has not gone there in contact: the proxy is put onto it, and it holds its part where
-  /// both now are. By the thread that ticks, between ticks.
+  /// The ticks have stood still for so long that the device's own watchdog let go of the hand. If the next
+  /// reading that counts shows it elsewhere, it has not gone there in contact: the proxy is put onto it, and
+  /// it holds its part where both now are. By the thread that ticks, between ticks.
   void noteStall();
 
   /// Clears a latched fault.

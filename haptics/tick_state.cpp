@@ -1,6 +1,6 @@
 #include "haptics/tick_data.h"
 
-// The state of ticks: made for a scene, told when its meshes change and which parts are tied to other sites.
+// The state of ticks: made for a scene, told when its meshes change and which parts are linked to other sites.
 
 namespace tandem::haptics {
 
@@ -37,27 +37,37 @@ void TickState::adopt(const ContactScene& next) {
   data_->tool.afterMeshesChange();
 }
 
-bool TickState::tie(const PartTie& tie) {
+bool TickState::beginLink(const LinkTerms& terms) {
   for (const SimulatedPart& entry : data_->held.parts()) {
-    const bool moves = entry.held() || data_->held.ties().has(entry.part);
-    if (entry.part != tie.part || moves || data_->partContact == nullptr) continue;
+    const bool moves = entry.held() || data_->held.links().has(entry.part);
+    if (entry.part != terms.id.part || moves || data_->partContact == nullptr) continue;
     data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
   }
-  return data_->held.tie(tie);
+  return data_->held.beginLink(terms);
 }
 
-void TickState::untie(PartId part, SiteId peer) { data_->held.ties().untie(part, peer); }
+void TickState::orderLink(const LinkTerms& terms) { data_->held.links().order(terms); }
+
+void TickState::beginOrderedLinks() {
+  data_->held.links().beginOrders([this](const LinkTerms& terms) {
+    if (!data_->held.owns(terms.id.part)) return false;
+    beginLink(terms);  // without room the peer is alone with its replica
+    return true;
+  });
+}
+
+void TickState::cancelLinkOrders(PartId part) { data_->held.links().cancelOrders(part); }
+
+void TickState::endLink(LinkId link) { data_->held.links().end(link); }
 
 void TickState::setSimulators(PartId part, int simulators) {
-  data_->held.ties().setSimulators(part, simulators);
+  data_->held.links().setSimulators(part, simulators);
 }
 
-bool TickState::receive(PartId part, SiteId peer, const LinkPacket& packet) {
-  return data_->held.ties().receive(part, peer, packet);
-}
+bool TickState::receive(const AddressedPacket& packet) { return data_->held.links().receive(packet); }
 
-std::size_t TickState::takePackets(std::span<TiedPacket> packets) {
-  return data_->held.ties().takePackets(packets);
+std::size_t TickState::drainPackets(std::span<AddressedPacket> packets) {
+  return data_->held.links().drainPackets(packets);
 }
 
 void TickState::noteStall() { data_->stalled = true; }

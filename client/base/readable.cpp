@@ -34,15 +34,15 @@ std::string readableBytes(std::size_t bytes) {
   return threeDigits(size) + " B";
 }
 
-std::string tieInWords(const haptics::TieReport& tie) {
-  if (tie.links == 0) return "";
+std::string linkInWords(const haptics::LinkReport& links) {
+  if (links.count == 0) return "";
   char delay[32];
-  std::snprintf(delay, sizeof delay, " (%.0f ms)", 1e3 * tie.delay);
-  if (tie.regime == haptics::LinkRegime::apart)
+  std::snprintf(delay, sizeof delay, " (%.0f ms)", 1e3 * links.delay);
+  if (links.regime == haptics::LinkRegime::apart)
     return std::string("one at a time: too far away to be felt") + delay;
-  if (!tie.heard) return "nothing is heard of the other hand";
-  if (tie.fade < 0.99) return "coming up";
-  return (tie.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(delay);
+  if (!links.fresh) return "nothing is heard of the other hand";
+  if (links.fade < 0.99) return "coming up";
+  return (links.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(delay);
 }
 
 }  // namespace tandem::client

@@ -23,6 +23,6 @@ std::string readableBytes(std::size_t bytes);
 
 /// How stiffly the hands of co-holders are felt, and at which delay: "stiff (27 ms)"; empty if nobody shares
 /// the part.
-std::string tieInWords(const haptics::TieReport& tie);
+std::string linkInWords(const haptics::LinkReport& links);
 
 }  // namespace tandem::client

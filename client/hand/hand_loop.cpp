@@ -23,7 +23,7 @@ HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
     : scene_(scene),
       exchange_(exchange),
       state_(scene),
-      ties_(scene.scene().parts.size()),
+      links_(scene.scene().parts.size()),
       near_(scene.scene()),
       commands_(2 * scene.scene().parts.size() + 64),
       controls_(scene.scene()) {}
@@ -82,9 +82,9 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                                  {commandBatch_.data(), batch},
                                  static_cast<double>(sessionNow) * 1e-6,
                                  both ? &second_ : nullptr};
-  ties_.takePackets(exchange_, state_);
+  links_.receive(exchange_, state_);
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
-  ties_.carryOut(output_.tick, state_, exchange_);
+  links_.update(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
   if (both) noteSecond();
   for (std::size_t i = 0; i < batch; ++i) showAsItIs(commandBatch_[i].part, sessionNow);
@@ -156,14 +156,14 @@ void HandLoop::takeEvents(sync::Micros sessionNow) {
       case NetworkEvent::Kind::denied:
         takeDenial(event.record, sessionNow);
         break;
-      case NetworkEvent::Kind::tie:
-        takeTie(event, sessionNow);
+      case NetworkEvent::Kind::link:
+        takeLink(event, sessionNow);
         break;
-      case NetworkEvent::Kind::untie:
-        ties_.end(event.record.part, event.tie.peer, state_);
+      case NetworkEvent::Kind::unlink:
+        state_.endLink(event.link.id);
         break;
       case NetworkEvent::Kind::simulators:
-        ties_.setSimulators(event.record.part, event.simulators);
+        links_.setSimulators(event.link.id.part, event.simulators);
         break;
       case NetworkEvent::Kind::lost:
         ++lost_;
@@ -201,7 +201,7 @@ void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessio
   }
   if (!mine) return follow(record, sessionNow, kBlend);
   const bool shared = record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
-  if (shared && mine->guest()) return;  // the new owner's tie follows
+  if (shared && mine->coHeld()) return;  // the new owner's tie follows
   if (shared && isHeld(record.part) && ask({HandIntent::Kind::grab, record.part, 0, {}})) {
     mine->epoch = 0;
     mine->releasing = false;
@@ -224,20 +224,22 @@ void HandLoop::takeDenial(const sync::PartRecord& record, sync::Micros sessionNo
   stopAsking(record.part);
   controls_.denied(record.part);
   Owned* mine = ownedEntry(record.part);
-  if (mine && mine->guest()) loseOwned(*mine, record, sessionNow);
+  if (mine && mine->coHeld()) loseOwned(*mine, record, sessionNow);
 }
 
-void HandLoop::takeTie(const NetworkEvent& order, sync::Micros sessionNow) {
-  const PartId part = order.record.part;
+void HandLoop::takeLink(const NetworkEvent& order, sync::Micros sessionNow) {
+  const PartId part = order.link.id.part;
+  if (!order.ownedByPeer) return state_.orderLink(order.link);
   const Owned* mine = ownedEntry(part);
-  if (order.guest && !mine) mine = joinAsGuest(part, sessionNow);
-  haptics::PartTie tie = order.tie;
-  tie.leashed = order.guest && mine && !mine->handled;
-  if (order.guest && !tie.leashed) tie.link.farthest = haptics::TiedParts::kFarthestHeld;
-  if (!order.guest || mine) return ties_.order(tie);
-  // The hand that asked has let go since: it may ask again.
-  ask({HandIntent::Kind::leave, part, 0, {}});
-  stopAsking(part);
+  if (!mine) mine = joinAsCoHolder(part, sessionNow);
+  if (!mine) {  // the hand that asked has let go since: it may ask again
+    ask({HandIntent::Kind::leave, part, 0, {}});
+    return stopAsking(part);
+  }
+  haptics::LinkTerms terms = order.link;
+  terms.outageSpring = !mine->handled;
+  terms.parameters.longestDelay = haptics::longestDelay(mine->handled);
+  state_.orderLink(terms);
 }
 
 /// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.
@@ -266,7 +268,7 @@ void HandLoop::askForNear() {
 }
 
 /// Simulates another site's part from where it is shown; null if nothing here wants that any more.
-HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
+HandLoop::Owned* HandLoop::joinAsCoHolder(PartId part, sync::Micros sessionNow) {
   Followed* slot = slotOf(part);
   const bool wanted = controls_.asked(part) || (slot != nullptr && slot->asked) ||
                       std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
@@ -288,7 +290,7 @@ HandLoop::Owned* HandLoop::joinAsGuest(PartId part, sync::Micros sessionNow) {
   return entry;
 }
 
-NearParts::Moving HandLoop::guestOf(PartId part) const {
+NearParts::Moving HandLoop::coHeldAt(PartId part) const {
   const haptics::OwnedPart* guest = output_.tick.simulated(part);
   return guest != nullptr ? NearParts::Moving{part, guest->worldFromPart, guest->twist}
                           : NearParts::Moving{part, state_.worldFromPart(part), {}};
@@ -297,13 +299,13 @@ NearParts::Moving HandLoop::guestOf(PartId part) const {
 /// What a guest's hands let be is the owner's alone again.
 void HandLoop::leaveUntouched(sync::Micros sessionNow) {
   for (Owned& owned : owned_) {
-    if (owned.part == kNoPart || !owned.guest()) continue;
-    if (isHeld(owned.part) || meetsHeld(guestOf(owned.part), NearParts::kStillNear))
+    if (owned.part == kNoPart || !owned.coHeld()) continue;
+    if (isHeld(owned.part) || meetsHeld(coHeldAt(owned.part), NearParts::kStillNear))
       owned.idleSince = sessionNow;
-    if (sessionNow - owned.idleSince < kGuestStays) continue;
+    if (sessionNow - owned.idleSince < kCoHolderStays) continue;
     if (!ask({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
     command(PartCommand::Kind::disown, owned.part);
-    ties_.forget(owned.part);
+    links_.forget(owned.part, state_);
     const Owned left = std::exchange(owned, {});
     if (Followed* slot = slotFor(left.part, sessionNow)) slot->seen = left.seen;  // from where it is here
   }
@@ -388,7 +390,7 @@ void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
 
 void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
   command(PartCommand::Kind::disown, owned.part);
-  ties_.forget(owned.part);
+  links_.forget(owned.part, state_);
   for (Grasp& grasp : grasps_)
     if (grasp.has(Stage::holding, owned.part)) grasp.stage = Stage::idle;
   if (!owned.releasing) controls_.denied(record.part);  // taken away, not given back
@@ -463,11 +465,11 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = output_.tick.owned[static_cast<std::size_t>(i)];
     Owned* mine = ownedEntry(part.part);
-    const bool guest = mine && mine->guest() && !mine->releasing;
+    const bool guest = mine && mine->coHeld() && !mine->releasing;
     show({part.part, true, sessionNow, part.worldFromPart,
           guest ? mine->seen.at(sessionNow) : part.worldFromPart});
-    if (!mine || mine->guest() || mine->releasing || part.held) continue;
-    if (!part.atRest && ties_.simulators(part.part) == 1) continue;  // else it is left to who shares it
+    if (!mine || mine->coHeld() || mine->releasing || part.held) continue;
+    if (!part.atRest && links_.simulators(part.part) == 1) continue;  // else it is left to who shares it
     mine->releasing = ask({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
   }
 }

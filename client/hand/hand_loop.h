@@ -9,7 +9,7 @@
 //   to idle; forces fade.
 //
 // A part that another site owns is shared with it: asked -tie to the owner-> holding, this site being its guest, whose replica
-// is tied to the owner's (hand_ties.h). A guest whose hand is off leaves; who is passed the part owns it as it is. An
+// is tied to the owner's (hand_links.h). A guest whose hand is off leaves; who is passed the part owns it as it is. An
 // owner whose hand is off leaves it to a guest at once; one that loses the part while it holds on asks to be a guest.
 //
 // A second hand of the same person, on a device of its own, goes the same way; both hold parts of one tick, so that what
@@ -25,7 +25,7 @@
 
 #include "assets/base/pose.h"
 #include "client/hand/control_hand.h"
-#include "client/hand/hand_ties.h"
+#include "client/hand/hand_links.h"
 #include "client/hand/near_parts.h"
 #include "client/hand/second_tool.h"
 #include "client/session/exchange.h"
@@ -77,7 +77,7 @@ class HandLoop {
   static constexpr sync::Micros kBlend = 100 * sync::kMillisecond;
   static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
   /// A guest stays for so long after its hand is off.
-  static constexpr sync::Micros kGuestStays = 500 * sync::kMillisecond;
+  static constexpr sync::Micros kCoHolderStays = 500 * sync::kMillisecond;
 
  private:
   struct Followed {
@@ -96,7 +96,7 @@ class HandLoop {
     sync::Micros idleSince = 0;   // a guest: since when nothing here touches it
     bool handled = false;         // a guest: a hand here has held it
     sync::PosePrediction seen{};  // a guest: the owner's, for the eyes
-    bool guest() const { return epoch == 0; }
+    bool coHeld() const { return epoch == 0; }
   };
   enum class Stage : std::uint8_t { idle, asked, taking, holding };
   /// A hand on its way to a part.
@@ -120,12 +120,12 @@ class HandLoop {
   void loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow);
   void stopAsking(PartId part);
   void takeDenial(const sync::PartRecord& record, sync::Micros sessionNow);
-  void takeTie(const NetworkEvent& order, sync::Micros sessionNow);
-  Owned* joinAsGuest(PartId part, sync::Micros sessionNow);
+  void takeLink(const NetworkEvent& order, sync::Micros sessionNow);
+  Owned* joinAsCoHolder(PartId part, sync::Micros sessionNow);
   void leaveUntouched(sync::Micros sessionNow);
   bool isHeld(PartId part) const;
   bool meetsHeld(const NearParts::Moving& other, double near) const;
-  NearParts::Moving guestOf(PartId part) const;
+  NearParts::Moving coHeldAt(PartId part) const;
   void askForNear();
   void follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend);
   void followGrasp(bool wanted, std::uint8_t hand, PartId touched);
@@ -163,7 +163,7 @@ class HandLoop {
 
   std::array<Followed, kMaxFollowed> followed_;
   std::array<Owned, haptics::kMaxOwnedParts> owned_;
-  HandTies ties_;
+  HandLinks links_;
   NearParts near_;
   std::array<haptics::PartMotion, kMaxFollowed> moved_;
   std::size_t movedCount_ = 0;

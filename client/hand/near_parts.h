@@ -1,8 +1,8 @@
 #pragma once
 
-// Which parts of other sites come so near to a part that is held here that this site is to simulate them too, before the
-// two touch: a replica that is only played out, in contact at both sites, makes energy, and a tie that is asked for at
-// contact comes too late.
+// Which parts of other sites come so near to a part that is held here that this site is to simulate them too,
+// before the two touch: a replica that is only played out, in contact at both sites, makes energy, and a
+// coordination link that is asked for at contact comes too late.
 
 #include <vector>
 
@@ -20,8 +20,8 @@ class NearParts {
     Pose worldFromPart;
     Twist twist;
   };
-  /// Whether the boxes of two parts are nearer than `near` m, or will be by the time that a question has been answered and
-  /// a link has come up. `playOutDelay` s, of what others move.
+  /// Whether the boxes of two parts are nearer than `near` m, or will be by the time that a question has been
+  /// answered and a link has come up. `playOutDelay` s, of what others move.
   bool meet(const Moving& held, const Moving& other, double playOutDelay, double near) const;
 
   static constexpr double kNear = 0.02, kStillNear = 0.03;  // m: to begin, and to go on

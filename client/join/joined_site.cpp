@@ -237,7 +237,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.touched = output.tick.touched;
   hand.held = output.tick.held;
   const haptics::OwnedPart* held = output.tick.simulated(hand.held);
-  hand.tie = held != nullptr ? held->tie : haptics::TieReport{};
+  hand.links = held != nullptr ? held->links : haptics::LinkReport{};
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
   if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;

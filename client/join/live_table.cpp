@@ -72,7 +72,7 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
               model.loop.realtime ? "" : "  (not real-time)");
   end();
-  const std::string shared = tieInWords(model.hand.tie);
+  const std::string shared = linkInWords(model.hand.links);
   std::printf("hand  %.2f N  touches %s  holds %s%s%s", glm::length(model.hand.force),
               partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str(),
               shared.empty() ? "" : ", shared: ", shared.c_str());

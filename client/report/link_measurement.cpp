@@ -26,8 +26,8 @@ constexpr double kMeasuredFrom = 3.0;  // s, in which bytes are counted until kD
 // additions of other architectures.
 constexpr double kPoseMessage = 45.0, kEnergy = 4.0, kWrench = 12.0;
 
-bench::TieMaker endsOf(const LinkSetting& setting) {
-  using Made = std::unique_ptr<bench::TieEnd>;
+bench::LinkEndMaker endsOf(const LinkSetting& setting) {
+  using Made = std::unique_ptr<bench::LinkEnd>;
   const SpringGains gains = setting.gains;
   switch (setting.architecture) {
     case Architecture::plain:
@@ -41,7 +41,7 @@ bench::TieMaker endsOf(const LinkSetting& setting) {
       };
     default:
       return [](const haptics::LinkParameters& p, double delay) -> Made {
-        return std::make_unique<bench::LinkEnd>(p, delay);
+        return std::make_unique<bench::CoordinationLinkEnd>(p, delay);
       };
   }
 }
@@ -61,7 +61,7 @@ struct Case {
   bench::Block block;
 };
 
-/// `recording` may be null. It stays empty where the architecture has no replicas to tie.
+/// `recording` may be null. It stays empty where the architecture has no replicas to link.
 std::unique_ptr<HandBench> benchOf(const LinkSetting& setting, const Case& c,
                                    std::shared_ptr<LinkRecording> recording = nullptr) {
   const bench::Network network = networkOf(c.delay, setting);
@@ -75,8 +75,8 @@ std::unique_ptr<HandBench> benchOf(const LinkSetting& setting, const Case& c,
   setup.seed = c.seed;
   setup.block = c.block;
   setup.link = parametersOf(setting);
-  setup.tie = endsOf(setting);
-  if (recording) setup.tie = recordingFirst(setup.tie, std::move(recording));
+  setup.makeEnd = endsOf(setting);
+  if (recording) setup.makeEnd = recordingFirst(setup.makeEnd, std::move(recording));
   return std::make_unique<bench::LinkBench>(setup);
 }
 

@@ -8,9 +8,9 @@
 namespace tandem::client::report {
 namespace {
 
-class RecordedEnd : public bench::TieEnd {
+class RecordedEnd : public bench::LinkEnd {
  public:
-  RecordedEnd(std::unique_ptr<bench::TieEnd> end, std::shared_ptr<LinkRecording> recording)
+  RecordedEnd(std::unique_ptr<bench::LinkEnd> end, std::shared_ptr<LinkRecording> recording)
       : end_(std::move(end)), recording_(std::move(recording)) {}
 
   void receive(const haptics::LinkPacket& packet) override {
@@ -37,13 +37,13 @@ class RecordedEnd : public bench::TieEnd {
     recording_->ticks.back().sends = true;
     return recording_->sent.emplace_back(end_->packet(now));
   }
-  double lineMass() const override { return end_->lineMass(); }
+  double addedMass() const override { return end_->addedMass(); }
   bool apart() const override { return end_->apart(); }
   double delay() const override { return end_->delay(); }
   haptics::LinkAccount account() const override { return end_->account(); }
 
  private:
-  std::unique_ptr<bench::TieEnd> end_;
+  std::unique_ptr<bench::LinkEnd> end_;
   std::shared_ptr<LinkRecording> recording_;
 };
 
@@ -54,17 +54,17 @@ double LinkRecording::offShare() const {
   return static_cast<double>(off) / static_cast<double>(std::max<std::size_t>(1, ticks.size()));
 }
 
-bench::TieMaker recordingFirst(bench::TieMaker make, std::shared_ptr<LinkRecording> recording) {
-  return
-      [make = std::move(make), recording = std::move(recording), first = true](
-          const haptics::LinkParameters& parameters, double delay) mutable -> std::unique_ptr<bench::TieEnd> {
-        std::unique_ptr<bench::TieEnd> end = make(parameters, delay);
-        if (!std::exchange(first, false)) return end;
-        return std::make_unique<RecordedEnd>(std::move(end), recording);
-      };
+bench::LinkEndMaker recordingFirst(bench::LinkEndMaker make, std::shared_ptr<LinkRecording> recording) {
+  return [make = std::move(make), recording = std::move(recording), first = true](
+             const haptics::LinkParameters& parameters,
+             double delay) mutable -> std::unique_ptr<bench::LinkEnd> {
+    std::unique_ptr<bench::LinkEnd> end = make(parameters, delay);
+    if (!std::exchange(first, false)) return end;
+    return std::make_unique<RecordedEnd>(std::move(end), recording);
+  };
 }
 
-void replay(const LinkRecording& recording, bench::TieEnd& end) {
+void replay(const LinkRecording& recording, bench::LinkEnd& end) {
   std::size_t received = 0;
   for (const LinkRecording::Tick& tick : recording.ticks) {
     ASSERT(tick.received <= recording.received.size());

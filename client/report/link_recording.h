@@ -1,11 +1,11 @@
 #pragma once
 
-// The calls of one end of a tie in a run, recorded so that they can be replayed and timed.
+// The calls of one end of a link in a run, recorded so that they can be replayed and timed.
 
 #include <memory>
 #include <vector>
 
-#include "haptics/link_bench/tie_end.h"
+#include "haptics/link_bench/link_end.h"
 
 namespace tandem::client::report {
 
@@ -15,7 +15,7 @@ struct LinkRecording {
     Pose before, after;
     Twist twistBefore, twistAfter;
     std::size_t received = 0;         // packets received until then
-    bool sends = false, off = false;  // off: there is no tie at this delay
+    bool sends = false, off = false;  // off: nothing couples the replicas at this delay
   };
   std::vector<haptics::LinkPacket> received, sent;
   std::vector<Tick> ticks;
@@ -24,9 +24,9 @@ struct LinkRecording {
 };
 
 /// A maker that makes ends by `make` and records the first of them.
-bench::TieMaker recordingFirst(bench::TieMaker make, std::shared_ptr<LinkRecording> recording);
+bench::LinkEndMaker recordingFirst(bench::LinkEndMaker make, std::shared_ptr<LinkRecording> recording);
 
 /// Calls a fresh end as the recorded one was called.
-void replay(const LinkRecording& recording, bench::TieEnd& end);
+void replay(const LinkRecording& recording, bench::LinkEnd& end);
 
 }  // namespace tandem::client::report

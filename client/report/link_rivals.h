@@ -9,7 +9,7 @@
 
 #include "haptics/link_bench/delayed_line.h"
 #include "haptics/link_bench/hand_bench.h"
-#include "haptics/link_bench/tie_end.h"
+#include "haptics/link_bench/link_end.h"
 
 namespace tandem::client::report {
 
@@ -27,7 +27,7 @@ struct SpringGains {
 /// does not fit is sent to the peer (their energy protocol, surplus only). Deviations: six axes on one lever;
 /// the tank starts at its level, or a hand that never moves would feel nothing; the spring is taken at the
 /// end of the step.
-class TankEnd : public bench::TieEnd {
+class TankEnd : public bench::LinkEnd {
  public:
   TankEnd(const SpringGains& gains, const haptics::LinkParameters& parameters)
       : gains_(gains), period_(parameters.period), lever_(parameters.lever) {}

@@ -94,7 +94,7 @@ LinkSetting turned(double rate, int margin_ms, int impedance) {
 /// Every combination of the parameters; with --quick one parameter at a time.
 std::vector<LinkSetting> turnedSettings(double delay, bool quick) {
   std::vector<LinkSetting> all;
-  if (delay > haptics::LinkParameters{}.farthest) return all;
+  if (delay > haptics::LinkParameters{}.longestDelay) return all;
   for (const int impedance : kImpedances)
     for (const int margin : kMargins)
       for (const double rate : kRates) {

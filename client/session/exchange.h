@@ -13,7 +13,7 @@
 
 #include "haptics/base/spsc_ring.h"
 #include "haptics/base/triple_buffer.h"
-#include "haptics/link/tied_parts.h"
+#include "haptics/link/link_terms.h"
 #include "haptics/tick.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/state_update.h"
@@ -28,25 +28,25 @@ struct NetworkEvent {
     ownership,   // `record` is how things stand now
     denied,      // the grab of `record.part` was refused
     lost,        // the connection is lost: open grabs get no answer
-    tie,         // a link by the terms `tie` is to tie the replica of `record.part` to that of `tie.peer`
-    untie,       // the link of `record.part` to `tie.peer` has ended
-    simulators,  // `simulators` sites simulate `record.part`
+    link,        // a coordination link is to begin by the terms `link`
+    unlink,      // the link `link.id` has ended
+    simulators,  // `simulators` sites simulate the part of `link`
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;
   sync::PartState state;
   sync::PartRecord record;
-  haptics::PartTie tie;
-  bool guest = false;  // tie: the peer owns the part
+  haptics::LinkTerms link;
+  bool ownedByPeer = false;  // link: this site is a co-holder of the peer's part
   int simulators = 1;
 };
 
 /// Hand to network: what the person asks for.
 struct HandIntent {
   enum class Kind : std::uint8_t {
-    grab,     // to own the part, or to share it with its owner
-    release,  // it rests, or is left to those who share it
-    leave,    // to stop sharing the part
+    grab,     // to own the part, or to hold it together with its owner
+    release,  // the part rests, or is left to its co-holders
+    leave,    // to stop being a co-holder of the part
   };
   Kind kind = Kind::grab;
   PartId part = kNoPart;
@@ -116,7 +116,7 @@ struct Exchange {
   haptics::TripleBuffer<TimeBase> timeBase;            // network -> hand
   haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
   haptics::TripleBuffer<HandOutput> output;            // hand -> network
-  haptics::SpscRing<haptics::TiedPacket, kLinkRing> linksIn,
+  haptics::SpscRing<haptics::AddressedPacket, kLinkRing> linksIn,
       linksOut;                                       // of shared parts: network -> hand, and back
   haptics::TripleBuffer<HandSettingsInput> settings;  // main -> hand
   haptics::TripleBuffer<HandOutput> view;             // hand -> main

@@ -5,19 +5,17 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "haptics/link/link_distance.h"
 
 namespace tandem::client {
 
 using namespace sync;
+using haptics::LinkId;
 
 namespace {
 
-constexpr double kUnknownAge = 0.05;    // s, of a peer that was not heard yet
-constexpr double kFarImpedance = 10.0;  // N s/m, where only parts that touch are linked
-// Inertia that all such lines of a part add together, kg: they last for as long as parts are near each other.
-constexpr double kFarLineMass = 3.4;
-constexpr double kSoftDelay = 0.06;           // s, of play-out: the least in the regime soft
-constexpr std::uint32_t kEpochsAhead = 1000;  // that another clock may be: 16 s
+constexpr double kUnknownAge = 0.05;          // s, of a peer of which no state has come yet
+constexpr std::uint32_t kEpochsAhead = 1000;  // by which another site's clock may lead: 16 s
 
 /// Half the diagonal of a block with these mass properties, m: the arm by which a rotation is compared with a
 /// displacement.
@@ -67,6 +65,11 @@ LinkState stateOf(const haptics::LinkPacket& packet) {
   return state;
 }
 
+/// What both ends must agree on, and the owner decides.
+LineTerms agreementOf(const haptics::LinkTerms& terms) {
+  return {terms.parameters.impedance, terms.parameters.softImpedance, terms.parameters.packetPeriod};
+}
+
 std::uint32_t epochOf(Micros now) { return static_cast<std::uint32_t>(std::max<Micros>(0, now) >> 14); }
 
 }  // namespace
@@ -76,7 +79,7 @@ PartLinks::PartLinks(const assets::Scene& scene, double packetPeriod)
       packetPeriod_(rounded(packetPeriod, kPacketPeriodQuantum)),
       lastEpoch_(scene.parts.size(), 0) {}
 
-void PartLinks::heard(SiteId peer, Micros age) {
+void PartLinks::noteAge(SiteId peer, Micros age) {
   const double seconds = std::clamp(toSeconds(age), 0.0, 1.0);
   const auto known =
       std::find_if(ages_.begin(), ages_.end(), [&](const Age& entry) { return entry.site == peer; });
@@ -92,59 +95,56 @@ double PartLinks::ageOf(SiteId peer) const {
   return kUnknownAge;
 }
 
-PartLinks::Line* PartLinks::find(PartId part, SiteId peer) {
-  const auto line = std::find_if(lines_.begin(), lines_.end(),
-                                 [&](const Line& entry) { return entry.part == part && entry.peer == peer; });
-  return line == lines_.end() ? nullptr : &*line;
+PartLinks::Link* PartLinks::find(LinkId id) {
+  const auto link =
+      std::find_if(links_.begin(), links_.end(), [&](const Link& entry) { return entry.terms.id == id; });
+  return link == links_.end() ? nullptr : &*link;
 }
 
-const PartLinks::Line* PartLinks::find(PartId part, SiteId peer) const {
-  return const_cast<PartLinks*>(this)->find(part, peer);
+const PartLinks::Link* PartLinks::find(LinkId id) const { return const_cast<PartLinks*>(this)->find(id); }
+
+PartLinks::Link& PartLinks::add(LinkId id) {
+  Link& link = links_.emplace_back();
+  link.terms.id = id;
+  return link;
 }
 
-std::uint32_t PartLinks::newEpoch(PartId part, Micros now) {
+void PartLinks::newEpoch(PartId part, Micros now) {
   ASSERT(part < lastEpoch_.size());
-  return lastEpoch_[part] = std::max(lastEpoch_[part] + 1, epochOf(now));
+  lastEpoch_[part] = std::max(lastEpoch_[part] + 1, epochOf(now));
 }
 
-LineTerms PartLinks::termsFor(SiteId peer, std::size_t lines) const {
-  const haptics::LinkParameters standard;
-  const auto count = static_cast<int>(lines);
-  haptics::PlayOutDelay delay;
-  delay.restart(ageOf(peer), packetPeriod_, standard.period);
-  const double late = delay.seconds();
-  const bool far = ageOf(peer) > standard.farthest;
-  const double soft = far ? std::min(kFarImpedance, kFarLineMass / (late * count))
-                          : haptics::lineImpedance(standard.softImpedance, std::max(late, kSoftDelay), count);
-  return {rounded(haptics::lineImpedance(standard.impedance, late, count), kImpedanceQuantum),
-          rounded(soft, kImpedanceQuantum), packetPeriod_};
+LineTerms PartLinks::agreementWith(SiteId peer, std::size_t links) const {
+  const haptics::LinkImpedances b =
+      haptics::impedancesAt(ageOf(peer), packetPeriod_, static_cast<int>(links));
+  return {rounded(b.stiff, kImpedanceQuantum), rounded(b.soft, kImpedanceQuantum), packetPeriod_};
 }
 
-void PartLinks::begin(Line& line, Micros now, bool guest) {
-  ASSERT(line.epoch == lastEpoch_[line.part]);
-  line.receiver.forget();
-  line.heardAt = now;
-  line.felt = false;
+/// Begins a link, or begins it anew, by this agreement and in the newest epoch of its part.
+void PartLinks::begin(Link& link, const LineTerms& agreement, Micros now, bool ownedByPeer) {
+  haptics::LinkTerms& terms = link.terms;
+  terms.epoch = lastEpoch_[terms.id.part];
+  terms.delay = ageOf(terms.id.peer);
+  terms.parameters.lever = leverOf(scene_.parts[terms.id.part].massProperties);
+  terms.parameters.impedance = agreement.impedance;
+  terms.parameters.softImpedance = agreement.softImpedance;
+  terms.parameters.packetPeriod = agreement.packetPeriod;
+  // A co-holder whose hand holds the part lowers this at its end.
+  terms.parameters.longestDelay = haptics::longestDelay(false);
+  link.receiver.forget();
+  link.receivedAt = now;
+  link.felt = false;
   NetworkEvent event;
-  event.kind = NetworkEvent::Kind::tie;
-  event.guest = guest;
-  event.record.part = event.tie.part = line.part;
-  event.tie.peer = line.peer;
-  event.tie.epoch = line.epoch;
-  event.tie.delay = ageOf(line.peer);
-  event.tie.link.lever = leverOf(scene_.parts[line.part].massProperties);
-  event.tie.link.impedance = line.terms.impedance;
-  event.tie.link.softImpedance = line.terms.softImpedance;
-  event.tie.link.packetPeriod = line.terms.packetPeriod;
-  event.tie.link.farthest =
-      haptics::TiedParts::kFarthestTouched;  // a guest whose hand holds the part lowers this
+  event.kind = NetworkEvent::Kind::link;
+  event.ownedByPeer = ownedByPeer;
+  event.link = terms;
   events_.push_back(event);
 }
 
-void PartLinks::tellSimulators(const OwnershipView& view, PartId part) {
+void PartLinks::publishSimulators(const OwnershipView& view, PartId part) {
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::simulators;
-  event.record.part = part;
+  event.link.id.part = part;
   event.simulators = static_cast<int>(view.simulators(part));
   events_.push_back(event);
 }
@@ -152,88 +152,93 @@ void PartLinks::tellSimulators(const OwnershipView& view, PartId part) {
 void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
   ASSERT(part < scene_.parts.size());
   const SiteId owner = view.part(part).owner;
-  std::vector<SiteId> members = view.members(part).sites;
-  std::erase(members, view.self());  // the list without a new owner arrives a moment after its ownership
-  const bool owns = view.owns(part), guest = view.engaged(part);
+  std::vector<SiteId> coHolders = view.members(part).sites;
+  std::erase(coHolders, view.self());  // the list without a new owner arrives a moment after its ownership
+  const bool owns = view.owns(part), isCoHolder = view.engaged(part);
   const auto shares = [&](SiteId peer) {
-    if (owns) return std::find(members.begin(), members.end(), peer) != members.end();
-    return guest && peer == owner;
+    if (owns) return std::find(coHolders.begin(), coHolders.end(), peer) != coHolders.end();
+    return isCoHolder && peer == owner;
   };
-  const auto ends = [&](const Line& line) { return line.part == part && !shares(line.peer); };
-  for (const Line& line : lines_) {
-    if (!ends(line)) continue;
+  const auto ends = [&](const Link& link) {
+    return link.terms.id.part == part && !shares(link.terms.id.peer);
+  };
+  for (const Link& link : links_) {
+    if (!ends(link)) continue;
     NetworkEvent event;
-    event.kind = NetworkEvent::Kind::untie;
-    event.record.part = event.tie.part = part;
-    event.tie.peer = line.peer;
+    event.kind = NetworkEvent::Kind::unlink;
+    event.link.id = link.terms.id;
     events_.push_back(event);
   }
-  std::erase_if(lines_, ends);
-  for (std::size_t i = 0; owns && i < members.size(); ++i) {
-    const LineTerms terms = termsFor(members[i], members.size());
-    Line* line = find(part, members[i]);
-    // An existing line goes on, whichever site began it, unless its impedance is too large beside the other
-    // lines.
-    if (line != nullptr && line->terms.impedance <= 1.1 * terms.impedance) continue;
-    if (line == nullptr) line = &lines_.emplace_back(Line{part, members[i], 0, {}, {}, 0});
-    line->terms = terms;
-    line->epoch = newEpoch(part, now);
-    begin(*line, now, false);
+  std::erase_if(links_, ends);
+  if (owns) linkCoHolders(part, coHolders, now);
+  if (owns || isCoHolder) publishSimulators(view, part);
+}
+
+/// An existing link goes on, whichever site began it, unless its impedance is too large beside the other
+/// links.
+void PartLinks::linkCoHolders(PartId part, const std::vector<SiteId>& coHolders, Micros now) {
+  for (const SiteId peer : coHolders) {
+    const LineTerms agreement = agreementWith(peer, coHolders.size());
+    Link* link = find({part, peer});
+    if (link != nullptr && link->terms.parameters.impedance <= 1.1 * agreement.impedance) continue;
+    if (link == nullptr) link = &add({part, peer});
+    newEpoch(part, now);
+    begin(*link, agreement, now, false);
   }
-  if (owns || guest) tellSimulators(view, part);
 }
 
 void PartLinks::beginSilentAnew(const OwnershipView& view, Micros now) {
-  for (Line& line : lines_) {
-    if (!view.owns(line.part) || now - line.heardAt < kSilence) continue;
-    line.epoch = newEpoch(line.part, now);
-    begin(line, now, false);
+  for (Link& link : links_) {
+    const PartId part = link.terms.id.part;
+    if (!view.owns(part) || now - link.receivedAt < kSilence) continue;
+    newEpoch(part, now);
+    begin(link, agreementOf(link.terms), now, false);
   }
 }
 
-/// The guest's end of the line to the owner. A packet of a new epoch begins it.
-PartLinks::Line* PartLinks::lineOfOwner(const LinkUpdate& update, Micros now) {
-  Line* line = find(update.part, update.peer);
+/// The co-holder's end of the link to the owner. A packet of a new epoch begins it.
+PartLinks::Link* PartLinks::linkToOwner(const LinkUpdate& update, Micros now) {
+  const LinkId id{update.part, update.peer};
+  Link* link = find(id);
   std::uint32_t& last = lastEpoch_[update.part];
   const bool known = update.epoch <= last,
              absurd = update.epoch > std::max(last, epochOf(now)) + kEpochsAhead;
-  if (!update.posed || !update.on || known || absurd) return line;
-  if (line == nullptr) line = &lines_.emplace_back(Line{update.part, update.peer, 0, {}, {}, 0});
-  line->epoch = last = update.epoch;
-  line->terms = update.terms;
-  begin(*line, now, true);
-  return line;
+  if (!update.posed || !update.on || known || absurd) return link;
+  if (link == nullptr) link = &add(id);
+  last = update.epoch;
+  begin(*link, update.terms, now, true);
+  return link;
 }
 
-std::optional<haptics::TiedPacket> PartLinks::receive(const LinkUpdate& update, const OwnershipView& view,
-                                                      Micros now) {
+std::optional<haptics::AddressedPacket> PartLinks::receive(const LinkUpdate& update,
+                                                           const OwnershipView& view, Micros now) {
   if (update.part >= scene_.parts.size()) return std::nullopt;
   const std::optional<Micros> time = sessionTimeOf(update, now);
   if (!time) return std::nullopt;
   const bool fromOwner = view.engaged(update.part) && view.part(update.part).owner == update.peer;
-  Line* line = fromOwner ? lineOfOwner(update, now) : find(update.part, update.peer);
-  if (line == nullptr || update.epoch != line->epoch) return std::nullopt;
-  const std::optional<LinkState> state = line->receiver.receiveAt(update, *time);
+  Link* link = fromOwner ? linkToOwner(update, now) : find({update.part, update.peer});
+  if (link == nullptr || update.epoch != link->terms.epoch) return std::nullopt;
+  const std::optional<LinkState> state = link->receiver.receiveAt(update, *time);
   if (!state) return std::nullopt;
-  line->heardAt = now;
+  link->receivedAt = now;
   const haptics::LinkPacket packet = packetOf(*state);
-  line->felt = packet.regime != haptics::LinkRegime::apart;
-  return haptics::TiedPacket{line->part, line->peer, packet};
+  link->felt = packet.regime != haptics::LinkRegime::apart;
+  return haptics::AddressedPacket{link->terms.id, packet};
 }
 
-std::optional<LinkUpdate> PartLinks::toWire(const haptics::TiedPacket& packet) const {
-  const Line* line = find(packet.part, packet.peer);
-  if (line == nullptr || packet.packet.epoch != line->epoch) return std::nullopt;
-  LinkUpdate update = sync::toWire(stateOf(packet.packet), packet.peer, packet.part);
-  update.terms = line->terms;
+std::optional<LinkUpdate> PartLinks::toWire(const haptics::AddressedPacket& packet) const {
+  const Link* link = find(packet.link);
+  if (link == nullptr || packet.packet.epoch != link->terms.epoch) return std::nullopt;
+  LinkUpdate update = sync::toWire(stateOf(packet.packet), packet.link.peer, packet.link.part);
+  update.terms = agreementOf(link->terms);
   return update;
 }
 
 bool PartLinks::felt(PartId part, SiteId peer) const {
-  const Line* line = find(part, peer);
-  return line != nullptr && line->felt;
+  const Link* link = find({part, peer});
+  return link != nullptr && link->felt;
 }
 
-std::vector<NetworkEvent> PartLinks::takeEvents() { return std::exchange(events_, {}); }
+std::vector<NetworkEvent> PartLinks::drainEvents() { return std::exchange(events_, {}); }
 
 }  // namespace tandem::client

@@ -66,7 +66,7 @@ void PartOwnership::followLinks(PartId part) {
 }
 
 void PartOwnership::pushOrders() {
-  for (const NetworkEvent& order : links_.takeEvents()) events_.push(order);
+  for (const NetworkEvent& order : links_.drainEvents()) events_.push(order);
 }
 
 void PartOwnership::handle(const LinkUpdate& update) {
@@ -77,7 +77,7 @@ void PartOwnership::handle(const LinkUpdate& update) {
 }
 
 void PartOwnership::exchangeLinks() {
-  haptics::TiedPacket packet;
+  haptics::AddressedPacket packet;
   while (exchange_.linksOut.pop(packet)) {
     const std::optional<LinkUpdate> update = links_.toWire(packet);
     if (!update || !clock_.known()) continue;

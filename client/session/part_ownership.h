@@ -42,8 +42,8 @@ class PartOwnership {
   void apply(const sync::MemberRecord& members);
 
   /// A state of `peer` came, `age` after it held.
-  void heard(SiteId peer, sync::Micros age) { links_.heard(peer, age); }
-  /// Sends what the hand's ends of links say, and begins links anew that have fallen silent.
+  void heard(SiteId peer, sync::Micros age) { links_.noteAge(peer, age); }
+  /// Sends the packets of the hand's ends of links, and begins links anew that have fallen silent.
   void exchangeLinks();
   /// Whether a link's packet leaves so soon that other state messages should wait to ride on its datagram.
   bool linkPacketIsNear() const;

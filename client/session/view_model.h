@@ -43,7 +43,7 @@ struct HandView {
   std::array<haptics::Contact, haptics::kMaxContacts> contacts;
   int contactCount = 0;
   PartId touched = kNoPart, held = kNoPart;
-  haptics::TieReport tie;  // of the held part to other sites
+  haptics::LinkReport links;  // of the held part to other sites
   NearestView nearest;
   bool grabPending = false;     // asked for, not answered yet
   std::uint32_t flags = 0;      // haptics::TickFlag

@@ -149,7 +149,7 @@ void SimulatedSite::noteContact(PartId part, HandSample& sample) const {
 
 void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
   const haptics::OwnedPart* held = tick().simulated(tick().held);
-  const haptics::TieReport tie = held != nullptr ? held->tie : haptics::TieReport{};
+  const haptics::LinkReport links = held != nullptr ? held->links : haptics::LinkReport{};
   const glm::dvec3& p = tick().worldFromProxy.position;
   char line[400];
   std::snprintf(line, sizeof line,
@@ -157,7 +157,7 @@ void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
                 toSeconds(now), name().c_str(), sample.position.x, sample.position.y, sample.position.z, p.x,
                 p.y, p.z, sample.force.x, sample.force.y, sample.force.z,
                 tick().held == kNoPart ? "" : context_.scene.parts[tick().held].name.c_str(), tick().flags,
-                tie.links, tie.fade, tie.delay * 1e3, tie.pull.force.x, tie.pull.force.y, tie.pull.force.z);
+                links.count, links.fade, links.delay * 1e3, links.pull.force.x, links.pull.force.y, links.pull.force.z);
   context_.trace << line;
 }
 
@@ -183,7 +183,7 @@ void SimulatedSite::addSources(const haptics::TickOutput& tick) {
 void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
   for (int i = 0; i < tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
-    if (part.tie.links == 0) continue;
+    if (part.links.count == 0) continue;
     const glm::dvec3 centre =
         transformPoint(part.worldFromPart, context_.scene.parts[part.part].massProperties.centreOfMass);
     const glm::dvec3 velocity = velocityAt(part.worldFromPart, part.twist, centre);
@@ -191,8 +191,8 @@ void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
       return toSeconds(kTick) *
              (glm::dot(wrench.force, velocity) + glm::dot(wrench.torque, part.twist.angular));
     };
-    const double work = workOf(part.tie.pull);
-    sourceEnergy_ += work + workOf(part.tie.lead);
+    const double work = workOf(part.links.pull);
+    sourceEnergy_ += work + workOf(part.links.outagePull);
     context_.linkWork += work;
   }
 }

@@ -208,7 +208,7 @@ void drawHand(const PanelContext& context) {
   std::string part = hand.held != kNoPart ? partName(model, hand.held) : partName(model, hand.touched);
   const char* verb = hand.held != kNoPart ? "Holds" : hand.grabPending ? "Asks for" : "At";
   valueLine(verb, part.empty() ? "\xE2\x80\x93" : part);
-  if (hand.tie.links > 0) valueLine("Shared", tieInWords(hand.tie));
+  if (hand.links.count > 0) valueLine("Shared", linkInWords(hand.links));
   drawNearest(model);
   StripChart chart;
   chart.id = "force";

@@ -116,17 +116,17 @@ enum TickFlag : std::uint32_t {
   kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
 };
 
-/// What ties a part to other sites' replicas of it.
-struct TieReport {
-  int links = 0;                          // those that run out included; 0: nothing does
+/// The coordination links of a part to other sites' replicas of it, as one.
+struct LinkReport {
+  int count = 0;                          // includes links whose force decays; 0: the part is not linked
   LinkRegime regime = LinkRegime::stiff;  // the worst of them
-  double fade = 0.0;                      // 0..1: the least of how far they have come up
-  bool heard = true;                      // false: one has nothing to play out, its force runs out
+  double fade = 0.0;                      // 0..1: the least fade-in of them
+  bool fresh = true;                      // false: the play-out of one is starved, and its force decays
   double delay = 0.0;                     // s, the longest of the play-out delays
   double share = 1.0;                     // of the part's mass, that the replica here goes to
   Wrench pull;                            // on the replica about its centre of mass, in this tick
-  Wrench lead;                            // the same of what leads it until its link carries it (leash.h)
-  double work = 0.0, lent = 0.0;          // J, on the replica; spent beyond what had arrived
+  Wrench outagePull;                      // the same, of the outage spring (outage_spring.h)
+  double work = 0.0, borrowed = 0.0;      // J, on the replica; spent beyond what had arrived
 };
 
 /// A part simulated in this tick.
@@ -136,7 +136,7 @@ struct OwnedPart {
   Twist twist;
   bool held = false;    // by either hand
   bool atRest = false;  // nothing moves it: its owner may release it
-  TieReport tie;
+  LinkReport links;
 };
 
 /// What a second hand gets from the part that it holds.

@@ -115,7 +115,7 @@ bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
 void HeldParts::disown(PartId part) {
   SimulatedPart* entry = find(part);
   if (entry == nullptr) return;
-  ties_.forget(part);
+  links_.forget(part);
   // Order is kept: it is the order in which the output lists them.
   for (SimulatedPart* next = entry + 1; next != parts_.data() + count_; ++next) *(next - 1) = *next;
   --count_;
@@ -143,7 +143,7 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
       entry.sinceLetGo = 0.0;
       entry.restPose = entry.body.worldFromBody;
     }
-    if (entry.held() || ties_.has(entry.part)) {
+    if (entry.held() || links_.has(entry.part)) {
       // Half of what the spring held goes to the part, half to the hand: as two springs of twice the stiffness.
       entry.ended.start({-grip.onHand.force, -grip.onHand.torque},
                         {2.0 * parameters.graspStiffness, 2.0 * parameters.graspRotStiffness},
@@ -157,10 +157,10 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
   return false;
 }
 
-bool HeldParts::tie(const PartTie& tie) {
-  const SimulatedPart* const entry = find(tie.part);
+bool HeldParts::beginLink(const LinkTerms& terms) {
+  const SimulatedPart* const entry = find(terms.id.part);
   if (entry == nullptr || entry->moved.control != nullptr) return false;
-  return ties_.tie(tie, entry->body);
+  return links_.begin(terms, entry->body);
 }
 
 void HeldParts::load(PartId part, const AxisLoad& tool) {
@@ -222,18 +222,18 @@ bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dv
     const DeviceSample& device = *hands[h].device;
     couplings[count++] = {grip.bodyFromGrip, device.worldFromDevice, device.twist, hands[h].gains};
   }
-  const bool tied = ties_.has(entry.part);
-  if (count == 0 && !tied) return false;
+  const bool linked = links_.has(entry.part);
+  if (count == 0 && !linked) return false;
   const bool held = count > 0;
   Wrench load = endedPull(entry, dt);
   double weighs = 1.0;
-  if (tied) {
-    const LinkPull link = ties_.pull(entry.part, entry.body, held, now, dt);
+  if (linked) {
+    const LinkPull link = links_.pull(entry.part, entry.body, held, now, dt);
     load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
-    if (const Leash* leash = ties_.leash(entry.part)) {
-      couplings[count++] = leash->coupling(entry.body);
-      weighs -= leash->share();
+    if (const OutageSpring* spring = links_.outageSpring(entry.part)) {
+      couplings[count++] = spring->coupling(entry.body);
+      weighs -= spring->share();
     }
     entry.sinceLetGo = 0.0;
   }
@@ -252,10 +252,10 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
     grip.onHand = step.couplings[coupling++].onHand(velocity, spin);
     onHands[h] = onHands[h] + grip.onHand;
   }
-  if (!ties_.has(entry.part)) return;
+  if (!links_.has(entry.part)) return;
   const Wrench back =
       step.couplings[coupling + 1].onHand(velocity, spin);  // of what leads it: after the links'
-  ties_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
+  links_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
 }
 
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
@@ -292,7 +292,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
     const Displacement& way = moving[i].way;
     SimulatedPart& entry = *entries[i];
     react(entry, hands, moving[i].step, way.linear / dt, way.angular / dt, onHands);
-    if (!entry.held() && !ties_.has(entry.part) &&
+    if (!entry.held() && !links_.has(entry.part) &&
         isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
       noteRest(entry, dt);
   }

@@ -9,8 +9,8 @@
 //    nothing, until something touches it or moves beside it.
 // 4. A part that both hands hold is drawn by both couplings in one implicit step, and each hand feels its own. Where one
 //    of them lets go, what it put on the part fades.
-// 5. A part that other sites simulate too is tied to their replicas by links, which draw at it in the same implicit step
-//    (tied_parts.h). It never rests while it is tied.
+// 5. A part that other sites simulate too is coupled to their replicas by links, which act on it in the same implicit step
+//    (replica_links.h). It never rests while it is linked.
 // 6. Nothing here allocates.
 
 #include <array>
@@ -21,7 +21,7 @@
 #include "haptics/body/virtual_coupling.h"
 #include "haptics/contact/part_contact.h"
 #include "haptics/grasp/controls.h"
-#include "haptics/link/tied_parts.h"
+#include "haptics/link/replica_links.h"
 #include "haptics/scene/contact_world.h"
 
 namespace tandem::haptics {
@@ -83,10 +83,10 @@ class HeldParts {
   /// A hand lets go of what it holds, if anything. Whether the other one still holds that, or another site may.
   bool letGo(const TickParameters& parameters, int hand = 0);
 
-  /// Ties an owned part to a peer's replica; false if it is not owned, is a control, or there is no room.
-  bool tie(const PartTie& tie);
-  TiedParts& ties() { return ties_; }
-  const TiedParts& ties() const { return ties_; }
+  /// Links an owned part to a peer's replica; false if it is not owned, is a control, or there is no room.
+  bool beginLink(const LinkTerms& terms);
+  ReplicaLinks& links() { return links_; }
+  const ReplicaLinks& links() const { return links_; }
 
   /// What the tool puts on an owned control in the next step.
   void load(PartId part, const AxisLoad& tool);
@@ -129,7 +129,7 @@ class HeldParts {
 
   std::array<SimulatedPart, kMaxOwnedParts> parts_;
   int count_ = 0;
-  TiedParts ties_;
+  ReplicaLinks links_;
 };
 
 }  // namespace tandem::haptics

@@ -1,6 +1,6 @@
 #pragma once
 
-// Coordination link: one end of the line that ties this site's replica of a part to another site's replica
+// One end of a coordination link, which couples this site's replica of a part to another site's replica
 // across a delay, without creating energy. It uses wave variables (Anderson & Spong 1989; Niemeyer & Slotine
 // 1991, "Stable adaptive teleoperation") with a spring and a matched damper at each end, in all six axes at
 // once (six_axes.h). The wave transform is
@@ -8,52 +8,28 @@
 //   v_d = (sqrt(2b) w - K e + b v) / 2b     F = K e + b (v_d - v)     e' = v_d - v     u = sqrt(2b) v_d - w
 //
 // v is the replica's twist at its centre of mass in world axes, F the wrench on the replica there, w the
-// incoming wave and u the outgoing one. F . v = (w^2 - u^2) / 2 less what spring and damper keep. Each end
-// sends the sums U = integral of u and E = integral of u^2 / 2; the other end plays them out a fixed time
-// later. Passivity: w may spend no more energy than has arrived of E plus a small reserve of what this end
-// itself has dissipated.
+// incoming wave, u the outgoing one, b the impedance, K the spring and e its stretch. Power is F . v = (w^2 -
+// u^2) / 2 less what spring and damper keep. Each end sends the sums U = integral of u and E = integral of
+// u^2 / 2; the other end plays them out a fixed time D_p later. Passivity: w may spend no more energy than
+// has arrived of E plus a small reserve of what this end itself has dissipated.
 //
 // 1. The thread that ticks calls pull() before the replica moves and settle() after it, each tick, and
 //    receive() and packet() between ticks. Nothing allocates or locks; the same calls give the same bits.
-// 2. The link never waits: its force decays when play-out starves, and fades in when packets return.
+// 2. The link never waits: its force decays while play-out starves, and fades in when packets return.
 // 3. Poses are never set. A gap between replicas is closed slowly.
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
-#include "haptics/base/link_packet.h"
 #include "haptics/base/six_axes.h"
 #include "haptics/link/link_regime.h"
 #include "haptics/link/link_reserve.h"
+#include "haptics/link/link_terms.h"
 #include "haptics/link/play_out_delay.h"
 #include "haptics/link/wave_play_out.h"
 
 namespace tandem::haptics {
-
-struct LinkParameters {
-  double period = 1e-3;         // s, of the tick
-  double packetPeriod = 4e-3;   // s, between the peer's packets
-  double lever = 0.05;          // m, of the part, the same at both ends; converts angles to lengths
-  double impedance = 27.0;      // N s/m: b, in regime stiff
-  double softImpedance = 14.0;  // N s/m: b, in regime soft
-  double spring = 10000.0;      // N/m: K
-  double drag = 0.1;            // N s/m, on the replica at all times
-  double fillingDrag = 0.6;     // N s/m, additional drag while the reserve is empty
-  double fadeTime = 0.5;        // s, until the link has its full force
-  double farthest = 0.15;       // s: the link is off at longer delays
-  double playOutMargin = 0.0;   // s, added to the delay that PlayOutDelay estimates
-};
-
-/// Upper bound of the summed mass b D_p of all lines from one site, kg; the hand that leads the part carries
-/// it.
-inline constexpr double kMostLineMass = 1.7;
-
-/// Impedance of each of `lines` lines from one site, N s/m: `most` where the lines stay light enough. Both
-/// ends of a line need the same value, so one end decides.
-inline double lineImpedance(double most, double playOutDelay, int lines) {
-  return std::min(most, kMostLineMass / (playOutDelay * lines));
-}
 
 /// Wrench of a link on a replica in a tick, about its centre of mass, world axes: `held` less `damping` and
 /// `rotDamping` times the velocity and spin that the replica takes in this tick. A step must be implicit in
@@ -67,16 +43,16 @@ struct LinkPull {
 /// Energy account of an end since it began, J. Over both ends the sum of `work`, `stored` and `reserve` never
 /// becomes positive.
 struct LinkAccount {
-  double work = 0.0;     // done on the replica
-  double stored = 0.0;   // in the spring
-  double reserve = 0.0;  // may still be spent
-  double lent = 0.0;     // spent before it had arrived, total
+  double work = 0.0;      // done on the replica
+  double stored = 0.0;    // in the spring
+  double reserve = 0.0;   // may still be spent
+  double borrowed = 0.0;  // spent before it had arrived, total
 };
 
 class CoordinationLink {
  public:
   explicit CoordinationLink(const LinkParameters& parameters)
-      : p_(parameters), regime_(parameters.farthest), playOutDelay_(parameters.playOutMargin) {}
+      : p_(parameters), regime_(parameters.longestDelay), playOutDelay_(parameters.playOutMargin) {}
 
   /// Restarts under an epoch; `delay` s is the known network delay. The present force decays.
   void begin(std::uint32_t epoch, double delay);
@@ -84,13 +60,12 @@ class CoordinationLink {
   /// accepted until the first one of the new epoch arrives. For a change of owner, which the two ends learn
   /// at different times.
   void carryOn(std::uint32_t epoch);
-  /// Sets the impedance of both regimes, N s/m, from the next begin() on: lines that share a mass become
+  /// Sets the impedance of both regimes, N s/m, from the next begin() on: links that share a mass become
   /// lighter as sites join.
   void setImpedance(double stiff, double soft) { p_.impedance = stiff, p_.softImpedance = soft; }
-  /// Sets the delay, s, beyond which the link is off. The lower setting of both ends counts, because the
-  /// worse regime does.
-  void setFarthest(double farthest) { regime_.setFarthest(farthest); }
-  /// Switches this end's replica on or off. Off, the force decays and the peer is told.
+  /// Sets the delay, s, beyond which the link is off (link_distance.h).
+  void setLongestDelay(double longestDelay) { regime_.setLongestDelay(longestDelay); }
+  /// Switches this end's replica on or off. While it is off, the force decays and the packets say so.
   void setOn(bool on) { on_ = on; }
 
   bool on() const { return on_; }
@@ -117,36 +92,36 @@ class CoordinationLink {
   double impedance() const { return b_; }
   /// Play-out delay D_p, s: how far the peer is played out behind its present.
   double delay() const { return playOutDelay_.seconds(); }
-  /// Mass that the line itself adds to the part while it is up, kg: b D_p. Its inertia is that mass times
+  /// Mass that the link itself adds to the part while it is up, kg: b D_p. Its inertia is that mass times
   /// lever^2.
-  double lineMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * delay(); }
+  double addedMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * delay(); }
   /// Fade-in of this end, 0..1.
   double fade() const { return fade_; }
-  bool fresh() const { return dry_ == 0.0; }
+  bool fresh() const { return starvedFor_ == 0.0; }
   const LinkAccount& account() const { return account_; }
 
  private:
-  struct Aim {
-    SixAxes force;        // N, target
-    SixAxes correction;   // sqrt(W): share of the wave that closes a gap of pose
-    double energy = 0.0;  // J, that has arrived for this tick
-    double taken = 1.0;   // accepted share of the incoming wave
-    bool full = false;    // faded in: energy left over now may be spent later
+  struct LinkGoal {
+    SixAxes force;               // N, target
+    SixAxes correction;          // sqrt(W): share of the wave that closes a gap of pose
+    double energy = 0.0;         // J, that has arrived for this tick
+    double acceptedShare = 1.0;  // accepted share of the incoming wave
+    bool full = false;           // faded in: energy left over now may be spent later
   };
 
   void watchRegime(double now);
   void enterRegime();
-  bool hears(const PlayedWave& peer) const;
-  Aim follow(const PlayedWave& peer, const Pose& pose, const SixAxes& v);
-  Aim runDry(const PlayedWave& peer);
+  bool receives(const PlayedWave& peer) const;
+  LinkGoal goalOf(const PlayedWave& peer, const Pose& pose, const SixAxes& v);
+  LinkGoal onStarved(const PlayedWave& peer);
   void resume(const PlayedWave& peer);
   void fadeIn(const PlayedWave& peer);
   SixAxes catchUp(const PlayedWave& peer) const;
   SixAxes closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave);
-  void runOut(const SixAxes& v);
+  void decayExcess(const SixAxes& v);
   SixAxes waveOf(const SixAxes& force, const SixAxes& v) const;
   SixAxes forceOf(const SixAxes& wave, const SixAxes& v) const;
-  void pay(const PlayedWave& peer, const Aim& aim);
+  void pay(const PlayedWave& peer, const LinkGoal& goal);
 
   // The spring is evaluated at the end of the step, F = K e + (b + K T) (v_d - v), which creates no energy at
   // any K and b.
@@ -170,14 +145,14 @@ class CoordinationLink {
   SixAxes wave_, sent_;          // sqrt(W): w and u of the last tick
   SixAxes sum_;                  // sqrt(W) s: U
   double announced_ = 0.0;       // J: E
-  SixAxes used_;                 // sqrt(W) s: played share of the peer's U
-  double spent_ = 0.0;           // J: spent share of the peer's E
-  double kept_ = 0.0;            // J: energy of the last tick's outgoing wave that is not announced
+  SixAxes consumedWave_;         // sqrt(W) s: played share of the peer's U
+  double spentEnergy_ = 0.0;     // J: spent share of the peer's E
+  double unannounced_ = 0.0;     // J: energy of the last tick's outgoing wave that is not announced
   double announcedShare_ = 0.0;  // 0..1: share of the outgoing wave that the peer may spend
   SixAxes force_;                // N, of the last tick
   SixAxes slowForce_;            // N, low-passed
   SixAxes excess_;               // N: force in excess of its target, decaying
-  double dry_ = 1.0;             // s since play-out starved; 0 while fresh
+  double starvedFor_ = 1.0;      // s since play-out starved; 0 while fresh
   double ramp_ = 0.0;            // 0..1 of the fade-in time
   double fade_ = 0.0;            // 0..1: m
   double share_ = 0.0;           // 0..1: g, counted share of the wave, the lesser fade of both ends

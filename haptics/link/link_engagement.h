@@ -11,11 +11,11 @@
 
 namespace tandem::haptics {
 
-/// The guest's side: it requests the link, follows the owner until it sees the owner's end on, and then
+/// The co-holder's side: it requests the link, follows the owner until it sees the owner's end on, and then
 /// becomes dynamic.
 class LinkEngagement {
  public:
-  enum class Role { follower, engaged };
+  enum class Role { follower, coHolder };
 
   /// Advances by dt (s). `gap` (m) and `closing` (m/s) are to the parts that this site holds, `playOutDelay`
   /// (s) is that of the link, `ownerOn` says that the owner's end is known to be on, and `force` (N) is the
@@ -26,8 +26,8 @@ class LinkEngagement {
     idle_ = wants ? 0.0 : idle_ + dt;
     if (wants) asks_ = true;
     if (idle_ > kPatience && gap > kNear + kMargin) asks_ = false;
-    if (role_ == Role::follower && asks_ && ownerOn) role_ = Role::engaged;
-    if (role_ == Role::engaged && !asks_ && force < kForceLeft) role_ = Role::follower;
+    if (role_ == Role::follower && asks_ && ownerOn) role_ = Role::coHolder;
+    if (role_ == Role::coHolder && !asks_ && force < kForceLeft) role_ = Role::follower;
     return role_;
   }
 
@@ -49,14 +49,14 @@ class LinkEngagement {
 /// Velocity at which a follower approaches the present pose of the owner's part; the gap it reacts to is
 /// limited.
 inline Twist followTwist(const Pose& from, const Pose& target, const Twist& targetTwist) {
-  constexpr double kTime = 0.03, kMost = 0.01, kMostTurn = 0.2;  // s, m, rad
+  constexpr double kTime = 0.03, kMaxGap = 0.01, kMaxRotation = 0.2;  // s, m, rad
   const auto within = [](const glm::dvec3& v, double limit) {
     const double size = glm::length(v);
     return size > limit ? v * (limit / size) : v;
   };
-  const glm::dvec3 turn = rotationVector(target.orientation * glm::conjugate(from.orientation));
-  return {targetTwist.linear + within(target.position - from.position, kMost) / kTime,
-          targetTwist.angular + within(turn, kMostTurn) / kTime};
+  const glm::dvec3 rotation = rotationVector(target.orientation * glm::conjugate(from.orientation));
+  return {targetTwist.linear + within(target.position - from.position, kMaxGap) / kTime,
+          targetTwist.angular + within(rotation, kMaxRotation) / kTime};
 }
 
 }  // namespace tandem::haptics

@@ -1,18 +1,19 @@
 #pragma once
 
-// Regime of a link by the age of its newest packet.
+// Regime of a link by the age of its newest packet: the filters and the proof around regimeAt()
+// (link_distance.h).
 
-#include "haptics/base/link_packet.h"
+#include "haptics/link/link_distance.h"
 
 namespace tandem::haptics {
 
 class RegimeByAge {
  public:
-  /// `farthest` s is the age beyond which the link is off.
-  explicit RegimeByAge(double farthest = kFarthest) : farthest_(farthest) {}
+  /// `longest` s is the age beyond which the link is off.
+  explicit RegimeByAge(double longest = longestDelay(true)) : longestDelay_(longest) {}
 
   /// Takes effect with the next advance().
-  void setFarthest(double farthest) { farthest_ = farthest; }
+  void setLongestDelay(double longest) { longestDelay_ = longest; }
 
   /// Restarts with a network delay of `delay` s that is known from elsewhere.
   void restart(double delay);
@@ -32,10 +33,7 @@ class RegimeByAge {
   double age() const { return age_; }
 
  private:
-  static constexpr double kFarthest = 0.15;
-  LinkRegime wanted(double age) const;
-
-  double farthest_;       // s
+  double longestDelay_;   // s
   double age_ = 0.0;      // s
   double slowAge_ = 0.0;  // s: long-term age, which jitter does not raise
   double better_ = 0.0;   // s, for which a better regime has been due

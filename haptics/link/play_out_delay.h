@@ -32,15 +32,15 @@ class PlayOutDelay {
   /// Ends a gap in which the newest packet became `age` s old. The delay grows to bridge the next gap like
   /// it, unless the gap was too long.
   void lengthen(double age) {
-    if (age < seconds_ + kMostBridged) seconds_ = std::max(seconds_, age);
+    if (age < seconds_ + kMaxBridged) seconds_ = std::max(seconds_, age);
   }
 
   double seconds() const { return seconds_ + margin_; }
 
  private:
   static constexpr double kEnough = 0.998;
-  static constexpr double kStep = 0.5e-3;       // s
-  static constexpr double kMostBridged = 0.04;  // s
+  static constexpr double kStep = 0.5e-3;      // s
+  static constexpr double kMaxBridged = 0.04;  // s
 
   double margin_;         // s
   double seconds_ = 0.0;  // without the margin

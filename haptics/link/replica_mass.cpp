@@ -38,34 +38,35 @@ glm::dvec3 spinAfter(const glm::dmat3& before, const glm::dmat3& after, const gl
 
 }  // namespace
 
-assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double lineMass,
+assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double linkMass,
                                    double lever) {
   const double share = 1.0 / sites, mass = share * part.mass;
-  const double least = std::min(mass, std::max(kLeastReplicaMass, 0.1 * mass));
-  const double taken = std::min(lineMass, mass - least);
-  const double inertia = std::min(taken * lever * lever, 0.8 * share * leastEigenvalue(part.inertia));
-  return {mass - taken, part.centreOfMass, share * part.inertia - glm::dmat3(inertia)};
+  const double minimum = std::min(mass, std::max(kMinReplicaMass, 0.1 * mass));
+  const double given = std::min(linkMass, mass - minimum);
+  const double inertia = std::min(given * lever * lever, 0.8 * share * leastEigenvalue(part.inertia));
+  return {mass - given, part.centreOfMass, share * part.inertia - glm::dmat3(inertia)};
 }
 
-void changeMass(RigidBody& body, const assets::MassProperties& target, double most) {
-  const double way = target.mass - body.mass;
-  const double share = std::abs(way) <= most ? 1.0 : most / std::abs(way);
-  const double mass = body.mass + share * way;
+void changeMass(RigidBody& body, const assets::MassProperties& target, double limit) {
+  const double change = target.mass - body.mass;
+  const double share = std::abs(change) <= limit ? 1.0 : limit / std::abs(change);
+  const double mass = body.mass + share * change;
   const glm::dmat3 inertia = body.inertia + share * (target.inertia - body.inertia);
-  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  const glm::dmat3 rotation = glm::mat3_cast(body.worldFromBody.orientation);
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   const glm::dvec3 velocity =
       std::min(1.0, body.mass / mass) * velocityAt(body.worldFromBody, body.twist, com);
-  const glm::dvec3 spin = turn * spinAfter(body.inertia, inertia, glm::transpose(turn) * body.twist.angular);
+  const glm::dvec3 spin =
+      rotation * spinAfter(body.inertia, inertia, glm::transpose(rotation) * body.twist.angular);
   body.mass = mass;
   body.inertia = inertia;
   setVelocity(body, velocity, spin);
 }
 
 void MassRamp::advance(RigidBody& body, const assets::MassProperties& target, double dt) {
-  const double way = target.mass - body.mass;
-  if (way * rate_ <= 0.0) rate_ = 0.0;
-  rate_ = std::clamp(rate_ + std::copysign(dt * kGrowing / kRise, way), -kFalling, kGrowing);
+  const double change = target.mass - body.mass;
+  if (change * rate_ <= 0.0) rate_ = 0.0;
+  rate_ = std::clamp(rate_ + std::copysign(dt * kGrowing / kRise, change), -kFalling, kGrowing);
   changeMass(body, target, std::abs(rate_) * dt);
 }
 

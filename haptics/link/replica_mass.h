@@ -1,6 +1,6 @@
 #pragma once
 
-// Mass of each site's replica of a part. The masses of all replicas and of the lines between them sum to the
+// Mass of each site's replica of a part. The masses of all replicas and of the links between them sum to the
 // mass of the part.
 
 #include <glm/mat3x3.hpp>
@@ -11,17 +11,17 @@
 
 namespace tandem::haptics {
 
-/// Mass properties of each of `sites` replicas of a part, less `lineMass` kg on a lever of `lever` m for the
-/// lines that end here (half of what each adds). At least a tenth of the share remains, and at least
-/// kLeastReplicaMass where the share is more.
-assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double lineMass,
+/// Mass properties of each of `sites` replicas of a part, less `linkMass` kg on a lever of `lever` m for the
+/// links that end here (half of what each adds). At least a tenth of the share remains, and at least
+/// kMinReplicaMass where the share is more.
+assets::MassProperties replicaMass(const assets::MassProperties& part, int sites, double linkMass,
                                    double lever);
 
-inline constexpr double kLeastReplicaMass = 0.03;  // kg
+inline constexpr double kMinReplicaMass = 0.03;  // kg
 
-/// Changes a body's mass towards `target` by at most `most` kg, and its inertia by the same share. Never adds
-/// kinetic energy: a body that gets lighter keeps its velocity, one that gets heavier its momentum.
-void changeMass(RigidBody& body, const assets::MassProperties& target, double most);
+/// Changes a body's mass towards `target` by at most `limit` kg, and its inertia by the same share. Never
+/// adds kinetic energy: a body that gets lighter keeps its velocity, one that gets heavier its momentum.
+void changeMass(RigidBody& body, const assets::MassProperties& target, double limit);
 
 /// changeMass() over time. A hand that moves a part at v feels v dm/dt as the part gets heavier, so the rate
 /// grows from zero.

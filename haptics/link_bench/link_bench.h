@@ -1,6 +1,6 @@
 #pragma once
 
-// Sites that hold one part across a modelled network: a grasp and a replica each, with site 0 tied to all
+// Sites that hold one part across a modelled network: a grasp and a replica each, with site 0 linked to all
 // others.
 
 #include <memory>
@@ -9,7 +9,7 @@
 #include "haptics/link/replica_mass.h"
 #include "haptics/link_bench/delayed_line.h"
 #include "haptics/link_bench/hand_bench.h"
-#include "haptics/link_bench/tie_end.h"
+#include "haptics/link_bench/link_end.h"
 
 namespace tandem::bench {
 
@@ -19,19 +19,19 @@ struct BenchSetup {
   unsigned seed = 1;
   Block block;
   haptics::LinkParameters link;  // its packetPeriod is the network's
-  TieMaker tie;                  // empty: LinkEnd
+  LinkEndMaker makeEnd;          // empty: CoordinationLinkEnd
 };
 
 class LinkBench : public HandBench {
  public:
   explicit LinkBench(const BenchSetup& setup);
-  /// Side 0 is site 0's end of the tie to site 1 + `tie`.
-  const TieEnd& end(std::size_t tie, std::size_t side) const { return *ends_[2 * tie + side].tie; }
+  /// Side 0 is site 0's end of the link to site 1 + `link`.
+  const LinkEnd& end(std::size_t link, std::size_t side) const { return *ends_[2 * link + side].link; }
 
  private:
   struct End {
     std::size_t site;
-    std::unique_ptr<TieEnd> tie;
+    std::unique_ptr<LinkEnd> link;
     LinkLine out;
     PacketClock clock;
   };

@@ -46,7 +46,7 @@ class Watch {
     return largest;
   }
   double force(std::size_t site, double t) const { return glm::length(sites_[site].force[at(t)]); }
-  const haptics::TieReport& tie(std::size_t site, double t) const { return sites_[site].ties[at(t)]; }
+  const haptics::LinkReport& links(std::size_t site, double t) const { return sites_[site].links[at(t)]; }
   bool holds(std::size_t site, double t) const { return sites_[site].held[at(t)] == kBlock; }
   /// m between the replicas of two sites.
   double apart(std::size_t a, std::size_t b, double t) const {
@@ -56,13 +56,13 @@ class Watch {
  private:
   struct Site {
     std::vector<glm::dvec3> force, block;
-    std::vector<haptics::TieReport> ties;
+    std::vector<haptics::LinkReport> links;
     std::vector<PartId> held;
     void add(double, const client::SimulatedSiteState& state) {
       const haptics::OwnedPart* part = state.tick->simulated(kBlock);
       force.push_back(state.force);
       block.push_back(part != nullptr ? part->worldFromPart.position : glm::dvec3(NAN));
-      ties.push_back(part != nullptr ? part->tie : haptics::TieReport{});
+      links.push_back(part != nullptr ? part->links : haptics::LinkReport{});
       held.push_back(state.tick->held);
     }
   };
@@ -135,10 +135,10 @@ double letGo(const char* scenario, double at, double delay, bool ownerDoes) {
     EXPECT_LE(result.energyOfLinks, kEnergyBound);
     EXPECT_EQ(result.grants.size(), ownerDoes ? 2u : 1u) << describe(result);
     EXPECT_EQ(result.siteNames.at(result.grants.back().site), "b");
-    EXPECT_EQ(watch.tie(kB, at - 0.1).links, 1);
+    EXPECT_EQ(watch.links(kB, at - 0.1).count, 1);
     EXPECT_TRUE(watch.holds(kB, at + 2.0));
-    EXPECT_EQ(watch.tie(kB, at + 2.0).links, 0);
-    EXPECT_EQ(watch.tie(kB, at + 2.0).share, 1.0);
+    EXPECT_EQ(watch.links(kB, at + 2.0).count, 0);
+    EXPECT_EQ(watch.links(kB, at + 2.0).share, 1.0);
     largest = std::max(largest, watch.step(kB, at, at + 1.0));
   }
   return largest;
@@ -204,7 +204,7 @@ TEST(SharedHardCases, BlackoutsAtFullSpeedAreNotFelt) {
       EXPECT_TRUE(result.stable);
       for (const std::size_t site : {kA, kB}) {
         largest = std::max({largest, watch.step(site, 8.0, 11.0), watch.step(site, 12.0, 16.0)});
-        EXPECT_GT(watch.tie(site, 15.0).fade, 0.99) << "the link did not come back";
+        EXPECT_GT(watch.links(site, 15.0).fade, 0.99) << "the link did not come back";
       }
     });
     print("blackouts of 0.2 and 1 s", delay, "N in 20 ms", largest);
@@ -218,10 +218,10 @@ TEST(SharedHardCases, StepsOfDelayFadeTheLinkAndBringItBack) {
     EXPECT_TRUE(result.stable);
     for (const std::size_t site : {kA, kB}) {
       largest = std::max(largest, watch.step(site, 7.0, 15.0));
-      EXPECT_EQ(watch.tie(site, 10.5).regime, haptics::LinkRegime::apart);
-      EXPECT_EQ(watch.tie(site, 10.5).share, 1.0) << "each has the whole part while they are apart";
-      EXPECT_EQ(watch.tie(site, 15.0).regime, haptics::LinkRegime::stiff);
-      EXPECT_EQ(watch.tie(site, 15.0).share, 0.5);
+      EXPECT_EQ(watch.links(site, 10.5).regime, haptics::LinkRegime::apart);
+      EXPECT_EQ(watch.links(site, 10.5).share, 1.0) << "each has the whole part while they are apart";
+      EXPECT_EQ(watch.links(site, 15.0).regime, haptics::LinkRegime::stiff);
+      EXPECT_EQ(watch.links(site, 15.0).share, 0.5);
     }
   });
   print("25 to 250 to 25 ms", 25.0, "N in 20 ms", largest);
@@ -236,7 +236,7 @@ TEST(SharedHardCases, CoHolderGoesOnWhereTheOwnerDies) {
     EXPECT_LE(result.grants[1].at, 8.0 + 2.2) << "within the lease";
     largest = std::max(largest, watch.step(kB, 8.0, 13.0));
     EXPECT_TRUE(watch.holds(kB, 13.0));
-    EXPECT_EQ(watch.tie(kB, 13.0).share, 1.0);
+    EXPECT_EQ(watch.links(kB, 13.0).share, 1.0);
   });
   print("owner killed in tension", 25.0, "N in 20 ms", largest);
   EXPECT_LE(largest, 0.3);
@@ -249,9 +249,9 @@ TEST(SharedHardCases, OwnerThatWasPausedComesBackAsACoHolder) {
     EXPECT_EQ(result.siteNames.at(result.grants[1].site), "b");
     EXPECT_TRUE(watch.holds(kB, 19.0));
     EXPECT_TRUE(watch.holds(kA, 19.0)) << "its hand never let go";
-    EXPECT_EQ(watch.tie(kA, 19.0).links, 1);
-    EXPECT_GT(watch.tie(kA, 19.0).fade, 0.99);
-    EXPECT_EQ(watch.tie(kA, 19.0).share, 0.5);
+    EXPECT_EQ(watch.links(kA, 19.0).count, 1);
+    EXPECT_GT(watch.links(kA, 19.0).fade, 0.99);
+    EXPECT_EQ(watch.links(kA, 19.0).share, 0.5);
     largest = std::max({largest, watch.step(kB, 8.0, 19.9), watch.step(kA, 13.5, 19.9)});
     gap = std::max(gap, watch.apart(kA, kB, 19.0));
   });
@@ -268,8 +268,8 @@ TEST(SharedHardCases, NoHandFeelsTheServerDieWhileAPartIsShared) {
     for (const std::size_t site : {kA, kB}) {
       largest = std::max(largest, watch.step(site, 8.0, 15.9));
       EXPECT_TRUE(watch.holds(site, 15.0));
-      EXPECT_GT(watch.tie(site, 15.0).fade, 0.99) << "the link did not come back";
-      EXPECT_EQ(watch.tie(site, 15.0).share, 0.5);
+      EXPECT_GT(watch.links(site, 15.0).fade, 0.99) << "the link did not come back";
+      EXPECT_EQ(watch.links(site, 15.0).share, 0.5);
     }
   });
   print("server restarts", 25.0, "N in 20 ms", largest);
@@ -302,7 +302,7 @@ TEST(SharedHardCases, NoHandFeelsAnOutageWhileTheirPartsPressOnEachOther) {
                      EXPECT_GT(watch.force(site, press.from - 0.1), 0.2) << "nothing was pressed";
                      EXPECT_GT(watch.force(site, press.to - 0.1), 0.2) << "it did not hold";
                      // With a delay of 250 ms it takes up to 3 s.
-                     EXPECT_GT(watch.tie(site, press.to - 0.1).fade, delay < 200.0 ? 0.99 : 0.0)
+                     EXPECT_GT(watch.links(site, press.to - 0.1).fade, delay < 200.0 ? 0.99 : 0.0)
                          << "the link did not come back";
                      largest = std::max(largest, watch.step(site, press.from, press.to));
                    }
@@ -369,11 +369,11 @@ TEST(SharedHardCases, ManySitesOnOnePart) {
       double largest = 0.0;
       forSeeds(star.scenario, delay, [&](const client::SimulationResult& result, const Watch& watch) {
         EXPECT_TRUE(result.stable);
-        EXPECT_EQ(watch.tie(0, star.at).links, static_cast<int>(star.sites) - 1);
+        EXPECT_EQ(watch.links(0, star.at).count, static_cast<int>(star.sites) - 1);
         double shares = 0.0;
         for (std::size_t i = 0; i < star.sites; ++i) {
-          EXPECT_GT(watch.tie(i, star.at).fade, 0.99) << i;
-          shares += watch.tie(i, star.at).share;
+          EXPECT_GT(watch.links(i, star.at).fade, 0.99) << i;
+          shares += watch.links(i, star.at).share;
           largest = std::max(largest, watch.force(i, star.at));
         }
         EXPECT_NEAR(shares, 1.0, 1e-12) << "the masses do not sum to the part's";

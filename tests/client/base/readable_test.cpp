@@ -28,19 +28,19 @@ TEST(Readable, MassesComeInTheUnitThatSuitsThem) {
 }
 
 TEST(Readable, TiesAreSaidInPlainWords) {
-  haptics::TieReport tie;
-  EXPECT_EQ(tieInWords(tie), "");
-  tie.links = 1;
-  tie.delay = 0.0272;
-  EXPECT_EQ(tieInWords(tie), "coming up");
-  tie.fade = 1.0;
-  EXPECT_EQ(tieInWords(tie), "stiff (27 ms)");
-  tie.regime = haptics::LinkRegime::soft;
-  EXPECT_EQ(tieInWords(tie), "soft: far away (27 ms)");
-  tie.heard = false;
-  EXPECT_EQ(tieInWords(tie), "nothing is heard of the other hand");
-  tie.regime = haptics::LinkRegime::apart;
-  EXPECT_EQ(tieInWords(tie), "one at a time: too far away to be felt (27 ms)");
+  haptics::LinkReport links;
+  EXPECT_EQ(linkInWords(links), "");
+  links.count = 1;
+  links.delay = 0.0272;
+  EXPECT_EQ(linkInWords(links), "coming up");
+  links.fade = 1.0;
+  EXPECT_EQ(linkInWords(links), "stiff (27 ms)");
+  links.regime = haptics::LinkRegime::soft;
+  EXPECT_EQ(linkInWords(links), "soft: far away (27 ms)");
+  links.fresh = false;
+  EXPECT_EQ(linkInWords(links), "nothing is heard of the other hand");
+  links.regime = haptics::LinkRegime::apart;
+  EXPECT_EQ(linkInWords(links), "one at a time: too far away to be felt (27 ms)");
 }
 
 TEST(Readable, MemoryComesInDecimalUnits) {

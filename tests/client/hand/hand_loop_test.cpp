@@ -207,50 +207,50 @@ TEST_F(HandLoopTest, APartThatAnotherSiteGotStaysInTheHandUntilThatIsDenied) {
   EXPECT_NEAR(hand_->worldFromPart(kBox).position.y, 0.1, 1e-6);
 }
 
-/// Another site owns the box; this hand's button is down on it, and the owner's line has been heard.
-class GuestHandTest : public HandLoopTest {
+/// Another site owns the box; this hand's button is down on it, and the owner's link has begun.
+class CoHolderHandTest : public HandLoopTest {
  protected:
-  GuestHandTest() {
+  CoHolderHandTest() {
     tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
     tick(5);
     button_ = true;
     tick();
     EXPECT_EQ(intent()->kind, HandIntent::Kind::grab);
-    tie();
+    link();
     tick(3);
   }
-  void tie() {
+  void link() {
     NetworkEvent event;
-    event.kind = NetworkEvent::Kind::tie;
-    event.guest = true;
-    event.record.part = event.tie.part = kBox;
-    event.tie.peer = kOther;
-    event.tie.epoch = 77;
-    event.tie.delay = 0.02;
+    event.kind = NetworkEvent::Kind::link;
+    event.ownedByPeer = true;
+    event.link.id.part = kBox;
+    event.link.id.peer = kOther;
+    event.link.epoch = 77;
+    event.link.delay = 0.02;
     ASSERT_TRUE(exchange_->events.push(event));
   }
   const haptics::OwnedPart& box() const { return hand_->output().tick.owned[0]; }
 };
 
-TEST_F(GuestHandTest, HoldsAReplicaThatItTiesAndDoesNotPublish) {
+TEST_F(CoHolderHandTest, HoldsAReplicaThatItTiesAndDoesNotPublish) {
   EXPECT_EQ(hand_->output().tick.held, kBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 0u);
-  EXPECT_EQ(box().tie.links, 1);
+  EXPECT_EQ(box().links.count, 1);
   tick(20);
-  haptics::TiedPacket packet;
+  haptics::AddressedPacket packet;
   ASSERT_TRUE(exchange_->linksOut.pop(packet));
-  EXPECT_EQ(packet.peer, kOther);
+  EXPECT_EQ(packet.link.peer, kOther);
   EXPECT_EQ(packet.packet.epoch, 77u);
   EXPECT_TRUE(packet.packet.on);
 }
 
-TEST_F(GuestHandTest, LeavesAWhileAfterItsHandIsOffAndFollowsFromWhereItIs) {
+TEST_F(CoHolderHandTest, LeavesAWhileAfterItsHandIsOffAndFollowsFromWhereItIs) {
   for (int i = 0; i < 100; ++i) {
     device_.position.x += 1e-4;
     tick();
   }
   button_ = false;
-  tick(static_cast<int>(HandLoop::kGuestStays / 1000) - 20);
+  tick(static_cast<int>(HandLoop::kCoHolderStays / 1000) - 20);
   EXPECT_FALSE(intent().has_value());
   tick(40);
   ASSERT_TRUE(intent().has_value());
@@ -272,7 +272,7 @@ TEST_F(GuestHandTest, LeavesAWhileAfterItsHandIsOffAndFollowsFromWhereItIs) {
   EXPECT_LT(fastest, 0.1 * left) << "a step in a tick";
 }
 
-TEST_F(GuestHandTest, IsPassedThePartAsItIs) {
+TEST_F(CoHolderHandTest, IsPassedThePartAsItIs) {
   largestStep_ = 0.0;
   tell(NetworkEvent::Kind::ownership, kSelf, 5, {{0.0, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}});
   tick(50);
@@ -282,11 +282,11 @@ TEST_F(GuestHandTest, IsPassedThePartAsItIs) {
   EXPECT_LT(largestStep_, 1e-6);
 }
 
-TEST_F(GuestHandTest, GivesUpWhereNothingWantsThePartAnyMore) {
+TEST_F(CoHolderHandTest, GivesUpWhereNothingWantsThePartAnyMore) {
   button_ = false;
-  tick(static_cast<int>(HandLoop::kGuestStays / 1000) + 20);
+  tick(static_cast<int>(HandLoop::kCoHolderStays / 1000) + 20);
   ASSERT_EQ(intent()->kind, HandIntent::Kind::leave);
-  tie();  // a line that the owner begins anew meanwhile
+  link();  // a link that the owner begins anew meanwhile
   tick(3);
   ASSERT_TRUE(intent().has_value());
   EXPECT_EQ(hand_->output().tick.ownedCount, 0);
@@ -295,16 +295,16 @@ TEST_F(GuestHandTest, GivesUpWhereNothingWantsThePartAnyMore) {
 TEST_F(HandLoopTest, AnOwnerWhoseHandIsOffLeavesASharedPartToTheOthers) {
   take();
   NetworkEvent event;
-  event.kind = NetworkEvent::Kind::tie;
-  event.record.part = event.tie.part = kBox;
-  event.tie.peer = kOther;
-  event.tie.epoch = 3;
+  event.kind = NetworkEvent::Kind::link;
+  event.link.id.part = kBox;
+  event.link.id.peer = kOther;
+  event.link.epoch = 3;
   ASSERT_TRUE(exchange_->events.push(event));
   event.kind = NetworkEvent::Kind::simulators;
   event.simulators = 2;
   ASSERT_TRUE(exchange_->events.push(event));
   tick(100);
-  EXPECT_EQ(hand_->output().tick.owned[0].tie.links, 1);
+  EXPECT_EQ(hand_->output().tick.owned[0].links.count, 1);
   EXPECT_FALSE(intent().has_value());
   button_ = false;
   tick(2);

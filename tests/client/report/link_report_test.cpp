@@ -127,20 +127,20 @@ TEST(LinkReport, CountsTheBytesOfTheWire) {
 
 TEST(LinkReport, TimesWhatItRecorded) {
   const auto recording = std::make_shared<LinkRecording>();
-  const bench::TieMaker make = [](const haptics::LinkParameters& p, double delay) {
-    return std::make_unique<bench::LinkEnd>(p, delay);
+  const bench::LinkEndMaker make = [](const haptics::LinkParameters& p, double delay) {
+    return std::make_unique<bench::CoordinationLinkEnd>(p, delay);
   };
   bench::BenchSetup setup;
   setup.sites = bench::twoHands(bench::firmArm(), bench::lightArm());
-  setup.tie = recordingFirst(make, recording);
+  setup.makeEnd = recordingFirst(make, recording);
   bench::drag(setup, {.until = 4.0});
   ASSERT_EQ(recording->ticks.size(), 4000u);
-  bench::LinkEnd again(setup.link, setup.network.delay);
+  bench::CoordinationLinkEnd again(setup.link, setup.network.delay);
   replay(*recording, again);
   // A fresh end with the same input gives the same packet.
   const haptics::LinkPacket packet = again.packet(4.0);
   EXPECT_EQ(packet.sequence, recording->sent.size());
-  setup.tie = make;
+  setup.makeEnd = make;
   bench::LinkBench bench(setup);
   bench.runTo(4.0, [](double t, int who) { return who == 0 ? bench::dragWay(t) : haptics::SixAxes{}; });
   EXPECT_EQ(again.account().work, bench.end(0, 0).account().work);

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::uint32_t kSequenceStep = 1000;  // room for forged packets between two real ones
 
-class HoldLastEnd : public LinkEnd {
+class HoldLastEnd : public CoordinationLinkEnd {
  public:
   HoldLastEnd(const haptics::LinkParameters& parameters, double delay, const Network& network)
-      : LinkEnd(parameters, delay), network_(network) {}
+      : CoordinationLinkEnd(parameters, delay), network_(network) {}
 
   void receive(const haptics::LinkPacket& packet) override {
     if (!heard_ || packet.time > newest_.time) {
@@ -21,14 +21,14 @@ class HoldLastEnd : public LinkEnd {
       newest_ = packet;
       heard_ = true;
     }
-    LinkEnd::receive(packet);
+    CoordinationLinkEnd::receive(packet);
   }
   haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override {
     forge(now);
-    return LinkEnd::pull(now, worldFromCentre, twist);
+    return CoordinationLinkEnd::pull(now, worldFromCentre, twist);
   }
   haptics::LinkPacket packet(double now) override {
-    haptics::LinkPacket packet = LinkEnd::packet(now);
+    haptics::LinkPacket packet = CoordinationLinkEnd::packet(now);
     packet.sequence *= kSequenceStep;
     return packet;
   }
@@ -61,7 +61,7 @@ void expectPassive(const Tally& tally, const char* what) {
 
 int seeds(int few) { return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
 
-TieMaker holdingTheLastWave(const Network& network) {
+LinkEndMaker holdingTheLastWave(const Network& network) {
   return [network](const haptics::LinkParameters& parameters, double delay) {
     return std::make_unique<HoldLastEnd>(parameters, delay, network);
   };

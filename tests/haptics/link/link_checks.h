@@ -14,6 +14,6 @@ void expectPassive(const Tally& tally, const char* what);
 int seeds(int few = 2);
 
 /// A link whose wave goes on as it last was where it has run dry, with its energy: must fail.
-TieMaker holdingTheLastWave(const Network& network);
+LinkEndMaker holdingTheLastWave(const Network& network);
 
 }  // namespace tandem::test

@@ -11,8 +11,8 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/minimum_jerk.h"
-#include "haptics/link/leash.h"
 #include "haptics/link/link_engagement.h"
+#include "haptics/link/outage_spring.h"
 #include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
@@ -29,7 +29,7 @@ constexpr haptics::CouplingGains kGrasp{1000.0, 2.0, 2.5, 5e-3};
 
 /// What a replica of the other's part is: tied to it; that, and led by a plain spring to where the other one has it until
 /// the link carries it; or put there.
-enum class Guest { linked, sprung, kinematic };
+enum class CoHolder { linked, sprung, kinematic };
 constexpr double kCutAt = 4.4, kSettled = 4.2;  // s: of an outage; from when on the parts stand
 
 assets::MassProperties block() {
@@ -52,7 +52,7 @@ struct Replica {
   haptics::CoordinationLink link;
   LinkLine out;
   LinkEngagement engagement;
-  haptics::Leash leash;
+  haptics::OutageSpring outageSpring;
   Wrench load;         // of this tick, about the centre of mass
   double acted = 0.0;  // N, of the link in the last tick
 };
@@ -60,13 +60,13 @@ struct Replica {
 /// Part p is at home at site p; replica[s][p].
 class Collision {
  public:
-  Collision(const Network& network, Guest guest, double outage, unsigned seed)
-      : guest_(guest), network_(network), outage_(outage) {
+  Collision(const Network& network, CoHolder coHolder, double outage, unsigned seed)
+      : coHolder_(coHolder), network_(network), outage_(outage) {
     haptics::LinkParameters p;
     p.lever = 0.03;
     p.fadeTime = LinkEngagement::kFadeTime;
-    p.farthest = 0.35;
-    if (network.delay > 0.15) p.softImpedance = 10.0;  // a heavy line, but only while the parts are near
+    p.longestDelay = 0.35;
+    if (network.delay > 0.15) p.softImpedance = 10.0;  // a heavy link, but only while the parts are near
     for (unsigned s = 0; s < 2; ++s)
       for (unsigned part = 0; part < 2; ++part)
         replicas_[s].emplace_back(p, network, part == 0 ? -centre() : centre(), 31 * seed + 2 * s + part);
@@ -80,7 +80,7 @@ class Collision {
       for (Replica& r : replicas_[s]) r.load = {};
       touch(s);
       moveOwn(s);
-      moveGuest(s);
+      moveCoHolder(s);
     }
     for (int s = 0; s < 2 && ticks_ % 4 == 0; ++s)
       if (s == 1 || now() < kCutAt || now() >= kCutAt + outage_)
@@ -138,11 +138,11 @@ class Collision {
     r.load.torque += glm::cross(point - r.body.worldFromBody.position, force);
   }
 
-  /// The owner obeys: on as long as the guest asks.
+  /// The owner obeys: on as long as the coHolder asks.
   void moveOwn(int s) {
     Replica& own = replicas_[s][s];
     const haptics::LinkPacket* peer = own.link.newest();
-    const bool asked = peer != nullptr && peer->asks && guest_ != Guest::kinematic;
+    const bool asked = peer != nullptr && peer->asks && coHolder_ != CoHolder::kinematic;
     if (own.link.on() != asked) own.link.setOn(asked);
     if (asked) tied_[s] = true;
     if (!asked && own.acted < 0.01) tied_[s] = false;
@@ -152,43 +152,45 @@ class Collision {
     if (!tied_[s]) own.link.follow(now(), own.body.worldFromBody, own.twist(), false);
   }
 
-  void moveGuest(int s) {
-    Replica &guest = replicas_[s][1 - s], &own = replicas_[s][s];
-    const haptics::LinkPacket* owner = guest.link.newest();
-    if (owner == nullptr) return guest.link.follow(now(), guest.body.worldFromBody, {}, false);
+  void moveCoHolder(int s) {
+    Replica &coHolder = replicas_[s][1 - s], &own = replicas_[s][s];
+    const haptics::LinkPacket* owner = coHolder.link.newest();
+    if (owner == nullptr) return coHolder.link.follow(now(), coHolder.body.worldFromBody, {}, false);
     const double age = std::min(0.3, now() - owner->time), way = s == 0 ? 1.0 : -1.0;
     const Pose target = integrate(owner->worldFromDrawn, owner->twist, age);
     const double gap =
-        way * (guest.body.worldFromBody.position.x - own.body.worldFromBody.position.x) - kSize.x;
+        way * (coHolder.body.worldFromBody.position.x - own.body.worldFromBody.position.x) - kSize.x;
     const double closing = way * (own.body.twist.linear.x - owner->twist.linear.x);
-    const auto role = guest.engagement.advance(gap, closing, guest.link.delay(),
-                                               owner->on && guest_ != Guest::kinematic, guest.acted, kTick);
+    const auto role =
+        coHolder.engagement.advance(gap, closing, coHolder.link.delay(),
+                                    owner->on && coHolder_ != CoHolder::kinematic, coHolder.acted, kTick);
     if (role == LinkEngagement::Role::follower) {
-      guest.link.setOn(false);
-      guest.leash = {};
-      guest.acted = 0.0;
-      const Twist twist = haptics::followTwist(guest.body.worldFromBody, target, owner->twist);
-      haptics::moveBody(guest.body, twist.linear, twist.angular, kTick);
-      return guest.link.follow(now(), guest.body.worldFromBody, twist, guest.engagement.asks());
+      coHolder.link.setOn(false);
+      coHolder.outageSpring = {};
+      coHolder.acted = 0.0;
+      const Twist twist = haptics::followTwist(coHolder.body.worldFromBody, target, owner->twist);
+      haptics::moveBody(coHolder.body, twist.linear, twist.angular, kTick);
+      return coHolder.link.follow(now(), coHolder.body.worldFromBody, twist, coHolder.engagement.asks());
     }
-    guest.link.setOn(guest.engagement.asks());
-    setMass(guest, true);
-    const double lead = 1.0 - guest.link.fade();
+    coHolder.link.setOn(coHolder.engagement.asks());
+    setMass(coHolder, true);
+    const double lead = 1.0 - coHolder.link.fade();
     haptics::Coupling coupling{
         {}, target, owner->twist, {400.0 * lead, 28.0 * lead, 0.4 * lead, 0.03 * lead}};
-    if (guest_ == Guest::linked) {
-      guest.leash.advance(guest.body.worldFromBody, guest.twist(),
-                          haptics::Leash::leadOf(guest.link, now(), false), 0.03, kTick);
-      coupling = guest.leash.coupling(guest.body);
+    if (coHolder_ == CoHolder::linked) {
+      coHolder.outageSpring.advance(coHolder.body.worldFromBody, coHolder.twist(),
+                                    haptics::OutageSpring::targetOf(coHolder.link, now(), false), 0.03,
+                                    kTick);
+      coupling = coHolder.outageSpring.coupling(coHolder.body);
     }
-    advance(guest, &coupling, true);
+    advance(coHolder, &coupling, true);
   }
 
   void setMass(Replica& r, bool shared) {
-    const double line = shared ? 0.5 * r.link.lineMass() : 0.0;
-    const assets::MassProperties target = haptics::replicaMass(block(), shared ? 2 : 1, line, 0.03);
+    const double added = shared ? 0.5 * r.link.addedMass() : 0.0;
+    const assets::MassProperties target = haptics::replicaMass(block(), shared ? 2 : 1, added, 0.03);
     if (&r != &replicas_[0][0] && &r != &replicas_[1][1] && r.link.fade() == 0.0)
-      haptics::changeMass(r.body, target, 1e9);  // a guest begins with its share
+      haptics::changeMass(r.body, target, 1e9);  // a coHolder begins with its share
     else
       r.mass.advance(r.body, target, kTick);
   }
@@ -232,7 +234,7 @@ class Collision {
     }
   }
 
-  Guest guest_;
+  CoHolder coHolder_;
   Network network_;
   double outage_;  // s, of what site 0 sends
   std::array<std::vector<Replica>, 2> replicas_;
@@ -251,11 +253,11 @@ struct CollisionFigures : Tally {
 };
 
 /// Pressed together for a while, in which nothing comes from one of the sites for `outage` s.
-CollisionFigures pressTogether(double delay, Guest guest, double outage, unsigned seed) {
+CollisionFigures pressTogether(double delay, CoHolder coHolder, double outage, unsigned seed) {
   const double apartAt = outage > 0.0 ? 8.0 : 5.0;
   Network network;
   network.delay = delay;
-  Collision bench(network, guest, outage, seed);
+  Collision bench(network, coHolder, outage, seed);
   const auto way = [apartAt](double t, int who) {
     const double share = minimumJerk((t - 2.0) / 0.6) * (1.0 - minimumJerk((t - apartAt) / 0.8));
     return (who == 0 ? 1.0 : -1.0) * (0.5 * kGap + 0.009) * share;
@@ -287,7 +289,7 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
   for (const Row& row :
        {Row{0.010, 330.0}, Row{0.025, 280.0}, Row{0.050, 235.0}, Row{0.100, 100.0}, Row{0.250, 44.0}}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
-      const CollisionFigures f = pressTogether(row.delay, Guest::linked, 0.0, static_cast<unsigned>(seed));
+      const CollisionFigures f = pressTogether(row.delay, CoHolder::linked, 0.0, static_cast<unsigned>(seed));
       if (std::getenv("TANDEM_FULL_SIZE") != nullptr && seed <= 2)
         std::printf(
             "pressed together %3.0f ms: %3.0f N/m, %.2f N in 20 ms before they touch, %.2f N while held, "
@@ -302,15 +304,15 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
 }
 
 /// N in 20 ms: what either hand feels of outages while the parts press on each other.
-double outagesFelt(double delay, Guest guest, const char* what) {
+double outagesFelt(double delay, CoHolder coHolder, const char* what) {
   double most = 0.0, created = 0.0;
   for (const double outage : {0.1, 0.3, 1.0}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
-      const CollisionFigures f = pressTogether(delay, guest, outage, static_cast<unsigned>(seed));
+      const CollisionFigures f = pressTogether(delay, coHolder, outage, static_cast<unsigned>(seed));
       EXPECT_LE(f.inLinks, 1e-6) << delay;
-      if (guest == Guest::linked) EXPECT_LE(f.created, 1.3e-6) << delay;
+      if (coHolder == CoHolder::linked) EXPECT_LE(f.created, 1.3e-6) << delay;
       EXPECT_FALSE(f.astray) << delay;
-      if (guest == Guest::linked)
+      if (coHolder == CoHolder::linked)
         EXPECT_GT(f.least, 0.1) << delay << ": they do not press on each other any more";
       most = std::max(most, f.held);
       created = std::max(created, f.created);
@@ -324,18 +326,18 @@ double outagesFelt(double delay, Guest guest, const char* what) {
 
 TEST(LinkCollision, OutagesWhilePressedAreNotFelt) {
   for (const double delay : {0.010, 0.025, 0.050, 0.100, 0.150, 0.250})
-    EXPECT_LE(outagesFelt(delay, Guest::linked, "leash"), 0.3) << delay;
+    EXPECT_LE(outagesFelt(delay, CoHolder::linked, "outage spring"), 0.3) << delay;
 }
 
 TEST(LinkCollision, OutagesWhilePressedAreFeltWhereAPlainSpringLeads) {
   // The control: its end is where the other one is said to be by now, and it lets go as the link comes up.
   for (const double delay : {0.025, 0.250})
-    EXPECT_GT(outagesFelt(delay, Guest::sprung, "plain spring"), 0.6) << delay;
+    EXPECT_GT(outagesFelt(delay, CoHolder::sprung, "plain spring"), 0.6) << delay;
 }
 
 TEST(LinkCollision, KinematicReplicasAtBothSitesMakeEnergy) {
   // The control: nobody's part gives way at the other's site.
-  const CollisionFigures f = pressTogether(0.025, Guest::kinematic, 0.0, 1);
+  const CollisionFigures f = pressTogether(0.025, CoHolder::kinematic, 0.0, 1);
   if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
     std::printf("kinematic: %.0f N/m, %.2f N while held, %.2f mJ%s\n", f.stiffness, f.held, 1e3 * f.created,
                 f.astray ? " ASTRAY" : "");

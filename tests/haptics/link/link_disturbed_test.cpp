@@ -142,7 +142,7 @@ TEST(LinkDisturbed, DuplicatesChangeNothing) {
 TEST(LinkDisturbed, PlainDelayedCouplingMakesEnergy) {
   // The control of the tests above.
   BenchSetup setup = setupAt(0.050, 1);
-  setup.tie = [](const haptics::LinkParameters& parameters, double) {
+  setup.makeEnd = [](const haptics::LinkParameters& parameters, double) {
     return std::make_unique<PlainSpringEnd>(PlainSpringEnd::Gains{400.0, 5.0}, parameters);
   };
   setup.sites = twoHands(firmArm(), firmArm());
@@ -157,7 +157,7 @@ TEST(LinkDisturbed, HoldingTheLastWaveMakesEnergy) {
   BenchSetup setup = setupAt(0.025, 1);
   setup.network.blackoutAt = 4.0;
   setup.network.blackoutFor = 1.0;
-  setup.tie = holdingTheLastWave(setup.network);
+  setup.makeEnd = holdingTheLastWave(setup.network);
   const DragFigures d = drag(setup, {.from = 3.9, .to = 8.0});
   print("hold last", 0.025, d);
   EXPECT_GT(d.inLinks, kEnergyBound);

@@ -165,7 +165,7 @@ TEST(ReplicaMass, ReplicasAndTheLineMakeUpThePart) {
   EXPECT_NEAR(2.0 * half.mass + 0.6, part.mass, 1e-12);
   EXPECT_NEAR(2.0 * half.inertia[1][1] + 0.6 * 0.05 * 0.05, part.inertia[1][1], 1e-12);
   EXPECT_NEAR(haptics::replicaMass(part, 2, 5.0, 0.05).mass, 0.05, 1e-12);
-  EXPECT_NEAR(haptics::replicaMass(part, 20, 5.0, 0.05).mass, haptics::kLeastReplicaMass, 1e-12);
+  EXPECT_NEAR(haptics::replicaMass(part, 20, 5.0, 0.05).mass, haptics::kMinReplicaMass, 1e-12);
 }
 
 TEST(ReplicaMass, ChangingItNeverAddsEnergy) {
@@ -296,7 +296,7 @@ TEST(CoordinationLink, PlayingOutSoonerItLendsMore) {
     setup.link.playOutMargin = margin;
     LinkBench bench(setup);
     bench.runTo(4.0, [](double t, int who) { return who == 0 ? dragWay(t) : haptics::SixAxes{}; });
-    return bench.end(0, 0).account().lent + bench.end(0, 1).account().lent;
+    return bench.end(0, 0).account().borrowed + bench.end(0, 1).account().borrowed;
   };
   const double usual = lentWith(0.0);
   EXPECT_GT(lentWith(-0.004), 2.0 * usual);

@@ -1,6 +1,6 @@
 // What leads a replica while its link does not carry it. What two hands feel of it is in link_collision_test.cpp.
 
-#include "haptics/link/leash.h"
+#include "haptics/link/outage_spring.h"
 
 #include <gtest/gtest.h>
 
@@ -13,12 +13,12 @@
 namespace tandem::test {
 namespace {
 
-using haptics::Leash;
+using haptics::OutageSpring;
 
 constexpr double kTick = 1e-3, kLever = 0.05;  // s, m
 constexpr double kMass = 0.5;                  // kg
 
-/// A replica on its leash, pushed by `push` N along x, and what its peer says of it.
+/// A replica on its spring, pushed by `push` N along x, and what its peer says of it.
 class Led {
  public:
   Led() {
@@ -32,8 +32,8 @@ class Led {
     peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kTick);
     peer.time += kTick;
     if (heard) said_ = peer;
-    leash.advance(body_.worldFromBody, body_.twist, {&said_, 0.0, delay, wanted, held}, kLever, kTick);
-    const haptics::Coupling coupling = leash.coupling(body_);
+    spring.advance(body_.worldFromBody, body_.twist, {&said_, 0.0, delay, wanted, held}, kLever, kTick);
+    const haptics::Coupling coupling = spring.coupling(body_);
     const haptics::CoupledStep next =
         haptics::coupleBody(body_, {&coupling, 1}, {{push, 0.0, 0.0}, {}}, {}, kTick);
     haptics::moveBody(body_, next.freeVelocity, next.freeSpin, kTick);
@@ -48,9 +48,9 @@ class Led {
   double behind() const { return glm::length(peer.worldFromDrawn.position - body_.worldFromBody.position); }
 
   haptics::LinkPacket peer;
-  Leash leash;
+  OutageSpring spring;
   double push = 0.0, delay = 0.03;  // N, s
-  glm::dvec3 force{0.0};            // N, of the leash on the replica
+  glm::dvec3 force{0.0};            // N, of the spring on the replica
   double change = 0.0;              // N, of it in the last tick
 
  private:
@@ -58,7 +58,7 @@ class Led {
   haptics::LinkPacket said_;
 };
 
-TEST(Leash, BeginsSlackWhereverItIsToLead) {
+TEST(OutageSpring, BeginsSlackWhereverItIsToLead) {
   Led led;
   led.peer.worldFromDrawn.position.x = 0.05;
   led.step();
@@ -67,7 +67,7 @@ TEST(Leash, BeginsSlackWhereverItIsToLead) {
   EXPECT_LT(led.behind(), 1e-5);
 }
 
-TEST(Leash, FollowsAPeerThatMoves) {
+TEST(OutageSpring, FollowsAPeerThatMoves) {
   Led led;
   double most = 0.0;
   for (int i = 0; i < 3000; ++i) {
@@ -79,7 +79,7 @@ TEST(Leash, FollowsAPeerThatMoves) {
   EXPECT_LT(most, 2e-3) << "m";
 }
 
-TEST(Leash, WithoutNewsItsEndStandsStill) {
+TEST(OutageSpring, WithoutNewsItsEndStandsStill) {
   Led led;
   led.peer.twist.linear.x = 0.1;
   led.run(1.0);
@@ -90,7 +90,7 @@ TEST(Leash, WithoutNewsItsEndStandsStill) {
 }
 
 // An outage is over while something presses on the replica: the peer is elsewhere, and moves.
-TEST(Leash, WhatPressesOnTheReplicaFeelsNoJump) {
+TEST(OutageSpring, WhatPressesOnTheReplicaFeelsNoJump) {
   Led led;
   led.run(0.2);
   led.push = 1.0;
@@ -108,7 +108,7 @@ TEST(Leash, WhatPressesOnTheReplicaFeelsNoJump) {
   EXPECT_NEAR(led.x() - led.peer.worldFromDrawn.position.x, 1.0 / 400.0, 1e-4) << "what it yields to 1 N";
 }
 
-TEST(Leash, LetsGoSlowlyAndHoldsAgainWithoutAJump) {
+TEST(OutageSpring, LetsGoSlowlyAndHoldsAgainWithoutAJump) {
   Led led;
   led.push = 1.0;
   led.run(1.0);
@@ -120,12 +120,12 @@ TEST(Leash, LetsGoSlowlyAndHoldsAgainWithoutAJump) {
   EXPECT_LT(most, 0.03) << "N in a tick";
   led.push = 0.0;
   led.run(1.0, true, false);
-  EXPECT_FALSE(led.leash.share() > 0.0);
+  EXPECT_FALSE(led.spring.share() > 0.0);
   EXPECT_EQ(led.force, glm::dvec3(0.0));
 }
 
-// A hand that takes the replica meanwhile is not dragged along by the leash, nor back.
-TEST(Leash, GoesAlongWithAHandThatTakesTheReplica) {
+// A hand that takes the replica meanwhile is not dragged along by the spring, nor back.
+TEST(OutageSpring, GoesAlongWithAHandThatTakesTheReplica) {
   Led led;
   led.push = 1.0;
   led.run(1.0);
@@ -134,7 +134,7 @@ TEST(Leash, GoesAlongWithAHandThatTakesTheReplica) {
   double most = 0.0;
   for (int i = 0; i < 600; ++i) led.step(true, true, true), most = std::max(most, glm::length(led.force));
   EXPECT_LE(most, held + 0.15);
-  EXPECT_FALSE(led.leash.share() > 0.0);
+  EXPECT_FALSE(led.spring.share() > 0.0);
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
 // Parts that two or three sites simulate with whole ticks, tied by links: what their hands feel of each other and of
-// walls, and what a change of owner or the end of a tie does to them.
+// walls, and what a change of owner or the end of a link does to them.
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@
 #include "haptics/measure/held_depth.h"
 #include "haptics/tick_data.h"
 #include "tests/haptics/link/link_checks.h"
-#include "tests/haptics/link/tied_sites.h"
+#include "tests/haptics/link/linked_sites.h"
 #include "tests/support/part_cases.h"
 
 namespace tandem::test {
@@ -29,8 +29,8 @@ constexpr double kQuantum =
 
 bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
-TiedSetup setupOf(double delay, const assets::Scene& scene, std::vector<BenchSite> sites) {
-  TiedSetup setup;
+LinkedSetup setupOf(double delay, const assets::Scene& scene, std::vector<BenchSite> sites) {
+  LinkedSetup setup;
   setup.scene = scene;
   setup.sites = std::move(sites);
   setup.network.delay = delay;
@@ -56,11 +56,11 @@ double handToHand(Sites& sites, const std::function<glm::dvec3()>& force) {
   return sum / way;
 }
 
-TEST(TiedSites, HandsFeelEachOtherAsOnTheBench) {
+TEST(LinkedSites, HandsFeelEachOtherAsOnTheBench) {
   const assets::Scene scene = benchScene();
   for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
-    TiedSites sites(setupOf(delay, scene, twoHands(firmArm(), firmArm())));
-    sites.tieAll();
+    LinkedSites sites(setupOf(delay, scene, twoHands(firmArm(), firmArm())));
+    sites.linkAll();
     const double felt = handToHand(sites, [&] { return sites.site(0).onHand().force; });
     BenchSetup setup;
     setup.network.delay = delay;
@@ -80,8 +80,8 @@ TEST(TiedSites, HandsFeelEachOtherAsOnTheBench) {
 /// N/m that site 1 feels of a wall that stands 5 mm before the part, while site 0 holds on.
 double feltWall(double delay, bool tied, double& created) {
   constexpr double kWall = 0.005, kForce = 2.0;  // m, N
-  TiedSites sites(setupOf(delay, benchScene(kWall), twoHands(lightArm(), firmArm())));
-  if (tied) sites.tieAll();
+  LinkedSites sites(setupOf(delay, benchScene(kWall), twoHands(lightArm(), firmArm())));
+  if (tied) sites.linkAll();
   const double way = kWall + kForce / firmArm().stiffness;
   const auto intent = [&](double t, int site) {
     const double share = t < 5.0 ? minimumJerk((t - 1.0) / 2.0) : 1.0 - minimumJerk((t - 5.0) / 2.0);
@@ -101,7 +101,7 @@ double feltWall(double delay, bool tied, double& created) {
   return xf / xx;
 }
 
-TEST(TiedSites, WallIsAsStiffForTheGuestAtAQuarterOfASecond) {
+TEST(LinkedSites, WallIsAsStiffForTheGuestAtAQuarterOfASecond) {
   double created = 0.0;
   const double near = feltWall(1e-3, true, created);
   EXPECT_LE(created, kEnergyBound);
@@ -117,13 +117,13 @@ TEST(TiedSites, WallIsAsStiffForTheGuestAtAQuarterOfASecond) {
 }
 
 /// Both sites hold the peg, the first one leads it down.
-TEST(TiedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
+TEST(LinkedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
   const PartCase peg = pegCase({.settle = 1.2});
-  TiedSetup setup =
+  LinkedSetup setup =
       setupOf(0.050, peg.scene, {{firmArm(), {0.0, 0.0, 0.012}}, {lightArm(), {0.003, 0.0, 0.0}}});
   setup.link.lever = 0.015;
-  TiedSites sites(setup);
-  sites.tieAll();
+  LinkedSites sites(setup);
+  sites.linkAll();
   haptics::HeldPartDepthMeter meter(sites.contact(), 0);
   const Pose start = sites.site(0).arm.device(), partFromGrip = inverse(peg.path(0.0)) * start;
   const auto intent = [&](double t, int site) {
@@ -157,8 +157,8 @@ struct Change {
 };
 
 /// Runs to `until`, site by site what changes after `at`.
-Change changeAfter(TiedSites& sites, std::size_t count, double at, double until,
-                   const TiedSites::Intent& intent, const std::function<void(double)>& each) {
+Change changeAfter(LinkedSites& sites, std::size_t count, double at, double until,
+                   const LinkedSites::Intent& intent, const std::function<void(double)>& each) {
   std::vector<double> before;
   Change change;
   while (sites.time() < until) {
@@ -179,10 +179,10 @@ bool isAt(double now, double time) { return std::abs(now - time) < 0.5 * kTick; 
 /// In tension the owner changes from site 0 to site 1, which hear of it one way apart.
 Change handOver(double delay, HandOver how) {
   constexpr double kAt = 5.0;
-  TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
-  sites.tieAll();
+  LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.linkAll();
   const auto tell = [&](std::size_t site) {
-    if (how != HandOver::setsThePose) return sites.tie(site, 1 - site, 2, how == HandOver::carriesOn);
+    if (how != HandOver::setsThePose) return sites.link(site, 1 - site, 2, how == HandOver::carriesOn);
     if (site == 1) return;  // the owner's replica is the one that counts
     const Pose pose = sites.site(1).part().worldFromPart;
     for (const Kind kind : {Kind::disown, Kind::own, Kind::grasp}) sites.command(0, {kind, 0, pose});
@@ -193,7 +193,7 @@ Change handOver(double delay, HandOver how) {
   });
 }
 
-TEST(TiedSites, ChangeOfOwnerInTensionIsNotFelt) {
+TEST(LinkedSites, ChangeOfOwnerInTensionIsNotFelt) {
   for (const double delay : {0.010, 0.050, 0.100}) {
     const Change change = handOver(delay, HandOver::carriesOn);
     if (prints())
@@ -205,8 +205,8 @@ TEST(TiedSites, ChangeOfOwnerInTensionIsNotFelt) {
 /// The owner of a star of three changes from site 0 to site 1, while sites 1 and 2 pull at site 0.
 Change changeOfHub(double delay) {
   constexpr double kAt = 7.0;
-  TiedSites sites(setupOf(delay, benchScene(), {{firmArm(), {}}, {firmArm(), {}}, {firmArm(), {}}}));
-  sites.tieAll();
+  LinkedSites sites(setupOf(delay, benchScene(), {{firmArm(), {}}, {firmArm(), {}}, {firmArm(), {}}}));
+  sites.linkAll();
   const auto intent = [](double t, int site) {
     const double way = 0.01 * minimumJerk((t - 1.0) / 0.4);
     return site == 0 ? SixAxes{} : SixAxes{{site == 1 ? way : 0.0, site == 2 ? way : 0.0, 0.0}, {}};
@@ -214,22 +214,22 @@ Change changeOfHub(double delay) {
   const Change change = changeAfter(sites, 3, kAt, kAt + 4.0, intent, [&](double now) {
     for (std::size_t site = 0; site < 3; ++site) {
       if (!isAt(now, kAt + (site == 0 ? 0.0 : delay))) continue;
-      if (site < 2) sites.tie(site, 1 - site, 2, true);
-      if (site > 0) sites.tie(site, 3 - site, 2);
-      if (site == 0) sites.site(0).state.untie(0, 3);
-      if (site == 2) sites.site(2).state.untie(0, 1);
+      if (site < 2) sites.link(site, 1 - site, 2, true);
+      if (site > 0) sites.link(site, 3 - site, 2);
+      if (site == 0) sites.site(0).state.endLink({0, 3});
+      if (site == 2) sites.site(2).state.endLink({0, 1});
     }
   });
   for (std::size_t site = 0; site < 3; ++site) {
-    EXPECT_EQ(sites.site(site).part().tie.links, site == 1 ? 2 : 1);
-    EXPECT_GT(sites.site(site).part().tie.fade, 0.99);
+    EXPECT_EQ(sites.site(site).part().links.count, site == 1 ? 2 : 1);
+    EXPECT_GT(sites.site(site).part().links.fade, 0.99);
     if (prints()) std::printf("  hub site %zu %.3f N\n", site, glm::length(sites.site(site).onHand().force));
   }
   EXPECT_LE(sites.mostCreated, kEnergyBound);
   return change;
 }
 
-TEST(TiedSites, HubOfThreeChangesWithoutAStep) {
+TEST(LinkedSites, HubOfThreeChangesWithoutAStep) {
   for (const double delay : {0.010, 0.050}) {
     const Change change = changeOfHub(delay);
     if (prints())
@@ -238,7 +238,7 @@ TEST(TiedSites, HubOfThreeChangesWithoutAStep) {
   }
 }
 
-TEST(TiedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
+TEST(LinkedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
   for (const HandOver how : {HandOver::beginsAnew, HandOver::setsThePose}) {
     const Change change = handOver(0.050, how);
     if (prints()) std::printf("  control: %.4f N\n", change.excess);
@@ -248,23 +248,23 @@ TEST(TiedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
 
 enum class End { runsOut, atOnce };
 
-/// In tension the tie ends at both sites, as where the owner is lost and the guest owns the part from there on.
-Change untieInTension(double delay, End how) {
+/// In tension the link ends at both sites, as where the owner is lost and the co-holder owns the part from there on.
+Change endLinkInTension(double delay, End how) {
   constexpr double kAt = 5.0;
-  TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
-  sites.tieAll();
+  LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.linkAll();
   const Change change = changeAfter(sites, 2, kAt, kAt + 4.0, pullWay, [&](double now) {
     if (!isAt(now, kAt)) return;
     for (std::size_t i = 0; i < 2; ++i) {
       const auto peer = static_cast<SiteId>(2 - i);
       EXPECT_GT(glm::length(sites.site(i).onHand().force), 0.5);
-      if (how == End::runsOut) sites.site(i).state.untie(0, peer);
-      if (how == End::atOnce) sites.site(i).state.data().held.ties().forget(0);
+      if (how == End::runsOut) sites.site(i).state.endLink({0, peer});
+      if (how == End::atOnce) sites.site(i).state.data().held.links().forget(0);
     }
   });
   for (std::size_t i = 0; i < 2 && how == End::runsOut; ++i) {
     EXPECT_EQ(sites.site(i).out.held, 0);
-    EXPECT_EQ(sites.site(i).part().tie.links, 0);
+    EXPECT_EQ(sites.site(i).part().links.count, 0);
     EXPECT_EQ(sites.site(i).body().mass, 1.0);
     EXPECT_TRUE(sites.site(i).body().inertia == benchScene().parts[0].massProperties.inertia);
     EXPECT_LT(glm::length(sites.site(i).onHand().force), 0.1);
@@ -273,37 +273,37 @@ Change untieInTension(double delay, End how) {
   return change;
 }
 
-TEST(TiedSites, TieThatEndsInTensionRunsItsForceOutAndTheHandsHoldOn) {
+TEST(LinkedSites, TieThatEndsInTensionRunsItsForceOutAndTheHandsHoldOn) {
   for (const double delay : {0.010, 0.050, 0.100}) {
-    const Change change = untieInTension(delay, End::runsOut);
-    if (prints()) std::printf("tied, untied %3.0f ms: %.3f N in 20 ms\n", 1e3 * delay, change.most);
+    const Change change = endLinkInTension(delay, End::runsOut);
+    if (prints()) std::printf("linked, ended %3.0f ms: %.3f N in 20 ms\n", 1e3 * delay, change.most);
     EXPECT_LE(change.most, 0.04 + 3.0 * kQuantum) << delay;
   }
-  const Change control = untieInTension(0.010, End::atOnce);
+  const Change control = endLinkInTension(0.010, End::atOnce);
   if (prints()) std::printf("  control: %.3f N\n", control.most);
   EXPECT_GT(control.most, 0.3);
 }
 
-TEST(TiedSites, TieThatEndsAtFullSpeedIsNotFelt) {
+TEST(LinkedSites, TieThatEndsAtFullSpeedIsNotFelt) {
   for (const double delay : {0.010, 0.050}) {
-    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), lightArm())));
-    sites.tieAll();
+    LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), lightArm())));
+    sites.linkAll();
     const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
     const Change change = changeAfter(sites, 2, 4.0, 6.0, intent, [&](double now) {
       for (std::size_t i = 0; i < 2; ++i)
-        if (isAt(now, 4.0)) sites.site(i).state.untie(0, static_cast<SiteId>(2 - i));
+        if (isAt(now, 4.0)) sites.site(i).state.endLink({0, static_cast<SiteId>(2 - i)});
     });
     if (prints())
-      std::printf("tied, untied at speed %3.0f ms: %.3f N in 20 ms, %.3f beyond before\n", 1e3 * delay,
+      std::printf("linked, ended at speed %3.0f ms: %.3f N in 20 ms, %.3f beyond before\n", 1e3 * delay,
                   change.most, change.excess);
     EXPECT_LE(change.most, 0.35) << delay;  // as in link_disturbed_test
     EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
   }
 }
 
-TEST(TiedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
-  TiedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
-  sites.tieAll();
+TEST(LinkedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
+  LinkedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.linkAll();
   const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
     if (isAt(now, 5.0)) sites.command(0, {Kind::letGo, 0, {}});
   });
@@ -312,31 +312,31 @@ TEST(TiedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
   if (prints()) std::printf("tied, let go: %.3f N in 20 ms, %.2f mm apart\n", change.most, 1e3 * gap);
   EXPECT_FALSE(left.held);
   EXPECT_FALSE(left.atRest);
-  EXPECT_EQ(left.tie.links, 1);
+  EXPECT_EQ(left.links.count, 1);
   EXPECT_TRUE(held.held);
   EXPECT_LT(gap, 2e-3);
   EXPECT_LE(change.most, 0.3);
   EXPECT_LE(sites.mostCreated, kEnergyBound);
 }
 
-TEST(TiedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
-  TiedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
-  sites.tieAll();
+TEST(LinkedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
+  LinkedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
+  sites.linkAll();
   const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
     if (isAt(now, 5.0)) sites.silence(0);
-    if (isAt(now, 7.0)) sites.site(1).state.untie(0, 1);
+    if (isAt(now, 7.0)) sites.site(1).state.endLink({0, 1});
   });
   if (prints()) std::printf("tied, owner silent: %.3f N in 20 ms\n", change.most);
   EXPECT_LE(change.most, 0.3);
   EXPECT_EQ(sites.site(1).out.held, 0);
-  EXPECT_EQ(sites.site(1).part().tie.links, 0);
+  EXPECT_EQ(sites.site(1).part().links.count, 0);
   EXPECT_EQ(sites.site(1).body().mass, 1.0);
 }
 
 /// N rms on site 0, which drags the part to and fro.
 double leadersForce(int simulators) {
-  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
-  sites.tieAll();
+  LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
+  sites.linkAll();
   for (std::size_t i = 0; i < 2; ++i) sites.share(i, simulators);
   double square = 0.0, ticks = 0.0;
   while (sites.time() < 6.0) {
@@ -350,7 +350,7 @@ double leadersForce(int simulators) {
   return std::sqrt(square / ticks);
 }
 
-TEST(TiedSites, ReplicasWeighTogetherWhatThePartWeighs) {
+TEST(LinkedSites, ReplicasWeighTogetherWhatThePartWeighs) {
   constexpr double kLoadWithoutDelay = 1.02;  // N rms, as in link_figures_test
   const double shared = leadersForce(2), whole = leadersForce(1);
   if (prints()) std::printf("tied, leader: %.2f N rms, masses not shared %.2f\n", shared, whole);
@@ -358,14 +358,14 @@ TEST(TiedSites, ReplicasWeighTogetherWhatThePartWeighs) {
   EXPECT_GT(whole, 1.2 * kLoadWithoutDelay);
 }
 
-TEST(TiedSites, WhatALinkSaysItGaveThePartHasGot) {
+TEST(LinkedSites, WhatALinkSaysItGaveThePartHasGot) {
   // In free air the momentum of a replica changes by what the hand and the link put on it. A step without the link's
   // damping, or with it at another place, breaks this.
-  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
-  sites.tieAll();
+  LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
+  sites.linkAll();
   const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
   sites.runTo(3.0, intent);  // masses have come to their shares
-  TiedSites::Site& site = sites.site(0);
+  LinkedSites::Site& site = sites.site(0);
   double mostForce = 0.0;
   int steady = 0;
   for (int i = 0; i < 500; ++i) {
@@ -377,7 +377,7 @@ TEST(TiedSites, WhatALinkSaysItGaveThePartHasGot) {
     };
     const glm::dvec3 before = velocity();
     sites.step(intent);
-    const Wrench& link = site.part().tie.pull;
+    const Wrench& link = site.part().links.pull;
     const glm::dvec3 got = mass * (velocity() - before) / kTick;
     const glm::dvec3 said = link.force - site.onHand().force;
     if (site.body().mass != mass) continue;  // it follows that of the line
@@ -389,19 +389,19 @@ TEST(TiedSites, WhatALinkSaysItGaveThePartHasGot) {
   EXPECT_GT(steady, 50);
 }
 
-TEST(TiedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
+TEST(LinkedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
   // A peer that never fades in: the link carries nothing, what leads the part all of it.
   constexpr SiteId kPeer = 9;
-  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
+  LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
   sites.parameters.gravity = {0.0, 0.0, -9.81};
-  TiedSites::Site& site = sites.site(0);
+  LinkedSites::Site& site = sites.site(0);
   const Pose start = site.state.worldFromPart(1);
   sites.command(0, {Kind::own, 1, start});
   const auto still = [](double, int) { return SixAxes{}; };
   sites.step(still);
-  haptics::PartTie tie{1, kPeer, {}, 0.025, 1};
-  tie.leashed = true;
-  ASSERT_TRUE(site.state.tie(tie));
+  haptics::LinkTerms terms{{1, kPeer}, {}, 0.025, 1};
+  terms.outageSpring = true;
+  ASSERT_TRUE(site.state.beginLink(terms));
   const haptics::RigidBody& body = site.state.data().held.parts()[1].body;
   const auto velocity = [&] {
     return velocityAt(body.worldFromBody, body.twist, transformPoint(body.worldFromBody, body.centreOfMass));
@@ -418,16 +418,17 @@ TEST(TiedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
     peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kTick);
     ++peer.sequence;
     peer.time = sites.time();
-    ASSERT_TRUE(site.state.receive(1, kPeer, peer));
+    ASSERT_TRUE(site.state.receive({{1, kPeer}, peer}));
     const double mass = body.mass;
     const glm::dvec3 before = velocity();
     sites.step(still);
-    const haptics::TieReport& told = site.out.simulated(1)->tie;
+    const haptics::LinkReport& told = site.out.simulated(1)->links;
     if (t < 0.1 || body.mass != mass) continue;  // it is not fully led yet; its mass follows that of the line
     ++steady;
-    ASSERT_LT(glm::length(mass * (velocity() - before) / kTick - told.pull.force - told.lead.force), 1e-9)
+    ASSERT_LT(glm::length(mass * (velocity() - before) / kTick - told.pull.force - told.outagePull.force),
+              1e-9)
         << t;
-    mostForce = std::max(mostForce, glm::length(told.lead.force));
+    mostForce = std::max(mostForce, glm::length(told.outagePull.force));
   }
   EXPECT_GT(steady, 100);
   EXPECT_GT(mostForce, 0.1);
@@ -435,10 +436,10 @@ TEST(TiedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
   EXPECT_LT(glm::length(centre.position - peer.worldFromDrawn.position), 1e-4) << "m";
 }
 
-TEST(TiedSites, PullHarderThanTheirDevicesCan) {
+TEST(LinkedSites, PullHarderThanTheirDevicesCan) {
   for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
-    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
-    sites.tieAll();
+    LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+    sites.linkAll();
     sites.runTo(8.0, [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
     BenchSetup setup;
     setup.network.delay = delay;
@@ -452,69 +453,69 @@ TEST(TiedSites, PullHarderThanTheirDevicesCan) {
   }
 }
 
-TEST(TiedSites, SayWhatTheLinkIsGoodFor) {
+TEST(LinkedSites, SayWhatTheLinkIsGoodFor) {
   for (const auto& [delay, regime] :
        {std::pair{0.025, haptics::LinkRegime::stiff}, std::pair{0.100, haptics::LinkRegime::soft},
         std::pair{0.250, haptics::LinkRegime::apart}}) {
-    TiedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
-    EXPECT_EQ(sites.site(0).part().tie.links, 0);
-    sites.tieAll();
+    LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
+    EXPECT_EQ(sites.site(0).part().links.count, 0);
+    sites.linkAll();
     sites.runTo(2.0, [](double, int) { return SixAxes{}; });
     for (std::size_t i = 0; i < 2; ++i) {
-      const haptics::TieReport& tie = sites.site(i).part().tie;
-      EXPECT_EQ(tie.links, 1);
-      EXPECT_EQ(tie.regime, regime) << delay;
-      EXPECT_EQ(tie.fade > 0.99, regime != haptics::LinkRegime::apart) << delay;
-      EXPECT_GE(tie.delay, delay);
+      const haptics::LinkReport& links = sites.site(i).part().links;
+      EXPECT_EQ(links.count, 1);
+      EXPECT_EQ(links.regime, regime) << delay;
+      EXPECT_EQ(links.fade > 0.99, regime != haptics::LinkRegime::apart) << delay;
+      EXPECT_GE(links.delay, delay);
       EXPECT_FALSE(sites.site(i).part().atRest);
     }
   }
 }
 
-TEST(TiedSites, PartsThatAreNotTiedKeepTheirBits) {
+TEST(LinkedSites, PartsThatAreNotTiedKeepTheirBits) {
   // Both sites simulate the far block as well; at one of them that is tied, to nobody who answers.
-  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
+  LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
   const Pose wall = sites.site(0).state.worldFromPart(1);
   for (std::size_t i = 0; i < 2; ++i) sites.command(i, {Kind::own, 1, wall});
   const auto intent = [](double t, int) { return dragWay(t); };
   sites.runTo(0.5, intent);
-  EXPECT_TRUE(sites.site(0).state.tie({1, 9, {}, 0.025, 1}));
+  EXPECT_TRUE(sites.site(0).state.beginLink({{1, 9}, {}, 0.025, 1}));
   while (sites.time() < 3.0) {
     sites.step(intent);
-    const TiedSites::Site &tied = sites.site(0), &free = sites.site(1);
+    const LinkedSites::Site &tied = sites.site(0), &free = sites.site(1);
     ASSERT_TRUE(tied.part().worldFromPart.position == free.part().worldFromPart.position) << sites.time();
     ASSERT_TRUE(tied.part().worldFromPart.orientation == free.part().worldFromPart.orientation);
     ASSERT_TRUE(tied.onHand().force == free.onHand().force);
   }
-  EXPECT_EQ(sites.site(0).out.owned[1].tie.links, 1);
-  EXPECT_EQ(sites.site(1).out.owned[1].tie.links, 0);
+  EXPECT_EQ(sites.site(0).out.owned[1].links.count, 1);
+  EXPECT_EQ(sites.site(1).out.owned[1].links.count, 0);
   EXPECT_FALSE(sites.site(0).out.owned[1].atRest);
   EXPECT_TRUE(sites.site(1).out.owned[1].atRest);
 }
 
-TEST(TiedSites, TakeNothingThatIsNotForThem) {
-  TiedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
+TEST(LinkedSites, TakeNothingThatIsNotForThem) {
+  LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
   haptics::TickState& state = sites.site(0).state;
   haptics::LinkPacket packet;
   packet.epoch = 7;
-  EXPECT_FALSE(state.tie({1, 2, {}, 0.025, 7}));  // not owned here
-  EXPECT_FALSE(state.receive(0, 2, packet));      // not tied
-  EXPECT_TRUE(state.tie({0, 2, {}, 0.025, 7}));
-  EXPECT_FALSE(state.receive(0, 3, packet));  // another peer
-  EXPECT_FALSE(state.receive(1, 2, packet));  // another part
+  EXPECT_FALSE(state.beginLink({{1, 2}, {}, 0.025, 7}));  // not owned here
+  EXPECT_FALSE(state.receive({{0, 2}, packet}));          // not tied
+  EXPECT_TRUE(state.beginLink({{0, 2}, {}, 0.025, 7}));
+  EXPECT_FALSE(state.receive({{0, 3}, packet}));  // another peer
+  EXPECT_FALSE(state.receive({{1, 2}, packet}));  // another part
   packet.energy = -1.0;
-  EXPECT_FALSE(state.receive(0, 2, packet));
+  EXPECT_FALSE(state.receive({{0, 2}, packet}));
   packet.energy = 0.0;
   packet.epoch = 6;
-  EXPECT_FALSE(state.receive(0, 2, packet));
+  EXPECT_FALSE(state.receive({{0, 2}, packet}));
   packet.epoch = 7;
-  EXPECT_TRUE(state.receive(0, 2, packet));
-  for (int peer = 3; peer < 2 + haptics::TiedParts::kMaxTies; ++peer)
-    EXPECT_TRUE(state.tie({0, static_cast<SiteId>(peer), {}, 0.025, 7}));
-  EXPECT_FALSE(state.tie({0, 99, {}, 0.025, 7}));  // no room
+  EXPECT_TRUE(state.receive({{0, 2}, packet}));
+  for (int peer = 3; peer < 2 + haptics::ReplicaLinks::kMaxLinks; ++peer)
+    EXPECT_TRUE(state.beginLink({{0, static_cast<SiteId>(peer)}, {}, 0.025, 7}));
+  EXPECT_FALSE(state.beginLink({{0, 99}, {}, 0.025, 7}));  // no room
   sites.command(0, {Kind::disown, 0, {}});
   sites.runTo(0.01, [](double, int) { return SixAxes{}; });
-  EXPECT_FALSE(state.receive(0, 2, packet));
+  EXPECT_FALSE(state.receive({{0, 2}, packet}));
 }
 
 }  // namespace

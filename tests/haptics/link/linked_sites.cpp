@@ -1,4 +1,4 @@
-#include "tests/haptics/link/tied_sites.h"
+#include "tests/haptics/link/linked_sites.h"
 
 #include <algorithm>
 #include <cmath>
@@ -56,9 +56,9 @@ assets::Scene benchScene(double wall) {
   return scene;
 }
 
-const haptics::RigidBody& TiedSites::Site::body() { return state.data().held.parts()[0].body; }
+const haptics::RigidBody& LinkedSites::Site::body() { return state.data().held.parts()[0].body; }
 
-TiedSites::TiedSites(const TiedSetup& setup)
+LinkedSites::LinkedSites(const LinkedSetup& setup)
     : parameters(benchParameters()), setup_(setup), contact_(modelled(setup_.scene)) {
   setup_.link.packetPeriod = setup.network.packetPeriod;
   const assets::Part& part = setup_.scene.parts[0];
@@ -72,42 +72,42 @@ TiedSites::TiedSites(const TiedSetup& setup)
   step([](double, int) { return SixAxes{}; });
 }
 
-void TiedSites::tieAll() {
+void LinkedSites::linkAll() {
   const int lines = static_cast<int>(sites_.size()) - 1;
   const double late = 1.15 * setup_.network.delay + 0.008;  // about what the ends will find
   if (lines > 1) {
-    setup_.link.impedance = haptics::lineImpedance(setup_.link.impedance, late, lines);
-    setup_.link.softImpedance = haptics::lineImpedance(setup_.link.softImpedance, late, lines);
+    setup_.link.impedance = haptics::linkImpedance(setup_.link.impedance, late, lines);
+    setup_.link.softImpedance = haptics::linkImpedance(setup_.link.softImpedance, late, lines);
   }
   for (std::size_t i = 1; i < sites_.size(); ++i) {
-    tie(0, i, 1);
-    tie(i, 0, 1);
+    link(0, i, 1);
+    link(i, 0, 1);
   }
   for (std::size_t i = 0; i < sites_.size(); ++i) share(i, lines + 1);
 }
 
-void TiedSites::tie(std::size_t site, std::size_t peer, std::uint32_t epoch, bool carriesOn) {
+void LinkedSites::link(std::size_t site, std::size_t peer, std::uint32_t epoch, bool carriesOn) {
   const std::uint64_t used = allocationsOfThisThread();
-  sites_[site]->state.tie({0, idOf(peer), setup_.link, setup_.network.delay, epoch, carriesOn});
+  sites_[site]->state.beginLink({{0, idOf(peer)}, setup_.link, setup_.network.delay, epoch, carriesOn});
   allocations += allocationsOfThisThread() - used;
 }
 
-void TiedSites::command(std::size_t site, const haptics::PartCommand& command) {
+void LinkedSites::command(std::size_t site, const haptics::PartCommand& command) {
   sites_[site]->commands.push_back(command);
 }
 
-void TiedSites::exchange(std::size_t i) {
+void LinkedSites::exchange(std::size_t i) {
   Site& site = *sites_[i];
   for (std::size_t peer = 0; peer < sites_.size(); ++peer) {
     line(peer, i).deliver(time(), [&](const haptics::LinkPacket& packet) {
       const std::uint64_t used = allocationsOfThisThread();
-      site.state.receive(0, idOf(peer), packet);
+      site.state.receive({{0, idOf(peer)}, packet});
       allocations += allocationsOfThisThread() - used;
     });
   }
 }
 
-void TiedSites::tick(Site& site) {
+void LinkedSites::tick(Site& site) {
   haptics::TickInput input;
   input.device.worldFromDevice = site.arm.reading();
   input.device.twist = site.arm.readingVelocity();
@@ -124,7 +124,7 @@ void TiedSites::tick(Site& site) {
   oldest = site.out.toHand;
 }
 
-void TiedSites::moveArm(std::size_t i, const Intent& intent) {
+void LinkedSites::moveArm(std::size_t i, const Intent& intent) {
   constexpr double e = 1e-4;
   const int who = static_cast<int>(i);
   const SixAxes before = intent(time() - e, who), at = intent(time(), who), after = intent(time() + e, who);
@@ -132,16 +132,16 @@ void TiedSites::moveArm(std::size_t i, const Intent& intent) {
                       sites_[i]->onHand());
 }
 
-void TiedSites::step(const Intent& intent) {
+void LinkedSites::step(const Intent& intent) {
   for (std::size_t i = 0; i < sites_.size(); ++i) exchange(i);
   double given = 0.0;
   for (std::size_t i = 0; i < sites_.size(); ++i) {
     Site& site = *sites_[i];
     tick(site);
-    std::array<haptics::TiedPacket, haptics::TiedParts::kMaxTies> packets;
-    const std::size_t count = site.state.takePackets(packets);
+    std::array<haptics::AddressedPacket, haptics::ReplicaLinks::kMaxLinks> packets;
+    const std::size_t count = site.state.drainPackets(packets);
     for (std::size_t k = 0; k < count && !site.silent; ++k) {
-      const auto peer = static_cast<std::size_t>(packets[k].peer - 1);
+      const auto peer = static_cast<std::size_t>(packets[k].link.peer - 1);
       if (peer < sites_.size()) line(i, peer).send(time(), packets[k].packet);
     }
     moveArm(i, intent);
@@ -151,7 +151,7 @@ void TiedSites::step(const Intent& intent) {
   ++ticks_;
 }
 
-void TiedSites::runTo(double until, const Intent& intent) {
+void LinkedSites::runTo(double until, const Intent& intent) {
   while (time() < until - 0.5 * kTick) step(intent);
 }
 

@@ -1,4 +1,4 @@
-#include "haptics/link_bench/tie_end.h"
+#include "haptics/link_bench/link_end.h"
 
 namespace tandem::bench {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-// One end of a tie between two replicas of a part across the network, as LinkBench drives it.
+// One end of what couples two replicas of a part across the network, as LinkBench drives it.
 
 #include <functional>
 #include <memory>
@@ -9,18 +9,18 @@
 
 namespace tandem::bench {
 
-class TieEnd {
+class LinkEnd {
  public:
-  virtual ~TieEnd() = default;
+  virtual ~LinkEnd() = default;
   virtual void receive(const haptics::LinkPacket& packet) = 0;
   /// pull() and settle() begin and end a tick, like those of CoordinationLink.
   virtual haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) = 0;
   virtual void settle(const Pose& worldFromCentre, const Twist& twist) = 0;
   virtual haptics::LinkPacket packet(double now) = 0;
 
-  /// Mass that the tie itself adds to the part, kg.
-  virtual double lineMass() const { return 0.0; }
-  /// No tie exists at this delay: the replica has the whole mass of the part.
+  /// Mass that the link itself adds to the part, kg.
+  virtual double addedMass() const { return 0.0; }
+  /// Nothing couples the replicas at this delay: each has the whole mass of the part.
   virtual bool apart() const { return false; }
   /// Play-out delay of the peer, s.
   virtual double delay() const { return 0.0; }
@@ -28,13 +28,13 @@ class TieEnd {
 };
 
 /// Makes an end for a network delay of `delay` s.
-using TieMaker =
-    std::function<std::unique_ptr<TieEnd>(const haptics::LinkParameters& parameters, double delay)>;
+using LinkEndMaker =
+    std::function<std::unique_ptr<LinkEnd>(const haptics::LinkParameters& parameters, double delay)>;
 
 /// The coordination link of sessions.
-class LinkEnd : public TieEnd {
+class CoordinationLinkEnd : public LinkEnd {
  public:
-  LinkEnd(const haptics::LinkParameters& parameters, double delay) : link_(parameters) {
+  CoordinationLinkEnd(const haptics::LinkParameters& parameters, double delay) : link_(parameters) {
     link_.begin(1, delay);
   }
   void receive(const haptics::LinkPacket& packet) override { link_.receive(packet); }
@@ -45,7 +45,7 @@ class LinkEnd : public TieEnd {
     link_.settle(worldFromCentre, twist);
   }
   haptics::LinkPacket packet(double now) override { return link_.packet(now); }
-  double lineMass() const override { return link_.lineMass(); }
+  double addedMass() const override { return link_.addedMass(); }
   bool apart() const override { return link_.regime() == haptics::LinkRegime::apart; }
   double delay() const override { return link_.delay(); }
   haptics::LinkAccount account() const override { return link_.account(); }
@@ -56,7 +56,7 @@ class LinkEnd : public TieEnd {
 
 /// A spring and damper to the last known pose of the peer's replica, the baseline for a link. Stable only
 /// while stiffness times delay is small against the damping around it.
-class PlainSpringEnd : public TieEnd {
+class PlainSpringEnd : public LinkEnd {
  public:
   struct Gains {
     double stiffness = 400.0, damping = 5.0;  // N/m, N s/m

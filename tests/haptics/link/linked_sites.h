@@ -1,6 +1,6 @@
 #pragma once
 
-// Sites whose whole ticks simulate one part of a scene with contact, tied across a modelled network: the arms of the link
+// Sites whose whole ticks simulate one part of a scene with contact, linked across a modelled network: the arms of the link
 // bench, virtual time.
 
 #include <array>
@@ -8,13 +8,13 @@
 #include <memory>
 #include <vector>
 
-#include "haptics/link/tied_parts.h"
+#include "haptics/link/replica_links.h"
 #include "haptics/tick.h"
 #include "tests/haptics/link/link_checks.h"
 
 namespace tandem::test {
 
-struct TiedSetup {
+struct LinkedSetup {
   assets::Scene scene;  // part 0 is held
   std::vector<BenchSite> sites;
   Network network;
@@ -22,18 +22,18 @@ struct TiedSetup {
   haptics::LinkParameters link;
 };
 
-class TiedSites {
+class LinkedSites {
  public:
   using Intent = LinkBench::Intent;
 
-  /// Every site holds part 0, nothing is tied yet.
-  explicit TiedSites(const TiedSetup& setup);
-  TiedSites(const TiedSites&) = delete;
+  /// Every site holds part 0, nothing is linked yet.
+  explicit LinkedSites(const LinkedSetup& setup);
+  LinkedSites(const LinkedSites&) = delete;
 
-  /// Ties site 0 to all others, and shares the mass among them.
-  void tieAll();
-  /// One end of a tie.
-  void tie(std::size_t site, std::size_t peer, std::uint32_t epoch, bool carriesOn = false);
+  /// Links site 0 to all others, and shares the mass among them.
+  void linkAll();
+  /// Begins one end of a link.
+  void link(std::size_t site, std::size_t peer, std::uint32_t epoch, bool carriesOn = false);
   void share(std::size_t site, int simulators) { sites_[site]->state.setSimulators(0, simulators); }
   /// Carried out in the next tick of a site.
   void command(std::size_t site, const haptics::PartCommand& command);
@@ -73,7 +73,7 @@ class TiedSites {
   void exchange(std::size_t site);
   void moveArm(std::size_t site, const Intent& intent);
 
-  TiedSetup setup_;
+  LinkedSetup setup_;
   haptics::ContactScene contact_;
   std::vector<std::unique_ptr<Site>> sites_;
   std::vector<LinkLine> lines_;

@@ -18,17 +18,17 @@
 
 namespace tandem::haptics {
 
-class Leash {
+class OutageSpring {
  public:
   /// State of the link that the outage spring follows.
-  struct Lead {
+  struct Target {
     const LinkPacket* peer = nullptr;  // last one received, or null
     double age = 0.0;                  // s, of that packet
     double delay = 0.0;                // s, play-out delay of the peer
     bool wanted = false;               // else it releases: the link carries the replica, or no peer leads it
     bool held = false;                 // by a hand here: it releases, and its end follows the replica
   };
-  static Lead leadOf(const CoordinationLink& link, double now, bool held) {
+  static Target targetOf(const CoordinationLink& link, double now, bool held) {
     constexpr double kLongest = 0.4;  // s: an outage can make a delay of any length
     const LinkPacket* peer = link.newest();
     if (peer == nullptr) return {};
@@ -40,32 +40,33 @@ class Leash {
 
   /// Advances by dt (s) for a replica with this pose and twist of its centre of mass; `lever` (m) converts
   /// angles to lengths.
-  void advance(const Pose& worldFromCentre, const Twist& twist, const Lead& lead, double lever, double dt) {
+  void advance(const Pose& worldFromCentre, const Twist& twist, const Target& target, double lever,
+               double dt) {
     const double before = share_;
-    share_ = std::clamp(share_ + (lead.wanted && !lead.held ? dt / kTaking : -dt / kLettingGo), 0.0, 1.0);
-    const bool isNews = hears(lead, dt);
-    news_ = isNews && !lead.held ? std::min(1.0, news_ + dt / kNews) : 0.0;
+    share_ = std::clamp(share_ + (target.wanted && !target.held ? dt / kTaking : -dt / kReleasing), 0.0, 1.0);
+    const bool isNews = receives(target, dt);
+    news_ = isNews && !target.held ? std::min(1.0, news_ + dt / kNews) : 0.0;
     if (share_ == 0.0) return;
     // A rise of the stiffness keeps the force: the end moves closer.
     if (share_ > before)
       end_ = gone(worldFromCentre, (before / share_) * wayBetween(worldFromCentre, end_, lever), lever);
     const SixAxes ours = axesOf(twist, lever);
-    if (lead.held) return draw(ours, ours, lever, dt);
-    if (!isNews) return draw({}, (1.0 - dt / kNews) * axesOf(twist_, lever), lever, dt);
+    if (target.held) return moveEnd(ours, ours, lever, dt);
+    if (!isNews) return moveEnd({}, (1.0 - dt / kNews) * axesOf(twist_, lever), lever, dt);
     // Extrapolation with a delayed velocity raises the gain of the loop from hand to hand, so only a replica
     // under little load is led with it.
     const double pull = share_ * kGains.stiffness * length(wayBetween(worldFromCentre, end_, lever));
     const double free = std::clamp(2.0 - pull / kFreePull, 0.0, 1.0);
-    const SixAxes theirs = free * axesOf(lead.peer->twist, lever);
-    const SixAxes left =
-        wayBetween(end_, gone(lead.peer->worldFromDrawn, (lead.age - dt) * theirs, lever), lever);
+    const SixAxes theirs = free * axesOf(target.peer->twist, lever);
+    const SixAxes gap =
+        wayBetween(end_, gone(target.peer->worldFromDrawn, (target.age - dt) * theirs, lever), lever);
     // The end follows a replica that yields at the speed at which it yields, and a pressed one at a limited
     // speed; the damper neither hinders the first nor acts on the second.
-    const double size = length(left);
-    const double yielding = size > 0.0 ? free * std::max(0.0, dot(ours - theirs, left) / size) : 0.0;
+    const double size = length(gap);
+    const double yielding = size > 0.0 ? free * std::max(0.0, dot(ours - theirs, gap) / size) : 0.0;
     const SixAxes closing =
-        shortened((1.0 / std::max(kClosing, 2.0 * lead.delay)) * left, kFastestPressed + yielding);
-    draw(theirs + closing, news_ * (theirs + shortened(closing, yielding)), lever, dt);
+        shortened((1.0 / std::max(kClosing, 2.0 * target.delay)) * gap, kMaxPressedSpeed + yielding);
+    moveEnd(theirs + closing, news_ * (theirs + shortened(closing, yielding)), lever, dt);
   }
 
   /// Share of the gains and of the replica's weight, 0..1.
@@ -84,30 +85,30 @@ class Leash {
 
  private:
   static constexpr CouplingGains kGains{400.0, 28.0, 0.4, 0.03};
-  static constexpr double kTaking = 0.02, kLettingGo = 0.5;             // s
-  static constexpr double kNews = 0.1, kOldNews = 0.1, kClosing = 0.1;  // s
-  static constexpr double kFreePull = 0.8;                              // N
-  static constexpr double kFastestPressed = 0.015;  // m/s, besides the peer's own motion: 6 N/s
+  static constexpr double kTaking = 0.02, kReleasing = 0.5;                // s
+  static constexpr double kNews = 0.1, kMaxNewsAge = 0.1, kClosing = 0.1;  // s
+  static constexpr double kFreePull = 0.8;                                 // N
+  static constexpr double kMaxPressedSpeed = 0.015;  // m/s, besides the peer's own motion: 6 N/s
 
   /// Whether the last packet is recent enough to tell the peer's present pose; otherwise the end stands
   /// still.
-  bool hears(const Lead& lead, double dt) {
-    if (lead.peer == nullptr) return false;
-    sinceHeard_ = lead.peer->time != heard_ ? 0.0 : sinceHeard_ + dt;
-    heard_ = lead.peer->time;
-    return sinceHeard_ < kOldNews;
+  bool receives(const Target& target, double dt) {
+    if (target.peer == nullptr) return false;
+    sinceNews_ = target.peer->time != newestTime_ ? 0.0 : sinceNews_ + dt;
+    newestTime_ = target.peer->time;
+    return sinceNews_ < kMaxNewsAge;
   }
 
   /// Moves the end at `speed`; the damper sees the velocity `damped`.
-  void draw(const SixAxes& speed, const SixAxes& damped, double lever, double dt) {
+  void moveEnd(const SixAxes& speed, const SixAxes& damped, double lever, double dt) {
     end_ = gone(end_, dt * speed, lever);
     twist_ = {damped.along, damped.about / lever};
   }
 
   double share_ = 0.0;
   double news_ = 0.0;  // 0..1: how far the damper follows the peer again
-  double heard_ = std::numeric_limits<double>::quiet_NaN();  // s: time of the newest packet
-  double sinceHeard_ = 0.0;                                  // s, since that packet arrived
+  double newestTime_ = std::numeric_limits<double>::quiet_NaN();  // s: time of the newest packet
+  double sinceNews_ = 0.0;                                        // s, since that packet arrived
   Pose end_;
   Twist twist_;
 };
