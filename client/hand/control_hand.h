@@ -1,8 +1,8 @@
 #pragma once
 
-// Which parts of the scene this hand asks for on its own: controls that the tool presses on or that are to be set to
-// a value, and parts that would give way to what it pushes. They are owned without a grasp, and released like every
-// part once they rest.
+// Which parts of the scene this hand asks for on its own: controls that the tool presses on or that are to be
+// set to a value, and parts that would give way to what it pushes. They are owned without a grasp, and
+// released like every part once they rest.
 //
 // Runs in the haptic thread; allocates nothing.
 
@@ -24,9 +24,9 @@ class ControlHand {
   /// effect.
   void set(PartId part, double value);
 
-  /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set, that is
-  /// neither owned here nor asked for. One that was denied is asked for again when the tool
-  /// comes back to it. `owned(part)` tells whether this site owns it.
+  /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set,
+  /// that is neither owned here nor asked for. One that was denied is asked for again when the tool comes
+  /// back to it. `owned(part)` tells whether this site owns it.
   template <typename Owned>
   PartId wanted(const haptics::TickOutput& last, const Owned& owned) {
     if (scene_.controls.empty() && last.pushedCount == 0 && !any()) return kNoPart;

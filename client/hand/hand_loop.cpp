@@ -1,32 +1,28 @@
 #include "client/hand/hand_loop.h"
 
 #include <algorithm>
-#include <cmath>
-#include <utility>
+#include <optional>
 
 #include <glm/geometric.hpp>
+
+#include "haptics/link/link_distance.h"
 
 namespace tandem::client {
 
 using haptics::PartCommand;
 
-namespace {
-
-bool near(const Pose& a, const Pose& b, double tolerance) {
-  return glm::length(a.position - b.position) < tolerance &&
-         glm::length(rotationVector(b.orientation * glm::conjugate(a.orientation))) < tolerance;
-}
-
-}  // namespace
-
 HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
     : scene_(scene),
       exchange_(exchange),
       state_(scene),
-      links_(scene.scene().parts.size()),
+      intents_(exchange),
+      parts_(scene.scene(), state_),
+      controls_(scene.scene()),
+      grasps_(scene.scene(), parts_, controls_, intents_),
       near_(scene.scene()),
-      commands_(2 * scene.scene().parts.size() + 64),
-      controls_(scene.scene()) {}
+      display_(exchange, state_, scene.scene().parts.size()) {
+  wishes_.fill(kNoPart);
+}
 
 void HandLoop::setControl(const ControlWish& wish, std::size_t hand) {
   if (wish.count == scriptedWishesSeen_[hand]) return;
@@ -47,7 +43,7 @@ void HandLoop::readSettings() {
   }
   if (settings_.reseats != reseatsSeen_) {
     reseatsSeen_ = settings_.reseats;
-    reseatTicks_ = kReseatTicks;
+    stalls_.reseat();
   }
   if (settings_.control.count != wishesSeen_) {
     wishesSeen_ = settings_.control.count;
@@ -59,45 +55,46 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                       const haptics::DeviceSample* second) {
   readSettings();
   const sync::Micros sessionNow = now + timeBase_.offset;
-  const bool stalled = noteStall(now), both = second != nullptr && secondTool_ != nullptr;
-  const haptics::DeviceSample sample = afterStall(reading, stalled, 0);
-  if (both) second_ = {afterStall(*second, stalled, 1), &settings_.second, {}};
-  takeEvents(sessionNow);
-  playOutFollowed(sessionNow);
-  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand) finishTaking(hand, sessionNow);
+  const bool both = second != nullptr && secondTool_ != nullptr;
+  noteStall(now);
+  const haptics::DeviceSample sample = afterStall(reading, 0);
+  if (both) second_ = {afterStall(*second, 1), &settings_.second, {}};
+  handleEvents(sessionNow);
+  parts_.followed().playOut(sessionNow, timeBase_.playOutDelay, display_);
+  for (std::size_t hand = 0; hand < haptics::kHands; ++hand) grasps_.advance(hand, sessionNow);
   askForControls();
   askForNear();
-  followGrasp(settings_.graspButton || (sample.valid && (sample.buttons & 1u) != 0), 0, output_.tick.touched);
-  if (both)
-    followGrasp(second_.device.valid && (second_.device.buttons & 1u) != 0, 1, secondTool_->touched());
+  setButtons(sample, both);
 
-  std::size_t batch = 0;
-  for (; batch < haptics::kMaxPartCommands && commandCount_ > 0; ++batch, --commandCount_) {
-    commandBatch_[batch] = commands_[commandHead_];
-    commandHead_ = (commandHead_ + 1) % commands_.size();
-  }
-  if (both) second_.tool = feelSecondTool(batch, sessionNow);
-  const haptics::TickInput input{sample,
-                                 {moved_.data(), movedCount_},
-                                 {commandBatch_.data(), batch},
-                                 static_cast<double>(sessionNow) * 1e-6,
-                                 both ? &second_ : nullptr};
-  links_.receive(exchange_, state_);
+  const std::span<const PartCommand> commands = parts_.commands().nextBatch();
+  if (both) second_.tool = feelSecondTool(commands, sessionNow);
+  const haptics::TickInput input{sample, parts_.followed().moved(), commands,
+                                 static_cast<double>(sessionNow) * 1e-6, both ? &second_ : nullptr};
+  parts_.links().receive(exchange_, state_);
   output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
-  links_.update(output_.tick, state_, exchange_);
+  parts_.links().update(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
   if (both) noteSecond();
-  for (std::size_t i = 0; i < batch; ++i) showAsItIs(commandBatch_[i].part, sessionNow);
+  for (const PartCommand& command : commands) display_.pushAsItIs(command.part, sessionNow);
   releaseRested(sessionNow);
   leaveUntouched(sessionNow);
   publish(sample, now);
   return output_.tick.toHand;
 }
 
-Wrench HandLoop::feelSecondTool(std::size_t batch, sync::Micros sessionNow) {
-  return secondTool_->tick(second_.device, {moved_.data(), movedCount_}, output_.tick,
-                           {commandBatch_.data(), batch}, settings_.second,
-                           static_cast<double>(sessionNow) * 1e-6, grasps_[1].stage == Stage::holding);
+void HandLoop::setButtons(const haptics::DeviceSample& sample, bool both) {
+  const auto target = [this](std::size_t hand, PartId wish, PartId touched) {
+    return wishes_[hand] != kNoPart ? wishes_[hand] : wish != kNoPart ? wish : touched;
+  };
+  const auto pressed = [](const haptics::DeviceSample& of) { return of.valid && (of.buttons & 1u) != 0; };
+  grasps_.setButton(0, settings_.graspButton || pressed(sample),
+                    target(0, settings_.wish, output_.tick.touched));
+  if (both) grasps_.setButton(1, pressed(second_.device), target(1, kNoPart, secondTool_->touched()));
+}
+
+Wrench HandLoop::feelSecondTool(std::span<const PartCommand> commands, sync::Micros sessionNow) {
+  return secondTool_->tick(second_.device, parts_.followed().moved(), output_.tick, commands,
+                           settings_.second, static_cast<double>(sessionNow) * 1e-6, grasps_.isHolding(1));
 }
 
 void HandLoop::noteSecond() {
@@ -105,136 +102,111 @@ void HandLoop::noteSecond() {
   if (secondTool_->fault().raised()) output_.tick.second.flags |= haptics::kFlagFault;
   output_.secondFlagsSeen |= output_.tick.second.flags;
   output_.secondMost = std::max(output_.secondMost, glm::length(output_.tick.second.toHand.force));
-  // A grasp that the tick refused: the first hand holds that control.
-  if (grasps_[1].stage == Stage::holding && commandCount_ == 0 && output_.tick.second.held == kNoPart)
-    grasps_[1].stage = Stage::idle;
+  // The tick refuses the grasp of a control that the first hand holds.
+  if (grasps_.isHolding(1) && parts_.commands().empty() && output_.tick.second.held == kNoPart)
+    grasps_.onRefused(1);
 }
 
-bool HandLoop::noteStall(sync::Micros now) {
-  const bool stalled = lastTick_ != 0 && now - lastTick_ > kStall;
-  lastTick_ = now;
-  if (!stalled) return false;
+void HandLoop::noteStall(sync::Micros now) {
+  if (!stalls_.noteTick(now)) return;
   ++output_.stalls;
   state_.noteStall();
   if (secondTool_) secondTool_->noteStall();
-  return true;
 }
 
-/// A loop that stood still has lost its hold on the world: the hands are elsewhere, and the devices' own watchdogs have
-/// let go. One tick without a reading sets the force to zero; then the held part is grasped anew where both now are, and
-/// the tick puts the tool onto a hand that has gone on: it may be inside of anything.
-haptics::DeviceSample HandLoop::afterStall(haptics::DeviceSample sample, bool stalled, std::uint8_t hand) {
-  if (hand == 0 && reseatTicks_ > 0) {
-    --reseatTicks_;
-    sample.valid = false;
-  }
-  if (stalled) {
-    sample.valid = false;
-    graspAnew_[hand] = true;
-  } else if (graspAnew_[hand] && sample.valid) {
-    graspAnew_[hand] = false;
-    if (grasps_[hand].stage == Stage::holding) {
-      command(PartCommand::Kind::letGo, grasps_[hand].part, {}, hand);
-      command(PartCommand::Kind::grasp, grasps_[hand].part, {}, hand);
-    }
-  }
-  return sample;
+haptics::DeviceSample HandLoop::afterStall(const haptics::DeviceSample& reading, std::size_t hand) {
+  const StallGuard::Reading filtered = stalls_.filter(reading, hand);
+  if (filtered.graspsAnew) grasps_.restart(hand);
+  return filtered.sample;
 }
 
-void HandLoop::takeEvents(sync::Micros sessionNow) {
+/// Events stay in their ring while the commands that they may cause would not fit: nothing is lost, only
+/// later.
+void HandLoop::handleEvents(sync::Micros sessionNow) {
   NetworkEvent event;
-  // Events stay in their ring while the commands that they may cause would not fit: nothing is lost, only
-  // later.
-  while (commandCount_ + haptics::kMaxPartCommands < commands_.size() && exchange_.events.pop(event)) {
-    switch (event.kind) {
-      case NetworkEvent::Kind::state:
-        takeState(event.state, event.time, sessionNow);
-        break;
-      case NetworkEvent::Kind::ownership:
-        takeOwnership(event.record, sessionNow);
-        break;
-      case NetworkEvent::Kind::denied:
-        takeDenial(event.record, sessionNow);
-        break;
-      case NetworkEvent::Kind::link:
-        takeLink(event, sessionNow);
-        break;
-      case NetworkEvent::Kind::unlink:
-        state_.endLink(event.link.id);
-        break;
-      case NetworkEvent::Kind::simulators:
-        links_.setSimulators(event.link.id.part, event.simulators);
-        break;
-      case NetworkEvent::Kind::lost:
-        ++lost_;
-        for (Followed& slot : followed_) slot.asked = false;
-        for (Grasp& grasp : grasps_)
-          if (grasp.stage == Stage::asked) grasp.stage = Stage::idle;
-        controls_.lost();
-        for (Owned& owned : owned_) owned.releasing = false;  // asked again once there is a server again
-        break;
-    }
+  while (parts_.commands().hasRoom() && exchange_.events.pop(event)) handle(event, sessionNow);
+}
+
+void HandLoop::handle(const NetworkEvent& event, sync::Micros sessionNow) {
+  switch (event.kind) {
+    case NetworkEvent::Kind::state:
+      return parts_.onState(event.state, event.time, sessionNow);
+    case NetworkEvent::Kind::ownership:
+      return onOwnership(event.record, sessionNow);
+    case NetworkEvent::Kind::denied:
+      return onDenial(event.record, sessionNow);
+    case NetworkEvent::Kind::link:
+      return onLink(event, sessionNow);
+    case NetworkEvent::Kind::unlink:
+      return state_.endLink(event.link.id);
+    case NetworkEvent::Kind::simulators:
+      return parts_.links().setSimulators(event.link.id.part, event.simulators);
+    case NetworkEvent::Kind::lost:
+      return onConnectionLost();
   }
 }
 
-void HandLoop::takeState(const sync::PartState& state, sync::Micros time, sync::Micros sessionNow) {
-  if (Owned* mine = ownedEntry(state.part)) {
-    mine->seen.push(state, time);  // to a guest's hand the tie says more
-  } else if (Followed* slot = slotFor(state.part, sessionNow)) {
-    slot->playOut.push(state, time);
-    slot->seen.push(state, time);
-  } else {
-    command(PartCommand::Kind::setPose, state.part, state.worldFromPart);
-  }
+void HandLoop::onConnectionLost() {
+  intents_.onConnectionLost();
+  parts_.followed().forgetRequests();
+  grasps_.onConnectionLost();
+  controls_.lost();
+  for (SimulatedHere& mine : parts_.simulated()) mine.releasing = false;  // asked again once a server answers
 }
 
-void HandLoop::takeOwnership(const sync::PartRecord& record, sync::Micros sessionNow) {
-  Owned* mine = ownedEntry(record.part);
+void HandLoop::onOwnership(const sync::PartRecord& record, sync::Micros sessionNow) {
+  SimulatedHere* mine = parts_.find(record.part);
   if (record.owner == timeBase_.self && timeBase_.self != kNoSite) {
-    if (mine) {  // reclaimed after an outage, or passed on by the owner that it was shared with
+    if (mine) {  // reclaimed after an outage, or passed on by the owner to its co-holder
       mine->releasing = mine->releasing && mine->epoch == record.epoch;
       mine->epoch = record.epoch;
-    } else if (!takeControl(record)) {
-      beginTaking(record, sessionNow);
+    } else if (!ownControl(record)) {
+      grasps_.onGrant(record, sessionNow);
     }
     return;
   }
-  if (!mine) return follow(record, sessionNow, kBlend);
-  const bool shared = record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
-  if (shared && mine->coHeld()) return;  // the new owner's tie follows
-  if (shared && isHeld(record.part) && ask({HandIntent::Kind::grab, record.part, 0, {}})) {
+  if (!mine) {
+    noteOwner(record);
+    return parts_.follow(record, sessionNow, Grasps::kBlend);
+  }
+  const bool canBeShared =
+      record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
+  if (canBeShared && mine->coHeld()) return;  // the link to the new owner follows
+  if (canBeShared && grasps_.holds(record.part) && intents_.grab(record.part)) {
     mine->epoch = 0;
     mine->releasing = false;
     return;
   }
-  loseOwned(*mine, record, sessionNow);
+  lose(*mine, record, sessionNow);
 }
 
-bool HandLoop::isHeld(PartId part) const {
-  return std::any_of(grasps_.begin(), grasps_.end(),
-                     [&](const Grasp& grasp) { return grasp.has(Stage::holding, part); });
+/// A part that another site owns is no longer taken by a hand here.
+void HandLoop::noteOwner(const sync::PartRecord& record) {
+  if (record.owner != timeBase_.self) grasps_.onOtherOwner(record.part);
 }
 
-void HandLoop::stopAsking(PartId part) {
-  for (Grasp& grasp : grasps_)
-    if (grasp.has(Stage::asked, part)) grasp.stage = Stage::idle;
+void HandLoop::lose(SimulatedHere& mine, const sync::PartRecord& record, sync::Micros sessionNow) {
+  grasps_.onLostPart(record.part);
+  if (!mine.releasing) controls_.denied(record.part);  // taken away, not given back
+  noteOwner(record);
+  parts_.lose(mine, record, sessionNow);
 }
 
-void HandLoop::takeDenial(const sync::PartRecord& record, sync::Micros sessionNow) {
-  stopAsking(record.part);
+void HandLoop::onDenial(const sync::PartRecord& record, sync::Micros sessionNow) {
+  grasps_.onDenial(record.part);
   controls_.denied(record.part);
-  Owned* mine = ownedEntry(record.part);
-  if (mine && mine->coHeld()) loseOwned(*mine, record, sessionNow);
+  SimulatedHere* mine = parts_.find(record.part);
+  if (mine && mine->coHeld()) lose(*mine, record, sessionNow);
 }
 
-void HandLoop::takeLink(const NetworkEvent& order, sync::Micros sessionNow) {
+void HandLoop::onLink(const NetworkEvent& order, sync::Micros sessionNow) {
   const PartId part = order.link.id.part;
   if (!order.ownedByPeer) return state_.orderLink(order.link);
-  const Owned* mine = ownedEntry(part);
+  const SimulatedHere* mine = parts_.find(part);
   if (!mine) mine = joinAsCoHolder(part, sessionNow);
   if (!mine) {  // the hand that asked has let go since: it may ask again
-    ask({HandIntent::Kind::leave, part, 0, {}});
-    return stopAsking(part);
+    static_cast<void>(intents_.leave(part));
+    return grasps_.onDenial(part);
   }
   haptics::LinkTerms terms = order.link;
   terms.outageSpring = !mine->handled;
@@ -242,235 +214,86 @@ void HandLoop::takeLink(const NetworkEvent& order, sync::Micros sessionNow) {
   state_.orderLink(terms);
 }
 
-/// Whether a part that others move comes near to one that a hand here holds and that does not pass through others.
-bool HandLoop::meetsHeld(const NearParts::Moving& other, double near) const {
-  if (output_.tick.flags & haptics::kFlagHeldWithoutContact) return false;
-  for (int i = 0; i < output_.tick.ownedCount; ++i) {
-    const haptics::OwnedPart& mine = output_.tick.owned[static_cast<std::size_t>(i)];
-    if (!mine.held || mine.part == other.part) continue;
-    if (near_.meet({mine.part, mine.worldFromPart, mine.twist}, other,
-                   sync::toSeconds(timeBase_.playOutDelay), near))
-      return true;
-  }
-  return false;
+/// Simulates another site's part from where it is shown; null if nothing here wants that any more.
+SimulatedHere* HandLoop::joinAsCoHolder(PartId part, sync::Micros sessionNow) {
+  const FollowedPart* slot = parts_.followed().find(part);
+  const bool wanted = controls_.asked(part) || (slot != nullptr && slot->asked) || grasps_.wants(part);
+  if (!wanted || !parts_.hasRoom()) return nullptr;
+  SimulatedHere& mine = parts_.coHold(part, sessionNow);
+  static_cast<void>(controls_.granted(part));
+  grasps_.onSimulated(part);
+  return &mine;
 }
 
-/// To share what may soon be touched with what is held here.
+/// Whether a part that others move comes near to one that a hand here holds and that does not pass through
+/// others.
+bool HandLoop::meetsHeld(const NearParts::Moving& other, double near) const {
+  return near_.meetsHeld(output_.tick, other, sync::toSeconds(timeBase_.playOutDelay), near);
+}
+
+/// Asks to co-hold what a held part may soon touch.
 void HandLoop::askForNear() {
-  for (std::size_t i = 0; i < movedCount_; ++i) {
-    Followed* slot = slotOf(moved_[i].part);
+  for (const haptics::PartMotion& moved : parts_.followed().moved()) {
+    FollowedPart* slot = parts_.followed().find(moved.part);
     if (!slot || !slot->owned || slot->control != nullptr) continue;
-    const bool meets = meetsHeld({moved_[i].part, moved_[i].worldFromPart, moved_[i].twist},
+    const bool meets = meetsHeld({moved.part, moved.worldFromPart, moved.twist},
                                  slot->asked ? NearParts::kStillNear : NearParts::kNear);
-    if (meets && !slot->asked) slot->asked = ask({HandIntent::Kind::grab, slot->part, 0, {}});
+    if (meets && !slot->asked) slot->asked = intents_.grab(slot->part);
     if (!meets) slot->asked = false;
   }
 }
 
-/// Simulates another site's part from where it is shown; null if nothing here wants that any more.
-HandLoop::Owned* HandLoop::joinAsCoHolder(PartId part, sync::Micros sessionNow) {
-  Followed* slot = slotOf(part);
-  const bool wanted = controls_.asked(part) || (slot != nullptr && slot->asked) ||
-                      std::any_of(grasps_.begin(), grasps_.end(), [&](const Grasp& grasp) {
-                        return grasp.has(Stage::asked, part) && grasp.wantedBefore;
-                      });
-  Owned* entry = wanted ? ownedEntry(kNoPart) : nullptr;
-  if (!entry) return nullptr;
-  *entry = {.part = part, .idleSince = sessionNow};
-  if (slot != nullptr) {
-    entry->seen = slot->seen;
-    slot->part = kNoPart;
-  } else {
-    entry->seen.restart(state_.worldFromPart(part), sessionNow);
-  }
-  static_cast<void>(controls_.granted(part));
-  command(PartCommand::Kind::own, part, state_.worldFromPart(part));
-  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
-    if (grasps_[hand].has(Stage::asked, part)) hold(hand);
-  return entry;
+NearParts::Moving HandLoop::simulatedAt(PartId part) const {
+  const haptics::OwnedPart* mine = output_.tick.simulated(part);
+  return mine != nullptr ? NearParts::Moving{part, mine->worldFromPart, mine->twist}
+                         : NearParts::Moving{part, state_.worldFromPart(part), {}};
 }
 
-NearParts::Moving HandLoop::coHeldAt(PartId part) const {
-  const haptics::OwnedPart* guest = output_.tick.simulated(part);
-  return guest != nullptr ? NearParts::Moving{part, guest->worldFromPart, guest->twist}
-                          : NearParts::Moving{part, state_.worldFromPart(part), {}};
-}
-
-/// What a guest's hands let be is the owner's alone again.
+/// A co-held part that nothing here touches is left to its owner.
 void HandLoop::leaveUntouched(sync::Micros sessionNow) {
-  for (Owned& owned : owned_) {
-    if (owned.part == kNoPart || !owned.coHeld()) continue;
-    if (isHeld(owned.part) || meetsHeld(coHeldAt(owned.part), NearParts::kStillNear))
-      owned.idleSince = sessionNow;
-    if (sessionNow - owned.idleSince < kCoHolderStays) continue;
-    if (!ask({HandIntent::Kind::leave, owned.part, 0, {}})) continue;
-    command(PartCommand::Kind::disown, owned.part);
-    links_.forget(owned.part, state_);
-    const Owned left = std::exchange(owned, {});
-    if (Followed* slot = slotFor(left.part, sessionNow)) slot->seen = left.seen;  // from where it is here
+  for (SimulatedHere& mine : parts_.simulated()) {
+    if (mine.part == kNoPart || !mine.coHeld()) continue;
+    if (grasps_.holds(mine.part) || meetsHeld(simulatedAt(mine.part), NearParts::kStillNear))
+      mine.idleSince = sessionNow;
+    if (sessionNow - mine.idleSince < kCoHolderStays) continue;
+    if (intents_.leave(mine.part)) parts_.leave(mine, sessionNow);
   }
 }
 
 /// One part a tick: what the tool presses on, or what is to be set.
 void HandLoop::askForControls() {
-  const auto owned = [this](PartId part) { return ownedEntry(part) != nullptr; };
+  const auto owned = [this](PartId part) { return parts_.find(part) != nullptr; };
   const PartId part = controls_.wanted(output_.tick, owned);
-  if (part != kNoPart && !ask({HandIntent::Kind::grab, part, 0, {}})) controls_.askLater(part);
+  if (part != kNoPart && !intents_.grab(part)) controls_.askLater(part);
   const std::optional<PartId> set = controls_.toSet(owned);
-  if (!set || output_.tick.held == *set || output_.tick.second.held == *set || ownedEntry(*set)->releasing)
-    return;
+  if (!set || output_.tick.held == *set || output_.tick.second.held == *set || !parts_.isReady(*set)) return;
   if (const std::optional<Pose> pose = controls_.granted(*set)) {
-    command(PartCommand::Kind::disown, *set);
-    command(PartCommand::Kind::own, *set, *pose);
+    parts_.commands().push(PartCommand::Kind::disown, *set);
+    parts_.commands().push(PartCommand::Kind::own, *set, *pose);
   }
 }
 
 /// A control that this hand asked for is owned where it is here, without a grasp: the tool rests on it, and
 /// must not be moved by a pose that comes from elsewhere.
-bool HandLoop::takeControl(const sync::PartRecord& record) {
-  if (!controls_.asked(record.part)) return false;
-  Owned* entry = ownedEntry(kNoPart);
-  if (!entry) return false;
-  *entry = {.part = record.part, .epoch = record.epoch};
-  if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
-  command(PartCommand::Kind::own, record.part,
-          controls_.granted(record.part).value_or(state_.worldFromPart(record.part)));
-  for (std::uint8_t hand = 0; hand < haptics::kHands; ++hand)
-    if (grasps_[hand].has(Stage::asked, record.part)) hold(hand);  // the button went down on it meanwhile
+bool HandLoop::ownControl(const sync::PartRecord& record) {
+  if (!controls_.asked(record.part) || !parts_.hasRoom()) return false;
+  const std::optional<Pose> set = controls_.granted(record.part);
+  static_cast<void>(parts_.own(record.part, record.epoch, set.value_or(state_.worldFromPart(record.part))));
+  grasps_.onSimulated(record.part);  // the button went down on it meanwhile
   return true;
-}
-
-/// The part that a hand asked for is simulated here now.
-void HandLoop::hold(std::uint8_t hand) {
-  Grasp& grasp = grasps_[hand];
-  grasp.stage = grasp.wantedBefore ? Stage::holding : Stage::idle;
-  if (Owned* mine = ownedEntry(grasp.part)) mine->handled = true;
-  if (grasp.wantedBefore) command(PartCommand::Kind::grasp, grasp.part, {}, hand);
-}
-
-void HandLoop::beginTaking(const sync::PartRecord& record, sync::Micros sessionNow) {
-  // For the hand that asked; what nobody waits for any more is the first hand's, if that is free.
-  Grasp& grasp = grasps_[1].has(Stage::asked, record.part) && !grasps_[0].has(Stage::asked, record.part)
-                     ? grasps_[1]
-                     : grasps_[0];
-  if (grasp.stage == Stage::taking || grasp.stage == Stage::holding) {
-    // A grant that this hand no longer waits for: own it where it is, at rest, and give it back.
-    if (Owned* free = ownedEntry(kNoPart)) {
-      *free = {.part = record.part, .epoch = record.epoch};
-      if (Followed* slot = slotOf(record.part)) slot->part = kNoPart;
-      command(PartCommand::Kind::own, record.part, record.worldFromPart);
-    }
-    return;
-  }
-  follow(record, sessionNow,
-         near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance) ? 0 : kBlend);
-  grasp.taking = record;
-  grasp.takingUntil = sessionNow + kBlend;
-  grasp.stage = Stage::taking;
-  grasp.part = record.part;
-}
-
-void HandLoop::finishTaking(std::uint8_t hand, sync::Micros sessionNow) {
-  Grasp& grasp = grasps_[hand];
-  if (grasp.stage == Stage::asked) {
-    const Owned* mine = ownedEntry(grasp.part);  // the other hand has it meanwhile
-    if (mine && !mine->releasing) hold(hand);
-  }
-  if (grasp.stage != Stage::taking) return;
-  const sync::PartRecord& taking = grasp.taking;
-  const bool there = near(state_.worldFromPart(taking.part), taking.worldFromPart, kTakeTolerance);
-  if (!there && sessionNow < grasp.takingUntil) return;
-  Owned* entry = ownedEntry(kNoPart);
-  if (!entry) return;  // eight parts still settle: wait for one to rest
-  *entry = {.part = taking.part, .epoch = taking.epoch};
-  if (Followed* slot = slotOf(taking.part)) slot->part = kNoPart;
-  command(PartCommand::Kind::own, taking.part, taking.worldFromPart);
-  hold(hand);  // unless it was let go while the answer was on its way: then it rests, and is released
-}
-
-void HandLoop::loseOwned(Owned& owned, const sync::PartRecord& record, sync::Micros sessionNow) {
-  command(PartCommand::Kind::disown, owned.part);
-  links_.forget(owned.part, state_);
-  for (Grasp& grasp : grasps_)
-    if (grasp.has(Stage::holding, owned.part)) grasp.stage = Stage::idle;
-  if (!owned.releasing) controls_.denied(record.part);  // taken away, not given back
-  owned = {};
-  const bool still = near(state_.worldFromPart(record.part), record.worldFromPart, kTakeTolerance);
-  follow(record, sessionNow, still ? 0 : kLossBlend);
-}
-
-void HandLoop::follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend) {
-  for (Grasp& grasp : grasps_)
-    if (grasp.has(Stage::taking, record.part) && record.owner != timeBase_.self) grasp.stage = Stage::idle;
-  if (Followed* slot = slotFor(record.part, sessionNow)) {
-    slot->owned = record.owner != kNoSite;
-    slot->playOut.restart(record.worldFromPart, sessionNow, blend);
-    slot->seen.standAt(record.worldFromPart, sessionNow);
-  } else {
-    command(PartCommand::Kind::setPose, record.part, record.worldFromPart);
-  }
-}
-
-void HandLoop::followGrasp(bool wanted, std::uint8_t hand, PartId touched) {
-  Grasp& grasp = grasps_[hand];
-  const Grasp& other = grasps_[1 - hand];
-  const bool pressed = wanted && !grasp.wantedBefore;
-  const bool lifted = !wanted && grasp.wantedBefore;
-  grasp.wantedBefore = wanted;
-  if (pressed && grasp.stage == Stage::idle) {
-    const PartId wish = grasp.wish != kNoPart ? grasp.wish : hand == 0 ? settings_.wish : kNoPart;
-    const PartId part = wish != kNoPart ? wish : touched;
-    if (part >= scene_.scene().parts.size() || !scene_.scene().parts[part].movable) return;
-    grasp.part = part;
-    Owned* mine = ownedEntry(part);
-    if (mine && !mine->releasing) {  // still settling in this hand's care, or in the other hand
-      hold(hand);
-    } else if (controls_.asked(part) || other.has(Stage::asked, part) || other.has(Stage::taking, part)) {
-      grasp.stage = Stage::asked;
-    } else if (ask({HandIntent::Kind::grab, part, 0, {}})) {
-      grasp.stage = Stage::asked;
-    }
-  }
-  if (lifted && grasp.stage == Stage::holding) {
-    command(PartCommand::Kind::letGo, grasp.part, {}, hand);
-    grasp.stage = Stage::idle;
-  }
-}
-
-void HandLoop::playOutFollowed(sync::Micros sessionNow) {
-  movedCount_ = 0;
-  for (Followed& slot : followed_) {
-    if (slot.part == kNoPart) continue;
-    sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, timeBase_.playOutDelay);
-    if (slot.control != nullptr) keepToStops(*slot.control, shown);
-    moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
-    const Pose drawn = slot.control != nullptr ? shown.worldFromPart : slot.seen.at(sessionNow);
-    // What is shown last stays on the screen: it ends where the part is.
-    const bool over = !slot.owned && shown.still && sync::PosePrediction::near(drawn, shown.worldFromPart);
-    show({slot.part, false, sessionNow - timeBase_.playOutDelay, shown.worldFromPart,
-          over ? shown.worldFromPart : drawn});
-    if (over) slot.part = kNoPart;
-  }
-}
-
-/// Between two states, and beyond the last one, playing out knows nothing of the axis and the stops of a control.
-void HandLoop::keepToStops(const assets::Control& control, sync::PlayOut::Shown& shown) {
-  const double value = assets::controlValue(control, shown.worldFromPart);
-  const double possible = assets::admissible(control, value);
-  if (possible != value) shown.twist = {};
-  shown.worldFromPart = assets::poseAt(control, possible);
 }
 
 void HandLoop::releaseRested(sync::Micros sessionNow) {
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = output_.tick.owned[static_cast<std::size_t>(i)];
-    Owned* mine = ownedEntry(part.part);
-    const bool guest = mine && mine->coHeld() && !mine->releasing;
-    show({part.part, true, sessionNow, part.worldFromPart,
-          guest ? mine->seen.at(sessionNow) : part.worldFromPart});
+    SimulatedHere* mine = parts_.find(part.part);
+    const bool coHeld = mine && mine->coHeld() && !mine->releasing;
+    display_.push({part.part, true, sessionNow, part.worldFromPart,
+                   coHeld ? mine->display.at(sessionNow) : part.worldFromPart});
     if (!mine || mine->coHeld() || mine->releasing || part.held) continue;
-    if (!part.atRest && links_.simulators(part.part) == 1) continue;  // else it is left to who shares it
-    mine->releasing = ask({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
+    // A part with co-holders is left to them, at rest or not.
+    if (!part.atRest && parts_.links().simulators(part.part) == 1) continue;
+    mine->releasing = intents_.push({HandIntent::Kind::release, part.part, mine->epoch, part.worldFromPart});
   }
 }
 
@@ -478,78 +301,23 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   output_.time = now;
   output_.device = sample;
   output_.flagsSeen |= output_.tick.flags;
-  // It lasts for one tick: nobody would see it.
+  // The flag lasts for one tick, which is too short to be seen.
   constexpr sync::Micros kShown = sync::kSecond;
   if (output_.tick.flags & haptics::kFlagPopThrough) gaveWayUntil_ = now + kShown;
   output_.gaveWay = now < gaveWayUntil_;
   output_.fault = state_.fault().condition;
-  output_.grabPending = false;
-  for (const Grasp& grasp : grasps_)
-    output_.grabPending = output_.grabPending || grasp.stage == Stage::asked || grasp.stage == Stage::taking;
+  output_.grabPending = grasps_.isPending();
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const Owned* mine = ownedEntry(output_.tick.owned[index].part);
-    // From its release on it may be another's, though this site has not heard of that.
+    const SimulatedHere* mine = parts_.find(output_.tick.owned[index].part);
+    // From its release on the part may be another site's, though this site does not know yet.
     output_.ownedEpoch[index] = mine && !mine->releasing ? mine->epoch : 0;
   }
   exchange_.output.write(output_);
   exchange_.view.write(output_);
-  // A full ring is a plot that nobody draws.
+  // A full ring means a plot that nobody draws.
   static_cast<void>(exchange_.forces.push(static_cast<float>(glm::length(output_.tick.toHand.force))));
-  refreshOne();
-}
-
-void HandLoop::show(const ShownPose& shown) {
-  // A full ring means a window that stands still; refreshOne() heals what it missed.
-  shownDropped_ += exchange_.shown.push(shown) ? 0 : 1;
-}
-
-void HandLoop::showAsItIs(PartId part, sync::Micros sessionNow) {
-  const Pose& pose = state_.worldFromPart(part);
-  show({part, false, sessionNow, pose, pose});
-}
-
-void HandLoop::refreshOne() {
-  if (shownDropped_ == 0) return;
-  showAsItIs(refresh_, 0);
-  refresh_ = static_cast<PartId>((refresh_ + 1u) % scene_.scene().parts.size());
-}
-
-/// False if the network thread takes nothing now.
-bool HandLoop::ask(HandIntent intent) {
-  intent.lost = lost_;
-  return exchange_.intents.push(intent);
-}
-
-HandLoop::Followed* HandLoop::slotOf(PartId part) {
-  for (Followed& slot : followed_)
-    if (slot.part == part) return &slot;
-  return nullptr;
-}
-
-HandLoop::Followed* HandLoop::slotFor(PartId part, sync::Micros sessionNow) {
-  if (Followed* slot = slotOf(part)) return slot;
-  Followed* slot = slotOf(kNoPart);
-  if (!slot) return nullptr;
-  slot->part = part;
-  slot->owned = true;
-  slot->asked = false;
-  slot->control = assets::controlOf(scene_.scene(), part);
-  slot->playOut.restart(state_.worldFromPart(part), sessionNow, 0);
-  slot->seen.restart(state_.worldFromPart(part), sessionNow);
-  return slot;
-}
-
-HandLoop::Owned* HandLoop::ownedEntry(PartId part) {
-  for (Owned& owned : owned_)
-    if (owned.part == part) return &owned;
-  return nullptr;
-}
-
-void HandLoop::command(PartCommand::Kind kind, PartId part, const Pose& pose, std::uint8_t hand) {
-  ASSERT(commandCount_ < commands_.size());  // takeEvents() keeps room
-  commands_[(commandHead_ + commandCount_) % commands_.size()] = {kind, part, pose, hand};
-  ++commandCount_;
+  display_.refreshOne();
 }
 
 }  // namespace tandem::client

@@ -35,10 +35,21 @@ bool NearParts::meet(const Moving& held, const Moving& other, double playOutDela
   const assets::Bounds b = haptics::boundsAt(boxes_[other.part], other.worldFromPart);
   const double gap = glm::length(glm::max(glm::dvec3(0.0), glm::max(a.min - b.max, b.min - a.max)));
   const glm::dvec3 between = 0.5 * (b.min + b.max - a.min - a.max);
-  const double apart = glm::length(between);
+  const double distance = glm::length(between);
   const double closing =
-      apart > 0.0 ? glm::dot(held.twist.linear - other.twist.linear, between) / apart : 0.0;
-  return gap < near + std::clamp(closing, kSetOut, kMostClosing) * (2.0 * playOutDelay + kComingUp);
+      distance > 0.0 ? glm::dot(held.twist.linear - other.twist.linear, between) / distance : 0.0;
+  return gap < near + std::clamp(closing, kSetOut, kMaxClosing) * (2.0 * playOutDelay + kFadeTime);
+}
+
+bool NearParts::meetsHeld(const haptics::TickOutput& tick, const Moving& other, double playOutDelay,
+                          double near) const {
+  if (tick.flags & haptics::kFlagHeldWithoutContact) return false;
+  for (int i = 0; i < tick.ownedCount; ++i) {
+    const haptics::OwnedPart& mine = tick.owned[static_cast<std::size_t>(i)];
+    if (!mine.held || mine.part == other.part) continue;
+    if (meet({mine.part, mine.worldFromPart, mine.twist}, other, playOutDelay, near)) return true;
+  }
+  return false;
 }
 
 }  // namespace tandem::client

@@ -1,12 +1,13 @@
 #pragma once
 
 // Which parts of other sites come so near to a part that is held here that this site is to simulate them too,
-// before the two touch: a replica that is only played out, in contact at both sites, makes energy, and a
+// before the two touch: a replica that is only played out, in contact at both sites, creates energy, and a
 // coordination link that is asked for at contact comes too late.
 
 #include <vector>
 
 #include "assets/scene/scene.h"
+#include "haptics/base/tick_types.h"
 
 namespace tandem::client {
 
@@ -20,14 +21,18 @@ class NearParts {
     Pose worldFromPart;
     Twist twist;
   };
-  /// Whether the boxes of two parts are nearer than `near` m, or will be by the time that a question has been
-  /// answered and a link has come up. `playOutDelay` s, of what others move.
+  /// Whether the boxes of two parts are nearer than `near` m, or will be by the time at which a request has
+  /// been answered and a link has faded in. `playOutDelay` s, of what others move.
   bool meet(const Moving& held, const Moving& other, double playOutDelay, double near) const;
+  /// Whether a part meets one that a hand here holds in this tick. Held parts that nothing keeps off others
+  /// meet none.
+  bool meetsHeld(const haptics::TickOutput& tick, const Moving& other, double playOutDelay,
+                 double near) const;
 
   static constexpr double kNear = 0.02, kStillNear = 0.03;  // m: to begin, and to go on
-  static constexpr double kComingUp = 0.5;                  // s, of a link
-  static constexpr double kSetOut = 0.02;                   // m/s: for what stands still now may set out
-  static constexpr double kMostClosing = 0.5;               // m/s that is looked ahead for
+  static constexpr double kFadeTime = 0.5;                  // s, of a link
+  static constexpr double kSetOut = 0.02;                   // m/s: a part at rest may set out
+  static constexpr double kMaxClosing = 0.5;                // m/s, of the approach that is foreseen
 
  private:
   const assets::Scene& scene_;

@@ -1,7 +1,7 @@
 #pragma once
 
-// The bare tool of a second hand: it touches the scene as the first one's does, in a tick of its own. Whatever the hand
-// holds is another matter (haptics/grasp/second_hand.h).
+// The bare tool of a second hand: it touches the scene as the first one's does, in a tick of its own.
+// Whatever the hand holds is another matter (haptics/grasp/second_hand.h).
 //
 // Runs in the haptic thread; allocates only in the constructor.
 
@@ -18,10 +18,10 @@ class SecondTool {
   /// The scene must outlive this.
   explicit SecondTool(const haptics::ContactScene& scene) : scene_(scene), state_(scene) {}
 
-  /// One tick. `moved` are the parts that others move, `first` is the last tick of the first hand, whose parts this tool
-  /// meets where they are; `commands` are those that the first hand's tick gets: parts that are put somewhere are so here
-  /// too; `sessionTime` as TickInput's. While the hand `holds` a part the tool touches nothing, and it begins anew where the device then is.
-  /// Returns what the tool feels.
+  /// One tick. `moved` are the parts that others move, `first` is the last tick of the first hand, whose
+  /// parts this tool meets where they are; `commands` are those that the first hand's tick gets: parts that
+  /// are put somewhere are so here too; `sessionTime` as TickInput's. While the hand `holds` a part the tool
+  /// touches nothing, and it begins anew where the device then is. Returns what the tool feels.
   Wrench tick(const haptics::DeviceSample& reading, std::span<const haptics::PartMotion> moved,
               const haptics::TickOutput& first, std::span<const haptics::PartCommand> commands,
               const haptics::TickParameters& parameters, double sessionTime, bool holds);

@@ -157,7 +157,8 @@ void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
                 toSeconds(now), name().c_str(), sample.position.x, sample.position.y, sample.position.z, p.x,
                 p.y, p.z, sample.force.x, sample.force.y, sample.force.z,
                 tick().held == kNoPart ? "" : context_.scene.parts[tick().held].name.c_str(), tick().flags,
-                links.count, links.fade, links.delay * 1e3, links.pull.force.x, links.pull.force.y, links.pull.force.z);
+                links.count, links.fade, links.delay * 1e3, links.pull.force.x, links.pull.force.y,
+                links.pull.force.z);
   context_.trace << line;
 }
 
@@ -178,7 +179,7 @@ void SimulatedSite::addSources(const haptics::TickOutput& tick) {
     if (context_.scene.parts[i].movable) lastPoses_[i] = hand_->worldFromPart(static_cast<PartId>(i));
 }
 
-/// The leash on a replica (`lead`) may give some energy too; it counts as a source here and in no sum of
+/// The outage spring of a replica may give some energy too; it counts as a source here and in no sum of
 /// links.
 void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
   for (int i = 0; i < tick.ownedCount; ++i) {
