@@ -20,8 +20,8 @@ class ControlHand {
  public:
   explicit ControlHand(const assets::Scene& scene) : scene_(scene) {}
 
-  /// A control shall have a value, clamped to what it can have. Not a control's part, or nine at once: no
-  /// effect.
+  /// Notes the value that a control is to have, clamped to its range. No effect if the part is not a
+  /// control's, or for a ninth at once.
   void set(PartId part, double value);
 
   /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set,
@@ -38,19 +38,19 @@ class ControlHand {
         if (Entry* entry = add(part)) return ask(*entry);
     return kNoPart;
   }
-  /// The question could not be sent: it will be asked again.
+  /// The request could not be sent: it is repeated.
   void askLater(PartId part);
 
   /// Whether this hand asked for the part.
   bool asked(PartId part) const;
-  /// The server has said no, or has taken it away: it is not asked for again until the tool has left it.
+  /// The server has denied or revoked the part: it is not asked for again until the tool has left it.
   void denied(PartId part);
-  /// The connection is gone: nothing that was asked for will be answered.
+  /// The connection is lost: no request will be answered.
   void lost();
-  /// It is granted, or owned already: the pose at which to own it, if a value is to be set; then nothing is
-  /// left to do.
+  /// The part is granted, or owned already. Returns the pose at which to own it, if a value is to be set, and
+  /// drops the part from the list.
   std::optional<Pose> granted(PartId part);
-  /// A control that is owned here and is to be set: taken off the list with its pose.
+  /// A control that is owned here and is to be set.
   template <typename Owned>
   std::optional<PartId> toSet(const Owned& owned) const {
     for (const Entry& entry : entries_)

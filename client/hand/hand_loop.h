@@ -4,8 +4,8 @@
 // the network thread what they want (intents). Runs inside the servo thread, or on virtual time; allocates
 // only in the constructor.
 //
-// 1. A grasp goes the way of grasp.h. A part that nobody holds any more comes to rest and is released; a part
-//    that is revoked, or lost with the connection, is followed instead, while the force of its coupling
+// 1. A grasp has the stages of grasp.h. A part that nobody holds any more comes to rest and is released; a
+//    part that is revoked, or lost with the connection, is followed instead, while the force of its coupling
 //    fades.
 // 2. A part of another site is co-held: this site simulates a replica that a coordination link couples to the
 //    owner's. A co-holder whose hand is off leaves; one that is given the part owns its replica as it is. An

@@ -19,8 +19,8 @@ constexpr double kApproachShortest = 0.3;  // s
 
 // Far beyond any session, yet small enough that nothing computed from them overflows.
 constexpr double kLongest = 1e5;   // s
-constexpr double kMostTurn = 1e4;  // rad
-constexpr double kMostHz = 500.0;  // half the rate of the loop
+constexpr double kMaxAngle = 1e4;  // rad
+constexpr double kMaxHz = 500.0;   // half the rate of the loop
 
 /// A field's number within +-most; throws a message for a person.
 double number(const Json& step, const char* key, double most = kFarthest) {
@@ -118,13 +118,13 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   } else if (verb == "turn") {
     step.verb = Verb::turn;
     step.vector = axis(entry);
-    step.amount = number(entry, "angle", kMostTurn);
+    step.amount = number(entry, "angle", kMaxAngle);
     step.over = duration(entry, "over_s");
   } else if (verb == "sine") {
     step.verb = Verb::sine;
     step.vector = axis(entry);
     step.amount = number(entry, "amplitude");
-    step.hz = number(entry, "hz", kMostHz);
+    step.hz = number(entry, "hz", kMaxHz);
     step.over = duration(entry, "for_s");
   } else if (verb == "hold") {
     step.verb = Verb::hold;
@@ -296,8 +296,8 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
           nearestSurfacePoint(scene_, step.part, worldFromPart, worldFromHand.position);
       const bool press = step.verb == ScriptStep::Verb::press;
       goal.position = press ? surface.point - surface.normal * step.amount : surface.point;
-      const double way = glm::length(goal.position - present.position);
-      const double over = step.over >= 0.0 ? step.over : std::max(kApproachShortest, way / kApproachSpeed);
+      const double path = glm::length(goal.position - present.position);
+      const double over = step.over >= 0.0 ? step.over : std::max(kApproachShortest, path / kApproachSpeed);
       moveTo(goal, step.at, over);
       if (!press) {
         wish_ = step.part;
@@ -365,10 +365,10 @@ ScriptedPerson::Intent ScriptedPerson::evaluate(double t) {
     case Motion::still:
       break;
     case Motion::straight: {
-      const glm::dvec3 way = to_.position - from_.position;
-      target.worldFromTarget.position = from_.position + way * p.value;
-      target.velocity = way * (p.rate / length);
-      target.acceleration = way * (p.acceleration / (length * length));
+      const glm::dvec3 path = to_.position - from_.position;
+      target.worldFromTarget.position = from_.position + path * p.value;
+      target.velocity = path * (p.rate / length);
+      target.acceleration = path * (p.acceleration / (length * length));
       break;
     }
     case Motion::turn:

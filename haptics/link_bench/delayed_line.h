@@ -43,15 +43,15 @@ class DelayedLine {
     }
   }
 
-  /// Calls take(packet) for all packets that arrive.
-  template <typename Take>
-  void deliver(double now, const Take& take) {
+  /// Calls receive(packet) for all packets that arrive.
+  template <typename Receive>
+  void deliver(double now, const Receive& receive) {
     for (std::size_t i = 0; i < flying_.size();) {
       if (flying_[i].arrives > now + 1e-9) {
         ++i;
         continue;
       }
-      take(flying_[i].packet);
+      receive(flying_[i].packet);
       flying_.erase(flying_.begin() + static_cast<std::ptrdiff_t>(i));
     }
   }

@@ -51,7 +51,7 @@ void HandBench::account() {
     site.turnChange = full ? glm::length(site.onHand.torque - oldest.torque) : 0.0;
     oldest = site.onHand;
   }
-  mostCreated = std::max(mostCreated, given);
+  maxCreated = std::max(maxCreated, given);
 }
 
 bool HandBench::runTo(double until, const Intent& intent) {

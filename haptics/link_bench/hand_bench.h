@@ -54,8 +54,8 @@ class HandBench {
   double turnGap(std::size_t i, std::size_t j) const;
   bool astray() const;
 
-  double mostCreated = 0.0;  // J, created at all device ports together
-  double mostInLinks = 0.0;  // J, the most that any link has given and may still give beyond its input
+  double maxCreated = 0.0;  // J, created at all device ports together
+  double maxInLinks = 0.0;  // J, the most that any link has given and may still give beyond its input
 
  protected:
   HandBench(const std::vector<BenchSite>& sites, const Block& block);

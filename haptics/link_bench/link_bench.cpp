@@ -87,7 +87,7 @@ void LinkBench::accountLinks() {
       const haptics::LinkAccount account = ends_[i + side].link->account();
       sum += account.work + account.stored + account.reserve;
     }
-    mostInLinks = std::max(mostInLinks, sum);
+    maxInLinks = std::max(maxInLinks, sum);
   }
 }
 

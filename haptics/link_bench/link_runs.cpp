@@ -27,10 +27,10 @@ double squareOf(const glm::dvec3& v) { return glm::dot(v, v); }
 
 }  // namespace
 
-void Tally::take(const HandBench& bench) {
+void Tally::note(const HandBench& bench) {
   astray = bench.astray();
-  created = bench.mostCreated;
-  inLinks = bench.mostInLinks;
+  created = bench.maxCreated;
+  inLinks = bench.maxInLinks;
 }
 
 void Tally::worst(const Tally& other) {
@@ -47,7 +47,7 @@ std::vector<BenchSite> twoHands(const haptics::ArmParameters& first, const hapti
   return {{first, {0.03, 0.025, 0.01}}, {second, {-0.04, -0.02, 0.015}}};
 }
 
-SixAxes dragWay(double t, double amplitude) {
+SixAxes dragPath(double t, double amplitude) {
   const double s = t - 1.0;
   if (s < 0.0) return {};
   const double share = s < 1.0 ? minimumJerk(s) : s > 8.0 ? 1.0 - minimumJerk(s - 8.0) : 1.0;
@@ -59,9 +59,9 @@ DragFigures drag(HandBench& bench, const DragPlan& plan) {
   const glm::dvec3 axis{0.6, 0.64, 0.48};
   const auto intent = [&](double t, int who) {
     if (who != 0) return SixAxes{};
-    SixAxes way = dragWay(t, plan.amplitude);
-    way.about = (SixAxisArm::kLever * plan.turn / plan.amplitude * way.along.x) * axis;
-    return way;
+    SixAxes displacement = dragPath(t, plan.amplitude);
+    displacement.about = (SixAxisArm::kLever * plan.turn / plan.amplitude * displacement.along.x) * axis;
+    return displacement;
   };
   double ticks = 0.0;
   while (bench.time() < plan.until && !bench.astray()) {
@@ -77,7 +77,7 @@ DragFigures drag(HandBench& bench, const DragPlan& plan) {
     figures.load += squareOf(bench.site(0).onHand.force);
     ticks += 1.0;
   }
-  figures.take(bench);
+  figures.note(bench);
   for (double* square : {&figures.rms, &figures.turnRms, &figures.offGrip, &figures.load})
     *square = std::sqrt(*square / ticks);
   return figures;
@@ -88,7 +88,7 @@ PullFigures pull(HandBench& bench, LetGo who, double until) {
   const auto intent = [](double t, int site) {
     return site == 1 ? SixAxes{{0.015 * minimumJerk((t - 1.0) / 0.4), 0.0, 0.0}, {}} : SixAxes{};
   };
-  double ticks = 0.0, force = 0.0, way = 0.0, low = 1e9, high = -1e9;
+  double ticks = 0.0, force = 0.0, displacement = 0.0, low = 1e9, high = -1e9;
   while (bench.time() < until && !bench.astray()) {
     if (std::abs(bench.time() - kLetGo) < 0.5 * kTick) {
       if (who != LetGo::nobody) bench.site(1).arm.letGo();
@@ -98,8 +98,9 @@ PullFigures pull(HandBench& bench, LetGo who, double until) {
     const double t = bench.time();
     if (t > kLetGo - 1.5 && t < kLetGo) {
       force += glm::length(bench.site(0).onHand.force);
-      way += glm::length(bench.site(1).arm.device().position - bench.site(0).arm.device().position -
-                         (bench.site(1).bodyFromGrip.position - bench.site(0).bodyFromGrip.position));
+      displacement +=
+          glm::length(bench.site(1).arm.device().position - bench.site(0).arm.device().position -
+                      (bench.site(1).bodyFromGrip.position - bench.site(0).bodyFromGrip.position));
       ticks += 1.0;
     }
     if (t < until - 1.5) continue;
@@ -107,8 +108,8 @@ PullFigures pull(HandBench& bench, LetGo who, double until) {
     high = std::max(high, bench.site(0).centre().position.x);
     noteChanges(bench, figures);
   }
-  figures.take(bench);
-  figures.stiffness = force / std::max(1e-6, way);
+  figures.note(bench);
+  figures.stiffness = force / std::max(1e-6, displacement);
   figures.rest = high - low;
   figures.restless = figures.change;
   return figures;
@@ -121,10 +122,10 @@ Block beforeWall(Block block) {
 
 PressFigures press(HandBench& bench, const haptics::ArmParameters& arm) {
   PressFigures figures;
-  const double way = kWall + kPress / arm.stiffness;
+  const double displacement = kWall + kPress / arm.stiffness;
   const auto intent = [&](double t, int site) {
     const double share = t < 5.0 ? minimumJerk((t - 1.0) / 2.0) : 1.0 - minimumJerk((t - 5.0) / 2.0);
-    return site == 1 ? SixAxes{{way * share, 0.0, 0.0}, {}} : SixAxes{};
+    return site == 1 ? SixAxes{{displacement * share, 0.0, 0.0}, {}} : SixAxes{};
   };
   double xx = 0.0, xf = 0.0;
   const glm::dvec3 start = bench.site(1).arm.reading().position;
@@ -135,7 +136,7 @@ PressFigures press(HandBench& bench, const haptics::ArmParameters& arm) {
     xx += in * in;
     xf -= in * bench.site(1).onHand.force.x;
   }
-  figures.take(bench);
+  figures.note(bench);
   figures.stiffness = xf / xx;
   return figures;
 }

@@ -14,7 +14,7 @@ struct Tally {
   double change = 0.0;      // N in 20 ms, on any hand, while the run says so
   double turnChange = 0.0;  // N m in 20 ms
 
-  void take(const HandBench& bench);
+  void note(const HandBench& bench);
   void worst(const Tally& other);
 };
 
@@ -25,7 +25,7 @@ std::vector<BenchSite> twoHands(const haptics::ArmParameters& first, const hapti
                                 bool offCentre = false);
 
 /// The shared drag: 5 cm at 0.5 Hz from 1 s on.
-haptics::SixAxes dragWay(double t, double amplitude = 0.05);
+haptics::SixAxes dragPath(double t, double amplitude = 0.05);
 
 struct DragFigures : Tally {
   double rms = 0.0, most = 0.0;  // m, between the replicas

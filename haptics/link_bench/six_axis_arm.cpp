@@ -27,8 +27,8 @@ glm::dvec3 quantised(const glm::dvec3& x, double quantum) {
 }  // namespace
 
 Wrench withinLimits(const Wrench& onHand) {
-  const double most = haptics::SimulatedDeviceParameters{}.forceMax;
-  return {haptics::limited(onHand.force, most), haptics::limited(onHand.torque, most * SixAxisArm::kLever)};
+  const double limit = haptics::SimulatedDeviceParameters{}.forceMax;
+  return {haptics::limited(onHand.force, limit), haptics::limited(onHand.torque, limit * SixAxisArm::kLever)};
 }
 
 SixAxisArm::SixAxisArm(const haptics::ArmParameters& arm, const Pose& start)
@@ -36,11 +36,11 @@ SixAxisArm::SixAxisArm(const haptics::ArmParameters& arm, const Pose& start)
 
 Twist SixAxisArm::readingVelocity() const { return {readVelocity_.along, readVelocity_.about / kLever}; }
 
-void SixAxisArm::step(const SixAxes& way, const SixAxes& velocity, const SixAxes& acceleration,
+void SixAxisArm::step(const SixAxes& displacement, const SixAxes& velocity, const SixAxes& acceleration,
                       const Wrench& command) {
   const double h = kTick / kSubsteps;
   const SixAxes given{command.force, command.torque / kLever};
-  const Pose target = haptics::gone(start_, way, kLever);
+  const Pose target = haptics::gone(start_, displacement, kLever);
   for (int i = 0; i < kSubsteps; ++i) {
     SixAxes grip, drive = -50.0 * armVelocity_;
     if (held_) {
@@ -59,10 +59,10 @@ void SixAxisArm::step(const SixAxes& way, const SixAxes& velocity, const SixAxes
 }
 
 void SixAxisArm::read() {
-  const SixAxes way = haptics::wayBetween(start_, device_, kLever);
-  const SixAxes seen{quantised(way.along, p_.quantum), quantised(way.about, p_.quantum)};
+  const SixAxes displacement = haptics::wayBetween(start_, device_, kLever);
+  const SixAxes steps{quantised(displacement.along, p_.quantum), quantised(displacement.about, p_.quantum)};
   const Pose last = read_;
-  read_ = haptics::gone(start_, seen, kLever);
+  read_ = haptics::gone(start_, steps, kLever);
   readVelocity_ = 0.73 * readVelocity_ + (0.27 / kTick) * haptics::wayBetween(last, read_, kLever);
 }
 

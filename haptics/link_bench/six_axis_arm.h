@@ -22,8 +22,8 @@ class SixAxisArm {
   static constexpr double kLever = 0.07;  // m: the wrist of a firm arm holds 1.5 N m/rad
 
   SixAxisArm(const haptics::ArmParameters& arm, const Pose& start);
-  /// Advances a tick under a held command. The target is the start pose displaced by `way`.
-  void step(const haptics::SixAxes& way, const haptics::SixAxes& velocity,
+  /// Advances a tick under a held command. The target is the start pose displaced by `displacement`.
+  void step(const haptics::SixAxes& displacement, const haptics::SixAxes& velocity,
             const haptics::SixAxes& acceleration, const Wrench& command);
   void letGo() { held_ = false; }
 

@@ -142,7 +142,7 @@ TEST(LinkReport, TimesWhatItRecorded) {
   EXPECT_EQ(packet.sequence, recording->sent.size());
   setup.makeEnd = make;
   bench::LinkBench bench(setup);
-  bench.runTo(4.0, [](double t, int who) { return who == 0 ? bench::dragWay(t) : haptics::SixAxes{}; });
+  bench.runTo(4.0, [](double t, int who) { return who == 0 ? bench::dragPath(t) : haptics::SixAxes{}; });
   EXPECT_EQ(again.account().work, bench.end(0, 0).account().work);
   EXPECT_GT(tickCost(inUse(), 0.025), 0.0);
 }

@@ -295,7 +295,7 @@ TEST(CoordinationLink, PlayingOutSoonerItLendsMore) {
     setup.sites = twoHands(firmArm(), lightArm());
     setup.link.playOutMargin = margin;
     LinkBench bench(setup);
-    bench.runTo(4.0, [](double t, int who) { return who == 0 ? dragWay(t) : haptics::SixAxes{}; });
+    bench.runTo(4.0, [](double t, int who) { return who == 0 ? dragPath(t) : haptics::SixAxes{}; });
     return bench.end(0, 0).account().borrowed + bench.end(0, 1).account().borrowed;
   };
   const double usual = lentWith(0.0);

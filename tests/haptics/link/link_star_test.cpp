@@ -36,7 +36,7 @@ StarFigures dragStar(BenchSetup setup, std::size_t leader, bool othersHold) {
   for (std::size_t i = 0; i < setup.sites.size() && !othersHold; ++i)
     if (i != leader) bench.site(i).arm.letGo();
   const auto intent = [&](double t, int who) {
-    return who == static_cast<int>(leader) ? dragWay(t) : SixAxes{};
+    return who == static_cast<int>(leader) ? dragPath(t) : SixAxes{};
   };
   StarFigures figures;
   double ticks = 0.0;
@@ -47,7 +47,7 @@ StarFigures dragStar(BenchSetup setup, std::size_t leader, bool othersHold) {
     figures.load += glm::dot(force, force);
     ticks += 1.0;
   }
-  figures.take(bench);
+  figures.note(bench);
   figures.load = std::sqrt(figures.load / ticks);
   return figures;
 }
@@ -71,7 +71,7 @@ StarFigures pullStar(BenchSetup setup, std::size_t other) {
     for (std::size_t i = 0; i < setup.sites.size(); ++i)
       figures.change = std::max(figures.change, bench.site(i).change);
   }
-  figures.take(bench);
+  figures.note(bench);
   figures.stiffness = force / std::max(1e-6, way);
   return figures;
 }

@@ -147,7 +147,7 @@ void LinkedSites::step(const Intent& intent) {
     moveArm(i, intent);
     given += site.arm.given();
   }
-  mostCreated = std::max(mostCreated, given);
+  maxCreated = std::max(maxCreated, given);
   ++ticks_;
 }
 

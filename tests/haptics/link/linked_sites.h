@@ -62,7 +62,7 @@ class LinkedSites {
   const haptics::ContactScene& contact() const { return contact_; }
   double time() const { return kTick * static_cast<double>(ticks_); }
 
-  double mostCreated = 0.0;       // J, at all device ports together
+  double maxCreated = 0.0;        // J, at all device ports together
   std::uint32_t flags = 0;        // of all ticks
   std::uint64_t allocations = 0;  // in ticks and in what is called between them
   haptics::TickParameters parameters;

@@ -69,9 +69,9 @@ TEST(LinkedSites, HandsFeelEachOtherAsOnTheBench) {
     const double ofBench = handToHand(bench, [&] { return bench.site(0).onHand.force; });
     if (prints())
       std::printf("tied, hand to hand %3.0f ms: %3.0f N/m, bench %3.0f, %.4f mJ\n", 1e3 * delay, felt,
-                  ofBench, 1e3 * sites.mostCreated);
+                  ofBench, 1e3 * sites.maxCreated);
     EXPECT_NEAR(felt, ofBench, 0.1 * ofBench) << delay;
-    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+    EXPECT_LE(sites.maxCreated, kEnergyBound) << delay;
     EXPECT_EQ(sites.allocations, 0u);
     EXPECT_EQ(sites.flags & (haptics::kFlagFault | haptics::kFlagOverflow), 0u);
   }
@@ -97,7 +97,7 @@ double feltWall(double delay, bool tied, double& created) {
     xx += in * in;
     xf -= in * out.toHand.force.x;
   }
-  created = sites.mostCreated;
+  created = sites.maxCreated;
   return xf / xx;
 }
 
@@ -141,11 +141,11 @@ TEST(LinkedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
     const double z = sites.site(i).part().worldFromPart.position.z;
     if (prints())
       std::printf("tied peg, site %zu: %.2f of %.2f mm, depth %.2f um, %.4f mJ\n", i, 1e3 * z, 1e3 * wanted,
-                  1e6 * deepest, 1e3 * sites.mostCreated);
+                  1e6 * deepest, 1e3 * sites.maxCreated);
     EXPECT_NEAR(z, wanted, 2e-3) << i;
   }
   EXPECT_LE(deepest, 5e-6);
-  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_LE(sites.maxCreated, kEnergyBound);
   EXPECT_EQ(sites.allocations, 0u);
 }
 
@@ -225,7 +225,7 @@ Change changeOfHub(double delay) {
     EXPECT_GT(sites.site(site).part().links.fade, 0.99);
     if (prints()) std::printf("  hub site %zu %.3f N\n", site, glm::length(sites.site(site).onHand().force));
   }
-  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_LE(sites.maxCreated, kEnergyBound);
   return change;
 }
 
@@ -269,7 +269,7 @@ Change endLinkInTension(double delay, End how) {
     EXPECT_TRUE(sites.site(i).body().inertia == benchScene().parts[0].massProperties.inertia);
     EXPECT_LT(glm::length(sites.site(i).onHand().force), 0.1);
   }
-  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_LE(sites.maxCreated, kEnergyBound);
   return change;
 }
 
@@ -288,7 +288,7 @@ TEST(LinkedSites, TieThatEndsAtFullSpeedIsNotFelt) {
   for (const double delay : {0.010, 0.050}) {
     LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), lightArm())));
     sites.linkAll();
-    const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
+    const auto intent = [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; };
     const Change change = changeAfter(sites, 2, 4.0, 6.0, intent, [&](double now) {
       for (std::size_t i = 0; i < 2; ++i)
         if (isAt(now, 4.0)) sites.site(i).state.endLink({0, static_cast<SiteId>(2 - i)});
@@ -297,7 +297,7 @@ TEST(LinkedSites, TieThatEndsAtFullSpeedIsNotFelt) {
       std::printf("linked, ended at speed %3.0f ms: %.3f N in 20 ms, %.3f beyond before\n", 1e3 * delay,
                   change.most, change.excess);
     EXPECT_LE(change.most, 0.35) << delay;  // as in link_disturbed_test
-    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+    EXPECT_LE(sites.maxCreated, kEnergyBound) << delay;
   }
 }
 
@@ -316,7 +316,7 @@ TEST(LinkedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
   EXPECT_TRUE(held.held);
   EXPECT_LT(gap, 2e-3);
   EXPECT_LE(change.most, 0.3);
-  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_LE(sites.maxCreated, kEnergyBound);
 }
 
 TEST(LinkedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
@@ -340,13 +340,13 @@ double leadersForce(int simulators) {
   for (std::size_t i = 0; i < 2; ++i) sites.share(i, simulators);
   double square = 0.0, ticks = 0.0;
   while (sites.time() < 6.0) {
-    sites.step([](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    sites.step([](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; });
     if (sites.time() < 3.0) continue;
     const glm::dvec3 force = sites.site(0).onHand().force;
     square += glm::dot(force, force);
     ticks += 1.0;
   }
-  EXPECT_LE(sites.mostCreated, kEnergyBound);
+  EXPECT_LE(sites.maxCreated, kEnergyBound);
   return std::sqrt(square / ticks);
 }
 
@@ -363,7 +363,7 @@ TEST(LinkedSites, WhatALinkSaysItGaveThePartHasGot) {
   // damping, or with it at another place, breaks this.
   LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
   sites.linkAll();
-  const auto intent = [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; };
+  const auto intent = [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; };
   sites.runTo(3.0, intent);  // masses have come to their shares
   LinkedSites::Site& site = sites.site(0);
   double mostForce = 0.0;
@@ -440,16 +440,16 @@ TEST(LinkedSites, PullHarderThanTheirDevicesCan) {
   for (const double delay : {0.010, 0.025, 0.050, 0.100}) {
     LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
     sites.linkAll();
-    sites.runTo(8.0, [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    sites.runTo(8.0, [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; });
     BenchSetup setup;
     setup.network.delay = delay;
     setup.sites = twoHands(firmArm(), firmArm());
     LinkBench bench(setup);
-    bench.runTo(8.0, [](double t, int who) { return who == 0 ? dragWay(t) : SixAxes{}; });
+    bench.runTo(8.0, [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; });
     if (prints())
-      std::printf("tied, saturated %3.0f ms: %.4f mJ, bench %.4f\n", 1e3 * delay, 1e3 * sites.mostCreated,
-                  1e3 * bench.mostCreated);
-    EXPECT_LE(sites.mostCreated, kEnergyBound) << delay;
+      std::printf("tied, saturated %3.0f ms: %.4f mJ, bench %.4f\n", 1e3 * delay, 1e3 * sites.maxCreated,
+                  1e3 * bench.maxCreated);
+    EXPECT_LE(sites.maxCreated, kEnergyBound) << delay;
   }
 }
 
@@ -477,7 +477,7 @@ TEST(LinkedSites, PartsThatAreNotTiedKeepTheirBits) {
   LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), firmArm())));
   const Pose wall = sites.site(0).state.worldFromPart(1);
   for (std::size_t i = 0; i < 2; ++i) sites.command(i, {Kind::own, 1, wall});
-  const auto intent = [](double t, int) { return dragWay(t); };
+  const auto intent = [](double t, int) { return dragPath(t); };
   sites.runTo(0.5, intent);
   EXPECT_TRUE(sites.site(0).state.beginLink({{1, 9}, {}, 0.025, 1}));
   while (sites.time() < 3.0) {

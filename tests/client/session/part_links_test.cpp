@@ -1,0 +1,140 @@
+// The network side of coordination links: which links ownership asks for, by which terms and in which epochs.
+
+#include "client/session/part_links.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "tests/client/hand/box_row.h"
+
+namespace tandem::client {
+namespace {
+
+using Kind = NetworkEvent::Kind;
+using sync::Micros;
+
+constexpr SiteId kSelf = 1, kFirst = 2, kSecond = 3;
+constexpr PartId kBox = 0;
+
+class PartLinksTest : public testing::Test {
+ protected:
+  PartLinksTest() { view_.setSelf(kSelf); }
+
+  void own(SiteId owner) { view_.apply(sync::PartRecord{kBox, owner, ++epoch_, {}}); }
+  void coHold(std::vector<SiteId> sites) {
+    view_.apply(sync::MemberRecord{kBox, epoch_, ++version_, std::move(sites)});
+  }
+  /// The events of this kind that following ownership causes now.
+  std::vector<NetworkEvent> follow(Kind kind) {
+    links_.follow(view_, kBox, now_);
+    return eventsOf(kind);
+  }
+  std::vector<NetworkEvent> eventsOf(Kind kind) {
+    std::vector<NetworkEvent> events = links_.drainEvents();
+    std::erase_if(events, [&](const NetworkEvent& event) { return event.kind != kind; });
+    return events;
+  }
+
+  assets::Scene scene_ = test::rowOfBoxes();
+  sync::OwnershipView view_{3, {}};
+  PartLinks links_{scene_, 4e-3};
+  Micros now_ = 100 * sync::kSecond;
+  Epoch epoch_ = 0;
+  std::uint32_t version_ = 0;
+};
+
+TEST_F(PartLinksTest, AnOwnerLinksEachCoHolderOnce) {
+  own(kSelf);
+  EXPECT_TRUE(follow(Kind::link).empty());
+  coHold({kFirst});
+  const auto begun = follow(Kind::link);
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_EQ(begun[0].link.id, (haptics::LinkId{kBox, kFirst}));
+  EXPECT_FALSE(begun[0].ownedByPeer);
+  EXPECT_EQ(begun[0].link.parameters.packetPeriod, 4e-3);
+  EXPECT_EQ(begun[0].link.parameters.longestDelay, haptics::longestDelay(false));
+  EXPECT_TRUE(follow(Kind::link).empty());
+  coHold({});
+  const auto ended = follow(Kind::unlink);
+  ASSERT_EQ(ended.size(), 1u);
+  EXPECT_EQ(ended[0].link.id, (haptics::LinkId{kBox, kFirst}));
+}
+
+TEST_F(PartLinksTest, LinksThatGetLighterBeginAnewInALaterEpoch) {
+  own(kSelf);
+  coHold({kFirst});
+  const auto alone = follow(Kind::link);
+  std::vector<SiteId> many{kFirst};
+  for (SiteId site = kSecond; site < kSecond + 6; ++site) many.push_back(site);
+  coHold(many);
+  const auto all = follow(Kind::link);
+  ASSERT_EQ(all.size(), many.size());
+  EXPECT_EQ(all[0].link.id.peer, kFirst);
+  EXPECT_GT(all[0].link.epoch, alone[0].link.epoch);
+  EXPECT_LT(all[0].link.parameters.impedance, alone[0].link.parameters.impedance);
+}
+
+TEST_F(PartLinksTest, ASilentLinkBeginsAnewByTheSameTerms) {
+  own(kSelf);
+  coHold({kFirst});
+  const auto begun = follow(Kind::link);
+  links_.beginSilentAnew(view_, now_ + PartLinks::kSilence - 1);
+  EXPECT_TRUE(eventsOf(Kind::link).empty());
+  links_.beginSilentAnew(view_, now_ + PartLinks::kSilence);
+  const auto again = eventsOf(Kind::link);
+  ASSERT_EQ(again.size(), 1u);
+  EXPECT_GT(again[0].link.epoch, begun[0].link.epoch);
+  EXPECT_EQ(again[0].link.parameters.impedance, begun[0].link.parameters.impedance);
+}
+
+TEST_F(PartLinksTest, ACoHolderTakesEpochAndTermsFromTheOwnersPacket) {
+  own(kFirst);
+  coHold({kSelf});
+  EXPECT_TRUE(follow(Kind::link).empty());
+  EXPECT_FALSE(links_.felt(kBox, kFirst));
+  sync::LinkState state;
+  state.epoch = 6000;
+  state.sequence = 1;
+  state.time = now_;
+  state.on = true;
+  sync::LinkUpdate update = sync::toWire(state, kFirst, kBox);
+  update.posed = true;
+  update.terms = {20.0, 10.0, 2e-3};
+  const auto packet = links_.receive(update, view_, now_);
+  const auto begun = eventsOf(Kind::link);
+  ASSERT_EQ(begun.size(), 1u);
+  EXPECT_TRUE(begun[0].ownedByPeer);
+  EXPECT_EQ(begun[0].link.epoch, 6000u);
+  EXPECT_EQ(begun[0].link.parameters.impedance, 20.0);
+  EXPECT_EQ(begun[0].link.parameters.softImpedance, 10.0);
+  EXPECT_EQ(begun[0].link.parameters.packetPeriod, 2e-3);
+  ASSERT_TRUE(packet.has_value());
+  EXPECT_EQ(packet->link, begun[0].link.id);
+  EXPECT_TRUE(links_.felt(kBox, kFirst));
+  // The answer goes out by the same terms, and only in the epoch of the link.
+  haptics::AddressedPacket answer{packet->link, {}};
+  answer.packet.epoch = 6000;
+  const auto out = links_.toWire(answer);
+  ASSERT_TRUE(out.has_value());
+  EXPECT_EQ(out->terms, update.terms);
+  answer.packet.epoch = 5999;
+  EXPECT_FALSE(links_.toWire(answer).has_value());
+}
+
+TEST_F(PartLinksTest, APacketOfNobodysLinkIsDropped) {
+  own(kFirst);
+  sync::LinkState state;
+  state.epoch = 6000;
+  state.sequence = 1;
+  state.time = now_;
+  state.on = true;
+  sync::LinkUpdate update = sync::toWire(state, kFirst, kBox);
+  EXPECT_FALSE(links_.receive(update, view_, now_).has_value());  // this site is no co-holder
+  update.part = 99;
+  EXPECT_FALSE(links_.receive(update, view_, now_).has_value());
+  EXPECT_TRUE(links_.drainEvents().empty());
+}
+
+}  // namespace
+}  // namespace tandem::client
