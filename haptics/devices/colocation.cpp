@@ -1,72 +1,37 @@
 #include "haptics/devices/colocation.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
-#include <glm/geometric.hpp>
-#include <iterator>
 #include <sstream>
 
+#include <Eigen/Eigenvalues>
+#include <glm/geometric.hpp>
+
+#include "assets/base/assert.h"
 #include "assets/base/finite.h"
 #include "assets/base/json.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr std::size_t kMostPairs = 100000, kMostBytes = 16u << 20;
+constexpr std::size_t kMaxPairs = 100000, kMaxBytes = 16u << 20;
 constexpr double kFlat = 1e-3;   // second extent relative to the first, below which a set is a line
 constexpr double kClear = 1e-3;  // gap between the best and second-best rotation, relative to the spread
 constexpr double kPoor = 0.05;   // share of the spread that a bad fit leaves unexplained
 constexpr const char* kHeader = "dx,dy,dz,vx,vy,vz";
 
-using Matrix4 = std::array<std::array<double, 4>, 4>;
-
-/// Eigenvalues (descending) and unit eigenvectors (rows) of a symmetric matrix by Jacobi rotations.
-template <std::size_t N>
-void eigen(std::array<std::array<double, N>, N> a, std::array<double, N>& values,
-           std::array<std::array<double, N>, N>& vectors) {
-  for (std::size_t i = 0; i < N; ++i)
-    for (std::size_t j = 0; j < N; ++j) vectors[i][j] = i == j ? 1.0 : 0.0;
-  for (int sweep = 0; sweep < 50; ++sweep) {
-    for (std::size_t p = 0; p < N; ++p)
-      for (std::size_t q = p + 1; q < N; ++q) {
-        if (a[p][q] == 0.0) continue;
-        const double theta = 0.5 * std::atan2(2.0 * a[p][q], a[q][q] - a[p][p]);
-        const double c = std::cos(theta), s = std::sin(theta);
-        for (std::size_t k = 0; k < N; ++k) {
-          const double kp = a[k][p], kq = a[k][q];
-          a[k][p] = c * kp - s * kq;
-          a[k][q] = s * kp + c * kq;
-        }
-        for (std::size_t k = 0; k < N; ++k) {
-          const double pk = a[p][k], qk = a[q][k];
-          a[p][k] = c * pk - s * qk;
-          a[q][k] = s * pk + c * qk;
-          const double vp = vectors[p][k], vq = vectors[q][k];
-          vectors[p][k] = c * vp - s * vq;
-          vectors[q][k] = s * vp + c * vq;
-        }
-      }
-  }
-  std::array<std::size_t, N> order{};
-  for (std::size_t i = 0; i < N; ++i) order[i] = i;
-  std::ranges::sort(order, [&a](std::size_t i, std::size_t j) { return a[i][i] > a[j][j]; });
-  const auto unsorted = vectors;
-  for (std::size_t i = 0; i < N; ++i) {
-    values[i] = a[order[i]][order[i]];
-    vectors[i] = unsorted[order[i]];
-  }
-}
+Eigen::Vector3d toEigen(const glm::dvec3& v) { return {v.x, v.y, v.z}; }
 
 struct Moments {
   glm::dvec3 device{0.0, 0.0, 0.0}, view{0.0, 0.0, 0.0};  // centroids
-  double deviceSquare = 0.0, viewSquare = 0.0;            // sums of squared distances from them
-  std::array<std::array<double, 3>, 3> cross{};           // sum of d_i v_j
+  double deviceSquare = 0.0, viewSquare = 0.0;            // m^2, sums of squared distances from them
+  Eigen::Matrix3d cross = Eigen::Matrix3d::Zero();        // m^2, sum of d v^T: Horn's matrix M
 };
 
 Moments momentsOf(std::span<const PointPair> pairs) {
+  ASSERT(!pairs.empty());
   Moments m;
   const double share = 1.0 / static_cast<double>(pairs.size());
   for (const PointPair& pair : pairs) {
@@ -77,8 +42,7 @@ Moments momentsOf(std::span<const PointPair> pairs) {
     const glm::dvec3 d = pair.device - m.device, v = pair.view - m.view;
     m.deviceSquare += glm::dot(d, d);
     m.viewSquare += glm::dot(v, v);
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) m.cross[i][j] += d[static_cast<int>(i)] * v[static_cast<int>(j)];
+    m.cross += toEigen(d) * toEigen(v).transpose();
   }
   return m;
 }
@@ -86,26 +50,28 @@ Moments momentsOf(std::span<const PointPair> pairs) {
 /// Whether points lie on a line (or in one place), within a fraction of their extent.
 template <typename Get>
 bool onALine(std::span<const PointPair> pairs, const glm::dvec3& centre, Get get) {
-  std::array<std::array<double, 3>, 3> spread{}, axes{};
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
   for (const PointPair& pair : pairs) {
-    const glm::dvec3 d = get(pair) - centre;
-    for (std::size_t i = 0; i < 3; ++i)
-      for (std::size_t j = 0; j < 3; ++j) spread[i][j] += d[static_cast<int>(i)] * d[static_cast<int>(j)];
+    const Eigen::Vector3d d = toEigen(get(pair) - centre);
+    spread += d * d.transpose();
   }
-  std::array<double, 3> extents{};
-  eigen(spread, extents, axes);
-  return !(extents[1] > kFlat * kFlat * extents[0]);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(spread, Eigen::EigenvaluesOnly);
+  const Eigen::Vector3d extents = solver.eigenvalues();  // ascending
+  return !(extents[1] > kFlat * kFlat * extents[2]);
 }
 
-Matrix4 hornMatrix(const Moments& m) {
-  const auto& s = m.cross;
-  return {{{s[0][0] + s[1][1] + s[2][2], s[1][2] - s[2][1], s[2][0] - s[0][2], s[0][1] - s[1][0]},
-           {s[1][2] - s[2][1], s[0][0] - s[1][1] - s[2][2], s[0][1] + s[1][0], s[2][0] + s[0][2]},
-           {s[2][0] - s[0][2], s[0][1] + s[1][0], s[1][1] - s[0][0] - s[2][2], s[1][2] + s[2][1]},
-           {s[0][1] - s[1][0], s[2][0] + s[0][2], s[1][2] + s[2][1], s[2][2] - s[0][0] - s[1][1]}}};
+/// Horn's matrix N of M: its eigenvector of the largest eigenvalue is the rotation's quaternion, w first.
+Eigen::Matrix4d hornMatrix(const Eigen::Matrix3d& s) {
+  Eigen::Matrix4d n;
+  n << s(0, 0) + s(1, 1) + s(2, 2), s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0),  //
+      s(1, 2) - s(2, 1), s(0, 0) - s(1, 1) - s(2, 2), s(0, 1) + s(1, 0), s(2, 0) + s(0, 2),   //
+      s(2, 0) - s(0, 2), s(0, 1) + s(1, 0), s(1, 1) - s(0, 0) - s(2, 2), s(1, 2) + s(2, 1),   //
+      s(0, 1) - s(1, 0), s(2, 0) + s(0, 2), s(1, 2) + s(2, 1), s(2, 2) - s(0, 0) - s(1, 1);
+  return n;
 }
 
 void measure(std::span<const PointPair> pairs, Colocation& result) {
+  ASSERT(!pairs.empty() && result.scale > 0.0);
   double sum = 0.0;
   for (const PointPair& pair : pairs) {
     const double residual = glm::distance(result.toView(pair.device), pair.view);
@@ -122,7 +88,7 @@ Result<std::string> readAll(const std::string& path) {
   std::string text;
   for (char block[4096]; file.read(block, sizeof block) || file.gcount() > 0;) {
     text.append(block, static_cast<std::size_t>(file.gcount()));
-    if (text.size() > kMostBytes) return Error{path + ": too long for a calibration"};
+    if (text.size() > kMaxBytes) return Error{path + ": too long for a calibration"};
   }
   return text;
 }
@@ -142,24 +108,26 @@ Result<Colocation> colocate(std::span<const PointPair> pairs, bool withScale) {
   if (onALine(pairs, m.view, [](const PointPair& pair) { return pair.view; }))
     return Error{"calibration: the view's points lie on a line or in one place"};
 
-  std::array<double, 4> values{};
-  Matrix4 vectors{};
-  eigen(hornMatrix(m), values, vectors);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix4d> solver(hornMatrix(m.cross));
+  const Eigen::Vector4d values = solver.eigenvalues();  // ascending
+  if (solver.info() != Eigen::Success) return Error{"calibration: coordinates are too large"};
   const double spread = std::sqrt(m.deviceSquare) * std::sqrt(m.viewSquare);
-  // What no rotation explains, and what no rotation of the reflected set explains, as fractions of the spread
-  // (at best scale).
-  const double unexplained = 1.0 - values[0] * values[0] / (spread * spread);
-  const double mirrored = 1.0 - values[3] * values[3] / (spread * spread);
+  // The shares of the spread that the best rotation leaves unexplained, and the best rotation of the
+  // reflected set, at the best scale.
+  const double unexplained = 1.0 - values[3] * values[3] / (spread * spread);
+  const double mirrored = 1.0 - values[0] * values[0] / (spread * spread);
   if (unexplained > kPoor && mirrored < 0.25 * unexplained)
     return Error{"calibration: the points of one frame are a mirror image of the other's; check the axes"};
-  if (!(values[0] - values[1] > kClear * spread))
+  if (!(values[3] - values[2] > kClear * spread))
     return Error{"calibration: the pairs fit more than one turn equally well"};
 
   Colocation result;
-  const auto& q = vectors[0];
+  Eigen::Vector4d q = solver.eigenvectors().col(3);
+  if (q[0] < 0.0) q = -q;  // both signs are the same rotation
   result.viewFromDevice.orientation = glm::normalize(glm::dquat(q[0], q[1], q[2], q[3]));
-  // values[0] is the sum of v . R d.
-  if (withScale) result.scale = values[0] / m.deviceSquare;
+  // The largest eigenvalue is the sum of v . R d. Umeyama 1991, eq. 42: the scale is that sum over the
+  // device's spread.
+  if (withScale) result.scale = values[3] / m.deviceSquare;
   if (!(result.scale > 0.0) || !std::isfinite(result.scale))
     return Error{"calibration: the points of the two frames do not belong together"};
   result.viewFromDevice.position = m.view - result.scale * (result.viewFromDevice.orientation * m.device);
@@ -195,7 +163,7 @@ Result<std::vector<PointPair>> parsePairs(const std::string& text, const std::st
     if (read != 6 || static_cast<std::size_t>(end) != line.size())
       return wrong(number, "must be six numbers");
     if (!isFinite(p.device) || !isFinite(p.view)) return wrong(number, "a number is not finite");
-    if (pairs.size() == kMostPairs) return wrong(number, "too many pairs");
+    if (pairs.size() == kMaxPairs) return wrong(number, "too many pairs");
     pairs.push_back(p);
   }
   if (pairs.empty()) return Error{name + ": no pairs (a header " + kHeader + ", then one pair a row, m)"};
