@@ -18,7 +18,7 @@ namespace {
 using Object = tinygltf::Value::Object;
 using Array = tinygltf::Value::Array;
 
-/// Four digits: what a data sheet would give, and no noise of the last bits in the file.
+/// The value with four digits, as on a data sheet, so that the file holds no noise of the last bits.
 double rounded(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);
@@ -65,7 +65,7 @@ struct TextureNumbers {
     if (dot != std::string::npos) numbers.emplace_back(property.substr(dot + 1), value);
   }
   void choice(const char*, const auto&, const auto&) {}
-  void index(const char*, const auto&) {}
+  void whole(const char*, const auto&) {}
 };
 
 tinygltf::Value textureValue(const assets::SurfaceTexture& texture) {
@@ -123,7 +123,7 @@ class RecordWriter {
   std::set<std::string> stated_;
 };
 
-/// What extras.haptic of a physics material says beyond stiffness, damping and friction.
+/// Adds the properties of extras.haptic of a physics material other than stiffness, damping and friction.
 void addSurface(Object& haptic, const assets::Surface& surface) {
   RecordWriter writer(haptic);
   describe(writer, surface);
@@ -151,12 +151,13 @@ void addImages(tinygltf::Model& model, const SampleScene& scene) {
 }
 
 void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
-  for (const Look& look : scene.looks) {
+  for (const Appearance& appearance : scene.appearances) {
     tinygltf::Material material;
-    material.name = look.name;
-    material.pbrMetallicRoughness.baseColorFactor = {look.colour[0], look.colour[1], look.colour[2], 1.0};
-    material.pbrMetallicRoughness.metallicFactor = look.metallic;
-    material.pbrMetallicRoughness.roughnessFactor = look.roughness;
+    material.name = appearance.name;
+    material.pbrMetallicRoughness.baseColorFactor = {appearance.colour[0], appearance.colour[1],
+                                                     appearance.colour[2], 1.0};
+    material.pbrMetallicRoughness.metallicFactor = appearance.metallic;
+    material.pbrMetallicRoughness.roughnessFactor = appearance.roughness;
     model.materials.push_back(material);
   }
   Array feels;
@@ -174,7 +175,7 @@ void addMaterials(tinygltf::Model& model, const SampleScene& scene) {
   model.extensionsUsed.push_back("KHR_physics_rigid_bodies");
 }
 
-/// Seen from above, the image's middle in the origin and its rows along x.
+/// Maps the image from above, with its middle at the origin and its rows along x.
 int addTextureCoordinates(tinygltf::Model& model, double repeat, const assets::Mesh& welded) {
   std::vector<float> uv;
   for (const glm::dvec3& p : welded.positions) {
@@ -198,7 +199,7 @@ void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mes
   const int uvAccessor = shape.repeat > 0.0 ? addTextureCoordinates(model, shape.repeat, welded) : -1;
   tinygltf::Mesh mesh;
   mesh.name = shape.name;
-  for (std::size_t slot = 0; slot < shape.looks.size(); ++slot) {
+  for (std::size_t slot = 0; slot < shape.appearances.size(); ++slot) {
     std::vector<std::uint32_t> corners;
     for (std::size_t t = 0; t < welded.triangles.size(); ++t)
       if (welded.triangleMaterial[t] == slot)
@@ -208,7 +209,7 @@ void addMesh(tinygltf::Model& model, const SampleShape& shape, const assets::Mes
     if (uvAccessor >= 0) primitive.attributes["TEXCOORD_0"] = uvAccessor;
     primitive.indices = addAccessor(model, corners, TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT,
                                     TINYGLTF_TYPE_SCALAR, TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-    primitive.material = static_cast<int>(shape.looks[slot]);
+    primitive.material = static_cast<int>(shape.appearances[slot]);
     primitive.mode = TINYGLTF_MODE_TRIANGLES;
     mesh.primitives.push_back(primitive);
   }
@@ -219,7 +220,7 @@ tinygltf::Value motion(const assets::Mesh& mesh, double density) {
   const assets::MassProperties m = assets::massProperties(mesh, density);
   glm::dvec3 centre(0.0), inertia(0.0);
   for (int axis = 0; axis < 3; ++axis) {
-    // All movable shapes are symmetric about their own axis, which leaves rounding across it.
+    // All movable shapes are symmetric about their own axis; components across it are rounding errors.
     centre[axis] = std::abs(m.centreOfMass[axis]) < 1e-7 ? 0.0 : rounded(m.centreOfMass[axis]);
     inertia[axis] = rounded(m.inertia[axis][axis]);
   }

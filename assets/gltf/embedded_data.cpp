@@ -14,7 +14,7 @@ std::uint32_t bigEndian(const std::vector<unsigned char>& bytes, std::size_t at,
   return value;
 }
 
-/// Whether the header states a size that may be decoded: a few bytes must not ask for gigabytes.
+/// Whether the header states a size within the limit, so that a few bytes cannot demand gigabytes.
 bool modestSize(const std::vector<unsigned char>& bytes) {
   static constexpr unsigned char kPng[] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   const auto fits = [](std::uint32_t side) { return side > 0 && side <= kMaxTextureSide; };
@@ -58,7 +58,8 @@ std::optional<TextureImage> decodeImage(const std::vector<unsigned char>& bytes)
   out.width = static_cast<std::uint32_t>(image.width);
   out.height = static_cast<std::uint32_t>(image.height);
   out.texels.resize(count);
-  // The red channel: height maps are grey. Of 16 bits the upper eight, which come second in memory.
+  // Height maps are grey, so the red channel suffices. Of 16 bits the upper eight are used; they come second
+  // in memory.
   const std::size_t high = image.bits == 16 ? 1 : 0;
   for (std::size_t i = 0; i < count; ++i) out.texels[i] = image.image[i * step + high];
   return out;

@@ -1,7 +1,7 @@
 #pragma once
 
-// Data that stands inside a glTF file in an encoding of its own: data URIs and images. The one source that
-// decodes by tinygltf. For the loader's sources only.
+// Data that a glTF file holds in another encoding: data URIs and images. embedded_data.cpp is the one source
+// that decodes with tinygltf. For the loader's sources only.
 
 #include <optional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace tandem::assets {
 
-/// The bytes of a data URI; nothing where the text is none or cannot be decoded.
+/// The bytes of a data URI; nothing where the text is not a data URI or cannot be decoded.
 std::optional<std::vector<unsigned char>> decodeDataUri(const std::string& uri);
 
 /// The red channel of a PNG or JPEG image, at most kMaxTextureSide texels a side; nothing where it cannot be

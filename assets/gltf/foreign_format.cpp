@@ -9,7 +9,7 @@
 namespace tandem::assets {
 namespace {
 
-/// What the file says, without the mark of UTF-8 and spaces before it.
+/// The file's text without a leading byte-order mark and white space.
 std::string_view beginning(std::span<const unsigned char> file) {
   std::string_view text(reinterpret_cast<const char*>(file.data()), file.size());
   if (text.substr(0, 3) == "\xef\xbb\xbf") text.remove_prefix(3);

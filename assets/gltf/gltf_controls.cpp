@@ -10,6 +10,7 @@
 
 #include "assets/base/affine.h"
 #include "assets/gltf/gltf_json.h"
+#include "assets/scene/describe.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
@@ -17,7 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A rotation that takes X to a unit direction: the shortest one.
+/// The shortest rotation that takes X to a unit direction.
 glm::dquat fromX(const glm::dvec3& direction) {
   const glm::dvec3 x(1.0, 0.0, 0.0);
   const double cosine = glm::dot(x, direction);
@@ -50,8 +51,8 @@ class ControlReader {
     if (control.part == kNoPart || !scene_.parts[control.part].movable)
       throw GltfError(object.place(), "its node must be a body with a motion");
     control.name = cleanText(object.text("name", scene_.parts[control.part].name));
-    control.kind = readKind(object);
-    // Angles are radians in every file; lengths come in the file's unit.
+    control.kind = object.choice<ControlKind>("kind", "", kControlNames);
+    // Angles are in rad in every file; lengths are in the file's unit.
     const double scale = turns(control) ? 1.0 : unitScale_;
     const bool joined = readJoint(object, control);
     if (!joined) readAxis(object, flat, scale, control);
@@ -64,17 +65,9 @@ class ControlReader {
   }
 
  private:
-  static ControlKind readKind(const JsonObject& object) {
-    const std::string text = object.text("kind", "");
-    for (const ControlKind kind : {ControlKind::button, ControlKind::dial, ControlKind::slider,
-                                   ControlKind::drawer, ControlKind::layer})
-      if (text == toString(kind)) return kind;
-    object.fail("kind", "must be button, dial, slider, drawer or layer");
-  }
-
   // --- axis
 
-  /// The frame with X along the axis, and the part in it, from where both are now.
+  /// Sets the frame with X along the axis, and the part's pose in it, from their present poses.
   void place(const glm::dvec3& origin, const glm::dvec3& direction, Control& control) const {
     control.worldFromAxis = {origin, fromX(direction)};
     control.axisFromPart = Pose{};
@@ -96,8 +89,8 @@ class ControlReader {
     place(origin, direction / length, control);
   }
 
-  /// The one free axis of a joint, 0..2, of the kind that the control has. Nothing if all others are not
-  /// locked.
+  /// The one free axis of a joint, 0..2, linear or angular as the control needs. Nothing unless all other
+  /// axes are locked.
   static std::optional<int> freeAxis(const Joint& joint, bool angular) {
     std::uint8_t locked[2] = {0, 0};  // linear, angular
     for (const JointLimit& limit : joint.limits)
@@ -120,7 +113,8 @@ class ControlReader {
       const Pose& part = scene_.parts[control.part].worldFromPart;
       const Pose worldFromA = (isA ? part : Pose{}) * joint.aFromJoint;
       const Pose worldFromB = (isA ? Pose{} : part) * joint.bFromJoint;
-      // The extension measures B from A (its appendix on limits): a control that is A moves against that.
+      // The extension measures B relative to A (its appendix on limits), so a control that is A moves the
+      // opposite way.
       glm::dvec3 unit(0.0);
       unit[*axis] = 1.0;
       const glm::dvec3 direction = transformVector(worldFromA, unit);
@@ -199,7 +193,7 @@ class ControlReader {
     if (object.has("count")) {
       const std::size_t count = object.requiredIndex("count", kMaxDetents + 1, "detents");
       if (count < 2) object.fail("count", "must be at least 2");
-      // An endless dial has no last place: the first follows it.
+      // On an endless dial the first place follows the last one.
       const double gap =
           (control.max - control.min) / static_cast<double>(control.endless ? count : count - 1);
       for (std::size_t i = 0; i < count; ++i) places.push_back(control.min + gap * static_cast<double>(i));

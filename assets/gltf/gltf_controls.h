@@ -11,12 +11,13 @@
 
 namespace tandem::assets {
 
-/// The controls that the nodes state. `scene` has its parts and joints; `partOfNode[i]` is the part whose own
-/// node is nodes[i], else kNoPart. Lengths of the file are in units of `unitScale` m. Throws GltfError.
+/// The controls that the nodes state. `scene` holds the parts and joints already; `partOfNode[i]` is the part
+/// whose own node is nodes[i], else kNoPart. The file's lengths are in units of `unitScale` m. Throws
+/// GltfError.
 ///
-/// The axis is that of a joint of the part with one free axis and something fixed at its other end, if there
-/// is such a joint, else `axis` and `origin` in the node's frame. With a joint the rest value and, where the
-/// control states none, the stops are the joint's.
+/// If a joint with one free axis connects the part to something fixed, that joint gives the axis, the rest
+/// value and, where the control states none, the stops. Otherwise `axis` and `origin` in the node's frame
+/// give the axis.
 std::vector<Control> readControls(const GltfDocument& document, const Scene& scene,
                                   const std::vector<FlatNode>& nodes, const std::vector<PartId>& partOfNode,
                                   double unitScale);

@@ -12,8 +12,8 @@
 namespace tandem::assets {
 namespace {
 
-// The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec); beyond this a count is a
-// lie.
+// The codecs' best ratios are 64 (meshopt's vertex codec) and 12 (its index codec). A larger ratio means a
+// false count.
 constexpr std::size_t kMaxMeshoptRatio = 256;
 // A Draco connectivity symbol takes a fraction of a bit at best; real meshes spend 1 to 2 bits a face.
 constexpr std::size_t kMaxDracoFacesPerByte = 256;
@@ -97,7 +97,7 @@ void applySparse(const GltfDocument& document, std::size_t index, std::size_t si
   base.owned = std::move(dense);
 }
 
-/// The elements of an accessor of `components` numbers each, sparse ones put in.
+/// The elements of an accessor of `components` numbers each, with its sparse elements replaced.
 Elements accessorElements(const GltfDocument& document, std::size_t index, GltfAccessor::Type type,
                           std::size_t components) {
   const GltfAccessor& accessor = document.model.accessors[index];
@@ -110,7 +110,7 @@ Elements accessorElements(const GltfDocument& document, std::size_t index, GltfA
     elements = elementsIn(viewBytes(document, view), accessor.byteOffset, accessor.count,
                           document.model.bufferViews[view].byteStride, size, place);
   } else {
-    // Such elements are zeros that cost the file nothing, so that their count needs a bound of its own.
+    // These elements are zeros without bytes in the file, so their count needs a separate bound.
     if (!accessor.sparse.present) throw GltfError(place, "has neither a buffer view nor sparse values");
     elements.count = elementCount(document, index);
   }
@@ -125,7 +125,7 @@ void convertPositions(const Elements& elements, double divisor, std::vector<glm:
     std::memcpy(values, elements.at(i), sizeof values);
     const glm::dvec3 position(static_cast<double>(values[0]), static_cast<double>(values[1]),
                               static_cast<double>(values[2]));
-    // A normalised signed integer's most negative value stands for -1 too (glTF 2.0, 3.6.2.2).
+    // The most negative value of a normalised signed integer means -1 too (glTF 2.0, 3.6.2.2).
     out.push_back(divisor == 1.0 ? position : glm::max(position / divisor, glm::dvec3(-1.0)));
   }
 }
@@ -237,9 +237,9 @@ struct DracoHeader {
   }
 };
 
-/// The decoder allocates by the header's counts before it meets the end of the data, so they are checked
-/// against the length here. Layout: Draco bitstream specification 2.2, sections 3 and 5; glTF allows no other
-/// version.
+/// Checks the header's counts against the length of the data, because the decoder allocates by them before it
+/// reaches the end of the data. Layout: Draco bitstream specification 2.2, sections 3 and 5; glTF allows no
+/// other version.
 void checkDracoHeader(ByteView bytes, const std::string& place) {
   DracoHeader header{bytes};
   for (const char expected : {'D', 'R', 'A', 'C', 'O'})
@@ -288,7 +288,8 @@ void decodeMeshoptViews(GltfDocument& document) {
 
 std::size_t elementCount(const GltfDocument& document, std::size_t index) {
   const GltfAccessor& accessor = document.model.accessors[index];
-  // An element takes a byte at least, or comes out of nothing and must then not outnumber the file's bytes.
+  // An element has at least one byte. Elements without a buffer view have none; they may not outnumber the
+  // file's bytes.
   const std::size_t available =
       accessor.bufferView >= 0 ? viewBytes(document, static_cast<std::size_t>(accessor.bufferView)).size()
                                : fileBytes(document);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Numbers out of a glTF file's buffers: accessors (strided, sparse, quantised), Draco, meshopt. Every byte
-// range and every count is checked against the bytes that are there before anything is allocated. For the
+// Reads numbers from a glTF file's buffers: accessors (strided, sparse, quantised), Draco, meshopt. Every
+// byte range and every count is checked against the available bytes before memory is allocated. For the
 // loader's sources only.
 
 #include <cstdint>
@@ -18,18 +18,17 @@ namespace tandem::assets {
 /// Decompresses every buffer view that carries EXT_meshopt_compression into document.ownedViews.
 void decodeMeshoptViews(GltfDocument& document);
 
-/// How many elements an accessor has; refused if its bytes cannot hold them, so that the count may be trusted
-/// before anything is read. 0 <= accessor < accessors.size(), here and below.
+/// Number of elements of an accessor. An accessor whose bytes cannot hold them is refused, so the count can
+/// be trusted before the elements are read. 0 <= accessor < accessors.size(), here and below.
 std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
 
-/// A VEC3 accessor as positions in file units: floats, or integers as KHR_mesh_quantization allows. All
-/// finite.
+/// A VEC3 accessor as finite positions in file units: floats, or integers as KHR_mesh_quantization allows.
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor);
 
-/// The bytes of a buffer view, as they are after decompression; its range is checked.
+/// The bytes of a buffer view after decompression, within a checked range.
 ByteView viewBytes(const GltfDocument& document, std::size_t view);
 
-/// A VEC2 accessor as texture coordinates, all finite: floats, or integers, normalised or not.
+/// A VEC2 accessor as finite texture coordinates: floats, or integers, normalised or not.
 std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor);
 
 /// A SCALAR accessor of unsigned integers.

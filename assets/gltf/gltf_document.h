@@ -1,14 +1,14 @@
 #pragma once
 
-// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. Only the loader's own
-// sources (gltf_*.cpp, load_gltf.cpp) include this header.
+// A glTF file, opened: its container, its JSON and its buffers, with every reference checked. Only the
+// loader's own sources (gltf_*.cpp, load_gltf.cpp) include this header.
 //
-// 1. After openGltf() every index between the sections of the file is in range, and every property that the loader
-//    uses has the type that the specification gives it.
+// 1. After openGltf() every index between the sections of the file is in range, and every property that the
+//    loader uses has the type that the specification gives it.
 // 2. Byte ranges are checked where the bytes are read (gltf_decode.h), not by openGltf().
 // 3. The JSON is checked before tinygltf reads the model from it (gltf_model.h).
-// 4. A broken file is thrown as GltfError inside the loader, because it may be found ten calls deep and on any thread;
-//    the functions of load_gltf.h turn the exception into an Error.
+// 4. A broken file is thrown as GltfError inside the loader, because it may be found ten calls deep and on
+//    any thread; the functions of load_gltf.h turn the exception into an Error.
 
 #include <cstdint>
 #include <span>
@@ -24,7 +24,8 @@ namespace tandem::assets {
 using Bytes = std::vector<unsigned char>;
 using ByteView = std::span<const unsigned char>;
 
-/// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters replaced.
+/// Text of a file, fit to be shown on one line: cut to 200 bytes between characters, control characters
+/// replaced.
 std::string cleanText(std::string text);
 
 /// An opened file. Not movable: views point into it.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <initializer_list>
+#include <iterator>
 #include <numbers>
 #include <utility>
 
@@ -11,6 +12,7 @@
 
 #include "assets/base/affine.h"
 #include "assets/gltf/gltf_json.h"
+#include "assets/scene/describe.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
@@ -19,15 +21,15 @@ namespace {
 using Kind = ForceField::Kind;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
-// How far a node's scale may be from even: single-precision matrices are not better.
+// Tolerance of a node's even scale: the precision of single-precision matrices.
 constexpr double kEvenScale = 1e-5;
 
-/// One field object: each property by its kind, in the node's units.
+/// Reads one field object, each property by its kind, in the node's units.
 class FieldReader {
  public:
-  /// Lengths become m with `scale`; `turn` takes the file's directions to the field's frame.
-  FieldReader(const JsonObject& object, double scale, double turn)
-      : json_(object), scale_(scale), turn_(turn) {}
+  /// Lengths become m with `scale`; `mirror`, 1 or -1, takes the file's directions to the field's frame.
+  FieldReader(const JsonObject& object, double scale, double mirror)
+      : json_(object), scale_(scale), mirror_(mirror) {}
 
   ForceField read() {
     known_ = {"kind", "name", "maxForce", "region", "position", "rotation"};
@@ -70,9 +72,8 @@ class FieldReader {
 
   Kind readKind() const {
     const std::string kind = json_.text("kind", "");
-    for (const Kind k : {Kind::constant, Kind::spring, Kind::guide, Kind::damper, Kind::viscosity,
-                         Kind::waveform, Kind::gravity, Kind::potential})
-      if (kind == nameOf(k)) return k;
+    const auto* known = std::find(std::begin(kFieldNames), std::end(kFieldNames), kind);
+    if (known != std::end(kFieldNames)) return static_cast<Kind>(known - std::begin(kFieldNames));
     if (kind == "inertia" || kind == "acceleration" || kind == "mass")
       json_.fail("kind",
                  '\'' + kind +
@@ -88,20 +89,16 @@ class FieldReader {
   void readRegion() {
     const JsonObject region = *json_.object("region");
     FieldRegion& out = field_.region;
-    const std::string shape = region.text("shape", region.has("size") ? "box" : "sphere");
+    out.kind = region.choice<FieldRegion::Kind>("shape", region.has("size") ? "box" : "sphere", kRegionNames);
     double smallest = 0.0;
-    if (shape == "box") {
-      out.kind = FieldRegion::Kind::box;
+    if (out.kind == FieldRegion::Kind::box) {
       const auto size = region.vector("size");
       if (!size) region.fail("size", "is missing");
       out.halfSize = *size * (0.5 * scale_);
       smallest = std::min({out.halfSize.x, out.halfSize.y, out.halfSize.z});
       if (!(smallest > 0.0)) region.fail("size", "must be positive");
-    } else if (shape == "sphere") {
-      out.kind = FieldRegion::Kind::sphere;
-      smallest = out.radius = positive(region, "radius", 0.0, scale_);
     } else {
-      region.fail("shape", "must be box or sphere");
+      smallest = out.radius = positive(region, "radius", 0.0, scale_);
     }
     out.fade = region.has("fade") ? positive(region, "fade", 0.0, scale_) : 0.1 * smallest;
     if (out.fade > smallest * (1.0 + 1e-12))
@@ -142,20 +139,20 @@ class FieldReader {
     const glm::dvec3 axis = object.vector(key).value_or(glm::dvec3(0.0, 1.0, 0.0));
     const double length = glm::length(axis);
     if (!(length > 1e-9 && length < 1e9)) object.fail(key, "must not be zero");
-    return axis * (turn_ / length);
+    return axis * (mirror_ / length);
   }
 
   void readForce() {
     const auto force = json_.vector("force");
     if (!force) json_.fail("force", "is missing");
-    field_.force = *force * turn_;
+    field_.force = *force * mirror_;
     withinMaximum("force", glm::length(field_.force));
   }
 
-  /// Where the most that a law can give is known, asking for more than maxForce is a mistake.
-  void withinMaximum(const char* key, double most) const {
-    if (!(most <= field_.maxForce * (1.0 + 1e-12)))
-      json_.fail(key, "gives up to " + number(most) + " N, more than maxForce, which is " +
+  /// Refuses a law whose largest force, where it is known, exceeds maxForce.
+  void withinMaximum(const char* key, double force) const {
+    if (!(force <= field_.maxForce * (1.0 + 1e-12)))
+      json_.fail(key, "gives up to " + number(force) + " N, more than maxForce, which is " +
                           number(field_.maxForce) + " N");
   }
 
@@ -164,32 +161,25 @@ class FieldReader {
     if (!object) json_.fail("waveform", "is missing");
     const JsonObject& w = *object;
     FieldWaveform& out = field_.waveform;
-    const std::string shape = w.text("shape", "sine");
+    out.kind = w.choice<FieldWaveform::Kind>("shape", "sine", kWaveformNames);
     std::vector<std::string> known{"shape", "frequency", "phase", "start", "stop"};
     out.frequency = positive(w, "frequency", 0.0, 1.0);
     out.phase = w.numberOr("phase", 0.0);
     out.start = w.numberOr("start", 0.0);
     out.stop = w.numberOr("stop", 1e300);
     if (!(out.stop > out.start)) w.fail("stop", "must be later than start");
-    if (shape == "sine") {
-      out.kind = FieldWaveform::Kind::sine;
-    } else if (shape == "square") {
-      out.kind = FieldWaveform::Kind::square;
+    if (out.kind == FieldWaveform::Kind::square) {
       out.width = w.sizeOr("edge", 0.05 / out.frequency);
       if (out.width > 0.5 / out.frequency) w.fail("edge", "is longer than half a period");
       known.push_back("edge");
-    } else if (shape == "chirp") {
-      out.kind = FieldWaveform::Kind::chirp;
+    } else if (out.kind == FieldWaveform::Kind::chirp) {
       out.endFrequency = positive(w, "endFrequency", 0.0, 1.0);
       out.sweep = positive(w, "sweep", 1.0, 1.0);
       known.insert(known.end(), {"endFrequency", "sweep"});
-    } else if (shape == "pulses") {
-      out.kind = FieldWaveform::Kind::pulses;
+    } else if (out.kind == FieldWaveform::Kind::pulses) {
       out.width = positive(w, "width", 0.0, 1.0);
       if (out.width > 1.0 / out.frequency) w.fail("width", "is longer than a period");
       known.push_back("width");
-    } else {
-      w.fail("shape", "must be sine, square, chirp or pulses");
     }
     refuseUnknown(w, known);
   }
@@ -211,24 +201,15 @@ class FieldReader {
     }
     field_.range = positive(json_, "range", 0.0, scale_);
     if (!(field_.range > field_.radius)) json_.fail("range", "must be larger than radius");
-    const double most = field_.range - (field_.kind == Kind::gravity ? 0.0 : field_.radius);
-    field_.fade = json_.has("fade") ? positive(json_, "fade", 0.0, scale_) : 0.25 * most;
-    if (field_.fade > most * (1.0 + 1e-12)) json_.fail("fade", "is larger than range leaves room for");
+    const double room = field_.range - (field_.kind == Kind::gravity ? 0.0 : field_.radius);
+    field_.fade = json_.has("fade") ? positive(json_, "fade", 0.0, scale_) : 0.25 * room;
+    if (field_.fade > room * (1.0 + 1e-12)) json_.fail("fade", "is larger than range leaves room for");
   }
 
   void readSpring() {
     using Anchor = ForceField::Anchor;
-    const std::string to = field_.kind == Kind::guide ? "path" : json_.text("to", "point");
-    if (to == "point")
-      field_.anchor = Anchor::point;
-    else if (to == "line")
-      field_.anchor = Anchor::line;
-    else if (to == "plane")
-      field_.anchor = Anchor::plane;
-    else if (to == "path")
-      field_.anchor = Anchor::path;
-    else
-      json_.fail("to", "must be point, line, plane or path");
+    field_.anchor =
+        field_.kind == Kind::guide ? Anchor::path : json_.choice<Anchor>("to", "point", kAnchorNames);
     field_.stiffness = positive(json_, "stiffness", 0.0, 1.0);
     field_.damping.x = json_.sizeOr("damping", 0.0);
     field_.radius = json_.sizeOr("radius", 0.0) * scale_;
@@ -259,15 +240,14 @@ class FieldReader {
       for (int i = 0; i < 3; ++i) {
         const Json& value = entry.at(static_cast<std::size_t>(i));
         if (!value.isNumber() || !std::isfinite(value.number())) json_.fail("points", reason);
-        p[i] = value.number() * scale_ * turn_;
+        p[i] = value.number() * scale_ * mirror_;
       }
       if (!field_.points.empty() && field_.points.back() == p)
         json_.fail("points", "two in a row are the same");
       field_.points.push_back(p);
     }
-    const std::string curve = json_.text("curve", "catmull-rom");
-    if (curve != "catmull-rom" && curve != "polyline") json_.fail("curve", "must be catmull-rom or polyline");
-    field_.smooth = curve == "catmull-rom";
+    constexpr const char* kCurves[] = {"catmull-rom", "polyline"};
+    field_.smooth = json_.choice<int>("curve", "catmull-rom", kCurves) == 0;
     field_.closed = json_.flag("closed", false);
     if (field_.closed && (field_.points.size() < 3 || field_.points.front() == field_.points.back()))
       json_.fail("closed", "needs three points at least, of which the last is not the first");
@@ -284,10 +264,10 @@ class FieldReader {
   }
 
   void readPotential() {
-    const std::string function = json_.text("function", "");
-    if (function == "gaussian") {
+    using Potential = ForceField::Potential;
+    field_.potential = json_.choice<Potential>("function", "", kPotentialNames);
+    if (field_.potential == Potential::gaussian) {
       know({"depth", "sigma"});
-      field_.potential = ForceField::Potential::gaussian;
       readDepth();
       if (json_.raw("sigma").isArray())
         field_.sigma = *json_.vector("sigma") * scale_;
@@ -296,19 +276,15 @@ class FieldReader {
       const double least = std::min({field_.sigma.x, field_.sigma.y, field_.sigma.z});
       if (!(least > 0.0)) json_.fail("sigma", "must be positive");
       withinMaximum("depth", std::abs(field_.depth) / least * std::exp(-0.5));
-    } else if (function == "ripple") {
+    } else if (field_.potential == Potential::ripple) {
       know({"depth", "wavelength", "axis"});
-      field_.potential = ForceField::Potential::ripple;
       readDepth();
       field_.axis = direction(json_, "axis");
       field_.sigma = glm::dvec3(positive(json_, "wavelength", 0.0, scale_), 0.0, 0.0);
       withinMaximum("depth", std::abs(field_.depth) * kTwoPi / field_.sigma.x);
-    } else if (function == "polynomial") {
-      know({"terms"});
-      field_.potential = ForceField::Potential::polynomial;
-      readTerms();
     } else {
-      json_.fail("function", "must be gaussian, ripple or polynomial");
+      know({"terms"});
+      readTerms();
     }
   }
 
@@ -334,22 +310,22 @@ class FieldReader {
         term.powers[i] = static_cast<std::uint8_t>(power);
         sum += static_cast<int>(power);
       }
-      if (turn_ < 0.0 && sum % 2 != 0) term.coefficient = -term.coefficient;
+      if (mirror_ < 0.0 && sum % 2 != 0) term.coefficient = -term.coefficient;
       refuseUnknown(entry, {"coefficient", "powers"});
       field_.terms.push_back(term);
     }
   }
 
   const JsonObject& json_;
-  const double scale_, turn_;
+  const double scale_, mirror_;
   std::vector<std::string> known_;
   ForceField field_;
 };
 
-/// A rigid frame and the one factor by which its lengths are scaled; `turn` is -1 where the map mirrors.
+/// A rigid frame and the one factor by which its lengths are scaled; `mirror` is -1 where the map mirrors.
 struct EvenFrame {
   Pose rigid;
-  double scale = 1.0, turn = 1.0;
+  double scale = 1.0, mirror = 1.0;
 };
 
 EvenFrame evenFrame(const glm::dmat4& map, const std::string& place) {
@@ -406,8 +382,8 @@ class FieldsReader {
       throw GltfError(object.place(), "more than " + std::to_string(kMaxForceFields) + " fields in a scene");
     const EvenFrame frame = evenFrame(worldFromNode, object.place());
     PlacedField placed;
-    placed.field = FieldReader(object, frame.scale, frame.turn).read();
-    placed.field.partFromField = frame.rigid * ownPose(object, frame.scale * frame.turn);
+    placed.field = FieldReader(object, frame.scale, frame.mirror).read();
+    placed.field.partFromField = frame.rigid * ownPose(object, frame.scale * frame.mirror);
     placed.flatNode = flatNode;
     placed.place = object.place();
     if (placed.field.name.empty()) placed.field.name = cleanText(name);

@@ -1,8 +1,8 @@
 #pragma once
 
 // The force fields that a glTF file places: extras.haptic.field of a node (an object, or an array of them)
-// and extras.haptic.fields of the scene. The vocabulary stands in assets/scene/README.md. For the loader's sources
-// only.
+// and extras.haptic.fields of the scene. The vocabulary stands in assets/scene/README.md. For the loader's
+// sources only.
 
 #include <cstdint>
 #include <string>

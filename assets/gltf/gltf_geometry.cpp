@@ -48,7 +48,7 @@ class SoupBuilder {
     for (std::size_t i = 0; i < primitives; ++i) addPrimitive(piece, i, determinant < 0.0);
   }
 
-  TriangleSoup take() {
+  TriangleSoup finish() {
     if (!soup_.triangleUv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
     return std::move(soup_);
   }
@@ -70,9 +70,9 @@ class SoupBuilder {
       base = addPositions(decoded.positions, piece.partFromMesh, place);
       vertices = decoded.positions.size();
       indices = std::move(decoded.indices);
-      mode = kTriangles;  // Draco undoes strips
+      mode = kTriangles;  // Draco converts strips to triangles
     } else {
-      if (primitive.positions < 0) return;  // legal, and nothing to see
+      if (primitive.positions < 0) return;  // legal, and without geometry
       const auto positions = static_cast<std::size_t>(primitive.positions);
       base = baseOf(positions, piece.partFromMesh, place);
       vertices = elementCount(document_, positions);
@@ -164,7 +164,7 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
     };
     const std::size_t vertices = primitive.positions >= 0 ? count(primitive.positions) : 0;
     const std::size_t corners = primitive.indices >= 0 ? count(primitive.indices) : vertices;
-    // Positions cost as much as triangles, also those that no index names.
+    // Positions cost as much memory as triangles, even if no index refers to them.
     total += std::max(primitive.mode == kTriangles ? corners / 3 : corners, vertices / 3) + 1;
   }
   return total;
@@ -174,7 +174,7 @@ TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPi
                           GeometryNotes& notes) {
   SoupBuilder builder(document, notes);
   for (const MeshPiece& piece : pieces) builder.addPiece(piece);
-  return builder.take();
+  return builder.finish();
 }
 
 }  // namespace tandem::assets

@@ -1,5 +1,6 @@
 #include "assets/gltf/gltf_json.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "assets/gltf/gltf_document.h"
@@ -89,6 +90,19 @@ std::vector<std::string> JsonObject::texts(const char* key) const {
     out.push_back(value.at(i).text());
   }
   return out;
+}
+
+std::size_t JsonObject::indexOfName(const char* key, const std::string& name,
+                                    std::span<const char* const> names) const {
+  const auto found = std::ranges::find_if(names, [&](const char* known) { return name == known; });
+  if (!name.empty() && found != names.end()) return static_cast<std::size_t>(found - names.begin());
+  std::string list;
+  for (const char* known : names) {
+    if (*known == '\0') continue;
+    if (!list.empty()) list += known == names.back() ? " or " : ", ";
+    list += known;
+  }
+  fail(key, "must be " + list);
 }
 
 std::size_t JsonObject::count(const char* key) const {

@@ -1,8 +1,9 @@
 #pragma once
 
-// Typed, checked reading of JSON properties. Each names the place in the GltfError that it throws.
+// Typed, checked reading of JSON properties. A GltfError names the place of the property.
 
 #include <optional>
+#include <span>
 #include <string>
 
 #include <glm/vec3.hpp>
@@ -39,6 +40,12 @@ class JsonObject {
   bool flag(const char* key, bool fallback) const;
   std::string text(const char* key, const std::string& fallback) const;
   std::vector<std::string> texts(const char* key) const;
+  /// A property that is one of the names of an enumeration's values (describe.h), in their order; `fallback`
+  /// stands where it is absent. An empty name is that of no value.
+  template <typename Enum>
+  Enum choice(const char* key, const std::string& fallback, std::span<const char* const> names) const {
+    return static_cast<Enum>(indexOfName(key, text(key, fallback), names));
+  }
   /// Elements of a property that is an array; 0 if it is absent or null, 1 if it is a plain value.
   std::size_t count(const char* key) const;
   /// An index below `size`; a message says "of `what`".
@@ -52,6 +59,7 @@ class JsonObject {
 
  private:
   explicit JsonObject(std::string place) : place_(std::move(place)) {}
+  std::size_t indexOfName(const char* key, const std::string& name, std::span<const char* const> names) const;
 
   const Json* value_ = &Json::absent();
   std::string place_;

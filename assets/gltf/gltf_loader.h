@@ -1,7 +1,7 @@
 #pragma once
 
-// The steps of loading, for loadGltf() and for the cache, which has to look at the file before it decides.
-// For the loader's sources only.
+// The steps of loading, for loadGltf() and for the cache, which hashes the opened file before it builds the
+// scene. For the loader's sources only.
 
 #include <string>
 
@@ -16,7 +16,7 @@ void openFromDisk(const std::string& path, GltfDocument& document);
 /// The scene of an opened file; throws GltfError.
 Scene buildScene(const std::string& name, GltfDocument& document, const LoadOptions& options);
 
-/// The exception being handled as one line "name: place: reason". Call from a catch block only.
+/// The exception in flight as one line "name: place: reason". Call it from a catch block only.
 Error describeError(const std::string& name);
 
 }  // namespace tandem::assets

@@ -17,8 +17,8 @@ void stripObject(Json& object) {
   object.erase("extras");
 }
 
-/// The part of the document that tinygltf is given. tinygltf checks no index, refuses a file for a broken image, and has
-/// no entry for JSON that is already parsed.
+/// The part of the document that tinygltf is given. tinygltf checks no index, refuses a file for a broken
+/// image, and has no entry for JSON that is already parsed.
 std::string sectionsOf(const Json& document) {
   Json out;
   out["asset"]["version"] = "2.0";
@@ -33,8 +33,8 @@ std::string sectionsOf(const Json& document) {
       for (Json& primitive : mesh["primitives"]) {
         stripObject(primitive);
         primitive.erase("targets");
-        // tinygltf refuses index accessors without a buffer view, which are legal where they are sparse or where Draco
-        // holds the data. mesh() below reads the indices from the document instead.
+        // tinygltf refuses index accessors without a buffer view, which are legal where they are sparse or
+        // where Draco holds the data. mesh() below reads the indices from the document instead.
         primitive.erase("indices");
       }
   return out.dump();

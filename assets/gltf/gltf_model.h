@@ -1,9 +1,9 @@
 #pragma once
 
-// The core sections of a glTF file as plain structs, read by tinygltf from JSON that has passed checkRules(). The one
-// source that knows tinygltf's model is gltf_model.cpp, for its header costs seconds to compile. Images, textures,
-// skins, animations and cameras say nothing about shape and are not here, so that a broken one never keeps a scene
-// from loading. For the loader's sources only.
+// The core sections of a glTF file as plain structs, read by tinygltf from JSON that has passed checkRules().
+// gltf_model.cpp is the one source that knows tinygltf's model, because its header costs seconds to compile.
+// Images, textures, skins, animations and cameras do not describe shape and are left out, so that a broken
+// one never keeps a scene from loading. For the loader's sources only.
 
 #include <array>
 #include <string>

@@ -55,20 +55,20 @@ std::vector<bool> findChildren(const GltfModel& model) {
   return isChild;
 }
 
-/// With one parent a node at most, every node that no root reaches lies on or below a cycle.
+/// Since a node has at most one parent, every node that no root reaches lies on or below a cycle.
 void refuseCycles(const GltfModel& model, const std::vector<bool>& isChild) {
   std::vector<std::size_t> stack;
-  std::vector<bool> seen(model.nodes.size(), false);
+  std::vector<bool> visited(model.nodes.size(), false);
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
     if (!isChild[i]) stack.push_back(i);
   while (!stack.empty()) {
     const std::size_t node = stack.back();
     stack.pop_back();
-    seen[node] = true;
+    visited[node] = true;
     for (const int child : model.nodes[node].children) stack.push_back(static_cast<std::size_t>(child));
   }
   for (std::size_t i = 0; i < model.nodes.size(); ++i)
-    if (!seen[i]) throw GltfError(placeName("nodes", i), "belongs to a cycle of nodes");
+    if (!visited[i]) throw GltfError(placeName("nodes", i), "belongs to a cycle of nodes");
 }
 
 std::vector<std::size_t> sceneRoots(const GltfDocument& document, const std::vector<bool>& isChild) {

@@ -28,9 +28,9 @@ struct SubtreeMesh {
 /// parents and transforms that are not finite, anywhere in the file. `unitScale` is m per file unit.
 std::vector<FlatNode> flattenNodes(const GltfDocument& document, double unitScale);
 
-/// The nodes with meshes of the subtree at `root` (itself included, its own transform not). The file must
-/// have passed flattenNodes(). Each node visited is taken off `budget`, since many colliders may name one
-/// large subtree; a file that uses it up is refused.
+/// The nodes with meshes of the subtree at `root`, including `root` without its own transform. The file must
+/// have passed flattenNodes(). Each visited node reduces `budget`, because many colliders may name one large
+/// subtree; a file that exhausts it is refused.
 std::vector<SubtreeMesh> subtreeMeshes(const GltfDocument& document, std::size_t root, std::size_t& budget);
 
 }  // namespace tandem::assets

@@ -12,14 +12,13 @@ namespace tandem::assets {
 namespace {
 
 constexpr std::size_t kMaxPieces = 1u << 20;
-// Two instances whose residual differs by less than their numbers' own precision (float matrices) are the
-// same.
+// Instances whose residuals differ by less than the precision of float matrices count as equal.
 constexpr double kSameTransform = 1e-6;
 
-/// Appends " #2", " #3" ... to names that are taken.
+/// Appends " #2", " #3" ... to names that are in use.
 class UniqueNames {
  public:
-  std::string take(const std::string& wanted) {
+  std::string unique(const std::string& wanted) {
     if (taken_.insert(wanted).second) return wanted;
     std::size_t& next = nextSuffix_.try_emplace(wanted, 2).first->second;
     while (true) {
@@ -66,7 +65,7 @@ class MaterialTable {
   }
 
  private:
-  /// Into ScenePlan::surfaces; kNone for what says no more than a material holds itself.
+  /// Index into ScenePlan::surfaces; kNone for a surface whose properties all fit in a material.
   std::uint32_t feelIndex(const Surface& feel) {
     if (feel == Surface{}) return kNone;
     const auto [it, isNew] = feels_.emplace(feel, static_cast<std::uint32_t>(surfacesOut_.size()));
@@ -160,8 +159,7 @@ class Planner {
     return physics_.nodes[plan_.nodes[flat].gltfNode];
   }
 
-  /// Whether the node lies in a body of its own or of an ancestor; only such parts reach down to their
-  /// descendants.
+  /// Whether the node or an ancestor is a body; only bodies gather the geometry of their descendants.
   bool inBody(std::uint32_t part) const { return part != kNone && plan_.parts[part].motion.has_value(); }
 
   void findParts() {
@@ -192,7 +190,7 @@ class Planner {
     if (plan_.parts.size() >= kMaxParts)
       throw GltfError("nodes", "more than " + std::to_string(kMaxParts) + " parts");
     PartPlan part;
-    part.name = names_.take(nameOf(node));
+    part.name = names_.unique(nameOf(node));
     part.flatNode = node;
     part.worldFromPart = split->rigid;
     part.motion = physicsOf(node).motion;
@@ -259,7 +257,7 @@ class Planner {
 
   glm::dmat4 partFromNode(const PartPlan& part, std::uint32_t flat) const {
     if (part.flatNode == flat) {
-      // Exactly without translation, so that instances can be told to be the same.
+      // Translation is exactly zero, so that equal instances compare equal.
       glm::dmat4 residual(splitRigid(plan_.nodes[flat].worldFromNode).value().residual);
       return residual;
     }
@@ -271,7 +269,7 @@ class Planner {
     const std::uint32_t index = plan_.partOfNode[flat];
     if (mesh < 0 || index == kNone) return;
     PartPlan& part = plan_.parts[index];
-    if (part.flatNode != flat && !inBody(index)) return;  // below a static part, but flattened itself
+    if (part.flatNode != flat && !inBody(index)) return;  // a flattened node below a static part
     addPiece(part, static_cast<std::size_t>(mesh), partFromNode(part, flat), surfaceOf_[flat]);
   }
 
@@ -286,16 +284,16 @@ class Planner {
     addColliderMesh(part, index, flat, *collider);
   }
 
-  /// A collider that is a mesh. Nearly always it is the mesh that is seen, which the part has already; only a
-  /// part that shows nothing takes its geometry from here.
+  /// A collider that is a mesh. It is nearly always the visible mesh, which the part has already; only a part
+  /// without a visible mesh gets its geometry from the collider.
   void addColliderMesh(PartPlan& part, std::uint32_t index, std::uint32_t flat,
                        const PhysicsCollider& collider) {
     const bool bare = part.pieces.empty() || bareParts_.count(index) > 0;
     if (!bare) {
       const std::uint32_t other = collider.node ? flatOf_[*collider.node] : kNone;
-      const bool seen = collider.node ? other != kNone && plan_.partOfNode[other] == index
-                                      : nodeOf(flat).mesh == static_cast<int>(*collider.mesh);
-      if (!seen) ++unusedColliderMeshes_;
+      const bool isVisual = collider.node ? other != kNone && plan_.partOfNode[other] == index
+                                          : nodeOf(flat).mesh == static_cast<int>(*collider.mesh);
+      if (!isVisual) ++unusedColliderMeshes_;
       return;
     }
     bareParts_.insert(index);
@@ -319,7 +317,7 @@ class Planner {
     part.shapes.push_back(shape);
   }
 
-  /// Scales a primitive by a symmetric matrix; where the result is none, by its mean.
+  /// Scales a primitive by a symmetric matrix; where the result would not be a primitive, by the mean scale.
   void scaleShape(ImplicitShape& shape, const glm::dmat3& residual) {
     const glm::dvec3 diagonal(std::abs(residual[0][0]), std::abs(residual[1][1]), std::abs(residual[2][2]));
     const double mean = std::cbrt(std::abs(glm::determinant(residual)));

@@ -1,8 +1,8 @@
 #pragma once
 
-// Decides which nodes of a glTF file make up which part: plain CAD gives a static part a mesh node, a node
-// with `motion` gathers what its descendants without a motion of their own hold. For the loader's sources
-// only.
+// Decides which nodes of a glTF file make up which part. In plain CAD each mesh node becomes a static part; a
+// node with `motion` becomes a part with the geometry of all its descendants that have no motion of their
+// own. For the loader's sources only.
 
 #include <cstdint>
 #include <map>
@@ -30,7 +30,7 @@ struct PartPlan {
   std::uint32_t geometry = kNone;       // into ScenePlan::geometries
 };
 
-/// What there is to read, and who uses it.
+/// The geometry to be read, and the parts that use it.
 struct ScenePlan {
   std::vector<FlatNode> nodes;
   std::vector<PartPlan> parts;

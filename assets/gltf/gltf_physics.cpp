@@ -11,7 +11,11 @@
 namespace tandem::assets {
 namespace {
 
-/// One dialect's names and offsets: OMI entries follow KHR's in the same arrays.
+// The values of false and true.
+constexpr const char* kAxisNames[] = {"linear", "angular"};
+constexpr const char* kModeNames[] = {"force", "acceleration"};
+
+/// The entries of one dialect within an array that holds KHR's entries first and OMI's after them.
 struct Section {
   std::size_t first = 0, count = 0;
 };
@@ -97,7 +101,7 @@ class PhysicsReader {
 
   // --- materials and filters
 
-  /// The numbers of a contact, by the ranges of the material that they become.
+  /// Checks the numbers of a contact by the ranges of the material that they become.
   static void checkContact(const PhysicsSurface& surface, const std::string& place) {
     Material material;
     material.stiffness = surface.stiffness;
@@ -108,20 +112,20 @@ class PhysicsReader {
     refuseFault(outOfRange(material), place);
   }
 
-  /// Only a node has a tolerance. Takes stiffness and damping from `holder`.extras.haptic; whether there is
-  /// such an object.
+  /// Reads the surface of `holder`.extras.haptic; false if there is no such object or it describes no
+  /// surface. Only a node (`ofNode`) has a tolerance.
   bool readHaptic(const Json& holder, const std::string& place, PhysicsSurface& surface, bool ofNode) {
     const Json& value = holder.member("extras").member("haptic");
     if (value.isAbsent()) return false;
     const JsonObject haptic(value, place + ".extras.haptic");
-    // A force field that a node carries (gltf_fields.h) and a tolerance say nothing about its surface.
+    // A force field (gltf_fields.h) and a tolerance do not describe the node's surface.
     const std::size_t others = (haptic.has("field") ? 1u : 0u) + (haptic.has("tolerance") ? 1u : 0u);
     if (others > 0 && haptic.raw().size() == others) return false;
     surface.stiffness = haptic.sizeOr("stiffness", surface.stiffness);
     surface.damping = haptic.sizeOr("damping", surface.damping);
     surface.staticFriction = haptic.sizeOr("staticFriction", surface.staticFriction);
     surface.dynamicFriction = haptic.sizeOr("dynamicFriction", surface.dynamicFriction);
-    // "field" and "control" are a node's own, read by gltf_fields and gltf_controls.
+    // gltf_fields.cpp and gltf_controls.cpp read "field" and "control".
     checkContact(surface, haptic.place());
     readSurface(haptic, json_, surface.feel, unusedHaptics_);
     if (!ofNode && haptic.has("tolerance")) unusedHaptics_.add("tolerance");
@@ -199,12 +203,9 @@ class PhysicsReader {
   }
 
   JointDrive readDrive(const JsonObject& entry) {
-    const std::string type = entry.text("type", ""), mode = entry.text("mode", "");
-    if (type != "linear" && type != "angular") entry.fail("type", "must be linear or angular");
-    if (mode != "force" && mode != "acceleration") entry.fail("mode", "must be force or acceleration");
     JointDrive drive;
-    drive.angular = type == "angular";
-    drive.acceleration = mode == "acceleration";
+    drive.angular = entry.choice<bool>("type", "", kAxisNames);
+    drive.acceleration = entry.choice<bool>("mode", "", kModeNames);
     drive.axis = static_cast<std::uint8_t>(entry.requiredIndex("axis", 3, "axes"));
     drive.maxForce = entry.sizeOr("maxForce", 1e300);
     drive.positionTarget = entry.numberOr("positionTarget", 0.0);
@@ -214,7 +215,7 @@ class PhysicsReader {
     return drive;
   }
 
-  /// What the extensions have no words for: a thread, and places where a joint snaps.
+  /// Reads the properties that the extensions lack: a thread, and detents.
   void readHaptic(const JsonObject& entry, PhysicsJoint& joint) {
     const auto extras = entry.object("extras");
     const auto haptic = extras ? extras->object("haptic") : std::nullopt;
@@ -222,9 +223,7 @@ class PhysicsReader {
     joint.pitch = haptic->numberOr("pitch", 0.0);
     const auto detents = haptic->object("detents");
     if (!detents) return;
-    const std::string type = detents->text("type", "");
-    if (type != "linear" && type != "angular") detents->fail("type", "must be linear or angular");
-    joint.detentsTurn = type == "angular";
+    joint.detentsTurn = detents->choice<bool>("type", "", kAxisNames);
     const std::size_t size = detents->count("positions");
     if (size == 0 || size > kMaxDetents) detents->fail("positions", "must be one to 4096 numbers");
     joint.detents.places = detents->numbers("positions", size).value();
@@ -277,7 +276,7 @@ class PhysicsReader {
     if (motion.inertiaDiagonal &&
         std::min({motion.inertiaDiagonal->x, motion.inertiaDiagonal->y, motion.inertiaDiagonal->z}) < 0.0)
       entry.fail("inertiaDiagonal", "must not be negative");
-    // OMI writes three zeros for "compute it", KHR for "infinite"; an inertia of zero serves neither.
+    // Three zeros mean "compute it" in OMI and "infinite" in KHR.
     if (omi && motion.inertiaDiagonal == glm::dvec3(0.0)) motion.inertiaDiagonal.reset();
     if (const auto q = entry.numbers("inertiaOrientation", 4)) {
       const glm::dquat orientation((*q)[3], (*q)[0], (*q)[1], (*q)[2]);
@@ -356,7 +355,7 @@ class PhysicsReader {
     if (const auto omi = extensionOf(value, "OMI_physics_body", place)) {
       const auto motion = omi->object("motion");
       if (motion && motion->text("type", "") != "static") node.motion = readMotion(*motion, true);
-      // OMI bodies take their materials and filters from KHR's lists where the file has no list of its own.
+      // OMI bodies use KHR's lists of materials and filters where the file has no OMI list.
       if (const auto collider = omi->object("collider"))
         node.collider =
             readCollider(*collider, omiShapes_, omiMaterials_.count > 0 ? omiMaterials_ : khrMaterials_,

@@ -18,7 +18,7 @@
 
 namespace tandem::assets {
 
-/// How a contact with a surface feels, from a physics material and extras.haptic.
+/// Contact properties of a surface, from a physics material and extras.haptic.
 struct PhysicsSurface {
   double staticFriction = 0.0, dynamicFriction = 0.0, restitution = 0.0;
   double stiffness = 0.0, damping = 0.0;  // N/m, N·s/m
@@ -27,7 +27,7 @@ struct PhysicsSurface {
   auto operator<=>(const PhysicsSurface&) const = default;
 };
 
-/// The `motion` of a node: it is a body.
+/// The `motion` of a node, which makes it a body.
 struct PhysicsMotion {
   bool kinematic = false;
   std::optional<double> mass;                 // kg; 0 = infinite
@@ -84,7 +84,7 @@ struct GltfPhysics {
   std::vector<Finding> findings;
 };
 
-/// Reads it all, every index checked and every number finite.
+/// Reads all physics of a file; every index is in range and every number finite.
 GltfPhysics readPhysics(const GltfDocument& document);
 
 }  // namespace tandem::assets

@@ -37,7 +37,7 @@ struct KeyCollector {
 
   void number(const char* property, double, const Range&, bool = true) { add(property); }
   void choice(const char* property, const auto&, const auto&) { add(property); }
-  void index(const char* property, const auto&) { add(property); }
+  void whole(const char* property, const auto&) { add(property); }
   void record(const char*, const auto& value) { describe(*this, value); }
 
   void add(const char* property) {
@@ -53,7 +53,7 @@ const Keys& knownKeys() {
     const Surface any;
     describe(collector, any);
     Keys keys = std::move(collector.keys);
-    // A law may be stated beside its numbers instead of around them, and some effects have a short form.
+    // The numbers of a law may stand in extras.haptic itself, and some effects have a short form.
     for (const std::string& key : keys["law"])
       if (key != "type") keys[""].insert(key);
     keys[""].insert({"textureAmplitude", "textureWavelength", "popThroughForce"});
@@ -87,7 +87,7 @@ struct NumberReader {
     if (name.group == group) value = object.sizeOr(name.key.c_str(), value);
   }
   void choice(const char*, auto&, const auto&) {}
-  void index(const char*, auto&) {}
+  void whole(const char*, auto&) {}
 };
 
 void readTexture(const JsonObject& haptic, const Json& document, SurfaceTexture& out,

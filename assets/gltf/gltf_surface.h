@@ -1,6 +1,6 @@
 #pragma once
 
-// What extras.haptic says about a surface, and the images that it names. For the loader's sources only.
+// Reads the surface properties of extras.haptic and the images that they name. For the loader's sources only.
 
 #include <cstdint>
 #include <string>
@@ -12,10 +12,10 @@
 
 namespace tandem::assets {
 
-/// Properties that nobody reads: misspelt, most likely.
+/// Properties that the loader does not know, most likely misspelt.
 struct UnknownProperties {
   std::uint64_t count = 0;
-  std::string names;  // of the first few, fit to be shown
+  std::string names;  // of the first few, printable
 
   void add(const std::string& name);
 };

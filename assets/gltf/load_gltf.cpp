@@ -25,8 +25,8 @@
 namespace tandem::assets {
 namespace {
 
-// Without these a file may be read as something else than its author meant. Textures are not drawn, so that
-// extensions about nothing but them are no obstacle.
+// Extensions that may be in extensionsRequired. Textures are not drawn, so extensions that concern only
+// textures can be ignored.
 constexpr const char* kKnownExtensions[] = {
     "KHR_physics_rigid_bodies",   "KHR_implicit_shapes",     "OMI_physics_shape",
     "OMI_physics_body",           "OMI_physics_joint",       "OMI_physics_gravity",
@@ -39,7 +39,7 @@ bool isKnown(const std::string& extension) {
          std::end(kKnownExtensions);
 }
 
-/// A mesh in the making, one a distinct geometry.
+/// The mesh of one distinct geometry while it is being built.
 struct Analysed {
   MeshAnalysis analysis;
   GeometryNotes notes;
@@ -94,7 +94,7 @@ class SceneBuilder {
     std::vector<bool> needsMass(meshes_.size(), false);
     for (const PartPlan& part : plan_.parts)
       if (part.geometry != kNone && wantsMovable(part)) needsMass[part.geometry] = true;
-    // The largest first, so that no core is left with it at the end.
+    // The largest mesh comes first, so that no core begins it last.
     std::vector<std::size_t> order(meshes_.size()), size(meshes_.size(), 0);
     for (std::size_t i = 0; i < order.size(); ++i) {
       order[i] = i;
@@ -208,7 +208,8 @@ class SceneBuilder {
 
   // --- joints
 
-  /// The part that moves with a node, and the node's frame in it; the world's where nothing moves.
+  /// The part that a node moves with and the node's frame in it; kNoPart and the frame in the world if it
+  /// does not move.
   std::pair<PartId, Pose> anchor(std::uint32_t flat, const std::string& place) const {
     const std::optional<RigidSplit> split = splitRigid(plan_.nodes[flat].worldFromNode);
     if (!split) throw GltfError(place, "a joint's node is scaled to zero");
@@ -273,7 +274,7 @@ class SceneBuilder {
     joint.detents.width *= scale;
   }
 
-  /// A field goes with the part of its node if that can move.
+  /// A field moves with the part of its node if that part is movable.
   void addFields() {
     for (PlacedField& placed : readFields(document_, plan_.nodes, options_.unitScale)) {
       const std::uint32_t planned = placed.flatNode == kNone ? kNone : plan_.partOfNode[placed.flatNode];
@@ -365,7 +366,7 @@ void checkOptions(const LoadOptions& options) {
     throw GltfError("options", "gravity must be finite");
 }
 
-/// Messages quote the file, which may hold line breaks.
+/// Messages quote the file, whose text may contain line breaks.
 Error oneLine(std::string message) {
   std::replace_if(
       message.begin(), message.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');

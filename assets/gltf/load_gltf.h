@@ -1,6 +1,6 @@
 #pragma once
 
-// The door through which files enter. Everything in a file is hostile until it has been checked here.
+// Loads glTF files. Everything in a file is hostile until the loader has checked it.
 
 #include <functional>
 #include <string>
@@ -11,7 +11,7 @@
 
 namespace tandem::assets {
 
-/// What a user may say about a file that does not say it itself.
+/// What a user may state about a file in place of the file itself.
 struct LoadOptions {
   double unitScale = 1.0;                   // m per unit of the file
   bool allMovable = false;                  // every part with a mesh becomes movable
@@ -24,7 +24,7 @@ struct LoadOptions {
   std::function<void(double, const char*)> progress;
 };
 
-/// m per unit for "m", "mm", "cm", "inch", "foot"; an error that lists them otherwise.
+/// m per unit of "m", "mm", "cm", "inch" or "foot"; for any other name an error that lists these.
 Result<double> parseUnits(const std::string& name);
 
 /// Loads a .gltf or .glb file into a scene: geometry welded and analysed, extensions read, every index

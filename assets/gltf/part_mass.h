@@ -16,16 +16,16 @@ struct PhysicsMotion;
 /// a view to.
 Bounds shapeBounds(const ImplicitShape& shape);
 
-/// Of a body made of primitives, each filled with `density` kg/m^3. Overlaps count twice; a tapered cylinder
-/// or capsule counts as one of its mean radius. Planes have no mass.
+/// Mass properties of a body of primitives, each filled with `density` kg/m^3. Overlaps count twice; a
+/// tapered cylinder or capsule counts as one of its mean radius. Planes have no mass.
 MassProperties shapesMass(const std::vector<ImplicitShape>& shapes, double density);
 
-/// `computed` if a body can move by it: mass and inertia finite and positive.
+/// `computed` if its mass and inertia are finite and positive; else nothing.
 std::optional<MassProperties> usableMass(const MassProperties& computed);
 
-/// What a `motion` states, completed from `computed` where it says nothing: without an inertia the computed
-/// one is scaled to the stated mass. An axis of infinite inertia (a zero in the file) gets 1e6 times the
-/// largest other one. Nothing if neither gives a mass.
+/// The mass properties of a `motion`, completed from `computed`. Where no inertia is stated, the computed
+/// inertia is scaled to the stated mass. An axis of infinite inertia (a zero in the file) gets 1e6 times the
+/// largest other inertia. Nothing if neither gives a mass.
 std::optional<MassProperties> statedMass(const PhysicsMotion& motion, const MassProperties& computed,
                                          double unitScale);
 

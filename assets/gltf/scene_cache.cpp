@@ -9,10 +9,10 @@
 namespace tandem::assets {
 namespace {
 
-// Raised whenever the loader makes something else of the same file.
+// Raised whenever the loader's result for the same file changes.
 constexpr std::uint32_t kLoaderVersion = 5;
 
-/// Everything that the scene depends on, hashed.
+/// Hash of everything that the scene depends on.
 class KeyBuilder {
  public:
   template <typename T>

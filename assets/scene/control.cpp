@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <glm/geometric.hpp>
 
+#include "assets/scene/describe.h"
 #include "assets/scene/scene.h"
 
 namespace tandem::assets {
@@ -24,19 +26,8 @@ Pose alongAxis(const Control& control, double value) {
 }  // namespace
 
 const char* toString(ControlKind kind) {
-  switch (kind) {
-    case ControlKind::button:
-      return "button";
-    case ControlKind::dial:
-      return "dial";
-    case ControlKind::slider:
-      return "slider";
-    case ControlKind::drawer:
-      return "drawer";
-    case ControlKind::layer:
-      return "layer";
-  }
-  return "unknown";
+  const auto index = static_cast<std::size_t>(kind);
+  return index < std::size(kControlNames) ? kControlNames[index] : "unknown";
 }
 
 Pose poseAt(const Control& control, double value) {
@@ -46,8 +37,7 @@ Pose poseAt(const Control& control, double value) {
 double controlValue(const Control& control, const Pose& worldFromPart) {
   const Pose moved = inverse(control.worldFromAxis) * worldFromPart * inverse(control.axisFromPart);
   if (!turns(control)) return moved.position.x;
-  // The twist of the swing-twist decomposition: of all turns about the axis, the one nearest to this
-  // rotation.
+  // The twist of the swing-twist decomposition: the rotation about the axis that is nearest to this one.
   const double angle = 2.0 * std::atan2(moved.orientation.x, moved.orientation.w);
   return wrapped(angle, 0.5 * (control.min + control.max));
 }

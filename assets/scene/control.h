@@ -2,9 +2,9 @@
 
 // A control of the haptic user interface: a movable part with one free axis, and what a hand feels along it.
 //
-// 1. The value of a control is the coordinate of its part along that axis: it is replicated and kept as the
-// pose of the
-//    part, and nothing else.
+// 1. The value of a control is the coordinate of its part along that axis in m, or its angle about that axis
+//    in rad for a dial. Sites replicate the value, and the server stores it, as the pose of the part and in
+//    no other form.
 // 2. controlValue(control, poseAt(control, q)) == q for every q from min to max.
 
 #include <cstdint>
@@ -19,19 +19,19 @@ namespace tandem::assets {
 struct Scene;
 
 enum class ControlKind : std::uint8_t {
-  button,  // is pushed, comes back
+  button,  // springs back when released
   dial,    // turns; the only one whose value is an angle
   slider,
-  drawer,  // a slider with a handle: taken and pulled
+  drawer,  // a slider that is held by a handle and pulled
   layer,   // a slider that shows parts while its value is above a threshold
 };
 
 inline constexpr std::size_t kMaxDetents = 4096;
 
-/// Places where a control or a joint likes to be: wells of a potential.
+/// Detents of a control or a joint: the wells of a potential along its axis.
 struct Detents {
   std::vector<double> places;  // m or rad, ascending, within min..max
-  double force = 0.0;          // N or N·m: the most that has to be overcome to leave one
+  double force = 0.0;          // N or N·m: the largest resistance on leaving one
   double width = 0.0;          // m or rad: of one well, at most the distance between two; 0 = that distance
 };
 
@@ -39,7 +39,7 @@ struct Detents {
 struct Click {
   double at = 0.0;     // m or rad
   double drop = 0.0;   // N or N·m: the resistance at `at`; 0 = no click
-  double width = 0.0;  // m or rad: it begins so far before `at` and is gone so far behind it
+  double width = 0.0;  // m or rad: half of the range about `at` over which it acts
 };
 
 struct Control {
@@ -68,17 +68,17 @@ inline bool turns(const Control& control) { return control.kind == ControlKind::
 /// "button", "dial", "slider", "drawer" or "layer".
 const char* toString(ControlKind kind);
 
-/// The pose of the control's part at a value (m or rad), which is taken as it is, stops or not.
+/// The pose of the control's part at a value (m or rad), which is not limited to the stops.
 Pose poseAt(const Control& control, double value);
 
 /// The value nearest to a pose of the control's part: its coordinate along the axis, or its angle about it
 /// within half a turn of the middle of the range. Not clamped.
 double controlValue(const Control& control, const Pose& worldFromPart);
 
-/// The value as the control can have it: within its stops, or within one turn.
+/// The nearest value that the control can have: within its stops, or within one turn.
 double admissible(const Control& control, double value);
 
-/// How the part moves when the value changes at `rate` (m/s or rad/s).
+/// The twist of the part when the value changes at `rate` (m/s or rad/s).
 Twist twistAt(const Control& control, const Pose& worldFromPart, double rate);
 
 /// Direction of the axis in the world, unit.

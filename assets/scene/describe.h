@@ -1,78 +1,28 @@
 #pragma once
 
-// The numbers of a scene's records, each written down once: its property in the file, its range and its unit.
-// The codec, the check of ranges, the loader and the writer of sample scenes go over a record by its
-// describe(), so that a new number is one line here beside the member itself, whose initialiser is its
+// The members of a scene's records, each written down once: its property in the file, its range and its unit.
+// The codec, the check of ranges, the loader and the writer of sample scenes visit a record by its
+// describe(), so that a new member is one line here beside the member itself, whose initialiser is its
 // default.
 //
 // describe(visitor, record) calls, in the order in which the codec writes the members,
-//   number(property, value, range, applies)  for a double; `applies` is false where the record's kind does not use it,
+//   number(property, value, range, applies)  for a double; `applies`: whether the record uses it,
 //   bound(property, value, range)            for a double that may be unbounded (beyond +-1e299),
 //   vector(property, value, range)           for a glm::dvec3; the range is that of each coordinate,
+//   direction(property, value), flag(..)     for a glm::dvec3 of length 1; for a bool,
+//   numbers(property, values, range)         for a list of double or of glm::dvec3,
 //   choice(property, value, names)           for an enumeration, with the names of its values in the file,
-//   index(property, value)                   for a place in another list,
-//   record(property, value)                  for a record within the record, which has a describe() too.
-// A property "stickSlip.force" is the member "force" of the object "stickSlip". Values are const where the
-// record is.
-//
-// The ranges are far wider than anything a hand can feel and far narrower than what arithmetic can bear: they
-// catch wrong units and hostile files, not taste. README.md lists them.
+//   whole(property, value), wholes(..)       for bits, powers and indices, which scene_check.cpp checks,
+//   record(property, value), records(..)     for records within the record, which have a describe() too.
+// A property "stickSlip.force" is the member "force" of the object "stickSlip".
 
 #include <concepts>
-#include <numbers>
 #include <type_traits>
 
+#include "assets/scene/ranges.h"
 #include "assets/scene/scene.h"
 
 namespace tandem::assets {
-
-/// m, of any coordinate of a mesh, a shape or a pose. Beyond, it is a mistake in the file's units, and
-/// squares and products of it lose their meaning.
-inline constexpr double kMaxCoordinate = 1e9;
-
-/// From `least` to `most`, both included; the unit is empty for a plain number.
-struct Range {
-  double least, most;
-  const char* unit;
-};
-
-inline constexpr Range kForceRange{0.0, 1e4, "N"};
-inline constexpr Range kSignedForceRange{-1e4, 1e4, "N"};
-inline constexpr Range kStiffnessRange{0.0, 1e6, "N/m"};
-inline constexpr Range kDampingRange{0.0, 1e3, "N*s/m"};
-inline constexpr Range kCoefficientRange{0.0, 1e3,
-                                         ""};  // of friction: files write large ones for what never slides
-inline constexpr Range kShareRange{0.0, 1.0, ""};
-inline constexpr Range kAngleRange{0.0, 2.0 * std::numbers::pi, "rad"};
-inline constexpr Range kFrequencyRange{0.0, 1e4, "Hz"};
-inline constexpr Range kReliefRange{0.0, 1.0, "m"};
-inline constexpr Range kWavelengthRange{1e-6, 1e3, "m"};
-inline constexpr Range kReachRange{0.0, 1e3, "m"};
-inline constexpr Range kTimeRange{0.0, 1e6, "s"};
-inline constexpr Range kLengthRange{0.0, kMaxCoordinate, "m"};
-inline constexpr Range kPlaceRange{-kMaxCoordinate, kMaxCoordinate, "m"};
-// The same of what turns, about its axis.
-inline constexpr Range kTorqueRange{0.0, 1e4, "N*m"};
-inline constexpr Range kTurnStiffnessRange{0.0, 1e6, "N*m/rad"};
-inline constexpr Range kTurnDampingRange{0.0, 1e3, "N*m*s/rad"};
-inline constexpr Range kTurnRange{-1e3, 1e3, "rad"};
-inline constexpr Range kTurnWidthRange{0.0, 1e3, "rad"};
-// Beside a joint's first axis, where whole turns are not counted.
-inline constexpr Range kHalfTurnRange{-std::numbers::pi, std::numbers::pi, "rad"};
-inline constexpr Range kFieldRateRange{1e-6, kMaxFieldFrequency, "Hz"};
-inline constexpr Range kSweepRange{1e-6, 1e6, "s"};
-inline constexpr Range kPhaseRange{-1e3, 1e3, "rad"};
-inline constexpr Range kStartRange{0.0, 1e9, "s"};
-inline constexpr Range kStopRange{0.0, 1e300, "s"};  // 1e300: never
-// An inertia that is tinier than any part's would turn a force into a speed that is not finite.
-inline constexpr Range kMassRange{1e-30, 1e9, "kg"};
-inline constexpr Range kInertiaRange{1e-30, 1e9, "kg*m^2"};
-
-// The names of enumerations in a file, by their values; empty where a value has none.
-inline constexpr const char* kPatternNames[] = {"", "", "sine", "grid", "bumps", "noise"};
-inline constexpr const char* kLawNames[] = {"elastic", "viscoelastic", "plastic"};
-inline constexpr const char* kWaveformNames[] = {"sine", "square", "chirp", "pulses"};
-inline constexpr const char* kRegionNames[] = {"", "box", "sphere"};
 
 /// Matches T and const T.
 template <typename Record, typename T>
@@ -82,7 +32,7 @@ template <typename Visitor, Is<SurfaceTexture> Record>
 void describe(Visitor& v, Record& t) {
   const bool procedural = t.pattern > SurfaceTexture::Pattern::image;
   v.choice("texture.function", t.pattern, kPatternNames);
-  v.index("texture.image", t.image);
+  v.whole("texture.image", t.image);
   v.number("texture.amplitude", t.amplitude, kReliefRange);
   v.number("textureAmplitude", t.amplitudeForce, kForceRange);
   v.number(t.amplitudeForce > 0.0 ? "textureWavelength" : "texture.wavelength", t.wavelength,
@@ -110,7 +60,7 @@ void describe(Visitor& v, Record& s) {
   v.number("law.hardening", s.hardening, kStiffnessRange, plastic);
 }
 
-/// What a material says about contact; its look is not described.
+/// The contact properties of a material; its name and its colours are not described.
 template <typename Visitor, Is<Material> Record>
 void describe(Visitor& v, Record& m) {
   v.number("stiffness", m.stiffness, kStiffnessRange);
@@ -140,13 +90,47 @@ void describe(Visitor& v, Record& w) {
   v.number("waveform.stop", w.stop, kStopRange);
 }
 
-/// The numbers of a control; its frame, its detents' places and its lists are not described.
+/// What the coefficient of a term multiplies is checked with the field (field_check.cpp).
+template <typename Visitor, Is<PotentialTerm> Record>
+void describe(Visitor& v, Record& t) {
+  v.number("terms.coefficient", t.coefficient, kTermRange);
+  v.whole("terms.powers", t.powers);
+}
+
+/// A field without its name, its kind, its part and its frame.
+template <typename Visitor, Is<ForceField> Record>
+void describe(Visitor& v, Record& f) {
+  v.number("maxForce", f.maxForce, kForceRange);
+  v.record("region", f.region);
+  v.vector("force", f.force, kSignedForceRange);
+  v.record("waveform", f.waveform);
+  v.choice("to", f.anchor, kAnchorNames);
+  v.direction("axis", f.axis);
+  v.flag("oneSided", f.oneSided);
+  v.numbers("points", f.points, kPlaceRange);
+  v.flag("closed", f.closed);
+  v.flag("curve", f.smooth);
+  v.number("stiffness", f.stiffness, kStiffnessRange);
+  v.number("radius", f.radius, kLengthRange);
+  v.number("range", f.range, kLengthRange);
+  v.number("fade", f.fade, kLengthRange);
+  v.number("drive", f.drive, kSignedForceRange);
+  v.vector("damping", f.damping, kDampingRange);
+  v.number("strength", f.strength, kStrengthRange);
+  v.choice("function", f.potential, kPotentialNames);
+  v.number("depth", f.depth, kEnergyRange);
+  v.vector(f.potential == ForceField::Potential::ripple ? "wavelength" : "sigma", f.sigma, kLengthRange);
+  v.records("terms", f.terms);
+}
+
+/// A control without its name, its part, its kind and its frames.
 template <typename Visitor, Is<Control> Record>
 void describe(Visitor& v, Record& c) {
   const bool dial = turns(c);
   const Range& place = dial ? kTurnRange : kPlaceRange;
   const Range& width = dial ? kTurnWidthRange : kLengthRange;
   const Range& force = dial ? kTorqueRange : kForceRange;
+  v.flag("endless", c.endless);
   v.number("min", c.min, place);
   v.number("max", c.max, place);
   v.number("value", c.initial, place);
@@ -161,11 +145,15 @@ void describe(Visitor& v, Record& c) {
   v.number("click.drop", c.click.drop, force);
   v.number("click.width", c.click.width, width);
   v.number("threshold", c.threshold, place);
+  v.numbers("detents.positions", c.detents.places, place);
+  v.whole("roles", c.roles);
+  v.wholes("shows", c.shows);
 }
 
-/// The numbers of a limit; which axes it holds is not described.
 template <typename Visitor, Is<JointLimit> Record>
 void describe(Visitor& v, Record& l) {
+  v.flag("limits.angularAxes", l.angular);
+  v.whole("limits.axes", l.axes);
   const Range& place = l.angular ? kTurnRange : kPlaceRange;
   v.bound("limits.min", l.min, place);
   v.bound("limits.max", l.max, place);
@@ -173,7 +161,33 @@ void describe(Visitor& v, Record& l) {
   v.number("limits.damping", l.damping, l.angular ? kTurnDampingRange : kDampingRange);
 }
 
-/// The sizes of a shape; its kind and its place are not described.
+template <typename Visitor, Is<JointDrive> Record>
+void describe(Visitor& v, Record& d) {
+  v.flag("drives.type", d.angular);
+  v.flag("drives.mode", d.acceleration);
+  v.whole("drives.axis", d.axis);
+  const Range& place = !d.angular ? kPlaceRange : d.axis == 0 ? kTurnRange : kHalfTurnRange;
+  v.bound("drives.maxForce", d.maxForce, kForceRange);
+  v.number("drives.positionTarget", d.positionTarget, place);
+  v.number("drives.velocityTarget", d.velocityTarget, d.angular ? kTurnRateRange : kSpeedRange);
+  v.number("drives.stiffness", d.stiffness, d.angular ? kTurnStiffnessRange : kStiffnessRange);
+  v.number("drives.damping", d.damping, d.angular ? kTurnDampingRange : kDampingRange);
+}
+
+/// A joint without its name, its parts and its frames.
+template <typename Visitor, Is<Joint> Record>
+void describe(Visitor& v, Record& j) {
+  v.records("limits", j.limits);
+  v.records("drives", j.drives);
+  v.number("pitch", j.pitch, kPlaceRange);
+  v.numbers("detents.positions", j.detents.places, j.detentsTurn ? kTurnRange : kPlaceRange);
+  v.number("detents.force", j.detents.force, j.detentsTurn ? kTorqueRange : kForceRange);
+  v.number("detents.width", j.detents.width, j.detentsTurn ? kTurnWidthRange : kLengthRange);
+  v.flag("detents.type", j.detentsTurn);
+  v.flag("enableCollision", j.collide);
+}
+
+/// A shape without its kind and its place.
 template <typename Visitor, Is<ImplicitShape> Record>
 void describe(Visitor& v, Record& s) {
   const bool sphere = s.kind == ImplicitShape::Kind::sphere;

@@ -7,8 +7,8 @@
 
 namespace tandem::assets {
 
-/// Whether every number of a field is one that the haptic tick can work with: for data that came over a
-/// wire. `parts` is how many parts the scene has; `place` stands in the message.
+/// Whether the haptic tick can use every number of a field, for data from a file or a wire. `parts` is the
+/// number of parts in the scene; the message names `place`.
 Status checkField(const ForceField& field, std::size_t parts, const std::string& place);
 
 }  // namespace tandem::assets

@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
+
+#include "assets/base/assert.h"
+#include "assets/scene/describe.h"
 
 namespace tandem::assets {
 
@@ -55,9 +59,9 @@ double steepest(const ForceField& field) {
 }
 
 const char* nameOf(ForceField::Kind kind) {
-  constexpr const char* kNames[] = {"constant",  "spring",   "guide",   "damper",
-                                    "viscosity", "waveform", "gravity", "potential"};
-  return kNames[static_cast<std::size_t>(kind)];
+  const auto index = static_cast<std::size_t>(kind);
+  ASSERT(index < std::size(kFieldNames));
+  return kFieldNames[index];
 }
 
 const char* nameOf(Passivity passivity) {

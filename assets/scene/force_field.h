@@ -1,7 +1,7 @@
 #pragma once
 
-// A force that a scene exerts on a hand without any contact: springs, guides, drag, gravity, vibration.
-// Plain data in SI units; haptics/fields/force_fields.h gives it its force and haptics/README.md its equations.
+// A force that a scene exerts on a hand without any contact: springs, guides, drag, gravity, vibration. Plain
+// data in SI units; haptics/fields/force_fields.h gives it its force and haptics/README.md its equations.
 //
 // 1. All geometry stands in the field's own frame, which moves with `part` if that part moves.
 // 2. Nothing depends on acceleration: the second difference of a position quantised at 0.055 mm and read at
@@ -26,8 +26,8 @@ inline constexpr std::size_t kMaxPotentialTerms = 32;
 inline constexpr int kMaxPotentialPower = 4;         // of one coordinate
 inline constexpr double kMaxFieldFrequency = 500.0;  // Hz: half of the rate of the haptic loop
 
-/// Where a field acts: inside, with a weight that falls to zero at the border over `fade` (once continuously
-/// differentiable).
+/// The region in which a field acts. Its weight falls to zero at the border over `fade`, with a continuous
+/// first derivative.
 struct FieldRegion {
   enum class Kind : std::uint8_t { everywhere, box, sphere };
   Kind kind = Kind::everywhere;
@@ -76,7 +76,7 @@ struct ForceField {
   double maxForce = 3.0;  // N
   FieldRegion region;
 
-  glm::dvec3 force{0.0, 0.0, 0.0};  // N; constant, waveform
+  glm::dvec3 force{0.0, 0.0, 0.0};  // N; of constant and waveform
   FieldWaveform waveform;
 
   Anchor anchor = Anchor::point;       // spring, guide
@@ -99,16 +99,16 @@ struct ForceField {
   std::vector<PotentialTerm> terms;  // polynomial
 };
 
-/// What a field does with energy.
+/// The effect of a field on the energy of the hand.
 enum class Passivity : std::uint8_t {
-  conservative,  // what it gives it takes back: no net work around a closed loop
-  dissipative,   // it only takes, beyond what it stores
-  source,        // it can give without end
+  conservative,  // no net work around a closed loop
+  dissipative,   // takes energy from the hand, apart from what it stores
+  source,        // can do unlimited work on the hand
 };
 
 Passivity passivity(const ForceField& field);
-/// The most by which a field's force changes with place, N/m, where its law tells: of springs, gravity and
-/// wells, borders and fades left aside; 0 where it does not.
+/// The largest gradient of a field's force, N/m, of springs, gravity and wells without regard to borders and
+/// fades; 0 for other laws.
 double steepest(const ForceField& field);
 const char* nameOf(ForceField::Kind kind);
 const char* nameOf(Passivity passivity);

@@ -37,13 +37,13 @@ std::size_t editDistance(const std::string& a, const std::string& b) {
 }  // namespace
 
 std::string nearNames(const std::string& wanted, const std::vector<std::string>& names) {
-  const std::string asked = comparable(wanted);
+  const std::string target = comparable(wanted);
   std::vector<std::pair<std::size_t, std::size_t>> ranked;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name = comparable(names[i]);
     // A name that contains the wanted one is nearer than any other.
-    const bool contains = !asked.empty() && name.find(asked) != std::string::npos;
-    ranked.emplace_back(contains ? 0 : editDistance(asked, name), i);
+    const bool contains = !target.empty() && name.find(target) != std::string::npos;
+    ranked.emplace_back(contains ? 0 : editDistance(target, name), i);
   }
   std::sort(ranked.begin(), ranked.end());
   std::string text;

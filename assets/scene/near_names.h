@@ -1,6 +1,6 @@
 #pragma once
 
-// What somebody who misspelt a name may have meant.
+// Names that are similar to a misspelt one.
 
 #include <string>
 #include <vector>
@@ -9,13 +9,13 @@
 
 namespace tandem::assets {
 
-/// "; near it are 'a', 'b'": the names most like `wanted`, or nothing if there are none.
+/// "; near it are 'a', 'b'": the names most similar to `wanted`; empty if there are none.
 std::string nearNames(const std::string& wanted, const std::vector<std::string>& names);
 
-/// The same of a scene's parts.
+/// The same for the names of a scene's parts.
 std::string nearParts(const std::string& wanted, const Scene& scene);
 
-/// The one name that is at most two letters off, or an empty text.
+/// The most similar name if it differs by at most two letters; else empty.
 std::string meantName(const std::string& wanted, const std::vector<std::string>& names);
 
 }  // namespace tandem::assets

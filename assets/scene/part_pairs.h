@@ -8,7 +8,7 @@
 
 namespace tandem::assets {
 
-/// By the filters of both, and by the joints that hold them together.
+/// Whether two parts may touch, by the filters of both and the joints between them.
 inline bool mayCollide(const Scene& scene, PartId a, PartId b) {
   return mayCollide(scene.parts[a].filter, scene.parts[b].filter) &&
          std::none_of(scene.joints.begin(), scene.joints.end(), [a, b](const Joint& joint) {

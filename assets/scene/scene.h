@@ -1,10 +1,10 @@
 #pragma once
 
-// What a scene IS, after loading: plain data in SI units that every folder may read.
+// A scene after loading: plain data in SI units that every folder may read.
 //
-// Built once by loadGltf() or unpackScene(), then never changed; safe to read from every thread.
-// 1. Every part is rigid: scales and shears of the file's nodes are baked into its mesh, so Part::worldFromPart has
-//    none. Instances with the same baked linear part share one Mesh.
+// loadGltf() or unpackScene() builds it; it never changes after that, so every thread may read it.
+// 1. Every part is rigid: scales and shears of the file's nodes are baked into its mesh, so
+//    Part::worldFromPart has none. Instances with the same baked linear part share one Mesh.
 // 2. Ids are indices: PartId into parts, mesh into meshes, material into materials.
 // 3. Every number is finite, every index in range (checked by the loader and again by unpackScene).
 
@@ -34,7 +34,7 @@ struct Bounds {
   glm::dvec3 max{-1e300, -1e300, -1e300};
 };
 
-/// How a surface looks and feels.
+/// Appearance and contact properties of a surface.
 struct Material {
   std::string name;
   std::array<float, 4> baseColour{0.7f, 0.7f, 0.72f, 1.0f};  // linear RGBA, 0..1
@@ -42,7 +42,7 @@ struct Material {
   float roughness = 0.7f;                                    // 0..1
   double stiffness = 0.0;                                    // N/m; 0 = the tool's default
   double damping = 0.0;                                      // N·s/m
-  double staticFriction = 0.0;    // Coulomb coefficient; what it is where the file states none: README.md
+  double staticFriction = 0.0;    // Coulomb coefficient; README.md of assets/gltf states its defaults
   double dynamicFriction = 0.0;   // Coulomb coefficient
   double restitution = 0.0;       // 0..1
   std::uint32_t surface = kNone;  // into Scene::surfaces; kNone: nothing but the above
@@ -55,8 +55,8 @@ enum EdgeFlag : std::uint8_t {
   kEdgeNonManifold = 4,  // more than two triangles meet here
 };
 
-/// A triangle mesh in its part's frame, with the topology that contact and rendering need.
-/// V vertices, T triangles. After welding: no two triangles that are neighbours have separate copies of a vertex.
+/// A triangle mesh in its part's frame, with the topology that contact and rendering need. V vertices, T
+/// triangles. After welding: no two triangles that are neighbours have separate copies of a vertex.
 struct Mesh {
   std::vector<glm::dvec3> positions;                     // V, m
   std::vector<std::array<std::uint32_t, 3>> triangles;   // T, counter-clockwise seen from outside

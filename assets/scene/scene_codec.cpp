@@ -31,8 +31,7 @@ class Writer {
   }
   /// Announces an array; `minimum` bytes an element follow at least.
   template <typename T>
-  void count(const std::vector<T>& values, std::size_t minimum) {
-    (void)minimum;
+  void count(const std::vector<T>& values, std::size_t /*minimum*/) {
     number(static_cast<std::uint32_t>(values.size()));
   }
 
@@ -40,7 +39,7 @@ class Writer {
     bytes_.resize(bytes_.size() + size);
     return bytes_.data() + bytes_.size() - size;
   }
-  std::vector<std::byte> take() { return std::move(bytes_); }
+  std::vector<std::byte> bytes() && { return std::move(bytes_); }
 
  private:
   void raw(const void* data, std::size_t size) {
@@ -57,7 +56,7 @@ class Reader {
   template <typename T>
   void number(T& value) {
     static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
-    std::memcpy(static_cast<void*>(&value), take(sizeof value), sizeof value);
+    std::memcpy(static_cast<void*>(&value), next(sizeof value), sizeof value);
   }
   void flag(bool& value) {
     std::uint8_t byte = 0;
@@ -68,7 +67,7 @@ class Reader {
   void text(std::string& value) {
     std::uint32_t size = 0;
     number(size);
-    const std::byte* data = take(size);
+    const std::byte* data = next(size);
     value.assign(reinterpret_cast<const char*>(data), size);
   }
   template <typename T>
@@ -80,7 +79,8 @@ class Reader {
     values.resize(size);
   }
 
-  const std::byte* take(std::size_t size) {
+  /// The next `size` bytes, which count as read.
+  const std::byte* next(std::size_t size) {
     if (size > bytes_.size() - at_) throw Truncated{"the bytes end too early"};
     at_ += size;
     return bytes_.data() + at_ - size;
@@ -118,9 +118,9 @@ void fromPlanes(const std::byte* in, std::size_t count, T* values) {
 
 using Triples = std::vector<std::array<std::uint32_t, 3>>;
 
-/// Triples as differences: to the corner before (own = false), or to the index of the triple itself (own =
-/// true), which suits neighbours, since meshes list near triangles one after the other. Wraps, so that kNone
-/// needs no case.
+/// Writes triples as differences: to the corner before (own = false), or to the index of the triple itself
+/// (own = true), which suits neighbours, since meshes list near triangles one after the other. The
+/// differences wrap, so that kNone needs no case of its own.
 void putTriples(Writer& out, const Triples& values, bool own) {
   std::vector<std::uint32_t> differences(values.size() * 3);
   std::uint32_t previous = 0;
@@ -133,7 +133,7 @@ void putTriples(Writer& out, const Triples& values, bool own) {
 }
 
 void getTriples(Reader& in, Triples& values, std::size_t count, bool own) {
-  const std::byte* bytes = in.take(count * 12);
+  const std::byte* bytes = in.next(count * 12);
   std::vector<std::uint32_t> differences(count * 3);
   fromPlanes(bytes, differences.size(), differences.data());
   values.resize(count);
@@ -168,12 +168,12 @@ template <typename T>
 void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
   std::vector<T> numbers(positions.size());
   for (int axis = 0; axis < 3; ++axis) {
-    fromPlanes(in.take(numbers.size() * sizeof(T)), numbers.size(), numbers.data());
+    fromPlanes(in.next(numbers.size() * sizeof(T)), numbers.size(), numbers.data());
     for (std::size_t i = 0; i < positions.size(); ++i) positions[i][axis] = static_cast<double>(numbers[i]);
   }
 }
 
-// --- one function a type, for both directions: Writer takes const references, Reader mutable ones ---
+// --- one function a type, for both directions: the Writer visits const values, the Reader mutable ones ---
 
 /// The fewest bytes that an element of a list takes: a default one has no text and no lists of its own.
 template <typename T, typename Each>
@@ -181,7 +181,7 @@ std::size_t leastBytes(const Each& each) {
   Writer writer;
   const T element{};
   each(writer, element);
-  return writer.take().size();
+  return std::move(writer).bytes().size();
 }
 
 /// An array of things that are written one by one by each(archive, thing).
@@ -194,9 +194,12 @@ void list(Archive& a, List& values, const Each& each) {
 
 /// An array of plain numbers.
 template <typename Archive, typename Numbers>
-void numbers(Archive& a, Numbers& values) {
+void plainNumbers(Archive& a, Numbers& values) {
   list(a, values, [](auto& archive, auto& value) { archive.number(value); });
 }
+
+template <typename Archive, typename Record>
+void described(Archive& a, Record& record);
 
 /// Writes or reads the members of a record in the order of its describe().
 template <typename Archive>
@@ -206,9 +209,16 @@ struct Described {
   void number(const char*, auto& value, const Range&, bool = true) { archive.number(value); }
   void bound(const char*, auto& value, const Range&) { archive.number(value); }
   void vector(const char*, auto& value, const Range&) { archive.number(value); }
+  void direction(const char*, auto& value) { archive.number(value); }
+  void numbers(const char*, auto& values, const Range&) { plainNumbers(archive, values); }
   void choice(const char*, auto& value, const auto&) { archive.number(value); }
-  void index(const char*, auto& value) { archive.number(value); }
+  void flag(const char*, auto& value) { archive.flag(value); }
+  void whole(const char*, auto& value) { archive.number(value); }
+  void wholes(const char*, auto& values) { plainNumbers(archive, values); }
   void record(const char*, auto& value) { describe(*this, value); }
+  void records(const char*, auto& values) {
+    list(archive, values, [](auto& a, auto& value) { described(a, value); });
+  }
 };
 
 template <typename Archive, typename Record>
@@ -249,7 +259,7 @@ void texture(Reader& in, TextureImage& image) {
   in.number(image.height);
   in.count(image.texels, 1);
   const std::size_t size = image.texels.size();
-  if (size > 0) std::memcpy(image.texels.data(), in.take(size), size);
+  if (size > 0) std::memcpy(image.texels.data(), in.next(size), size);
 }
 
 template <typename Archive, typename Shape_>
@@ -285,27 +295,7 @@ void joint(Archive& a, Joint_& j) {
   a.number(j.partB);
   pose(a, j.aFromJoint);
   pose(a, j.bFromJoint);
-  list(a, j.limits, [](auto& archive, auto& l) {
-    archive.flag(l.angular);
-    archive.number(l.axes);
-    described(archive, l);
-  });
-  list(a, j.drives, [](auto& archive, auto& d) {
-    archive.flag(d.angular);
-    archive.flag(d.acceleration);
-    archive.number(d.axis);
-    archive.number(d.maxForce);
-    archive.number(d.positionTarget);
-    archive.number(d.velocityTarget);
-    archive.number(d.stiffness);
-    archive.number(d.damping);
-  });
-  a.number(j.pitch);
-  numbers(a, j.detents.places);
-  a.number(j.detents.force);
-  a.number(j.detents.width);
-  a.flag(j.detentsTurn);
-  a.flag(j.collide);
+  described(a, j);
 }
 
 template <typename Archive, typename Field_>
@@ -314,30 +304,7 @@ void field(Archive& a, Field_& f) {
   a.number(f.kind);
   a.number(f.part);
   pose(a, f.partFromField);
-  a.number(f.maxForce);
-  described(a, f.region);
-  a.number(f.force);
-  described(a, f.waveform);
-  a.number(f.anchor);
-  a.number(f.axis);
-  a.flag(f.oneSided);
-  numbers(a, f.points);
-  a.flag(f.closed);
-  a.flag(f.smooth);
-  a.number(f.stiffness);
-  a.number(f.radius);
-  a.number(f.range);
-  a.number(f.fade);
-  a.number(f.drive);
-  a.number(f.damping);
-  a.number(f.strength);
-  a.number(f.potential);
-  a.number(f.depth);
-  a.number(f.sigma);
-  list(a, f.terms, [](auto& archive, auto& t) {
-    archive.number(t.coefficient);
-    archive.number(t.powers);
-  });
+  described(a, f);
 }
 
 template <typename Archive, typename Control_>
@@ -347,11 +314,7 @@ void control(Archive& a, Control_& c) {
   a.number(c.kind);
   pose(a, c.worldFromAxis);
   pose(a, c.axisFromPart);
-  a.flag(c.endless);
   described(a, c);
-  numbers(a, c.detents.places);
-  a.number(c.roles);
-  numbers(a, c.shows);
 }
 
 template <typename Archive, typename Mesh_>
@@ -401,17 +364,17 @@ void mesh(Reader& in, Mesh& mesh) {
   getTriples(in, mesh.triangles, count, false);
   getTriples(in, mesh.neighbours, count, true);
   mesh.triangleShell.resize(count);
-  fromPlanes(in.take(count * 4), count, mesh.triangleShell.data());
+  fromPlanes(in.next(count * 4), count, mesh.triangleShell.data());
   for (std::size_t t = 0; t < count; ++t)
     mesh.triangleShell[t] = unzigzag(mesh.triangleShell[t]) + (t > 0 ? mesh.triangleShell[t - 1] : 0);
   mesh.triangleMaterial.resize(count);
-  fromPlanes(in.take(count * 2), count, mesh.triangleMaterial.data());
+  fromPlanes(in.next(count * 2), count, mesh.triangleMaterial.data());
   mesh.edgeFlags.resize(count);
-  const std::byte* flags = in.take(count * 3);
+  const std::byte* flags = in.next(count * 3);
   if (count > 0) std::memcpy(mesh.edgeFlags.data(), flags, count * 3);
   in.count(mesh.triangleUv, 24);
   float* uv = reinterpret_cast<float*>(mesh.triangleUv.data());
-  fromPlanes(in.take(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
+  fromPlanes(in.next(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
 }
 
 template <typename Archive, typename Finding_>
@@ -449,7 +412,7 @@ void sceneBody(Archive& a, Scene_& s) {
 std::vector<std::byte> encodeScene(const Scene& scene) {
   Writer writer;
   sceneBody(writer, scene);
-  return writer.take();
+  return std::move(writer).bytes();
 }
 
 Result<Scene> decodeScene(std::span<const std::byte> bytes) {

@@ -1,7 +1,8 @@
 #pragma once
 
-// A prepared scene as bytes: what the server sends to the sites, and what the cache keeps. Compressed (zstd), versioned,
-// self-checking. Reading one is as suspicious as reading a file: the bytes may come from a network.
+// A prepared scene as bytes: what the server sends to the sites, and what the cache keeps. Compressed (zstd),
+// versioned, self-checking. Reading one is as suspicious as reading a file: the bytes may come from a
+// network.
 
 #include <array>
 #include <cstddef>

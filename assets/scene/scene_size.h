@@ -12,8 +12,8 @@ namespace tandem::assets {
 std::string sizeInWords(const Scene& scene);
 
 /// One sentence about a scene longer than 50 m, or else about the heaviest part that can be taken if it is
-/// heavier than 10 t: few assemblies are, but every file in millimetres that is read as metres is. Else empty.
-/// `units`: what --units said.
+/// heavier than 10 t: few assemblies are, but every file in millimetres that is read as metres is. Else
+/// empty. `units`: what --units said.
 std::string unitDoubt(const Scene& scene, const std::string& units);
 
 }  // namespace tandem::assets

@@ -1,10 +1,10 @@
 #pragma once
 
-// How a surface feels beyond stiffness, damping and friction: what `extras.haptic` of a glTF material may
-// say.
+// Surface effects beyond stiffness, damping and friction, as `extras.haptic` of a glTF material states
+// them.
 //
-// Everything is off at zero. A material that asks for none of this has no Surface and costs nothing in a
-// tick. What each number does to the force is in haptics/README.md.
+// Every effect is off at zero. A material without any effect has no Surface and costs nothing in a tick.
+// haptics/surface/README.md states what each number does to the force.
 
 #include <compare>
 #include <cstdint>

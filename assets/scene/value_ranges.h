@@ -1,7 +1,7 @@
 #pragma once
 
-// Whether the numbers of a record are in the ranges that describe.h states: the one check that both the
-// loader and the check of scenes that came over a network go by.
+// Checks the numbers of a record against the ranges of describe.h, both for the loader and for scenes from a
+// network.
 
 #include <optional>
 #include <string>
@@ -10,8 +10,7 @@
 
 namespace tandem::assets {
 
-/// Whether all coordinates are nearer to the origin than kMaxCoordinate (describe.h); false for what is not a
-/// number.
+/// Whether all coordinates are nearer to the origin than kMaxCoordinate (ranges.h); false for NaN.
 bool nearOrigin(const glm::dvec3& p);
 
 /// A number that lies outside of its range.
@@ -26,12 +25,12 @@ std::optional<RangeFault> outOfRange(const Surface& surface);
 std::optional<RangeFault> outOfRange(const ForceField& field);
 std::optional<RangeFault> outOfRange(const Control& control);
 std::optional<RangeFault> outOfRange(const Joint& joint);
-/// The scene's gravity, m/s^2, and a part's share of it.
+/// Checks the scene's gravity, m/s^2, and the factor of it for a part.
 std::optional<RangeFault> gravityFault(const glm::dvec3& gravity);
 std::optional<RangeFault> gravityFactorFault(double factor);
-/// A tolerance that somebody stated for contact of a part, m.
+/// Checks the stated contact tolerance of a part, m.
 std::optional<RangeFault> toleranceFault(double tolerance);
-/// Sizes and place of a primitive, m.
+/// Checks sizes and place of a primitive, m.
 std::optional<RangeFault> outOfRange(const ImplicitShape& shape);
 
 }  // namespace tandem::assets
