@@ -17,7 +17,7 @@
 
 namespace tandem::haptics {
 
-static_assert(ContactSamples::kMostInLeaf <= DistanceField::kMostAtOnce);
+static_assert(ContactSamples::kMaxInLeaf <= DistanceField::kMaxAtOnce);
 
 /// A rigid motion for many points, in float: relative to the origin of the field that is asked.
 struct FloatMotion {
@@ -38,7 +38,7 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
   if (nodes.empty()) return;
   // A patch may be deeper than its sample.
   const float patched = samples.patches().empty() ? 0.0f : 1.0f;
-  constexpr std::uint32_t kAtOnce = DistanceField::kMostAtOnce;
+  constexpr std::uint32_t kAtOnce = DistanceField::kMaxAtOnce;
   std::array<glm::vec3, kAtOnce> at;
   std::array<DistanceField::Reading, kAtOnce> readings;
   // Several nodes are taken at a time, so that their readings wait for memory together. A tree of 2^32

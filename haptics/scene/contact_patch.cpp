@@ -10,10 +10,10 @@ namespace {
 glm::dvec3 within(const glm::dvec3& middle, const glm::dvec3& wanted, double angle) {
   const double length = glm::length(wanted);
   if (!(length > 0.0)) return middle;
-  const glm::dvec3 way = wanted / length;
-  const double cosine = glm::dot(way, middle), least = std::cos(angle);
-  if (cosine >= least) return way;
-  const glm::dvec3 aside = way - cosine * middle;
+  const glm::dvec3 direction = wanted / length;
+  const double cosine = glm::dot(direction, middle), least = std::cos(angle);
+  if (cosine >= least) return direction;
+  const glm::dvec3 aside = direction - cosine * middle;
   const double sine = glm::length(aside);
   if (!(sine > 1e-12)) return middle;
   return least * middle + (std::sin(angle) / sine) * aside;

@@ -32,6 +32,13 @@ struct ContactSample {
   std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); kNone for a mesh
 };
 
+/// Samples with the lists that they index, part frame.
+struct SampleSet {
+  std::vector<ContactSample> samples;
+  std::vector<glm::dvec3> normals;
+  std::vector<ContactPatch> patches;  // of implicit shapes
+};
+
 class ContactSamples {
  public:
   struct Options {
@@ -47,30 +54,30 @@ class ContactSamples {
     float radius;
     std::uint32_t begin, end, second;
   };
-  static constexpr std::uint32_t kMostInLeaf = 16;
+  static constexpr std::uint32_t kMaxInLeaf = 16;
 
   /// 1/64 of the mesh's diagonal, m. A straight edge needs no finer spacing, because a sample represents its
   /// piece of the edge; the error on a smooth surface is the sag over that length.
   static double usualSpacing(const assets::Mesh& mesh);
 
   ContactSamples(const assets::Mesh& mesh, const MeshEdges& edges, const Options& options);
-  /// Samples of implicit shapes: edges and corners of boxes and planes as of a mesh, and patches on round
-  /// surfaces, a few hundred per shape. `mesh` is the one that represents the shapes elsewhere.
+  /// Samples of implicit shapes (primitive_samples.h). `mesh` is the one that represents the shapes
+  /// elsewhere.
   ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
                  const Options& options);
 
-  std::span<const ContactSample> samples() const { return samples_; }
+  std::span<const ContactSample> samples() const { return set_.samples; }
   /// Points and lengths `along` of the samples, m, in the layout that a tick reads.
   std::span<const glm::vec4> points() const { return points_; }
   std::span<const glm::dvec3> normals(const ContactSample& sample) const {
-    return {normals_.data() + sample.firstNormal, sample.normalCount};
+    return {set_.normals.data() + sample.firstNormal, sample.normalCount};
   }
   /// Patches of implicit shapes, part frame.
-  std::span<const ContactPatch> patches() const { return patches_; }
+  std::span<const ContactPatch> patches() const { return set_.patches; }
   /// Whether the sample represents a piece of a round surface or a rim, not a point or a piece of a straight
   /// edge.
   bool isRound(const ContactSample& sample) const {
-    return sample.patch != assets::kNone && patches_[sample.patch].kind != ContactPatch::Kind::straight;
+    return sample.patch != assets::kNone && set_.patches[sample.patch].kind != ContactPatch::Kind::straight;
   }
   /// Root first; empty without samples.
   std::span<const Node> nodes() const { return nodes_; }
@@ -80,32 +87,15 @@ class ContactSamples {
   std::size_t memory() const;
 
  private:
-  void sampleSharpEdges(const MeshEdges& edges, double sharp, std::vector<bool>& corner);
-  void sampleSmooth(const assets::Mesh& mesh, const MeshEdges& edges, double sharp, std::vector<bool>& taken);
-  void addCorners(const assets::Mesh& mesh, const MeshEdges& edges, const std::vector<bool>& corner);
-  void sampleShape(const assets::ImplicitShape& shape, std::uint32_t triangle);
-  void addPatch(const ContactPatch& patch, std::uint32_t triangle);
-  void addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals, std::uint32_t triangle);
-  void sampleBox(const Pose& pose, const glm::dvec3& half, bool flat, std::uint32_t triangle);
-  /// A zone of a sphere, between two angles from the Y axis of the pose.
-  void sampleZone(const Pose& pose, double y, double radius, double from, double to, std::uint32_t triangle);
-  void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
-                  std::uint32_t triangle);
-  void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
-  /// Samples the visible surface of one of several shapes, without what the others cover.
-  void uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample);
-  /// Replaces normals of a sample by those that are visible where a face ends there; false if none is
-  /// visible.
-  bool uncoverNormals(std::span<const Primitive> shapes, std::size_t which, const ContactSample& sample);
+  /// Sets the spacings.
+  ContactSamples(const Options& options, const assets::Mesh& mesh);
   /// Builds the tree and sorts the samples into its order.
-  void finish();
+  void sort();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
 
   double spacing_ = 0.0, smoothSpacing_ = 0.0;
-  std::vector<ContactSample> samples_;
+  SampleSet set_;
   std::vector<glm::vec4> points_;
-  std::vector<glm::dvec3> normals_;
-  std::vector<ContactPatch> patches_;
   std::vector<Node> nodes_;
 };
 

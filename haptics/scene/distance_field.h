@@ -64,13 +64,13 @@ class DistanceField {
     return entry != nullptr ? readingAt(cells_[*entry & ~kLeaf], p) : beyond(p);
   }
 
-  static constexpr std::uint32_t kMostAtOnce = 16;
-  /// read() for up to kMostAtOnce points, whose memory latencies overlap; latency is most of the cost of a
+  static constexpr std::uint32_t kMaxAtOnce = 16;
+  /// read() for up to kMaxAtOnce points, whose memory latencies overlap; latency is most of the cost of a
   /// reading.
   void read(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
     if (!shapes_.empty()) return ofShapes(points, count, readings);
-    std::array<const std::uint32_t*, kMostAtOnce> entries;
-    std::array<const Cell*, kMostAtOnce> cells;
+    std::array<const std::uint32_t*, kMaxAtOnce> entries;
+    std::array<const Cell*, kMaxAtOnce> cells;
     for (std::uint32_t k = 0; k < count; ++k) {
       entries[k] = entryOf(points[k]);
       __builtin_prefetch(entries[k]);

@@ -1,3 +1,5 @@
+#include "haptics/scene/primitive_samples.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -6,10 +8,6 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/geometry/outward.h"
-#include "haptics/scene/contact_samples.h"
-
-// Samples of implicit shapes. The contact point within a patch is found exactly (patch_touch.h), so the
-// number of patches limits how many places of a round surface touch at once, not the accuracy.
 
 namespace tandem::haptics {
 namespace {
@@ -19,7 +17,7 @@ using assets::ImplicitShape;
 constexpr double kPi = std::numbers::pi;
 constexpr int kAround = 32;      // patches of a full turn of a rim or side
 constexpr int kZones = 11;       // of a sphere from pole to pole
-constexpr int kMostRings = 12;   // of a side
+constexpr int kMaxRings = 12;    // of a side
 constexpr double kLonger = 4.0;  // length of a patch of a side relative to its width
 // Places of a face beside a rim that is sharper than a right angle, and how near to it, of its radius.
 constexpr int kBesideRim = 16;
@@ -40,22 +38,46 @@ ContactPatch ringPatch(ContactPatch::Kind kind, const Pose& pose, double y, int 
   return patch;
 }
 
-}  // namespace
+/// Samples the visible surfaces of several shapes.
+class PrimitiveSampler {
+ public:
+  explicit PrimitiveSampler(double spacing) : spacing_(spacing) {}
 
-ContactSamples::ContactSamples(std::span<const assets::ImplicitShape> shapes, const assets::Mesh& mesh,
-                               const Options& options) {
-  spacing_ = options.spacing > 0.0 ? options.spacing : usualSpacing(mesh);
-  smoothSpacing_ = options.smoothSpacing > 0.0 ? options.smoothSpacing : 1.25 * spacing_;
-  const std::vector<Primitive> primitives = primitivesOf(shapes, mesh);
-  for (std::size_t i = 0; i < shapes.size(); ++i) {
-    const std::size_t first = samples_.size();
-    sampleShape(shapes[i], primitives[i].triangle());
-    if (primitives.size() > 1) uncover(primitives, i, first);
+  SampleSet sample(std::span<const ImplicitShape> shapes, const assets::Mesh& mesh) {
+    const std::vector<Primitive> primitives = primitivesOf(shapes, mesh);
+    for (std::size_t i = 0; i < shapes.size(); ++i) {
+      const std::size_t first = out_.samples.size();
+      sampleShape(shapes[i], primitives[i].triangle());
+      if (primitives.size() > 1) uncover(primitives, i, first);
+    }
+    return std::move(out_);
   }
-  finish();
-}
 
-void ContactSamples::uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample) {
+ private:
+  void sampleShape(const ImplicitShape& shape, std::uint32_t triangle);
+  void addPatch(const ContactPatch& patch, std::uint32_t triangle);
+  void addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals, std::uint32_t triangle);
+  void sampleBox(const Pose& pose, const glm::dvec3& size, bool flat, std::uint32_t triangle);
+  /// A zone of a sphere, between two angles from the Y axis of the pose.
+  void sampleZone(const Pose& pose, double y, double radius, double from, double to, std::uint32_t triangle);
+  /// `low` and `high` are the heights of the centres of the spheres that touch the side at its ends; `radius`
+  /// is that of the lower one.
+  void sampleSide(const Pose& pose, double low, double high, double radius, double grow,
+                  std::uint32_t triangle);
+  /// `face` is 1 for the upper face, -1 for the lower one.
+  void sampleRim(const Pose& pose, double y, double radius, double face, double grow, std::uint32_t triangle);
+  /// Removes the samples from `firstSample` on, which are those of one shape, that the other shapes cover.
+  void uncover(std::span<const Primitive> shapes, std::size_t which, std::size_t firstSample);
+  /// Replaces normals of a sample by those that are visible where a face ends there; false if none is
+  /// visible.
+  bool uncoverNormals(std::span<const Primitive> shapes, std::size_t which, const ContactSample& sample);
+
+  double spacing_;  // m, of samples along a straight edge
+  SampleSet out_;
+};
+
+void PrimitiveSampler::uncover(std::span<const Primitive> shapes, std::size_t which,
+                               std::size_t firstSample) {
   const auto hidden = [&](const ContactSample& sample) {
     for (std::size_t i = 0; i < shapes.size(); ++i) {
       if (i != which &&
@@ -64,18 +86,18 @@ void ContactSamples::uncover(std::span<const Primitive> shapes, std::size_t whic
     }
     return !uncoverNormals(shapes, which, sample);
   };
-  samples_.erase(
-      std::remove_if(samples_.begin() + static_cast<std::ptrdiff_t>(firstSample), samples_.end(), hidden),
-      samples_.end());
+  out_.samples.erase(std::remove_if(out_.samples.begin() + static_cast<std::ptrdiff_t>(firstSample),
+                                    out_.samples.end(), hidden),
+                     out_.samples.end());
 }
 
-bool ContactSamples::uncoverNormals(std::span<const Primitive> shapes, std::size_t which,
-                                    const ContactSample& sample) {
+bool PrimitiveSampler::uncoverNormals(std::span<const Primitive> shapes, std::size_t which,
+                                      const ContactSample& sample) {
   if (sample.normalCount < 2 || sample.normalCount > 3) return true;
   const std::size_t first = sample.firstNormal, count = sample.normalCount;
   std::array<glm::dvec3, 3> own;
   glm::dvec3 sum(0.0);
-  for (std::size_t k = 0; k < count; ++k) sum += own[k] = normals_[first + k];
+  for (std::size_t k = 0; k < count; ++k) sum += own[k] = out_.normals[first + k];
   if (!(glm::length(sum) > 1e-6)) return true;  // a sheet
   std::size_t covered = 0;
   for (std::size_t k = 0; k < count; ++k) {
@@ -83,56 +105,56 @@ bool ContactSamples::uncoverNormals(std::span<const Primitive> shapes, std::size
     const double length = glm::length(into);
     if (!(length > 1e-9)) continue;
     covered += coveredFace(shapes, which, sample.point, into / length, glm::normalize(sum), 1e-3 * spacing_,
-                           normals_[first + k])
+                           out_.normals[first + k])
                    ? 1
                    : 0;
   }
   if (covered == count) return false;
   if (covered == 0 || sample.patch == assets::kNone) return true;
-  ContactPatch& patch = patches_[sample.patch];
+  ContactPatch& patch = out_.patches[sample.patch];
   if (patch.kind != ContactPatch::Kind::rim) return true;
-  patch.grow = std::clamp(-glm::dot(normals_[first], patch.axis), -1.0, 1.0);
-  patch.cap = std::clamp(glm::dot(normals_[first + 1], patch.out), -1.0, 1.0);
+  patch.grow = std::clamp(-glm::dot(out_.normals[first], patch.axis), -1.0, 1.0);
+  patch.cap = std::clamp(glm::dot(out_.normals[first + 1], patch.out), -1.0, 1.0);
   return true;
 }
 
-void ContactSamples::addPatch(const ContactPatch& patch, std::uint32_t triangle) {
+void PrimitiveSampler::addPatch(const ContactPatch& patch, std::uint32_t triangle) {
   ContactSample sample;
   sample.point = patch.sample();
   std::array<glm::dvec3, 2> normals;
   const ContactPatch::Place place{patch.out, 0.0};
   sample.normalCount = static_cast<std::uint32_t>(patch.normalsAt(place, normals));
-  sample.firstNormal = static_cast<std::uint32_t>(normals_.size());
-  normals_.insert(normals_.end(), normals.begin(), normals.begin() + sample.normalCount);
+  sample.firstNormal = static_cast<std::uint32_t>(out_.normals.size());
+  out_.normals.insert(out_.normals.end(), normals.begin(), normals.begin() + sample.normalCount);
   sample.triangle = triangle;
   sample.along = roundUp(patch.reach());
-  sample.patch = static_cast<std::uint32_t>(patches_.size());
-  patches_.push_back(patch);
-  samples_.push_back(sample);
+  sample.patch = static_cast<std::uint32_t>(out_.patches.size());
+  out_.patches.push_back(patch);
+  out_.samples.push_back(sample);
 }
 
-void ContactSamples::addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals,
-                              std::uint32_t triangle) {
+void PrimitiveSampler::addPoint(const glm::dvec3& point, std::span<const glm::dvec3> normals,
+                                std::uint32_t triangle) {
   ContactSample sample;
   sample.point = point;
-  sample.firstNormal = static_cast<std::uint32_t>(normals_.size());
+  sample.firstNormal = static_cast<std::uint32_t>(out_.normals.size());
   sample.normalCount = static_cast<std::uint32_t>(normals.size());
   sample.triangle = triangle;
-  normals_.insert(normals_.end(), normals.begin(), normals.end());
-  samples_.push_back(sample);
+  out_.normals.insert(out_.normals.end(), normals.begin(), normals.end());
+  out_.samples.push_back(sample);
 }
 
-void ContactSamples::sampleShape(const ImplicitShape& shape, std::uint32_t triangle) {
+void PrimitiveSampler::sampleShape(const ImplicitShape& shape, std::uint32_t triangle) {
   const Pose& pose = shape.partFromShape;
   const double half = 0.5 * std::abs(shape.height);
   double top = std::abs(shape.radiusTop), bottom = std::abs(shape.radiusBottom);
   const double more = top - bottom;
   switch (shape.kind) {
     case ImplicitShape::Kind::box:
-      sampleBox(pose, 0.5 * glm::abs(shape.size), false, triangle);
+      sampleBox(pose, glm::abs(shape.size), false, triangle);
       break;
     case ImplicitShape::Kind::plane:
-      sampleBox(pose, 0.5 * glm::abs(shape.size), true, triangle);
+      sampleBox(pose, glm::abs(shape.size), true, triangle);
       break;
     case ImplicitShape::Kind::sphere:
       sampleZone(pose, 0.0, bottom, 0.0, kPi, triangle);
@@ -164,8 +186,9 @@ void ContactSamples::sampleShape(const ImplicitShape& shape, std::uint32_t trian
   }
 }
 
-void ContactSamples::sampleBox(const Pose& pose, const glm::dvec3& given, bool flat, std::uint32_t triangle) {
-  glm::dvec3 half = given;
+void PrimitiveSampler::sampleBox(const Pose& pose, const glm::dvec3& size, bool flat,
+                                 std::uint32_t triangle) {
+  glm::dvec3 half = 0.5 * size;
   if (flat) half.y = 0.0;
   const auto normal = [&](int axis, double sign) {
     glm::dvec3 n(0.0);
@@ -193,9 +216,9 @@ void ContactSamples::sampleBox(const Pose& pose, const glm::dvec3& given, bool f
         patch.along = length / (inner + 1);
         addPatch(patch, triangle);
         const std::array<glm::dvec3, 2> faces = {flat ? up : normal(i, si), flat ? -up : normal(j, sj)};
-        samples_.back().firstNormal = static_cast<std::uint32_t>(normals_.size());
-        samples_.back().normalCount = 2;
-        normals_.insert(normals_.end(), faces.begin(), faces.end());
+        out_.samples.back().firstNormal = static_cast<std::uint32_t>(out_.normals.size());
+        out_.samples.back().normalCount = 2;
+        out_.normals.insert(out_.normals.end(), faces.begin(), faces.end());
       }
     }
   }
@@ -210,8 +233,8 @@ void ContactSamples::sampleBox(const Pose& pose, const glm::dvec3& given, bool f
   }
 }
 
-void ContactSamples::sampleZone(const Pose& pose, double y, double radius, double from, double to,
-                                std::uint32_t triangle) {
+void PrimitiveSampler::sampleZone(const Pose& pose, double y, double radius, double from, double to,
+                                  std::uint32_t triangle) {
   const int zones = std::max(1, static_cast<int>(std::ceil(kZones * (to - from) / kPi - 1e-9)));
   const double side = kPi / kZones, high = (to - from) / zones;
   ContactPatch patch;
@@ -232,14 +255,12 @@ void ContactSamples::sampleZone(const Pose& pose, double y, double radius, doubl
   }
 }
 
-/// `low` and `high` are the heights of the centres of the spheres that touch the side at its ends; `radius`
-/// is that of the lower one.
-void ContactSamples::sampleSide(const Pose& pose, double low, double high, double radius, double grow,
-                                std::uint32_t triangle) {
+void PrimitiveSampler::sampleSide(const Pose& pose, double low, double high, double radius, double grow,
+                                  std::uint32_t triangle) {
   const double largest = std::max(radius, radius + (high - low) * grow);
   const double usual = kLonger * 2.0 * kPi * largest / kAround;
   const double wanted = usual > 0.0 ? std::ceil((high - low) / usual) : 1.0;
-  const int rings = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(kMostRings)));
+  const int rings = static_cast<int>(std::clamp(wanted, 1.0, static_cast<double>(kMaxRings)));
   for (int ring = 0; ring < rings; ++ring) {
     // Patches overlap, and end where the side does.
     const double length = (high - low) / rings, middle = low + length * (ring + 0.5);
@@ -255,9 +276,8 @@ void ContactSamples::sampleSide(const Pose& pose, double low, double high, doubl
   }
 }
 
-/// `face` is 1 for the upper face, -1 for the lower one.
-void ContactSamples::sampleRim(const Pose& pose, double y, double radius, double face, double grow,
-                               std::uint32_t triangle) {
+void PrimitiveSampler::sampleRim(const Pose& pose, double y, double radius, double face, double grow,
+                                 std::uint32_t triangle) {
   if (!(radius > 0.0)) {
     // A tip, whose normals are those of the side around it.
     std::array<glm::dvec3, 12> normals;
@@ -283,6 +303,12 @@ void ContactSamples::sampleRim(const Pose& pose, double y, double radius, double
     const glm::dvec3 out = across(2.0 * kPi * i / kBesideRim);
     addPoint(transformPoint(pose, glm::dvec3(0.0, y, 0.0) + (1.0 - kInset) * radius * out), up, triangle);
   }
+}
+
+}  // namespace
+
+SampleSet sampleShapes(std::span<const ImplicitShape> shapes, const assets::Mesh& mesh, double spacing) {
+  return PrimitiveSampler(spacing).sample(shapes, mesh);
 }
 
 }  // namespace tandem::haptics

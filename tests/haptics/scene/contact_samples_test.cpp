@@ -75,7 +75,7 @@ TEST(ContactSamples, BallsOfTheTreeHoldTheirSamples) {
       EXPECT_LE(glm::length(samples.samples()[i].point - c), static_cast<double>(node.radius));
     }
     if (node.second == 0) {
-      EXPECT_LE(node.end - node.begin, ContactSamples::kMostInLeaf);
+      EXPECT_LE(node.end - node.begin, ContactSamples::kMaxInLeaf);
     } else {
       EXPECT_EQ(nodes[n + 1].begin, node.begin);
       EXPECT_EQ(nodes[n + 1].end, nodes[node.second].begin);

@@ -1,0 +1,143 @@
+#include "haptics/scene/mesh_samples.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <unordered_set>
+#include <vector>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include "haptics/geometry/outward.h"
+
+namespace tandem::haptics {
+namespace {
+
+/// A grid whose cells each hold at most one sample.
+class Thinning {
+ public:
+  Thinning(const glm::dvec3& origin, double cell) : origin_(origin), cell_(cell) {}
+  bool insert(const glm::dvec3& p) {
+    const glm::dvec3 q = glm::floor((p - origin_) / cell_);
+    const auto part = [](double x) {
+      return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0x1fffffu;
+    };
+    return occupied_.insert(part(q.x) | part(q.y) << 21 | part(q.z) << 42).second;
+  }
+
+ private:
+  glm::dvec3 origin_;
+  double cell_;
+  std::unordered_set<std::uint64_t> occupied_;
+};
+
+void addDistinct(std::vector<glm::dvec3>& normals, std::size_t first, const glm::dvec3& normal) {
+  for (std::size_t i = first; i < normals.size(); ++i) {
+    if (glm::dot(normals[i], normal) > 1.0 - 1e-6) return;
+  }
+  normals.push_back(normal);
+}
+
+/// Samples the convex edges, corners and smooth convex surfaces of a mesh.
+class MeshSampler {
+ public:
+  MeshSampler(const assets::Mesh& mesh, const MeshEdges& edges, double spacing, double smoothSpacing,
+              double sharp)
+      : mesh_(mesh), edges_(edges), spacing_(spacing), smoothSpacing_(smoothSpacing), sharp_(sharp) {}
+
+  SampleSet sample() {
+    std::vector<bool> sampled(mesh_.positions.size(), false);
+    sampleSharpEdges(sampled);
+    addCorners(sampled);
+    sampleSmooth(sampled);
+    return std::move(out_);
+  }
+
+ private:
+  /// Samples the interior of sharp edges; marks the ends of those edges in `corner`.
+  void sampleSharpEdges(std::vector<bool>& corner);
+  /// Adds one sample at each marked vertex, with the normals of all faces at its convex edges.
+  void addCorners(const std::vector<bool>& corner);
+  /// Samples the edges of smooth convex surfaces, one a cell of a grid, except at the vertices in `sampled`.
+  void sampleSmooth(std::vector<bool>& sampled);
+
+  const assets::Mesh& mesh_;
+  const MeshEdges& edges_;
+  const double spacing_, smoothSpacing_;  // m
+  const double sharp_;                    // rad
+  SampleSet out_;
+};
+
+void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
+  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+    const MeshEdge& edge = edges_.edges()[i];
+    if (edge.angle < sharp_) continue;
+    corner[edge.ends[0]] = corner[edge.ends[1]] = true;
+    const double length = glm::length(edge.b - edge.a);
+    const int inner = std::max(1, static_cast<int>(std::ceil(length / spacing_)) - 1);
+    const auto first = static_cast<std::uint32_t>(out_.normals.size());
+    out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
+    for (int k = 1; k <= inner; ++k) {
+      out_.samples.push_back({edge.a + (edge.b - edge.a) * (static_cast<double>(k) / (inner + 1)), first, 2,
+                              i, edge.triangles[0], roundUp(length / (inner + 1))});
+    }
+  }
+}
+
+void MeshSampler::addCorners(const std::vector<bool>& corner) {
+  std::vector<std::uint32_t> count(mesh_.positions.size() + 1, 0);
+  for (const MeshEdge& edge : edges_.edges()) {
+    for (const std::uint32_t v : edge.ends) count[v + 1] += corner[v] && edge.angle > 0.0 ? 1 : 0;
+  }
+  std::partial_sum(count.begin(), count.end(), count.begin());
+  std::vector<std::uint32_t> at(count.begin(), count.end() - 1), list(count.back());
+  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+    const MeshEdge& edge = edges_.edges()[i];
+    for (const std::uint32_t v : edge.ends) {
+      if (corner[v] && edge.angle > 0.0) list[at[v]++] = i;
+    }
+  }
+  for (std::uint32_t v = 0; v < mesh_.positions.size(); ++v) {
+    if (!corner[v]) continue;
+    const std::size_t first = out_.normals.size();
+    for (std::uint32_t i = count[v]; i < count[v + 1]; ++i) {
+      for (const glm::dvec3& normal : edges_.edges()[list[i]].normals)
+        addDistinct(out_.normals, first, normal);
+    }
+    out_.samples.push_back({mesh_.positions[v], static_cast<std::uint32_t>(first),
+                            static_cast<std::uint32_t>(out_.normals.size() - first), assets::kNone,
+                            edges_.edges()[list[count[v]]].triangles[0], 0.0f});
+  }
+}
+
+void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
+  Thinning cells(mesh_.bounds.min, smoothSpacing_);
+  const auto add = [&](const MeshEdge& edge, const glm::dvec3& p) {
+    if (!cells.insert(p)) return;
+    const auto first = static_cast<std::uint32_t>(out_.normals.size());
+    out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
+    out_.samples.push_back({p, first, 2, assets::kNone, edge.triangles[0], 0.0f});
+  };
+  for (const MeshEdge& edge : edges_.edges()) {
+    if (edge.angle >= sharp_ || edge.angle <= 0.0) continue;
+    for (int end = 0; end < 2; ++end) {
+      const std::uint32_t v = edge.ends[static_cast<std::size_t>(end)];
+      if (!sampled[v]) add(edge, end == 0 ? edge.a : edge.b);
+      sampled[v] = true;
+    }
+    const double length = glm::length(edge.b - edge.a);
+    const int pieces = static_cast<int>(std::ceil(length / smoothSpacing_));
+    for (int k = 1; k < pieces; ++k)
+      add(edge, edge.a + (edge.b - edge.a) * (static_cast<double>(k) / pieces));
+  }
+}
+
+}  // namespace
+
+SampleSet sampleMesh(const assets::Mesh& mesh, const MeshEdges& edges, double spacing, double smoothSpacing,
+                     double sharp) {
+  return MeshSampler(mesh, edges, spacing, smoothSpacing, sharp).sample();
+}
+
+}  // namespace tandem::haptics
