@@ -23,7 +23,7 @@ bool allFinite(const glm::dmat3& m) {
   return sum == 0.0;
 }
 
-/// The orthogonal factor, by Newton's iteration; quadratic, so that its end is rounding alone.
+/// The orthogonal factor by Newton's iteration, whose quadratic convergence leaves only rounding at the end.
 std::optional<glm::dmat3> orthogonalFactor(const glm::dmat3& a) {
   glm::dmat3 x = a;
   for (int i = 0; i < 100; ++i) {
@@ -53,7 +53,7 @@ std::optional<RigidSplit> splitRigid(const glm::dmat4& map) {
   RigidSplit split;
   split.rigid.position = translation;
   split.rigid.orientation = glm::normalize(glm::quat_cast(*rotation));
-  // From the quaternion's own matrix, so that rigid * residual gives back the map to the last bits.
+  // Uses the matrix of the quaternion, so that rigid * residual reproduces the map to the last bits.
   const glm::dmat3 back = glm::transpose(glm::mat3_cast(split.rigid.orientation)) * linear;
   split.residual = 0.5 * (back + glm::transpose(back));
   return split;

@@ -19,9 +19,9 @@ struct RigidSplit {
 };
 
 /// The polar decomposition A = R S of an affine map (Higham 1986, "Computing the polar decomposition"). The
-/// residual depends on the scales alone, not on the rotation, so rotated instances of a mesh get the same
-/// one. A map that mirrors gives R det > 0 and S = -(R' A): its winding has to be flipped. Nothing if the map
-/// is singular or not finite.
+/// residual depends on the scales alone, not on the rotation, so rotated instances of a mesh share it. For a
+/// map that mirrors, R keeps det > 0 and S = -(R' A), and the caller flips the winding. Nothing if the map is
+/// singular or not finite.
 std::optional<RigidSplit> splitRigid(const glm::dmat4& map);
 
 /// The pose as a matrix.

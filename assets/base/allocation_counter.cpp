@@ -37,8 +37,7 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
 void* operator new[](std::size_t size, std::align_val_t alignment) {
   return allocate(size, static_cast<std::size_t>(alignment));
 }
-// The forms that do not throw too: who replaces one operator new must replace all, or new and delete would
-// not match.
+// The forms that do not throw are replaced too: new and delete match only if all forms are replaced together.
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   count();
   return std::malloc(size == 0 ? 1 : size);

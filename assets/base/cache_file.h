@@ -1,7 +1,7 @@
 #pragma once
 
-// Files of a cache: read whole, and never seen half written. What cannot be read or written costs time only, so
-// that failures pass in silence.
+// Files of a cache. A reader sees a file whole or not at all. A file that cannot be read or written costs
+// only the time to derive its content again, so failures are not reported.
 
 #include <cstddef>
 #include <filesystem>
@@ -11,10 +11,10 @@
 
 namespace tandem::assets {
 
-/// All of a file; nothing if there is none or it cannot be read.
+/// The whole content of a file; nothing if it does not exist or cannot be read.
 std::optional<std::vector<std::byte>> readCacheFile(const std::filesystem::path& path);
 
-/// Writes under a name of its own, then renames; makes the directory where it is missing.
+/// Writes a temporary file and renames it. Makes the directory if it does not exist.
 void writeCacheFile(const std::filesystem::path& path, std::span<const std::byte> content);
 
 }  // namespace tandem::assets

@@ -36,23 +36,23 @@ CommandLineOption& CommandLineOption::values(int count) {
   return *this;
 }
 
-CommandLineOption& CommandLineOption::numberFrom(double least, double most) {
-  ASSERT(least <= most);
+CommandLineOption& CommandLineOption::numberFrom(double min, double max) {
+  ASSERT(min <= max);
   // CLI11's own check of a range lets nan through.
-  option_->check([least, most](const std::string& text) -> std::string {
+  option_->check([min, max](const std::string& text) -> std::string {
     char* end = nullptr;
     const double value = std::strtod(text.c_str(), &end);
-    if (!text.empty() && *end == '\0' && value >= least && value <= most) return "";
+    if (!text.empty() && *end == '\0' && value >= min && value <= max) return "";
     char message[96];
-    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", least, most);
+    std::snprintf(message, sizeof message, "must be a number from %g to %g, not ", min, max);
     return message + text;
   });
   return *this;
 }
 
-CommandLineOption& CommandLineOption::integerFrom(int least, int most) {
-  ASSERT(least <= most);
-  option_->check(CLI::Range(least, most));
+CommandLineOption& CommandLineOption::integerFrom(int min, int max) {
+  ASSERT(min <= max);
+  option_->check(CLI::Range(min, max));
   return *this;
 }
 

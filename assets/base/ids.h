@@ -1,6 +1,6 @@
 #pragma once
 
-// The names by which all folders speak of the same things. Ids, not pointers: they travel over the wire.
+// Identifiers that all folders share. They are numbers and not pointers, because they travel over the wire.
 
 #include <cstddef>
 #include <cstdint>
@@ -12,11 +12,11 @@ using PartId = std::uint16_t;
 inline constexpr PartId kNoPart = 0xffff;
 inline constexpr std::size_t kMaxParts = 16384;
 
-/// A participant of a session, given by the server, never used again within the session's data directory.
+/// A participant of a session. The server assigns it, and never twice within one data directory.
 using SiteId = std::uint16_t;
 inline constexpr SiteId kNoSite = 0;
 
-/// Counts the ownerships of one part. Grows with every grant, also across restarts of the server (S1).
+/// Number of ownerships of one part so far. It grows with every grant, also across server restarts (S1).
 using Epoch = std::uint32_t;
 
 }  // namespace tandem

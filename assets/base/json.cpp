@@ -33,7 +33,8 @@ nlohmann::ordered_json toLibrary(const Json& from) {
       return array;
     }
     case Json::Kind::object: {
-      // push_back() of the underlying vector: the library's own insertion searches the object for every member.
+      // push_back() of the underlying vector: the library's own insertion searches the object for every
+      // member.
       nlohmann::ordered_json::object_t object;
       for (const auto& [name, member] : from.members()) object.push_back({name, toLibrary(member)});
       return object;
@@ -117,7 +118,8 @@ class JsonBuilder final : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
-  /// The arrays and objects that have begun and not ended. Only the last of them grows, so the pointers stay valid.
+  /// The arrays and objects that have begun and not ended. Only the last of them grows, so the pointers stay
+  /// valid.
   std::vector<Json*> open_;
 };
 

@@ -1,12 +1,14 @@
 #pragma once
 
-// JSON as a value: read from hostile text, built up by the programs that write results. The parser and the writer are
-// nlohmann's, whose headers cost seconds to compile; json.cpp is the one source of the programs that includes them.
+// JSON as a value: read from hostile text, built up by the programs that write results. The parser and the
+// writer are nlohmann's, whose headers cost seconds to compile; json.cpp is the one source of the programs
+// that includes them.
 //
 // 1. Members of an object keep the order in which they were added; parse() sorts them by name.
-// 2. There are two ways to read. at() and the typed values throw JsonError for what is not there or is of another kind.
-//    member() never throws: it returns an absent value, whose own members are absent too, so that a path of optional
-//    members can be followed in one expression. References stay valid until the value that holds them is changed.
+// 2. There are two ways to read. at() and the typed values throw JsonError for what is not there or is of
+//    another kind. member() never throws: it returns an absent value, whose own members are absent too, so
+//    that a path of optional members can be followed in one expression. References stay valid until the value
+//    that holds them is changed.
 
 #include <concepts>
 #include <cstddef>
@@ -73,7 +75,8 @@ class Json {
   bool isArray() const { return kind_ == Kind::array; }
   bool isObject() const { return kind_ == Kind::object; }
 
-  /// What it holds. Each throws JsonError for another kind; integer() also for what is negative or has a fraction.
+  /// The value itself. Each throws JsonError for another kind; integer() also for what is negative or has a
+  /// fraction.
   bool boolean() const;
   double number() const;
   std::uint64_t integer() const;
@@ -91,7 +94,8 @@ class Json {
   /// A member or an element that must be there; throws JsonError if it is not.
   const Json& at(std::string_view name) const;
   const Json& at(std::size_t index) const;
-  /// The member of that name, added as null if there is none; null becomes an object. Throws JsonError for anything else.
+  /// The member of that name, added as null if there is none; null becomes an object. Throws JsonError for
+  /// anything else.
   Json& operator[](std::string_view name);
 
   /// Appends an element; null becomes an array. Throws JsonError for anything else.
@@ -109,14 +113,14 @@ class Json {
   Json* begin() { return elements_.data(); }
   Json* end() { return elements_.data() + elements_.size(); }
 
-  /// The same with every fraction rounded to nine significant digits: a pose's nm, a day's ms.
+  /// A copy with every fraction rounded to nine significant digits: 1 nm of a pose, 1 ms of a day.
   Json rounded() const;
 
   /// The text; with an indent of 0 or more, one member a line. Bytes that are not UTF-8 become U+FFFD.
   std::string dump(int indent = -1) const;
 
-  /// Reads hostile text. The error is the reason and the place on one line, without a file's name. Text that nests
-  /// deeper than kMaxNesting is refused, so that what recurses over a value stays within the stack.
+  /// Reads hostile text. The error is the reason and the place on one line, without a file's name. Text that
+  /// nests deeper than kMaxNesting is refused, so that what recurses over a value stays within the stack.
   static Result<Json> parse(std::string_view text);
   static constexpr int kMaxNesting = 96;
   /// How deep the brackets outside of strings nest.

@@ -32,8 +32,8 @@ void parallelFor(std::size_t count, const std::function<void(std::size_t)>& work
                  const std::function<void(std::size_t)>& progress) {
   std::atomic<std::size_t> next{0};
   Failure failure;
-  // Items are begun in order, so whatever threw first in time, every smaller item has been begun and will be
-  // heard.
+  // Items begin in order. When an item throws, every smaller item has begun already, so its exception is
+  // recorded too.
   const auto run = [&](bool caller) {
     while (!failure.any.load(std::memory_order_relaxed)) {
       const std::size_t i = next.fetch_add(1, std::memory_order_relaxed);

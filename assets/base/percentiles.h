@@ -11,7 +11,7 @@ struct Percentiles {
   double p50 = 0.0, p99 = 0.0, p999 = 0.0, max = 0.0;
 };
 
-/// Percentiles of some samples; zeros for none.
+/// Percentiles of samples; all zero without samples.
 inline Percentiles percentiles(std::vector<double> samples) {
   if (samples.empty()) return {};
   std::sort(samples.begin(), samples.end());

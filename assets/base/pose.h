@@ -1,6 +1,6 @@
 #pragma once
 
-// Rigid motions. Names read from right to left: worldFromPart maps a point of the part frame to the world frame.
+// Rigid motions. Names read from right to left: worldFromPart maps a point of the part frame to the world's.
 
 #include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
@@ -25,7 +25,7 @@ struct Wrench {
   glm::dvec3 torque{0.0, 0.0, 0.0};
 };
 
-/// Of wrenches about the same point.
+/// The sum of two wrenches about the same point.
 inline Wrench operator+(const Wrench& a, const Wrench& b) { return {a.force + b.force, a.torque + b.torque}; }
 
 /// aFromC = aFromB * bFromC.
@@ -65,10 +65,10 @@ glm::dquat fromRotationVector(const glm::dvec3& rotation);
 /// The pose after moving with a constant twist (world axes) for dt seconds.
 Pose integrate(const Pose& worldFromBody, const Twist& twist, double dt);
 
-/// Between two poses at s in [0, 1]: linear in position, shortest arc in rotation.
+/// The pose at s in [0, 1] between two poses: linear in position, shortest arc in rotation.
 Pose interpolate(const Pose& from, const Pose& to, double s);
 
-/// Whether every number is finite and the quaternion is a unit one within 1e-6.
+/// Whether every number is finite and the quaternion has length 1 within 1e-6.
 bool isValid(const Pose& pose);
 
 }  // namespace tandem

@@ -43,7 +43,7 @@ assets::Mesh finish(assets::TriangleSoup soup, Topology topology) {
 
 double involute(double angle) { return std::tan(angle) - angle; }
 
-/// Half the angle that a tooth takes up at radius r.
+/// Half the angle of a tooth at radius r.
 double toothHalfAngle(double r) {
   const double base = kGearPitchRadius * std::cos(kPressureAngle);
   if (r < base) return kRootHalfAngle;

@@ -3,8 +3,8 @@
 // Large meshes and scenes whose exact answer is known, for benches, hard-case tests and reports.
 //
 // 1. Triangles face outwards; bounds and materials (all 0) are filled. Topology (neighbours, edge flags,
-// shells, volume)
-//    is filled up to kAnalysedTriangles triangles, or on demand: contact without shading does not read it.
+//    shells, volume) is filled for meshes of up to kAnalysedTriangles triangles, or on demand: contact
+//    without shading does not read it.
 // 2. Deterministic: the same arguments give the same bits.
 
 #include <vector>
@@ -35,7 +35,7 @@ std::vector<glm::dvec2> gearProfile();
 /// coordinates (4e-18 m).
 assets::Mesh gearMesh(int triangles, Topology topology = Topology::whenCheap);
 
-/// The most by which the triangles of a sphere around the origin lie below it, m.
+/// The largest depth, m, of the triangles of a sphere around the origin below that sphere.
 double deepestFacet(const assets::Mesh& sphere, double radius);
 
 /// A square sheet in the plane z = 0 around the origin, normal +z, of n x n quads.

@@ -15,9 +15,9 @@ SampleShape benchTop(const glm::dvec2& size) {
   return shape;
 }
 
-SampleShape block(const std::string& name, const glm::dvec2& size, double height, LookId look,
+SampleShape block(const std::string& name, const glm::dvec2& size, double height, AppearanceId appearance,
                   std::size_t feel) {
-  SampleShape shape{name, {}, {look}, feel};
+  SampleShape shape{name, {}, {appearance}, feel};
   const double bevel = 1.0 * kMillimetre, corner = 3.0 * kMillimetre;
   Solid& s = shape.solid;
   const Loop rim = roundedRectangle(size, corner, 6);

@@ -1,6 +1,6 @@
 #pragma once
 
-// Looks and feels that the sample scenes share.
+// Appearances and feels that the sample scenes share.
 
 #include "assets/generate/sample_scene.h"
 
@@ -8,8 +8,8 @@ namespace tandem::generate {
 
 inline constexpr double kMillimetre = 1e-3;
 
-/// Indices of commonLooks().
-enum LookId : std::size_t {
+/// Indices of commonAppearances().
+enum AppearanceId : std::size_t {
   kPaint,
   kMachined,
   kSteel,
@@ -22,7 +22,7 @@ enum LookId : std::size_t {
   kLime
 };
 
-inline std::vector<Look> commonLooks() {
+inline std::vector<Appearance> commonAppearances() {
   return {{"painted casting", {0.05, 0.16, 0.30}, 0.1, 0.45},
           {"machined aluminium", {0.78, 0.79, 0.81}, 0.9, 0.35},
           {"steel", {0.50, 0.52, 0.55}, 0.95, 0.30},
@@ -50,10 +50,10 @@ inline std::vector<Feel> commonFeels() {
 SampleShape benchTop(const glm::dvec2& size);
 
 /// A block with rounded corners and bevelled edges (3 mm and 1 mm) on the plane y = 0.
-SampleShape block(const std::string& name, const glm::dvec2& size, double height, LookId look,
+SampleShape block(const std::string& name, const glm::dvec2& size, double height, AppearanceId appearance,
                   std::size_t feel);
 
-/// What stands on the bench keeps this far from it, so that nothing touches at rest. m
+/// Gap in m between the bench and what stands on it, so that nothing touches at rest.
 inline constexpr double kRestGap = 0.2 * kMillimetre;
 
 }  // namespace tandem::generate

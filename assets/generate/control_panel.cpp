@@ -11,8 +11,8 @@ constexpr double mm = kMillimetre;
 constexpr double kPlateTop = 20.0 * mm;
 
 /// A solid of revolution with bevelled edges.
-SampleShape turned(const char* name, double radius, double height, double bevel, LookId look) {
-  SampleShape shape{name, {}, {look}, kFeelPlastic};
+SampleShape turned(const char* name, double radius, double height, double bevel, AppearanceId appearance) {
+  SampleShape shape{name, {}, {appearance}, kFeelPlastic};
   shape.solid.revolve({{0.0, 0.0},
                        {radius - bevel, 0.0},
                        {radius, bevel},
@@ -46,7 +46,7 @@ SampleShape knob() {
 }  // namespace
 
 SampleScene makeControlPanel() {
-  SampleScene scene{"control_panel", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"control_panel", commonAppearances(), commonFeels(), {}, {}};
   SampleShape plate = block("panel", glm::dvec2(240.0 * mm, 150.0 * mm), kPlateTop, kPaint, kFeelAluminium);
   scene.shapes = {benchTop(glm::dvec2(320.0 * mm, 260.0 * mm)),
                   plate,

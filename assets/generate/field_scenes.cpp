@@ -5,7 +5,7 @@
 
 #include "assets/generate/common.h"
 
-// Scenes that are felt without contact: bodies that attract the hand, and a path that leads it.
+// Scenes with forces without contact: bodies that attract the hand, and a path that guides it.
 
 namespace tandem::generate {
 namespace {
@@ -13,8 +13,8 @@ namespace {
 constexpr double mm = kMillimetre;
 constexpr double kPi = std::numbers::pi;
 
-SampleShape ball(const std::string& name, double radius, LookId look, FeelId feel) {
-  SampleShape shape{name, {}, {look}, feel};
+SampleShape ball(const std::string& name, double radius, AppearanceId appearance, FeelId feel) {
+  SampleShape shape{name, {}, {appearance}, feel};
   constexpr int kRings = 24;
   std::vector<ProfilePoint> profile;
   for (int i = 0; i <= kRings; ++i) {
@@ -31,7 +31,7 @@ struct Body {
   double radius;        // m
   double surfaceForce;  // N
   glm::dvec3 position;  // m
-  LookId look;
+  AppearanceId appearance;
   bool movable;
 };
 
@@ -71,9 +71,9 @@ SampleShape plate() {
 }  // namespace
 
 SampleScene makeSolarSystem() {
-  SampleScene scene{"solar_system", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"solar_system", commonAppearances(), commonFeels(), {}, {}};
   for (const Body& body : kBodies) {
-    scene.shapes.push_back(ball(body.name, body.radius, body.look, kFeelPlastic));
+    scene.shapes.push_back(ball(body.name, body.radius, body.appearance, kFeelPlastic));
     assets::ForceField pull;
     pull.kind = assets::ForceField::Kind::gravity;
     pull.name = std::string(body.name) + " gravity";
@@ -86,7 +86,7 @@ SampleScene makeSolarSystem() {
 }
 
 SampleScene makeGuidedPath() {
-  SampleScene scene{"guided_path", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"guided_path", commonAppearances(), commonFeels(), {}, {}};
   scene.shapes = {plate()};
   assets::ForceField guide;
   guide.kind = assets::ForceField::Kind::guide;

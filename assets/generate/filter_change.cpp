@@ -66,7 +66,7 @@ SampleShape oRing() {
 }
 
 /// 40 pleats between two end discs, with a bore for the bowl's spigot.
-SampleShape cartridge(const char* name, LookId paper, LookId ends) {
+SampleShape cartridge(const char* name, AppearanceId paper, AppearanceId ends) {
   SampleShape shape{name, {}, {ends, paper}, kFeelPlastic};
   Solid& s = shape.solid;
   const double disc = 7.0 * mm, height = 116.0 * mm, radius = 41.0 * mm, bore = 12.1 * mm, edge = 1.0 * mm;
@@ -129,7 +129,7 @@ SampleShape cap() {
 }  // namespace
 
 SampleScene makeFilterChange() {
-  SampleScene scene{"filter_change", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"filter_change", commonAppearances(), commonFeels(), {}, {}};
   scene.shapes = {benchTop(glm::dvec2(520.0 * mm, 300.0 * mm)),
                   bowl(),
                   oRing(),

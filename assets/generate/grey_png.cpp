@@ -13,7 +13,7 @@ void putBig(Bytes& out, std::uint32_t value) {
   for (int shift = 24; shift >= 0; shift -= 8) out.push_back(static_cast<unsigned char>(value >> shift));
 }
 
-/// CRC-32 as PNG wants it (PNG, 5.5).
+/// CRC-32 of a PNG chunk (PNG, 5.5).
 std::uint32_t crc(const unsigned char* begin, const unsigned char* end) {
   std::uint32_t c = 0xffffffffu;
   for (const unsigned char* p = begin; p != end; ++p) {

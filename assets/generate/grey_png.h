@@ -8,8 +8,8 @@
 
 namespace tandem::generate {
 
-/// 8 bits a texel, not compressed: the same bytes whatever library of compression is there (PNG, 3rd edition;
-/// RFC 1950 and 1951 for its stream of stored blocks). `image` must have as many texels as it says.
+/// Writes 8 bits a texel without compression, so that the bytes depend on no compression library (PNG, 3rd
+/// edition; RFC 1950 and 1951 for the stream of stored blocks). `image` must have width * height texels.
 std::vector<unsigned char> greyPng(const assets::TextureImage& image);
 
 }  // namespace tandem::generate

@@ -8,9 +8,10 @@
 int main(int argc, char** argv) {
   const std::string folder = argc == 2 ? argv[1] : "--";
   if (folder.rfind("-", 0) == 0) {
-    const bool asked = folder == "--help" || folder == "-h";
-    std::fprintf(asked ? stdout : stderr, "usage: tandem-scenes OUTDIR    writes the sample scenes there\n");
-    return asked ? 0 : 2;
+    const bool wantsHelp = folder == "--help" || folder == "-h";
+    std::fprintf(wantsHelp ? stdout : stderr,
+                 "usage: tandem-scenes OUTDIR    writes the sample scenes there\n");
+    return wantsHelp ? 0 : 2;
   }
   for (const tandem::generate::SampleScene& scene : tandem::generate::makeAllScenes()) {
     const std::string path = folder + "/" + scene.name + ".glb";

@@ -17,7 +17,7 @@ struct Fit {
   const char* name;
   double clearance;  // m, of the diameters
   int segments;      // at least pi / sqrt(clearance / 2 r): the polygons' play stays within the clearance
-  LookId look;
+  AppearanceId appearance;
 };
 constexpr Fit kFits[3] = {{"peg_0.5", 0.5 * mm, 64, kLime},
                           {"peg_0.1", 0.1 * mm, 96, kBrass},
@@ -67,9 +67,9 @@ SampleShape board() {
 }
 
 SampleShape peg(const Fit& fit) {
-  SampleShape shape{fit.name, {}, {fit.look}, kFeelSteel};
-  if (fit.look == kLime) shape.feel = kFeelPlastic;
-  if (fit.look == kBrass) shape.feel = kFeelBrass;
+  SampleShape shape{fit.name, {}, {fit.appearance}, kFeelSteel};
+  if (fit.appearance == kLime) shape.feel = kFeelPlastic;
+  if (fit.appearance == kBrass) shape.feel = kFeelBrass;
   const double r = kHoleRadius - 0.5 * fit.clearance;
   shape.solid.revolve({{0.0, 0.0},
                        {r - kChamfer, 0.0},
@@ -84,7 +84,7 @@ SampleShape peg(const Fit& fit) {
 }  // namespace
 
 SampleScene makePegBoard() {
-  SampleScene scene{"peg_board", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"peg_board", commonAppearances(), commonFeels(), {}, {}};
   scene.shapes = {benchTop(glm::dvec2(300.0 * mm, 240.0 * mm)), board()};
   scene.parts = {{"bench", 0, glm::dvec3(0.0), false},
                  {"board", 1, glm::dvec3(0.0, kRestGap, -40.0 * mm), false}};

@@ -60,9 +60,10 @@ glm::dvec2 ProfileGodObject::outward(std::size_t edge) const {
 }
 
 glm::dvec2 ProfileGodObject::follow(const glm::dvec2& goal) {
-  // Each step ends at a corner or a wall and the distance falls: no piece is visited more than a few times.
-  const std::size_t most = 8 * profile_.size() + 16;
-  for (std::size_t i = 0; i < most; ++i) {
+  // Each step ends at a corner or a wall and shortens the distance, so no piece is visited more than a few
+  // times.
+  const std::size_t maxSteps = 8 * profile_.size() + 16;
+  for (std::size_t i = 0; i < maxSteps; ++i) {
     const bool moves = where_ == Where::free   ? stepFree(goal)
                        : where_ == Where::edge ? stepEdge(goal)
                                                : stepCorner(goal);
@@ -74,20 +75,21 @@ glm::dvec2 ProfileGodObject::follow(const glm::dvec2& goal) {
 /// Straight towards the goal until a wall is met from outside. Signs of whole corners decide which edges the
 /// line crosses, so it cannot slip through where two meet.
 bool ProfileGodObject::stepFree(const glm::dvec2& goal) {
-  const glm::dvec2 way = goal - position_;
+  const glm::dvec2 displacement = goal - position_;
   double first = 1.0;
   std::size_t hit = kNothing;
   for (std::size_t e = 0; e < profile_.size(); ++e) {
-    if (e == leftA_ || e == leftB_ || glm::dot(way, outward(e)) >= 0.0) continue;
-    const double a = cross(way, corner(e) - position_), b = cross(way, corner(e + 1) - position_);
+    if (e == leftA_ || e == leftB_ || glm::dot(displacement, outward(e)) >= 0.0) continue;
+    const double a = cross(displacement, corner(e) - position_),
+                 b = cross(displacement, corner(e + 1) - position_);
     if ((a >= 0.0) == (b >= 0.0)) continue;
-    const double t = glm::dot(corner(e) - position_, outward(e)) / glm::dot(way, outward(e));
+    const double t = glm::dot(corner(e) - position_, outward(e)) / glm::dot(displacement, outward(e));
     if (t < 0.0 || t >= first) continue;
     first = t;
     hit = e;
   }
   leftA_ = leftB_ = kNothing;
-  position_ = hit == kNothing ? goal : position_ + way * first;
+  position_ = hit == kNothing ? goal : position_ + displacement * first;
   if (hit == kNothing) return false;
   where_ = Where::edge;
   index_ = hit;
@@ -114,9 +116,9 @@ bool ProfileGodObject::stepEdge(const glm::dvec2& goal) {
 
 bool ProfileGodObject::stepCorner(const glm::dvec2& goal) {
   const std::size_t next = index_, previous = (index_ + profile_.size() - 1) % profile_.size();
-  const glm::dvec2 way = goal - position_;
-  const bool offNext = glm::dot(way, outward(next)) > 0.0;
-  const bool offPrevious = glm::dot(way, outward(previous)) > 0.0;
+  const glm::dvec2 displacement = goal - position_;
+  const bool offNext = glm::dot(displacement, outward(next)) > 0.0;
+  const bool offPrevious = glm::dot(displacement, outward(previous)) > 0.0;
   const bool convex = cross(along(previous), along(next)) > 0.0;
   if (convex ? offNext || offPrevious : offNext && offPrevious) {
     where_ = Where::free;
@@ -124,10 +126,11 @@ bool ProfileGodObject::stepCorner(const glm::dvec2& goal) {
     leftB_ = next;
     return true;
   }
-  // Both ways along the walls lead down at a convex corner deep under the goal: the steeper one is taken. In
-  // a concave corner a wall that the goal draws away from is no way.
-  const double forward = convex || !offNext ? glm::dot(way, glm::normalize(along(next))) : 0.0;
-  const double backward = convex || !offPrevious ? -glm::dot(way, glm::normalize(along(previous))) : 0.0;
+  // At a convex corner deep under the goal both walls may lead down; the god object follows the steeper one.
+  // In a concave corner a wall that the goal pulls away from is not a path.
+  const double forward = convex || !offNext ? glm::dot(displacement, glm::normalize(along(next))) : 0.0;
+  const double backward =
+      convex || !offPrevious ? -glm::dot(displacement, glm::normalize(along(previous))) : 0.0;
   if (!(std::max(forward, backward) > 0.0)) return false;
   where_ = Where::edge;
   index_ = forward >= backward ? next : previous;

@@ -1,6 +1,6 @@
 #pragma once
 
-// The exact god object of a polygon: what a proxy on the polygon, extruded, must agree with. Lengths in m.
+// The exact god object of a polygon, as the reference for a proxy on the extruded polygon. Lengths in m.
 
 #include <cstddef>
 #include <vector>
@@ -17,20 +17,20 @@ bool insideProfile(const std::vector<glm::dvec2>& profile, const glm::dvec2& p);
 /// meet. The ball must fit into every gap, and no edge may be shorter than what its concave ends cut off.
 std::vector<glm::dvec2> grownProfile(const std::vector<glm::dvec2>& profile, double radius, double turn);
 
-/// A god object in the plane: it stays outside a simple polygon and goes down the distance to its goal, along
-/// the steepest way that the polygon leaves open, to the first place where no way leads down. That is the
-/// constraint-based method of Zilles & Salisbury 1995 in the limit of infinitely small steps. A step along a
-/// straight piece ends at a corner, at a wall or at its minimum, all three found in closed form: the answer
-/// is exact but for the rounding of doubles.
+/// A god object in the plane. It stays outside a simple polygon and descends the distance to its goal along
+/// the steepest free direction, until no free direction descends. That is the constraint-based method of
+/// Zilles & Salisbury 1995 in the limit of infinitely small steps. A step along a straight piece ends at a
+/// corner, at a wall or at its minimum. All three have closed forms, so the result is exact but for the
+/// rounding of doubles.
 class ProfileGodObject {
  public:
-  /// The polygon is counter-clockwise with its solid inside; it must have three corners or more.
+  /// The polygon is counter-clockwise, its inside is solid, and it has at least three corners.
   explicit ProfileGodObject(std::vector<glm::dvec2> profile);
 
-  /// Puts the god object somewhere in free space.
+  /// Places the god object in free space.
   void place(const glm::dvec2& position);
 
-  /// Follows the goal; returns where it comes to rest.
+  /// Follows the goal; returns the place of rest.
   glm::dvec2 follow(const glm::dvec2& goal);
 
  private:

@@ -281,7 +281,7 @@ SampleShape cover() {
 }  // namespace
 
 SampleScene makePump() {
-  SampleScene scene{"pump", commonLooks(), commonFeels(), {}, {}};
+  SampleScene scene{"pump", commonAppearances(), commonFeels(), {}, {}};
   scene.shapes = {benchTop(glm::dvec2(640.0 * mm, 420.0 * mm)),
                   housing(),
                   shaft(),

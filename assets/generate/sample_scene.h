@@ -1,6 +1,6 @@
 #pragma once
 
-// A sample scene before it is written: solids, how they look and feel, and where they stand.
+// A sample scene before it is written: solids, their appearance and feel, and their places.
 
 #include <array>
 #include <cstdint>
@@ -14,15 +14,15 @@
 
 namespace tandem::generate {
 
-/// How one kind of surface looks.
-struct Look {
+/// Appearance of one kind of surface.
+struct Appearance {
   std::string name;
   std::array<double, 3> colour{};  // linear RGB, 0..1
   double metallic = 0.0;
   double roughness = 0.5;
 };
 
-/// How one kind of material feels.
+/// Contact properties of one kind of material.
 struct Feel {
   std::string name;
   double density = 0.0;  // kg/m^3
@@ -34,16 +34,17 @@ struct Feel {
   assets::Surface surface{};  // its texture's image is into SampleScene::images
 };
 
-/// A solid, and the look of each material slot that it is painted with.
+/// A solid, and the appearance of each material slot that it is painted with.
 struct SampleShape {
   std::string name;
   Solid solid;
-  std::vector<std::size_t> looks;  // into SampleScene::looks
-  std::size_t feel = 0;            // into SampleScene::feels
-  double repeat = 0.0;             // m of the x-z plane that texture coordinates cover; 0 = none
+  std::vector<std::size_t> appearances;  // into SampleScene::appearances
+  std::size_t feel = 0;                  // into SampleScene::feels
+  double repeat = 0.0;                   // m of the x-z plane that texture coordinates cover; 0 = none
 };
 
-/// What makes a part a control; zero leaves a property out. Units: m and N; rad and N·m for a dial.
+/// Properties of a part that is a control; zero leaves a property out. Units: m and N; rad and N·m for a
+/// dial.
 struct SampleControl {
   std::string kind;
   glm::dvec3 axis{0.0};         // part frame
@@ -71,7 +72,7 @@ struct SamplePart {
 
 struct SampleScene {
   std::string name;
-  std::vector<Look> looks;
+  std::vector<Appearance> appearances;
   std::vector<Feel> feels;
   std::vector<SampleShape> shapes;
   std::vector<SamplePart> parts;
@@ -86,7 +87,7 @@ SampleScene makeGuidedPath();
 SampleScene makeControlPanel();
 SampleScene makeSurfaces();
 
-/// All of them, in the order of their files.
+/// All sample scenes, in the order of their files.
 std::vector<SampleScene> makeAllScenes();
 
 /// The scene as a .glb file: the same bytes at every run. Movable parts get their mass and inertia from the

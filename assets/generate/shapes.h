@@ -18,10 +18,10 @@ namespace tandem::generate {
 /// A closed polygon, counter-clockwise seen from +z.
 using Loop = std::vector<glm::dvec2>;
 
-/// Corners on the circle (the polygon lies within it).
+/// A regular polygon with its corners on the circle.
 Loop circle(double radius, int segments, const glm::dvec2& centre = glm::dvec2(0.0));
 
-/// Side middles on the circle (the polygon lies around it): what a hole must be for a shaft of its radius to
+/// A regular polygon whose sides touch the circle from outside, as a hole needs for a shaft of that radius to
 /// fit.
 Loop circleAround(double radius, int segments, const glm::dvec2& centre = glm::dvec2(0.0));
 

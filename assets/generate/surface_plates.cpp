@@ -6,7 +6,7 @@
 
 #include "assets/generate/common.h"
 
-// Plates side by side, one for each way that a surface can feel.
+// Plates side by side, one for each surface effect.
 
 namespace tandem::generate {
 namespace {
@@ -22,18 +22,19 @@ constexpr double kPi = std::numbers::pi;
 /// One plate or dome.
 struct Sample {
   Feel feel;  // its name is the part's
-  LookId look = kPaint;
+  AppearanceId appearance = kPaint;
   bool dome = false;
 };
 
-Sample plain(const char* name, LookId look, double stiffness = 1000.0) {
-  Sample sample{{name, 1150.0}, look};
+Sample plain(const char* name, AppearanceId appearance, double stiffness = 1000.0) {
+  Sample sample{{name, 1150.0}, appearance};
   sample.feel.stiffness = stiffness;
   return sample;
 }
 
-Sample patterned(const char* name, LookId look, Pattern pattern, double amplitude, double wavelength) {
-  Sample sample = plain(name, look);
+Sample patterned(const char* name, AppearanceId appearance, Pattern pattern, double amplitude,
+                 double wavelength) {
+  Sample sample = plain(name, appearance);
   sample.feel.surface.texture.pattern = pattern;
   sample.feel.surface.texture.amplitude = amplitude;
   sample.feel.surface.texture.wavelength = wavelength;
@@ -43,7 +44,7 @@ Sample patterned(const char* name, LookId look, Pattern pattern, double amplitud
 /// Into SampleScene::images.
 enum ImageId : std::uint32_t { kHills, kRamp };
 
-/// Three hills along each side of the plate, as high as the image goes.
+/// Three hills along each side of the plate, of the image's full height.
 assets::TextureImage hills() {
   assets::TextureImage image{96, 96, {}};
   for (std::uint32_t y = 0; y < image.height; ++y)
@@ -63,8 +64,8 @@ assets::TextureImage ramp() {
   return image;
 }
 
-Sample imaged(const char* name, LookId look, ImageId image, double amplitude) {
-  Sample sample = patterned(name, look, Pattern::image, amplitude, 0.0);
+Sample imaged(const char* name, AppearanceId appearance, ImageId image, double amplitude) {
+  Sample sample = patterned(name, appearance, Pattern::image, amplitude, 0.0);
   sample.feel.surface.texture.image = image;
   return sample;
 }
@@ -118,9 +119,9 @@ std::vector<Sample> lawsAndShading() {
   return {viscoelastic, plastic, smooth, facets};
 }
 
-/// A cap of a sphere of 20 mm with facets that a hand can count.
-SampleShape dome(const std::string& name, LookId look, std::size_t feel) {
-  SampleShape shape{name, {}, {look}, feel};
+/// A cap of a sphere of 20 mm radius whose facets can be felt one by one.
+SampleShape dome(const std::string& name, AppearanceId appearance, std::size_t feel) {
+  SampleShape shape{name, {}, {appearance}, feel};
   constexpr double kRadius = 20.0 * mm, kLowest = 0.35 * kPi;  // angle from the pole
   constexpr int kRings = 5;
   std::vector<ProfilePoint> profile = {{0.0, 0.0}};
@@ -136,7 +137,7 @@ SampleShape dome(const std::string& name, LookId look, std::size_t feel) {
 }  // namespace
 
 SampleScene makeSurfaces() {
-  SampleScene scene{"surfaces", commonLooks(), commonFeels(), {}, {}, {hills(), ramp()}};
+  SampleScene scene{"surfaces", commonAppearances(), commonFeels(), {}, {}, {hills(), ramp()}};
   scene.shapes = {benchTop(glm::dvec2(320.0 * mm, 180.0 * mm))};
   scene.parts = {{"bench", 0, glm::dvec3(0.0), false}};
   Sample damped = plain("damping", kPlastic, 600.0);
@@ -149,8 +150,8 @@ SampleScene makeSurfaces() {
     const std::size_t feel = scene.feels.size();
     scene.feels.push_back(sample.feel);
     const glm::dvec2 size(kSide);
-    SampleShape shape = sample.dome ? dome(sample.feel.name, sample.look, feel)
-                                    : block(sample.feel.name, size, kHeight, sample.look, feel);
+    SampleShape shape = sample.dome ? dome(sample.feel.name, sample.appearance, feel)
+                                    : block(sample.feel.name, size, kHeight, sample.appearance, feel);
     if (sample.feel.surface.texture.pattern == Pattern::image) shape.repeat = kSide;
     scene.shapes.push_back(std::move(shape));
     const int column = static_cast<int>(i) % kColumns, row = static_cast<int>(i) / kColumns;

@@ -28,8 +28,8 @@ bool crossesAny(const glm::dvec2& a, const glm::dvec2& b, const Polygon& polygon
   return false;
 }
 
-/// Whether p lies in the angle of the polygon at corner i, which tells the copies of a corner with two
-/// bridges apart.
+/// Whether p lies within the interior angle of the polygon at corner i. This distinguishes the copies of a
+/// corner that has two bridges.
 bool isWithinAngle(const Polygon& polygon, std::size_t i, const glm::dvec2& p) {
   const glm::dvec2& previous = polygon[(i + polygon.size() - 1) % polygon.size()];
   const glm::dvec2 &corner = polygon[i], &next = polygon[(i + 1) % polygon.size()];

@@ -14,14 +14,14 @@ namespace tandem::assets {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kFlat = 1e-3;             // rad: facets that turn by less are one plane
-constexpr double kMostTurn = 0.251 * kPi;  // rad
-constexpr double kParallel = 5e-3;         // rad
-constexpr double kAlike = 0.25;            // turns that differ by this share belong to one cylinder
-constexpr double kAround = 0.9 * kPi;      // rad that a cylinder must go around
-constexpr double kFull = 0.7;              // of the length of the edges if all were as long as the cylinder
-constexpr double kOffCircle = 0.05;        // of the sag, by which edges may be off the circle
-constexpr double kRounding = 1e-5;         // of the radius, the same: coordinates are single precision
+constexpr double kFlat = 1e-3;            // rad: facets that turn by less are one plane
+constexpr double kMaxTurn = 0.251 * kPi;  // rad
+constexpr double kParallel = 5e-3;        // rad
+constexpr double kAlike = 0.25;           // turns that differ by this share belong to one cylinder
+constexpr double kAround = 0.9 * kPi;     // rad that a cylinder must go around
+constexpr double kFull = 0.7;             // of the length of the edges if all were as long as the cylinder
+constexpr double kOffCircle = 0.05;       // of the sag, by which edges may be off the circle
+constexpr double kRounding = 1e-5;        // of the radius, the same: coordinates are single precision
 
 /// An edge across which the surface turns a little.
 struct Roll {
@@ -78,7 +78,7 @@ class CylinderFinder {
         const std::uint32_t other = mesh_.neighbours[t][e];
         if (other == kNone || other < t || degenerate(t) || degenerate(other)) continue;
         const double turn = turnBetween(t, other);
-        if (turn < kFlat || turn > kMostTurn) continue;
+        if (turn < kFlat || turn > kMaxTurn) continue;
         Roll roll{corner(t, e), corner(t, e + 1), {}, turn};
         roll.direction = glm::normalize(roll.b - roll.a);
         // The neighbour's normal leans away from this triangle over a ridge, towards it in a hollow.
@@ -162,7 +162,7 @@ class CylinderFinder {
   /// Whether all edges lie on the circle and go around far enough; measures its length.
   bool isOne(const std::vector<std::uint32_t>& rolls, const glm::dvec3& x, const glm::dvec3& y, double turn,
              Cylinder& cylinder) const {
-    const double most = kOffCircle * cylinder.sag() + kRounding * cylinder.radius;
+    const double tolerance = kOffCircle * cylinder.sag() + kRounding * cylinder.radius;
     double low = 1e300, high = -1e300, length = 0.0;
     std::vector<double> angles;
     for (const std::uint32_t i : rolls) {
@@ -170,7 +170,7 @@ class CylinderFinder {
       for (const glm::dvec3& end : {rolls_[i].a, rolls_[i].b}) {
         const glm::dvec3 from = end - cylinder.middle;
         const glm::dvec2 flat(glm::dot(from, x), glm::dot(from, y));
-        if (std::abs(glm::length(flat) - cylinder.radius) > most) return false;
+        if (std::abs(glm::length(flat) - cylinder.radius) > tolerance) return false;
         low = std::min(low, glm::dot(from, cylinder.axis));
         high = std::max(high, glm::dot(from, cylinder.axis));
         angles.push_back(std::atan2(flat.y, flat.x));

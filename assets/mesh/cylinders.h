@@ -19,12 +19,12 @@ struct Cylinder {
   int segments = 0;                  // facets of a whole turn, as wide as those that are there
   bool hollow = false;               // a bore; else a shaft
 
-  /// m: how far the middle of a facet lies from that circle.
+  /// Distance of a facet's middle from that circle, m.
   double sag() const;
 };
 
-/// Edges between flat facets that lie side by side, parallel, and turn by the same angle, at most an eighth of
-/// a circle, and whose ends lie on one circle. O(triangles); needs the mesh's neighbours.
+/// Edges between flat facets that lie side by side, parallel, and turn by the same angle, at most an eighth
+/// of a circle, and whose ends lie on one circle. O(triangles); needs the mesh's neighbours.
 std::vector<Cylinder> findCylinders(const Mesh& mesh);
 
 }  // namespace tandem::assets

@@ -91,14 +91,14 @@ std::uint64_t dropDuplicates(std::vector<TriangleIndices>& triangles, std::vecto
     }
   }
   if (dropped == 0) return 0;
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (drop[t]) continue;
-    triangles[kept] = triangles[t];
-    material[kept++] = material[t];
+    triangles[count] = triangles[t];
+    material[count++] = material[t];
   }
-  triangles.resize(kept);
-  material.resize(kept);
+  triangles.resize(count);
+  material.resize(count);
   return dropped;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// Which edges of a triangle soup meet, however many meet in one place and whichever way they run. This is the
-// part of the topology that a halfedge mesh cannot hold: edges of three and more faces, and faces that
+// Pairs the edges of a triangle soup, for any number of faces at an edge and any orientation of them. A
+// halfedge mesh cannot represent this part of the topology: edges of three and more faces, and faces that
 // disagree on the outside.
 //
 // Halfedge h = 3 t + e is edge e of triangle t, from its corner e to its corner (e + 1) % 3.
@@ -17,7 +17,7 @@ using TriangleIndices = std::array<std::uint32_t, 3>;
 inline constexpr std::uint32_t kOpenEdge = 0xffffffffu;       // no other face
 inline constexpr std::uint32_t kManyFacedEdge = 0xfffffffeu;  // more than two faces
 
-/// Where halfedge h starts and ends.
+/// The start and end vertex of halfedge h.
 inline std::uint32_t startOf(const std::vector<TriangleIndices>& triangles, std::uint32_t h) {
   return triangles[h / 3][h % 3];
 }

@@ -9,10 +9,10 @@
 namespace tandem::assets {
 namespace {
 
-// An open mesh is taken to fill this much of its bounding box unless its own faces say more: about what
-// sheet-metal covers and castings with a missing face fill.
+// The share of its bounding box that an open mesh fills unless its own faces give more; typical of
+// sheet-metal covers and castings with a missing face.
 constexpr double kOpenFillShare = 0.25;
-// A flat mesh gets this much of its longest extent as thickness, so that it can turn about every axis.
+// The thickness of a flat mesh as a share of its longest extent, so that it has an inertia about every axis.
 constexpr double kThinnest = 0.01;
 
 struct Integrals {

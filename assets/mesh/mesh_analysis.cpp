@@ -28,21 +28,21 @@ void weld(TriangleSoup& soup, MeshDefects& defects) {
   defects.unusedVertices += static_cast<std::uint64_t>(unused);
   defects.duplicateVertices = soup.positions.size() - static_cast<std::size_t>(unused) - welded.points.size();
   soup.positions = std::move(welded.points);
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
     TriangleIndices t = soup.triangles[i];
     for (std::uint32_t& vertex : t) vertex = welded.pointOf[vertex];
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] ||
         isDegenerate(soup.positions[t[0]], soup.positions[t[1]], soup.positions[t[2]], welded.tolerance))
       continue;
-    soup.triangles[kept] = t;
-    if (!soup.triangleUv.empty()) soup.triangleUv[kept] = soup.triangleUv[i];
-    soup.triangleMaterial[kept++] = soup.triangleMaterial[i];
+    soup.triangles[count] = t;
+    if (!soup.triangleUv.empty()) soup.triangleUv[count] = soup.triangleUv[i];
+    soup.triangleMaterial[count++] = soup.triangleMaterial[i];
   }
-  defects.degenerateFaces = soup.triangles.size() - kept;
-  soup.triangles.resize(kept);
-  soup.triangleMaterial.resize(kept);
-  if (!soup.triangleUv.empty()) soup.triangleUv.resize(kept);
+  defects.degenerateFaces = soup.triangles.size() - count;
+  soup.triangles.resize(count);
+  soup.triangleMaterial.resize(count);
+  if (!soup.triangleUv.empty()) soup.triangleUv.resize(count);
 }
 
 /// dropDuplicates() for the whole soup. Texture coordinates follow by the order of what stays.
@@ -51,10 +51,10 @@ std::uint64_t dropDuplicateFaces(TriangleSoup& soup) {
     return dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
   const std::vector<TriangleIndices> before = soup.triangles;
   const std::uint64_t dropped = dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
-  std::size_t kept = 0;
+  std::size_t count = 0;
   // The first of several equal faces stays, so that the first match is the one.
-  for (std::size_t t = 0; t < before.size() && kept < soup.triangles.size(); ++t)
-    if (before[t] == soup.triangles[kept]) soup.triangleUv[kept++] = soup.triangleUv[t];
+  for (std::size_t t = 0; t < before.size() && count < soup.triangles.size(); ++t)
+    if (before[t] == soup.triangles[count]) soup.triangleUv[count++] = soup.triangleUv[t];
   soup.triangleUv.resize(soup.triangles.size());
   return dropped;
 }
@@ -75,15 +75,15 @@ void dropUnused(TriangleSoup& soup, MeshDefects& defects) {
   std::vector<std::uint32_t> renamed(soup.positions.size(), kNone);
   for (const TriangleIndices& t : soup.triangles)
     for (const std::uint32_t v : t) renamed[v] = 0;
-  std::uint32_t kept = 0;
+  std::uint32_t count = 0;
   for (std::size_t v = 0; v < renamed.size(); ++v) {
     if (renamed[v] == kNone) continue;
-    soup.positions[kept] = soup.positions[v];
-    renamed[v] = kept++;
+    soup.positions[count] = soup.positions[v];
+    renamed[v] = count++;
   }
-  if (kept == soup.positions.size()) return;
-  defects.unusedVertices += soup.positions.size() - kept;
-  soup.positions.resize(kept);
+  if (count == soup.positions.size()) return;
+  defects.unusedVertices += soup.positions.size() - count;
+  soup.positions.resize(count);
   for (TriangleIndices& t : soup.triangles)
     for (std::uint32_t& v : t) v = renamed[v];
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Turns a soup of triangles, as files hold it, into a Mesh with topology, and says what was wrong with it.
+// Turns a soup of triangles, as files hold it, into a Mesh with topology, and reports its defects.
 
 #include <array>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct TriangleSoup {
   std::vector<std::array<glm::vec2, 3>> triangleUv;  // T texture coordinates of the corners, or empty
 };
 
-/// What analyseMesh() found and did, counted.
+/// Counts of what analyseMesh() found and changed.
 struct MeshDefects {
   std::uint64_t duplicateVertices = 0;  // welded
   std::uint64_t degenerateFaces = 0;    // zero area after welding; dropped

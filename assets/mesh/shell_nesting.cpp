@@ -34,7 +34,8 @@ class ColumnGrid {
  public:
   ColumnGrid(const Mesh& mesh, const std::vector<Shell>& shells) : mesh_(mesh) {
     setSide(std::clamp(static_cast<int>(std::sqrt(static_cast<double>(mesh.triangles.size()))), 1, 1024));
-    // Large triangles lie in many columns. A file may have nothing but such; then coarser columns must do.
+    // Large triangles lie in many columns. If a file has only large triangles, coarser columns bound the
+    // memory.
     while (side_ > 1 && entries(shells) > 8 * mesh.triangles.size() + 65536) setSide(side_ / 2);
     columns_.resize(static_cast<std::size_t>(side_) * side_);
     for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
@@ -105,7 +106,7 @@ struct Crossing {
 std::vector<Crossing> shellsAround(const Mesh& mesh, const ColumnGrid& grid, const Shell& inner,
                                    std::uint32_t innerIndex, std::size_t& work) {
   const auto c = grid.corners(inner.firstFace);
-  // An uneven place within the face, since CAD puts many edges over the middles of others.
+  // The point is off the face's middle, because in CAD many edges lie over the middles of other faces.
   const glm::dvec3 p = 0.41 * c[0] + 0.35 * c[1] + 0.24 * c[2];
   std::vector<Crossing> crossings;
   const std::vector<std::uint32_t>& column = grid.column(p);
@@ -132,7 +133,7 @@ std::vector<Crossing> shellsAround(const Mesh& mesh, const ColumnGrid& grid, con
 std::vector<bool> shellsToInvert(const Mesh& mesh, const std::vector<Shell>& shells) {
   std::vector<bool> invert(shells.size(), false);
   const auto isNegative = [](const Shell& shell) { return shell.closed && shell.signedVolume < 0.0; };
-  // With no negative shell, all are either outsides or solids within.
+  // Without a negative shell, every shell is an outside or a solid within another.
   if (std::none_of(shells.begin(), shells.end(), isNegative)) return invert;
 
   const ColumnGrid grid(mesh, shells);
@@ -142,7 +143,8 @@ std::vector<bool> shellsToInvert(const Mesh& mesh, const std::vector<Shell>& she
   std::stable_sort(order.begin(), order.end(), [&shells](std::uint32_t a, std::uint32_t b) {
     return std::abs(shells[a].signedVolume) > std::abs(shells[b].signedVolume);
   });
-  // Rays are cheap unless a file stacks very many faces over one spot; then the rest counts as not nested.
+  // Rays are cheap unless a file stacks very many faces over one spot; the remaining shells then count as not
+  // nested.
   const std::size_t workLimit = 64 * mesh.triangles.size() + 1'000'000;
   std::size_t work = 0;
   for (const std::uint32_t s : order) {

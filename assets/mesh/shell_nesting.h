@@ -1,6 +1,6 @@
 #pragma once
 
-// Which side of a closed shell is solid.
+// Decides which side of a closed shell is solid.
 
 #include <vector>
 

@@ -18,9 +18,8 @@ struct WeldedVertices {
 };
 
 /// Joins vertices that lie within about two units in the last place of the largest single-precision
-/// coordinate: closer ones cannot be told apart in a file that stores floats. The tolerance is therefore a
-/// share of the coordinates and a scaled mesh is welded alike. Positions must be finite. O(V) expected,
-/// deterministic.
+/// coordinate, which a file of floats cannot distinguish. The tolerance is a share of the coordinates, so a
+/// scaled mesh is welded alike. Positions must be finite. O(V) expected, deterministic.
 WeldedVertices weldVertices(const std::vector<glm::dvec3>& positions,
                             const std::vector<std::array<std::uint32_t, 3>>& triangles);
 

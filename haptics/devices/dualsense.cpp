@@ -16,7 +16,7 @@ constexpr std::uint32_t kGrasp = 1u << 0, kClutch = 1u << 1;
 
 struct Wanted {
   DualSenseOutput output;
-  double heard = -1e9;  // s, driverClock
+  double renewedAt = -1e9;  // s, driverClock
 };
 
 /// Response curve: zero near the middle, then fine, then fast.
@@ -88,7 +88,7 @@ Status DualSense::Driver::service(HidConnection& connection) {
   // The connection type is unknown until the first report.
   if (reading.reports == 0) return {};
   const Wanted& now = wanted.latest();
-  const auto due = pacer.next(driverClock(), now.output, now.heard);
+  const auto due = pacer.next(driverClock(), now.output, now.renewedAt);
   return due ? send(connection, *due) : Status{};
 }
 
@@ -120,12 +120,12 @@ void DualSense::beginPoll(double now) {
   reading_ = driver_->published.latest();
   if (!reading_.connected) return steer({});
   const DualSenseState& s = reading_.state;
-  const SteeringView& seen = view();
+  const SteeringView& steering = view();
   Twist wanted;
-  wanted.linear =
-      seen.maxSpeed * (seen.worldFromView * glm::dvec3(shaped(s.leftX), -shaped(s.rightY), shaped(s.leftY)));
+  wanted.linear = steering.maxSpeed *
+                  (steering.worldFromView * glm::dvec3(shaped(s.leftX), -shaped(s.rightY), shaped(s.leftY)));
   if ((s.buttons & kPadR1) != 0 && s.hasMotion)
-    wanted.angular = seen.worldFromView * reading_.gyro.rate(s.gyro);
+    wanted.angular = steering.worldFromView * reading_.gyro.rate(s.gyro);
   steer(wanted);
 }
 

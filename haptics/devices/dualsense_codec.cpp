@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -16,34 +18,40 @@ double stick(std::uint8_t value) {
 }
 
 std::int16_t word(std::span<const std::uint8_t> bytes, std::size_t at) {
+  ASSERT(at + 1 < bytes.size());
   return static_cast<std::int16_t>(bytes[at] | bytes[at + 1] << 8);
 }
 
 /// Sticks are bytes 0..3 of every layout; square to triangle are the upper half of the first button byte.
-void takeButtons(std::span<const std::uint8_t> two, DualSenseState& state) {
+void readButtons(std::span<const std::uint8_t> two, DualSenseState& state) {
+  ASSERT(two.size() >= 2);
   state.buttons = static_cast<std::uint32_t>(two[0] >> 4) | static_cast<std::uint32_t>(two[1]) << 4;
 }
 
-void takeSticks(std::span<const std::uint8_t> data, DualSenseState& state) {
+void readSticks(std::span<const std::uint8_t> data, DualSenseState& state) {
+  ASSERT(data.size() >= 4);
   state.leftX = stick(data[0]), state.leftY = stick(data[1]);
   state.rightX = stick(data[2]), state.rightY = stick(data[3]);
 }
 
-void takeFull(std::span<const std::uint8_t> data, DualSenseState& state) {
-  takeSticks(data, state);
+void readFull(std::span<const std::uint8_t> data, DualSenseState& state) {
+  ASSERT(data.size() >= 21);
+  readSticks(data, state);
   state.leftTrigger = data[4] / 255.0, state.rightTrigger = data[5] / 255.0;
-  takeButtons(data.subspan(7), state);
+  readButtons(data.subspan(7), state);
   state.gyro = {word(data, 15), word(data, 17), word(data, 19)};
   state.hasMotion = true;
 }
 
 /// A trigger effect of constant resistance over the whole travel, or none.
 void putTrigger(std::span<std::uint8_t> effect, std::uint8_t resistance) {
+  ASSERT(effect.size() == 11);
   effect[0] = resistance > 0 ? 0x01 : 0x05;
   effect[2] = resistance;
 }
 
 std::uint32_t littleEndian(std::span<const std::uint8_t> four) {
+  ASSERT(four.size() == 4);
   return four[0] | static_cast<std::uint32_t>(four[1]) << 8 | static_cast<std::uint32_t>(four[2]) << 16 |
          static_cast<std::uint32_t>(four[3]) << 24;
 }
@@ -57,12 +65,12 @@ std::uint8_t coarse(double share, int levels) {
 
 std::uint32_t dualSenseChecksum(std::uint8_t direction, std::span<const std::uint8_t> bytes) {
   std::uint32_t crc = 0xFFFFFFFF;
-  const auto take = [&crc](std::uint8_t byte) {
+  const auto add = [&crc](std::uint8_t byte) {
     crc ^= byte;
     for (int i = 0; i < 8; ++i) crc = crc >> 1 ^ ((crc & 1) != 0 ? 0xEDB88320u : 0u);
   };
-  take(direction);
-  for (const std::uint8_t byte : bytes) take(byte);
+  add(direction);
+  for (const std::uint8_t byte : bytes) add(byte);
   return ~crc;
 }
 
@@ -70,15 +78,15 @@ bool decodeDualSenseReport(std::span<const std::uint8_t> report, DualSenseState&
   if (report.empty()) return false;
   DualSenseState next;
   if (report[0] == 0x01 && report.size() == kUsbReport) {
-    takeFull(report.subspan(1), next);
+    readFull(report.subspan(1), next);
   } else if (report[0] == 0x31 && report.size() == kBluetoothReport) {
     const auto body = report.first(kBluetoothReport - 4);
     if (dualSenseChecksum(0xA1, body) != littleEndian(report.last(4))) return false;
-    takeFull(report.subspan(2), next);
+    readFull(report.subspan(2), next);
     next.bluetooth = true;
   } else if (report[0] == 0x01 && report.size() == kShortReport) {
-    takeSticks(report.subspan(1), next);
-    takeButtons(report.subspan(5), next);
+    readSticks(report.subspan(1), next);
+    readButtons(report.subspan(5), next);
     next.leftTrigger = report[8] / 255.0, next.rightTrigger = report[9] / 255.0;
     next.bluetooth = true;
   } else {

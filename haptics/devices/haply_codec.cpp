@@ -58,7 +58,7 @@ bool readGrip(const Json& message, HaplyState& state) {
 }  // namespace
 
 HaplyMessage decodeHaply(std::string_view text, HaplyState& state) {
-  if (text.size() > kLongestHaplyMessage) return HaplyMessage::kMalformed;
+  if (text.size() > kMaxHaplyMessage) return HaplyMessage::kMalformed;
   const Result<Json> parsed = Json::parse(text);
   if (!parsed || !parsed->isObject()) return HaplyMessage::kMalformed;
   const Json& message = *parsed;

@@ -1,6 +1,7 @@
 #pragma once
 
-// Messages of Haply's device service for the Inverse3 (with or without VerseGrip), JSON text. Pure; safe for any text.
+// Messages of Haply's device service for the Inverse3 (with or without VerseGrip), JSON text. Pure; safe for
+// any text.
 //
 //   from it  {"inverse3":[{"device_id":"..","state":{"cursor_position":{x,y,z},"cursor_velocity":{x,y,z}}}],
 //             "wireless_verse_grip":[{"state":{"orientation":{x,y,z,w},"buttons":{a,b,c}}}]}           m, m/s
@@ -17,7 +18,7 @@
 namespace tandem::haptics {
 
 /// The largest accepted message, bytes.
-inline constexpr std::size_t kLongestHaplyMessage = 64 * 1024;
+inline constexpr std::size_t kMaxHaplyMessage = 64 * 1024;
 
 /// Content of one message, in the device's axes.
 struct HaplyState {
@@ -35,7 +36,8 @@ enum class HaplyMessage {
 
 HaplyMessage decodeHaply(std::string_view text, HaplyState& state);
 
-/// Message with a force in N, device axes; a non-finite force becomes zero. An empty id gives a reply without a command.
+/// Message with a force in N, device axes; a non-finite force becomes zero. An empty id gives a reply without
+/// a command.
 std::string encodeHaply(const std::string& id, const glm::dvec3& force);
 
 /// Converts device axes to axes with y up and z towards the user.

@@ -15,6 +15,7 @@
 #include <optional>
 #include <thread>
 
+#include "assets/base/assert.h"
 #include "haptics/base/triple_buffer.h"
 #include "haptics/devices/haply_codec.h"
 #include "haptics/devices/hid_worker.h"
@@ -32,11 +33,11 @@ using Socket = websocket::stream<beast::tcp_stream>;
 constexpr double kSilence = 0.05, kStale = 0.05;  // s
 constexpr auto kPatience = std::chrono::seconds(2);
 constexpr auto kRetry = std::chrono::milliseconds(200);
-constexpr auto kLastWord = std::chrono::milliseconds(100);
+constexpr auto kClosingTimeout = std::chrono::milliseconds(100);
 
 struct Wanted {
   glm::dvec3 force{0.0, 0.0, 0.0};  // N, device axes
-  double heard = -1e9;              // s, driverClock
+  double renewedAt = -1e9;          // s, driverClock
 };
 
 }  // namespace
@@ -48,19 +49,19 @@ struct HaplyDevice::Driver {
   void connect();
   void shake();
   void listen();
-  void take(const error_code& error);
+  void onMessage(const error_code& error);
   void answer();
-  void farewell();
+  void sendZeroAndClose();
   template <typename Next>
   void send(const glm::dvec3& force, Next next);
   void fail(const std::string& why);
   void publish() { published.write(reading); }
-  void say(const std::string& why);
+  void reportOutcome(const std::string& why);
 
   HaplySettings settings;
   asio::io_context io;
   asio::ip::tcp::resolver resolver;
-  asio::steady_timer deadline;  // of the last word when closing
+  asio::steady_timer deadline;  // of the last message when closing
   std::optional<Socket> socket;
   beast::flat_buffer buffer;
   std::string reply;
@@ -96,7 +97,7 @@ void HaplyDevice::Driver::run() {
 }
 
 /// Reports the first outcome of an attempt, which open() waits for.
-void HaplyDevice::Driver::say(const std::string& why) {
+void HaplyDevice::Driver::reportOutcome(const std::string& why) {
   {
     const std::lock_guard lock(mutex);
     settled = true;
@@ -106,7 +107,7 @@ void HaplyDevice::Driver::say(const std::string& why) {
 }
 
 void HaplyDevice::Driver::fail(const std::string& why) {
-  say(why);
+  reportOutcome(why);
   deadline.cancel();
   resolver.cancel();
   if (!socket) return;
@@ -137,7 +138,7 @@ void HaplyDevice::Driver::shake() {
   stream.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
   stream.expires_never();
   socket->set_option(websocket::stream_base::timeout{kPatience, kPatience, false});
-  socket->read_message_max(kLongestHaplyMessage);
+  socket->read_message_max(kMaxHaplyMessage);
   socket->async_handshake(settings.host + ":" + std::to_string(settings.port), "/",
                           [this](const error_code& error) {
                             if (error || leaving)
@@ -145,16 +146,17 @@ void HaplyDevice::Driver::shake() {
                             reading.connected = true;
                             ++reading.connections;
                             publish();
-                            say("");
+                            reportOutcome("");
                             listen();
                           });
 }
 
 void HaplyDevice::Driver::listen() {
-  socket->async_read(buffer, [this](const error_code& error, std::size_t) { take(error); });
+  ASSERT(socket);
+  socket->async_read(buffer, [this](const error_code& error, std::size_t) { onMessage(error); });
 }
 
-void HaplyDevice::Driver::take(const error_code& error) {
+void HaplyDevice::Driver::onMessage(const error_code& error) {
   if (error == websocket::error::message_too_big || error == websocket::error::buffer_overflow)
     ++reading.oversized;
   if (error) return fail(error.message());
@@ -182,19 +184,20 @@ void HaplyDevice::Driver::take(const error_code& error) {
 }
 
 void HaplyDevice::Driver::answer() {
-  if (leaving) return farewell();
+  if (leaving) return sendZeroAndClose();
   const Wanted& now = wanted.latest();
-  const bool silent = driverClock() - now.heard > kSilence;
-  send(silent ? glm::dvec3(0.0) : now.force, [this] { leaving ? farewell() : listen(); });
+  const bool silent = driverClock() - now.renewedAt > kSilence;
+  send(silent ? glm::dvec3(0.0) : now.force, [this] { leaving ? sendZeroAndClose() : listen(); });
 }
 
-/// Sends zero force and closes, whatever was answered before.
-void HaplyDevice::Driver::farewell() {
+/// Sends zero force and closes.
+void HaplyDevice::Driver::sendZeroAndClose() {
   if (!writing) send(glm::dvec3(0.0), [this] { fail("closed"); });
 }
 
 template <typename Next>
 void HaplyDevice::Driver::send(const glm::dvec3& force, Next next) {
+  ASSERT(socket && !writing);
   reply = encodeHaply(state.id, force);
   writing = true;
   socket->text(true);
@@ -257,9 +260,9 @@ void HaplyDevice::close() {
     }
     driver->leaving = true;
     if (!driver->reading.connected) return driver->fail("closed");
-    driver->deadline.expires_after(kLastWord);
+    driver->deadline.expires_after(kClosingTimeout);
     driver->deadline.async_wait([driver](const error_code& error) {
-      if (!error && driver->socket) driver->farewell();
+      if (!error && driver->socket) driver->sendZeroAndClose();
     });
   });
   d.thread.join();

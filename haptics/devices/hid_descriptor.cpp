@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
-constexpr std::size_t kMostFields = 4096, kMostUsages = 1024, kMostDepth = 16;
-constexpr std::uint32_t kMostBits = 8 * 4096;  // of one report: the kernel's limit
+constexpr std::size_t kMaxFields = 4096, kMaxUsages = 1024, kMaxDepth = 16;
+constexpr std::uint32_t kMaxBits = 8 * 4096;  // of one report: the kernel's limit
 
 /// The global items, in force until changed, saved by Push.
 struct Globals {
@@ -49,7 +51,7 @@ class Parser {
       const HidKind kind = tag == 8 ? HidKind::kInput : tag == 9 ? HidKind::kOutput : HidKind::kFeature;
       done = fields(kind, value);
     } else if (tag == 10) {
-      if (inside_.size() == kMostDepth) return Error{"HID descriptor: collections are nested too deep"};
+      if (inside_.size() == kMaxDepth) return Error{"HID descriptor: collections are nested too deep"};
       inside_.push_back(locals_.usages.empty() ? 0 : locals_.usages.front());
     } else if (tag == 12) {
       if (inside_.empty()) return Error{"HID descriptor: a collection is closed that was not opened"};
@@ -62,18 +64,19 @@ class Parser {
   Status fields(HidKind kind, std::uint32_t flags) {
     std::uint32_t& at = layout_.bits[{kind, now_.report}];
     const std::uint64_t total = std::uint64_t{now_.size} * now_.count;
-    if (at + total > kMostBits) return Error{"HID descriptor: a report is too long"};
+    if (at + total > kMaxBits) return Error{"HID descriptor: a report is too long"};
     const bool constant = (flags & 1) != 0, variable = (flags & 2) != 0;
     if (!constant && !locals_.usages.empty() && total > 0) {
       if (now_.size > 32) return Error{"HID descriptor: a field is wider than 32 bits"};
       for (std::uint32_t i = 0; i < now_.count; ++i) {
-        if (layout_.fields.size() == kMostFields) return Error{"HID descriptor: too many fields"};
+        if (layout_.fields.size() == kMaxFields) return Error{"HID descriptor: too many fields"};
         HidField field{kind, now_.report, at + i * now_.size, now_.size, now_.low, now_.high, !variable,
                        {},   inside_};
         if (variable)
           field.usages = {locals_.usages[std::min<std::size_t>(i, locals_.usages.size() - 1)]};
         else
           field.usages = locals_.usages;
+        ASSERT(!field.usages.empty() && field.bits <= 32);
         layout_.fields.push_back(std::move(field));
       }
     }
@@ -105,7 +108,7 @@ class Parser {
         now_.count = value;
         break;
       case 10:
-        if (saved_.size() == kMostDepth) return Error{"HID descriptor: too many pushes"};
+        if (saved_.size() == kMaxDepth) return Error{"HID descriptor: too many pushes"};
         saved_.push_back(now_);
         break;
       case 11:
@@ -122,14 +125,14 @@ class Parser {
   Status local(unsigned tag, std::uint32_t value, unsigned bytes) {
     const HidUsage usage = bytes == 4 ? value : hidUsage(now_.page, value);
     if (tag == 0) {
-      if (locals_.usages.size() == kMostUsages) return Error{"HID descriptor: too many usages"};
+      if (locals_.usages.size() == kMaxUsages) return Error{"HID descriptor: too many usages"};
       locals_.usages.push_back(usage);
     } else if (tag == 1) {
       locals_.first = usage;
       locals_.ranged = true;
     } else if (tag == 2 && locals_.ranged) {
       locals_.ranged = false;
-      if (usage < locals_.first || usage - locals_.first >= kMostUsages - locals_.usages.size())
+      if (usage < locals_.first || usage - locals_.first >= kMaxUsages - locals_.usages.size())
         return Error{"HID descriptor: a range of usages that is empty or too long"};
       for (HidUsage next = locals_.first; next <= usage; ++next) {
         locals_.usages.push_back(next);
@@ -183,6 +186,7 @@ Result<HidLayout> parseHidDescriptor(std::span<const std::uint8_t> bytes) {
 
 std::int64_t readHidField(const HidField& field, std::span<const std::uint8_t> data) {
   if (std::uint64_t{field.bit} + field.bits > 8 * data.size() || field.bits == 0) return 0;
+  ASSERT(field.bits <= 32);
   std::uint64_t value = 0;
   for (std::uint32_t i = 0; i < field.bits; ++i) {
     const std::uint32_t at = field.bit + i;
@@ -194,6 +198,7 @@ std::int64_t readHidField(const HidField& field, std::span<const std::uint8_t> d
 
 void writeHidField(const HidField& field, std::span<std::uint8_t> data, std::int64_t value) {
   if (std::uint64_t{field.bit} + field.bits > 8 * data.size()) return;
+  ASSERT(field.bits <= 32);
   if (field.low <= field.high) value = std::clamp(value, field.low, field.high);
   for (std::uint32_t i = 0; i < field.bits; ++i) {
     const std::uint32_t at = field.bit + i;

@@ -31,7 +31,7 @@ std::string utf8(const wchar_t* text) {
 }
 
 Result<std::vector<std::uint8_t>> descriptorOf(const std::string& path) {
-  // hidapi learnt to ask for it in 0.14; Linux keeps a copy beside the node.
+  // hidapi can request it since 0.14; Linux keeps a copy beside the node.
   const std::string node = path.substr(path.rfind('/') + 1);
   const std::string file = "/sys/class/hidraw/" + node + "/device/report_descriptor";
   std::FILE* const in = std::fopen(file.c_str(), "rb");

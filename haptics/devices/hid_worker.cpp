@@ -6,6 +6,8 @@
 #include <mutex>
 #include <thread>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -29,10 +31,10 @@ struct HidWorker::State {
   HidClient& client;
   std::unique_ptr<HidConnection> connection;
   std::string path;
-  std::chrono::steady_clock::time_point lastSeen;
+  std::chrono::steady_clock::time_point lastPresent;
   std::array<std::uint8_t, kLongestReport> buffer{};
-  bool forbidden = false;  // the last attempt failed for want of permission
-  bool told = false;       // since the device was lost
+  bool forbidden = false;          // the last attempt failed for want of permission
+  bool reportedForbidden = false;  // since the device was lost
   std::chrono::steady_clock::time_point forbiddenSince;
 
   std::thread thread;
@@ -55,15 +57,17 @@ void HidWorker::State::run() {
 }
 
 void HidWorker::State::work() {
+  ASSERT(connection != nullptr);
   const int length = connection->read(buffer, client.readTimeout_ms());
+  ASSERT(length <= static_cast<int>(buffer.size()));
   if (length < 0) return lose();
   const auto now = std::chrono::steady_clock::now();
   if (length > 0) {
-    lastSeen = now;
+    lastPresent = now;
     client.report(std::span<const std::uint8_t>(buffer).first(static_cast<std::size_t>(length)));
-  } else if (now - lastSeen > kPresenceCheck) {
+  } else if (now - lastPresent > kPresenceCheck) {
     // Some buses report a removed device as silence: look whether its node is still there.
-    lastSeen = now;
+    lastPresent = now;
     if (!bus.present(path)) return lose();
   }
   if (!client.service(*connection).ok()) lose();
@@ -89,22 +93,22 @@ Status HidWorker::State::connect() {
     }
     connection = std::move(opened).value();
     path = info.path;
-    lastSeen = std::chrono::steady_clock::now();
-    told = false;
+    lastPresent = std::chrono::steady_clock::now();
+    reportedForbidden = false;
     return {};
   }
   return why;
 }
 
-/// An attempt of the thread's own, to find the device again. Nobody waits for its error: if it stays
-/// forbidden, standard error says so once.
+/// An attempt of the thread itself to find the device again. No caller receives its error, so a lack of
+/// permission that lasts is reported once on standard error.
 Status HidWorker::State::reconnect() {
   const bool before = forbidden;
   Status connected = connect();
   const auto now = std::chrono::steady_clock::now();
   if (!forbidden || !before) forbiddenSince = now;
-  if (forbidden && !told && now - forbiddenSince > kSettling) {
-    told = true;
+  if (forbidden && !reportedForbidden && now - forbiddenSince > kSettling) {
+    reportedForbidden = true;
     std::fprintf(stderr, "tandem: %s; still trying\n", connected.error().message.c_str());
   }
   return connected;

@@ -16,10 +16,10 @@ class Pacer {
     ASSERT(interval >= 0.0 && silence >= 0.0);
   }
 
-  /// The value to send now, if any: `wanted`, last renewed at `heard`, or Value{} once that is older than the
-  /// allowed silence. An initial Value{} is not sent, because the device has that value anyway.
-  std::optional<Value> next(double now, const Value& wanted, double heard) {
-    const Value value = now - heard > silence_ ? Value{} : wanted;
+  /// The value to send now, if any: `wanted`, last renewed at `renewedAt`, or Value{} once that is older than
+  /// the allowed silence. An initial Value{} is not sent, because the device has that value anyway.
+  std::optional<Value> next(double now, const Value& wanted, double renewedAt) {
+    const Value value = now - renewedAt > silence_ ? Value{} : wanted;
     if (value == sent_) return std::nullopt;
     // A release is sent at once.
     if (started_ && now - at_ < interval_ && !(value == Value{})) return std::nullopt;

@@ -86,6 +86,7 @@ void findInputs(PidLayout& layout) {
       layout.buttons.push_back(field);
   }
   if (layout.axes.empty() && steering != nullptr) layout.axes.push_back(*steering);
+  ASSERT(layout.axes.size() <= 2 && layout.buttons.size() <= 32);
 }
 
 const char* missing(const PidLayout& layout) {
@@ -132,6 +133,7 @@ Result<PidLayout> findPid(std::span<const std::uint8_t> descriptor) {
 }
 
 bool decodePidInput(const PidLayout& layout, std::span<const std::uint8_t> report, PidState& state) {
+  ASSERT(layout.buttons.size() <= 32);  // a bit each in state.buttons
   std::uint8_t id = 0;
   if (layout.hid.numbered) {
     if (report.empty()) return false;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <optional>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/triple_buffer.h"
 #include "haptics/devices/hid_worker.h"
 #include "haptics/devices/pacer.h"
@@ -21,7 +22,7 @@ using Shares = std::array<std::int16_t, 2>;  // of full force, in 1/32767: equal
 
 struct Wanted {
   Shares shares{};
-  double heard = -1e9;  // s, driverClock
+  double renewedAt = -1e9;  // s, driverClock
 };
 
 Status send(HidConnection& connection, const PidBytes& report) {
@@ -75,8 +76,7 @@ struct PidDevice::Driver : HidClient {
 
   PidSettings settings;
   PidLayout layout;
-  std::array<std::uint8_t, 2> blocks{};
-  int motors = 0;
+  FixedVector<std::uint8_t, 2> blocks;  // the effect of each motor
   PidState state;
   PidReading reading;  // the driver's thread's
   Pacer<Shares> pacer{kInterval, kSilence};
@@ -107,19 +107,17 @@ Status PidDevice::Driver::startEffects(HidConnection& connection) {
                                                                            : send(connection, gain);
       !sent)
     return sent;
-  motors = 0;
+  blocks.clear();
   for (int axis = 0; axis < layout.forceAxes(); ++axis) {
     Result<std::uint8_t> block = createEffect(layout, connection, PidEffect::kConstant);
     if (!block) return block.error();
-    const auto i = static_cast<std::size_t>(axis);
-    blocks[i] = *block;
     for (const PidBytes& step :
          {encodeSetEffect(layout, *block, PidEffect::kConstant, axis), encodeConstant(layout, *block, 0.0),
           encodeOperation(layout, *block, PidOperation::kStart)})
       if (Status sent = send(connection, step); !sent) return sent;
-    ++motors;
+    blocks.push_back(*block);
     if (settings.damper <= 0.0) continue;
-    // A comfort: a device without dampers works all the same.
+    // The damper is optional: the device works without it.
     Result<std::uint8_t> damper = createEffect(layout, connection, PidEffect::kDamper);
     if (!damper) continue;
     for (const PidBytes& step : {encodeSetEffect(layout, *damper, PidEffect::kDamper, axis),
@@ -145,9 +143,9 @@ void PidDevice::Driver::report(std::span<const std::uint8_t> bytes) {
 Status PidDevice::Driver::service(HidConnection& connection) {
   const Wanted& now = wanted.latest();
   const double start = driverClock();
-  const std::optional<Shares> due = pacer.next(start, now.shares, now.heard);
+  const std::optional<Shares> due = pacer.next(start, now.shares, now.renewedAt);
   if (!due) return {};
-  for (std::size_t axis = 0; axis < static_cast<std::size_t>(motors); ++axis) {
+  for (std::size_t axis = 0; axis < blocks.size(); ++axis) {
     const double share = static_cast<double>((*due)[axis]) / 32767.0;
     if (Status sent = send(connection, encodeConstant(layout, blocks[axis], share)); !sent) return sent;
   }
@@ -158,8 +156,7 @@ Status PidDevice::Driver::service(HidConnection& connection) {
 }
 
 void PidDevice::Driver::end(HidConnection& connection) {
-  for (int axis = 0; axis < motors; ++axis) {
-    const std::uint8_t block = blocks[static_cast<std::size_t>(axis)];
+  for (const std::uint8_t block : blocks) {
     static_cast<void>(send(connection, encodeConstant(layout, block, 0.0)).ok());
     static_cast<void>(send(connection, encodeOperation(layout, block, PidOperation::kStop)).ok());
     static_cast<void>(send(connection, encodeFree(layout, block)).ok());

@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 
+#include "assets/base/assert.h"
 #include "haptics/devices/device_mapping.h"
 
 namespace tandem::haptics {
@@ -16,7 +17,9 @@ class PlacedDevice : public Device {
  public:
   PlacedDevice(std::unique_ptr<Device> device, const DeviceMapping& mapping,
                const std::optional<glm::dvec3>& firstAt = std::nullopt)
-      : device_(std::move(device)), mapping_(mapping), firstAt_(firstAt) {}
+      : device_(std::move(device)), mapping_(mapping), firstAt_(firstAt) {
+    ASSERT(device_ != nullptr);
+  }
 
   std::string name() const override { return device_->name(); }
   DeviceLimits limits() const override { return mapping_.inWorld(device_->limits()); }

@@ -62,7 +62,8 @@ HandTarget SimulatedArm::nextTarget(double) { return target_.latest(); }
 glm::dvec3 SimulatedArm::actuated(const glm::dvec3& force, double dt) {
   const glm::dquat baseFromWorld = glm::conjugate(worldFromBase_.orientation);
   command_ = arm_.command(encoded_.arm, baseFromWorld * force, heat_, dt);
-  // The motors were told by the encoders' joints; the hand feels what their torque does at the true ones.
+  // The motors' torques follow the encoded joints; the hand feels the force of those torques at the true
+  // joints.
   const glm::dvec3 torque = command_.torque + arm_.gravityTorque(joints_.arm);
   command_.force = arm_.forceOf(joints_.arm, torque);
   return worldFromBase_.orientation * command_.force;
@@ -72,7 +73,7 @@ void SimulatedArm::afterStep(SimulatedHand& hand, double dt) {
   const Pose baseFromTip = inverse(worldFromBase_) * hand.devicePose();
   joints_ = arm_.jointsFor(baseFromTip);
   const glm::dvec3 reached = arm_.tip(joints_).position;
-  // Beyond rounding the two differ only where a joint is at its end.
+  // Apart from rounding the two differ only where a joint is at its stop.
   if (glm::length(reached - baseFromTip.position) > 1e-9 * arm_.parameters().upperArm)
     hand.stopAt(transformPoint(worldFromBase_, reached));
 

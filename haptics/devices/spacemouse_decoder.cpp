@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -42,6 +44,7 @@ double axis(std::span<const std::uint8_t> report, std::size_t offset) {
 /// Reads `count` axes that follow the report id into state.axes from `first` on.
 void readAxes(std::span<const std::uint8_t> report, std::size_t first, std::size_t count,
               SpaceMouseState& state) {
+  ASSERT(first + count <= state.axes.size() && report.size() > 2 * count);
   for (std::size_t i = 0; i < count; ++i) state.axes[first + i] = axis(report, 1 + 2 * i);
 }
 

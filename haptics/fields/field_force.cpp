@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -52,6 +54,7 @@ bool isStored(const ForceField& field) {
 double regionWeight(const FieldRegion& region, const glm::dvec3& x, glm::dvec3& gradient) {
   gradient = glm::dvec3(0.0);
   if (region.kind == FieldRegion::Kind::everywhere) return 1.0;
+  ASSERT(region.fade > 0.0);
   if (region.kind == FieldRegion::Kind::sphere) {
     const double r = glm::length(x), u = (region.radius - r) / region.fade;
     if (r > 0.0) gradient = x * (-smoothStepSlope(u) / (region.fade * r));
@@ -191,25 +194,27 @@ double FieldForce::radialPotential(double d) const {
 
 FieldAction FieldForce::springAction(const FieldQuery& query, double at) const {
   const ForceField& f = *field_;
-  glm::dvec3 away = query.position, held = query.velocity;  // from the anchor; the velocity that damping sees
+  ASSERT(f.anchor != ForceField::Anchor::path || path_);
+  glm::dvec3 away = query.position,
+             damped = query.velocity;  // from the anchor; the velocity that damping sees
   double along = 0.0;
   switch (f.anchor) {
     case ForceField::Anchor::point:
       break;
     case ForceField::Anchor::line:
       away -= f.axis * glm::dot(f.axis, away);
-      held -= f.axis * glm::dot(f.axis, held);
+      damped -= f.axis * glm::dot(f.axis, damped);
       break;
     case ForceField::Anchor::plane:
       along = glm::dot(f.axis, away);
       if (f.oneSided && along >= 0.0) return {};
       away = f.axis * along;
-      held = f.axis * glm::dot(f.axis, held);
+      damped = f.axis * glm::dot(f.axis, damped);
       break;
     case ForceField::Anchor::path: {
       const glm::dvec3 tangent = path_->tangent(at);
       away -= path_->point(at);
-      held -= tangent * glm::dot(tangent, held);
+      damped -= tangent * glm::dot(tangent, damped);
       break;
     }
   }
@@ -220,7 +225,7 @@ FieldAction FieldForce::springAction(const FieldQuery& query, double at) const {
   // Damping rises over the first tenth of the free play's radius, so that a wall has no step.
   const double in = f.radius > 0.0 ? std::clamp((d - f.radius) / (0.1 * f.radius), 0.0, 1.0) : 1.0;
   out.dampingRate = f.damping.x * in * weight;
-  out.damping = -out.dampingRate * held;
+  out.damping = -out.dampingRate * damped;
   if (f.drive != 0.0 && path_) {
     // The drive along an open path fades over the last tenth of its length, by the straight distance that is
     // left.

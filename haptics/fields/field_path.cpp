@@ -39,6 +39,7 @@ FieldPath::FieldPath(const std::vector<glm::dvec3>& points, bool smooth, bool cl
     const glm::dvec3 m2 = p2 - p1 + t12 * ((p3 - p2) / t23 - (p3 - p1) / (t12 + t23));
     addPiece({p1, m1, 3.0 * (p2 - p1) - 2.0 * m1 - m2, 2.0 * (p1 - p2) + m1 + m2});
   }
+  ASSERT(pieces_.size() == points.size() - (closed ? 0 : 1));
   const int samples = kSamples * static_cast<int>(pieces_.size());
   for (int i = 0; i < samples; ++i)
     length_ += glm::distance(point(static_cast<double>(i) / kSamples), point((i + 1.0) / kSamples));

@@ -4,6 +4,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/base/tick_types.h"
 
 namespace tandem::haptics {
@@ -78,6 +79,7 @@ void ForceFields::addEntry(Entry& entry, const ContactWorld& world, const Device
 
 FieldForces ForceFields::step(const ContactWorld& world, const DeviceSample& device, double time,
                               const FieldSettings& settings) {
+  ASSERT(settings.dt > 0.0);
   Sum sum;
   for (Entry& entry : entries_) addEntry(entry, world, device, time, settings, sum);
   started_ = true;

@@ -140,16 +140,16 @@ void ContactScene::Data::measure(std::uint32_t mesh) {
 
 bool ContactScene::modelParts(const ModelOptions& options) {
   ASSERT(data_->models.empty());
-  double held = std::numeric_limits<double>::infinity();
+  double smallestHeld = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
     const Collider& collider = data_->colliders[i];
     // A held control moves only along its axis, whatever stands in the way.
     const bool free =
         data_->scene->parts[i].movable && assets::controlOf(*data_->scene, static_cast<PartId>(i)) == nullptr;
-    if (free && collider.radius > 0.0) held = std::min(held, 2.0 * collider.radius);
+    if (free && collider.radius > 0.0) smallestHeld = std::min(smallestHeld, 2.0 * collider.radius);
   }
-  if (!std::isfinite(held)) return true;
-  data_->tolerances = partTolerances(*data_->scene, data_->colliders, held, options.threads);
+  if (!std::isfinite(smallestHeld)) return true;
+  data_->tolerances = partTolerances(*data_->scene, data_->colliders, smallestHeld, options.threads);
   // Parts that share a mesh share its model, so the strictest part decides.
   std::map<const TriangleBvh*, double> toleranceOf;
   for (std::size_t i = 0; i < data_->colliders.size(); ++i)
@@ -163,7 +163,7 @@ bool ContactScene::modelParts(const ModelOptions& options) {
     const auto it = toleranceOf.find(tree.get());
     tolerances.push_back(it == toleranceOf.end() ? 0.0 : it->second);
   }
-  data_->models = bakeModels(data_->trees, tolerances, data_->shapes, held, options);
+  data_->models = bakeModels(data_->trees, tolerances, data_->shapes, smallestHeld, options);
   if (data_->models.empty()) return false;
   std::map<const TriangleBvh*, const PartModel*> modelOf;
   for (std::size_t i = 0; i < data_->trees.size(); ++i)

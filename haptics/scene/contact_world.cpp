@@ -274,9 +274,9 @@ bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
   const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
   int leaving = 0;
   for (const auto& ray : kRays) {
-    const glm::dvec3 way = glm::dvec3(ray[0], ray[1], ray[2]) * length;
-    leaving += collider.tree->signedCrossings(local, local + way) > 0 ? 1 : 0;
-    leaving += collider.tree->signedCrossings(local, local - way) > 0 ? 1 : 0;
+    const glm::dvec3 path = glm::dvec3(ray[0], ray[1], ray[2]) * length;
+    leaving += collider.tree->signedCrossings(local, local + path) > 0 ? 1 : 0;
+    leaving += collider.tree->signedCrossings(local, local - path) > 0 ? 1 : 0;
   }
   return leaving >= 5;
 }

@@ -61,12 +61,12 @@ int meets(const std::array<glm::dvec2, 3>& corners, const glm::dvec2& line, bool
   return turns == 3 ? 1 : turns == -3 ? -1 : 0;
 }
 
-/// One attempt: a direction, and the bounds of the distance along it.
-class Try {
+/// One attempt to fit a cube: a direction, and the bounds of the distance along it.
+class FieldFit {
  public:
   /// `facing` is that of MeshSides; `touching` says that the surface may pass the cube.
-  Try(const FieldCube& cube, const MeshPoint& nearest, const glm::dvec3& along, double facing, bool touching,
-      double enough, double limit)
+  FieldFit(const FieldCube& cube, const MeshPoint& nearest, const glm::dvec3& along, double facing,
+           bool touching, double enough, double limit)
       : cube_(cube),
         nearest_(nearest),
         g_(along),
@@ -96,8 +96,8 @@ class Try {
     if (touching_ && lowest < low_) low_ = std::min(low_, -above(t, -g_, -lowest, -low_));
     if (high_ - low_ > 2.0 * limit_) return false;
     const double window = kWindow * limit_;
-    const bool apart = lowest > middle_ + window || highest < middle_ - window;
-    if (column_ && !(apart && (!touching_ || lowest > reach_ || highest < -reach_)))
+    const bool otherSheet = lowest > middle_ + window || highest < middle_ - window;
+    if (column_ && !(otherSheet && (!touching_ || lowest > reach_ || highest < -reach_)))
       addToColumn(v, z, {sides.openEdge(index, 0), sides.openEdge(index, 1), sides.openEdge(index, 2)});
     return true;
   }
@@ -153,14 +153,14 @@ class Try {
   /// The largest d - z of a convex part of the surface over the cube; `closest` gives its point nearest to p.
   template <typename Closest>
   double farthestRise(const Closest& closest) const {
-    double most = -1e300;
+    double largest = -1e300;
     for (int i = 0; i < 8; ++i) {
       const glm::dvec3 x((i & 1) != 0 ? cube_.half : -cube_.half, (i & 2) != 0 ? cube_.half : -cube_.half,
                          (i & 4) != 0 ? cube_.half : -cube_.half);
       const glm::dvec3 p = cube_.centre + x;
-      most = std::max(most, glm::distance(p, closest(p)) - glm::dot(g_, x));
+      largest = std::max(largest, glm::distance(p, closest(p)) - glm::dot(g_, x));
     }
-    return most;
+    return largest;
   }
 
   void addToColumn(const std::array<glm::dvec3, 3>& v, const std::array<double, 3>& z,
@@ -168,14 +168,14 @@ class Try {
     std::array<glm::dvec2, 3> flat;
     for (std::size_t i = 0; i < 3; ++i) flat[i] = {glm::dot(e1_, v[i]), glm::dot(e2_, v[i])};
     const double square = footprint_ * footprint_;
-    std::array<double, 3> apart;
+    std::array<double, 3> edgeSquares;
     int turns = 0;
     for (std::size_t e = 0; e < 3; ++e) {
-      apart[e] = segmentSquare(flat[e], flat[(e + 1) % 3]);
+      edgeSquares[e] = segmentSquare(flat[e], flat[(e + 1) % 3]);
       turns += crossOf(flat[e], flat[(e + 1) % 3]) > 0.0 ? 1 : -1;
     }
     const bool over = turns == 3 || turns == -3;
-    if (!over && std::min({apart[0], apart[1], apart[2]}) > square) return;
+    if (!over && std::min({edgeSquares[0], edgeSquares[1], edgeSquares[2]}) > square) return;
     double lowest = std::min({z[0], z[1], z[2]}), highest = std::max({z[0], z[1], z[2]});
     const glm::dvec3 area = glm::cross(v[1] - v[0], v[2] - v[0]);
     const double steep = glm::dot(area, g_), size = glm::length(area);
@@ -195,7 +195,7 @@ class Try {
     columnHigh_ = std::max(columnHigh_, highest);
     if (columnLow_ <= middle_ - window || columnHigh_ >= middle_ + window) column_ = false;
     for (std::size_t e = 0; e < 3; ++e)
-      if (open[e] && apart[e] <= square) column_ = false;
+      if (open[e] && edgeSquares[e] <= square) column_ = false;
     for (std::size_t i = 0; i < lines_.size(); ++i) crossings_[i] += meets(flat, lines_[i], unsure_[i]);
     if (size > 0.0) normals_ += area / size;
   }
@@ -258,7 +258,7 @@ bool CubeFit::fit(const FieldCube& cube, std::span<const std::uint32_t> near, co
   const Triangle nearestTriangle = tree_.triangle(nearest.triangle);
   bool found = false;
   for (int round = 0; round < 2; ++round) {
-    Try attempt(cube, nearest, along, sides_.facing(), touching, enough, limit);
+    FieldFit attempt(cube, nearest, along, sides_.facing(), touching, enough, limit);
     for (const std::uint32_t t : near) {
       if (!attempt.add(tree_.triangle(t), sides_, t)) return found;
     }

@@ -14,7 +14,7 @@ constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
 // Half a unit in the last place of a point and of the result, and the rounding already in the caller's point.
 constexpr float kRounding = 0x1p-22f;
 /// Larger grids along an axis would be useless and exceed float indices.
-constexpr std::uint32_t kMostAlong = 1u << 14;
+constexpr std::uint32_t kMaxAlong = 1u << 14;
 
 template <typename T>
 void put(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
@@ -25,12 +25,12 @@ void put(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
 }
 
 /// Reads values from the front of `bytes`; false, with nothing read, if there are too few.
-class Taker {
+class Reader {
  public:
-  explicit Taker(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
 
   template <typename T>
-  bool take(T* values, std::size_t count) {
+  bool read(T* values, std::size_t count) {
     static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
     if (count > bytes_.size() / sizeof(T)) return false;
     if (count > 0) std::memcpy(static_cast<void*>(values), bytes_.data(), count * sizeof(T));
@@ -38,10 +38,10 @@ class Taker {
     return true;
   }
   template <typename T>
-  bool takeAll(std::vector<T>& values, std::uint64_t count) {
+  bool readAll(std::vector<T>& values, std::uint64_t count) {
     if (count > bytes_.size() / sizeof(T)) return false;
     values.resize(static_cast<std::size_t>(count));
-    return take(values.data(), values.size());
+    return read(values.data(), values.size());
   }
   bool atEnd() const { return bytes_.empty(); }
 
@@ -73,9 +73,9 @@ DistanceField::Reading DistanceField::ofShapes(const glm::vec3& p) const {
     const SurfaceDistance other = shapes_[i].at(at);
     if (other.distance < least.distance) least = other;
   }
-  const float most = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const auto distance = static_cast<float>(least.distance);
-  return {distance, kRounding * (most + std::abs(distance)), glm::vec3(least.gradient)};
+  return {distance, kRounding * (largest + std::abs(distance)), glm::vec3(least.gradient)};
 }
 
 void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
@@ -118,16 +118,16 @@ std::vector<std::byte> DistanceField::pack() const {
 
 Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
   const auto refused = [](const char* why) { return Error{std::string("distance field: ") + why}; };
-  Taker in(bytes);
+  Reader in(bytes);
   DistanceField field;
   std::array<char, 8> mark{};
   std::array<double, 4> lengths{};
   std::uint32_t flags = 0;
   std::array<std::uint64_t, 2> counts{};
-  if (!in.take(mark.data(), mark.size()) || mark != kMark) return refused("not one of this version");
-  if (!in.take(&field.low_, 1) || !in.take(&field.perCell_, 1) || !in.take(field.count_, 3) ||
-      !in.take(&field.boxLow_, 1) || !in.take(&field.boxHigh_, 1) || !in.take(&field.origin_, 1) ||
-      !in.take(lengths.data(), lengths.size()) || !in.take(&flags, 1) || !in.take(counts.data(), 2))
+  if (!in.read(mark.data(), mark.size()) || mark != kMark) return refused("not one of this version");
+  if (!in.read(&field.low_, 1) || !in.read(&field.perCell_, 1) || !in.read(field.count_, 3) ||
+      !in.read(&field.boxLow_, 1) || !in.read(&field.boxHigh_, 1) || !in.read(&field.origin_, 1) ||
+      !in.read(lengths.data(), lengths.size()) || !in.read(&flags, 1) || !in.read(counts.data(), 2))
     return refused("the bytes end too early");
   if (!isFinite(field.low_) || !isFinite(field.boxLow_) || !isFinite(field.boxHigh_) ||
       !(field.perCell_ > 0.0f) || !std::isfinite(field.perCell_) || !isFinite(glm::vec3(field.origin_)))
@@ -138,14 +138,14 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
     if (!(length >= 0.0) || !std::isfinite(length)) return refused("a length is not finite");
   std::uint64_t cubes = 1;
   for (int axis = 0; axis < 3; ++axis) {
-    if (field.count_[axis] > kMostAlong) return refused("the grid is too large");
+    if (field.count_[axis] > kMaxAlong) return refused("the grid is too large");
     cubes *= field.count_[axis];
     field.size_[axis] = static_cast<float>(field.count_[axis] * kSpan);
   }
   if (flags > 3 || counts[0] > bytes.size() || counts[1] > bytes.size())
     return refused("a count is out of range");
-  if (!in.takeAll(field.top_, cubes) || !in.takeAll(field.blocks_, counts[0] * kBlock) ||
-      !in.takeAll(field.cells_, counts[1]) || !in.atEnd())
+  if (!in.readAll(field.top_, cubes) || !in.readAll(field.blocks_, counts[0] * kBlock) ||
+      !in.readAll(field.cells_, counts[1]) || !in.atEnd())
     return refused("the bytes do not hold what they announce");
   field.solid_ = (flags & 1) != 0;
   field.coarsened_ = (flags & 2) != 0;

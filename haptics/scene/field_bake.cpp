@@ -35,7 +35,7 @@ constexpr double kFarShare = 0.25;
 /// Fraction of the grid's diagonal that bounds the rounding of readings: the index of the cell, and the sum
 /// about the origin, each some units in the last place of a float.
 constexpr double kRounding = 0x1p-20;
-constexpr std::size_t kMostCubes = std::size_t{1} << 18;
+constexpr std::size_t kMaxCubes = std::size_t{1} << 18;
 constexpr double kSmoothTurn = 0.94;  // cosine of 20 degrees
 /// More triangles than this are queried through the tree.
 constexpr std::size_t kMany = 48;
@@ -230,7 +230,7 @@ void FieldBake::setGrid() {
       field_.low_[axis] = static_cast<float>(-0.5 * side * field_.count_[axis]);
       cubes *= field_.count_[axis];
     }
-    if (cubes <= kMostCubes) break;
+    if (cubes <= kMaxCubes) break;
     field_.coarsened_ = true;
   }
   field_.perCell_ = static_cast<float>(1.0 / field_.smallestCell_);
@@ -320,8 +320,8 @@ MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint3
 MeshSides::Side FieldBake::sideOf(const FieldCube& cube, const MeshPoint& nearest,
                                   const Known& around) const {
   // No surface lies between this centre and that of the parent cube.
-  const double way = glm::distance(around.centre, cube.centre);
-  if (around.side.certain && std::max(around.distance, nearest.distance) > way) return around.side;
+  const double displacement = glm::distance(around.centre, cube.centre);
+  if (around.side.certain && std::max(around.distance, nearest.distance) > displacement) return around.side;
   return sides_.sideOf(cube.centre, nearest, cube.radius());
 }
 
@@ -375,10 +375,10 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
 }
 
 double FieldBake::errorOfCaps(std::span<const std::uint32_t> near) const {
-  double most = 0.0;
+  double largest = 0.0;
   if (!capped_.error.empty())
-    for (const std::uint32_t t : near) most = std::max(most, capped_.error[t]);
-  return most;
+    for (const std::uint32_t t : near) largest = std::max(largest, capped_.error[t]);
+  return largest;
 }
 
 bool FieldBake::isSmooth(const FieldCube& cube, std::span<const std::uint32_t> near,

@@ -34,7 +34,7 @@ std::vector<Face> facesOf(const assets::Mesh& mesh) {
 
 /// Largest curvature over a triangle's smooth edges, 1/m.
 double curvatureAt(const assets::Mesh& mesh, const std::vector<Face>& faces, std::size_t t) {
-  double most = 0.0;
+  double steepest = 0.0;
   for (std::size_t e = 0; e < 3; ++e) {
     const std::uint32_t other = mesh.neighbours[t][e];
     if (other == assets::kNone) continue;
@@ -45,9 +45,9 @@ double curvatureAt(const assets::Mesh& mesh, const std::vector<Face>& faces, std
     const double turn = glm::length(glm::cross(faces[t].normal, faces[other].normal));
     // Distance between the centres of the two faces; both are halves of a strip along the edge.
     const double width = (faces[t].area + faces[other].area) / length;
-    if (width > 0.0) most = std::max(most, turn / width);
+    if (width > 0.0) steepest = std::max(steepest, turn / width);
   }
-  return most;
+  return steepest;
 }
 
 }  // namespace

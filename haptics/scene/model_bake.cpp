@@ -30,12 +30,12 @@ constexpr const char* kWhat = "making parts ready to collide";
 class Bake {
  public:
   Bake(const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held,
+       const std::vector<std::vector<assets::ImplicitShape>>& shapes, double smallestHeld,
        const ModelOptions& options)
       : trees_(trees),
         tolerances_(tolerances),
         shapes_(shapes),
-        held_(held),
+        smallestHeld_(smallestHeld),
         options_(options),
         models_(trees.size()) {
     const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
@@ -81,7 +81,8 @@ class Bake {
     ContactSamples::Options sampling;
     sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
     // The tolerance follows the smallest part, however large this one is: it costs nothing.
-    const double tolerance = std::min(usableTolerance(tolerances_[i], size), usualTolerance(held_, held_));
+    const double tolerance =
+        std::min(usableTolerance(tolerances_[i], size), usualTolerance(smallestHeld_, smallestHeld_));
     auto model = std::make_shared<PartModel>(tree, shapes_[i], sampling, tolerance);
     model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     models_[i] = std::move(model);
@@ -104,7 +105,7 @@ class Bake {
     const double finest = std::min(kCoarsest, static_cast<double>(order_.size()) / kShared);
     // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
     // bring them within tolerance.
-    const double ofEdges = kCellOfTolerance * usualTolerance(held_, size),
+    const double ofEdges = kCellOfTolerance * usualTolerance(smallestHeld_, size),
                  ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
     const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
     field.smallestCell = std::clamp(cell, std::max(kFinest, finest) * size, kCoarsest * size);
@@ -133,7 +134,7 @@ class Bake {
   const std::vector<std::shared_ptr<TriangleBvh>>& trees_;
   const std::vector<double>& tolerances_;  // m, one per tree
   const std::vector<std::vector<assets::ImplicitShape>>& shapes_;
-  double held_;  // m
+  double smallestHeld_;  // m
   const ModelOptions& options_;
   int threads_ = 1;
   double total_ = 0.0;
@@ -147,8 +148,9 @@ class Bake {
 
 std::vector<std::shared_ptr<const PartModel>> bakeModels(
     const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options) {
-  return Bake(trees, tolerances, shapes, held, options).run();
+    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double smallestHeld,
+    const ModelOptions& options) {
+  return Bake(trees, tolerances, shapes, smallestHeld, options).run();
 }
 
 }  // namespace tandem::haptics

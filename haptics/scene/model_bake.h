@@ -12,11 +12,12 @@
 namespace tandem::haptics {
 
 /// A model for each tree, null for an absent or empty tree; an empty list if `options.progress` stopped.
-/// `tolerances`: m, one per tree, see partTolerances(). `held`: m, diagonal of the smallest part that a hand
-/// can hold, the length scale of the scene. `shapes`: the implicit shapes of each tree, which need no bake;
-/// empty for a mesh.
+/// `tolerances`: m, one per tree, see partTolerances(). `smallestHeld`: m, diagonal of the smallest part that
+/// a hand can hold, the length scale of the scene. `shapes`: the implicit shapes of each tree, which need no
+/// bake; empty for a mesh.
 std::vector<std::shared_ptr<const PartModel>> bakeModels(
     const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,
-    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double held, const ModelOptions& options);
+    const std::vector<std::vector<assets::ImplicitShape>>& shapes, double smallestHeld,
+    const ModelOptions& options);
 
 }  // namespace tandem::haptics

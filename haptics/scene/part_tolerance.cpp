@@ -53,7 +53,7 @@ class Clearances {
 
  private:
   /// A held control moves only along its axis, whatever stands in the way.
-  bool held(PartId part) const {
+  bool canBeHeld(PartId part) const {
     return scene_.parts[part].movable && assets::controlOf(scene_, part) == nullptr;
   }
   /// Distance within which a neighbour can tighten the tolerance of a part, m; 0 if none can.
@@ -65,19 +65,19 @@ class Clearances {
 
   void findPairs() {
     std::vector<assets::Bounds> boxes(colliders_.size());
-    std::vector<bool> held(colliders_.size());
+    std::vector<bool> holdable(colliders_.size());
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       if (colliders_[i].tree != nullptr)
         boxes[i] = boundsAt(colliders_[i].tree->bounds(), scene_.parts[i].worldFromPart);
-      held[i] = this->held(static_cast<PartId>(i));
+      holdable[i] = canBeHeld(static_cast<PartId>(i));
     }
     const SceneBvh tree(boxes);
     for (PartId a = 0; a < boxes.size(); ++a) {
-      if (!held[a] || colliders_[a].tree == nullptr) continue;
+      if (!holdable[a] || colliders_[a].tree == nullptr) continue;
       // The largest reach of all parts, because a neighbour's reach may exceed the part's own.
       const assets::Bounds near{boxes[a].min - largestReach(), boxes[a].max + largestReach()};
       tree.forEach(near, [&](PartId b) {
-        if (b == a || (held[b] && b < a)) return;
+        if (b == a || (holdable[b] && b < a)) return;
         addPair(std::min(a, b), std::max(a, b), boxes);
       });
     }
@@ -96,9 +96,9 @@ class Clearances {
 
   void addPair(PartId a, PartId b, const std::vector<assets::Bounds>& boxes) {
     const double reach = std::max(reachOf(a), reachOf(b));
-    const glm::dvec3 apart =
+    const glm::dvec3 separation =
         glm::max(glm::max(boxes[a].min - boxes[b].max, boxes[b].min - boxes[a].max), glm::dvec3(0.0));
-    if (!(reach > 0.0) || glm::length(apart) > reach || !assets::mayCollide(scene_, a, b)) return;
+    if (!(reach > 0.0) || glm::length(separation) > reach || !assets::mayCollide(scene_, a, b)) return;
     pairs_.push_back(
         {a, b, reach,
          colliders_[a].tree->mesh().triangles.size() + colliders_[b].tree->mesh().triangles.size()});
@@ -109,8 +109,8 @@ class Clearances {
     const PlacedMesh a = placed(pair.a), b = placed(pair.b);
     MeshGap gap;
     if (!nearestPoints(a, b, pair.reach, gap)) return 0.0;
-    const double told = kFinest * 2.0 * std::max(colliders_[pair.a].radius, colliders_[pair.b].radius);
-    if (gap.distance <= std::max(told, touchTolerance(a, b))) return 0.0;
+    const double resolvable = kFinest * 2.0 * std::max(colliders_[pair.a].radius, colliders_[pair.b].radius);
+    if (gap.distance <= std::max(resolvable, touchTolerance(a, b))) return 0.0;
     // Where surfaces are nearest, one part may be inside the other.
     const bool overlap = holds(*b.tree, transformPoint(inverse(b.worldFromMesh), gap.onA)) ||
                          holds(*a.tree, transformPoint(inverse(a.worldFromMesh), gap.onB));
@@ -136,9 +136,9 @@ class Clearances {
 
 }  // namespace
 
-double usualTolerance(double held, double diagonal) {
+double usualTolerance(double smallestHeld, double diagonal) {
   // A part far larger than the held part is limited by its own size.
-  return std::clamp(kUsual * held, kFinest * diagonal, kUsual * diagonal);
+  return std::clamp(kUsual * smallestHeld, kFinest * diagonal, kUsual * diagonal);
 }
 
 double usableTolerance(double tolerance, double diagonal) {
@@ -146,22 +146,22 @@ double usableTolerance(double tolerance, double diagonal) {
 }
 
 std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
-                                          double held, int threads) {
+                                          double smallestHeld, int threads) {
   std::vector<PartTolerance> tolerances(colliders.size());
   for (std::size_t i = 0; i < tolerances.size(); ++i) {
     const double diagonal = 2.0 * colliders[i].radius, given = scene.parts[i].contactTolerance;
     if (colliders[i].tree == nullptr) continue;
-    tolerances[i].tolerance = given > 0.0 ? given : usualTolerance(held, diagonal);
+    tolerances[i].tolerance = given > 0.0 ? given : usualTolerance(smallestHeld, diagonal);
     if (given > 0.0) tolerances[i].from = PartTolerance::From::given;
   }
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Clearances(scene, colliders, tolerances).run(threads > 0 ? threads : cores);
   for (std::size_t i = 0; i < tolerances.size(); ++i) {
     PartTolerance& own = tolerances[i];
-    const double asked = std::max(kShareOfClearance * own.clearance, kFinest * 2.0 * colliders[i].radius);
-    if (own.neighbour == kNoPart || asked >= own.tolerance) continue;
+    const double wanted = std::max(kShareOfClearance * own.clearance, kFinest * 2.0 * colliders[i].radius);
+    if (own.neighbour == kNoPart || wanted >= own.tolerance) continue;
     own.from = PartTolerance::From::clearance;
-    own.tolerance = asked;
+    own.tolerance = wanted;
   }
   return tolerances;
 }

@@ -34,14 +34,14 @@ inline constexpr double kShareOfClearance = 1.0 / 8.0;
 /// Tolerances of all parts. Clearances are exact distances of the triangles, between parts that may collide
 /// and of which a hand can hold at least one. Parts nearer than touchTolerance(), or than the fields of both
 /// can resolve, touch; neither touching nor overlapping parts have a clearance. Distances are searched only
-/// as far as they would tighten a tolerance. `held`: m, diagonal of the smallest part that a hand can hold.
-/// `threads`: 0 = all cores.
+/// as far as they would tighten a tolerance. `smallestHeld`: m, diagonal of the smallest part that a hand can
+/// hold. `threads`: 0 = all cores.
 std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
-                                          double held, int threads);
+                                          double smallestHeld, int threads);
 
-/// Tolerance of a part with this diagonal where the smallest part that can be held has the diagonal `held`,
-/// m.
-double usualTolerance(double held, double diagonal);
+/// Tolerance of a part with this diagonal where the smallest part that can be held has the diagonal
+/// `smallestHeld`, m.
+double usualTolerance(double smallestHeld, double diagonal);
 
 /// Limits a tolerance, m, to what the floats and the budget of a field of a mesh with this diagonal allow.
 double usableTolerance(double tolerance, double diagonal);

@@ -71,7 +71,7 @@ TEST(HaplyCodec, DropsWhatMakesNoSense) {
                                   with("\"049D\"", "\"" + std::string(65, 'a') + "\""),
                                   with("\"w\":0.8", "\"w\":0.0"),
                                   with("\"w\":0.8", "\"w\":\"x\""),
-                                  std::string(kLongestHaplyMessage + 1, ' '),
+                                  std::string(kMaxHaplyMessage + 1, ' '),
                                   std::string(60000, '[')}) {
     HaplyState state = before;
     EXPECT_EQ(decodeHaply(text, state), HaplyMessage::kMalformed) << text.substr(0, 80);
@@ -240,7 +240,7 @@ TEST_F(Haply, LosesTheServiceAndFindsItAgain) {
 
 TEST_F(Haply, AMessageWithoutEndCostsTheConnectionAndIsCounted) {
   open();
-  EXPECT_FALSE(fake_.exchange(std::string(4 * kLongestHaplyMessage, ' ')).has_value());
+  EXPECT_FALSE(fake_.exchange(std::string(4 * kMaxHaplyMessage, ' ')).has_value());
   until([&] { return device_.poll(0.0).valid || device_.reading().oversized == 1; });
   fake_.drop();
   ASSERT_TRUE(fake_.accept());
