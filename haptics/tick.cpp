@@ -17,8 +17,6 @@ using Data = TickState::Data;
 
 // After this gap the device may be anywhere, so the proxy is reset instead of dragged.
 constexpr double kProxyResetAfter = 0.25;  // s
-// A hand that moved less than this while the ticks stood still keeps its contacts.
-constexpr double kStillInStall = 1e-3;  // m
 
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
@@ -28,20 +26,18 @@ class Tick {
 
   TickOutput run() {
     data_.tool.begin(parameters_);
-    noteSample();
-    if (input_.second != nullptr) data_.second.note(*input_.second, parameters_, data_.held, data_.fault);
+    noteReadings();
     runCommands();
     moveParts();
     simulateOwned();
     updateLayers();
     data_.tool.forgetIgnored(data_.held.held());
-    if (valid_ && holdsSolid()) {
+    if (first_.valid() && holdsSolid()) {
       carryTool();
-    } else if (valid_) {
-      data_.tool.touch(withoutFlicker(), parameters_, out_);
+    } else if (first_.valid()) {
+      data_.tool.touch(first_.steadyDevice(), parameters_, out_);
     } else {
       data_.tool.withdraw();
-      data_.couplingWrench = Wrench{};
     }
     if (!data_.fields.empty()) feelFields();
     out_.touched = out_.contactCount > 0 && data_.tool.started() ? out_.contacts[0].part
@@ -52,7 +48,7 @@ class Tick {
     return out_;
   }
 
-  /// The end of a tick in which an ASSERT failed: the fault is latched, and the force on its way to zero.
+  /// The end of a tick in which an ASSERT failed: latches the fault, so that the force ramps to zero.
   TickOutput abandon(const FailedAssertion& broken) {
     data_.fault.raise(broken.condition, broken.file, broken.line);
     out_.contactCount = out_.ownedCount = out_.pushedCount = 0;
@@ -63,45 +59,26 @@ class Tick {
   }
 
  private:
-  void send() {
-    sendWrench();
-    if (input_.second != nullptr) out_.second = data_.second.send(secondCoupling_, data_.held, data_.fault);
+  void noteReadings() {
+    TICK_ASSERT(data_.fault, count_ == input_.handCount && input_.hands[0].parameters == nullptr);
+    for (int h = 0; h < count_; ++h) {
+      const HandInput& hand = input_.hands[static_cast<std::size_t>(h)];
+      handOf(h).begin(hand, hand.parameters != nullptr ? *hand.parameters : parameters_);
+      TICK_ASSERT(data_.fault, handOf(h).parameters().dt == parameters_.dt);
+      if (h == 0 && first_.valid()) {
+        data_.tool.place(first_.device().worldFromDevice.position,
+                         first_.elsewhere() || first_.silence() > kProxyResetAfter);
+      }
+      graspWhereItIs(h);
+    }
   }
 
-  void noteSample() {
-    const SampleGuard::Verdict verdict =
-        data_.guard.judge(input_.device, parameters_, data_.invalidTime, out_.flags);
-    valid_ = verdict != SampleGuard::Verdict::refused;
-    if (!valid_) {
-      out_.flags |= kFlagInvalidSample;
-      data_.invalidTime += parameters_.dt;
-      return;
-    }
-    if (data_.tool.started()) {
-      const Pose &now = input_.device.worldFromDevice, &last = data_.device.worldFromDevice;
-      handMove_ = now.position - last.position;
-      handWay_ = glm::length(handMove_);
-      if (data_.fade.active()) handTurn_ = rotationVector(now.orientation * glm::conjugate(last.orientation));
-    }
-    data_.device = input_.device;
-    atRest_ = data_.reading.note(input_.device.worldFromDevice.position, parameters_.dt);
-    const bool wentOn = std::exchange(data_.stalled, false) && handWay_ > kStillInStall;
-    const bool elsewhere = wentOn || verdict == SampleGuard::Verdict::elsewhere;
-    data_.tool.place(data_.device.worldFromDevice.position,
-                     elsewhere || data_.invalidTime > kProxyResetAfter);
-    // A hand that did not move to where it is now did not draw its part there: it holds the part where it is.
-    if (elsewhere && data_.held.held() != kNoPart) {
-      data_.held.grasp(data_.held.held(), data_.device.worldFromDevice, parameters_);
-    }
-    data_.invalidTime = 0.0;
-  }
-
-  /// The reading, without the flicker of an encoder's quantum that looks like a velocity of a hand at rest: no damper may
-  /// follow that.
-  DeviceSample withoutFlicker() const {
-    DeviceSample felt = input_.device;
-    if (atRest_) felt.twist.linear = glm::dvec3(0.0);
-    return felt;
+  /// A hand that did not move to where it is now did not draw its part there: it holds the part where it is.
+  void graspWhereItIs(int h) {
+    const Hand& hand = handOf(h);
+    const PartId held = data_.held.held(h);
+    if (hand.elsewhere() && held != kNoPart)
+      data_.held.grasp(held, hand.device().worldFromDevice, hand.parameters(), h);
   }
 
   void runCommands() {
@@ -123,18 +100,15 @@ class Tick {
         own(command.part);
         return;
       case PartCommand::Kind::grasp:
-        if (command.hand == 0)
-          grasp(command.part);
-        else
-          graspBySecond(command.part);
+        if (TICK_ASSERT(data_.fault, command.hand < kHands)) grasp(command.part, command.hand);
         return;
       case PartCommand::Kind::letGo:
-        if (command.hand != 0 && data_.held.held(1) == command.part) data_.second.letGo(data_.held);
-        if (command.hand == 0 && data_.held.held() == command.part) letGo();
+        if (!TICK_ASSERT(data_.fault, command.hand < kHands)) return;
+        if (data_.held.held(command.hand) == command.part) letGo(command.hand);
         return;
       case PartCommand::Kind::disown:
-        if (data_.held.held() == command.part) letGo();
-        if (data_.held.held(1) == command.part) data_.second.letGo(data_.held);
+        for (int h = 0; h < kHands; ++h)
+          if (data_.held.held(h) == command.part) letGo(h);
         data_.held.disown(command.part);
         return;
       case PartCommand::Kind::setPose:
@@ -153,26 +127,29 @@ class Tick {
     if (free) take(part);
   }
 
-  void grasp(PartId part) {
-    if (!data_.tool.started() || !data_.held.owns(part) || data_.held.held() == part) return;
-    if (data_.held.held() != kNoPart) letGo();
-    const bool alone = data_.held.held(1) != part;
-    if (!data_.held.grasp(part, data_.device.worldFromDevice, parameters_)) return;
-    data_.tool.noteForeignChange(0.0);
+  void grasp(PartId part, int h) {
+    const Hand& hand = handOf(h);
+    if (!hand.started() || !data_.held.owns(part) || data_.held.held(h) == part) return;
+    if (data_.held.held(h) != kNoPart) letGo(h);
+    if (!data_.held.grasp(part, hand.device().worldFromDevice, hand.parameters(), h)) return;
+    const bool alone = data_.held.held(1 - h) != part;
     if (alone) take(part);
-    // The tool no longer touches what the hand holds, and with a solid part in the hand it touches nothing. The force of
-    // those contacts must not vanish at once.
+    if (h == 0)
+      endTouchOfTool(part);
+    else
+      handOf(h).endTool();
+  }
+
+  /// The tool no longer touches what the first hand holds, and with a solid part in the hand it touches nothing. The force
+  /// of those contacts must not vanish at once.
+  void endTouchOfTool(PartId part) {
+    data_.tool.noteForeignChange(0.0);
     if (holdsSolid()) {
-      data_.fade.start(felt(data_.tool.contactWrench()), {stiffnessInPlay(), 0.0}, parameters_.fadeTime);
+      first_.fadeOut(data_.tool.contactWrench(), {stiffnessInPlay(), 0.0});
     } else {
       fadeContactsWith(part);
     }
     data_.tool.ignore(part);
-  }
-
-  void graspBySecond(PartId part) {
-    const bool alone = data_.held.held() != part && data_.held.held(1) != part;
-    if (data_.second.grasp(part, data_.held) && alone) take(part);
   }
 
   /// From the first hand that holds it on.
@@ -183,28 +160,18 @@ class Tick {
     }
   }
 
-  void letGo() {
-    data_.tool.noteForeignChange(0.0);
-    const bool solid = holdsSolid();
-    const double springs = data_.held.letGo(parameters_) ? 2.0 : 1.0;
-    if (solid) data_.tool.reset();
-    data_.fade.start(felt(data_.couplingWrench),
-                     {springs * parameters_.graspStiffness, springs * parameters_.graspRotStiffness},
-                     parameters_.fadeTime);
-    data_.couplingWrench = Wrench{};
-  }
-
-  /// A wrench within the limits of the device. What fades is no more than this: the hand never got more, and a part that it
-  /// takes from under a larger force would be dragged for nothing.
-  Wrench felt(const Wrench& wrench) const {
-    const double force = glm::length(wrench.force), torque = glm::length(wrench.torque);
-    return {wrench.force * std::min(1.0, parameters_.forceLimit / std::max(force, 1e-300)),
-            wrench.torque * std::min(1.0, parameters_.torqueLimit / std::max(torque, 1e-300))};
+  void letGo(int h) {
+    Hand& hand = handOf(h);
+    const bool carriesTool = h == 0 && holdsSolid();
+    if (h == 0) data_.tool.noteForeignChange(0.0);
+    const double springs = data_.held.letGo(hand.parameters(), h) ? 2.0 : 1.0;
+    if (carriesTool) data_.tool.reset();
+    hand.endCoupling(springs);
   }
 
   void fadeContactsWith(PartId part) {
     const EndedContact ended = data_.tool.endedContactWith(part);
-    data_.fade.start(felt(ended.wrench), {ended.stiffness, 0.0}, parameters_.fadeTime);
+    first_.fadeOut(ended.wrench, {ended.stiffness, 0.0});
   }
 
   void moveParts() {
@@ -236,7 +203,7 @@ class Tick {
     for (const SimulatedPart& entry : data_.held.parts()) {
       const assets::Control* control = entry.moved.control;
       if (control == nullptr) continue;
-      const bool touches = valid_ && data_.tool.started() && !entry.held();
+      const bool touches = first_.valid() && data_.tool.started() && !entry.held();
       data_.held.load(entry.part, touches
                                       ? toolLoad(data_.world, data_.tool.proxy(), *control,
                                                  data_.tool.contactWrenchOf(entry.part).force, parameters_)
@@ -263,7 +230,8 @@ class Tick {
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (entry.grips[0].holds || entry.moved.control != nullptr) continue;
       const bool gives = entry.grips[1].holds || data_.held.links().has(entry.part) || givesWay(entry.part);
-      const bool touches = valid_ && data_.tool.started() && data_.tool.pressesOn(entry.part) && gives;
+      const bool touches =
+          first_.valid() && data_.tool.started() && data_.tool.pressesOn(entry.part) && gives;
       if (!touches) {
         data_.held.push(entry.part, {});
         continue;
@@ -308,13 +276,11 @@ class Tick {
   void simulateOwned() {
     loadControls();
     loadFreeParts();
-    const DeviceSample felt = withoutFlicker();
-    HandPulls hands;
-    hands[0] = {valid_ ? &felt : nullptr, HandPull::gainsOf(parameters_)};
-    if (input_.second != nullptr) hands[1] = data_.second.pull();
+    HandPulls pulls;
+    for (int h = 0; h < count_; ++h) pulls[static_cast<std::size_t>(h)] = handOf(h).pull();
     const std::array<Wrench, kHands> onHands =
-        data_.held.step(hands, parameters_, data_.world.scene(), data_.partContact.get(), noteTime());
-    data_.couplingWrench = onHands[0], secondCoupling_ = onHands[1];
+        data_.held.step(pulls, parameters_, data_.world.scene(), data_.partContact.get(), noteTime());
+    for (int h = 0; h < count_; ++h) handOf(h).setCoupling(onHands[static_cast<std::size_t>(h)]);
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
       movePart(entry.part, entry.body.worldFromBody, entry.body.twist,
@@ -351,32 +317,32 @@ class Tick {
   }
 
   double sessionTime() const {
-    return std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.device.time;
+    return std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.hands[0].device.time;
   }
 
   /// For links, which run on while no reading tells the time.
   double noteTime() {
     const double time = sessionTime();
-    data_.time = valid_ || std::isfinite(input_.sessionTime) ? time : data_.time + parameters_.dt;
+    data_.time = first_.valid() || std::isfinite(input_.sessionTime) ? time : data_.time + parameters_.dt;
     return data_.time;
   }
 
   void feelFields() {
     data_.fieldWrench = Wrench{};
-    if (!valid_) return data_.fields.forgetHand();
+    if (!first_.valid()) return data_.fields.forgetHand();
     const FieldForces felt = data_.fields.step(
-        data_.world, input_.device, sessionTime(),
+        data_.world, input_.hands[0].device, sessionTime(),
         {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
     data_.fieldWrench.force = felt.force;
     cause_.byTime = felt.sourceChange;
-    out_.sourcePower = felt.sourcePower * data_.sentShare;
+    out_.sourcePower = felt.sourcePower * first_.sentShare();
     out_.flags |= felt.flags;
   }
 
   void report() {
     TICK_ASSERT(data_.fault, isFinite(data_.tool.proxy().position));
-    out_.worldFromProxy = {data_.tool.proxy().position, data_.device.worldFromDevice.orientation};
-    out_.held = data_.held.held();
+    out_.worldFromProxy = {data_.tool.proxy().position, first_.device().worldFromDevice.orientation};
+    for (int h = 0; h < count_; ++h) reportHand(h);
     for (const SimulatedPart& entry : data_.held.parts()) {
       out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {
           entry.part,   entry.body.worldFromBody, entry.body.twist,
@@ -384,40 +350,43 @@ class Tick {
     }
   }
 
-  void sendWrench() {
-    if (data_.fade.active()) data_.fade.advance(handMove_, handTurn_, parameters_.dt);
-    out_.flags |= data_.tool.flags();
-    const Wrench felt = data_.tool.contactWrench() + data_.fieldWrench;
-    const Wrench wanted = felt + data_.couplingWrench + data_.fade.now();
-    const ForeignChange& foreign = data_.tool.foreignChange();
-    cause_.byHand = !foreign.any;
-    if (foreign.any) cause_.explained = stiffnessInPlay() * (handWay_ + foreign.expected);
-    out_.toHand = limitOutput(wanted, valid_ ? &data_.device : nullptr, cause_, parameters_, data_.fault,
-                              data_.output, out_.flags);
-    data_.sentShare = sentShare(wanted.force);
+  void reportHand(int h) {
+    HandFeedback& out = out_.hands[static_cast<std::size_t>(h)];
+    const SimulatedPart* const held = data_.held.heldPart(h);
+    out.held = held != nullptr ? held->part : kNoPart;
+    out.worldFromGrip = held != nullptr
+                            ? held->body.worldFromBody * held->grips[static_cast<std::size_t>(h)].bodyFromGrip
+                            : handOf(h).device().worldFromDevice;
   }
 
-  /// How much of the wanted force the limits let through, 0..1, along it: what fields do to the hand in this
-  /// tick, they do in this proportion.
-  double sentShare(const glm::dvec3& wanted) const {
-    if (!valid_ || parameters_.zeroForce) return 0.0;
-    const double square = glm::dot(wanted, wanted);
-    if (!(square > 0.0)) return std::clamp(parameters_.gain, 0.0, 1.0);
-    return std::clamp(glm::dot(data_.output.sent.force, wanted) / square, 0.0, 1.0);
+  void send() {
+    const Wrench touches = data_.tool.contactWrench() + data_.fieldWrench;
+    const ForeignChange& foreign = data_.tool.foreignChange();
+    cause_.byHand = !foreign.any;
+    if (foreign.any && !data_.fault.raised())  // under a fault the cause does not count
+      cause_.explained = stiffnessInPlay() * (glm::length(first_.displacement()) + foreign.expected);
+    for (int h = 0; h < count_; ++h) {
+      Hand& hand = handOf(h);
+      HandFeedback& out = out_.hands[static_cast<std::size_t>(h)];
+      out.toHand = h == 0 ? hand.send(&touches, cause_, data_.fault)
+                          : hand.send(hand.tool(out.held != kNoPart), {}, data_.fault);
+      out.flags = hand.flags();
+    }
+    out_.flags |= data_.tool.flags() | out_.hands[0].flags;
   }
+
+  Hand& handOf(int h) { return data_.hands[static_cast<std::size_t>(h)]; }
 
   const TickInput& input_;
   const TickParameters& parameters_;
   Data& data_;
-  bool valid_ = false, atRest_ = false;
+  const int count_ = std::clamp(input_.handCount, 1, kHands);
+  Hand& first_ = data_.hands[0];  // the one whose bare tool is part of the tick
   ForceCause cause_;
-  glm::dvec3 handMove_{0.0}, handTurn_{0.0};  // m and rad, that the hand went since the last tick
-  double handWay_ = 0.0;                      // m, the length of handMove_
-  Wrench secondCoupling_;                     // what the second hand's coupling puts on it
   TickOutput out_;
 };
 
-/// What a tick gives whose ASSERT failed; no force at all if not even its end holds.
+/// What a tick gives in which an ASSERT failed; no force at all if its end fails too.
 TickOutput endAfter(const FailedAssertion& broken, Tick& current) {
   try {
     return current.abandon(broken);

@@ -6,7 +6,8 @@
 //    fit sets a flag.
 // 2. The force sent is finite and within the limit; what the hand did not cause grows at a limited rate.
 // 3. A reading that is not valid gives zero force in that tick; the next good one recovers.
-// 4. Contact never depends on anything that comes over a network but the poses of parts that others move.
+// 4. A broken invariant ends the stages of its tick, and is latched: the force ramps to zero and stays there.
+// 5. Contact never depends on anything that comes over a network but the poses of parts that others move.
 //
 // Roles of parts. A part is simulated here (owned), or moved by others (TickInput::moved), or still. One that
 // other sites simulate too is linked to their replicas (replica_links.h).

@@ -1,6 +1,6 @@
 #include "haptics/tick_data.h"
 
-// The state of ticks: made for a scene, told when its meshes change and which parts are linked to other sites.
+// The state of ticks: made for a scene, updated when its meshes change and when parts are linked to other sites.
 
 namespace tandem::haptics {
 
@@ -70,7 +70,7 @@ std::size_t TickState::drainPackets(std::span<AddressedPacket> packets) {
   return data_->held.links().drainPackets(packets);
 }
 
-void TickState::noteStall() { data_->stalled = true; }
+void TickState::noteStall() { data_->hands[0].noteStall(); }
 
 void TickState::resetFault() { data_->fault = FaultLatch{}; }
 

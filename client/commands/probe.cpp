@@ -194,11 +194,10 @@ class Probe {
                     moving ? twistBetween(rows[i - 1], row, parameters_.dt) : Twist{}};
       }
       haptics::TickInput input;
-      input.device = first.at(i);
-      haptics::SecondHand secondHand;
+      input.hands[0].device = first.at(i);
       if (!second.empty()) {
-        secondHand.device = other.at(i);
-        input.second = &secondHand;
+        input.hands[1].device = other.at(i);
+        input.handCount = 2;
       }
       input.moved = moved;
       input.sessionTime = path[i].time;
@@ -293,7 +292,7 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
   char line[640];
   for (const Row& row : rows) {
     const glm::dvec3 &h = row.hand.position, &p = row.proxy.position;
-    const Wrench& w = row.tick.toHand;
+    const Wrench& w = row.tick.hands[0].toHand;
     const PartId touched = row.tick.contactCount > 0 ? row.tick.contacts[0].part : kNoPart;
     int length = std::snprintf(
         line, sizeof line, "%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%d,%s,%u,%.0f",
@@ -308,7 +307,7 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
       text.append(line, static_cast<std::size_t>(length));
     }
     if (second) {
-      const Wrench& o = row.tick.second.toHand;
+      const Wrench& o = row.tick.hands[1].toHand;
       length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,%.9g,%.9g", o.force.x, o.force.y,
                              o.force.z, o.torque.x, o.torque.y, o.torque.z);
       text.append(line, static_cast<std::size_t>(length));
@@ -328,7 +327,7 @@ Json flagCounts(const std::vector<Row>& rows, bool second = false) {
   for (const auto& [bit, name] : tickFlagNames()) {
     std::uint64_t count = 0;
     for (const Row& row : rows)
-      count += ((second ? row.tick.second.flags : row.tick.flags) & bit) != 0 ? 1 : 0;
+      count += ((second ? row.tick.hands[1].flags : row.tick.flags) & bit) != 0 ? 1 : 0;
     if (count > 0) counts[name] = count;
   }
   return counts;
@@ -358,8 +357,8 @@ void printForces(const std::vector<Row>& rows, const haptics::TickParameters& pa
   int contacts = 0;
   std::size_t touching = 0;
   for (const Row& row : rows) {
-    largest = std::max(largest, glm::length(row.tick.toHand.force));
-    torque = std::max(torque, glm::length(row.tick.toHand.torque));
+    largest = std::max(largest, glm::length(row.tick.hands[0].toHand.force));
+    torque = std::max(torque, glm::length(row.tick.hands[0].toHand.torque));
     contacts = std::max(contacts, row.tick.contactCount);
     touching += row.tick.contactCount > 0 ? 1 : 0;
   }
@@ -377,8 +376,8 @@ void printForces(const std::vector<Row>& rows, const haptics::TickParameters& pa
 void printSecond(const std::vector<Row>& rows) {
   double largest = 0.0, torque = 0.0;
   for (const Row& row : rows) {
-    largest = std::max(largest, glm::length(row.tick.second.toHand.force));
-    torque = std::max(torque, glm::length(row.tick.second.toHand.torque));
+    largest = std::max(largest, glm::length(row.tick.hands[1].toHand.force));
+    torque = std::max(torque, glm::length(row.tick.hands[1].toHand.torque));
   }
   std::printf("second hand: largest force %.4g N, torque %.4g N*m\n", largest, torque);
   const Json flags = flagCounts(rows, true);

@@ -30,16 +30,17 @@ void HandLoop::setControl(const ControlWish& wish, std::size_t hand) {
   controls_.set(wish.part, wish.value);
 }
 
-void HandLoop::addSecondHand() { secondTool_ = std::make_unique<SecondTool>(scene_); }
+void HandLoop::addSecondHand() { bareTool_ = std::make_unique<BareTool>(scene_); }
 
 void HandLoop::readSettings() {
   settings_ = exchange_.settings.latest();
   timeBase_ = exchange_.timeBase.latest();
-  settings_.parameters.effort = effort_.limited(settings_.parameters.effort);
+  haptics::ContactEffort& effort = settings_.parameters[0].effort;
+  effort = effort_.limited(effort);
   if (settings_.faultResets != faultResetsSeen_) {
     faultResetsSeen_ = settings_.faultResets;
     state_.resetFault();
-    if (secondTool_) secondTool_->resetFault();
+    if (bareTool_) bareTool_->resetFault();
   }
   if (settings_.reseats != reseatsSeen_) {
     reseatsSeen_ = settings_.reseats;
@@ -55,10 +56,11 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                       const haptics::DeviceSample* second) {
   readSettings();
   const sync::Micros sessionNow = now + timeBase_.offset;
-  const bool both = second != nullptr && secondTool_ != nullptr;
+  const bool both = second != nullptr && bareTool_ != nullptr;
   noteStall(now);
-  const haptics::DeviceSample sample = afterStall(reading, 0);
-  if (both) second_ = {afterStall(*second, 1), &settings_.second, {}};
+  hands_[0].device = afterStall(reading, 0);
+  const haptics::DeviceSample& sample = hands_[0].device;
+  if (both) hands_[1] = {afterStall(*second, 1), &settings_.parameters[1], {}};
   handleEvents(sessionNow);
   parts_.followed().playOut(sessionNow, timeBase_.playOutDelay, display_);
   for (std::size_t hand = 0; hand < haptics::kHands; ++hand) grasps_.advance(hand, sessionNow);
@@ -67,19 +69,22 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
   setButtons(sample, both);
 
   const std::span<const PartCommand> commands = parts_.commands().nextBatch();
-  if (both) second_.tool = feelSecondTool(commands, sessionNow);
-  const haptics::TickInput input{sample, parts_.followed().moved(), commands,
-                                 static_cast<double>(sessionNow) * 1e-6, both ? &second_ : nullptr};
+  if (both) hands_[1].tool = feelBareTool(commands, sessionNow);
+  const haptics::TickInput input{.hands = hands_,
+                                 .moved = parts_.followed().moved(),
+                                 .commands = commands,
+                                 .sessionTime = static_cast<double>(sessionNow) * 1e-6,
+                                 .handCount = both ? 2 : 1};
   parts_.links().receive(exchange_, state_);
-  output_.tick = haptics::tick(input, scene_, settings_.parameters, state_);
+  output_.tick = haptics::tick(input, scene_, settings_.parameters[0], state_);
   parts_.links().update(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
-  if (both) noteSecond();
+  if (both) noteSecondHand();
   for (const PartCommand& command : commands) display_.pushAsItIs(command.part, sessionNow);
   releaseRested(sessionNow);
   leaveUntouched(sessionNow);
   publish(sample, now);
-  return output_.tick.toHand;
+  return output_.tick.hands[0].toHand;
 }
 
 void HandLoop::setButtons(const haptics::DeviceSample& sample, bool both) {
@@ -89,21 +94,23 @@ void HandLoop::setButtons(const haptics::DeviceSample& sample, bool both) {
   const auto pressed = [](const haptics::DeviceSample& of) { return of.valid && (of.buttons & 1u) != 0; };
   grasps_.setButton(0, settings_.graspButton || pressed(sample),
                     target(0, settings_.wish, output_.tick.touched));
-  if (both) grasps_.setButton(1, pressed(second_.device), target(1, kNoPart, secondTool_->touched()));
+  if (both) grasps_.setButton(1, pressed(hands_[1].device), target(1, kNoPart, bareTool_->touched()));
 }
 
-Wrench HandLoop::feelSecondTool(std::span<const PartCommand> commands, sync::Micros sessionNow) {
-  return secondTool_->tick(second_.device, parts_.followed().moved(), output_.tick, commands,
-                           settings_.second, static_cast<double>(sessionNow) * 1e-6, grasps_.isHolding(1));
+Wrench HandLoop::feelBareTool(std::span<const PartCommand> commands, sync::Micros sessionNow) {
+  return bareTool_->tick(hands_[1].device, parts_.followed().moved(), output_.tick, commands,
+                         settings_.parameters[1], static_cast<double>(sessionNow) * 1e-6,
+                         grasps_.isHolding(1));
 }
 
-void HandLoop::noteSecond() {
-  output_.second = second_.device;
-  if (secondTool_->fault().raised()) output_.tick.second.flags |= haptics::kFlagFault;
-  output_.secondFlagsSeen |= output_.tick.second.flags;
-  output_.secondMost = std::max(output_.secondMost, glm::length(output_.tick.second.toHand.force));
+void HandLoop::noteSecondHand() {
+  HandRecord& record = output_.hands[1];
+  record.device = hands_[1].device;
+  if (bareTool_->fault().raised()) output_.tick.hands[1].flags |= haptics::kFlagFault;
+  record.flagsSeen |= output_.tick.hands[1].flags;
+  record.maxForce = std::max(record.maxForce, glm::length(output_.tick.hands[1].toHand.force));
   // The tick refuses the grasp of a control that the first hand holds.
-  if (grasps_.isHolding(1) && parts_.commands().empty() && output_.tick.second.held == kNoPart)
+  if (grasps_.isHolding(1) && parts_.commands().empty() && output_.tick.hands[1].held == kNoPart)
     grasps_.onRefused(1);
 }
 
@@ -111,7 +118,7 @@ void HandLoop::noteStall(sync::Micros now) {
   if (!stalls_.noteTick(now)) return;
   ++output_.stalls;
   state_.noteStall();
-  if (secondTool_) secondTool_->noteStall();
+  if (bareTool_) bareTool_->noteStall();
 }
 
 haptics::DeviceSample HandLoop::afterStall(const haptics::DeviceSample& reading, std::size_t hand) {
@@ -266,7 +273,9 @@ void HandLoop::askForControls() {
   const PartId part = controls_.wanted(output_.tick, owned);
   if (part != kNoPart && !intents_.grab(part)) controls_.askLater(part);
   const std::optional<PartId> set = controls_.toSet(owned);
-  if (!set || output_.tick.held == *set || output_.tick.second.held == *set || !parts_.isReady(*set)) return;
+  if (!set || output_.tick.hands[0].held == *set || output_.tick.hands[1].held == *set ||
+      !parts_.isReady(*set))
+    return;
   if (const std::optional<Pose> pose = controls_.granted(*set)) {
     parts_.commands().push(PartCommand::Kind::disown, *set);
     parts_.commands().push(PartCommand::Kind::own, *set, *pose);
@@ -299,8 +308,10 @@ void HandLoop::releaseRested(sync::Micros sessionNow) {
 
 void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   output_.time = now;
-  output_.device = sample;
-  output_.flagsSeen |= output_.tick.flags;
+  HandRecord& record = output_.hands[0];
+  record.device = sample;
+  record.flagsSeen |= output_.tick.flags;
+  record.maxForce = std::max(record.maxForce, glm::length(output_.tick.hands[0].toHand.force));
   // The flag lasts for one tick, which is too short to be seen.
   constexpr sync::Micros kShown = sync::kSecond;
   if (output_.tick.flags & haptics::kFlagPopThrough) gaveWayUntil_ = now + kShown;
@@ -316,7 +327,8 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   exchange_.output.write(output_);
   exchange_.view.write(output_);
   // A full ring means a plot that nobody draws.
-  static_cast<void>(exchange_.forces.push(static_cast<float>(glm::length(output_.tick.toHand.force))));
+  static_cast<void>(
+      exchange_.forces.push(static_cast<float>(glm::length(output_.tick.hands[0].toHand.force))));
   display_.refreshOne();
 }
 

@@ -22,13 +22,13 @@
 #include <memory>
 
 #include "assets/base/pose.h"
+#include "client/hand/bare_tool.h"
 #include "client/hand/control_hand.h"
 #include "client/hand/display_poses.h"
 #include "client/hand/grasps.h"
 #include "client/hand/hand_intents.h"
 #include "client/hand/hand_parts.h"
 #include "client/hand/near_parts.h"
-#include "client/hand/second_tool.h"
 #include "client/hand/stall_guard.h"
 #include "client/session/exchange.h"
 #include "haptics/scene/contact_scene.h"
@@ -49,7 +49,7 @@ class HandLoop {
   void addSecondHand();
 
   /// One tick at local time `now`. The wrench is what the device gets. `second`: the reading of the second
-  /// hand, whose device gets output().tick.second.toHand; null: there is none.
+  /// hand, whose device gets output().tick.hands[1].toHand; null: there is none.
   Wrench tick(const haptics::DeviceSample& reading, sync::Micros now,
               const haptics::DeviceSample* second = nullptr);
 
@@ -96,8 +96,8 @@ class HandLoop {
   void releaseRested(sync::Micros sessionNow);
 
   void setButtons(const haptics::DeviceSample& sample, bool both);
-  Wrench feelSecondTool(std::span<const haptics::PartCommand> commands, sync::Micros sessionNow);
-  void noteSecond();
+  Wrench feelBareTool(std::span<const haptics::PartCommand> commands, sync::Micros sessionNow);
+  void noteSecondHand();
   void publish(const haptics::DeviceSample& sample, sync::Micros now);
 
   const haptics::ContactScene& scene_;
@@ -118,10 +118,10 @@ class HandLoop {
   NearParts near_;
   StallGuard stalls_;
   DisplayPoses display_;
-  std::array<PartId, haptics::kHands> wishes_;  // by hand; kNoPart: none
-  std::unique_ptr<SecondTool> secondTool_;      // null: there is no second hand
-  haptics::SecondHand second_;
-  static_assert(SecondTool::kMostMoved >= FollowedParts::kMax + haptics::kMaxOwnedParts);
+  std::array<PartId, haptics::kHands> wishes_;             // by hand; kNoPart: none
+  std::array<haptics::HandInput, haptics::kHands> hands_;  // of this tick
+  std::unique_ptr<BareTool> bareTool_;                     // of the second hand; null: there is none
+  static_assert(BareTool::kMaxMoved >= FollowedParts::kMax + haptics::kMaxOwnedParts);
   sync::Micros gaveWayUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
 };
 

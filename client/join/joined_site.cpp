@@ -90,7 +90,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
     connection_->setRecording(recording_.get());
     store_.keep(connection_->welcome().sceneHash, package);  // a replay finds the scene by its hash
   }
-  settings_.parameters.gravity = scene_.gravity;
+  settings_.parameters[0].gravity = scene_.gravity;
   return {};
 }
 
@@ -129,11 +129,11 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   device_ = std::move(device);
   secondDevice_ = std::move(second);
-  settings_.second = settings_.parameters;
-  stiffest_ = haptics::fitToDevice(device_->limits(), 0.0, settings_.parameters);
+  settings_.parameters[1] = settings_.parameters[0];
+  stiffest_ = haptics::fitToDevice(device_->limits(), 0.0, settings_.parameters[0]);
   if (secondDevice_) {
     hand_->addSecondHand();
-    haptics::fitToDevice(secondDevice_->limits(), 0.0, settings_.second);
+    haptics::fitToDevice(secondDevice_->limits(), 0.0, settings_.parameters[1]);
   }
   exchange_->settings.write(settings_);
   connection_->sceneReady(scene_, *exchange_);
@@ -150,7 +150,7 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
         *device_, *secondDevice_,
         [this, tick](const std::array<haptics::DeviceSample, 2>& samples, double now) {
           const Wrench first = tick(samples[0], &samples[1], now);
-          return std::array<Wrench, 2>{first, hand_->output().tick.second.toHand};
+          return std::array<Wrench, 2>{first, hand_->output().tick.hands[1].toHand};
         });
   } else {
     servo_ = std::make_unique<haptics::ServoLoop>(
@@ -227,24 +227,25 @@ void JoinedSite::updateHand(ViewModel& model) {
   HandView& hand = model.hand;
   hand.deviceName = device_ ? device_->name() : "none";
   hand.present = device_ && hand.deviceName != "none";
-  hand.valid = output.device.valid;
-  hand.worldFromDevice = output.device.worldFromDevice;
+  hand.valid = output.hands[0].device.valid;
+  hand.worldFromDevice = output.hands[0].device.worldFromDevice;
   hand.worldFromProxy = output.tick.worldFromProxy;
-  hand.toolRadius = settings_.parameters.toolRadius;
-  hand.force = output.tick.toHand.force;
+  hand.toolRadius = settings_.parameters[0].toolRadius;
+  hand.force = output.tick.hands[0].toHand.force;
   hand.contacts = output.tick.contacts;
   hand.contactCount = output.tick.contactCount;
   hand.touched = output.tick.touched;
-  hand.held = output.tick.held;
+  hand.held = output.tick.hands[0].held;
   const haptics::OwnedPart* held = output.tick.simulated(hand.held);
   hand.links = held != nullptr ? held->links : haptics::LinkReport{};
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
   if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;
-  hand.flagsSeen = output.flagsSeen;
+  hand.flagsSeen = output.hands[0].flagsSeen;
   hand.stalls = output.stalls;
   if (secondDevice_)
-    hand.second = {secondDevice_->name(), output.tick.second.held, output.secondMost, output.secondFlagsSeen};
+    hand.second = {secondDevice_->name(), output.tick.hands[1].held, output.hands[1].maxForce,
+                   output.hands[1].flagsSeen};
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();
@@ -264,8 +265,8 @@ void JoinedSite::updateHand(ViewModel& model) {
     recentForces_.erase(recentForces_.begin(),
                         recentForces_.end() - static_cast<std::ptrdiff_t>(kPlotLength));
   model.loop.recentForce_n = recentForces_;
-  model.settings = {settings_.parameters.forceLimit, settings_.parameters.gain,
-                    settings_.parameters.zeroForce, settings_.parameters.stiffness};
+  model.settings = {settings_.parameters[0].forceLimit, settings_.parameters[0].gain,
+                    settings_.parameters[0].zeroForce, settings_.parameters[0].stiffness};
 }
 
 void JoinedSite::reseat() {
@@ -280,14 +281,14 @@ void JoinedSite::clearFault() {
 
 void JoinedSite::act(const ViewActions& actions) {
   if (actions.settingsChanged) {
-    settings_.parameters.forceLimit = actions.settings.forceLimit;
-    settings_.parameters.gain = actions.settings.gain;
-    settings_.parameters.zeroForce = actions.settings.zeroForce;
-    settings_.parameters.stiffness = actions.settings.stiffness;
-    settings_.second.gain = actions.settings.gain;
-    settings_.second.zeroForce = actions.settings.zeroForce;
+    settings_.parameters[0].forceLimit = actions.settings.forceLimit;
+    settings_.parameters[0].gain = actions.settings.gain;
+    settings_.parameters[0].zeroForce = actions.settings.zeroForce;
+    settings_.parameters[0].stiffness = actions.settings.stiffness;
+    settings_.parameters[1].gain = actions.settings.gain;
+    settings_.parameters[1].zeroForce = actions.settings.zeroForce;
     // Who asks for more than the device's share gets it.
-    double& limit = settings_.parameters.stiffnessLimit;
+    double& limit = settings_.parameters[0].stiffnessLimit;
     if (limit > 0.0) limit = std::max(limit, actions.settings.stiffness);
   }
   if (actions.setControl != kNoPart)

@@ -31,9 +31,9 @@ class Hand {
 
   const haptics::TickOutput& at(const glm::dvec3& position) {
     haptics::TickInput input;
-    input.device.worldFromDevice.position = position;
-    input.device.time = time_ += kTick;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice.position = position;
+    input.hands[0].device.time = time_ += kTick;
+    input.hands[0].device.valid = true;
     return out_ = haptics::tick(input, contact_, parameters_, state_);
   }
 
@@ -61,7 +61,8 @@ void sphereFriction(std::vector<Figure>& out) {
     const double down = std::min(1.0, i / 100.0);
     const haptics::TickOutput& felt = hand.at(n * (kRadius + 1e-3 - down * (1e-3 + kDepth)));
     if (i < 500) continue;
-    const glm::dvec3 normal = glm::normalize(felt.worldFromProxy.position), force = felt.toHand.force;
+    const glm::dvec3 normal = glm::normalize(felt.worldFromProxy.position),
+                     force = felt.hands[0].toHand.force;
     const double pressed = glm::dot(force, normal), ratio = glm::length(force - pressed * normal) / pressed;
     sum += ratio;
     errors.push_back(std::abs(ratio / kCoefficient - 1.0));
@@ -104,7 +105,7 @@ bool staysBounded(const Loop& loop) {
   double z = 1e-3, v = 0.0, early[2] = {1.0, -1.0}, late[2] = {1.0, -1.0};
   for (int i = 0; i < 9000; ++i) {
     const double reading = loop.quantised ? kQuantum * std::floor(z / kQuantum + 0.5) : z;
-    const double settled = (hand.at({0.0, 0.0, reading}).toHand.force.z - kPush) / loop.damping;
+    const double settled = (hand.at({0.0, 0.0, reading}).hands[0].toHand.force.z - kPush) / loop.damping;
     z += settled * kTick + (v - settled) * (1.0 - a) * kMass / loop.damping;
     v = settled + (v - settled) * a;
     if (!(std::abs(z) < 0.5)) return false;

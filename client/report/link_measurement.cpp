@@ -174,7 +174,7 @@ double heldStep(std::size_t grips) {
   haptics::RigidBody body = bench::bodyOf({});
   const Pose grip{bench::kCentreOfMass, {1.0, 0.0, 0.0, 0.0}};
   return timeOf(kSteps, [&] {
-    std::array<haptics::Coupling, haptics::kMostCouplings> couplings;
+    std::array<haptics::Coupling, haptics::kMaxCouplings> couplings;
     for (int i = 0; i < kSteps; ++i) {
       const Pose device{{1e-3 * (i % 7), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
       couplings.fill({grip, device, {}, bench::kGrasp});

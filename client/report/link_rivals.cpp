@@ -106,9 +106,9 @@ void ServerBench::tick() {
 }
 
 void ServerBench::stepServer() {
-  std::array<haptics::Coupling, haptics::kMostCouplings> springs;
-  std::array<Wrench, haptics::kMostCouplings> given;
-  std::array<std::size_t, haptics::kMostCouplings> whose{};
+  std::array<haptics::Coupling, haptics::kMaxCouplings> springs;
+  std::array<Wrench, haptics::kMaxCouplings> given;
+  std::array<std::size_t, haptics::kMaxCouplings> whose{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < legs_.size(); ++i) {
     if (!legs_[i].hasReceived) continue;
@@ -135,8 +135,8 @@ OneRoomBench::OneRoomBench(const std::vector<bench::BenchSite>& sites, const ben
 }
 
 void OneRoomBench::tick() {
-  std::array<haptics::Coupling, haptics::kMostCouplings> grips;
-  std::array<Wrench, haptics::kMostCouplings> onHands;
+  std::array<haptics::Coupling, haptics::kMaxCouplings> grips;
+  std::array<Wrench, haptics::kMaxCouplings> onHands;
   for (std::size_t i = 0; i < sites_.size(); ++i) grips[i] = sites_[i].grip(bench::kGrasp);
   const bench::WallTouch touch = bench::touchWall(block_, body_);
   bench::stepHeld(body_, {grips.data(), sites_.size()}, dragAnd(touch.onBody),

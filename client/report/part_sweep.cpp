@@ -76,10 +76,10 @@ class PartRun {
     const Pose& start = experiment_.scene.parts[kHeldPart].worldFromPart;
     const glm::dvec3 goal = experiment_.path[i].goal;
     haptics::TickInput input;
-    input.device.worldFromDevice = {goal + start.orientation * experiment_.grip, start.orientation};
-    if (i > 0) input.device.twist.linear = (goal - experiment_.path[i - 1].goal) / parameters_.dt;
-    input.device.time = parameters_.dt * static_cast<double>(i);
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = {goal + start.orientation * experiment_.grip, start.orientation};
+    if (i > 0) input.hands[0].device.twist.linear = (goal - experiment_.path[i - 1].goal) / parameters_.dt;
+    input.hands[0].device.time = parameters_.dt * static_cast<double>(i);
+    input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {{Kind::own, kHeldPart, start}, {Kind::grasp, kHeldPart, {}}};
     if (i == 0) input.commands = take;
     const std::uint64_t before = allocations_ != nullptr ? allocations_() : 0;
@@ -87,7 +87,7 @@ class PartRun {
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
     const double end = threadMicroseconds();
     if (allocations_ != nullptr) count_ += allocations_() - before;
-    return {end - begin, out.toHand.force, directionOf(out), -1.0};
+    return {end - begin, out.hands[0].toHand.force, directionOf(out), -1.0};
   }
 
   const PartExperiment& experiment_;

@@ -85,9 +85,9 @@ class TandemRun {
 
   void step(const glm::dvec3& device, Samples& samples) {
     haptics::TickInput input;
-    input.device.worldFromDevice.position = device;
-    input.device.time = parameters_.dt * static_cast<double>(samples.us.size());
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice.position = device;
+    input.hands[0].device.time = parameters_.dt * static_cast<double>(samples.us.size());
+    input.hands[0].device.valid = true;
     input.moved = moved_;
     if (!knobs_.remember) forget(state_.data().tool.proxy());
     const std::uint64_t before = allocations_ ? allocations_() : 0;
@@ -96,7 +96,7 @@ class TandemRun {
     const Clock::time_point end = Clock::now();
     if (allocations_) count_ += allocations_() - before;
     samples.us.push_back(microseconds(start, end));
-    samples.force.push_back(out.toHand.force);
+    samples.force.push_back(out.hands[0].toHand.force);
   }
 
   const Experiment& experiment_;

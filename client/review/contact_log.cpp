@@ -32,15 +32,15 @@ void ContactLog::note(double time, const Pose& device, bool valid, const haptics
   if (started_ && valid) {
     const glm::dvec3 displacement = device.position - device_.position;
     const glm::dvec3 rotation = rotationVector(device.orientation * glm::conjugate(device_.orientation));
-    const double done = -0.5 * (glm::dot(toHand_.force + tick.toHand.force, displacement) +
-                                glm::dot(toHand_.torque + tick.toHand.torque, rotation));
+    const double done = -0.5 * (glm::dot(toHand_.force + tick.hands[0].toHand.force, displacement) +
+                                glm::dot(toHand_.torque + tick.hands[0].toHand.torque, rotation));
     work_ += done;
     if (touching || touching_) contactWork_ += done;
   }
   started_ = valid;
   touching_ = touching;
   device_ = device;
-  toHand_ = tick.toHand;
+  toHand_ = tick.hands[0].toHand;
 }
 
 ContactLog::Touched& ContactLog::entryOf(PartId part) {

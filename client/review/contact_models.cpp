@@ -37,16 +37,16 @@ std::vector<double> tryPart(const haptics::ContactScene& contact, const haptics:
   std::vector<double> times;
   times.reserve(3 * kTicksAnAxis);
   haptics::TickInput input;
-  input.device.valid = true;
-  input.device.worldFromDevice.position = middle;
+  input.hands[0].device.valid = true;
+  input.hands[0].device.worldFromDevice.position = middle;
   input.commands = take;
   static_cast<void>(
       haptics::tick(input, contact, parameters, state));  // the tick of the grasp itself is not typical
   input.commands = {};
   for (int axis = 0; axis < 3; ++axis)
     for (int i = 0; i < kTicksAnAxis; ++i) {
-      input.device.worldFromDevice.position = middle;
-      input.device.worldFromDevice.position[axis] +=
+      input.hands[0].device.worldFromDevice.position = middle;
+      input.hands[0].device.worldFromDevice.position[axis] +=
           2.0 * kDraw * collider.radius * std::sin(2.0 * 3.14159265358979323846 * i / kTicksAnAxis);
       const double start = threadMicroseconds();
       static_cast<void>(haptics::tick(input, contact, parameters, state));

@@ -63,8 +63,8 @@ class Stroker {
 
   haptics::TickInput reading(bool valid) const {
     haptics::TickInput input;
-    input.device.valid = valid;
-    input.device.worldFromDevice.position = device_;
+    input.hands[0].device.valid = valid;
+    input.hands[0].device.worldFromDevice.position = device_;
     return input;
   }
 

@@ -63,20 +63,23 @@ struct TimeBase {
   SiteId self = kNoSite;
 };
 
-/// The state of the hand after a tick, at local time `time`.
+/// A hand's reading in a tick, and what its device got in all ticks so far.
+struct HandRecord {
+  haptics::DeviceSample device;
+  std::uint32_t flagsSeen = 0;  // of the first hand: with those of the tick
+  double maxForce = 0.0;        // N
+};
+
+/// The state of a person's hands after a tick, at local time `time`.
 struct HandOutput {
   sync::Micros time = 0;
-  haptics::DeviceSample device;
+  std::array<HandRecord, haptics::kHands> hands;
   haptics::TickOutput tick;
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned; 0: not to be published
   bool grabPending = false;
-  std::uint32_t flagsSeen = 0;        // of all ticks so far
-  std::uint32_t stalls = 0;           // times that the loop stood still for over HandLoop::kStall
-  bool gaveWay = false;               // a surface was passed through within the last second
-  haptics::DeviceSample second;       // the second hand's reading, where there is one
-  std::uint32_t secondFlagsSeen = 0;  // of all ticks so far
-  double secondMost = 0.0;            // N, the largest force that it got
-  const char* fault = nullptr;        // why force is off: the broken condition, while kFlagFault is set
+  std::uint32_t stalls = 0;     // times that the loop stood still for over HandLoop::kStall
+  bool gaveWay = false;         // a surface was passed through within the last second
+  const char* fault = nullptr;  // why force is off: the broken condition, while kFlagFault is set
 };
 
 /// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.
@@ -88,7 +91,7 @@ struct ControlWish {
 
 /// What the person set. `wish` is a part to grasp whatever the stylus touches; kNoPart: the touched one.
 struct HandSettingsInput {
-  haptics::TickParameters parameters, second;  // of the two hands
+  std::array<haptics::TickParameters, haptics::kHands> parameters;  // of each hand
   PartId wish = kNoPart;
   bool graspButton = false;       // of the window or a script, besides the device's own button 0
   std::uint32_t faultResets = 0;  // counts up

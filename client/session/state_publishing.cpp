@@ -61,8 +61,8 @@ void StatePublishing::publish(const Pose& worldFromCamera) {
   const Micros now = clock_.now();
   if (!clock_.known() || !publisher_.mayBeDue(now)) return;
   offerParts();
-  const Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera, hand_.tick.toHand.force,
-                          hand_.tick.touched};
+  const Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
+                          hand_.tick.hands[0].toHand.force, hand_.tick.touched};
   bool newPresence = true;
   if (!publisher_.due(now, hand_.time, offered_, presence, newPresence)) return;
   auto& update = std::get<StateUpdate>(message_);

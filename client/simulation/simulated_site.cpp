@@ -39,7 +39,7 @@ SimulatedSite::SimulatedSite(SimulationContext& context, std::size_t index, cons
 /// on request those of a real session on such a device.
 HandSettingsInput SimulatedSite::settings() const {
   HandSettingsInput settings;
-  haptics::TickParameters& parameters = settings.parameters;
+  haptics::TickParameters& parameters = settings.parameters[0];
   if (description_.fit) haptics::fitToDevice(device_.limits(), 0.0, parameters);
   parameters.forceLimit = description_.device.forceMax;
   parameters.gravity = context_.scene.gravity;
@@ -148,17 +148,18 @@ void SimulatedSite::noteContact(PartId part, HandSample& sample) const {
 }
 
 void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
-  const haptics::OwnedPart* held = tick().simulated(tick().held);
+  const haptics::OwnedPart* held = tick().simulated(tick().hands[0].held);
   const haptics::LinkReport links = held != nullptr ? held->links : haptics::LinkReport{};
   const glm::dvec3& p = tick().worldFromProxy.position;
   char line[400];
-  std::snprintf(line, sizeof line,
-                "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u,%d,%.3f,%.1f,%.5f,%.5f,%.5f\n",
-                toSeconds(now), name().c_str(), sample.position.x, sample.position.y, sample.position.z, p.x,
-                p.y, p.z, sample.force.x, sample.force.y, sample.force.z,
-                tick().held == kNoPart ? "" : context_.scene.parts[tick().held].name.c_str(), tick().flags,
-                links.count, links.fade, links.delay * 1e3, links.pull.force.x, links.pull.force.y,
-                links.pull.force.z);
+  std::snprintf(
+      line, sizeof line,
+      "%.3f,%s,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f,%.5f,%.5f,%.5f,%s,%u,%d,%.3f,%.1f,%.5f,%.5f,%.5f\n",
+      toSeconds(now), name().c_str(), sample.position.x, sample.position.y, sample.position.z, p.x, p.y, p.z,
+      sample.force.x, sample.force.y, sample.force.z,
+      tick().hands[0].held == kNoPart ? "" : context_.scene.parts[tick().hands[0].held].name.c_str(),
+      tick().flags, links.count, links.fade, links.delay * 1e3, links.pull.force.x, links.pull.force.y,
+      links.pull.force.z);
   context_.trace << line;
 }
 
@@ -169,8 +170,8 @@ void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   sourceEnergy_ += tick.sourcePower * toSeconds(kTick);
   addLinkWork(tick);
-  if (tick.held != kNoPart) {
-    const assets::Part& part = context_.scene.parts[tick.held];
+  if (tick.hands[0].held != kNoPart) {
+    const assets::Part& part = context_.scene.parts[tick.hands[0].held];
     sourceEnergy_ += part.massProperties.mass * part.gravityFactor *
                      glm::dot(context_.scene.gravity, device_.hand().deviceVelocity()) * toSeconds(kTick);
   }
@@ -236,7 +237,8 @@ void SimulatedSite::onOwnership(const PartRecord& record) {
   context_.invariants.onOwnership(index_, record);
   ASSERT(record.part < context_.everOwned.size());
   context_.everOwned[record.part] = true;
-  if (record.owner == connection_->welcome().site || tick().held == record.part) measures_.roleChanged();
+  if (record.owner == connection_->welcome().site || tick().hands[0].held == record.part)
+    measures_.roleChanged();
 }
 void SimulatedSite::onGrab(const Grab& grab) { context_.invariants.onGrab(index_, grab); }
 void SimulatedSite::onRelease(const Release& release) { context_.invariants.onRelease(release); }

@@ -47,6 +47,11 @@ class FixedVector {
     ASSERT(!full());
     elements_.insert(at, std::move(element));
   }
+  /// Keeps the first `count` elements.
+  void shrink(std::size_t count) {
+    ASSERT(count <= elements_.size());
+    elements_.erase(elements_.begin() + static_cast<std::ptrdiff_t>(count), elements_.end());
+  }
   void clear() { elements_.clear(); }
 
   auto begin() { return elements_.begin(); }

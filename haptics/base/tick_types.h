@@ -17,7 +17,7 @@
 namespace tandem::haptics {
 
 inline constexpr int kMaxContacts = 3;    // simultaneous constraints of the proxy
-inline constexpr int kMaxOwnedParts = 8;  // that one hand simulates at once: held, or settling after release
+inline constexpr int kMaxOwnedParts = 8;  // that one tick simulates at once: held, or settling after release
 inline constexpr int kMaxPartCommands = 8;
 inline constexpr int kMaxPushed = 4;
 inline constexpr int kHands = 2;  // of one person, that one tick lets hold parts
@@ -70,25 +70,27 @@ struct PartCommand {
   Kind kind = Kind::own;
   PartId part = kNoPart;
   Pose pose;
-  std::uint8_t hand = 0;  // of grasp and letGo: which hand; 1 = TickInput::second
+  std::uint8_t hand = 0;  // of grasp and letGo: which of TickInput::hands
 };
 
-/// The other hand of the same person, on a device of its own. It holds parts that this tick simulates: the same one as
-/// the first hand, or another. What its bare tool feels is for a TickState of its own.
-struct SecondHand {
+/// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what that of another one
+/// feels comes from a TickState of its own.
+struct HandInput {
   DeviceSample device;
-  // Of its device, with the same dt; null: those of the first hand.
+  // Of a hand but the first, with the same dt; null: those given to tick(), which are the first hand's.
   const TickParameters* parameters = nullptr;
-  Wrench tool;  // what its bare tool feels, while it holds nothing; fades when it takes a part
+  // Of a hand but the first: wrench of its bare tool. Counts while the hand holds nothing, and fades when it
+  // takes a part.
+  Wrench tool{};
 };
 
 struct TickInput {
-  DeviceSample device;
+  std::array<HandInput, kHands> hands;
   std::span<const PartMotion> moved;      // at most one entry a part
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
   // s, the session's clock, for links and for fields that change with time; not finite: the reading's own time
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
-  const SecondHand* second = nullptr;  // null: there is none, or it holds nothing
+  int handCount = 1;  // 1: the first hand is alone
 };
 
 /// One constraint that the proxy rests on.
@@ -139,30 +141,28 @@ struct OwnedPart {
   LinkReport links;
 };
 
-/// What a second hand gets from the part that it holds.
-struct SecondHandOutput {
-  Wrench toHand;       // at its device's tip, limited
-  Pose worldFromGrip;  // where it is seen: at the part that it holds, else at its device
-  PartId held = kNoPart;
-  std::uint32_t flags = 0;  // those of its readings and limits
+/// What one hand gets.
+struct HandFeedback {
+  Wrench toHand;            // at the device's tip, limited: what the device gets
+  PartId held = kNoPart;    // the part that it holds
+  Pose worldFromGrip;       // where it grips that part; its device if it holds none
+  std::uint32_t flags = 0;  // those of its reading and limits
 };
 
 struct TickOutput {
-  Wrench toHand;        // at the device's tip, limited: what the device gets
-  Pose worldFromProxy;  // where the tool is seen: on the surface
+  std::array<HandFeedback, kHands> hands;
+  Pose worldFromProxy;  // display pose of the first hand's tool: on the surface
   std::array<Contact, kMaxContacts> contacts;
   int contactCount = 0;
   PartId touched = kNoPart;  // the part under the tool: first contact, else the nearest to be grasped
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
-  PartId held = kNoPart;
   // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on or is joined
   // to: `own` lets them.
   std::array<PartId, kMaxPushed> pushed;
   int pushedCount = 0;
   double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent
-  std::uint32_t flags = 0;
-  SecondHandOutput second;  // with TickInput::second
+  std::uint32_t flags = 0;   // those of the tick and of the first hand
 
   /// The part as this tick simulated it; null if it did not.
   const OwnedPart* simulated(PartId part) const {

@@ -121,9 +121,9 @@ void stepControl(const assets::Control& control, double steepest, const AxisLoad
   const double curvature = steepest + control.springStiffness + load.stiffness;
   const double effective =
       control.inertia + step * (control.damping + load.damping) + step * step * curvature;
-  double way = 0.0;
+  double displacement = 0.0;
   for (int i = 0; i < kControlSubsteps; ++i) {
-    const double push = load.force + load.damping * before.rate - load.stiffness * way;
+    const double push = load.force + load.damping * before.rate - load.stiffness * displacement;
     const double momentum = control.inertia * state.rate + step * (push - resistance(control, state.value));
     const double slowed =
         std::copysign(std::max(0.0, std::abs(momentum) - step * control.friction), momentum);
@@ -132,9 +132,9 @@ void stepControl(const assets::Control& control, double steepest, const AxisLoad
     const double from = state.value;
     state.value = assets::admissible(control, wanted);
     if (control.endless) {
-      way += step * state.rate;
+      displacement += step * state.rate;
     } else {
-      way += state.value - from;
+      displacement += state.value - from;
       if (state.value != wanted) state.rate = 0.0;
     }
   }

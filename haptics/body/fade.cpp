@@ -14,8 +14,8 @@ void Fading::start(const glm::dvec3& ended, double stiffness) {
   share_ = 1.0;
 }
 
-void Fading::advance(const glm::dvec3& way, double timeShare) {
-  left_ = std::max(0.0, left_ - glm::dot(now(), way));
+void Fading::advance(const glm::dvec3& displacement, double timeShare) {
+  left_ = std::max(0.0, left_ - glm::dot(now(), displacement));
   // The force of a spring is proportional to the square root of its energy.
   share_ = full_ > 0.0 ? std::min(timeShare, std::sqrt(left_ / full_)) : 0.0;
   left_ = std::min(left_, share_ * share_ * full_);
@@ -27,11 +27,11 @@ void Fade::start(const Wrench& ended, const Stiffness& stiffness, double time) {
   left_ = total_ = time;
 }
 
-void Fade::advance(const glm::dvec3& way, const glm::dvec3& turn, double dt) {
+void Fade::advance(const glm::dvec3& displacement, const glm::dvec3& rotation, double dt) {
   left_ = left_ > dt ? left_ - dt : 0.0;
   const double share = total_ > 0.0 ? left_ / total_ : 0.0;
-  force_.advance(way, share);
-  torque_.advance(turn, share);
+  force_.advance(displacement, share);
+  torque_.advance(rotation, share);
 }
 
 }  // namespace tandem::haptics

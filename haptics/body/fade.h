@@ -17,9 +17,9 @@ class Fading {
   /// Adds a force that ended in the last tick and that a spring of this stiffness (N/m, N·m/rad) held.
   void start(const glm::dvec3& ended, double stiffness);
 
-  /// `way` is the hand's displacement while the last tick's force was held; `timeShare` is the fraction of
-  /// time left, 0..1.
-  void advance(const glm::dvec3& way, double timeShare);
+  /// `displacement` (m or rad) is the hand's while the last tick's force was held; `timeShare` is the fraction of time
+  /// left, 0..1.
+  void advance(const glm::dvec3& displacement, double timeShare);
 
   glm::dvec3 now() const { return from_ * share_; }
 
@@ -39,8 +39,8 @@ class Fade {
   /// Adds a wrench that ended in the last tick; what still fades restarts with it, over `time` s.
   void start(const Wrench& ended, const Stiffness& stiffness, double time);
 
-  /// `way` (m) and `turn` (rotation vector, rad) are the hand's displacement since the last tick.
-  void advance(const glm::dvec3& way, const glm::dvec3& turn, double dt);
+  /// `displacement` (m) and `rotation` (rotation vector, rad) are the hand's since the last tick.
+  void advance(const glm::dvec3& displacement, const glm::dvec3& rotation, double dt);
 
   bool active() const { return left_ > 0.0; }
   Wrench now() const { return {force_.now(), torque_.now()}; }

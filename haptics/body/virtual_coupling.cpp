@@ -73,7 +73,7 @@ CouplingForce forceOf(const Pose& worldFromBody, const glm::dvec3& com, const Co
 CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> couplings, const Wrench& load,
 
                        const glm::dvec3& acceleration, double dt) {
-  ASSERT(couplings.size() <= static_cast<std::size_t>(kMostCouplings));
+  ASSERT(couplings.size() <= static_cast<std::size_t>(kMaxCouplings));
   const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   const glm::dvec3 comVelocity = velocityAt(body.worldFromBody, body.twist, com);

@@ -33,7 +33,7 @@ struct RigidBody {
 
 // Couplings on one body: two hands, or one hand and a tool; its links; the spring that leads it through an
 // outage.
-inline constexpr int kMostCouplings = 4;
+inline constexpr int kMaxCouplings = 4;
 
 /// A virtual coupling from a grip on a body to a device.
 struct Coupling {
@@ -62,10 +62,10 @@ struct CoupledStep {
   std::array<std::array<double, 6>, 6> root{};  // L, lower triangle, A = L L^T; kg, kg·m, kg·m^2
   glm::dvec3 freeVelocity{0.0, 0.0, 0.0};       // m/s
   glm::dvec3 freeSpin{0.0, 0.0, 0.0};           // rad/s
-  std::array<CouplingForce, kMostCouplings> couplings;
+  std::array<CouplingForce, kMaxCouplings> couplings;
 };
 
-/// The step of a body under at most kMostCouplings couplings from grip frames to device frames, `load` about
+/// The step of a body under at most kMaxCouplings couplings from grip frames to device frames, `load` about
 /// its centre of mass and `acceleration` (m/s^2, gravity), integrated as in stepCoupledBody().
 CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> couplings, const Wrench& load,
                        const glm::dvec3& acceleration, double dt);

@@ -39,8 +39,7 @@ AxisLoad toolLoad(const ContactWorld& world, const Proxy& proxy, const assets::C
                   const glm::dvec3& force, const TickParameters& parameters) {
   glm::dvec3 point(0.0);
   double depths = 0.0, stiffness = 0.0, damping = 0.0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
     if (plane.surface.part != control.part || !presses(plane)) continue;
     const assets::Material& material = world.material(plane.surface.part, plane.surface.triangle);
     point += plane.multiplier * plane.surface.point;
@@ -68,7 +67,7 @@ Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSampl
   const glm::dvec3 gap = device.worldFromDevice.position - worldFromGrip.position;
   const glm::dvec3 angle =
       rotationVector(device.worldFromDevice.orientation * glm::conjugate(worldFromGrip.orientation));
-  // What the coupling gives if the part stood still.
+  // The coupling's force if the part stood still.
   const glm::dvec3 force = gains.stiffness * gap + gains.damping * device.twist.linear;
   const glm::dvec3 torque = gains.rotStiffness * angle + gains.rotDamping * device.twist.angular;
   const double lever2 = glm::dot(lever, lever), spin2 = glm::dot(spin, spin);
@@ -78,11 +77,11 @@ Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSampl
   const double before = moved.state.value;
   stepControl(control, moved.steepest, sum(hand, moved.tool), dt, moved.state);
   place(moved, worldFromPart, twist);
-  // What it gives at the end of the step: the exact reaction to what acted on the part. At a stop the part
-  // moved less than its rate says, so that the way counts, not the rate.
-  double way = moved.state.value - before;
-  if (control.endless) way = std::remainder(way, control.max - control.min);
-  const double rate = way / dt;
+  // The coupling's force at the end of the step is the exact reaction to what acted on the part. At a stop the part moved
+  // less than its rate says, so the displacement counts, not the rate.
+  double displacement = moved.state.value - before;
+  if (control.endless) displacement = std::remainder(displacement, control.max - control.min);
+  const double rate = displacement / dt;
   const double drag = gains.damping + dt * gains.stiffness;
   const double rotDrag = gains.rotDamping + dt * gains.rotStiffness;
   return {drag * rate * lever - force, rotDrag * rate * spin - torque};

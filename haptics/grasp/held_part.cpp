@@ -213,7 +213,7 @@ void HeldParts::push(PartId part, const ToolPush& tool) {
 
 bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
                      double now, CoupledStep& step) {
-  std::array<Coupling, kMostCouplings> couplings;
+  std::array<Coupling, kMaxCouplings> couplings;
   std::size_t count = 0;
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];

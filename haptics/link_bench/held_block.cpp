@@ -63,7 +63,7 @@ WallTouch touchWall(const Block& block, const haptics::RigidBody& body) {
 Twist stepHeld(haptics::RigidBody& body, std::span<const haptics::Coupling> grips,
                const haptics::LinkPull& load, std::span<Wrench> onHands) {
   const Pose bodyFromCentre{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
-  std::array<haptics::Coupling, haptics::kMostCouplings> couplings;
+  std::array<haptics::Coupling, haptics::kMaxCouplings> couplings;
   couplings[0] = {
       bodyFromCentre, body.worldFromBody * bodyFromCentre, {}, {0.0, load.damping, 0.0, load.rotDamping}};
   std::copy(grips.begin(), grips.end(), couplings.begin() + 1);

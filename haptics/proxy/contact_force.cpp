@@ -91,8 +91,8 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
   std::array<double, 3> depths{}, stiffnesses{}, dampings{};
   std::array<const SurfacePoint*, 3> surfaces{};
   int count = 0;
-  for (int i = 0; i < proxy.planeCount && count < kMaxContacts; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
+    if (count == kMaxContacts) break;
     if (!presses(plane)) continue;
     const assets::Material& material = world.material(plane.surface.part, plane.surface.triangle);
     const auto at = static_cast<std::size_t>(count++);

@@ -63,10 +63,11 @@ Crease creaseUnder(const ContactWorld& world, const SurfacePoint& contact, doubl
   return nearest;
 }
 
-double wayOver(const Crease& crease, const glm::dvec3& way) {
+double lengthAcross(const Crease& crease, const glm::dvec3& displacement) {
   const glm::dvec3 axis = crease.b - crease.a;
   const double square = glm::dot(axis, axis);
-  return glm::length(square > 0.0 ? way - axis * (glm::dot(way, axis) / square) : way);
+  return glm::length(square > 0.0 ? displacement - axis * (glm::dot(displacement, axis) / square)
+                                  : displacement);
 }
 
 RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, double skin,

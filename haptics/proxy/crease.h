@@ -18,7 +18,7 @@ struct Crease {
 Crease creaseUnder(const ContactWorld& world, const SurfacePoint& contact, double skin);
 
 /// Length of the component of a displacement that leads across a crease rather than along it, m.
-double wayOver(const Crease& crease, const glm::dvec3& way);
+double lengthAcross(const Crease& crease, const glm::dvec3& displacement);
 
 /// How far a ball that rests on a crease can roll before its contact leaves that crease.
 struct RollLimit {

@@ -1,9 +1,8 @@
 #include "haptics/proxy/mesh_change.h"
 
-#include <glm/geometric.hpp>
+#include <algorithm>
 
-#include "assets/base/assert.h"
-#include "haptics/base/fixed_vector.h"
+#include <glm/geometric.hpp>
 
 namespace tandem::haptics {
 namespace {
@@ -45,8 +44,7 @@ bool clear(const ContactWorld& world, PartId part, double radius, glm::dvec3& p)
 /// Unit direction in which the contacts together hold the proxy away from the device; zero if none presses.
 glm::dvec3 heldAlong(const Proxy& proxy) {
   glm::dvec3 sum(0.0);
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
     sum += plane.multiplier * plane.surface.normal;
   }
   const double length = glm::length(sum);
@@ -68,20 +66,19 @@ bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal,
   if (!clear(world, part, radius, p)) return false;
   if (p == proxy.position) return true;
   WorldHit obstacle;
-  const glm::dvec3 way = p - proxy.position;
-  if (!world.sweep(proxy.position, way, radius, part, obstacle)) {
+  const glm::dvec3 displacement = p - proxy.position;
+  if (!world.sweep(proxy.position, displacement, radius, part, obstacle)) {
     proxy.position = p;
     return true;
   }
-  proxy.position += way * obstacle.t;
+  proxy.position += displacement * obstacle.t;
   return false;
 }
 
 /// Finds the triangles that replace those of the old contacts, and drops contacts that no longer exist.
 void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
-  int kept = 0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    ProxyPlane plane = proxy.planes[static_cast<std::size_t>(i)];
+  FixedVector<ProxyPlane, kMaxPlanes> renewed;
+  for (ProxyPlane plane : proxy.planes) {
     const PartId part = plane.surface.part;
     if (!world.touchable(part)) continue;
     // The search starts under the old contact, so that of two walls the right one is found.
@@ -92,14 +89,12 @@ void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     plane.surface = world.surfaceAt(part, found.triangle, proxy.position);
     plane.skin = world.skin(part, proxy.position);
     plane.arriving = false;
-    bool known = false;
-    for (int k = 0; k < kept; ++k) {
-      const SurfacePoint& other = proxy.planes[static_cast<std::size_t>(k)].surface;
-      known = known || (other.part == part && other.triangle == found.triangle);
-    }
-    if (!known) proxy.planes[static_cast<std::size_t>(kept++)] = plane;
+    const bool known = std::any_of(renewed.begin(), renewed.end(), [&](const ProxyPlane& other) {
+      return other.surface.part == part && other.surface.triangle == found.triangle;
+    });
+    if (!known) renewed.push_back(plane);
   }
-  proxy.planeCount = kept;
+  proxy.planes = renewed;
 }
 
 /// Lists touchable parts near the proxy that none of its contacts names. The list is complete before
@@ -110,8 +105,8 @@ FixedVector<PartId, kMaxNearParts> listNear(const ContactWorld& world, double ra
   const glm::dvec3 p = proxy.position, grow(radius);
   world.forEachNear({p - grow, p + grow}, [&](PartId part) {
     if (!world.touchable(part)) return;
-    for (int i = 0; i < proxy.planeCount; ++i) {
-      if (proxy.planes[static_cast<std::size_t>(i)].surface.part == part) return;
+    for (const ProxyPlane& plane : proxy.planes) {
+      if (plane.surface.part == part) return;
     }
     if (near.full()) {
       overflow = true;
@@ -125,12 +120,10 @@ FixedVector<PartId, kMaxNearParts> listNear(const ContactWorld& world, double ra
 }  // namespace
 
 void noteSides(const ContactWorld& world, const Proxy& proxy, MeshChange& change) {
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const SurfacePoint& at = proxy.planes[index].surface;
-    change.front[index] = world.collider(at.part).tree == nullptr ||
-                          glm::dot(frontOf(world, at.part, at.triangle), at.normal) >= 0.0;
+  for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
+    const SurfacePoint& at = proxy.planes[i].surface;
+    change.front[i] = world.collider(at.part).tree == nullptr ||
+                      glm::dot(frontOf(world, at.part, at.triangle), at.normal) >= 0.0;
   }
 }
 
@@ -139,18 +132,15 @@ FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& chan
   FollowedMeshes followed;
   const auto squeezedBy = [&](PartId part) {
     world.setIgnored(part, true);
-    ASSERT(static_cast<std::size_t>(followed.count) < followed.parts.size());
-    followed.parts[static_cast<std::size_t>(followed.count++)] = part;
+    followed.squeezed.push_back(part);
   };
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   const glm::dvec3 held = heldAlong(proxy);
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const auto index = static_cast<std::size_t>(i);
-    const SurfacePoint& old = proxy.planes[index].surface;
+  for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
+    const SurfacePoint& old = proxy.planes[i].surface;
     if (!world.touchable(old.part)) continue;
     const bool free =
-        (held == glm::dvec3(0.0) || leavePart(world, old.part, held, change.front[index], radius, proxy)) &&
-        leavePart(world, old.part, old.normal, change.front[index], radius, proxy);
+        (held == glm::dvec3(0.0) || leavePart(world, old.part, held, change.front[i], radius, proxy)) &&
+        leavePart(world, old.part, old.normal, change.front[i], radius, proxy);
     if (!free) squeezedBy(old.part);
   }
   for (const PartId part : listNear(world, radius, proxy, followed.overflow)) {

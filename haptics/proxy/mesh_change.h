@@ -9,8 +9,8 @@
 //    per contact, and 6 rays, a sweep and 33 queries for each of at most kMaxNearParts other parts.
 
 #include <array>
-#include <span>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/proxy/proxy.h"
 
 namespace tandem::haptics {
@@ -29,11 +29,8 @@ inline constexpr int kMaxNearParts = 16;  // parts near the proxy, besides those
 
 /// Parts from which the proxy could not be freed.
 struct FollowedMeshes {
-  std::array<PartId, kMaxPlanes + kMaxNearParts> parts{};
-  int count = 0;
+  FixedVector<PartId, kMaxPlanes + kMaxNearParts> squeezed;
   bool overflow = false;  // more parts were near than fit; the proxy may be inside others
-
-  std::span<const PartId> squeezed() const { return {parts.data(), static_cast<std::size_t>(count)}; }
 };
 
 /// Puts the proxy outside the parts as they are now, on the side of each where it was. If a surface has

@@ -33,20 +33,20 @@ using Walks = std::array<SurfaceWalk, kMaxPlanes>;
 
 /// Cuts a displacement short where the surface under one of the pressing contacts ends, and notes the
 /// triangles at which the contacts that stay on it arrive. True if the displacement was cut.
-bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& way, Walks& walks,
-                  bool& onCrease) {
-  const double length = glm::length(way);
+bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& displacement,
+                  Walks& walks, bool& onCrease) {
+  const double length = glm::length(displacement);
   double share = 1.0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
+    const ProxyPlane& plane = proxy.planes[i];
     if (!presses(plane)) continue;
-    SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
-    walk = walkSurface(world, plane.surface, way, plane.skin);
+    SurfaceWalk& walk = walks[i];
+    walk = walkSurface(world, plane.surface, displacement, plane.skin);
     // On a crease already: a point crosses it by a few skins, a ball by no more than it can roll.
     const double over = 3.0 * plane.skin / length;
     if (walk.sharp || walk.share < over) {
       onCrease = true;
-      const double leaves = wayOver(creaseUnder(world, plane.surface, plane.skin), way);
+      const double leaves = lengthAcross(creaseUnder(world, plane.surface, plane.skin), displacement);
       walk.share = leaves > 0.0 ? (3.0 * plane.skin + 0.5 * radius) / leaves : 1.0;
     } else if (walk.share < 1.0) {
       walk.share += over;
@@ -55,15 +55,15 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     share = std::min(share, std::max(walk.share, std::min(1.0, kLeastStep * radius / length)));
   }
   if (share >= 1.0) return false;
-  way *= share;
+  displacement *= share;
   return true;
 }
 
 /// Moves the pressing planes to the triangles that the walk has reached, once the proxy is there.
 void arrive(const Walks& walks, Proxy& proxy) {
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
-    const SurfaceWalk& walk = walks[static_cast<std::size_t>(i)];
+  for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
+    ProxyPlane& plane = proxy.planes[i];
+    const SurfaceWalk& walk = walks[i];
     if (!presses(plane) || walk.sharp || walk.share < 1.0) continue;
     plane.arriving =
         walk.arrival.triangle != plane.surface.triangle || walk.arrival.part != plane.surface.part;
@@ -74,9 +74,9 @@ void arrive(const Walks& walks, Proxy& proxy) {
 
 /// Moves a contact that has passed a crease to the face behind it.
 void passCrease(const Walks& walks, Proxy& proxy) {
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
-    const std::uint32_t beyond = walks[static_cast<std::size_t>(i)].beyond;
+  for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
+    ProxyPlane& plane = proxy.planes[i];
+    const std::uint32_t beyond = walks[i].beyond;
     if (!presses(plane) || beyond == kNoTriangle) continue;
     plane.surface.triangle = beyond;
     plane.arriving = true;
@@ -87,8 +87,7 @@ void passCrease(const Walks& walks, Proxy& proxy) {
 /// cone, sum mu_i lambda_i (Harwin & Melder 2002).
 double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
   double reach = 0.0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
     if (!presses(plane)) continue;
     const assets::Material& m = world.material(plane.surface.part, plane.surface.triangle);
     const double coefficient = sliding ? m.dynamicFriction : std::max(m.staticFriction, m.dynamicFriction);
@@ -102,8 +101,7 @@ double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding
 double closeEnough(const Proxy& proxy, double radius) {
   double depth = 0.0;
   bool curved = false;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
     if (!presses(plane)) continue;
     depth += plane.multiplier;
     curved = curved || (radius > 0.0 && !plane.surface.onFace);
@@ -140,65 +138,63 @@ class Descent {
   void leaveOff() {
     // The rounds are used up before the proxy has arrived. The planes that hold it must still be known, or
     // the force would drop to zero.
-    const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
+    const glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
     if (touches(proxy_)) return;
-    advance(world_, way, radius_, proxy_);
-    wayToGoal(world_, goal_, radius_, proxy_);
+    advance(world_, displacement, radius_, proxy_);
+    displacementToGoal(world_, goal_, radius_, proxy_);
   }
 
   /// One round; true if the proxy has arrived.
   bool settled() {
-    glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_);
-    if (glm::length(way) <= closeEnough(proxy_, radius_)) return !passEdge();
+    glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
+    if (glm::length(displacement) <= closeEnough(proxy_, radius_)) return !passEdge();
     if (!touches(proxy_))
-      return advance(world_, way, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
+      return advance(world_, displacement, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
 
-    const int alone = onlyPressing(proxy_);
-    if (alone >= 0 && !planeAt(alone).surface.onFace) {
-      ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(alone)];
-      if (mayRoll_ && roll(alone, way)) return false;
-      if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, way, plane)) {
-        way = wayToGoal(world_, goal_, radius_, proxy_);
+    ProxyPlane* const alone = onlyPressing(proxy_);
+    if (alone != nullptr && !alone->surface.onFace) {
+      if (mayRoll_ && roll(*alone, displacement)) return false;
+      if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, displacement, *alone)) {
+        displacement = displacementToGoal(world_, goal_, radius_, proxy_);
       }
     }
     // The goal is under a crease whose other side is unknown, so the ball creeps off it.
-    if (alone >= 0 && mayRoll_ && stillOnSameCrease(planeAt(alone))) way *= kMaxStretch;
+    if (alone != nullptr && mayRoll_ && stillOnSameCrease(*alone)) displacement *= kMaxStretch;
     const bool first = stretch_ > 0.0, stretched = stretch_ > 1.0;
     if (first) {
-      tangent_ = way;
-      way *= stretch_;
+      tangent_ = displacement;
+      displacement *= stretch_;
       stretch_ = 0.0;
     }
     bool onCrease = false;
     Walks walks;
-    const bool cut = keepToGround(world_, radius_, proxy_, way, walks, onCrease);
-    if (onCrease && alone >= 0 && mayRoll_ && roll(alone, way)) return false;
+    const bool cut = keepToGround(world_, radius_, proxy_, displacement, walks, onCrease);
+    if (onCrease && alone != nullptr && mayRoll_ && roll(*alone, displacement)) return false;
     mayRoll_ = radius_ > 0.0;
-    if (!advance(world_, way, radius_, proxy_)) return false;
+    if (!advance(world_, displacement, radius_, proxy_)) return false;
     if (!cut) {
       arrive(walks, proxy_);
-    } else if (alone >= 0 || radius_ == 0.0) {
+    } else if (alone != nullptr || radius_ == 0.0) {
       passCrease(walks, proxy_);
     }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
-    curved_ = curved_ || (first && !cut && proxy_.planeCount == 0);
+    curved_ = curved_ || (first && !cut && proxy_.planes.empty());
     return !changed && !cut && !stretched;
   }
 
   /// Tests whether the edge alone would let the proxy pass where a face presses beyond its edge. True if the
   /// proxy has passed.
   bool passEdge() {
-    const auto end = proxy_.planes.begin() + proxy_.planeCount;
     const auto isBeyond = [](const ProxyPlane& plane) { return plane.beyondEdge && presses(plane); };
-    if (triedEdge_ || std::none_of(proxy_.planes.begin(), end, isBeyond)) return false;
+    if (triedEdge_ || std::none_of(proxy_.planes.begin(), proxy_.planes.end(), isBeyond)) return false;
     triedEdge_ = true;
     const Proxy before = proxy_;
     refreshPlanes(world_, radius_, proxy_);
     const double far = kWellPast * smallestSkin(proxy_);
     for (int i = 0; i < kEdgeRounds; ++i) {
-      const glm::dvec3 way = wayToGoal(world_, goal_, radius_, proxy_, Covered::asEdge);
-      if (glm::length(way) <= far) break;
-      if (advance(world_, way, radius_, proxy_)) refreshPlanes(world_, radius_, proxy_);
+      const glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_, Covered::asEdge);
+      if (glm::length(displacement) <= far) break;
+      if (advance(world_, displacement, radius_, proxy_)) refreshPlanes(world_, radius_, proxy_);
       if (glm::length(proxy_.position - before.position) > far) return true;
     }
     const int sweeps = proxy_.sweeps;
@@ -220,10 +216,10 @@ class Descent {
 
   /// True if the round is over: the ball has rolled on, or has hit something that the next projection must
   /// include.
-  bool roll(int index, const glm::dvec3& way) {
+  bool roll(ProxyPlane& plane, const glm::dvec3& displacement) {
     const int sweeps = proxy_.sweeps;
     const glm::dvec3 from = proxy_.position;
-    if (rollOverCrease(world_, goal_, radius_, way, index, proxy_)) {
+    if (rollOverCrease(world_, goal_, radius_, displacement, plane, proxy_)) {
       // A roll that another plane stops at once is not repeated: the projection accounts for that plane, the
       // arc does not.
       mayRoll_ = glm::length(proxy_.position - from) > 2.0 * smallestSkin(proxy_);
@@ -231,11 +227,6 @@ class Descent {
     }
     mayRoll_ = false;
     return proxy_.sweeps != sweeps;
-  }
-
-  const ProxyPlane& planeAt(int index) const {
-    ASSERT(index >= 0 && index < proxy_.planeCount);
-    return proxy_.planes[static_cast<std::size_t>(index)];
   }
 
   const ContactWorld& world_;
@@ -262,31 +253,29 @@ void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, P
 }  // namespace
 
 void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
   descendAhead(world, goal, radius, proxy);
 }
 
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);
-  glm::dvec3 way = wayToGoal(world, goal, radius, proxy);
+  glm::dvec3 displacement = displacementToGoal(world, goal, radius, proxy);
   if (!touches(proxy)) {
     // Friction restarts at each landing.
     proxy.sliding = false;
-    if (glm::length(way) <= 0.01 * smallestSkin(proxy)) return;
-    if (advance(world, way, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
-    way = wayToGoal(world, goal, radius, proxy);
+    if (glm::length(displacement) <= 0.01 * smallestSkin(proxy)) return;
+    if (advance(world, displacement, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
+    displacement = displacementToGoal(world, goal, radius, proxy);
   }
   const double hold = frictionReach(world, proxy, proxy.sliding);
-  if (hold > 0.0 && glm::length(way) <= hold) {
+  if (hold > 0.0 && glm::length(displacement) <= hold) {
     proxy.sliding = false;
     return;
   }
   for (int round = 0; round < kMaxFrictionRounds; ++round) {
-    const double reach = frictionReach(world, proxy, true), lag = glm::length(way);
+    const double reach = frictionReach(world, proxy, true), lag = glm::length(displacement);
     if (!(reach > 0.0) || !(lag > 0.0)) {
       proxy.sliding = false;
       return round == 0 ? descendAhead(world, goal, radius, proxy) : descend(world, goal, radius, proxy);
@@ -294,20 +283,18 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     // One move reaches the cone exactly on a plane; on a curved surface the depth changes along the path.
     const double error = lag / reach - 1.0;
     if (round > 0 && (std::abs(error) <= kConeError || error < -0.5)) break;
-    (round == 0 ? descendAhead : descend)(world, goal - way * (reach / lag), radius, proxy);
-    way = wayToGoal(world, goal, radius, proxy);
+    (round == 0 ? descendAhead : descend)(world, goal - displacement * (reach / lag), radius, proxy);
+    displacement = displacementToGoal(world, goal, radius, proxy);
   }
   proxy.sliding = true;
 }
 
 bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, double radius, Proxy& proxy) {
   ASSERT(world.has(part));
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   if (!world.touchable(part)) return true;
   glm::dvec3 target = proxy.position;
   bool carriedByFriction = false;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy.planes) {
     if (plane.surface.part != part || !presses(plane)) continue;
     const assets::Material& m = world.material(part, plane.surface.triangle);
     carriedByFriction = carriedByFriction || std::max(m.staticFriction, m.dynamicFriction) > 0.0;
@@ -319,12 +306,12 @@ bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, doubl
     if (!world.sweepAgainstMoved(part, before, proxy.position, radius, hit, target)) return true;
   }
   WorldHit obstacle;
-  const glm::dvec3 way = target - proxy.position;
-  if (!world.sweep(proxy.position, way, radius, part, obstacle)) {
+  const glm::dvec3 displacement = target - proxy.position;
+  if (!world.sweep(proxy.position, displacement, radius, part, obstacle)) {
     proxy.position = target;
     return true;
   }
-  proxy.position += way * obstacle.t;
+  proxy.position += displacement * obstacle.t;
   return false;
 }
 

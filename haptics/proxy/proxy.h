@@ -13,9 +13,9 @@
 //    absolute lengths.
 // 3. Both sides of every triangle are solid; the orientation of triangles does not matter.
 
-#include <array>
 #include <cstdint>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/geometry/plane_projection.h"
 #include "haptics/scene/contact_world.h"
 
@@ -33,8 +33,7 @@ struct ProxyPlane {
 /// The state of the proxy that persists from tick to tick.
 struct Proxy {
   glm::dvec3 position{0.0, 0.0, 0.0};
-  std::array<ProxyPlane, kMaxPlanes> planes;
-  int planeCount = 0;
+  FixedVector<ProxyPlane, kMaxPlanes> planes;
   bool sliding = false;  // the goal has left the friction cone and not entered it again
   int sweeps = 0;        // swept tests of the last move
   // Length of the last move relative to its first tangent, >= 1. On a convex curve the proxy travels further

@@ -1,8 +1,6 @@
 #include "haptics/proxy/proxy_planes.h"
 
 #include <algorithm>
-#include <array>
-#include <span>
 
 #include <glm/geometric.hpp>
 
@@ -17,14 +15,12 @@ constexpr double kSameDirection = 1e-10;
 
 /// The contact that covers this one on an edge or corner: the edge lies on or under the other contact's
 /// plane, and the proxy rests there at full height.
-const ProxyPlane* coverOf(const Proxy& proxy, double radius, int index) {
-  const ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(index)];
+const ProxyPlane* coverOf(const Proxy& proxy, double radius, const ProxyPlane& plane) {
   if (plane.surface.onFace) return nullptr;
   const double height = radius + 0.75 * plane.skin;  // lower, a sweep along the plane would hit the edge
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const ProxyPlane& other = proxy.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& other : proxy.planes) {
     const SurfacePoint& under = other.surface;
-    if (i == index || !(under.distance < plane.surface.distance) || under.distance < height) continue;
+    if (&other == &plane || !(under.distance < plane.surface.distance) || under.distance < height) continue;
     if (glm::dot(under.normal, plane.surface.point - under.point) <= 0.25 * plane.skin) return &other;
   }
   return nullptr;
@@ -43,6 +39,17 @@ bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::d
   return true;
 }
 
+/// The plane of the triangle that was hit, else a new one, else one that does not press.
+ProxyPlane& slotFor(const WorldHit& hit, Proxy& proxy) {
+  for (ProxyPlane& known : proxy.planes) {
+    if (known.surface.part == hit.part && known.surface.triangle == hit.triangle) return known;
+  }
+  if (!proxy.planes.full()) return proxy.planes.push_back({});
+  // A corner has fewer than eight planes in practice.
+  const auto idle = std::find_if_not(proxy.planes.begin(), proxy.planes.end(), presses);
+  return idle != proxy.planes.end() ? *idle : proxy.planes[0];
+}
+
 }  // namespace
 
 void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoint& at) {
@@ -55,11 +62,9 @@ void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoin
 }
 
 bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
-  ASSERT(proxy.planeCount >= 0 && proxy.planeCount <= kMaxPlanes);
   bool changed = false;
-  int kept = 0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    ProxyPlane plane = proxy.planes[static_cast<std::size_t>(i)];
+  std::size_t left = 0;
+  for (ProxyPlane plane : proxy.planes) {
     const glm::dvec3 before = plane.surface.normal;
     if (!world.touchable(plane.surface.part)) continue;
     if (presses(plane)) {
@@ -77,26 +82,15 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     }
     plane.arriving = false;
     changed = changed || (presses(plane) && 1.0 - glm::dot(before, plane.surface.normal) > kSameDirection);
-    proxy.planes[static_cast<std::size_t>(kept++)] = plane;
+    proxy.planes[left++] = plane;
   }
-  proxy.planeCount = kept;
+  proxy.planes.shrink(left);
   return changed;
 }
 
 void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
   ASSERT(world.has(hit.part));
-  int slot = -1;
-  for (int i = 0; i < proxy.planeCount && slot < 0; ++i) {
-    const SurfacePoint& known = proxy.planes[static_cast<std::size_t>(i)].surface;
-    if (known.part == hit.part && known.triangle == hit.triangle) slot = i;
-  }
-  if (slot < 0 && proxy.planeCount < kMaxPlanes) slot = proxy.planeCount++;
-  // A corner has fewer than eight planes in practice; a plane that does not press makes room.
-  for (int i = 0; i < kMaxPlanes && slot < 0; ++i) {
-    if (!presses(proxy.planes[static_cast<std::size_t>(i)])) slot = i;
-  }
-  ASSERT(slot < kMaxPlanes && proxy.planeCount <= kMaxPlanes);
-  ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(std::max(slot, 0))];
+  ProxyPlane& plane = slotFor(hit, proxy);
   plane.surface = {
       hit.part,  hit.triangle, hit.point, hit.normal, glm::dot(proxy.position - hit.point, hit.normal),
       hit.onFace};
@@ -105,56 +99,47 @@ void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
   plane.beyondEdge = false;
 }
 
-glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
-                     Covered covered) {
-  std::array<HalfSpace, kMaxPlanes> planes;
-  std::array<int, kMaxPlanes> source{};
-  std::size_t count = 0;
+glm::dvec3 displacementToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
+                              Covered covered) {
+  FixedVector<HalfSpace, kMaxPlanes> planes;
+  FixedVector<ProxyPlane*, kMaxPlanes> sources;
   double tolerance = 0.0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    ProxyPlane& plane = proxy.planes[static_cast<std::size_t>(i)];
+  for (ProxyPlane& plane : proxy.planes) {
     plane.multiplier = 0.0;
-    const ProxyPlane* cover = proxy.planeCount > 1 ? coverOf(proxy, radius, i) : nullptr;
+    const ProxyPlane* cover = proxy.planes.size() > 1 ? coverOf(proxy, radius, plane) : nullptr;
     if (cover != nullptr) {
       SurfacePoint face = plane.surface;
       if (!facesProxy(world, *cover, proxy.position, face, plane.skin)) continue;
       plane.beyondEdge = covered == Covered::asFace;
       if (plane.beyondEdge) plane.surface = face;
     }
-    tolerance = count == 0 ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
-    source[count] = i;
-    planes[count++] = {plane.surface.normal, radius + plane.skin - plane.surface.distance};
+    tolerance = planes.empty() ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
+    sources.push_back(&plane);
+    planes.push_back({plane.surface.normal, radius + plane.skin - plane.surface.distance});
   }
-  ASSERT(count <= static_cast<std::size_t>(proxy.planeCount));
   // Lengths are relative to the proxy, where they are small and keep their precision.
   const Projection found =
-      projectOntoPlanes(goal - proxy.position, std::span<const HalfSpace>(planes.data(), count), tolerance);
-  for (std::size_t i = 0; i < count; ++i) {
-    proxy.planes[static_cast<std::size_t>(source[i])].multiplier = found.multiplier[i];
-  }
+      projectOntoPlanes(goal - proxy.position, {planes.data(), planes.size()}, tolerance);
+  for (std::size_t i = 0; i < sources.size(); ++i) sources[i]->multiplier = found.multiplier[i];
   // Planes contradict each other in a gap narrower than the tool and its skins; staying is always allowed.
   return found.exact ? found.point : glm::dvec3(0.0);
 }
 
 double smallestSkin(const Proxy& proxy) {
-  double skin = 0.0;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    const double s = proxy.planes[static_cast<std::size_t>(i)].skin;
-    skin = i == 0 ? s : std::min(skin, s);
-  }
+  if (proxy.planes.empty()) return 0.0;
+  double skin = proxy.planes[0].skin;
+  for (const ProxyPlane& plane : proxy.planes) skin = std::min(skin, plane.skin);
   return skin;
 }
 
-bool touches(const Proxy& proxy) {
-  return std::any_of(proxy.planes.begin(), proxy.planes.begin() + proxy.planeCount, presses);
-}
+bool touches(const Proxy& proxy) { return std::any_of(proxy.planes.begin(), proxy.planes.end(), presses); }
 
-int onlyPressing(const Proxy& proxy) {
-  int only = -1;
-  for (int i = 0; i < proxy.planeCount; ++i) {
-    if (!presses(proxy.planes[static_cast<std::size_t>(i)])) continue;
-    if (only >= 0) return -1;
-    only = i;
+ProxyPlane* onlyPressing(Proxy& proxy) {
+  ProxyPlane* only = nullptr;
+  for (ProxyPlane& plane : proxy.planes) {
+    if (!presses(plane)) continue;
+    if (only != nullptr) return nullptr;
+    only = &plane;
   }
   return only;
 }

@@ -29,8 +29,8 @@ enum class Covered { asFace, asEdge };
 /// Displacement from the proxy to the point nearest to the goal that the known planes allow, m (god object).
 /// Stores the multipliers, and whether a face presses beyond its edge. Zero where the planes contradict each
 /// other.
-glm::dvec3 wayToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
-                     Covered covered = Covered::asFace);
+glm::dvec3 displacementToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
+                              Covered covered = Covered::asFace);
 
 /// Smallest skin of the known planes, m; 0 without any.
 double smallestSkin(const Proxy& proxy);
@@ -38,7 +38,7 @@ double smallestSkin(const Proxy& proxy);
 /// Whether any plane presses.
 bool touches(const Proxy& proxy);
 
-/// The index of the plane that presses alone; -1 if none or several do.
-int onlyPressing(const Proxy& proxy);
+/// The plane that presses alone; null if none or several do.
+ProxyPlane* onlyPressing(Proxy& proxy);
 
 }  // namespace tandem::haptics

@@ -26,31 +26,32 @@ constexpr double kSteepEnough = 1.0 / 64.0;
 
 /// The first hit on a straight displacement. A move back to a surface that was just lost is tested against
 /// the last touched triangle first, which bounds the sweep over all others.
-bool sweepWay(const ContactWorld& world, const glm::dvec3& way, double radius, const Proxy& proxy,
-              WorldHit& hit) {
-  if (proxy.planeCount == 0) {
-    hit.t = world.sweepOne(proxy.position, way, radius, proxy.lastPart, proxy.lastTriangle);
-    if (hit.t < 1.0 && world.sweep(proxy.position, way, radius, kNoPart, hit)) return true;
+bool sweepAlong(const ContactWorld& world, const glm::dvec3& displacement, double radius, const Proxy& proxy,
+                WorldHit& hit) {
+  if (proxy.planes.empty()) {
+    hit.t = world.sweepOne(proxy.position, displacement, radius, proxy.lastPart, proxy.lastTriangle);
+    if (hit.t < 1.0 && world.sweep(proxy.position, displacement, radius, kNoPart, hit)) return true;
     hit.t = 1.0;
   }
-  return world.sweep(proxy.position, way, radius, kNoPart, hit);
+  return world.sweep(proxy.position, displacement, radius, kNoPart, hit);
 }
 
 /// Moves along a straight displacement until a part stops the proxy, and reports that hit; true if there was
 /// none.
-bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy, WorldHit& hit) {
+bool advance(const ContactWorld& world, const glm::dvec3& displacement, double radius, Proxy& proxy,
+             WorldHit& hit) {
   hit = {};
   ++proxy.sweeps;
-  if (!sweepWay(world, way, radius, proxy, hit)) {
-    proxy.position += way;
+  if (!sweepAlong(world, displacement, radius, proxy, hit)) {
+    proxy.position += displacement;
     return true;
   }
   // The sweep stops at half a skin. Where the displacement meets the surface steeply enough, stepping back
   // along it to the full height is short and free.
-  const double length = glm::length(way), slope = -glm::dot(hit.normal, way) / length;
+  const double length = glm::length(displacement), slope = -glm::dot(hit.normal, displacement) / length;
   const double back =
       slope > kSteepEnough ? 0.5 * world.skin(hit.part, proxy.position) / (slope * length) : 0.0;
-  proxy.position += way * (hit.t > 2.0 * back ? hit.t - back : hit.t);
+  proxy.position += displacement * (hit.t > 2.0 * back ? hit.t - back : hit.t);
   refreshPlanes(world, radius, proxy);
   addPlane(world, hit, proxy);
   return false;
@@ -58,15 +59,14 @@ bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Pr
 
 }  // namespace
 
-bool advance(const ContactWorld& world, const glm::dvec3& way, double radius, Proxy& proxy) {
+bool advance(const ContactWorld& world, const glm::dvec3& displacement, double radius, Proxy& proxy) {
   WorldHit hit;
-  return advance(world, way, radius, proxy, hit);
+  return advance(world, displacement, radius, proxy, hit);
 }
 
-bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius, const glm::dvec3& way,
-                    int index, Proxy& proxy) {
-  ASSERT(index >= 0 && index < proxy.planeCount);
-  const ProxyPlane plane = proxy.planes[static_cast<std::size_t>(index)];
+bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double radius,
+                    const glm::dvec3& displacement, ProxyPlane& pressing, Proxy& proxy) {
+  const ProxyPlane plane = pressing;
   const Crease crease = creaseUnder(world, plane.surface, plane.skin);
   const glm::dvec3 axis = crease.b - crease.a;
   const double square = glm::dot(axis, axis);
@@ -87,12 +87,12 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
   const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
   // A displacement far longer than the arc skims over it and over the creases behind it.
-  if (leaves && glm::length(way) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
+  if (leaves && glm::length(displacement) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
   // If the other side of the crease is unknown and the goal is under it, the ball would roll too far.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
   const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
   const glm::dvec3 shift = (foot - plane.surface.point) * share;
-  if (leaves) proxy.planes[static_cast<std::size_t>(index)].surface.triangle = limit.triangle;
+  if (leaves) pressing.surface.triangle = limit.triangle;
   if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
   // Point at this fraction of the roll and this distance from the crease.
   const auto over = [&](double part, double distance) {
@@ -134,10 +134,11 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   return true;
 }
 
-bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& way,
+bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const glm::dvec3& displacement,
                   ProxyPlane& plane) {
   SurfacePoint at = plane.surface;
-  const std::uint32_t ahead = rollLimit(world, plane.surface, plane.skin, way / glm::length(way)).triangle;
+  const std::uint32_t ahead =
+      rollLimit(world, plane.surface, plane.skin, displacement / glm::length(displacement)).triangle;
   if (ahead == kNoTriangle) return false;
   ASSERT(ahead < world.collider(at.part).tree->mesh().triangles.size());
 

@@ -17,8 +17,12 @@ constexpr int kMaxSeams = 4;  // seams at which a query must find the next trian
 /// A contact point on its path over the triangles of one part, in that part's frame.
 class Walker {
  public:
-  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way, double skin)
-      : world_(world), way_(way), upright_(from.normal), length_(glm::length(way)), skin_(skin) {
+  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement, double skin)
+      : world_(world),
+        way_(displacement),
+        upright_(from.normal),
+        length_(glm::length(displacement)),
+        skin_(skin) {
     enter(from.part, from.triangle, from.point);
   }
 
@@ -144,9 +148,9 @@ class Walker {
 
 }  // namespace
 
-SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way,
+SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement,
                         double skin) {
-  return Walker(world, from, way, skin).run();
+  return Walker(world, from, displacement, skin).run();
 }
 
 }  // namespace tandem::haptics

@@ -15,11 +15,11 @@ struct SurfaceWalk {
   bool sharp = false;                  // the contact is on a crease already: its normal is not the triangle's
 };
 
-/// Follows `way` (a displacement, world, m) from a contact point. The surface ends at faces turned by more
+/// Follows `displacement` (m, world) from a contact point. The surface ends at faces turned by more
 /// than 10 degrees against the contact's normal, at gaps wider than `skin`, and after a fixed number of
 /// triangles. Costs some 20 ns a triangle where the mesh knows its neighbours, and a query at seams between
 /// parts or between faces that share no vertices.
-SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& way,
+SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement,
                         double skin);
 
 }  // namespace tandem::haptics

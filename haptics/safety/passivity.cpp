@@ -15,8 +15,8 @@ void EnergyObserver::add(const Wrench& toHand, const Twist& hand, double dt) {
   addWork(toHand.force, hand.linear * dt);
 }
 
-void EnergyObserver::addWork(const glm::dvec3& force, const glm::dvec3& way) {
-  given_ += glm::dot(force, way);
+void EnergyObserver::addWork(const glm::dvec3& force, const glm::dvec3& displacement) {
+  given_ += glm::dot(force, displacement);
   mostCreated_ = std::max(mostCreated_, given_);
 }
 

@@ -16,12 +16,12 @@ class EnergyObserver {
   /// tick.
   void add(const glm::dvec3& force, const glm::dvec3& velocity, double dt);
   void add(const Wrench& toHand, const Twist& hand, double dt);
-  /// The same from the way (m) that the hand went while the force was held: exact, whatever the velocity did.
-  void addWork(const glm::dvec3& force, const glm::dvec3& way);
+  /// The same from the hand's displacement (m) while the force was held: exact, whatever the velocity did.
+  void addWork(const glm::dvec3& force, const glm::dvec3& displacement);
 
   /// Energy given to the hand so far, J; negative while more came in than went out.
   double given() const { return given_; }
-  /// The most by which energy given out ever exceeded energy taken in since the start, J, >= 0.
+  /// Largest excess of energy given to the hand over energy received from it since the start, J, >= 0.
   double mostCreated() const { return mostCreated_; }
   void reset() { *this = EnergyObserver{}; }
 

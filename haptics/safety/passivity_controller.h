@@ -15,19 +15,19 @@ namespace tandem::haptics {
 /// taken back in a burst.
 ///
 /// Over a tick the hand goes d. It was given F_sent . d, exactly, because the force is held. Had the force
-/// followed the way, it would have been given (F_last + F_now) . d / 2: exactly so for every spring, whatever
+/// followed the displacement, it would have been given (F_last + F_now) . d / 2: exactly so for every spring, whatever
 /// law the force follows otherwise. The difference, less what the device's own damping b takes (b d^2 / T;
 /// Colgate & Schenkel 1994: K T / 2 <= b), is the deficit, never below zero:
 ///
 ///     deficit += F_sent . d - (F_last + F_now - F_time) . d / 2 - b d^2 / T
 ///
-/// and is taken back by a force -deficit d / d^2 against the way, at most as large as the last change of the
+/// and is taken back by a force -deficit d / d^2 against d, at most as large as the last change of the
 /// force: a device's quantum is never amplified beyond what the spring itself makes of it. It never pulls.
 ///
 /// What a source does as time goes on (a waveform) is not the sampling's: its held force is what the world
 /// renders. That part of the change stands in neither sum.
 ///
-/// An encoder at a mark (RestingReading) counts as no way, so a hand at rest feels the spring's own flicker of
+/// An encoder at a mark (RestingReading) counts as no displacement, so a hand at rest feels the spring's own flicker of
 /// one quantum and nothing on top.
 class PassivityController {
  public:

@@ -35,7 +35,7 @@ void EffortGuard::note(double share) {
   history_ = (history_ << 1) | (share > kShort ? 1u : 0u);
   calm_ = share < kEasy ? calm_ + 1 : 0;
   if (std::popcount(history_) >= kLimit) {
-    stage_ = std::min(stage_ + 1, kMostStages);
+    stage_ = std::min(stage_ + 1, kMaxStages);
     history_ = 0;  // the next stage is judged by its own ticks
     calm_ = 0;
   } else if (calm_ >= kCalm) {
@@ -45,9 +45,9 @@ void EffortGuard::note(double share) {
 }
 
 ContactEffort EffortGuard::limited(ContactEffort set) const {
-  ASSERT(stage_ >= 0 && stage_ <= kMostStages);
-  constexpr std::array<int, kMostStages + 1> kMostSteps = {4, 4, 2, 1};
-  return {std::min(set.steps, kMostSteps[static_cast<std::size_t>(stage_)]), set.looks >> stage_, set.exact};
+  ASSERT(stage_ >= 0 && stage_ <= kMaxStages);
+  constexpr std::array<int, kMaxStages + 1> kMaxSteps = {4, 4, 2, 1};
+  return {std::min(set.steps, kMaxSteps[static_cast<std::size_t>(stage_)]), set.looks >> stage_, set.exact};
 }
 
 int DurationHistogram::bucketOf(std::int64_t duration_ns) {

@@ -51,7 +51,7 @@ class OverrunGuard {
 /// contacts stay exact. The effort returns stage by stage once ticks have been fast for kCalm of them.
 class EffortGuard {
  public:
-  static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMostStages = 3;
+  static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMaxStages = 3;
   static constexpr double kShort = 0.7, kEasy = 0.35;  // of a period
 
   /// Notes the fraction of its period that a tick took.

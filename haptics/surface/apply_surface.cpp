@@ -51,7 +51,6 @@ class SurfaceTick {
 
   glm::dvec3 run(const glm::dvec3& force) {
     ASSERT(out_.contactCount >= 0 && out_.contactCount <= kMaxContacts);
-    ASSERT(state_.dentCount >= 0 && state_.dentCount <= kMaxDents);
 
     state_.letGo = kNoPart;
     glm::dvec3 friction = force;
@@ -89,8 +88,7 @@ class SurfaceTick {
 
   void findTouches() {
     int contact = 0;
-    for (int i = 0; i < proxy_.planeCount; ++i) {
-      const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+    for (const ProxyPlane& plane : proxy_.planes) {
       if (!presses(plane)) continue;
       addPlane(plane, contact < out_.contactCount ? contact : -1);
       ++contact;
@@ -323,8 +321,7 @@ class SurfaceTick {
   /// Permanent set of a place, m, and its slope.
   double dented(PartId part, const glm::dvec3& x, glm::dvec3& slope) const {
     double set = 0.0;
-    for (int i = 0; i < state_.dentCount; ++i) {
-      const Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+    for (const Dent& dent : state_.dents) {
       const double share = dent.part == part ? shareOf(dent, x) : 0.0;
       if (!(share > 0.0)) continue;
       set += dent.depth * share * share;
@@ -343,23 +340,21 @@ class SurfaceTick {
     constexpr double kNear = 0.94;  // 1 - 1/4^2: within a quarter of the width
     double best = 0.0;
     Dent* nearest = nullptr;
-    for (int i = 0; i < state_.dentCount; ++i) {
-      Dent& dent = state_.dents[static_cast<std::size_t>(i)];
+    for (Dent& dent : state_.dents) {
       const double share = dent.part == part ? shareOf(dent, x) : 0.0;
       if (share > best) best = share, nearest = &dent;
     }
-    if (best > kNear) {
+    if (nearest != nullptr && best > kNear) {
       nearest->depth += growth / (best * best);
       return;
     }
-    if (state_.dentCount == kMaxDents) forgetOldest();
-    state_.dents[static_cast<std::size_t>(state_.dentCount++)] = {part, x, growth, width};
+    if (state_.dents.full()) forgetOldest();
+    state_.dents.push_back({part, x, growth, width});
   }
 
   void forgetOldest() {
-    ASSERT(state_.dentCount == kMaxDents);
     std::move(state_.dents.begin() + 1, state_.dents.end(), state_.dents.begin());
-    --state_.dentCount;
+    state_.dents.pop_back();
   }
 
   /// Vibration along the normal, and the stick-slip spring across it.

@@ -11,6 +11,7 @@
 
 #include <array>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/tick_types.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/contact_world.h"
@@ -43,8 +44,7 @@ struct Dent {
 /// Persistent state of one hand's surface contacts.
 struct SurfaceState {
   std::array<SurfaceSlot, kMaxSurfaceContacts> slots;
-  std::array<Dent, kMaxDents> dents;
-  int dentCount = 0;
+  FixedVector<Dent, kMaxDents> dents;
   PartId letGo = kNoPart;  // the part whose surface gave way in this tick
 };
 

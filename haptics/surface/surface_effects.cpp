@@ -24,8 +24,8 @@ double vibration(double frequency, double amplitude, double pressing, double dt,
 glm::dvec3 stickSlip(double force, double stiffness, const glm::dvec3& point, const glm::dvec3& normal,
                      StickAnchor& anchor) {
   if (!anchor.set) anchor = {true, point};
-  const glm::dvec3 way = point - anchor.point;
-  const glm::dvec3 across = way - normal * glm::dot(way, normal);
+  const glm::dvec3 displacement = point - anchor.point;
+  const glm::dvec3 across = displacement - normal * glm::dot(displacement, normal);
   if (stiffness * glm::length(across) > force) {
     anchor.point = point;
     return glm::dvec3(0.0);

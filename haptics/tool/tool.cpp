@@ -52,11 +52,11 @@ void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, boo
 
 void Tool::ignore(PartId part) {
   if (world_.ignored(part)) return;
-  if (ignoredCount_ == kMaxIgnored) {
+  if (ignored_.full()) {
     flags_ |= kFlagOverflow;
     return;
   }
-  ignored_[static_cast<std::size_t>(ignoredCount_++)] = part;
+  ignored_.push_back(part);
   world_.setIgnored(part, true);
 }
 
@@ -78,16 +78,15 @@ void Tool::ignoreIfOver(PartId part) {
 
 void Tool::forgetIgnored(PartId held) {
   if (!started_) return;
-  int kept = 0;
-  for (int i = 0; i < ignoredCount_; ++i) {
-    const PartId part = ignored_[static_cast<std::size_t>(i)];
+  std::size_t left = 0;
+  for (const PartId part : ignored_) {
     if (part == held || isOver(part)) {
-      ignored_[static_cast<std::size_t>(kept++)] = part;
+      ignored_[left++] = part;
     } else {
       world_.setIgnored(part, false);
     }
   }
-  ignoredCount_ = kept;
+  ignored_.shrink(left);
 }
 
 void Tool::noteForeignChange(double expected) {
@@ -127,8 +126,7 @@ void Tool::carry(const glm::dvec3& position) {
 
 Wrench Tool::contactWrenchOf(PartId part) const {
   double all = 0.0, ofPart = 0.0;
-  for (int i = 0; i < proxy_.planeCount; ++i) {
-    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy_.planes) {
     all += plane.multiplier;
     if (plane.surface.part == part) ofPart += plane.multiplier;
   }
@@ -138,8 +136,7 @@ Wrench Tool::contactWrenchOf(PartId part) const {
 
 EndedContact Tool::endedContactWith(PartId part) const {
   glm::dvec3 depth(0.0);
-  for (int i = 0; i < proxy_.planeCount; ++i) {
-    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy_.planes) {
     if (plane.surface.part == part) depth += plane.multiplier * plane.surface.normal;
   }
   const Wrench ended = contactWrenchOf(part);
@@ -148,26 +145,23 @@ EndedContact Tool::endedContactWith(PartId part) const {
 }
 
 bool Tool::pressesOn(PartId part) const {
-  for (int i = 0; i < proxy_.planeCount; ++i) {
-    const ProxyPlane& plane = proxy_.planes[static_cast<std::size_t>(i)];
+  for (const ProxyPlane& plane : proxy_.planes) {
     if (plane.surface.part == part && presses(plane)) return true;
   }
   return false;
 }
 
 double Tool::stiffest(double least) const {
-  double most = least;
-  for (int i = 0; i < proxy_.planeCount; ++i) {
-    const SurfacePoint& surface = proxy_.planes[static_cast<std::size_t>(i)].surface;
-    most = std::max(most, world_.material(surface.part, surface.triangle).stiffness);
+  double stiffness = least;
+  for (const ProxyPlane& plane : proxy_.planes) {
+    stiffness = std::max(stiffness, world_.material(plane.surface.part, plane.surface.triangle).stiffness);
   }
-  return most;
+  return stiffness;
 }
 
 PartId Tool::partUnder(PartId held) const {
   if (!started_) return kNoPart;
-  for (int i = 0; i < ignoredCount_; ++i) {
-    const PartId part = ignored_[static_cast<std::size_t>(i)];
+  for (const PartId part : ignored_) {
     if (part != held) return part;
   }
   const glm::dvec3& p = proxy_.position;
@@ -209,10 +203,10 @@ void Tool::followMeshChange() {
     return;
   }
   const glm::dvec3 before = proxy_.position;
-  const bool touched = proxy_.planeCount > 0;
+  const bool touched = !proxy_.planes.empty();
   const FollowedMeshes followed = followMeshes(world_, radius_, meshChange_, proxy_);
   if (followed.overflow) flags_ |= kFlagOverflow;
-  for (const PartId part : followed.squeezed()) {
+  for (const PartId part : followed.squeezed) {
     flags_ |= kFlagSqueezed;
     world_.setIgnored(part, false);  // until it is on the list of those ignored
     ignore(part);

@@ -9,10 +9,10 @@
 //    no depth, and so no force that begins with a step.
 // 3. Only the thread that ticks uses it. Nothing here allocates.
 
-#include <array>
 #include <cstdint>
 
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/tick_types.h"
 #include "haptics/proxy/mesh_change.h"
 #include "haptics/proxy/proxy.h"
@@ -116,9 +116,8 @@ class Tool {
   FaultLatch& fault_;
   Proxy proxy_;
   SurfaceState surface_;
-  MeshChange meshChange_;                      // since the last tick
-  std::array<PartId, kMaxIgnored> ignored_{};  // parts that the tool passes through until it has left them
-  int ignoredCount_ = 0;
+  MeshChange meshChange_;                     // since the last tick
+  FixedVector<PartId, kMaxIgnored> ignored_;  // parts that the tool passes through until it has left them
   Wrench contactWrench_;
   glm::dvec3 device_{0.0, 0.0, 0.0};  // m, of the last valid reading
   bool started_ = false;              // there has been one

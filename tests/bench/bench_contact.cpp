@@ -261,8 +261,8 @@ class Bench {
         haptics::TickState state(contact);
         const haptics::ContactScene* now = &contact;
         haptics::TickInput input;
-        input.device.valid = true;
-        input.device.worldFromDevice.position.z = 0.1;
+        input.hands[0].device.valid = true;
+        input.hands[0].device.worldFromDevice.position.z = 0.1;
         std::vector<double> changed, adopted;
         for (int i = 0; i < 10 * options_.repeats; ++i) {
           if (moving) input.moved = motions[static_cast<std::size_t>(i % 2)];
@@ -342,9 +342,9 @@ class Bench {
     parameters.toolRadius = radius;
     parameters.stiffness = 1000.0;
     haptics::TickInput input;
-    input.device.valid = true;
+    input.hands[0].device.valid = true;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      input.device.worldFromDevice.position = path[i];
+      input.hands[0].device.worldFromDevice.position = path[i];
       if (!motions.empty()) input.moved = motions[i % motions.size()];
       const tandem::test::AllocationScope scope;
       const bench::Stopwatch watch;

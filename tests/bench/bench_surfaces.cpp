@@ -259,12 +259,12 @@ class Bench {
     haptics::TickParameters parameters;
     parameters.stiffness = 1000.0;
     haptics::TickInput input;
-    input.device.valid = true;
+    input.hands[0].device.valid = true;
     std::uint64_t allocations = 0;
     for (std::size_t i = 0; i < path.size(); ++i) {
-      if (i > 0) input.device.twist.linear = (path[i] - path[i - 1]) / parameters.dt;
-      input.device.worldFromDevice.position = path[i];
-      input.device.time = 1e-3 * static_cast<double>(i);
+      if (i > 0) input.hands[0].device.twist.linear = (path[i] - path[i - 1]) / parameters.dt;
+      input.hands[0].device.worldFromDevice.position = path[i];
+      input.hands[0].device.time = 1e-3 * static_cast<double>(i);
       const tandem::test::AllocationScope scope;
       const bench::Stopwatch watch;
       static_cast<void>(haptics::tick(input, contact, parameters, state));

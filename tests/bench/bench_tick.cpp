@@ -102,12 +102,14 @@ bool benchTick(const Scene& scene, const Options& options, bench::Report& report
       // The hand goes from place to place unseen, so that the proxy is not dragged through the whole scene
       // between.
       sample.valid = false;
-      for (int k = 0; k < 300; ++k) haptics::tick({sample, {}, {}}, contact, {}, state);
+      for (int k = 0; k < 300; ++k)
+        haptics::tick({.hands = {{{sample}}}, .moved = {}, .commands = {}}, contact, {}, state);
       sample.valid = true;
     }
     const tandem::test::AllocationScope scope;
     const bench::Stopwatch watch;
-    const haptics::TickOutput out = haptics::tick({sample, {}, {}}, contact, {}, state);
+    const haptics::TickOutput out =
+        haptics::tick({.hands = {{{sample}}}, .moved = {}, .commands = {}}, contact, {}, state);
     ours.push_back(1e6 * watch.seconds());
     allocations += scope.count();
     touching += out.contactCount > 0 ? 1 : 0;

@@ -46,7 +46,8 @@ class HandProbe {
 
   const haptics::TickOutput& tick() {
     sample.time += parameters.dt;
-    out = haptics::tick({sample, moved, commands}, contact, parameters, state);
+    out = haptics::tick({.hands = {{{sample}}}, .moved = moved, .commands = commands}, contact, parameters,
+                        state);
     moved.clear();
     commands.clear();
     return out;

@@ -24,7 +24,7 @@ TEST(Tick, GivesZeroForceForAnInvalidSampleAndRecovers) {
   HandProbe hand(boxScene());
   hand.at({0.0, 0.0, 0.02});
   hand.to({0.0, 0.0, 0.008}, 1e-3);
-  const glm::dvec3 before = hand.out.toHand.force;
+  const glm::dvec3 before = hand.out.hands[0].toHand.force;
   ASSERT_GT(before.z, 1.0);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const haptics::DeviceSample good = hand.sample;
@@ -36,12 +36,12 @@ TEST(Tick, GivesZeroForceForAnInvalidSampleAndRecovers) {
   for (const haptics::DeviceSample& sample : bad) {
     hand.sample = sample;
     hand.tick();
-    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+    EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
     EXPECT_TRUE(hand.out.flags & haptics::kFlagInvalidSample);
     hand.sample = good;
     hand.tick();
     EXPECT_EQ(hand.out.flags & haptics::kFlagInvalidSample, 0u);
-    EXPECT_NEAR(hand.out.toHand.force.z, before.z, 1e-6);
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, before.z, 1e-6);
   }
 }
 
@@ -53,7 +53,7 @@ TEST(Tick, PutsTheProxyOntoAHandThatWasLongUnseen) {
   for (int i = 0; i < 300; ++i) hand.tick();
   EXPECT_TRUE(hand.at({0.0, 0.0, -0.02}).flags & haptics::kFlagProxyReset);
   EXPECT_EQ(hand.out.worldFromProxy.position, glm::dvec3(0.0, 0.0, -0.02));
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(Tick, LimitsForceAndTheRateThatADeviceCanFollow) {
@@ -66,9 +66,9 @@ TEST(Tick, LimitsForceAndTheRateThatADeviceCanFollow) {
   std::uint32_t flags = 0;
   for (int i = 0; i < 100; ++i) {
     hand.at({0.0, 0.0, i < 50 ? 0.005 : 0.02});
-    EXPECT_LE(glm::length(hand.out.toHand.force), 3.3 + 1e-12);
-    EXPECT_LE(glm::length(hand.out.toHand.force - last), 0.4 + 1e-12);
-    last = hand.out.toHand.force;
+    EXPECT_LE(glm::length(hand.out.hands[0].toHand.force), 3.3 + 1e-12);
+    EXPECT_LE(glm::length(hand.out.hands[0].toHand.force - last), 0.4 + 1e-12);
+    last = hand.out.hands[0].toHand.force;
     flags |= hand.out.flags;
     if (i == 49) {
       EXPECT_NEAR(last.z, 3.3, 1e-12);
@@ -84,9 +84,9 @@ TEST(Tick, AppliesGainAndTheEmergencyKey) {
   hand.parameters.gain = 0.25;
   hand.at({0.0, 0.0, 0.02});
   hand.at({0.0, 0.0, 0.008});
-  EXPECT_NEAR(hand.out.toHand.force.z, 0.25 * 800.0 * 0.002, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 0.25 * 800.0 * 0.002, 1e-6);
   hand.parameters.zeroForce = true;
-  EXPECT_EQ(hand.tick().toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.tick().hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TickParameters rampedSpring() {
@@ -106,16 +106,16 @@ void pressAndBreakTheProxy(HandProbe& hand) {
 TEST(Tick, LatchesABrokenInvariantOfTheProxyAndRampsTheForceToZero) {
   HandProbe hand(boxScene(), rampedSpring());
   pressAndBreakTheProxy(hand);
-  double last = hand.out.toHand.force.z;
+  double last = hand.out.hands[0].toHand.force.z;
   ASSERT_NEAR(last, 1.6, 1e-6);
   for (int i = 0; i < 3; ++i) {
     hand.tick();
     EXPECT_TRUE(hand.out.flags & haptics::kFlagFault);
-    EXPECT_NEAR(hand.out.toHand.force.z, last - 0.4, 1e-9);
-    last = hand.out.toHand.force.z;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, last - 0.4, 1e-9);
+    last = hand.out.hands[0].toHand.force.z;
   }
   for (int i = 0; i < 5; ++i) hand.tick();
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   const haptics::FaultLatch& fault = hand.state.fault();
   EXPECT_NE(std::string(fault.condition).find("triangle <"), std::string::npos);
   EXPECT_NE(std::string(fault.file).find("contact_world.cpp"), std::string::npos);
@@ -127,11 +127,11 @@ TEST(Tick, FeelsAgainOnceABrokenInvariantHoldsAndItsFaultIsReset) {
   for (int i = 0; i < 10; ++i) hand.tick();
   hand.state.data().tool.proxy().planes[0].surface.triangle = 0;
   hand.tick();
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.state.resetFault();
   for (int i = 0; i < 10; ++i) hand.tick();
   EXPECT_EQ(hand.out.flags & haptics::kFlagFault, 0u);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.6, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-6);
 }
 
 TEST(Tick, AbortsOnABrokenInvariantBetweenTicks) {
@@ -147,18 +147,18 @@ TEST(Tick, LatchesAFaultAndLetsGoUntilItIsReset) {
   hand.at({0.0, 0.0, 0.02});
   hand.at({0.0, 0.0, 0.008});
   for (int i = 0; i < 20; ++i) hand.tick();
-  ASSERT_NEAR(hand.out.toHand.force.z, 1.6, 1e-6);
+  ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-6);
   hand.commands = {{haptics::PartCommand::Kind::own, 99, {}}};  // no such part: a programmer's error
   hand.tick();
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.2, 1e-6);  // a ramp, not a step
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.2, 1e-6);  // a ramp, not a step
   for (int i = 0; i < 20; ++i) hand.tick();
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   EXPECT_TRUE(hand.out.flags & haptics::kFlagFault);
   EXPECT_NE(hand.state.data().fault.condition, nullptr);
   hand.state.resetFault();
   for (int i = 0; i < 20; ++i) hand.tick();
   EXPECT_EQ(hand.out.flags & haptics::kFlagFault, 0u);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.6, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-6);
 }
 
 TEST(Tick, NeverAllocates) {
@@ -183,7 +183,7 @@ TEST(Tick, NeverAllocates) {
     hand.at(0.018 * glm::dvec3(std::cos(a), std::sin(a), 0.3 * std::sin(3.0 * a)));
     allocations += scope.count();
     touchedStill = touchedStill || (hand.out.contactCount > 0 && hand.out.contacts[0].part == still);
-    held = held || hand.out.held == mover;
+    held = held || hand.out.hands[0].held == mover;
   }
   EXPECT_EQ(allocations, 0u);
   EXPECT_TRUE(touchedStill);
@@ -203,7 +203,7 @@ TEST(Tick, SameInputsGiveTheSameBits) {
     const glm::dvec3 p = 0.02 * glm::dvec3(std::cos(a), std::sin(a), std::sin(2.0 * a));
     one.at(p);
     two.at(p);
-    ASSERT_EQ(std::memcmp(&one.out.toHand, &two.out.toHand, sizeof(Wrench)), 0) << i;
+    ASSERT_EQ(std::memcmp(&one.out.hands[0].toHand, &two.out.hands[0].toHand, sizeof(Wrench)), 0) << i;
   }
 }
 
@@ -223,7 +223,7 @@ TEST(Tick, PassesThroughPartsWhoseFilterShutsOutAll) {
   HandProbe hand(b.scene);
   hand.at({0.0, 0.0, 0.02});
   hand.to({0.0, 0.0, 0.0}, 1e-3);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(Tick, DropsMotionsThatCannotBeUsed) {
@@ -235,7 +235,7 @@ TEST(Tick, DropsMotionsThatCannotBeUsed) {
   hand.at({0.0, 0.0, 0.008});
   EXPECT_TRUE(hand.out.flags & haptics::kFlagOverflow);
   EXPECT_FALSE(hand.out.flags & haptics::kFlagFault);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.6, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-6);
 }
 
 TEST(Tick, FeelsImplicitShapes) {
@@ -251,7 +251,7 @@ TEST(Tick, FeelsImplicitShapes) {
   HandProbe hand(scene);
   hand.at({0.0, 0.0, 0.03});
   hand.to({0.0, 0.0, 0.018}, 1e-3);
-  EXPECT_NEAR(hand.out.toHand.force.z, 500.0 * 0.002, 500.0 * 0.02 * 2e-4);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 500.0 * 0.002, 500.0 * 0.02 * 2e-4);
 }
 
 }  // namespace

@@ -175,10 +175,10 @@ class HeldPartRig {
           rotationVector(t.device.orientation * glm::conjugate(before.orientation)) / parameters_.dt;
     }
     haptics::TickInput input;
-    input.device.worldFromDevice = t.device;
-    input.device.twist = t.deviceTwist;
-    input.device.time = t.time;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = t.device;
+    input.hands[0].device.twist = t.deviceTwist;
+    input.hands[0].device.time = t.time;
+    input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {
         {Kind::own, case_.held, case_.scene.parts[case_.held].worldFromPart}, {Kind::grasp, case_.held, {}}};
     if (index == 0) input.commands = take;
@@ -186,7 +186,7 @@ class HeldPartRig {
     const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
     t.cpu = cpuNow() - begin;
     t.part = state_.worldFromPart(case_.held);
-    t.toHand = out.toHand;
+    t.toHand = out.hands[0].toHand;
     t.contacts = out.contactCount;
     if (out.contactCount > 0) t.firstNormal = out.contacts[0].normal;
     t.flags = out.flags;

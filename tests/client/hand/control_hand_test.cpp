@@ -25,7 +25,7 @@ class ControlHandTest : public testing::Test {
     contact_ = std::make_unique<haptics::ContactScene>(scene_);
     exchange_ = std::make_unique<Exchange>();
     HandSettingsInput settings;
-    settings.parameters.stiffness = 2000.0;
+    settings.parameters[0].stiffness = 2000.0;
     exchange_->settings.write(settings);
     hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
     exchange_->timeBase.write({1000000, 5000, kSelf});
@@ -76,7 +76,7 @@ TEST_F(ControlHandTest, PressingAsksOnceMovesItWhenGrantedAndGivesItBackAtRest) 
   tell(NetworkEvent::Kind::ownership, kSelf, 1);
   at(-1e-3, 100);
   EXPECT_GT(value(), 2e-4);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart) << "nothing is grasped";
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart) << "nothing is grasped";
   at(-1e-3, 2000);
   EXPECT_FALSE(intent().has_value()) << "kept while it is pressed";
   at(5e-3, 1000);

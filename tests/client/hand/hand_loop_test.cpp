@@ -73,7 +73,7 @@ class HandLoopTest : public testing::Test {
     ASSERT_EQ(asked->kind, HandIntent::Kind::grab);
     tell(NetworkEvent::Kind::ownership, kSelf, 1, scene_.parts[kBox].worldFromPart);
     tick(3);
-    ASSERT_EQ(hand_->output().tick.held, kBox);
+    ASSERT_EQ(hand_->output().tick.hands[0].held, kBox);
   }
 
   assets::Scene scene_;
@@ -118,7 +118,7 @@ TEST_F(HandLoopTest, ADenialLeavesTheHandIdleAndUnmoved) {
   tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
   tick(300);
   EXPECT_FALSE(hand_->output().grabPending);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
   EXPECT_LT(largestStep_, 1e-9);
 }
 
@@ -131,7 +131,7 @@ TEST_F(HandLoopTest, AGrantThatComesAfterTheButtonIsUpIsGivenBack) {
   tick(20);
   tell(NetworkEvent::Kind::ownership, kSelf, 3, scene_.parts[kBox].worldFromPart);
   tick(1000);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
   const auto back = intent();
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->kind, HandIntent::Kind::release);
@@ -156,7 +156,7 @@ TEST_F(HandLoopTest, ALostConnectionIsNoReasonToLetGo) {
   take();
   tell(NetworkEvent::Kind::lost, kNoSite, 0, {});
   tick(3000);
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
   EXPECT_LT(largestStep_, 1e-6);
 }
 
@@ -184,7 +184,7 @@ TEST_F(HandLoopTest, ATakenAwayPartFadesFromTheHand) {
   tell(NetworkEvent::Kind::ownership, kNoSite, 2, elsewhere);
   tick(1000);
   EXPECT_FALSE(intent().has_value());
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
   EXPECT_NEAR(glm::length(hand_->worldFromPart(kBox).position - elsewhere.position), 0.0, 1e-6);
   EXPECT_LT(largestStep_, 0.4 + 1e-9);  // the slew limit of 400 N/s
   EXPECT_LT(glm::length(lastForce_), 1e-6);
@@ -198,12 +198,12 @@ TEST_F(HandLoopTest, APartThatAnotherSiteGotStaysInTheHandUntilThatIsDenied) {
   const auto asked = intent();
   ASSERT_TRUE(asked.has_value());
   EXPECT_EQ(asked->kind, HandIntent::Kind::grab);
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 0u) << "it would be published";
   EXPECT_LT(largestStep_, 1e-6);
   tell(NetworkEvent::Kind::denied, kOther, 2, {{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}});
   tick(1000);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
   EXPECT_NEAR(hand_->worldFromPart(kBox).position.y, 0.1, 1e-6);
 }
 
@@ -233,7 +233,7 @@ class CoHolderHandTest : public HandLoopTest {
 };
 
 TEST_F(CoHolderHandTest, HoldsAReplicaThatItTiesAndDoesNotPublish) {
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 0u);
   EXPECT_EQ(box().links.count, 1);
   tick(20);
@@ -276,7 +276,7 @@ TEST_F(CoHolderHandTest, IsPassedThePartAsItIs) {
   largestStep_ = 0.0;
   tell(NetworkEvent::Kind::ownership, kSelf, 5, {{0.0, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}});
   tick(50);
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 5u);
   EXPECT_LT(std::abs(hand_->worldFromPart(kBox).position.y), 1e-3) << "its pose was set";
   EXPECT_LT(largestStep_, 1e-6);
@@ -323,7 +323,7 @@ TEST_F(HandLoopTest, AfterAStallTheGraspBeginsAnewWithoutForce) {
   device_.position += glm::dvec3(0.05, 0.03, 0.0);  // the hand went on while the program stood still
   largestStep_ = 0.0;
   tick(500);
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
   EXPECT_LT(largestStep_, 1e-3);
   EXPECT_EQ(hand_->output().stalls, 1u);
 }
@@ -359,14 +359,14 @@ TEST_F(HandLoopStallTest, ABareToolIsPutOntoTheHand) {
 TEST_F(HandLoopStallTest, SoIsThatOfAHandThatHoldsAPart) {
   take();
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
-  EXPECT_EQ(hand_->output().tick.held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
 }
 
 TEST_F(HandLoopStallTest, SoIsThatOfAHandWhosePartWasGivenToAnotherMeanwhile) {
   take();
   tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
 }
 
 TEST_F(HandLoopStallTest, SoIsThatOfAHandWhoseSolidPartWasGivenToAnotherMeanwhile) {
@@ -375,7 +375,7 @@ TEST_F(HandLoopStallTest, SoIsThatOfAHandWhoseSolidPartWasGivenToAnotherMeanwhil
   take();
   tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
-  EXPECT_EQ(hand_->output().tick.held, kNoPart);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
 }
 
 TEST_F(HandLoopStallTest, WithoutAGapABareToolPressesOnTheBox) {

@@ -54,7 +54,7 @@ class SecondHandTest : public testing::Test {
   }
 
   const haptics::TickOutput& out() const { return hand_->output().tick; }
-  const haptics::SecondHandOutput& felt() const { return out().second; }
+  const haptics::HandFeedback& felt() const { return out().hands[1]; }
 
   void tell(NetworkEvent::Kind kind, SiteId owner, Epoch epoch, PartId part) {
     NetworkEvent event;
@@ -87,7 +87,7 @@ class SecondHandTest : public testing::Test {
     tick(300);
     buttons_[1] = true;
     tick(3);
-    ASSERT_EQ(out().held, kBox);
+    ASSERT_EQ(out().hands[0].held, kBox);
     ASSERT_EQ(felt().held, kBox);
   }
 
@@ -112,13 +112,13 @@ TEST_F(SecondHandTest, TakesWhatTheFirstHoldsWithoutAskingTheServer) {
   }
   tick(500);
   EXPECT_NEAR(felt().toHand.force.x, -0.8, 0.02);
-  EXPECT_NEAR(out().toHand.force.x, 0.8, 0.02);
+  EXPECT_NEAR(out().hands[0].toHand.force.x, 0.8, 0.02);
 }
 
 TEST_F(SecondHandTest, AsksForAPartOfItsOwn) {
   take(0, kBox);
   take(1, kNext);
-  EXPECT_EQ(out().held, kBox);
+  EXPECT_EQ(out().hands[0].held, kBox);
   EXPECT_EQ(felt().held, kNext);
   for (int i = 0; i < 200; ++i) {
     devices_[1].position.x += 1e-4;
@@ -131,7 +131,7 @@ TEST_F(SecondHandTest, AsksForAPartOfItsOwn) {
 
 TEST_F(SecondHandTest, TakesAPartWithTheFirstOneIdle) {
   take(1, kNext);
-  EXPECT_EQ(out().held, kNoPart);
+  EXPECT_EQ(out().hands[0].held, kNoPart);
   EXPECT_EQ(felt().held, kNext);
 }
 
@@ -144,7 +144,7 @@ TEST_F(SecondHandTest, WaitsForTheAnswerThatTheFirstHandWaitsFor) {
   EXPECT_FALSE(intent().has_value());  // one question
   tell(NetworkEvent::Kind::ownership, kSelf, 1, kBox);
   tick(3);
-  EXPECT_EQ(out().held, kBox);
+  EXPECT_EQ(out().hands[0].held, kBox);
   EXPECT_EQ(felt().held, kBox);
 }
 
@@ -157,7 +157,7 @@ TEST_F(SecondHandTest, ADenialLeavesBothIdle) {
   tell(NetworkEvent::Kind::ownership, kOther, 4, kBox);
   tick(20);
   EXPECT_FALSE(hand_->output().grabPending);
-  EXPECT_EQ(out().held, kNoPart);
+  EXPECT_EQ(out().hands[0].held, kNoPart);
   EXPECT_EQ(felt().held, kNoPart);
 }
 
@@ -170,7 +170,7 @@ TEST_F(SecondHandTest, ThePartStaysHereUntilBothHaveLetGo) {
   largestStep_ = 0.0;
   buttons_[0] = false;
   tick(1000);
-  EXPECT_EQ(out().held, kNoPart);
+  EXPECT_EQ(out().hands[0].held, kNoPart);
   EXPECT_EQ(felt().held, kBox);
   EXPECT_FALSE(intent().has_value());
   EXPECT_LT(largestStep_, 0.05);
@@ -186,7 +186,7 @@ TEST_F(SecondHandTest, APartThatIsTakenAwayLeavesBothHands) {
   takeWithBoth();
   tell(NetworkEvent::Kind::ownership, kNoSite, 2, kBox);
   tick(5);
-  EXPECT_EQ(out().held, kNoPart);
+  EXPECT_EQ(out().hands[0].held, kNoPart);
   EXPECT_EQ(felt().held, kNoPart);
 }
 

@@ -26,6 +26,10 @@ TEST(FixedVector, GrowsToItsCapacityAndKeepsItsOrder) {
   EXPECT_EQ(std::accumulate(list.begin(), list.end(), 0), 24);
   list.pop_back();
   EXPECT_EQ(list.back(), 9);
+  list.shrink(2);
+  EXPECT_EQ(list.size(), 2u);
+  list.shrink(1);
+  EXPECT_EQ(list.back(), 7);
   list.clear();
   EXPECT_TRUE(list.empty());
 }
@@ -49,6 +53,7 @@ TEST(FixedVector, NeverReadsOrWritesBeyondItsElements) {
     EXPECT_THROW(list[0], FailedAssertion);
     EXPECT_THROW(list.back(), FailedAssertion);
     EXPECT_THROW(list.pop_back(), FailedAssertion);
+    EXPECT_THROW(list.shrink(1), FailedAssertion);
     list.push_back(1);
     list.push_back(2);
     EXPECT_THROW(list.push_back(3), FailedAssertion);

@@ -124,7 +124,7 @@ double restlessness(double stiffness, double deviceDamping) {
   for (int i = 0; i < 8000; ++i) {
     probe.sample = hand.sample(1e-3 * i);
     probe.tick();
-    hand.step(target, probe.out.toHand.force, 1e-3);
+    hand.step(target, probe.out.hands[0].toHand.force, 1e-3);
     const double z = hand.devicePose().position.z;
     if (!(std::abs(z) < 1e3)) return 1e9;
     if (i < 7000) continue;  // the arm itself takes seconds to come to rest

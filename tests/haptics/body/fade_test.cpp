@@ -96,19 +96,19 @@ double givenByAGrasp(double speed, bool byTimeAlone) {
   hand.command(haptics::PartCommand::Kind::own, 0);
   hand.command(haptics::PartCommand::Kind::grasp, 0);
   hand.at({0.0, 0.0, 0.049});
-  EXPECT_EQ(hand.out.held, 0);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1e-3 * kStiffness, 0.01);
+  EXPECT_EQ(hand.out.hands[0].held, 0);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1e-3 * kStiffness, 0.01);
   if (byTimeAlone) {
-    hand.state.data().fade = Fade{};
-    hand.state.data().fade.start({hand.out.toHand.force, {}}, {1e-9, 0.0}, p.fadeTime);
+    hand.state.data().hands[0].fade() = Fade{};
+    hand.state.data().hands[0].fade().start({hand.out.hands[0].toHand.force, {}}, {1e-9, 0.0}, p.fadeTime);
   }
   double given = 0.0;
   for (int i = 1; i <= 400; ++i) {
-    const double force = hand.out.toHand.force.z, way = speed * kTick;
+    const double force = hand.out.hands[0].toHand.force.z, way = speed * kTick;
     hand.at({0.0, 0.0, 0.049 + way * i});
     given += force * way;
   }
-  EXPECT_EQ(hand.out.toHand.force.z, 0.0);
+  EXPECT_EQ(hand.out.hands[0].toHand.force.z, 0.0);
   return given;
 }
 

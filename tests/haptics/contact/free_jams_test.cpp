@@ -77,7 +77,7 @@ struct Pushed {
         0.5);
     rig.tick(250);
     for (int i = 0; i < cubes; ++i) before.push_back(rig.pose(static_cast<PartId>(4 + i)));
-    force = rig.out.toHand.force;
+    force = rig.out.hands[0].toHand.force;
     rig.tick(250);
   }
   MovingRig rig;
@@ -98,7 +98,7 @@ TEST(FreeJams, CubesPushedHardToTheEndOfASlotStandStill) {
       EXPECT_LT(friction > 0.0 ? glm::length(drift) : std::abs(drift.x), 2e-6) << friction;
       EXPECT_LT(glm::length(drift), 2e-4) << friction;
     }
-    EXPECT_LT(glm::length(slot.rig.out.toHand.force - slot.force), 0.05) << friction;
+    EXPECT_LT(glm::length(slot.rig.out.hands[0].toHand.force - slot.force), 0.05) << friction;
     EXPECT_EQ(slot.rig.flags & haptics::kFlagFault, 0u);
   }
 }

@@ -172,7 +172,7 @@ TEST(FreeParts, APinOfTenGramsMovesABlockOfTenKilogramsAsItsForceSays) {
   const double before = rig.pose(0).position.x;
   double impulse = 0.0, way = 0.0, fastest = 0.0;
   rig.each = [&] {
-    impulse -= rig.out.toHand.force.x * rig.parameters.dt;
+    impulse -= rig.out.hands[0].toHand.force.x * rig.parameters.dt;
     way += impulse / 10.01 * rig.parameters.dt;
     fastest = std::max(fastest, std::abs(rig.owned(1).twist.linear.x));
   };
@@ -269,7 +269,7 @@ TEST(FreeParts, AHeavyPartIsLedAsSlowlyAsTheHandLikes) {
   const double speed = 1e-5;  // m/s
   double most = 0.0;
   rig.lead([&](double t) { return Pose{{speed * t, 0.0, 0.0}, kStraight}; }, 2.0);
-  rig.each = [&] { most = std::max(most, std::abs(rig.out.toHand.force.x)); };
+  rig.each = [&] { most = std::max(most, std::abs(rig.out.hands[0].toHand.force.x)); };
   rig.lead([&](double t) { return Pose{{speed * (2.0 + t), 0.0, 0.0}, kStraight}; }, 2.0);
   // Its momentum swings on the hand's spring: 0.1 m/s kg at 10 rad/s and 4 N s/m is 1 mN.
   EXPECT_LT(most, 4e-3);

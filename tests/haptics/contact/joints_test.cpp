@@ -87,8 +87,8 @@ TEST(Joints, AHingeTurnsAboutItsAxisOnly) {
   EXPECT_LT(glm::length(end - glm::dvec3(-0.03, 0.06, 0.0)), 1e-4);
   EXPECT_LT(glm::length(lever_.off().position), 1e-7);
   // What the hinge does not give the hand feels: 20 mm beyond the circle, and 20 mm up.
-  EXPECT_NEAR(lever_.rig.out.toHand.force.y, -20.0, 0.3);
-  EXPECT_NEAR(lever_.rig.out.toHand.force.z, -20.0, 0.3);
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.y, -20.0, 0.3);
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.z, -20.0, 0.3);
 }
 
 TEST(Joints, WithoutOneTheLeverGoesWithTheHand) {
@@ -112,10 +112,10 @@ TEST(Joints, ASliderGoesAlongItsAxisBetweenItsStops) {
   lever_.to({0.02, 0.01, 0.005}, {0.1, 0.1, 0.1});
   EXPECT_NEAR(lever_.rig.pose(0).position.x, 0.02, 1e-5);
   EXPECT_LT(std::hypot(lever_.rig.pose(0).position.y, lever_.rig.pose(0).position.z), kFirm);
-  EXPECT_NEAR(lever_.rig.out.toHand.force.y, -10.0, 1e-3);
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.y, -10.0, 1e-3);
   lever_.to({0.05, 0.0, 0.0});
   EXPECT_NEAR(lever_.rig.pose(0).position.x, 0.04, kFirm);
-  EXPECT_NEAR(lever_.rig.out.toHand.force.x, -30.0, 1e-3);  // 30 mm beyond the stop
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.x, -30.0, 1e-3);  // 30 mm beyond the stop
 }
 
 TEST(Joints, ACylinderTurnsAndSlides) {
@@ -123,7 +123,7 @@ TEST(Joints, ACylinderTurnsAndSlides) {
   lever_.to({0.02, 0.0, 0.0}, {1.0, 0.0, 0.0});
   EXPECT_NEAR(lever_.rig.pose(0).position.x, 0.02, 1e-5);
   EXPECT_NEAR(lever_.rig.jointValue(0, true), 1.0, 1e-4);
-  EXPECT_LT(glm::length(lever_.rig.out.toHand.force), 0.02);
+  EXPECT_LT(glm::length(lever_.rig.out.hands[0].toHand.force), 0.02);
 }
 
 TEST(Joints, ABallHoldsAPointAndAConeItsTilt) {
@@ -142,7 +142,7 @@ TEST(Joints, AFixedPartStaysWhereItIsAndTheHandFeelsItsPull) {
   lever_.to({0.01, 0.02, -0.01}, {0.2, 0.1, -0.1});
   EXPECT_LT(glm::length(lever_.rig.pose(0).position), kFirm);
   EXPECT_LT(glm::length(rotationVector(lever_.rig.pose(0).orientation)), 1e-7);
-  EXPECT_LT(glm::length(lever_.rig.out.toHand.force - glm::dvec3(-10.0, -20.0, 10.0)), 1e-6);
+  EXPECT_LT(glm::length(lever_.rig.out.hands[0].toHand.force - glm::dvec3(-10.0, -20.0, 10.0)), 1e-6);
 }
 
 TEST(Joints, AStraightCordLetsItComeNearerOnly) {
@@ -199,11 +199,11 @@ TEST(Joints, ADriveIsASpringInSeriesWithTheHand) {
   Lever weak(scene);
   weak.to({0.03, 0.0, 0.0});
   EXPECT_NEAR(weak.rig.pose(0).position.x, 0.02, 1e-5);  // 1000 N/m against 500
-  EXPECT_NEAR(weak.rig.out.toHand.force.x, -10.0, 0.01);
+  EXPECT_NEAR(weak.rig.out.hands[0].toHand.force.x, -10.0, 0.01);
   scene.joints[0].drives[0].maxForce = 4.0;
   Lever limited(scene);
   limited.to({0.03, 0.0, 0.0});
-  EXPECT_NEAR(limited.rig.out.toHand.force.x, -4.0, 0.01);
+  EXPECT_NEAR(limited.rig.out.hands[0].toHand.force.x, -4.0, 0.01);
 }
 
 TEST(Joints, ASoftLimitIsASpringBehindIt) {
@@ -211,10 +211,10 @@ TEST(Joints, ASoftLimitIsASpringBehindIt) {
   scene.joints[0].limits.push_back({false, kX, -1.0, 0.01, 2000.0, 2.0});
   Lever lever_{std::move(scene)};
   lever_.to({0.009, 0.0, 0.0});
-  EXPECT_NEAR(lever_.rig.out.toHand.force.x, 0.0, 0.02);
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.x, 0.0, 0.02);
   lever_.to({0.031, 0.0, 0.0});  // 30 mm beyond the limit
   EXPECT_NEAR(lever_.rig.pose(0).position.x, 0.02, 1e-5);
-  EXPECT_NEAR(lever_.rig.out.toHand.force.x, -20.0, 0.02);
+  EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.x, -20.0, 0.02);
 }
 
 TEST(Joints, DetentsSnapThePartToTheNearestPlace) {

@@ -83,7 +83,7 @@ TEST(Linkages, AChainFollowsTheHandThatPullsItsEnd) {
   chain.to({0.05, 0.0, 0.0});
   EXPECT_NEAR(chain.rig.pose(0).position.x, 0.05, 1e-3);
   EXPECT_LT(chain.gap(), 1e-6);
-  EXPECT_LT(glm::length(chain.rig.out.toHand.force), 0.05);
+  EXPECT_LT(glm::length(chain.rig.out.hands[0].toHand.force), 0.05);
   EXPECT_EQ(chain.rig.out.ownedCount, 4);
 }
 
@@ -91,7 +91,7 @@ TEST(Linkages, WithoutItsOtherLinksTheHandPullsAtAWall) {
   Chain chain(4, false, false);
   chain.to({0.05, 0.0, 0.0});
   EXPECT_NEAR(chain.rig.pose(0).position.x, 0.0, 1e-12);
-  EXPECT_NEAR(glm::length(chain.rig.out.toHand.force), 50.0, 1.0);
+  EXPECT_NEAR(glm::length(chain.rig.out.hands[0].toHand.force), 50.0, 1.0);
 }
 
 TEST(Linkages, AChainThatHangsCarriesPartOfItsWeight) {
@@ -100,8 +100,8 @@ TEST(Linkages, AChainThatHangsCarriesPartOfItsWeight) {
   // Between its end in the world and the hand it sags; who holds it carries less than all of it.
   EXPECT_LT(chain.rig.pose(2).position.z, -0.01);
   EXPECT_LT(chain.gap(), 1e-6);
-  EXPECT_LT(-chain.rig.out.toHand.force.z, 5 * 0.01 * 9.81);
-  EXPECT_GT(-chain.rig.out.toHand.force.z, 0.01 * 9.81);
+  EXPECT_LT(-chain.rig.out.hands[0].toHand.force.z, 5 * 0.01 * 9.81);
+  EXPECT_GT(-chain.rig.out.hands[0].toHand.force.z, 0.01 * 9.81);
 }
 
 TEST(Linkages, EachLinkIsAskedForOnceWhileTheHandHoldsOne) {

@@ -47,7 +47,7 @@ class MovingRig {
     for (int i = 0; i < count; ++i) {
       haptics::TickInput input;
       sample_.time = time_ += parameters.dt;
-      input.device = sample_;
+      input.hands[0].device = sample_;
       input.commands = commands_;
       input.moved = moved;
       out = haptics::tick(input, contact_, parameters, state_);

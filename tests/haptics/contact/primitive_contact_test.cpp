@@ -123,8 +123,8 @@ Met lead(assets::Scene scene, double scale, const std::function<Pose(double)>& p
   const int total = static_cast<int>(1000.0 * (duration + 0.2));
   rig.each = [&] {
     met.deepest = std::max(met.deepest, -gap(rig.pose(0)));
-    if (++ticks > 2 * total / 3) steps.push_back(glm::length(rig.out.toHand.force - before));
-    before = rig.out.toHand.force;
+    if (++ticks > 2 * total / 3) steps.push_back(glm::length(rig.out.hands[0].toHand.force - before));
+    before = rig.out.hands[0].toHand.force;
   };
   rig.lead([&](double t) { return path(t / duration); }, duration);
   rig.tick(200);
@@ -545,11 +545,11 @@ TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
   rig.grasp(0);
   const auto to = [&](const glm::dvec3& by) { return Pose{start.position + by, kStraight}; };
   rig.lead([&](double t) { return to({0.004 * t / 0.2, 0.0, -0.0015 * t / 0.2}); }, 0.2);
-  EXPECT_NEAR(rig.out.toHand.force.z, 1.0, 0.1);
-  EXPECT_LT(std::abs(rig.out.toHand.force.x), 0.1);  // damping and inertia alone
+  EXPECT_NEAR(rig.out.hands[0].toHand.force.z, 1.0, 0.1);
+  EXPECT_LT(std::abs(rig.out.hands[0].toHand.force.x), 0.1);  // damping and inertia alone
   rig.lead([&](double t) { return to({0.004 + 0.02 * t / 1.0, 0.0, -0.0015}); }, 1.0);
   // Half of 0.6, for the foot has none.
-  EXPECT_NEAR(rig.out.toHand.force.x, -0.3 * rig.out.toHand.force.z, 0.05);
+  EXPECT_NEAR(rig.out.hands[0].toHand.force.x, -0.3 * rig.out.hands[0].toHand.force.z, 0.05);
 }
 
 TEST(PrimitiveContact, NeedsNothingBaked) {

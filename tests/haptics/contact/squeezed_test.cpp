@@ -67,7 +67,7 @@ TEST(Squeezed, APartStaysWhereTheJawsMetIt) {
     double most = 0.0, drift = 0.0;
     const Pose before = vice.rig.pose(kCube);
     vice.rig.each = [&] {
-      most = std::max(most, glm::length(vice.rig.out.toHand.force));
+      most = std::max(most, glm::length(vice.rig.out.hands[0].toHand.force));
       drift = std::max(drift, glm::length(vice.rig.pose(kCube).position - before.position));
     };
     vice.rig.tick(500);
@@ -84,8 +84,8 @@ TEST(Squeezed, AHandThatDragsAtItFeelsTheJawsAndNothingElse) {
   // Up and aside by 4 mm and back: 4 N of 1 N/mm into the upper jaw, none along it.
   double most = 0.0, aside = 0.0, deepest = 0.0;
   vice.rig.each = [&] {
-    most = std::max(most, std::abs(vice.rig.out.toHand.force.y));
-    aside = std::max(aside, std::abs(vice.rig.out.toHand.force.x));
+    most = std::max(most, std::abs(vice.rig.out.hands[0].toHand.force.y));
+    aside = std::max(aside, std::abs(vice.rig.out.hands[0].toHand.force.x));
     deepest = std::max(deepest, vice.depth());
   };
   vice.rig.lead(
@@ -104,7 +104,7 @@ TEST(Squeezed, OneJawAlonePushesIt) {
   vice.close(2e-3, 0.2);
   EXPECT_EQ(vice.rig.flags & haptics::kFlagSqueezed, 0u);
   EXPECT_NEAR(vice.rig.pose(kCube).position.y, 2e-3, 5e-6);
-  EXPECT_NEAR(vice.rig.out.toHand.force.y, 2.0, 0.05);
+  EXPECT_NEAR(vice.rig.out.hands[0].toHand.force.y, 2.0, 0.05);
 }
 
 }  // namespace

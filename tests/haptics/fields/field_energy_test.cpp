@@ -204,7 +204,7 @@ TEST(FieldForce, IsFiniteAndWithinItsMaximumWhateverThePlace) {
       probe.sample.twist.linear = {wild(), wild(), wild()};
       probe.sample.time = n % 7 == 0 ? std::numeric_limits<double>::quiet_NaN() : wild();
       const TickOutput& out = probe.tick();
-      const double length = glm::length(out.toHand.force);
+      const double length = glm::length(out.hands[0].toHand.force);
       ASSERT_TRUE(length <= all[i].maxForce * (1.0 + 1e-9)) << i << ": " << length;
       ASSERT_EQ(out.flags & kFlagFault, 0u) << i;
     }
@@ -308,7 +308,7 @@ FreeRun letGoIn(const ForceField& field, double deviceDamping, double start, dou
     sources += probe.out.sourcePower * 1e-3;
     const double given = hand.energyGiven();
     if (i > 20) run.created = std::max(run.created, given - sources);
-    line.push_back(probe.out.toHand.force);
+    line.push_back(probe.out.hands[0].toHand.force);
     hand.step(target, line.front() + glm::dvec3(i < 5 ? kick : 0.0, 0.0, 0.0), 1e-3);
     line.erase(line.begin());
     const double x = std::abs(hand.devicePose().position.x), v = std::abs(hand.deviceVelocity().x);
@@ -385,11 +385,11 @@ void followTheAccount(double gain, double forceLimit, double atLeast) {
         {0, pose, {{-0.2 * std::sin(4.0 * t), 0.0, 0.2 * std::cos(4.0 * t)}, glm::dvec3(0.0)}});
     const TickOutput& out = probe.at(x);
     if (i > 1) {
-      given += glm::dot(0.5 * (force + out.toHand.force), x - before);
+      given += glm::dot(0.5 * (force + out.hands[0].toHand.force), x - before);
       accounted += out.sourcePower * parameters.dt;
       largest = std::max(largest, std::abs(given));
     }
-    force = out.toHand.force;
+    force = out.hands[0].toHand.force;
     before = x;
     ASSERT_NEAR(given, accounted, 0.01 * largest + 1e-4) << t;
   }

@@ -41,8 +41,8 @@ struct Desk {
     probe.sample = hand.sample(1e-3 * ticks++);
     probe.tick();
     flags |= probe.out.flags;
-    most = std::max(most, glm::length(probe.out.toHand.force));
-    hand.step(target, probe.out.toHand.force + glm::dvec3(push, 0.0, 0.0), 1e-3);
+    most = std::max(most, glm::length(probe.out.hands[0].toHand.force));
+    hand.step(target, probe.out.hands[0].toHand.force + glm::dvec3(push, 0.0, 0.0), 1e-3);
   }
   SimulatedDeviceParameters device;
   SimulatedHand hand;

@@ -77,9 +77,9 @@ TEST(ForceFields, SeveralCentresAddUpAndFollowTheirParts) {
   };
   const glm::dvec3 x(0.1, 0.05, -0.02);
   const glm::dvec3 still = pull(x, {0.0, 0.0, 0.0}, 1e-3) + pull(x, {0.0, 0.2, 0.0}, 3e-3);
-  expectNear(probe.at(x).toHand.force, still + pull(x, {0.3, 0.0, 0.0}, 2e-3), 1e-12);
+  expectNear(probe.at(x).hands[0].toHand.force, still + pull(x, {0.3, 0.0, 0.0}, 2e-3), 1e-12);
   probe.moved.push_back({0, Pose{{0.1, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}}, Twist{}});
-  expectNear(probe.at(x).toHand.force, still + pull(x, {0.1, 0.3, 0.0}, 2e-3), 1e-12);
+  expectNear(probe.at(x).hands[0].toHand.force, still + pull(x, {0.1, 0.3, 0.0}, 2e-3), 1e-12);
 }
 
 TEST(FieldForce, DampersOpposeEachAxisByItsOwnRate) {
@@ -143,9 +143,14 @@ TEST(ForceFields, AWaveformFollowsTheSessionsClockOrElseTheReadings) {
   sample.valid = true;
   sample.time = 0.03;
   const TickParameters free = springOnly();
-  expectNear(tick({sample, {}, {}}, contact, free, state).toHand.force,
-             {0.0, 2.0 * std::sin(2.0 * M_PI * 5.0 * 0.03), 0.0}, 1e-12);
-  expectNear(tick({sample, {}, {}, 100.05}, contact, free, state).toHand.force, {0.0, 2.0, 0.0}, 1e-9);
+  expectNear(
+      tick({.hands = {{{sample}}}, .moved = {}, .commands = {}}, contact, free, state).hands[0].toHand.force,
+      {0.0, 2.0 * std::sin(2.0 * M_PI * 5.0 * 0.03), 0.0}, 1e-12);
+  expectNear(
+      tick({.hands = {{{sample}}}, .moved = {}, .commands = {}, .sessionTime = 100.05}, contact, free, state)
+          .hands[0]
+          .toHand.force,
+      {0.0, 2.0, 0.0}, 1e-9);
 }
 
 TEST(FieldForce, IsMinusTheSlopeOfItsPotentialEverywhere) {
@@ -177,18 +182,18 @@ TEST(FieldForce, IsMinusTheSlopeOfItsPotentialEverywhere) {
 TEST(ForceFields, ASceneWithoutThemCostsNothingAndAnInvalidReadingFeelsNone) {
   EXPECT_TRUE(ForceFields(sceneWith({})).empty());
   HandProbe probe(sceneWith({spring(100.0)}));
-  EXPECT_NEAR(probe.at({0.01, 0.0, 0.0}).toHand.force.x, -1.0, 1e-12);
+  EXPECT_NEAR(probe.at({0.01, 0.0, 0.0}).hands[0].toHand.force.x, -1.0, 1e-12);
   probe.sample.worldFromDevice.position.x = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_EQ(probe.tick().toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(probe.tick().hands[0].toHand.force, glm::dvec3(0.0));
   probe.sample.worldFromDevice.position.x = 0.02;
-  EXPECT_NEAR(probe.tick().toHand.force.x, -2.0, 1e-12);
+  EXPECT_NEAR(probe.tick().hands[0].toHand.force.x, -2.0, 1e-12);
 }
 
 TEST(ForceFields, FieldsBeyondTheCapacityAreLeftOutAndFlagged) {
   HandProbe probe(sceneWith(std::vector<ForceField>(assets::kMaxForceFields + 3, spring(1.0))));
   const TickOutput& out = probe.at({0.01, 0.0, 0.0});
   EXPECT_NE(out.flags & kFlagOverflow, 0u);
-  EXPECT_NEAR(out.toHand.force.x, -0.01 * static_cast<double>(assets::kMaxForceFields), 1e-12);
+  EXPECT_NEAR(out.hands[0].toHand.force.x, -0.01 * static_cast<double>(assets::kMaxForceFields), 1e-12);
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ Press press(double s, int steps) {
   Press out;
   for (int i = 1; i <= steps; ++i) {
     hand.at({0.0, 0.0, -1e-6 * s * i});
-    out.force.push_back(hand.out.toHand.force.z);
+    out.force.push_back(hand.out.hands[0].toHand.force.z);
     out.value.push_back(valueOf(hand, control));
   }
   return out;
@@ -85,11 +85,11 @@ TEST(Controls, AButtonWithoutItsClickHasNoDrop) {
   hand.at({0.0, 0.0, 1e-3});
   hand.command(PartCommand::Kind::own, 0);
   hand.to({0.0, 0.0, -5e-4}, 1e-6);
-  double last = hand.out.toHand.force.z, drop = 0.0;
+  double last = hand.out.hands[0].toHand.force.z, drop = 0.0;
   for (int i = 501; i <= 3500; ++i) {
     hand.at({0.0, 0.0, -1e-6 * i});
-    drop = std::max(drop, last - hand.out.toHand.force.z);
-    last = hand.out.toHand.force.z;
+    drop = std::max(drop, last - hand.out.hands[0].toHand.force.z);
+    last = hand.out.hands[0].toHand.force.z;
   }
   EXPECT_LT(drop, 1e-3);
 }
@@ -119,7 +119,7 @@ TEST(Controls, PressingAndReleasingTakesWorkFromTheHand) {
       const glm::dvec3 way = to - hand.sample.worldFromDevice.position;
       work -= glm::dot(0.5 * force, way);
       hand.at(to);
-      force = hand.out.toHand.force;
+      force = hand.out.hands[0].toHand.force;
       work -= glm::dot(0.5 * force, way);
     }
     EXPECT_GT(work, -1e-6) << damping;
@@ -130,7 +130,7 @@ TEST(Controls, AControlThatIsNotOwnedIsRigid) {
   HandProbe hand(buttonScene(1.0).scene, springOnly(kContact));
   hand.at({0.0, 0.0, 1e-3});
   hand.to({0.0, 0.0, -1e-3}, 1e-5);
-  EXPECT_NEAR(hand.out.toHand.force.z, kContact * 1e-3, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, kContact * 1e-3, 1e-5);
   EXPECT_NEAR(valueOf(hand, hand.contact.scene().controls[0]), 0.0, 1e-15);
 }
 
@@ -147,7 +147,7 @@ TEST(Controls, ADialYieldsAtTheTorqueOfItsDetents) {
       const double value = valueOf(hand, control);
       if (hand.out.contactCount > 0) {
         const glm::dvec3 arm = hand.out.contacts[0].point;
-        torque = std::max(torque, glm::cross(arm, -hand.out.toHand.force).z);
+        torque = std::max(torque, glm::cross(arm, -hand.out.hands[0].toHand.force).z);
       }
       if (value > kPi / 12.0) yielded = value;
     }
@@ -171,11 +171,12 @@ TEST(Controls, ASliderStopsAtItsEndsAndIsHardThere) {
     hand.at(glm::dvec3(-6e-3, 0.0, 0.0) * s);
     hand.command(PartCommand::Kind::own, 0);
     hand.to(glm::dvec3(10e-3, 0.0, 0.0) * s, 1e-5 * s);
-    EXPECT_NEAR(hand.out.toHand.force.x / s, -(0.2 + 1.0 * 0.01), 0.02)
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.x / s, -(0.2 + 1.0 * 0.01), 0.02)
         << s;  // friction and damping at 10 mm/s
     hand.to(glm::dvec3(26e-3, 0.0, 0.0) * s, 1e-5 * s);
     EXPECT_NEAR(valueOf(hand, c) / s, 30e-3, 1e-12) << s;
-    EXPECT_NEAR(hand.out.toHand.force.x / s, -kContact * 1e-3, 0.01) << s;  // 1 mm into what now is a wall
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.x / s, -kContact * 1e-3, 0.01)
+        << s;  // 1 mm into what now is a wall
   }
 }
 
@@ -190,18 +191,18 @@ TEST(Controls, AGraspedDrawerMovesAlongItsAxisAndResistsAcrossIt) {
   hand.command(PartCommand::Kind::own, 0);
   hand.command(PartCommand::Kind::grasp, 0);
   hand.at({0.06, 0.0, 0.0});
-  EXPECT_EQ(hand.out.held, 0);
+  EXPECT_EQ(hand.out.hands[0].held, 0);
   hand.to({0.10, 0.002, -0.001}, 2e-5);
   hand.sample.twist = {};
   for (int i = 0; i < 3000; ++i) hand.tick();
   EXPECT_NEAR(valueOf(hand, c), 0.04, 1e-6);
   const double k = hand.parameters.graspStiffness;
-  EXPECT_LT(glm::length(hand.out.toHand.force - glm::dvec3(0.0, -0.002 * k, 0.001 * k)), 1e-3);
+  EXPECT_LT(glm::length(hand.out.hands[0].toHand.force - glm::dvec3(0.0, -0.002 * k, 0.001 * k)), 1e-3);
   hand.to({0.15, 0.0, 0.0}, 2e-5);
   hand.sample.twist = {};
   for (int i = 0; i < 3000; ++i) hand.tick();
   EXPECT_EQ(valueOf(hand, c), 0.08);  // its stop
-  EXPECT_NEAR(hand.out.toHand.force.x, -k * 0.01, 1e-3);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.x, -k * 0.01, 1e-3);
 }
 
 TEST(Controls, AGraspedDialTurnsWithTheTwistOfTheHand) {
@@ -223,7 +224,7 @@ TEST(Controls, AGraspedDialTurnsWithTheTwistOfTheHand) {
   }
   for (int i = 0; i < 2000; ++i) hand.tick();
   const double off = valueOf(hand, control) - kPi / 3.0;
-  EXPECT_NEAR(hand.out.toHand.torque.z, -0.02 * std::sin(12.0 * off), 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.torque.z, -0.02 * std::sin(12.0 * off), 1e-6);
   EXPECT_GT(off, 0.05);
 }
 
@@ -246,15 +247,15 @@ TEST(Controls, ALayerShowsAndHidesWhatItNames) {
   hand.tick();
   hand.to({0.0, 0.0, 0.009}, 1e-4);
   EXPECT_EQ(hand.out.contactCount, 1);
-  EXPECT_NEAR(hand.out.toHand.force.z, kContact * 1e-3, 1e-3);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, kContact * 1e-3, 1e-3);
   // Off again: what was felt fades away, and nothing is left.
   hand.commands.push_back({PartCommand::Kind::setPose, 0, assets::poseAt(c, 0.0)});
   hand.sample.twist = {};
   hand.tick();
   EXPECT_EQ(hand.out.contactCount, 0);
-  EXPECT_NEAR(hand.out.toHand.force.z, kContact * 1e-3, 0.02);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, kContact * 1e-3, 0.02);
   for (int i = 0; i < 400; ++i) hand.tick();
-  EXPECT_EQ(hand.out.toHand.force.z, 0.0);
+  EXPECT_EQ(hand.out.hands[0].toHand.force.z, 0.0);
 }
 
 TEST(Controls, APartThatAppearsAroundTheToolIsNotFeltUntilItIsLeft) {
@@ -269,10 +270,10 @@ TEST(Controls, APartThatAppearsAroundTheToolIsNotFeltUntilItIsLeft) {
   HandProbe hand(b.scene, springOnly(kContact));
   hand.at({0.0, 0.0, 0.002});
   hand.commands.push_back({PartCommand::Kind::setPose, 0, assets::poseAt(c, 0.02)});
-  for (int i = 0; i < 10; ++i) EXPECT_EQ(glm::length(hand.at({0.0, 0.0, 0.002}).toHand.force), 0.0);
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(glm::length(hand.at({0.0, 0.0, 0.002}).hands[0].toHand.force), 0.0);
   hand.to({0.0, 0.0, 0.02}, 1e-4);
   hand.to({0.0, 0.0, 0.009}, 1e-4);
-  EXPECT_GT(hand.out.toHand.force.z, 1.0);
+  EXPECT_GT(hand.out.hands[0].toHand.force.z, 1.0);
 }
 
 }  // namespace

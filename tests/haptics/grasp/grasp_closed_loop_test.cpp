@@ -147,12 +147,12 @@ Outcome run(const Hold& hold, const Loop& loop) {
   Outcome outcome;
   for (int i = 0; i < ticks; ++i) {
     haptics::TickInput input;
-    input.device = device.sample(kPeriod * i, kPeriod);
+    input.hands[0].device = device.sample(kPeriod * i, kPeriod);
     const haptics::PartCommand take[2] = {{Kind::own, 0, hold.scene->parts[0].worldFromPart},
                                           {Kind::grasp, 0, {}}};
     if (i == 0) input.commands = take;
     const haptics::TickOutput out = haptics::tick(input, hold.contact, parameters, state);
-    sent[static_cast<std::size_t>(i % kMostDelay)] = out.toHand;
+    sent[static_cast<std::size_t>(i % kMostDelay)] = out.hands[0].toHand;
     const Wrench command =
         i < loop.delay ? Wrench{} : sent[static_cast<std::size_t>((i - loop.delay) % kMostDelay)];
     Wrench push = handOf(hold, device.pose());
@@ -300,27 +300,27 @@ TEST(GraspClosedLoop, ALeverPutsTheTurningSpringInSeries) {
   haptics::TickOutput out;
   for (int i = 0; i < 400; ++i) {
     haptics::TickInput input;
-    input.device.worldFromDevice = hold.worldFromGrip;
-    input.device.worldFromDevice.position.z -= down * std::min(1.0, i / 100.0);
-    input.device.time = kPeriod * i;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = hold.worldFromGrip;
+    input.hands[0].device.worldFromDevice.position.z -= down * std::min(1.0, i / 100.0);
+    input.hands[0].device.time = kPeriod * i;
+    input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {{Kind::own, 0, hold.scene->parts[0].worldFromPart},
                                           {Kind::grasp, 0, {}}};
     if (i == 0) input.commands = take;
     out = haptics::tick(input, hold.contact, p, state);
   }
   const double felt = 1.0 / (1.0 / p.graspStiffness + kLever * kLever / p.graspRotStiffness);
-  EXPECT_NEAR(out.toHand.force.z, felt * down, 0.01 * felt * down);
+  EXPECT_NEAR(out.hands[0].toHand.force.z, felt * down, 0.01 * felt * down);
   EXPECT_LT(felt, 0.6 * p.graspStiffness);
   // A device that is not turned, as a mouse is not: contact turns the part against the spring, and lets it turn back.
   const glm::dvec3 turn = rotationVector(state.worldFromPart(0).orientation);
   EXPECT_NEAR(turn.y, felt * down * kLever / p.graspRotStiffness, 0.02 * turn.y);
   for (int i = 400; i < 800; ++i) {
     haptics::TickInput input;
-    input.device.worldFromDevice = hold.worldFromGrip;
-    input.device.worldFromDevice.position.z += 0.02 * std::min(1.0, (i - 400) / 200.0);
-    input.device.time = kPeriod * i;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = hold.worldFromGrip;
+    input.hands[0].device.worldFromDevice.position.z += 0.02 * std::min(1.0, (i - 400) / 200.0);
+    input.hands[0].device.time = kPeriod * i;
+    input.hands[0].device.valid = true;
     out = haptics::tick(input, hold.contact, p, state);
   }
   EXPECT_LT(glm::length(rotationVector(state.worldFromPart(0).orientation)), 1e-4);
@@ -338,16 +338,16 @@ TEST(GraspTorque, ReachesTheDeviceWithinItsLimit) {
   for (int i = 0; i < 300; ++i) {
     const double angle = 0.05 * std::min(1.0, i / 200.0);  // the wall behind the cube keeps it from turning
     haptics::TickInput input;
-    input.device.worldFromDevice = hold.worldFromGrip;
-    input.device.worldFromDevice.position -= glm::dvec3(1e-3, 1e-3, 1e-3) * std::min(1.0, i / 100.0);
-    input.device.worldFromDevice.orientation = fromRotationVector(angle * axis);
-    input.device.time = kPeriod * i;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = hold.worldFromGrip;
+    input.hands[0].device.worldFromDevice.position -= glm::dvec3(1e-3, 1e-3, 1e-3) * std::min(1.0, i / 100.0);
+    input.hands[0].device.worldFromDevice.orientation = fromRotationVector(angle * axis);
+    input.hands[0].device.time = kPeriod * i;
+    input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {{Kind::own, 0, hold.scene->parts[0].worldFromPart},
                                           {Kind::grasp, 0, {}}};
     if (i == 0) input.commands = take;
     const haptics::TickOutput out = haptics::tick(input, hold.contact, p, state);
-    const double torque = glm::length(out.toHand.torque);
+    const double torque = glm::length(out.hands[0].toHand.torque);
     ASSERT_LE(torque, 0.1 + 1e-12);
     // It comes as the hand turns, not in steps.
     ASSERT_LT(std::abs(torque - before), 0.01) << i;
@@ -357,7 +357,7 @@ TEST(GraspTorque, ReachesTheDeviceWithinItsLimit) {
       const glm::dvec3 wanted = p.graspRotStiffness * (part - angle * axis);
       EXPECT_GT(glm::length(wanted), 0.02);
       const double share = std::min(1.0, 0.1 / glm::length(wanted));
-      EXPECT_LT(glm::length(out.toHand.torque - share * wanted), 1e-3);
+      EXPECT_LT(glm::length(out.hands[0].toHand.torque - share * wanted), 1e-3);
     }
   }
 }

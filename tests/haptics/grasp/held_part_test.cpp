@@ -29,11 +29,11 @@ struct Held {
 
 TEST(HeldPart, IsTakenWithoutForce) {
   Held held(0.5);
-  EXPECT_EQ(held.hand.out.held, 0);
+  EXPECT_EQ(held.hand.out.hands[0].held, 0);
   ASSERT_EQ(held.hand.out.ownedCount, 1);
   EXPECT_TRUE(held.hand.out.owned[0].held);
   EXPECT_TRUE(held.hand.out.flags & haptics::kFlagHeldWithoutContact);
-  EXPECT_LT(glm::length(held.hand.out.toHand.force), 1e-9);
+  EXPECT_LT(glm::length(held.hand.out.hands[0].toHand.force), 1e-9);
 }
 
 TEST(HeldPart, FollowsTheHandAndSettlesWithoutError) {
@@ -56,7 +56,7 @@ TEST(HeldPart, IsStableFromTenGramsToAHundredKilograms) {
       held.hand.at({0.05 * std::sin(a), 0.02 * std::cos(a) - 0.02, 0.0205});
       held.hand.sample.worldFromDevice.orientation = fromRotationVector({0.0, 0.8 * std::sin(a), 0.0});
       if (i >= 19'000) peak = std::max(peak, glm::length(held.hand.out.owned[0].twist.linear));
-      ASSERT_TRUE(std::isfinite(held.hand.out.toHand.force.x)) << mass;
+      ASSERT_TRUE(std::isfinite(held.hand.out.hands[0].toHand.force.x)) << mass;
     }
     // 100 kg on 4 N·s/m takes 50 s to settle; the others have.
     EXPECT_LT(peak, mass > 5.0 ? 0.1 : 1e-3) << mass;
@@ -89,7 +89,7 @@ TEST(HeldPart, PutsItsWeightOnTheHand) {
   Held held(0.1, p);
   held.hand.sample.twist = {};
   for (int i = 0; i < 3000; ++i) held.hand.tick();
-  EXPECT_NEAR(held.hand.out.toHand.force.z, -0.981, 1e-6);
+  EXPECT_NEAR(held.hand.out.hands[0].toHand.force.z, -0.981, 1e-6);
   EXPECT_NEAR(held.hand.out.owned[0].worldFromPart.position.z, -0.981 / 800.0, 1e-6);
 }
 
@@ -101,7 +101,7 @@ TEST(HeldPart, StaysWhereItIsLeft) {
   const glm::dvec3 left = held.hand.out.owned[0].worldFromPart.position;
   held.hand.command(PartCommand::Kind::letGo, 0);
   held.hand.tick();
-  EXPECT_EQ(held.hand.out.held, kNoPart);
+  EXPECT_EQ(held.hand.out.hands[0].held, kNoPart);
   EXPECT_FALSE(held.hand.out.owned[0].atRest);
   for (int i = 0; i < 400; ++i) held.hand.tick();
   EXPECT_TRUE(held.hand.out.owned[0].atRest);
@@ -118,14 +118,14 @@ TEST(HeldPart, ForceFadesWhenItIsLost) {
     Held held(0.2, p);
     held.hand.sample.twist = {};
     for (int i = 0; i < 2000; ++i) held.hand.tick();
-    glm::dvec3 last = held.hand.out.toHand.force;
+    glm::dvec3 last = held.hand.out.hands[0].toHand.force;
     ASSERT_NEAR(last.z, -1.962, 1e-3);
     held.hand.command(kind, 0);
     for (int i = 0; i < 400; ++i) {
       held.hand.tick();
       // 0.3 s from full to nothing: 6.6 mN a tick, where a step would be 2 N.
-      EXPECT_LE(glm::length(held.hand.out.toHand.force - last), 1.962 / 300.0 + 1e-6) << i;
-      last = held.hand.out.toHand.force;
+      EXPECT_LE(glm::length(held.hand.out.hands[0].toHand.force - last), 1.962 / 300.0 + 1e-6) << i;
+      last = held.hand.out.hands[0].toHand.force;
     }
     EXPECT_EQ(last, glm::dvec3(0.0));
   }
@@ -137,14 +137,14 @@ TEST(HeldPart, StylusLeavesAReleasedPartWithoutAForceStep) {
   HandProbe hand(Held::scene(0.5), p);
   hand.at({0.0, 0.0, 0.03});
   hand.to({0.0, 0.0, 0.018}, 2e-4);  // 2 mm deep
-  glm::dvec3 last = hand.out.toHand.force;
+  glm::dvec3 last = hand.out.hands[0].toHand.force;
   ASSERT_NEAR(last.z, 1.6 + 0.2, 1e-5);
   hand.command(PartCommand::Kind::own, 0);
   hand.command(PartCommand::Kind::grasp, 0);
   double step = 0.0;
   const auto watch = [&] {
-    step = std::max(step, glm::length(hand.out.toHand.force - last));
-    last = hand.out.toHand.force;
+    step = std::max(step, glm::length(hand.out.hands[0].toHand.force - last));
+    last = hand.out.hands[0].toHand.force;
   };
   hand.sample.twist = {};
   for (int i = 0; i < 1000; ++i, watch()) hand.tick();
@@ -157,7 +157,7 @@ TEST(HeldPart, StylusLeavesAReleasedPartWithoutAForceStep) {
   EXPECT_LT(step, 0.05);
   // Outside it is solid again.
   hand.to(part + glm::dvec3(0.0, 0.0, 0.018), 1e-4);
-  EXPECT_GT(hand.out.toHand.force.z, 1.0);
+  EXPECT_GT(hand.out.hands[0].toHand.force.z, 1.0);
 }
 
 TEST(HeldPart, ToolDoesNotFeelWhatItHolds) {

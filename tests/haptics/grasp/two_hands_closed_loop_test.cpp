@@ -141,10 +141,10 @@ Outcome run(const Hold& hold, const Loop& loop) {
   Outcome outcome;
   for (int i = 0; i < ticks; ++i) {
     const double now = kPeriod * i;
-    haptics::SecondHand second{devices[1].sample(now, kPeriod), &parameters[1], {}};
     haptics::TickInput input;
-    input.device = devices[0].sample(now, kPeriod);
-    input.second = &second;
+    input.hands[0].device = devices[0].sample(now, kPeriod);
+    input.hands[1] = {devices[1].sample(now, kPeriod), &parameters[1], {}};
+    input.handCount = 2;
     std::vector<haptics::PartCommand> commands;
     if (i == 0)
       commands = {
@@ -154,7 +154,7 @@ Outcome run(const Hold& hold, const Loop& loop) {
         commands.push_back({Kind::letGo, 0, {}, h});
     input.commands = commands;
     const haptics::TickOutput out = haptics::tick(input, hold.contact, parameters[0], state);
-    const Wrench sent[2] = {out.toHand, out.second.toHand};
+    const Wrench sent[2] = {out.hands[0].toHand, out.hands[1].toHand};
     for (int h = 0; h < 2; ++h) devices[h].step(sent[h], pushOf(hold.hands[h], devices[h].pose()), kPeriod);
     outcome.created = std::max(outcome.created, devices[0].given() + devices[1].given());
     const int window = i / eighth == loop.early ? 0 : i >= ticks - eighth ? 1 : -1;

@@ -49,16 +49,16 @@ class TwoHands {
       haptics::TickInput input;
       time_ += parameters.dt;
       first.time = second.device.time = time_;
-      input.device = first;
+      input.hands[0].device = first;
       input.commands = commands_;
-      if (present) input.second = &second;
-      const std::array<glm::dvec3, 2> before{out.toHand.force, out.second.toHand.force};
+      if (present) input.hands[1] = second, input.handCount = 2;
+      const std::array<glm::dvec3, 2> before{out.hands[0].toHand.force, out.hands[1].toHand.force};
       const std::uint64_t used = allocationsOfThisThread();
       out = haptics::tick(input, contact_, parameters, *state);
       allocations += allocationsOfThisThread() - used;
       commands_.clear();
-      steps[0] = std::max(steps[0], glm::length(out.toHand.force - before[0]));
-      steps[1] = std::max(steps[1], glm::length(out.second.toHand.force - before[1]));
+      steps[0] = std::max(steps[0], glm::length(out.hands[0].toHand.force - before[0]));
+      steps[1] = std::max(steps[1], glm::length(out.hands[1].toHand.force - before[1]));
     }
     return out;
   }
@@ -85,7 +85,7 @@ class TwoHands {
 
   haptics::TickParameters parameters;
   haptics::DeviceSample first;
-  haptics::SecondHand second;
+  haptics::HandInput second;
   bool present = true;  // the second hand
   haptics::TickOutput out;
   std::array<double, 2> steps{};  // N, the largest changes of force in a tick
@@ -122,21 +122,22 @@ std::unique_ptr<TwoHands> atBothEnds(const haptics::TickParameters& settings = s
 
 TEST(TwoHands, TakeOnePartWithoutForce) {
   const auto hands = atBothEnds();
-  EXPECT_EQ(hands->out.held, 0);
-  EXPECT_EQ(hands->out.second.held, 0);
+  EXPECT_EQ(hands->out.hands[0].held, 0);
+  EXPECT_EQ(hands->out.hands[1].held, 0);
   EXPECT_TRUE(hands->out.owned[0].held);
-  EXPECT_LT(glm::length(hands->out.toHand.force) + glm::length(hands->out.second.toHand.force), 1e-9);
+  EXPECT_LT(glm::length(hands->out.hands[0].toHand.force) + glm::length(hands->out.hands[1].toHand.force),
+            1e-9);
 }
 
 TEST(TwoHands, PullAtEachOtherThroughThePartAsSpringsInSeries) {
   const auto hands = atBothEnds();
   hands->lead({-2e-3, 0.0, 0.0}, {2e-3, 0.0, 0.0}, 200);
   hands->tick(1000);
-  EXPECT_NEAR(hands->out.toHand.force.x, kStiffness * 2e-3, 1e-6);
-  EXPECT_NEAR(hands->out.second.toHand.force.x, -kStiffness * 2e-3, 1e-6);
+  EXPECT_NEAR(hands->out.hands[0].toHand.force.x, kStiffness * 2e-3, 1e-6);
+  EXPECT_NEAR(hands->out.hands[1].toHand.force.x, -kStiffness * 2e-3, 1e-6);
   hands->lead({4e-3, 0.0, 0.0}, {0.0, 0.0, 0.0}, 200);
   hands->tick(1000);
-  EXPECT_NEAR(hands->out.toHand.force.x, 0.0, 1e-6);
+  EXPECT_NEAR(hands->out.hands[0].toHand.force.x, 0.0, 1e-6);
   EXPECT_NEAR(hands->place().x, 2e-3, 1e-6);
 }
 
@@ -150,8 +151,8 @@ TEST(TwoHands, TwistThePartAgainstEachOther) {
   hands->tick(1000);
   // The part stands midway between 0.2 and -0.1 rad.
   EXPECT_NEAR(rotationVector(hands->state->worldFromPart(0).orientation).x, 0.05, 2e-5);
-  EXPECT_NEAR(hands->out.toHand.torque.x, -4.0 * 0.15, 1e-5);
-  EXPECT_NEAR(hands->out.second.toHand.torque.x, 4.0 * 0.15, 1e-5);
+  EXPECT_NEAR(hands->out.hands[0].toHand.torque.x, -4.0 * 0.15, 1e-5);
+  EXPECT_NEAR(hands->out.hands[1].toHand.torque.x, 4.0 * 0.15, 1e-5);
 }
 
 TEST(TwoHands, ShareTheWeightAsTheirPlacesSay) {
@@ -164,8 +165,8 @@ TEST(TwoHands, ShareTheWeightAsTheirPlacesSay) {
   hands->grasp(0, 0);
   hands->grasp(0, 1);
   hands->tick(4000);
-  EXPECT_NEAR(hands->out.toHand.force.z, -0.981 / 3.0, 2e-4);
-  EXPECT_NEAR(hands->out.second.toHand.force.z, -0.981 * 2.0 / 3.0, 2e-4);
+  EXPECT_NEAR(hands->out.hands[0].toHand.force.z, -0.981 / 3.0, 2e-4);
+  EXPECT_NEAR(hands->out.hands[1].toHand.force.z, -0.981 * 2.0 / 3.0, 2e-4);
 }
 
 TEST(TwoHands, LettingGoLeavesThePartInTheOtherHandWithoutAStep) {
@@ -176,14 +177,15 @@ TEST(TwoHands, LettingGoLeavesThePartInTheOtherHandWithoutAStep) {
     hands->steps = {};
     hands->letGo(0, hand);
     hands->tick();
-    EXPECT_EQ(hands->out.held, hand == 0 ? kNoPart : 0);
-    EXPECT_EQ(hands->out.second.held, hand == 1 ? kNoPart : 0);
+    EXPECT_EQ(hands->out.hands[0].held, hand == 0 ? kNoPart : 0);
+    EXPECT_EQ(hands->out.hands[1].held, hand == 1 ? kNoPart : 0);
     EXPECT_TRUE(hands->out.owned[0].held);
     hands->tick(1500);
     // 1.6 N in 0.3 s are 5.3 mN a tick; the slew limit would let 0.4 N pass.
     EXPECT_LT(hands->steps[0], 0.02) << int(hand);
     EXPECT_LT(hands->steps[1], 0.02) << int(hand);
-    EXPECT_LT(glm::length(hands->out.toHand.force) + glm::length(hands->out.second.toHand.force), 1e-3);
+    EXPECT_LT(glm::length(hands->out.hands[0].toHand.force) + glm::length(hands->out.hands[1].toHand.force),
+              1e-3);
     EXPECT_NEAR(hands->place().x, hand == 0 ? 2e-3 : -2e-3, 1e-6);
     EXPECT_FALSE(hands->out.owned[0].atRest);
   }
@@ -222,10 +224,10 @@ TEST(TwoHands, TakingThePartAwayEndsBothGrasps) {
   hands->steps = {};
   hands->disown(0);
   hands->tick(400);
-  EXPECT_EQ(hands->out.held, kNoPart);
-  EXPECT_EQ(hands->out.second.held, kNoPart);
+  EXPECT_EQ(hands->out.hands[0].held, kNoPart);
+  EXPECT_EQ(hands->out.hands[1].held, kNoPart);
   EXPECT_LT(std::max(hands->steps[0], hands->steps[1]), 0.01);
-  EXPECT_EQ(hands->out.second.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hands->out.hands[1].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(TwoHands, AHandWithoutAReadingIsWithoutForceAndTheOtherHoldsOn) {
@@ -233,19 +235,19 @@ TEST(TwoHands, AHandWithoutAReadingIsWithoutForceAndTheOtherHoldsOn) {
   hands->lead({-2e-3, 0.0, 0.0}, {2e-3, 0.0, 0.0}, 200);
   hands->second.device.valid = false;
   hands->tick();
-  EXPECT_EQ(hands->out.second.toHand.force, glm::dvec3(0.0));
-  EXPECT_TRUE(hands->out.second.flags & haptics::kFlagInvalidSample);
+  EXPECT_EQ(hands->out.hands[1].toHand.force, glm::dvec3(0.0));
+  EXPECT_TRUE(hands->out.hands[1].flags & haptics::kFlagInvalidSample);
   EXPECT_FALSE(hands->out.flags & haptics::kFlagInvalidSample);
-  EXPECT_GT(hands->out.toHand.force.x, 1.0);
+  EXPECT_GT(hands->out.hands[0].toHand.force.x, 1.0);
   hands->tick(1000);
   EXPECT_NEAR(hands->place().x, -2e-3, 1e-6);
   hands->second.device.valid = true;
   hands->tick(1000);
-  EXPECT_NEAR(hands->out.second.toHand.force.x, -kStiffness * 2e-3, 1e-6);
+  EXPECT_NEAR(hands->out.hands[1].toHand.force.x, -kStiffness * 2e-3, 1e-6);
   // The first hand without a reading: the second one has it.
   hands->first.worldFromDevice.position.x = NAN;
   hands->tick(1000);
-  EXPECT_EQ(hands->out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hands->out.hands[0].toHand.force, glm::dvec3(0.0));
   EXPECT_NEAR(hands->place().x, 2e-3, 1e-6);
 }
 
@@ -262,9 +264,9 @@ TEST(TwoHands, EachFeelsTheLimitsOfItsOwnDevice) {
   hands->tick();
   hands->lead({-3e-3, 0.0, 0.0}, {3e-3, 0.0, 0.0}, 200);
   hands->tick(1000);
-  EXPECT_NEAR(hands->out.toHand.force.x, 6e-3 / (1.0 / 800.0 + 1.0 / 400.0), 5e-4);
-  EXPECT_NEAR(hands->out.second.toHand.force.x, -0.5, 1e-9);
-  EXPECT_TRUE(hands->out.second.flags & haptics::kFlagForceLimited);
+  EXPECT_NEAR(hands->out.hands[0].toHand.force.x, 6e-3 / (1.0 / 800.0 + 1.0 / 400.0), 5e-4);
+  EXPECT_NEAR(hands->out.hands[1].toHand.force.x, -0.5, 1e-9);
+  EXPECT_TRUE(hands->out.hands[1].flags & haptics::kFlagForceLimited);
   EXPECT_FALSE(hands->out.flags & haptics::kFlagForceLimited);
 }
 
@@ -279,11 +281,11 @@ TEST(TwoHands, ASecondHandThatHoldsNothingChangesNothing) {
     return hands.out;
   };
   const haptics::TickOutput with = run(true), without = run(false);
-  EXPECT_EQ(with.toHand.force, without.toHand.force);
-  EXPECT_EQ(with.toHand.torque, without.toHand.torque);
+  EXPECT_EQ(with.hands[0].toHand.force, without.hands[0].toHand.force);
+  EXPECT_EQ(with.hands[0].toHand.torque, without.hands[0].toHand.torque);
   EXPECT_EQ(with.owned[0].worldFromPart.position, without.owned[0].worldFromPart.position);
-  EXPECT_GT(glm::length(with.toHand.force), 0.0);
-  EXPECT_EQ(with.second.toHand.force, glm::dvec3(0.0));
+  EXPECT_GT(glm::length(with.hands[0].toHand.force), 0.0);
+  EXPECT_EQ(with.hands[1].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(TwoHands, PressOnePartOnAnother) {
@@ -300,12 +302,12 @@ TEST(TwoHands, PressOnePartOnAnother) {
   hands.grasp(0, 0);
   hands.grasp(1, 1);
   hands.tick();
-  EXPECT_EQ(hands.out.held, 0);
-  EXPECT_EQ(hands.out.second.held, 1);
+  EXPECT_EQ(hands.out.hands[0].held, 0);
+  EXPECT_EQ(hands.out.hands[1].held, 1);
   hands.lead({0.0, 0.0, 2e-3}, {0.0, 0.0, -1e-3}, 200);
   hands.tick(500);
-  EXPECT_NEAR(hands.out.toHand.force.z, -kStiffness * 1e-3, 5e-3);
-  EXPECT_NEAR(hands.out.second.toHand.force.z, kStiffness * 1e-3, 5e-3);
+  EXPECT_NEAR(hands.out.hands[0].toHand.force.z, -kStiffness * 1e-3, 5e-3);
+  EXPECT_NEAR(hands.out.hands[1].toHand.force.z, kStiffness * 1e-3, 5e-3);
   EXPECT_NEAR(hands.place(1).z - hands.place(0).z, 0.02, 5e-6);
   EXPECT_EQ(hands.allocations, 0u);
 }
@@ -373,9 +375,9 @@ TEST(TwoHands, WhatOneDoesFarAwayChangesNoBitForTheOther) {
     for (int i = 0; i < 300; ++i) {
       const double t = 0.001 * i;
       hands.lead({0.0, speed * std::sin(40.0 * t) * 0.001, 0.0}, {1e-5, 0.0, i < 100 ? -3e-5 : 0.0}, 1);
-      for (int k = 0; k < 3; ++k) forces.push_back(hands.out.second.toHand.force[k]);
+      for (int k = 0; k < 3; ++k) forces.push_back(hands.out.hands[1].toHand.force[k]);
     }
-    EXPECT_GT(glm::length(hands.out.second.toHand.force), 0.5);
+    EXPECT_GT(glm::length(hands.out.hands[1].toHand.force), 0.5);
     return forces;
   };
   EXPECT_EQ(forcesBeside(0.0), forcesBeside(2.0));
@@ -387,14 +389,14 @@ TEST(TwoHands, WhatTheBareToolFeltFadesWhenItTakesThePart) {
   hands.own(0);
   hands.second.tool.force = {0.0, 0.0, 1.0};
   hands.tick(20);
-  EXPECT_EQ(hands.out.second.toHand.force.z, 1.0);
+  EXPECT_EQ(hands.out.hands[1].toHand.force.z, 1.0);
   hands.steps = {};
   hands.second.tool = {};
   hands.grasp(0, 1);
   hands.tick(100);
-  EXPECT_GT(hands.out.second.toHand.force.z, 0.5);
+  EXPECT_GT(hands.out.hands[1].toHand.force.z, 0.5);
   hands.tick(300);
-  EXPECT_EQ(hands.out.second.toHand.force.z, 0.0);
+  EXPECT_EQ(hands.out.hands[1].toHand.force.z, 0.0);
   EXPECT_LT(hands.steps[1], 5e-3);
 }
 
@@ -405,12 +407,12 @@ TEST(TwoHands, AControlIsInOneHandAtATime) {
   hands.grasp(0, 0);
   hands.grasp(0, 1);
   hands.tick();
-  EXPECT_EQ(hands.out.held, 0);
-  EXPECT_EQ(hands.out.second.held, kNoPart);
+  EXPECT_EQ(hands.out.hands[0].held, 0);
+  EXPECT_EQ(hands.out.hands[1].held, kNoPart);
   hands.letGo(0, 0);
   hands.grasp(0, 1);
   hands.tick();
-  EXPECT_EQ(hands.out.second.held, 0);
+  EXPECT_EQ(hands.out.hands[1].held, 0);
 }
 
 TEST(TwoHands, APartThatIsNotSimulatedHereIsNotTaken) {
@@ -418,7 +420,7 @@ TEST(TwoHands, APartThatIsNotSimulatedHereIsNotTaken) {
   hands.put({-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
   hands.grasp(0, 1);
   hands.tick();
-  EXPECT_EQ(hands.out.second.held, kNoPart);
+  EXPECT_EQ(hands.out.hands[1].held, kNoPart);
 }
 
 TEST(TwoHands, TheToolOfOneHandPressesOnWhatTheOtherHolds) {
@@ -428,8 +430,8 @@ TEST(TwoHands, TheToolOfOneHandPressesOnWhatTheOtherHolds) {
   hands.grasp(0, 1);
   hands.lead({0.0, 0.0, -0.017}, {0.0, 0.0, 0.0}, 400);  // 2 mm into it
   hands.tick(2000);
-  EXPECT_NEAR(hands.out.toHand.force.z, kStiffness * 1e-3, 5e-3);
-  EXPECT_NEAR(hands.out.second.toHand.force.z, -kStiffness * 1e-3, 5e-3);
+  EXPECT_NEAR(hands.out.hands[0].toHand.force.z, kStiffness * 1e-3, 5e-3);
+  EXPECT_NEAR(hands.out.hands[1].toHand.force.z, -kStiffness * 1e-3, 5e-3);
   EXPECT_NEAR(hands.place().z, -1e-3, 1e-5);
 }
 

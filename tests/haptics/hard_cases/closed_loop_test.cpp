@@ -47,7 +47,7 @@ Outcome run(const Loop& loop, double seconds = 8.0) {
   for (int i = 0; i < ticks; ++i) {
     const double reading = loop.quantum > 0.0 ? loop.quantum * std::floor(z / loop.quantum + 0.5) : z;
     hand.at({0.0, 0.0, reading});
-    const double force = hand.out.toHand.force.z;
+    const double force = hand.out.hands[0].toHand.force.z;
     outcome.acted = outcome.acted || (hand.out.flags & haptics::kFlagPassivity) != 0;
     outcome.control = std::max(outcome.control, std::abs(force - std::max(0.0, -loop.stiffness * reading)));
     const double settled = (force - kPush) / loop.damping;
@@ -139,8 +139,8 @@ Rest handAtRest(const haptics::TickParameters& parameters, const haptics::Simula
     target.worldFromTarget.position.z = std::max(-0.02, 0.005 - 2e-5 * i);
     probe.sample = hand.sample(1e-3 * i);
     probe.sample.worldFromDevice.position.z += drift * i;
-    const double force = probe.tick().toHand.force.z;
-    hand.step(target, probe.out.toHand.force, 1e-3);
+    const double force = probe.tick().hands[0].toHand.force.z;
+    hand.step(target, probe.out.hands[0].toHand.force, 1e-3);
     if (i < 7000) continue;
     low = std::min(low, hand.devicePose().position.z);
     high = std::max(high, hand.devicePose().position.z);

@@ -143,8 +143,9 @@ TEST(HardOffset, FarFromTheOriginOnlyTheRoundingOfCoordinatesIsLost) {
       for (int i = 0; i <= 200; ++i) {
         const glm::dvec3 goal = origin + scale * (from + 1e-4 * i * glm::dvec3(1.0, 0.3, 0.0));
         hand.at(goal);
-        EXPECT_LE(glm::length(hand.out.toHand.force - glm::dvec3(0.0, 0.0, kStiffness * 0.002 * scale)),
-                  4.0 * kStiffness * skin)
+        EXPECT_LE(
+            glm::length(hand.out.hands[0].toHand.force - glm::dvec3(0.0, 0.0, kStiffness * 0.002 * scale)),
+            4.0 * kStiffness * skin)
             << i << " scale " << scale;
       }
     }

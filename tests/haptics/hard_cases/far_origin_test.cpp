@@ -17,7 +17,7 @@ class FarHand {
     probe.parameters.toolRadius = ball * by;
   }
   glm::dvec3 at(const glm::dvec3& p) {
-    return probe.at(kept(scale * p + origin, inFloat)).toHand.force / scale;
+    return probe.at(kept(scale * p + origin, inFloat)).hands[0].toHand.force / scale;
   }
   double skin() { return probe.state.data().world.skin(0, probe.out.worldFromProxy.position) / scale; }
 

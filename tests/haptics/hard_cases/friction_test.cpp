@@ -19,7 +19,7 @@ assets::Scene rough(assets::Scene scene) {
 /// Tangential force over the sum of the normal forces of all contacts.
 double frictionRatio(const ScaledHand& hand) {
   const haptics::TickOutput& out = hand.probe.out;
-  glm::dvec3 rest = out.toHand.force;
+  glm::dvec3 rest = out.hands[0].toHand.force;
   double pressed = 0.0;
   for (int i = 0; i < out.contactCount; ++i) {
     const haptics::Contact& c = out.contacts[static_cast<std::size_t>(i)];

@@ -61,7 +61,7 @@ class ScaledHand {
     probe.to(scale * target, scale * step);
     return force();
   }
-  glm::dvec3 force() const { return probe.out.toHand.force / scale; }
+  glm::dvec3 force() const { return probe.out.hands[0].toHand.force / scale; }
   glm::dvec3 proxy() const { return probe.out.worldFromProxy.position / scale; }
   /// Distance that the proxy keeps from a part, unscaled: what an exact answer may differ by.
   double skin(PartId part = 0) {

@@ -91,8 +91,8 @@ class SwapHand : public ScaledHand {
   }
   bool namesTrianglesThatExist() {
     const haptics::Proxy& proxy = probe.state.data().tool.proxy();
-    for (int i = 0; i < proxy.planeCount; ++i) {
-      const haptics::SurfacePoint& at = proxy.planes[static_cast<std::size_t>(i)].surface;
+    for (const haptics::ProxyPlane& plane : proxy.planes) {
+      const haptics::SurfacePoint& at = plane.surface;
       if (at.triangle >= probe.state.data().world.collider(at.part).tree->mesh().triangles.size())
         return false;
     }
@@ -269,7 +269,7 @@ TEST(MeshSwap, OfAPartThatIsNotTouchedIsNotFelt) {
   probe.state.adopt(next);
   probe.contact = std::move(next);
   const haptics::TickOutput& after = probe.at({0.01, 0.02, -0.001});
-  EXPECT_EQ(after.toHand.force, before.toHand.force);
+  EXPECT_EQ(after.hands[0].toHand.force, before.hands[0].toHand.force);
   EXPECT_EQ(after.worldFromProxy.position, before.worldFromProxy.position);
 }
 

@@ -38,7 +38,7 @@ TEST_P(MovingAtScale, AFaceThatComesOrGrazesHoldsTheProxyExactly) {
         const glm::dvec3 proxy = hand.out.worldFromProxy.position;
         ASSERT_NEAR(proxy.z, std::max(surface, tool.z), 1e-8 * s()) << speed << ' ' << way.x << ' ' << i;
         ASSERT_NEAR(proxy.x, tool.x, 1e-8 * s());
-        ASSERT_NEAR(hand.out.toHand.force.z, 1000.0 / s() * depth, 1e-5);
+        ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 / s() * depth, 1e-5);
       }
     }
   }
@@ -60,7 +60,7 @@ TEST_P(MovingAtScale, ATurningFaceHoldsTheProxyAtTheNearestPointOfIt) {
     const double depth = 0.05 * s() - glm::dot(tool, normal);
     if (depth <= 0.0) continue;
     ASSERT_LT(glm::length(hand.out.worldFromProxy.position - (tool + depth * normal)), 1e-7 * s()) << i;
-    ASSERT_LT(glm::length(hand.out.toHand.force - 1000.0 / s() * depth * normal), 1e-4) << i;
+    ASSERT_LT(glm::length(hand.out.hands[0].toHand.force - 1000.0 / s() * depth * normal), 1e-4) << i;
   }
 }
 
@@ -84,7 +84,7 @@ TEST_P(MovingAtScale, PlatesOfAnyThicknessNeverCrossAToolThatStandsStill) {
         ASSERT_GT(hand.out.worldFromProxy.position.z, top) << thickness << ' ' << speed << ' ' << i;
         ASSERT_NEAR(hand.out.worldFromProxy.position.z, std::max(top, tool.z), 1e-8 * s());
       }
-      EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+      EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
     }
   }
 }
@@ -106,16 +106,16 @@ TEST_P(MovingAtScale, BetweenTwoBodiesTheForceIsBoundedAndTheToolFeelsAgainOnceT
       hand.moved = {{below, {{0.0, 0.0, -z}, kNoTurn}, {}}, {above, {{0.0, 0.0, z}, kNoTurn}, {}}};
       hand.at(glm::dvec3(0.0));
       flagged = flagged || (hand.out.flags & haptics::kFlagSqueezed) != 0;
-      most = std::max(most, glm::length(hand.out.toHand.force));
+      most = std::max(most, glm::length(hand.out.hands[0].toHand.force));
       ASSERT_TRUE(std::isfinite(hand.out.worldFromProxy.position.z));
     }
     EXPECT_TRUE(flagged) << radius;
     EXPECT_LE(most, 1000.0 * (0.002 + radius + 1e-6)) << radius;  // no deeper than they can push
-    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0)) << radius;
+    EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0)) << radius;
     hand.to(s() * glm::dvec3(0.0, 0.0, 0.011), s() * 1e-3);  // 1 mm deep for a point
-    EXPECT_NEAR(hand.out.toHand.force.z, -1000.0 * (0.001 + radius), 1e-4) << radius;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, -1000.0 * (0.001 + radius), 1e-4) << radius;
     hand.to(s() * glm::dvec3(0.0, 0.0, -0.011), s() * 1e-3);
-    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * (0.001 + radius), 1e-4) << radius;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 * (0.001 + radius), 1e-4) << radius;
   }
 }
 
@@ -134,12 +134,12 @@ TEST_P(MovingAtScale, APartThatTurnsOntoTheToolByThirtyDegreesArrivesAtTheCapped
   ASSERT_GT(depth, 0.0);
   for (int i = 1; i <= 60; ++i) {
     if (i == 1) hand.moved = {{0, pose, {}}};
-    const double before = glm::length(hand.out.toHand.force);
+    const double before = glm::length(hand.out.hands[0].toHand.force);
     hand.at(tool);
     EXPECT_LT(glm::length(hand.out.worldFromProxy.position - (tool + depth * normal)), 1e-7 * s()) << i;
-    EXPECT_LE(glm::length(hand.out.toHand.force), before + 0.4 + 1e-9) << i;
+    EXPECT_LE(glm::length(hand.out.hands[0].toHand.force), before + 0.4 + 1e-9) << i;
   }
-  EXPECT_LT(glm::length(hand.out.toHand.force - 1000.0 / s() * depth * normal), 1e-4);
+  EXPECT_LT(glm::length(hand.out.hands[0].toHand.force - 1000.0 / s() * depth * normal), 1e-4);
 }
 
 TEST_P(MovingAtScale, FrictionCarriesAToolOnATurningPartWithoutSlip) {

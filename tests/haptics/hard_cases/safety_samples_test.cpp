@@ -31,13 +31,13 @@ class SamplesAtScale : public testing::TestWithParam<double> {
   void press(HandProbe& hand) const {
     hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
     hand.to(inside(0.003), s() * 1e-3);
-    ASSERT_NEAR(hand.out.toHand.force.z, 3.0, 1e-5);
+    ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 3.0, 1e-5);
   }
   /// From zero on, the force grows back to 3 N by 0.4 N a tick.
   void expectRecovery(HandProbe& hand) const {
     for (int i = 1; i <= 12; ++i) {
       hand.at(inside(0.003));
-      EXPECT_NEAR(hand.out.toHand.force.z, std::min(3.0, 0.4 * i), 1e-5) << i;
+      EXPECT_NEAR(hand.out.hands[0].toHand.force.z, std::min(3.0, 0.4 * i), 1e-5) << i;
       EXPECT_EQ(hand.out.flags & (haptics::kFlagInvalidSample | haptics::kFlagFault), 0u);
     }
   }
@@ -49,7 +49,7 @@ TEST_P(SamplesAtScale, NanAndInfinityGiveNoForceAndTheNextGoodReadingRecovers) {
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
     hand.sample.worldFromDevice.position.x = bad;
-    EXPECT_EQ(hand.tick().toHand.force, glm::dvec3(0.0));
+    EXPECT_EQ(hand.tick().hands[0].toHand.force, glm::dvec3(0.0));
     EXPECT_TRUE(hand.out.flags & haptics::kFlagInvalidSample);
     hand.sample.worldFromDevice.position = inside(0.003);
     expectRecovery(hand);
@@ -64,7 +64,7 @@ TEST_P(SamplesAtScale, ReadingsWhoseStampStandsStillGiveNoForce) {
   for (int i = 0; i < 100; ++i) {
     hand.sample.time = stamp - hand.parameters.dt;  // tick() adds one period
     hand.tick();
-    const bool force = hand.out.toHand.force.z > 0.0;
+    const bool force = hand.out.hands[0].toHand.force.z > 0.0;
     withForce += force ? 1 : 0;
     EXPECT_EQ(force, (hand.out.flags & haptics::kFlagStaleSample) == 0u);
     EXPECT_EQ(force, (hand.out.flags & haptics::kFlagInvalidSample) == 0u);
@@ -78,7 +78,7 @@ TEST_P(SamplesAtScale, AGlitchOfOneReadingIsRefused) {
   HandProbe hand = pressing();
   press(hand);
   hand.at(s() * glm::dvec3(0.3, -0.2, -0.4));
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   EXPECT_TRUE(hand.out.flags & haptics::kFlagSampleJump);
   EXPECT_TRUE(hand.out.flags & haptics::kFlagInvalidSample);
   hand.sample.worldFromDevice.position = inside(0.003);
@@ -91,12 +91,12 @@ TEST_P(SamplesAtScale, AHandThatStaysWhereItJumpedToIsFollowedThere) {
   const glm::dvec3 there = s() * glm::dvec3(0.0, 0.0, -0.3);  // beyond the box
   for (int i = 1; i <= haptics::SampleGuard::kJumpTicks; ++i) {
     EXPECT_TRUE(hand.at(there).flags & haptics::kFlagSampleJump) << i;
-    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+    EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   }
   EXPECT_EQ(hand.at(there).flags & haptics::kFlagSampleJump, 0u);
   EXPECT_TRUE(hand.out.flags & haptics::kFlagProxyReset);
   EXPECT_EQ(hand.out.worldFromProxy.position, there);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST_P(SamplesAtScale, ReadingsThatJumpAboutNeverGiveForce) {
@@ -104,7 +104,7 @@ TEST_P(SamplesAtScale, ReadingsThatJumpAboutNeverGiveForce) {
   press(hand);
   for (int i = 0; i < 50; ++i) {
     hand.at(s() * glm::dvec3(0.3 * (i % 2 == 0 ? 1 : -1), 0.0, -0.4));
-    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+    EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   }
 }
 
@@ -112,7 +112,7 @@ TEST_P(SamplesAtScale, AFastHandIsNoJump) {
   HandProbe hand = pressing();
   hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
   hand.to(inside(0.03), s() * 9e-3);  // 9 m/s
-  EXPECT_NEAR(hand.out.toHand.force.z, 30.0, 1e-4);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 30.0, 1e-4);
   EXPECT_EQ(hand.out.flags & haptics::kFlagInvalidSample, 0u);
 }
 
@@ -166,7 +166,7 @@ TEST(DeviceDefaults, HoldForMaterialsThatAreStifferThanTheDeviceCanRender) {
   HandProbe hand(b.scene, p);
   hand.at({0.0, 0.0, 0.06});
   hand.to({0.0, 0.0, 0.048}, 1e-3);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.0, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.0, 1e-6);
 }
 
 }  // namespace

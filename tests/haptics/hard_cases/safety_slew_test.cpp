@@ -37,13 +37,13 @@ TEST_P(SlewAtScale, AStrokeAtFiveMetresASecondIsExactInEveryTick) {
   for (int i = 0; i <= 10; ++i) {
     const double z = 0.07 - 0.005 * i;  // 20 to -30 mm
     hand.at(s() * glm::dvec3(0.001 * i, 0.0, z));
-    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * std::max(0.0, 0.05 - z), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 * std::max(0.0, 0.05 - z), 1e-5) << i;
     EXPECT_EQ(hand.out.flags & haptics::kFlagSlewLimited, 0u);
   }
   for (int i = 10; i >= 0; --i) {  // and on the way out nothing is held on to
     const double z = 0.07 - 0.005 * i;
     hand.at(s() * glm::dvec3(0.0, 0.0, z));
-    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * std::max(0.0, 0.05 - z), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 * std::max(0.0, 0.05 - z), 1e-5) << i;
   }
 }
 
@@ -51,9 +51,9 @@ TEST_P(SlewAtScale, AConvexEdgeSnapsWithinATick) {
   HandProbe hand(box(), parameters());
   hand.at(s() * glm::dvec3(0.03, 0.0, 0.06));
   hand.to(s() * glm::dvec3(0.03, 0.0, 0.03), s() * 1e-3);
-  ASSERT_NEAR(hand.out.toHand.force.z, 20.0, 1e-5);
+  ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 20.0, 1e-5);
   hand.to(s() * glm::dvec3(0.06, 0.0, 0.03), s() * 1e-4);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   EXPECT_EQ(hand.out.flags & haptics::kFlagSlewLimited, 0u);
 }
 
@@ -66,8 +66,8 @@ TEST_P(SlewAtScale, APartThatJumpsOntoTheToolArrivesAtTheCappedRate) {
     if (i == 0) hand.moved = {{0, at(0.0, 0.0, -0.04), {s() * glm::dvec3(0.0, 0.0, 20.0), glm::dvec3(0.0)}}};
     hand.at(tool);
     EXPECT_NEAR(hand.out.worldFromProxy.position.z, s() * 0.01, s() * 1e-8);  // outside at once
-    EXPECT_NEAR(hand.out.toHand.force.z, std::min(10.0, kCap * (i + 1)), 1e-5) << i;
-    last = hand.out.toHand.force;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, std::min(10.0, kCap * (i + 1)), 1e-5) << i;
+    last = hand.out.hands[0].toHand.force;
   }
   EXPECT_NEAR(last.z, 10.0, 1e-5);
 }
@@ -77,27 +77,28 @@ TEST_P(SlewAtScale, AHandThatWithdrawsFromAPartThatIsArrivingIsNeverPulled) {
   for (int i = 0; i < 10; ++i) hand.at(glm::dvec3(0.0));
   hand.moved = {{0, at(0.0, 0.0, -0.04), {}}};
   for (int i = 0; i < 10; ++i) hand.at(glm::dvec3(0.0));
-  ASSERT_NEAR(hand.out.toHand.force.z, 4.0, 1e-5);
+  ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 4.0, 1e-5);
   for (int i = 1; i <= 15; ++i) {
-    const double before = hand.out.toHand.force.z;
+    const double before = hand.out.hands[0].toHand.force.z;
     hand.at(s() * glm::dvec3(0.0, 0.0, 0.001 * i));
-    EXPECT_GE(hand.out.toHand.force.z, 0.0) << i;
-    EXPECT_LE(hand.out.toHand.force.z, before) << i;  // a hand that goes away feels no more than before
+    EXPECT_GE(hand.out.hands[0].toHand.force.z, 0.0) << i;
+    EXPECT_LE(hand.out.hands[0].toHand.force.z, before)
+        << i;  // a hand that goes away feels no more than before
   }
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.to(s() * glm::dvec3(0.0, 0.0, 0.005), s() * 1e-3);
-  EXPECT_NEAR(hand.out.toHand.force.z, 5.0, 1e-5);  // and on coming back the surface is where it is
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 5.0, 1e-5);  // and on coming back the surface is where it is
 }
 
 TEST_P(SlewAtScale, APartThatIsTakenAwayLetsGoAtTheSameRate) {
   HandProbe hand(box(), parameters());
   hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
   hand.to(s() * glm::dvec3(0.0, 0.0, 0.047), s() * 1e-3);
-  ASSERT_NEAR(hand.out.toHand.force.z, 3.0, 1e-5);
+  ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 3.0, 1e-5);
   hand.commands = {{haptics::PartCommand::Kind::setPose, 0, at(1.0, 0.0, 0.0)}};
   for (int i = 1; i <= 10; ++i) {
     hand.at(s() * glm::dvec3(0.0, 0.0, 0.047));
-    EXPECT_NEAR(hand.out.toHand.force.z, std::max(0.0, 3.0 - kCap * i), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, std::max(0.0, 3.0 - kCap * i), 1e-5) << i;
   }
 }
 
@@ -108,7 +109,7 @@ TEST_P(SlewAtScale, ASteadyMotionOfAPartIsFeltAsItIs) {
   for (int i = 1; i <= 40; ++i) {
     hand.moved = {{0, at(0.0, 0.0, -0.06 + 0.001 * i), twist}};
     hand.at(glm::dvec3(0.0));
-    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * std::max(0.0, 0.001 * i - 0.01), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 * std::max(0.0, 0.001 * i - 0.01), 1e-5) << i;
   }
 }
 
@@ -116,12 +117,12 @@ TEST_P(SlewAtScale, RecoveryAfterALostSampleGrowsAtTheCappedRate) {
   HandProbe hand(box(), parameters());
   hand.at(s() * glm::dvec3(0.0, 0.0, 0.06));
   hand.to(s() * glm::dvec3(0.0, 0.0, 0.045), s() * 1e-3);
-  ASSERT_NEAR(hand.out.toHand.force.z, 5.0, 1e-5);
+  ASSERT_NEAR(hand.out.hands[0].toHand.force.z, 5.0, 1e-5);
   hand.sample.valid = false;
-  EXPECT_EQ(hand.tick().toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.tick().hands[0].toHand.force, glm::dvec3(0.0));
   for (int i = 1; i <= 20; ++i) {
     hand.at(s() * glm::dvec3(0.0, 0.0, 0.045));
-    EXPECT_NEAR(hand.out.toHand.force.z, std::min(5.0, kCap * i), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, std::min(5.0, kCap * i), 1e-5) << i;
   }
 }
 
@@ -132,7 +133,7 @@ TEST_P(SlewAtScale, AChangedSettingDoesNotKick) {
   hand.parameters.stiffness *= 2.0;
   for (int i = 1; i <= 20; ++i) {
     hand.tick();
-    EXPECT_NEAR(hand.out.toHand.force.z, std::min(10.0, 5.0 + kCap * i), 1e-5) << i;
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, std::min(10.0, 5.0 + kCap * i), 1e-5) << i;
   }
 }
 

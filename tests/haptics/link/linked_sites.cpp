@@ -109,10 +109,10 @@ void LinkedSites::exchange(std::size_t i) {
 
 void LinkedSites::tick(Site& site) {
   haptics::TickInput input;
-  input.device.worldFromDevice = site.arm.reading();
-  input.device.twist = site.arm.readingVelocity();
-  input.device.time = input.sessionTime = time();
-  input.device.valid = true;
+  input.hands[0].device.worldFromDevice = site.arm.reading();
+  input.hands[0].device.twist = site.arm.readingVelocity();
+  input.hands[0].device.time = input.sessionTime = time();
+  input.hands[0].device.valid = true;
   input.commands = site.commands;
   const std::uint64_t used = allocationsOfThisThread();
   site.out = haptics::tick(input, contact_, parameters, site.state);
@@ -120,8 +120,8 @@ void LinkedSites::tick(Site& site) {
   site.commands.clear();
   flags |= site.out.flags;
   Wrench& oldest = site.before[static_cast<std::size_t>(ticks_) % site.before.size()];
-  site.change = ticks_ >= 20 ? glm::length(site.out.toHand.force - oldest.force) : 0.0;
-  oldest = site.out.toHand;
+  site.change = ticks_ >= 20 ? glm::length(site.out.hands[0].toHand.force - oldest.force) : 0.0;
+  oldest = site.out.hands[0].toHand;
 }
 
 void LinkedSites::moveArm(std::size_t i, const Intent& intent) {

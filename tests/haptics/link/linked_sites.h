@@ -55,7 +55,7 @@ class LinkedSites {
     bool silent = false;
 
     const haptics::OwnedPart& part() const { return out.owned[0]; }
-    const Wrench& onHand() const { return out.toHand; }
+    const Wrench& onHand() const { return out.hands[0].toHand; }
     const haptics::RigidBody& body();
   };
   Site& site(std::size_t i) { return *sites_[i]; }

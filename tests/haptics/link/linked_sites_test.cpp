@@ -95,7 +95,7 @@ double feltWall(double delay, bool tied, double& created) {
     if (out.contactCount == 0 || out.contacts[0].force < 0.02) continue;
     const double in = sites.site(1).arm.reading().position.x - start - kWall;
     xx += in * in;
-    xf -= in * out.toHand.force.x;
+    xf -= in * out.hands[0].toHand.force.x;
   }
   created = sites.maxCreated;
   return xf / xx;
@@ -263,7 +263,7 @@ Change endLinkInTension(double delay, End how) {
     }
   });
   for (std::size_t i = 0; i < 2 && how == End::runsOut; ++i) {
-    EXPECT_EQ(sites.site(i).out.held, 0);
+    EXPECT_EQ(sites.site(i).out.hands[0].held, 0);
     EXPECT_EQ(sites.site(i).part().links.count, 0);
     EXPECT_EQ(sites.site(i).body().mass, 1.0);
     EXPECT_TRUE(sites.site(i).body().inertia == benchScene().parts[0].massProperties.inertia);
@@ -328,7 +328,7 @@ TEST(LinkedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
   });
   if (prints()) std::printf("tied, owner silent: %.3f N in 20 ms\n", change.most);
   EXPECT_LE(change.most, 0.3);
-  EXPECT_EQ(sites.site(1).out.held, 0);
+  EXPECT_EQ(sites.site(1).out.hands[0].held, 0);
   EXPECT_EQ(sites.site(1).part().links.count, 0);
   EXPECT_EQ(sites.site(1).body().mass, 1.0);
 }

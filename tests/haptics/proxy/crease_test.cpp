@@ -60,9 +60,9 @@ TEST_F(CreaseOfABox, UnderACornerItIsThatCorner) {
 
 TEST_F(CreaseOfABox, WayOverItLeavesOutWhatLeadsAlong) {
   const Crease edge{{1.0, 1.0, 0.0}, {1.0, 3.0, 0.0}}, corner{glm::dvec3(1.0), glm::dvec3(1.0)};
-  EXPECT_DOUBLE_EQ(wayOver(edge, {0.0, 7.0, 0.0}), 0.0);
-  EXPECT_DOUBLE_EQ(wayOver(edge, {0.003, 7.0, -0.004}), 0.005);
-  EXPECT_DOUBLE_EQ(wayOver(corner, {0.003, 0.0, -0.004}), 0.005);
+  EXPECT_DOUBLE_EQ(lengthAcross(edge, {0.0, 7.0, 0.0}), 0.0);
+  EXPECT_DOUBLE_EQ(lengthAcross(edge, {0.003, 7.0, -0.004}), 0.005);
+  EXPECT_DOUBLE_EQ(lengthAcross(corner, {0.003, 0.0, -0.004}), 0.005);
 }
 
 /// Over the edge between +x and +z.

@@ -24,9 +24,9 @@ TEST(MovingPart, GivesTheSameForceAsAStillOneThatTheHandMovesAgainst) {
     moving.moved = {{part, pose, {{0.0, 0.0, 0.2}, {0.0, 0.0, 0.0}}}};
     moving.at({0.001, 0.002, 0.026});
     if (i == 0) continue;  // the still hand has no velocity yet
-    EXPECT_LT(glm::length(still.out.toHand.force - moving.out.toHand.force), 1e-4) << i;
+    EXPECT_LT(glm::length(still.out.hands[0].toHand.force - moving.out.hands[0].toHand.force), 1e-4) << i;
   }
-  EXPECT_GT(still.out.toHand.force.z, 3.0);
+  EXPECT_GT(still.out.hands[0].toHand.force.z, 3.0);
 }
 
 TEST(MovingPart, TurningPaddleTakesTheProxyAlong) {
@@ -58,7 +58,7 @@ TEST(MovingPart, CarriesAToolThatSticksToIt) {
     hand.at({0.0, 0.0, 0.008});
   }
   EXPECT_NEAR(hand.out.worldFromProxy.position.x - before.x, 1e-3, 1e-9);
-  EXPECT_NEAR(hand.out.toHand.force.x, 0.8, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.x, 0.8, 1e-5);
   hand.moved = {};
 }
 
@@ -79,7 +79,7 @@ TEST(MovingPart, ManyMovingPartsKeepTheTickRight) {
   hand.to({0.1, 0.1, 0.013}, 5e-4);
   EXPECT_EQ(hand.out.contactCount, 1);
   EXPECT_EQ(hand.out.contacts[0].part, 5 * 20 + 5);
-  EXPECT_NEAR(hand.out.toHand.force.z, 800.0 * 0.002, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 800.0 * 0.002, 1e-5);
 }
 
 TEST(MovingPart, PutOntoTheToolIsNotFeltUntilTheToolHasLeftIt) {
@@ -89,11 +89,11 @@ TEST(MovingPart, PutOntoTheToolIsNotFeltUntilTheToolHasLeftIt) {
   hand.at({0.0, 0.0, 0.01});
   hand.commands = {{haptics::PartCommand::Kind::setPose, part, {}}};
   hand.at({0.0, 0.0, 0.01});
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.to({0.0, 0.0, 0.03}, 5e-4);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.to({0.0, 0.0, 0.018}, 5e-4);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.6, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-5);
 }
 
 }  // namespace

@@ -26,16 +26,16 @@ void expectNear(const glm::dvec3& actual, const glm::dvec3& expected, double tol
 TEST(Proxy, StaysOnSurfaceWhenDevicePenetrates) {
   HandProbe hand(sceneOf(boxMesh({0.1, 0.1, 0.02})));
   hand.at({0.003, 0.002, 0.02});
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.to({0.003, 0.002, 0.008}, 5e-4);
   expectNear(hand.out.worldFromProxy.position, {0.003, 0.002, 0.01}, 1e-9);
-  expectNear(hand.out.toHand.force, {0.0, 0.0, 800.0 * 0.002}, 1e-6);
+  expectNear(hand.out.hands[0].toHand.force, {0.0, 0.0, 800.0 * 0.002}, 1e-6);
   ASSERT_EQ(hand.out.contactCount, 1);
   EXPECT_EQ(hand.out.contacts[0].part, 0);
   EXPECT_EQ(hand.out.touched, 0);
   expectNear(hand.out.contacts[0].normal, {0.0, 0.0, 1.0}, 1e-9);
   hand.to({0.003, 0.002, 0.02}, 5e-4);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(Proxy, HoldsForceConstantWhileSlidingOverPlane) {
@@ -47,7 +47,7 @@ TEST(Proxy, HoldsForceConstantWhileSlidingOverPlane) {
     double worst = 0.0;
     for (int i = 0; i <= 1000; ++i) {  // 0.1 m/s
       hand.at({-0.05 + 1e-4 * i, 0.0123 + 0.3e-4 * i, radius - 0.002});
-      worst = std::max(worst, glm::length(hand.out.toHand.force - glm::dvec3(0.0, 0.0, 1.6)));
+      worst = std::max(worst, glm::length(hand.out.hands[0].toHand.force - glm::dvec3(0.0, 0.0, 1.6)));
     }
     EXPECT_LT(worst, 1e-5) << "radius " << radius;
   }
@@ -61,7 +61,7 @@ TEST(Proxy, ReachesTheApexOfAGroove) {
     hand.to({1e-5, 0.004, -0.002}, 3e-4);
     EXPECT_EQ(hand.out.contactCount, 2) << degrees;
     expectNear(hand.out.worldFromProxy.position, {0.0, 0.004, 0.0}, 2e-8);
-    expectNear(hand.out.toHand.force, 800.0 * glm::dvec3(-1e-5, 0.0, 0.002), 2e-5);
+    expectNear(hand.out.hands[0].toHand.force, 800.0 * glm::dvec3(-1e-5, 0.0, 0.002), 2e-5);
   }
 }
 
@@ -71,7 +71,7 @@ TEST(Proxy, HoldsInATrihedralCorner) {
   hand.to({-0.001, -0.002, -0.003}, 4e-4);
   EXPECT_EQ(hand.out.contactCount, 3);
   expectNear(hand.out.worldFromProxy.position, {0.0, 0.0, 0.0}, 1e-9);
-  expectNear(hand.out.toHand.force, {0.8, 1.6, 2.4}, 1e-6);
+  expectNear(hand.out.hands[0].toHand.force, {0.8, 1.6, 2.4}, 1e-6);
   double sum = 0.0;
   for (int i = 0; i < 3; ++i) sum += hand.out.contacts[static_cast<std::size_t>(i)].force;
   EXPECT_NEAR(sum, 0.8 + 1.6 + 2.4, 1e-6);
@@ -82,7 +82,7 @@ TEST(Proxy, ReachesAllPlanesInTheTickOfArrival) {
   hand.at({0.002, 0.001, 0.003});
   hand.at({-0.001, -0.001, -0.001});
   EXPECT_EQ(hand.out.contactCount, 3);
-  expectNear(hand.out.toHand.force, {0.8, 0.8, 0.8}, 1e-6);
+  expectNear(hand.out.hands[0].toHand.force, {0.8, 0.8, 0.8}, 1e-6);
 }
 
 TEST(Proxy, BallRestsAtItsRadiusOverFacesEdgesAndCorners) {
@@ -90,21 +90,22 @@ TEST(Proxy, BallRestsAtItsRadiusOverFacesEdgesAndCorners) {
   hand.parameters.toolRadius = 0.003;
   hand.at({0.0, 0.0, 0.05});
   hand.to({0.001, 0.001, 0.022}, 3e-4);
-  expectNear(hand.out.toHand.force, {0.0, 0.0, 800.0 * 0.001}, 1e-6);
+  expectNear(hand.out.hands[0].toHand.force, {0.0, 0.0, 800.0 * 0.001}, 1e-6);
 
   HandProbe edge(sceneOf(boxMesh({0.04, 0.04, 0.04})));
   edge.parameters.toolRadius = 0.003;
   edge.at({0.04, 0.001, 0.04});
   edge.to({0.021, 0.001, 0.021}, 3e-4);
   const double depth = 0.003 - std::sqrt(2.0) * 0.001;
-  expectNear(edge.out.toHand.force, 800.0 * depth / std::sqrt(2.0) * glm::dvec3(1.0, 0.0, 1.0), 1e-5);
+  expectNear(edge.out.hands[0].toHand.force, 800.0 * depth / std::sqrt(2.0) * glm::dvec3(1.0, 0.0, 1.0),
+             1e-5);
 
   HandProbe corner(sceneOf(boxMesh({0.04, 0.04, 0.04})));
   corner.parameters.toolRadius = 0.003;
   corner.at({0.04, 0.04, 0.04});
   corner.to({0.021, 0.021, 0.021}, 3e-4);
   const double deep = 0.003 - std::sqrt(3.0) * 0.001;
-  expectNear(corner.out.toHand.force, 800.0 * deep / std::sqrt(3.0) * glm::dvec3(1.0), 1e-5);
+  expectNear(corner.out.hands[0].toHand.force, 800.0 * deep / std::sqrt(3.0) * glm::dvec3(1.0), 1e-5);
 }
 
 TEST(Proxy, PressesAgainstASphereWithinItsSagitta) {
@@ -116,7 +117,7 @@ TEST(Proxy, PressesAgainstASphereWithinItsSagitta) {
     const double a = 0.002 * i;
     const glm::dvec3 n(std::sin(a), 0.2 * std::sin(a), std::cos(a));
     hand.at(glm::normalize(n) * (r - 0.002));
-    const double force = glm::length(hand.out.toHand.force);
+    const double force = glm::length(hand.out.hands[0].toHand.force);
     EXPECT_LE(force, k * (0.002 + sagitta));
     EXPECT_GE(force, k * (0.002 - 2.0 * sagitta));
   }
@@ -134,7 +135,7 @@ TEST(Proxy, NeverFallsThroughThinPlates) {
     EXPECT_GT(hand.out.worldFromProxy.position.z, 0.5 * thickness) << thickness;
     hand.to({-0.02, 0.0131, 0.02}, 5e-3);
     expectNear(hand.out.worldFromProxy.position, {-0.02, 0.0131, 0.02}, 1e-12);
-    EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+    EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   }
 }
 
@@ -164,9 +165,9 @@ TEST(Proxy, NeverLeaksThroughEdgesAndVerticesOfASoup) {
       hand.at(at + glm::dvec3(0.0, 0.0, 0.01));
       hand.at(at);  // exactly on the lattice
       hand.at(at - glm::dvec3(0.0, 0.0, 0.003));
-      EXPECT_NEAR(hand.out.toHand.force.z, 2.4, 1e-5) << i << ' ' << j;
+      EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 2.4, 1e-5) << i << ' ' << j;
       hand.at(at - glm::dvec3(0.001, 0.002, 0.003));
-      EXPECT_NEAR(hand.out.toHand.force.z, 2.4, 1e-5) << i << ' ' << j;
+      EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 2.4, 1e-5) << i << ' ' << j;
     }
   }
 }
@@ -232,7 +233,7 @@ TEST(Proxy, ScalesWithTheScene) {
     hand.at(scale * glm::dvec3(0.002, 0.0, 0.03));
     hand.to(scale * glm::dvec3(0.002, 0.001, -0.003), 3e-4 * scale);
     // The goal is nearer to the right wall: it alone presses unless the apex is deeper for both.
-    const glm::dvec3 force = hand.out.toHand.force / scale;
+    const glm::dvec3 force = hand.out.hands[0].toHand.force / scale;
     expectNear(force, 800.0 * glm::dvec3(-0.002, 0.0, 0.003), 1e-5);
   }
 }
@@ -245,12 +246,12 @@ TEST(Proxy, FrictionHoldsInsideTheConeAndDragsOutsideIt) {
   hand.at({0.0, 0.0, 0.01});
   hand.to({0.0, 0.0, -0.002}, 1e-4);
   hand.to({0.0015, 0.0, -0.002}, 1e-5);  // inside: 1.5 < 0.8 * 2 mm
-  expectNear(hand.out.toHand.force, 800.0 * glm::dvec3(-0.0015, 0.0, 0.002), 1e-5);
+  expectNear(hand.out.hands[0].toHand.force, 800.0 * glm::dvec3(-0.0015, 0.0, 0.002), 1e-5);
   const glm::dvec3 stuck = hand.out.worldFromProxy.position;
   for (int i = 0; i < 2000; ++i) hand.at({0.0015 + 2e-5 * (i % 2), 0.0, -0.002});
   EXPECT_EQ(hand.out.worldFromProxy.position, stuck);  // no drift while it sticks
   hand.to({0.05, 0.0, -0.002}, 1e-5);                  // outside: drags at the dynamic coefficient
-  EXPECT_NEAR(-hand.out.toHand.force.x / hand.out.toHand.force.z, 0.5, 1e-4);
+  EXPECT_NEAR(-hand.out.hands[0].toHand.force.x / hand.out.hands[0].toHand.force.z, 0.5, 1e-4);
 }
 
 TEST(Proxy, IsPushedByAMovingPart) {
@@ -267,7 +268,7 @@ TEST(Proxy, IsPushedByAMovingPart) {
       hand.at({0.0, 0.0, 0.02});
     }
     expectNear(hand.out.worldFromProxy.position, {0.0, 0.0, 0.03 + radius}, 1e-8);
-    EXPECT_NEAR(hand.out.toHand.force.z, 800.0 * (0.01 + radius), 1e-4);
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 800.0 * (0.01 + radius), 1e-4);
   }
 }
 
@@ -282,7 +283,7 @@ TEST(Proxy, StaysOutsideAPartThatJumpsAndTurnsOntoIt) {
   hand.at({0.03, 0.0, 0.012});
   const glm::dvec3 inPart = transformPoint(inverse(turned), hand.out.worldFromProxy.position);
   EXPECT_GT(inPart.z, 0.01);
-  EXPECT_GT(hand.out.toHand.force.z, 0.0);
+  EXPECT_GT(hand.out.hands[0].toHand.force.z, 0.0);
 }
 
 TEST(Proxy, SaysSoWhenSqueezedBetweenTwoParts) {
@@ -297,7 +298,7 @@ TEST(Proxy, SaysSoWhenSqueezedBetweenTwoParts) {
     pose.position.z -= 0.001;
     hand.moved = {{press, pose, {}}};
     flags |= hand.at({0.0, 0.0, 0.005}).flags;
-    EXPECT_LT(glm::length(hand.out.toHand.force), 800.0 * 0.03);
+    EXPECT_LT(glm::length(hand.out.hands[0].toHand.force), 800.0 * 0.03);
   }
   EXPECT_TRUE(flags & haptics::kFlagSqueezed);
 }

@@ -85,7 +85,7 @@ TEST(MeshFollowing, LeavesEveryPartThoughTheWayOutLeadsBeyondTheRegionOfTheTick)
   const haptics::FollowedMeshes followed = haptics::followMeshes(world, 0.0, change, proxy);
   EXPECT_EQ(scope.count(), 0u);
   EXPECT_FALSE(followed.overflow);
-  EXPECT_LE(followed.squeezed().size(), 1u);  // the larger one is left only through the other
+  EXPECT_LE(followed.squeezed.size(), 1u);  // the larger one is left only through the other
   EXPECT_TRUE(outsideAllTouchable(world, proxy.position));
   EXPECT_GT(glm::length(proxy.position), 0.001);
 }
@@ -128,7 +128,7 @@ glm::dvec3 forceAfterGrowth(bool moving) {
   for (int i = 3; i < 6; ++i) tickAt({0.001, 0.002, -0.079}, i);
   EXPECT_EQ(hand.out.flags & (haptics::kFlagSqueezed | haptics::kFlagOverflow | haptics::kFlagFault), 0u);
   EXPECT_NEAR(hand.out.worldFromProxy.position.z, -0.07, 1e-8);
-  return hand.out.toHand.force;
+  return hand.out.hands[0].toHand.force;
 }
 
 TEST(MeshSwap, WhileAHundredPartsMoveIsFeltAsWhileTheyStandStill) {

@@ -41,7 +41,7 @@ std::vector<double> sphereErrors(double radius, int triangles, double depth, dou
       hand.to(n * (radius + tool - depth), 0.01 * radius);
     }
     hand.at(n * (radius + tool - depth));
-    errors.push_back(glm::length(hand.out.toHand.force - 1000.0 * depth * n) / (1000.0 * depth));
+    errors.push_back(glm::length(hand.out.hands[0].toHand.force - 1000.0 * depth * n) / (1000.0 * depth));
   }
   std::sort(errors.begin(), errors.end());
   return errors;
@@ -78,8 +78,9 @@ TEST(ForceShading, KeepsASixtyDegreeCreaseSharp) {
   double worst = 0.0, strongest = 0.0;
   for (int i = 0; i <= 400; ++i) {
     const glm::dvec3 g(-0.02 + 1e-4 * i, 0.001, 0.3 * std::abs(-0.02 + 1e-4 * i) - 0.001);
-    worst = std::max(worst, glm::length(hand.at(g).toHand.force - plain.at(g).toHand.force));
-    strongest = std::max(strongest, glm::length(plain.out.toHand.force));
+    worst =
+        std::max(worst, glm::length(hand.at(g).hands[0].toHand.force - plain.at(g).hands[0].toHand.force));
+    strongest = std::max(strongest, glm::length(plain.out.hands[0].toHand.force));
   }
   EXPECT_GT(strongest, 1.0);
   EXPECT_LT(worst, 1e-6);
@@ -90,7 +91,8 @@ TEST(ForceShading, KeepsASixtyDegreeCreaseSharp) {
   plain.to({-0.02, 0.001, 0.03}, 1e-3);
   for (int i = 0; i <= 400; ++i) {
     const glm::dvec3 g(-0.02 + 1e-4 * i, 0.001, 0.3 * std::abs(-0.02 + 1e-4 * i) - 0.001);
-    change = std::max(change, glm::length(smoothed.at(g).toHand.force - plain.at(g).toHand.force));
+    change = std::max(change,
+                      glm::length(smoothed.at(g).hands[0].toHand.force - plain.at(g).hands[0].toHand.force));
   }
   EXPECT_GT(change, 0.1);
 }
@@ -108,10 +110,10 @@ std::pair<double, double> loopWork(int triangles, double crease) {
   hand.at({0.004, 0.0, 0.052});
   hand.to(place(0, kSteps), 1e-4);
   double work = 0.0, stored = 0.0;
-  glm::dvec3 before = hand.out.toHand.force;
+  glm::dvec3 before = hand.out.hands[0].toHand.force;
   for (int i = 1; i <= kSteps; ++i) {
     const glm::dvec3 step = place(i, kSteps) - place(i - 1, kSteps);
-    const glm::dvec3 now = hand.at(place(i, kSteps)).toHand.force;
+    const glm::dvec3 now = hand.at(place(i, kSteps)).hands[0].toHand.force;
     work += glm::dot(0.5 * (before + now), step);
     stored = std::max(stored, std::abs(work));
     before = now;

@@ -128,13 +128,13 @@ std::vector<glm::dvec3> forcesUnder(bool crowd) {
       motions.push_back(m);
     }
     haptics::TickInput input;
-    input.device.valid = true;
-    input.device.worldFromDevice.position =
+    input.hands[0].device.valid = true;
+    input.hands[0].device.worldFromDevice.position =
         scene.parts[kPusher].worldFromPart.position + glm::dvec3(0.0002, 0.0001, 0.0028);
     input.moved = motions;
     const haptics::TickOutput out = haptics::tick(input, contact, parameters, state);
     EXPECT_EQ(out.flags & (haptics::kFlagOverflow | haptics::kFlagSqueezed), 0u);
-    forces.push_back(out.toHand.force);
+    forces.push_back(out.hands[0].toHand.force);
   }
   return forces;
 }

@@ -210,9 +210,9 @@ Pressed press(const ContactScene& contact, haptics::TickState& state) {
   for (int i = 0; i < 150; ++i) {
     haptics::TickInput input;
     const double z = 0.01 - 0.008 * std::min(1.0, i / 100.0);
-    input.device.worldFromDevice = Pose{{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}};
-    input.device.time = i * parameters.dt;
-    input.device.valid = true;
+    input.hands[0].device.worldFromDevice = Pose{{0.0, 0.0, z}, {1.0, 0.0, 0.0, 0.0}};
+    input.hands[0].device.time = i * parameters.dt;
+    input.hands[0].device.valid = true;
     const haptics::PartCommand take[2] = {
         {haptics::PartCommand::Kind::own, 0, Pose{{0.0, 0.0, 0.01}, {1.0, 0.0, 0.0, 0.0}}},
         {haptics::PartCommand::Kind::grasp, 0, {}}};

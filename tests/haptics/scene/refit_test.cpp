@@ -62,15 +62,15 @@ TEST(RefitMesh, ToolOnASurfaceThatRisesAndFallsFeelsItsNewDepth) {
   parameters.damping = 0.0;
   parameters.slewLimit = 1e9;
   haptics::TickInput input;
-  input.device.valid = true;
+  input.hands[0].device.valid = true;
   haptics::TickOutput out;
   const auto press = [&](double z) {
-    input.device.worldFromDevice.position = {0.001, 0.002, z};
+    input.hands[0].device.worldFromDevice.position = {0.001, 0.002, z};
     out = haptics::tick(input, contact, parameters, state);
   };
   press(0.001);
   for (int i = 0; i < 3; ++i) press(-0.001);
-  ASSERT_NEAR(out.toHand.force.z, 1.0, 1e-4);
+  ASSERT_NEAR(out.hands[0].toHand.force.z, 1.0, 1e-4);
   for (const double height : {0.0005, 0.001, 0.0002, -0.0004}) {
     const auto moved = [&](glm::dvec3& p) {
       if (p.z > -0.01) p.z = height;
@@ -80,7 +80,7 @@ TEST(RefitMesh, ToolOnASurfaceThatRisesAndFallsFeelsItsNewDepth) {
     state.meshesChanged(0);
     for (int i = 0; i < 50; ++i) press(-0.001);  // the force may be ramped
     EXPECT_NEAR(out.worldFromProxy.position.z, height, 1e-8);
-    EXPECT_NEAR(out.toHand.force.z, 1000.0 * (height + 0.001), 1e-4) << height;
+    EXPECT_NEAR(out.hands[0].toHand.force.z, 1000.0 * (height + 0.001), 1e-4) << height;
   }
 }
 
@@ -120,10 +120,10 @@ TEST(RefitMesh, SpareSceneIsRefittedByAnotherThreadWhileTheOtherIsFelt) {
   parameters.damping = 0.0;
   parameters.slewLimit = 1e9;
   haptics::TickInput input;
-  input.device.valid = true;
-  input.device.worldFromDevice.position = {0.001, 0.002, 0.001};
+  input.hands[0].device.valid = true;
+  input.hands[0].device.worldFromDevice.position = {0.001, 0.002, 0.001};
   haptics::tick(input, scenes[0], parameters, state);
-  input.device.worldFromDevice.position.z = -0.001;
+  input.hands[0].device.worldFromDevice.position.z = -0.001;
   const haptics::ContactScene* felt = &scenes[0];
   int now = 0;
   while (now < kSwaps) {
@@ -135,7 +135,7 @@ TEST(RefitMesh, SpareSceneIsRefittedByAnotherThreadWhileTheOtherIsFelt) {
       taken.store(now, std::memory_order_release);  // the other one is the spare from here on
     }
     const haptics::TickOutput out = haptics::tick(input, *felt, parameters, state);
-    EXPECT_NEAR(out.toHand.force.z, 1000.0 * (heightOf(now) + 0.001), 1e-4) << now;
+    EXPECT_NEAR(out.hands[0].toHand.force.z, 1000.0 * (heightOf(now) + 0.001), 1e-4) << now;
     std::this_thread::yield();
   }
   deformer.join();

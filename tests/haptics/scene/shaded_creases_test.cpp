@@ -49,7 +49,7 @@ class Crease {
     at({place.x, place.y, 0.03});
     hand_.to(place * scale_, 1e-4 * scale_);
   }
-  glm::dvec3 force() const { return hand_.out.toHand.force; }
+  glm::dvec3 force() const { return hand_.out.hands[0].toHand.force; }
 
  private:
   double scale_;
@@ -174,7 +174,7 @@ std::pair<double, double> ratiosOnSphere(double scale, int triangles) {
     const double height = i < 0 ? 1.0 + 1e-3 * (-i - 20) : 0.98;
     hand.at(glm::normalize(out) * radius * height);
     if (i < 0 || hand.out.contactCount == 0) continue;
-    const glm::dvec3 n = hand.out.contacts[0].normal, f = hand.out.toHand.force;
+    const glm::dvec3 n = hand.out.contacts[0].normal, f = hand.out.hands[0].toHand.force;
     const double pressing = glm::dot(f, n), ratio = glm::length(f - pressing * n) / pressing;
     most = std::max(most, ratio);
     if (i > 200 && i < 600) sum += ratio, ++count;
@@ -207,10 +207,10 @@ TEST(Creases, FrictionBetweenBumpsIsThatOfWhatStillPresses) {
   HandProbe hand(b.scene, springOnly(1000.0));
   hand.at({0.02, 0.025, 0.005});
   hand.to({0.02, 0.025, -0.001}, 1e-4);
-  EXPECT_NEAR(hand.out.toHand.force.z, 0.4, 1e-6) << "an even plate would press with 1 N";
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 0.4, 1e-6) << "an even plate would press with 1 N";
   hand.to({0.03, 0.025, -0.001}, 1e-4);
-  EXPECT_NEAR(hand.out.toHand.force.z, 0.4, 1e-6);
-  EXPECT_NEAR(-hand.out.toHand.force.x, 0.4 * 0.4, 1e-3);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 0.4, 1e-6);
+  EXPECT_NEAR(-hand.out.hands[0].toHand.force.x, 0.4 * 0.4, 1e-3);
 }
 
 }  // namespace

@@ -94,11 +94,11 @@ TEST(EffortGuard, TakesEffortBackInItsOrderAndGivesItBackOnceTicksAreShort) {
   EXPECT_EQ(guard.limited(set).steps, 1);
   EXPECT_TRUE(guard.limited(set).exact) << "what is touched stays exact";
   ticks(EffortGuard::kCalm - 1, 0.1);
-  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages);
+  EXPECT_EQ(guard.stage(), EffortGuard::kMaxStages);
   ticks(1, 0.1);
-  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages - 1) << "a stage at a time";
+  EXPECT_EQ(guard.stage(), EffortGuard::kMaxStages - 1) << "a stage at a time";
   ticks(4 * EffortGuard::kCalm, 0.5);
-  EXPECT_EQ(guard.stage(), EffortGuard::kMostStages - 1) << "between both bounds nothing changes";
+  EXPECT_EQ(guard.stage(), EffortGuard::kMaxStages - 1) << "between both bounds nothing changes";
   ticks(2 * EffortGuard::kCalm, 0.1);
   EXPECT_EQ(guard.stage(), 0);
 }

@@ -33,7 +33,7 @@ class Plate {
   }
 
   const haptics::TickOutput& at(double x, double z, double depth) { return hand.at(place(x, z, depth)); }
-  glm::dvec3 force() const { return hand.out.toHand.force; }
+  glm::dvec3 force() const { return hand.out.hands[0].toHand.force; }
 
   /// Comes down at 50 mm/s, and holds still for a tick.
   glm::dvec3 press(double x, double z, double depth) {
@@ -159,7 +159,7 @@ TEST(SampleSurfaces, TheBuzzHasItsFrequencyAndAmplitude) {
   int rises = 0;
   double before = plate.force().y, high = 0.0;
   for (int i = 0; i < 1000; ++i) {
-    const double now = plate.at(0.0, 0.0, 1.0 * mm).toHand.force.y;
+    const double now = plate.at(0.0, 0.0, 1.0 * mm).hands[0].toHand.force.y;
     rises += before < 1.0 && now >= 1.0 ? 1 : 0;
     high = std::max(high, now);
     before = now;
@@ -174,7 +174,7 @@ TEST(SampleSurfaces, StickSlipLetsGoAtItsForce) {
   int slips = 0;
   double strongest = 0.0, before = 0.0;
   for (int i = 1; i <= 600; ++i) {  // 12 mm; it holds for 0.6 / 500 = 1.2 mm
-    const double now = -plate.at(0.02 * mm * i, 0.0, 1.0 * mm).toHand.force.x;
+    const double now = -plate.at(0.02 * mm * i, 0.0, 1.0 * mm).hands[0].toHand.force.x;
     slips += now < before ? 1 : 0;
     strongest = std::max(strongest, now);
     before = now;
@@ -185,9 +185,9 @@ TEST(SampleSurfaces, StickSlipLetsGoAtItsForce) {
 
 TEST(SampleSurfaces, TheMagnetPullsHardestAtHalfItsDistance) {
   Plate plate("magnet");
-  EXPECT_EQ(plate.at(0.0, 0.0, -9.0 * mm).toHand.force, glm::dvec3(0.0));
-  expectNear(plate.at(0.0, 0.0, -4.0 * mm).toHand.force, {0.0, -0.8, 0.0}, 1e-6);
-  expectNear(plate.at(0.0, 0.0, -2.0 * mm).toHand.force, {0.0, -0.8 * 0.75, 0.0}, 1e-6);
+  EXPECT_EQ(plate.at(0.0, 0.0, -9.0 * mm).hands[0].toHand.force, glm::dvec3(0.0));
+  expectNear(plate.at(0.0, 0.0, -4.0 * mm).hands[0].toHand.force, {0.0, -0.8, 0.0}, 1e-6);
+  expectNear(plate.at(0.0, 0.0, -2.0 * mm).hands[0].toHand.force, {0.0, -0.8 * 0.75, 0.0}, 1e-6);
   expectNear(plate.press(0.0, 0.0, 1.0 * mm), {0.0, 1.0, 0.0}, 1e-6);
 }
 
@@ -196,7 +196,7 @@ TEST(SampleSurfaces, ThePopThroughPlateGivesWayAboveItsForce) {
   expectNear(plate.press(0.0, 0.0, 1.49 * mm), {0.0, 1.49, 0.0}, 1e-6);
   plate.at(0.0, 0.0, 1.51 * mm);
   EXPECT_NE(plate.hand.out.flags & haptics::kFlagPopThrough, 0u);
-  EXPECT_EQ(plate.at(0.0, 0.0, 1.6 * mm).toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(plate.at(0.0, 0.0, 1.6 * mm).hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(SampleSurfaces, TheViscoelasticPlateRelaxes) {

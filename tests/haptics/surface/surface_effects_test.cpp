@@ -29,11 +29,11 @@ TEST(SurfaceEffects, ViscosityDragsAgainstTheMotion) {
   hand.at({-0.05, 0.0012, 0.005});
   hand.to({-0.05, 0.0012, -0.002}, 1e-4);
   for (int i = 1; i < 100; ++i) hand.at({-0.05 + 1e-4 * i, 0.0012, -0.002});  // 0.1 m/s
-  EXPECT_NEAR(hand.out.toHand.force.x, -5.0 * 0.1, 1e-9);
-  EXPECT_NEAR(hand.out.toHand.force.y, 0.0, 1e-9);
-  EXPECT_NEAR(hand.out.toHand.force.z, 2.0, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.x, -5.0 * 0.1, 1e-9);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.y, 0.0, 1e-9);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 2.0, 1e-6);
   hand.to({-0.05, 0.0012, 0.005}, 1e-3);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(SurfaceEffects, ViscosityNeverPullsTheToolIn) {
@@ -44,7 +44,7 @@ TEST(SurfaceEffects, ViscosityNeverPullsTheToolIn) {
   hand.to({0.0, 0.0012, -0.002}, 1e-4);
   for (int i = 1; i < 40; ++i) {
     hand.at({0.0, 0.0012, -0.002 + 5e-4 * i});  // 0.5 m/s out: 25 N of drag against 2 N
-    EXPECT_GE(hand.out.toHand.force.z, -1e-12);
+    EXPECT_GE(hand.out.hands[0].toHand.force.z, -1e-12);
   }
 }
 
@@ -59,7 +59,7 @@ TEST(SurfaceEffects, ViscosityGivesNothingToAToolThatBuzzes) {
   double last = 0.0;
   for (int i = 1; i < 200; ++i) {
     const double x = (i % 2) * 1e-5, step = x - last;
-    given += hand.out.toHand.force.x * step;
+    given += hand.out.hands[0].toHand.force.x * step;
     naive += -5.0 * hand.sample.twist.linear.x * step;
     hand.at({x, 0.0012, -0.002});
     last = x;
@@ -77,15 +77,15 @@ TEST(SurfaceEffects, VibrationStaysWithinItsAmplitudeAndStopsInFreeAir) {
   hand.to({0.0, 0.0012, -0.002}, 1e-4);
   double low = 1e9, high = -1e9;
   for (int i = 0; i < 200; ++i) {
-    const double f = hand.at({0.0, 0.0012, -0.002}).toHand.force.z - 2.0;
+    const double f = hand.at({0.0, 0.0012, -0.002}).hands[0].toHand.force.z - 2.0;
     low = std::min(low, f), high = std::max(high, f);
   }
   EXPECT_NEAR(high, 0.4, 1e-3);
   EXPECT_NEAR(low, -0.4, 1e-3);
   hand.to({0.0, 0.0012, -0.0001}, 1e-4);
-  for (int i = 0; i < 50; ++i) EXPECT_GE(hand.at({0.0, 0.0012, -0.0001}).toHand.force.z, 0.0);
+  for (int i = 0; i < 50; ++i) EXPECT_GE(hand.at({0.0, 0.0012, -0.0001}).hands[0].toHand.force.z, 0.0);
   hand.to({0.0, 0.0012, 0.005}, 1e-3);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
 }
 
 TEST(SurfaceEffects, StickSlipHoldsThenLetsGo) {
@@ -98,8 +98,8 @@ TEST(SurfaceEffects, StickSlipHoldsThenLetsGo) {
   double strongest = 0.0;
   int slips = 0;
   for (int i = 1; i <= 1000; ++i) {  // 10 mm: every 1 mm a slip
-    const double before = hand.out.toHand.force.x;
-    const double now = hand.at({1e-5 * i, 0.0012, -0.002}).toHand.force.x;
+    const double before = hand.out.hands[0].toHand.force.x;
+    const double now = hand.at({1e-5 * i, 0.0012, -0.002}).hands[0].toHand.force.x;
     strongest = std::max(strongest, std::abs(now));
     slips += now > before + 0.3 ? 1 : 0;
   }
@@ -117,7 +117,7 @@ TEST(SurfaceEffects, MagnetPullsWithoutGainingEnergyAtEveryScale) {
     double strongest = 0.0, work = 0.0, before = 0.0;
     for (int i = 0; i <= 2000; ++i) {
       const double z = (0.006 + 0.008 * std::cos(2.0 * kPi * i / 2000.0)) * scale;
-      const double f = hand.at({0.0, 0.0012 * scale, z}).toHand.force.z;
+      const double f = hand.at({0.0, 0.0012 * scale, z}).hands[0].toHand.force.z;
       if (z > 0.0) strongest = std::min(strongest, f);
       EXPECT_TRUE(z <= 0.0101 * scale || f == 0.0);
       if (i > 0) {
@@ -137,14 +137,14 @@ TEST(SurfaceEffects, PopsThroughBeyondTheForceAndIsFeltAgainFromTheOtherSide) {
   HandProbe hand(sheetOf(surface), springOnly(1000.0));
   hand.at({0.0, 0.0012, 0.005});
   hand.to({0.0, 0.0012, -0.0019}, 1e-4);
-  EXPECT_NEAR(hand.out.toHand.force.z, 1.9, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.9, 1e-6);
   hand.at({0.0, 0.0012, -0.0021});
   EXPECT_NE(hand.out.flags & haptics::kFlagPopThrough, 0u);
-  EXPECT_LT(glm::length(hand.out.toHand.force), 1e-6);
+  EXPECT_LT(glm::length(hand.out.hands[0].toHand.force), 1e-6);
   hand.to({0.0, 0.0012, -0.005}, 1e-3);
-  EXPECT_EQ(hand.out.toHand.force, glm::dvec3(0.0));
+  EXPECT_EQ(hand.out.hands[0].toHand.force, glm::dvec3(0.0));
   hand.to({0.0, 0.0012, 0.001}, 1e-4);
-  EXPECT_NEAR(hand.out.toHand.force.z, -1.0, 1e-6);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, -1.0, 1e-6);
 }
 
 TEST(SurfaceEffects, ReliefIsThePotentialOfItsForce) {
@@ -159,8 +159,9 @@ TEST(SurfaceEffects, ReliefIsThePotentialOfItsForce) {
     const double x = -0.01 + 5e-5 * i, turn = 2.0 * kPi * x / 0.004;
     const double depth = 0.001 + 0.0002 * std::sin(turn);
     hand.at({x, 0.0012, -0.001});
-    EXPECT_NEAR(hand.out.toHand.force.z, 1000.0 * depth, 1e-6);
-    EXPECT_NEAR(hand.out.toHand.force.x, -1000.0 * depth * 0.0002 * std::cos(turn) * 2.0 * kPi / 0.004, 1e-6);
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1000.0 * depth, 1e-6);
+    EXPECT_NEAR(hand.out.hands[0].toHand.force.x,
+                -1000.0 * depth * 0.0002 * std::cos(turn) * 2.0 * kPi / 0.004, 1e-6);
   }
 }
 
@@ -189,7 +190,7 @@ TEST(SurfaceEffects, OfManyMagnetsTheNearestPull) {
   for (const int i : {3, 120, 299, 0}) {
     hand.to({0.005 * i, 0.0, 0.02}, 0.01);
     const haptics::TickOutput& out = hand.at({0.005 * i, 0.0, 0.003});
-    EXPECT_NEAR(out.toHand.force.z, -0.5, 1e-6) << i;  // half way up its reach
+    EXPECT_NEAR(out.hands[0].toHand.force.z, -0.5, 1e-6) << i;  // half way up its reach
     EXPECT_EQ(out.flags & haptics::kFlagOverflow, 0u);
   }
 }
@@ -211,9 +212,9 @@ TEST(SurfaceEffects, AMagnetGivesNoEnergyAroundItsEdgesAndCorners) {
                                 0.0255 + 0.005 * std::sin(a));
     };
     double work = 0.0, facesOnly = 0.0, most = 0.0;
-    glm::dvec3 before = hand.at(place(0)).toHand.force;
+    glm::dvec3 before = hand.at(place(0)).hands[0].toHand.force;
     for (int i = 1; i <= kSteps; ++i) {
-      const glm::dvec3 now = hand.at(place(i)).toHand.force, step = place(i) - place(i - 1);
+      const glm::dvec3 now = hand.at(place(i)).hands[0].toHand.force, step = place(i) - place(i - 1);
       work += glm::dot(0.5 * (before + now), step);
       // Negative control: a pull that ends where the faces end.
       if (place(i).x < 0.02 * scale && place(i).y < 0.02 * scale)
@@ -239,7 +240,7 @@ TEST(SurfaceEffects, MoreMagnetsThanCanActAtOnceAreFlagged) {
   HandProbe hand(b.scene, springOnly(1000.0));
   const haptics::TickOutput& out = hand.at({0.0, 0.0, 0.01});
   EXPECT_NE(out.flags & haptics::kFlagOverflow, 0u);
-  EXPECT_LT(out.toHand.force.z, 0.0) << "four of them pull all the same";
+  EXPECT_LT(out.hands[0].toHand.force.z, 0.0) << "four of them pull all the same";
 }
 
 TEST(SurfaceEffects, NoSpringOfASurfaceIsStifferThanTheDeviceBears) {
@@ -257,9 +258,9 @@ TEST(SurfaceEffects, NoSpringOfASurfaceIsStifferThanTheDeviceBears) {
     probe.to({0.0, 0.0012, -0.002}, 1e-4);
   };
   press(hand);
-  EXPECT_NEAR(hand.out.toHand.force.z, 250.0 * 0.002, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 250.0 * 0.002, 1e-5);
   hand.at({0.001, 0.0012, -0.002});
-  EXPECT_NEAR(hand.out.toHand.force.x, -250.0 * 0.001, 1e-5);
+  EXPECT_NEAR(hand.out.hands[0].toHand.force.x, -250.0 * 0.001, 1e-5);
 
   surface = Surface{};
   surface.law = Surface::Law::viscoelastic;
@@ -267,10 +268,11 @@ TEST(SurfaceEffects, NoSpringOfASurfaceIsStifferThanTheDeviceBears) {
   surface.relaxation = 1e9;  // never: both springs act for good
   HandProbe relaxing(sheetOf(surface), limited);
   press(relaxing);
-  EXPECT_NEAR(relaxing.out.toHand.force.z, 250.0 * 0.002, 1e-5);
+  EXPECT_NEAR(relaxing.out.hands[0].toHand.force.z, 250.0 * 0.002, 1e-5);
   HandProbe free(sheetOf(surface), springOnly(1000.0));
   press(free);
-  EXPECT_NEAR(free.out.toHand.force.z, 4000.0 * 0.002, 1e-5) << "without a limit it is as the file has it";
+  EXPECT_NEAR(free.out.hands[0].toHand.force.z, 4000.0 * 0.002, 1e-5)
+      << "without a limit it is as the file has it";
 }
 
 TEST(SurfaceEffects, PlasticSurfaceKeepsItsDentInPlace) {
@@ -282,7 +284,7 @@ TEST(SurfaceEffects, PlasticSurfaceKeepsItsDentInPlace) {
   const auto press = [&hand](double x, double depth) {
     hand.to({x, 0.0012, 0.005}, 1e-4);
     hand.to({x, 0.0012, -depth}, 1e-4);
-    return hand.out.toHand.force.z;
+    return hand.out.hands[0].toHand.force.z;
   };
   hand.at({0.0, 0.0012, 0.005});
   EXPECT_NEAR(press(0.0, 0.003), 1.0 + 0.002 * 1000.0 * 100.0 / 1100.0, 1e-6);
@@ -304,12 +306,12 @@ TEST(SurfaceEffects, AnEmptyDentNeitherDampsNorDragsNorHolds) {
       HandProbe hand(sheetOf(surface), damped);
       hand.at({0.0, 0.0012, 0.005});
       hand.to({0.0, 0.0012, -0.004}, 1e-4);
-      EXPECT_GT(hand.out.toHand.force.z, 1.0) << "damped while it yields";
+      EXPECT_GT(hand.out.hands[0].toHand.force.z, 1.0) << "damped while it yields";
       hand.to({0.0, 0.0012, 0.005}, 1e-4);
       double deepest = 0.0, most = 0.0;
       for (double z = 0.005; z > -0.0045; z -= 1e-4) {
         hand.at({0.0, 0.0012, z});
-        const double force = glm::length(hand.out.toHand.force);
+        const double force = glm::length(hand.out.hands[0].toHand.force);
         if (z > -0.0033) deepest = std::max(deepest, force);
         most = std::max(most, force);
       }
