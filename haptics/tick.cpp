@@ -69,12 +69,13 @@ class Tick {
         data_.tool.place(first_.device().worldFromDevice.position,
                          first_.elsewhere() || first_.silence() > kProxyResetAfter);
       }
-      graspWhereItIs(h);
+      graspAnew(h);
     }
   }
 
-  /// A hand that did not move to where it is now did not draw its part there: it holds the part where it is.
-  void graspWhereItIs(int h) {
+  /// A hand that was not moved to its present place in contact did not pull its part there: it grasps the
+  /// part anew.
+  void graspAnew(int h) {
     const Hand& hand = handOf(h);
     const PartId held = data_.held.held(h);
     if (hand.elsewhere() && held != kNoPart)
@@ -124,7 +125,7 @@ class Tick {
   void own(PartId part) {
     const bool free = isFree(part);
     if (!data_.held.own(data_.world, part, free)) out_.flags |= kFlagOverflow;
-    if (free) take(part);
+    if (free) beginContact(part);
   }
 
   void grasp(PartId part, int h) {
@@ -133,15 +134,15 @@ class Tick {
     if (data_.held.held(h) != kNoPart) letGo(h);
     if (!data_.held.grasp(part, hand.device().worldFromDevice, hand.parameters(), h)) return;
     const bool alone = data_.held.held(1 - h) != part;
-    if (alone) take(part);
+    if (alone) beginContact(part);
     if (h == 0)
       endTouchOfTool(part);
     else
       handOf(h).endTool();
   }
 
-  /// The tool no longer touches what the first hand holds, and with a solid part in the hand it touches nothing. The force
-  /// of those contacts must not vanish at once.
+  /// The tool no longer touches what the first hand holds, and with a solid part in the hand it touches
+  /// nothing. The force of those contacts must not vanish at once.
   void endTouchOfTool(PartId part) {
     data_.tool.noteForeignChange(0.0);
     if (holdsSolid()) {
@@ -152,8 +153,8 @@ class Tick {
     data_.tool.ignore(part);
   }
 
-  /// From the first hand that holds it on.
-  void take(PartId part) {
+  /// A part moves by contact from the first hand that holds it on.
+  void beginContact(PartId part) {
     if (data_.partContact == nullptr) return;
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (entry.part == part) data_.partContact->take(part, entry.body.centreOfMass);
@@ -198,7 +199,7 @@ class Tick {
         std::max(parameters_.stiffness, data_.held.held() != kNoPart ? parameters_.graspStiffness : 0.0));
   }
 
-  /// What the tool did to the controls that this hand moves, as its contacts were in the last tick.
+  /// Loads the controls that this tick simulates with the tool's contacts of the last tick.
   void loadControls() {
     for (const SimulatedPart& entry : data_.held.parts()) {
       const assets::Control* control = entry.moved.control;
@@ -223,8 +224,7 @@ class Tick {
            assets::controlOf(data_.world.scene(), part) == nullptr;
   }
 
-  /// What the tool did to the parts simulated here that are free or in the other hand, as its contacts were in the last
-  /// tick.
+  /// Loads the simulated parts that are free or in the other hand with the tool's contacts of the last tick.
   void loadFreeParts() {
     if (data_.partContact == nullptr && data_.held.held(1) == kNoPart && !data_.held.links().any()) return;
     for (const SimulatedPart& entry : data_.held.parts()) {
@@ -263,7 +263,8 @@ class Tick {
     }
   }
 
-  /// Parts that a layer shows or hides. One that appears around the tool cannot be felt until the tool has come out.
+  /// Shows and hides the parts of layers. A part that appears around the tool is not felt until the tool
+  /// has left it.
   void updateLayers() {
     data_.layers.update(data_.world, [&](PartId part, bool hide) {
       if (!hide) return data_.tool.ignoreIfOver(part);
@@ -292,14 +293,15 @@ class Tick {
     }
   }
 
-  /// Whether the hand holds a part that touches others: then that is what it feels, and not its tool.
+  /// Whether the first hand holds a part that collides: then the hand feels the part's contacts instead of
+  /// its tool's.
   bool holdsSolid() const {
     const SimulatedPart* const held = data_.held.heldPart();
     return held != nullptr && held->moved.control == nullptr && data_.partContact != nullptr &&
            data_.partContact->constrains(held->part);
   }
 
-  /// The tool goes with the part in the hand; the part's contacts are what is touched.
+  /// The tool moves with the part in the hand, and the part's contacts are reported as those of the hand.
   void carryTool() {
     const SimulatedPart& held = *data_.held.heldPart();
     TICK_ASSERT(data_.fault, held.grips[0].holds);
@@ -320,7 +322,7 @@ class Tick {
     return std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.hands[0].device.time;
   }
 
-  /// For links, which run on while no reading tells the time.
+  /// Time for links, which run on without a valid reading.
   double noteTime() {
     const double time = sessionTime();
     data_.time = first_.valid() || std::isfinite(input_.sessionTime) ? time : data_.time + parameters_.dt;
@@ -386,7 +388,7 @@ class Tick {
   TickOutput out_;
 };
 
-/// What a tick gives in which an ASSERT failed; no force at all if its end fails too.
+/// Output of a tick in which an ASSERT failed; no force at all if its end fails too.
 TickOutput endAfter(const FailedAssertion& broken, Tick& current) {
   try {
     return current.abandon(broken);

@@ -46,7 +46,7 @@ class TickState {
   /// now, on the side on which it touched them, and the change of force grows at the limited rate. By the
   /// thread that ticks. Free of allocation; 3 ns a part of the scene, and 70 ns (moving: 160) a part that
   /// uses the mesh. Limit: which side it touches is taken from the facets as they now are, so that the proxy
-  /// comes out on the other side of one that has turned by over 90 degrees meanwhile; adopt() knows the
+  /// comes out on the other side of one that has rotated by over 90 degrees meanwhile; adopt() knows the
   /// facets before.
   void meshesChanged(std::uint32_t mesh);
 

@@ -1,6 +1,7 @@
 #include "haptics/tick_data.h"
 
-// The state of ticks: made for a scene, updated when its meshes change and when parts are linked to other sites.
+// The state of ticks: made for a scene, updated when its meshes change and when parts are linked to other
+// sites.
 
 namespace tandem::haptics {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// The bare tool of a person's second hand: it touches the scene as the first hand's does, in a tick of its own. The parts
-// that the hand holds belong to the tick of both hands (haptics/grasp/hand.h).
+// The bare tool of a person's second hand: it touches the scene as the first hand's does, in a tick of its
+// own. The parts that the hand holds belong to the tick of both hands (haptics/grasp/hand.h).
 //
 // Runs in the haptic thread; allocates only in the constructor.
 
@@ -18,9 +18,10 @@ class BareTool {
   /// The scene must outlive this.
   explicit BareTool(const haptics::ContactScene& scene) : scene_(scene), state_(scene) {}
 
-  /// One tick; returns what the tool feels. `moved` are the parts that others move; `first` is the last tick of both hands,
-  /// whose parts the tool meets where they are; of `commands`, those of that tick, setPose holds here too; `sessionTime` s,
-  /// as TickInput's. While the hand `holds` a part the tool touches nothing; then it begins anew where the device is.
+  /// One tick; returns what the tool feels. `moved` are the parts that others move; `first` is the last
+  /// tick of both hands, whose parts the tool meets where they are; of `commands`, those of that tick,
+  /// setPose holds here too; `sessionTime` s, as TickInput's. While the hand `holds` a part the tool
+  /// touches nothing; then it begins anew where the device is.
   Wrench tick(const haptics::DeviceSample& reading, std::span<const haptics::PartMotion> moved,
               const haptics::TickOutput& first, std::span<const haptics::PartCommand> commands,
               const haptics::TickParameters& parameters, double sessionTime, bool holds);

@@ -44,12 +44,12 @@ haptics::LinkPull TankEnd::pull(double, const Pose& worldFromCentre, const Twist
   tank_ += peer_.energy - taken_;
   taken_ = peer_.energy;
   const double half = 0.5 * gains_.stiffness;
-  const SixAxes before = haptics::wayBetween(worldFromCentre, drawnTo_, lever_);
+  const SixAxes before = haptics::displacementBetween(worldFromCentre, drawnTo_, lever_);
   const double stored = half * haptics::dot(before, before);
-  const SixAxes wanted = haptics::wayBetween(worldFromCentre, peer_.worldFromDrawn, lever_);
+  const SixAxes wanted = haptics::displacementBetween(worldFromCentre, peer_.worldFromDrawn, lever_);
   const SixAxes stretch = haptics::shortened(wanted, std::sqrt((stored + tank_) / half));
   tank_ = std::max(0.0, tank_ - (half * haptics::dot(stretch, stretch) - stored));
-  drawnTo_ = haptics::gone(worldFromCentre, stretch, lever_);
+  drawnTo_ = haptics::applied(worldFromCentre, stretch, lever_);
   const double implicit = damping + gains_.stiffness * period_;
   return {haptics::wrenchOf(gains_.stiffness * stretch, lever_), implicit, implicit * lever_ * lever_};
 }
@@ -75,7 +75,7 @@ ServerBench::ServerBench(const Setup& setup)
       clock_(setup.network.packetPeriod),
       body_(bodyOf(setup.block)),
       onHands_(setup.sites.size()) {
-  ASSERT(setup.sites.size() <= haptics::kMostCouplings);
+  ASSERT(setup.sites.size() <= haptics::kMaxCouplings);
   const bench::Network leg = legOf(setup.network);
   for (unsigned i = 0; i < setup.sites.size(); ++i) {
     const unsigned seed = 193u * setup.seed + 2u * i;
@@ -131,7 +131,7 @@ void ServerBench::send(double now) {
 
 OneRoomBench::OneRoomBench(const std::vector<bench::BenchSite>& sites, const bench::Block& block)
     : HandBench(sites, block), block_(block), body_(bodyOf(block)) {
-  ASSERT(sites.size() <= haptics::kMostCouplings);
+  ASSERT(sites.size() <= haptics::kMaxCouplings);
 }
 
 void OneRoomBench::tick() {

@@ -42,7 +42,7 @@ Cost costOf(const std::vector<std::vector<PartSample>>& runs) {
 
 bool usualIterations(const haptics::ContactEffort& effort) {
   const haptics::ContactEffort used;
-  return effort.steps == used.steps && effort.looks == used.looks;
+  return effort.steps == used.steps && effort.sampleQueries == used.sampleQueries;
 }
 
 void judgePart(const PartExperiment& experiment, const std::vector<std::vector<PartSample>>& runs,

@@ -56,7 +56,7 @@ std::string shortName(const PartMeasurement& m) {
   if (m.fieldScale != 1.0) add("f" + number(m.fieldScale));
   if (m.sampleScale != 1.0) add("s" + number(m.sampleScale));
   if (m.effort.steps != used.steps) add(number(m.effort.steps) + " st");
-  if (m.effort.looks != used.looks) add(number(m.effort.looks) + " lk");
+  if (m.effort.sampleQueries != used.sampleQueries) add(number(m.effort.sampleQueries) + " lk");
   if (!m.effort.exact) add("nr");
   return text;
 }
@@ -154,7 +154,7 @@ std::string tableOf(const PartExperimentResult& e) {
             "</td>";
     for (const std::string& cell :
          {scaleOf(m, m.fieldScale), scaleOf(m, m.sampleScale), unlessPeer(m, number(m.effort.steps)),
-          unlessPeer(m, number(m.effort.looks)), unlessPeer(m, m.effort.exact ? "yes" : "no"),
+          unlessPeer(m, number(m.effort.sampleQueries)), unlessPeer(m, m.effort.exact ? "yes" : "no"),
           microseconds(m.cost.p50), microseconds(m.cost.p99), microseconds(m.cost.max), metres(m.depth.max),
           newtons(m.error.p99), percent(m.error.relativeP99), newtons(m.forceStep.p99),
           degrees(m.normalStep.p99), percent(m.found), number(m.build_ms)})
@@ -238,7 +238,7 @@ std::string partSection(const SweepResult& result) {
       "as they are used), the spacing of the contact samples (along a line, from dense to sparse), whether a "
       "touch is refined on the triangles (squares: the field's reading is taken as it is; on every field, at "
       "two spacings), and the most steps and looks that a tick may take (triangles; as used " +
-      number(used.steps) + " and " + number(used.looks) +
+      number(used.steps) + " and " + number(used.sampleQueries) +
       "). Each mark is a measurement of this run, named where the pointer rests on it; the ring is Tandem as "
       "it is used. Beside points of the front, which no faster setting of Tandem equals within 1 %, stands "
       "how "

@@ -120,16 +120,16 @@ std::vector<haptics::ContactEffort> effortsOf(const Making& making, const SweepO
   const haptics::ContactEffort used;
   std::vector<haptics::ContactEffort> all{used};
   const auto cut = [&](std::initializer_list<int> steps, std::initializer_list<int> looks, bool exact) {
-    for (const int n : steps) all.push_back({n, used.looks, exact});
+    for (const int n : steps) all.push_back({n, used.sampleQueries, exact});
     for (const int n : looks) all.push_back({used.steps, n, exact});
   };
   if (options.quick) {
     if (!making.asUsed()) return all;
-    all.push_back({used.steps, used.looks, false});
+    all.push_back({used.steps, used.sampleQueries, false});
     cut({1}, {kFewLooks}, true);
     return all;
   }
-  if (making.samples == 1.0 || making.samples == 4.0) all.push_back({used.steps, used.looks, false});
+  if (making.samples == 1.0 || making.samples == 4.0) all.push_back({used.steps, used.sampleQueries, false});
   const bool corner =
       (making.field == 4.0 && making.samples == 1.0) || (making.field == 1.0 && making.samples == 4.0);
   if (making.asUsed() || corner) cut({1, 2}, {kFewLooks, 100}, true);
@@ -158,7 +158,7 @@ PartMeasurement named(const Making& making, const haptics::ContactEffort& effort
     add("samples-%g", "samples x %g", making.samples);
   }
   if (effort.steps != used.steps) add("steps-%d", "steps %d", effort.steps);
-  if (effort.looks != used.looks) add("looks-%d", "looks %d", effort.looks);
+  if (effort.sampleQueries != used.sampleQueries) add("looks-%d", "looks %d", effort.sampleQueries);
   if (!effort.exact) add("unrefined%s", "not refined%s", "");
   out.setting = setting.empty() ? std::string("tandem") : setting;
   return out;

@@ -2,13 +2,12 @@
 
 namespace tandem::haptics {
 
-/// What a tick may spend on contact between parts. Less is faster, and errs to the safe side only while `exact` holds:
-/// parts then go less far than they could, and never into each other.
+/// What a tick may spend on contact between parts. With less effort a tick is faster and parts move less
+/// far than they could; while `exact` holds they never enter each other.
 struct ContactEffort {
-  int steps = 4;    // at most, 1 to 4: what is left of a fast motion is made up in the next ticks
-  int looks = 600;  // at most, of all steps: rows looked at or made active
-  bool exact =
-      true;  // look at the triangles where a field cannot be trusted; else its reading is taken as it is
+  int steps = 4;            // at most, 1 to 4; the rest of a fast motion is made up in the next ticks
+  int sampleQueries = 600;  // at most, of all steps: rows measured or made active
+  bool exact = true;  // measure triangles where a field is not reliable; false: use its reading as it is
 };
 
 }  // namespace tandem::haptics

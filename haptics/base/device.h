@@ -1,9 +1,11 @@
 #pragma once
 
-// A haptic device: senses the pose of a hand, applies a wrench to it. One back-end a file in haptics/devices/.
+// A haptic device: senses the pose of a hand, applies a wrench to it. One back-end a file in
+// haptics/devices/.
 //
-// Threads: open() and close() anywhere but in the servo thread; poll() and apply() only in the servo thread. Both return
-// at once: a driver whose bus blocks keeps a thread of its own and hands over the latest sample.
+// Threads: open() and close() anywhere but in the servo thread; poll() and apply() only in the servo
+// thread. Both return at once: a driver whose bus blocks keeps a thread of its own and hands over the
+// latest sample.
 
 #include <cstdint>
 #include <string>
@@ -13,7 +15,8 @@
 
 namespace tandem::haptics {
 
-/// One reading of a device, already in world axes (see DeviceMapping for how a workspace is placed in the scene).
+/// One reading of a device, already in world axes (see DeviceMapping for how a workspace is placed in the
+/// scene).
 struct DeviceSample {
   Pose worldFromDevice;
   Twist twist;                // estimated by the driver from its own samples
@@ -46,8 +49,8 @@ class Device {
   virtual void close() = 0;
   /// The latest reading. `now` is the servo loop's clock in s.
   virtual DeviceSample poll(double now) = 0;
-  /// The wrench on the hand, world axes, already limited to limits(). Must be called every tick; a driver that has not
-  /// heard for 50 ms sends zero by itself.
+  /// The wrench on the hand, world axes, already limited to limits(). Must be called every tick; without a
+  /// call for 50 ms a driver sends zero by itself.
   virtual void apply(const Wrench& toHand) = 0;
 };
 

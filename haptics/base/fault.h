@@ -1,10 +1,10 @@
 #pragma once
 
-// Broken invariants inside a tick. Aborting would leave the last force on a hand, so a tick latches the first fault, ramps
-// its force to zero and stays there until TickState::resetFault(). On in every build.
+// Broken invariants inside a tick. Aborting would leave the last force on a hand, so a tick latches the
+// first fault, ramps its force to zero and stays there until TickState::resetFault(). On in every build.
 //
-// TICK_ASSERT is for a stage that goes on around what is broken. A failed ASSERT (assets/base/assert.h) ends all stages of its
-// tick, which then latches it: see assets/base/assertion_scope.h.
+// TICK_ASSERT is for a stage that goes on around what is broken. A failed ASSERT (assets/base/assert.h)
+// ends all stages of its tick, which then latches it: see assets/base/assertion_scope.h.
 
 namespace tandem::haptics {
 

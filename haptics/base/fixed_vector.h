@@ -1,6 +1,7 @@
 #pragma once
 
-// A list of at most N elements in place: an array and its count as one value, for code that must not allocate.
+// A list of at most N elements in place: an array and its count as one value, for code that must not
+// allocate.
 
 #include <cstddef>
 #include <utility>
@@ -51,6 +52,11 @@ class FixedVector {
   void shrink(std::size_t count) {
     ASSERT(count <= elements_.size());
     elements_.erase(elements_.begin() + static_cast<std::ptrdiff_t>(count), elements_.end());
+  }
+  /// Removes an element; those after it move down.
+  void erase(typename Elements::const_iterator at) {
+    ASSERT(at != end());
+    elements_.erase(at);
   }
   void clear() { elements_.clear(); }
 

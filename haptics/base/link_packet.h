@@ -1,6 +1,6 @@
 #pragma once
 
-// What one end of a coordination link tells the other.
+// A packet of a coordination link, from one end to the other.
 
 #include <cstdint>
 
@@ -12,7 +12,8 @@ namespace tandem::haptics {
 /// What a link can do at its delay, from the best to the worst.
 enum class LinkRegime : std::uint8_t { stiff, soft, apart };
 
-/// Each packet stands for itself: sums since the epoch began, so that what is lost is made up by the next one.
+/// Each packet stands for itself: sums since the epoch began, so that what is lost is made up by the next
+/// one.
 struct LinkPacket {
   std::uint32_t epoch = 0;                // of the link; packets of another one are dropped
   std::uint32_t sequence = 0;             // grows by one a packet within the epoch
@@ -22,7 +23,7 @@ struct LinkPacket {
   double fade = 0.0;                      // 0..1: m, how far the sender has faded in
   bool on = false;                        // the sender simulates its replica and wants the link
   bool asks = false;                      // a follower wants the owner to begin
-  LinkRegime regime = LinkRegime::apart;  // as the sender measures the way to it
+  LinkRegime regime = LinkRegime::apart;  // as the sender measures the path to it
   Pose
       worldFromDrawn;  // where the sender's spring ends: its replica's centre of mass and orientation, plus e
   Twist twist;         // of the sender's replica at its centre of mass

@@ -1,8 +1,8 @@
 #pragma once
 
-// Six axes of one unit: an angle counts as the way at the end of a lever of some length. Power needs no scale,
-// (torque / length) . (length spin) = torque . spin, so force and torque share one impedance, one spring and one
-// account of energy.
+// Six axes of one unit: an angle counts as the displacement at the end of a lever. Power needs no
+// scale, (torque / length) . (length spin) = torque . spin, so force and torque share one impedance, one
+// spring and one account of energy.
 
 #include <algorithm>
 #include <cmath>
@@ -36,20 +36,20 @@ inline SixAxes shortened(const SixAxes& a, double limit) {
   return size > limit ? (limit / size) * a : a;
 }
 
-/// The axes of a twist or of a way (rotation vector), the lever `lever` m long.
+/// The axes of a twist or of a displacement (rotation vector), the lever `lever` m long.
 inline SixAxes axesOf(const Twist& twist, double lever) { return {twist.linear, lever * twist.angular}; }
 inline Wrench wrenchOf(const SixAxes& force, double lever) { return {force.along, lever * force.about}; }
 
-/// The way from one pose to another.
-inline SixAxes wayBetween(const Pose& from, const Pose& to, double lever) {
+/// The displacement from one pose to another.
+inline SixAxes displacementBetween(const Pose& from, const Pose& to, double lever) {
   return {to.position - from.position,
           lever * rotationVector(to.orientation * glm::conjugate(from.orientation))};
 }
 
-/// The pose after a way.
-inline Pose gone(const Pose& from, const SixAxes& way, double lever) {
-  return {from.position + way.along,
-          glm::normalize(fromRotationVector(way.about / lever) * from.orientation)};
+/// The pose after a displacement.
+inline Pose applied(const Pose& from, const SixAxes& displacement, double lever) {
+  return {from.position + displacement.along,
+          glm::normalize(fromRotationVector(displacement.about / lever) * from.orientation)};
 }
 
 }  // namespace tandem::haptics

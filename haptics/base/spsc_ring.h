@@ -3,7 +3,7 @@
 // Events in order from one thread to another: wait-free on both sides, fixed capacity.
 //
 // 1. One producer thread, one consumer thread.
-// 2. Nothing is lost silently: push() says when the ring is full and dropped() counts.
+// 2. Nothing is lost silently: push() returns false when the ring is full, and dropped() counts.
 
 #include <array>
 #include <atomic>
@@ -17,8 +17,8 @@ namespace tandem::haptics {
 template <typename T, std::size_t N>
 class SpscRing {
   static_assert(N >= 2 && (N & (N - 1)) == 0, "the capacity is a power of two");
-  // GLM's types copy member by member but are not "trivially copyable" to the compiler; what owns memory has a
-  // destructor of its own, and that is what must not be here.
+  // GLM's types copy member by member but are not "trivially copyable" to the compiler; what owns memory
+  // has a destructor of its own, and that is what must not be here.
   static_assert(std::is_trivially_destructible_v<T>, "a copy must neither allocate nor throw");
 
  public:
@@ -47,7 +47,7 @@ class SpscRing {
     return true;
   }
 
-  /// Elements inside, as seen from any thread: a moment's view.
+  /// Elements inside; from another thread a snapshot.
   std::size_t size() const {
     const std::size_t head = head_.load(std::memory_order_acquire);
     return tail_.load(std::memory_order_acquire) - head;

@@ -1,7 +1,8 @@
 #pragma once
 
-// What goes into a haptic tick and what comes out of it: settings, a hand's reading, parts that others move, commands, and
-// the wrench on the hand. Plain data, SI units, world frame. Every stage of the tick may include this; tick.h is its entry.
+// Input and output of a haptic tick: settings, the readings of the hands, parts that others move, commands,
+// and the wrench on each hand. Plain data, SI units, world frame. Every stage of the tick may include this;
+// tick.h is its entry.
 
 #include <array>
 #include <cstdint>
@@ -20,7 +21,7 @@ inline constexpr int kMaxContacts = 3;    // simultaneous constraints of the pro
 inline constexpr int kMaxOwnedParts = 8;  // that one tick simulates at once: held, or settling after release
 inline constexpr int kMaxPartCommands = 8;
 inline constexpr int kMaxPushed = 4;
-inline constexpr int kHands = 2;  // of one person, that one tick lets hold parts
+inline constexpr int kHands = 2;  // of one person, each on a device of its own
 
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
 struct TickParameters {
@@ -61,7 +62,7 @@ struct PartMotion {
 /// What the owner's side decides about parts; carried out in order at the start of a tick.
 struct PartCommand {
   enum class Kind : std::uint8_t {
-    own,  // this tick simulates the part from now on, from `pose`; held_part.h tells which ones move by themselves
+    own,  // this tick simulates the part from now on, from `pose`; held_part.h: which ones move by themselves
     grasp,    // couple the device to an owned part, at the relative pose they have now: no force at first
     letGo,    // end the coupling; the force fades; the part settles and stays where it is left
     disown,   // others move the part from now on; a coupling to it ends as in letGo
@@ -73,8 +74,8 @@ struct PartCommand {
   std::uint8_t hand = 0;  // of grasp and letGo: which of TickInput::hands
 };
 
-/// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what that of another one
-/// feels comes from a TickState of its own.
+/// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what that of
+/// another one feels comes from a TickState of its own.
 struct HandInput {
   DeviceSample device;
   // Of a hand but the first, with the same dt; null: those given to tick(), which are the first hand's.
@@ -88,7 +89,8 @@ struct TickInput {
   std::array<HandInput, kHands> hands;
   std::span<const PartMotion> moved;      // at most one entry a part
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
-  // s, the session's clock, for links and for fields that change with time; not finite: the reading's own time
+  // s, the session's clock, for links and for fields that change with time; not finite: the reading's own
+  // time
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
   int handCount = 1;  // 1: the first hand is alone
 };
@@ -108,12 +110,12 @@ enum TickFlag : std::uint32_t {
   kFlagOverflow = 1u << 3,  // something did not fit a fixed capacity and was dropped
   kFlagFault = 1u << 4,     // a broken invariant in the tick: force ramps to zero until resetFault()
   kFlagSqueezed = 1u << 5,  // the proxy could not stay outside everything
-  kFlagHeldWithoutContact = 1u << 6,  // nothing tells what the held part touches: it passes through others
+  kFlagHeldWithoutContact = 1u << 6,  // the held part has no contact model: it passes through others
   kFlagProxyReset = 1u << 7,          // the proxy was put back onto the device (start, recovery)
   kFlagStaleSample = 1u << 8,         // zero force: the reading's time stamp stands still
   kFlagSampleJump = 1u << 9,          // zero force: no hand moves this fast
   kFlagPassivity = 1u << 10,          // the passivity controller damps
-  kFlagPopThrough = 1u << 11,    // a surface gave way in this tick; passed through until the tool has left it
+  kFlagPopThrough = 1u << 11,    // a surface was broken through: passed through until the tool has left it
   kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
   kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
 };
@@ -157,8 +159,8 @@ struct TickOutput {
   PartId touched = kNoPart;  // the part under the tool: first contact, else the nearest to be grasped
   std::array<OwnedPart, kMaxOwnedParts> owned;
   int ownedCount = 0;
-  // Parts that would give way, but are not simulated here, and that the hand or a part that is presses on or is joined
-  // to: `own` lets them.
+  // Parts that could yield but are not simulated here, while the hand or a simulated part presses on them
+  // or is joined to them; once owned they do.
   std::array<PartId, kMaxPushed> pushed;
   int pushedCount = 0;
   double sourcePower = 0.0;  // W, what fields gave the hand since the last tick, of the force sent

@@ -16,8 +16,8 @@ namespace tandem::haptics {
 
 template <typename T>
 class TripleBuffer {
-  // GLM's types copy member by member but are not "trivially copyable" to the compiler; what owns memory has a
-  // destructor of its own, and that is what must not be here.
+  // GLM's types copy member by member but are not "trivially copyable" to the compiler; what owns memory
+  // has a destructor of its own, and that is what must not be here.
   static_assert(std::is_trivially_destructible_v<T>, "a copy must neither allocate nor throw");
 
  public:

@@ -8,17 +8,17 @@
 
 namespace tandem::haptics {
 
-/// A force (N, displacement in m) or torque (N·m, displacement in rad) that fades linearly over time, and no
-/// later than a released spring would: it gives the hand no more than the energy F^2 / 2k that the spring
-/// held when it ended. A hand that yields to the force lowers it at k per metre; a hand that moves against it
-/// does not raise it.
+/// A force (N, displacement in m) or torque (N·m, displacement in rad) that fades linearly over time, and
+/// no later than that of a released spring: the hand receives at most the energy F^2 / 2k that the spring
+/// stored when it ended. A hand that yields to the force lowers it at k per metre; a hand that moves
+/// against it does not raise it.
 class Fading {
  public:
   /// Adds a force that ended in the last tick and that a spring of this stiffness (N/m, N·m/rad) held.
   void start(const glm::dvec3& ended, double stiffness);
 
-  /// `displacement` (m or rad) is the hand's while the last tick's force was held; `timeShare` is the fraction of time
-  /// left, 0..1.
+  /// `displacement` (m or rad) is the hand's while the last tick's force was held; `timeShare` is the
+  /// fraction of time left, 0..1.
   void advance(const glm::dvec3& displacement, double timeShare);
 
   glm::dvec3 now() const { return from_ * share_; }
@@ -26,7 +26,7 @@ class Fading {
  private:
   glm::dvec3 from_{0.0, 0.0, 0.0};
   double share_ = 0.0;              // of from_
-  double full_ = 0.0, left_ = 0.0;  // J: energy of the spring at from_, and what it may still give
+  double full_ = 0.0, left_ = 0.0;  // J: stored in the spring at from_, and left to the hand
 };
 
 /// Force and torque together, over one duration.

@@ -71,13 +71,12 @@ CouplingForce forceOf(const Pose& worldFromBody, const glm::dvec3& com, const Co
 }  // namespace
 
 CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> couplings, const Wrench& load,
-
                        const glm::dvec3& acceleration, double dt) {
   ASSERT(couplings.size() <= static_cast<std::size_t>(kMaxCouplings));
-  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  const glm::dmat3 rotation = glm::mat3_cast(body.worldFromBody.orientation);
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   const glm::dvec3 comVelocity = velocityAt(body.worldFromBody, body.twist, com);
-  const glm::dmat3 inertia = turn * body.inertia * glm::transpose(turn);
+  const glm::dmat3 inertia = rotation * body.inertia * glm::transpose(rotation);
   CoupledStep step;
   // The velocity of the grip is v - [arm] w. With G = (1, -[arm]), the step solves (M + dt sum G^T drag G)
   // (v, w) = M (v0, w0) + dt (forces at rest).
@@ -113,11 +112,11 @@ CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> coupling
 }
 
 CoupledStep coast(const RigidBody& body, double share) {
-  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  const glm::dmat3 rotation = glm::mat3_cast(body.worldFromBody.orientation);
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   System6 system;
   setBlock(system, 0, 0, glm::dmat3(body.mass));
-  setBlock(system, 3, 3, turn * body.inertia * glm::transpose(turn));
+  setBlock(system, 3, 3, rotation * body.inertia * glm::transpose(rotation));
   system.factor();
   CoupledStep step;
   step.root = system.a;
@@ -168,15 +167,15 @@ double stiffestContact(const DeviceLimits& device, double dt, double delay) {
 }
 
 CouplingGains stiffestGrasp(const DeviceLimits& device, double dt, double delay) {
-  CouplingGains most;
-  if (!(dt > 0.0)) return most;
+  CouplingGains limits;
+  if (!(dt > 0.0)) return limits;
   const double period = periodOf(device, dt), late = std::max(delay, 0.0);
-  most.stiffness = stiffestContact(device, dt, delay);
-  if (device.maxForce > 0.0) most.damping = std::max(device.mass, 0.0) / (period + late);
-  if (!(device.maxTorque > 0.0)) return most;
-  if (device.rotDamping > 0.0) most.rotStiffness = stiffestStable(device.rotDamping, period, late, 0.0);
-  most.rotDamping = std::max(device.inertia, 0.0) / (period + late);
-  return most;
+  limits.stiffness = stiffestContact(device, dt, delay);
+  if (device.maxForce > 0.0) limits.damping = std::max(device.mass, 0.0) / (period + late);
+  if (!(device.maxTorque > 0.0)) return limits;
+  if (device.rotDamping > 0.0) limits.rotStiffness = stiffestStable(device.rotDamping, period, late, 0.0);
+  limits.rotDamping = std::max(device.inertia, 0.0) / (period + late);
+  return limits;
 }
 
 }  // namespace tandem::haptics

@@ -56,7 +56,7 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   for (int i = 0; i < islands.count(); ++i) {
     if (islands.count() > 1) gather(islands[i]);
     // What one island does not spend is left to those after it.
-    step_.move(islands[i], tick, (effort.looks - work_.picks) / (islands.count() - i));
+    step_.move(islands[i], tick, (effort.sampleQueries - work_.picks) / (islands.count() - i));
   }
   history_.endTick();
   touches_.sortStrongestFirst();

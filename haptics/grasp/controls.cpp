@@ -77,8 +77,8 @@ Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSampl
   const double before = moved.state.value;
   stepControl(control, moved.steepest, sum(hand, moved.tool), dt, moved.state);
   place(moved, worldFromPart, twist);
-  // The coupling's force at the end of the step is the exact reaction to what acted on the part. At a stop the part moved
-  // less than its rate says, so the displacement counts, not the rate.
+  // The coupling's force at the end of the step is the exact reaction to what acted on the part. At a stop
+  // the part moved less than its rate says, so the displacement counts, not the rate.
   double displacement = moved.state.value - before;
   if (control.endless) displacement = std::remainder(displacement, control.max - control.min);
   const double rate = displacement / dt;

@@ -41,8 +41,8 @@ void Hand::begin(const HandInput& input, const TickParameters& parameters) {
   invalidTime_ = 0.0;
 }
 
-/// No more than this fades: the hand never got more, and a part that it takes from under a larger force would be dragged by
-/// the rest.
+/// No more than this fades: the hand never got more, and a part that it takes from under a larger force
+/// would be dragged by the rest.
 Wrench Hand::withinLimits(const Wrench& wrench) const {
   const double force = glm::length(wrench.force), torque = glm::length(wrench.torque);
   return {wrench.force * std::min(1.0, parameters_.forceLimit / std::max(force, 1e-300)),

@@ -20,13 +20,15 @@ namespace tandem::haptics {
 
 class Hand {
  public:
-  /// `hasTool`: the hand's bare tool is part of the same tick. Only then is a force that ends clipped to the limits of the
-  /// device, and only then does it fade with the displacement of the very tick in which it ends.
+  /// `hasTool`: the hand's bare tool is part of the same tick. Only then is a force that ends clipped to
+  /// the limits of the device, and only then does it fade with the displacement of the very tick in which
+  /// it ends.
   explicit Hand(bool hasTool) : hasTool_(hasTool) {}
 
   /// Begins a tick: judges the reading. `parameters` are the hand's.
   void begin(const HandInput& input, const TickParameters& parameters);
-  /// The ticks have stood still: a hand that the next valid reading shows elsewhere did not move there in contact.
+  /// The ticks have stood still: a hand that the next valid reading shows elsewhere did not move there in
+  /// contact.
   void noteStall() { stalled_ = true; }
 
   /// Whether this tick has a valid reading.
@@ -40,8 +42,8 @@ class Hand {
   const TickParameters& parameters() const { return parameters_; }
   /// The last valid reading.
   const DeviceSample& device() const { return device_; }
-  /// The last valid reading without the flicker of an encoder's quantum, which looks like a velocity of a hand at rest: no
-  /// damper may follow it.
+  /// The last valid reading without the flicker of an encoder's quantum, which looks like a velocity of a
+  /// hand at rest: no damper may follow it.
   const DeviceSample& steadyDevice() const { return steadyDevice_; }
   /// m, of the hand since the last tick.
   const glm::dvec3& displacement() const { return displacement_; }
@@ -59,13 +61,13 @@ class Hand {
   void endTool() { fadeOut(lastTool_, {parameters_.stiffness, 0.0}); }
   Fade& fade() { return fade_; }
 
-  /// Ends a tick: what the wrenches of coupling and fade, and that of what the tool `touches` if not null, become on the
-  /// device. `cause` explains the change of the sum. Adds to flags().
+  /// Ends a tick: what the wrenches of coupling and fade, and that of what the tool `touches` if not null,
+  /// become on the device. `cause` explains the change of the sum. Adds to flags().
   Wrench send(const Wrench* touches, const ForceCause& cause, FaultLatch& fault);
   /// What the bare tool feels in a tick of its own, if it counts now: the hand is read, and `holds` nothing.
   const Wrench* tool(bool holds) const { return valid_ && !holds ? &tool_ : nullptr; }
-  /// How much of the wanted force the limits let through in the last send(), 0..1, along it: what fields do to the hand,
-  /// they do in this proportion.
+  /// How much of the wanted force the limits let through in the last send(), 0..1, along it: what fields do
+  /// to the hand, they do in this proportion.
   double sentShare() const { return sentShare_; }
   /// TickFlags of this tick's reading and limits.
   std::uint32_t flags() const { return flags_; }

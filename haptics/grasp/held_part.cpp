@@ -28,8 +28,8 @@ RigidBody bodyOf(const ContactWorld& world, PartId part) {
   return body;
 }
 
-/// Whether a hand that is read draws at a part.
-bool isDrawn(const SimulatedPart& entry, const HandPulls& hands) {
+/// Whether a hand with a valid reading pulls at a part.
+bool isPulled(const SimulatedPart& entry, const HandPulls& hands) {
   for (std::size_t h = 0; h < kHands; ++h) {
     if (entry.grips[h].holds && hands[h].device != nullptr) return true;
   }
@@ -39,16 +39,16 @@ bool isDrawn(const SimulatedPart& entry, const HandPulls& hands) {
 /// One step of a part that is a control; adds what the hand that holds it feels.
 void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
                     std::array<Wrench, kHands>& onHands) {
-  bool drawn = false;
-  for (std::size_t h = 0; h < kHands && !drawn; ++h) {
+  bool pulled = false;
+  for (std::size_t h = 0; h < kHands && !pulled; ++h) {
     Grip& grip = entry.grips[h];
-    drawn = grip.holds && hands[h].device != nullptr;
-    if (!drawn) continue;
+    pulled = grip.holds && hands[h].device != nullptr;
+    if (!pulled) continue;
     grip.onHand = stepHeld(entry.moved, grip.bodyFromGrip, *hands[h].device, hands[h].gains, dt,
                            entry.body.worldFromBody, entry.body.twist);
     onHands[h] = onHands[h] + grip.onHand;
   }
-  if (!drawn) stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
+  if (!pulled) stepFree(entry.moved, dt, entry.body.worldFromBody, entry.body.twist);
   entry.sinceLetGo = !entry.held() && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
 }
 
@@ -100,9 +100,8 @@ bool isLost(const RigidBody& body, const assets::Scene& scene) {
 
 bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
   if (owns(part)) return true;
-  if (count_ == kMaxOwnedParts) return false;
-  SimulatedPart& entry = parts_[static_cast<std::size_t>(count_++)];
-  entry = SimulatedPart{};
+  if (parts_.full()) return false;
+  SimulatedPart& entry = parts_.push_back({});
   entry.part = part;
   entry.body = bodyOf(world, part);
   entry.sinceLetGo = awake ? 0.0 : kSettleTime;
@@ -116,9 +115,7 @@ void HeldParts::disown(PartId part) {
   SimulatedPart* entry = find(part);
   if (entry == nullptr) return;
   links_.forget(part);
-  // Order is kept: it is the order in which the output lists them.
-  for (SimulatedPart* next = entry + 1; next != parts_.data() + count_; ++next) *(next - 1) = *next;
-  --count_;
+  parts_.erase(parts_.begin() + (entry - parts_.data()));  // in order, which is that of the output
 }
 
 bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand) {
@@ -133,8 +130,7 @@ bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParame
 }
 
 bool HeldParts::letGo(const TickParameters& parameters, int hand) {
-  for (int i = 0; i < count_; ++i) {
-    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+  for (SimulatedPart& entry : parts_) {
     Grip& grip = entry.grips[static_cast<std::size_t>(hand)];
     if (!grip.holds) continue;
     grip.holds = false;
@@ -144,7 +140,8 @@ bool HeldParts::letGo(const TickParameters& parameters, int hand) {
       entry.restPose = entry.body.worldFromBody;
     }
     if (entry.held() || links_.has(entry.part)) {
-      // Half of what the spring held goes to the part, half to the hand: as two springs of twice the stiffness.
+      // Part and hand receive half each of the energy of the spring, as from two springs of twice the
+      // stiffness.
       entry.ended.start({-grip.onHand.force, -grip.onHand.torque},
                         {2.0 * parameters.graspStiffness, 2.0 * parameters.graspRotStiffness},
                         parameters.fadeTime);
@@ -175,16 +172,17 @@ bool HeldParts::isFree(PartId part, const glm::dvec3& gravity, const PartContact
 void HeldParts::noteRest(SimulatedPart& entry, double dt) {
   const double size = sizeOf(entry.body);
   const Pose &now = entry.body.worldFromBody, &then = entry.restPose;
-  const double way = glm::length(now.position - then.position) +
-                     size * glm::length(rotationVector(now.orientation * glm::conjugate(then.orientation)));
+  const double displacement =
+      glm::length(now.position - then.position) +
+      size * glm::length(rotationVector(now.orientation * glm::conjugate(then.orientation)));
   entry.sinceLetGo += dt;
-  if (way < 1e-3 * size) return;
+  if (displacement < 1e-3 * size) return;
   entry.sinceLetGo = 0.0;
   entry.restPose = now;
 }
 
-bool HeldParts::drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
-                      const assets::Scene& scene, CoupledStep& step) {
+bool HeldParts::freeStep(SimulatedPart& entry, const glm::dvec3& gravity, double dt,
+                         const PartContact* contact, const assets::Scene& scene, CoupledStep& step) {
   const bool free = isFree(entry.part, gravity, contact);
   if (free) {
     if (atRest(entry) && contact->disturbed(entry.part)) entry.sinceLetGo = 0.0;
@@ -211,8 +209,8 @@ void HeldParts::push(PartId part, const ToolPush& tool) {
   if (SimulatedPart* entry = find(part)) entry->tool = tool;
 }
 
-bool HeldParts::draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
-                     double now, CoupledStep& step) {
+bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
+                           double now, CoupledStep& step) {
   std::array<Coupling, kMaxCouplings> couplings;
   std::size_t count = 0;
   for (std::size_t h = 0; h < kHands; ++h) {
@@ -261,43 +259,43 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,
                                            const assets::Scene& scene, PartContact* contact, double now) {
   std::array<Wrench, kHands> onHands;
-  std::array<MovingPart, kMaxOwnedParts> moving;
-  std::array<SimulatedPart*, kMaxOwnedParts> entries;
-  std::size_t count = 0;
+  FixedVector<MovingPart, kMaxOwnedParts> moving;
+  FixedVector<SimulatedPart*, kMaxOwnedParts> entries;  // of `moving`
   const double dt = parameters.dt;
-  for (int i = 0; i < count_; ++i) {
-    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+  for (SimulatedPart& entry : parts_) {
     if (entry.moved.control != nullptr) {
       stepControlled(entry, hands, dt, onHands);
       continue;
     }
     glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
-    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless it is free.
-    const bool falls = isDrawn(entry, hands) || (!entry.held() && isFree(entry.part, gravity, contact));
+    // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless
+    // it is free.
+    const bool falls = isPulled(entry, hands) || (!entry.held() && isFree(entry.part, gravity, contact));
     if (!falls) gravity = glm::dvec3(0.0);
     CoupledStep step;
-    if (!draw(entry, hands, gravity, dt, now, step) && !drift(entry, gravity, dt, contact, scene, step))
+    if (!pulledStep(entry, hands, gravity, dt, now, step) &&
+        !freeStep(entry, gravity, dt, contact, scene, step))
       continue;
     if (contact != nullptr && contact->constrains(entry.part)) {
-      entries[count] = &entry;
-      moving[count++] = {entry.part, step, &entry.body, {}};
+      entries.push_back(&entry);
+      moving.push_back({entry.part, step, &entry.body, {}});
       continue;
     }
     moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
     react(entry, hands, step, step.freeVelocity, step.freeSpin, onHands);
   }
-  if (count == 0) return onHands;
-  contact->move({moving.data(), count}, dt, parameters.effort);
-  for (std::size_t i = 0; i < count; ++i) {
-    const Displacement& way = moving[i].way;
+  if (moving.empty()) return onHands;
+  contact->move({moving.data(), moving.size()}, dt, parameters.effort);
+  for (std::size_t i = 0; i < moving.size(); ++i) {
+    const Displacement& displacement = moving[i].way;
     SimulatedPart& entry = *entries[i];
-    react(entry, hands, moving[i].step, way.linear / dt, way.angular / dt, onHands);
+    react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, onHands);
     if (!entry.held() && !links_.has(entry.part) &&
         isFree(entry.part, gravityOn(entry.part, parameters, scene), contact))
       noteRest(entry, dt);
   }
-  if (count > 1) wakeTouched(*contact, parameters, scene);
-  if (count_ > 1) wakeJoined(*contact, parameters, scene);
+  if (moving.size() > 1) wakeTouched(*contact, parameters, scene);
+  if (parts_.size() > 1) wakeJoined(*contact, parameters, scene);
   return onHands;
 }
 
@@ -312,8 +310,7 @@ void HeldParts::wakeTouched(const PartContact& contact, const TickParameters& pa
 
 void HeldParts::wakeJoined(const PartContact& contact, const TickParameters& parameters,
                            const assets::Scene& scene) {
-  for (int i = 0; i < count_; ++i) {
-    SimulatedPart& entry = parts_[static_cast<std::size_t>(i)];
+  for (SimulatedPart& entry : parts_) {
     contact.forEachJoined(entry.part, [&](PartId other) {
       if (SimulatedPart* joined = find(other)) restTogether(entry, *joined, contact, parameters, scene);
     });
@@ -349,8 +346,8 @@ bool HeldParts::owns(PartId part) const {
 }
 
 SimulatedPart* HeldParts::find(PartId part) {
-  for (int i = 0; i < count_; ++i) {
-    if (parts_[static_cast<std::size_t>(i)].part == part) return &parts_[static_cast<std::size_t>(i)];
+  for (SimulatedPart& entry : parts_) {
+    if (entry.part == part) return &entry;
   }
   return nullptr;
 }

@@ -3,19 +3,21 @@
 // The parts that one person's hands simulate: those they hold, and those that settle after they let go.
 //
 // 1. They collide where the scene has part models, and joints hold them (part_contact.h).
-// 2. A part is *free* if gravity pulls it and it has a model, or if a joint holds it: nobody holding it, it falls, is
-//    pushed and pushes. Any other loses its velocity within kSettleTime and stays where it is left.
-// 3. A free part that has not gone further than a thousandth of its size within kSettleTime is at rest and costs
-//    nothing, until something touches it or moves beside it.
-// 4. A part that both hands hold is drawn by both couplings in one implicit step, and each hand feels its own. Where one
-//    of them lets go, what it put on the part fades.
-// 5. A part that other sites simulate too is coupled to their replicas by links, which act on it in the same implicit step
-//    (replica_links.h). It never rests while it is linked.
+// 2. A part is *free* if gravity pulls it and it has a model, or if a joint holds it: while nobody holds
+//    it, it falls, is pushed and pushes. Any other part loses its velocity within kSettleTime and stays
+//    where it is left.
+// 3. A free part that has not moved further than a thousandth of its size within kSettleTime is at rest and
+//    costs nothing, until something touches it or moves beside it.
+// 4. Both couplings of a part in two hands act in one implicit step, and each hand feels its own. Where one
+//    of them lets go, its wrench on the part fades.
+// 5. A part that other sites simulate too is coupled to their replicas by links, which act on it in the
+//    same implicit step (replica_links.h). It never rests while it is linked.
 // 6. Nothing here allocates.
 
 #include <array>
 #include <span>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/tick_types.h"
 #include "haptics/body/fade.h"
 #include "haptics/body/virtual_coupling.h"
@@ -26,14 +28,14 @@
 
 namespace tandem::haptics {
 
-/// What the tool puts on a free part.
+/// Push of the tool on a free part.
 struct ToolPush {
   glm::dvec3 force{0.0, 0.0, 0.0};  // N, world
   glm::dvec3 point{0.0, 0.0, 0.0};  // m, world: where
-  double stiffness = 0.0;           // N/m, by which the force falls as the part gives way; 0 = there is none
+  double stiffness = 0.0;           // N/m, by which the force falls as the part yields; 0: there is no push
 };
 
-/// A hand's hold of a part.
+/// A hand's coupling to a part.
 struct Grip {
   bool holds = false;
   Pose bodyFromGrip;
@@ -55,7 +57,7 @@ struct SimulatedPart {
   bool held() const { return grips[0].holds || grips[1].holds; }
 };
 
-/// What draws at the parts that a hand holds.
+/// What pulls at the part that a hand holds.
 struct HandPull {
   const DeviceSample* device = nullptr;  // null: no valid reading, or no such hand: nothing
   CouplingGains gains;
@@ -73,14 +75,15 @@ class HeldParts {
   static constexpr double kSettleDecay = 0.03;
   static constexpr double kSettleTime = 0.3;
 
-  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it. False if
-  /// there is no room. Again: no effect.
+  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it.
+  /// False if there is no room. Again: no effect.
   bool own(const ContactWorld& world, PartId part, bool awake = false);
   void disown(PartId part);
-  /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not owned, or is
-  /// a control that the other hand holds. `parameters` are the hand's.
+  /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not
+  /// owned, or is a control that the other hand holds. `parameters` are the hand's.
   bool grasp(PartId part, const Pose& worldFromDevice, const TickParameters& parameters, int hand = 0);
-  /// A hand lets go of what it holds, if anything. Whether the other one still holds that, or another site may.
+  /// A hand lets go of what it holds, if anything. Whether the other one still holds that, or another site
+  /// may.
   bool letGo(const TickParameters& parameters, int hand = 0);
 
   /// Links an owned part to a peer's replica; false if it is not owned, is a control, or there is no room.
@@ -93,12 +96,13 @@ class HeldParts {
   /// What the tool puts on an owned free part in the next step.
   void push(PartId part, const ToolPush& tool);
 
-  /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on each hand.
-  /// `contact`: what keeps the parts off their neighbours, or null. `now` s: the session's clock, for links.
+  /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on
+  /// each hand. `contact`: what keeps the parts off their neighbours, or null. `now` s: the session's
+  /// clock, for links.
   std::array<Wrench, kHands> step(const HandPulls& hands, const TickParameters& parameters,
                                   const assets::Scene& scene, PartContact* contact, double now);
 
-  std::span<const SimulatedPart> parts() const { return {parts_.data(), static_cast<std::size_t>(count_)}; }
+  std::span<const SimulatedPart> parts() const { return {parts_.data(), parts_.size()}; }
   PartId held(int hand = 0) const;
   /// What a hand holds, or null.
   const SimulatedPart* heldPart(int hand = 0) const;
@@ -110,15 +114,16 @@ class HeldParts {
 
  private:
   SimulatedPart* find(PartId part);
-  /// The step of a part that hands or links draw at; false if none does.
-  bool draw(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt, double now,
-            CoupledStep& step);
-  /// Notes what the couplings put on the hands when the part has moved so, and adds it up; tells its links.
+  /// The step of a part that hands or links pull at; false if none does.
+  bool pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
+                  double now, CoupledStep& step);
+  /// Adds the wrenches of the couplings on the hands after a part has moved, and reports its motion to its
+  /// links.
   void react(SimulatedPart& entry, const HandPulls& hands, const CoupledStep& step,
              const glm::dvec3& velocity, const glm::dvec3& spin, std::array<Wrench, kHands>& onHands);
   /// The step of a part that nobody holds; false if it stays where it is.
-  static bool drift(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
-                    const assets::Scene& scene, CoupledStep& step);
+  static bool freeStep(SimulatedPart& entry, const glm::dvec3& gravity, double dt, const PartContact* contact,
+                       const assets::Scene& scene, CoupledStep& step);
   static void noteRest(SimulatedPart& entry, double dt);
   /// Parts that press on each other, or that a joint ties together, rest together or not at all.
   void wakeTouched(const PartContact& contact, const TickParameters& parameters, const assets::Scene& scene);
@@ -127,8 +132,7 @@ class HeldParts {
   static void restTogether(SimulatedPart& a, SimulatedPart& b, const PartContact& contact,
                            const TickParameters& parameters, const assets::Scene& scene);
 
-  std::array<SimulatedPart, kMaxOwnedParts> parts_;
-  int count_ = 0;
+  FixedVector<SimulatedPart, kMaxOwnedParts> parts_;
   ReplicaLinks links_;
 };
 

@@ -160,8 +160,8 @@ SixAxes CoordinationLink::catchUp(const PlayedWave& peer) const {
 SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave) {
   slowForce_ += (p_.period / kForceFilterTime) * (force_ - slowForce_);
   const SixAxes ahead = delay() * axesOf(peer.state.twist, p_.lever);
-  SixAxes gap = wayBetween(gone(pose, stretch_, p_.lever), peer.state.worldFromDrawn, p_.lever) + ahead -
-                (delay() / b_) * slowForce_;
+  SixAxes gap = displacementBetween(applied(pose, stretch_, p_.lever), peer.state.worldFromDrawn, p_.lever) +
+                ahead - (delay() / b_) * slowForce_;
   gap -= shortened(gap, kGapIgnored);
   const SixAxes correction = std::sqrt(0.5 * b_) * shortened(kGapRate * gap, kGapSpeed);
   const double square = dot(correction, correction);
@@ -227,7 +227,7 @@ Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist)
   account_.work += p_.period * dot(acting, v);
   account_.stored = 0.5 * p_.spring * dot(stretch_, stretch_);
   account_.reserve = reserve_.energy();
-  drawn_ = gone(worldFromCentre, stretch_, p_.lever);
+  drawn_ = applied(worldFromCentre, stretch_, p_.lever);
   twist_ = twist;
   return wrenchOf(acting, p_.lever);
 }

@@ -49,17 +49,18 @@ class OutageSpring {
     if (share_ == 0.0) return;
     // A rise of the stiffness keeps the force: the end moves closer.
     if (share_ > before)
-      end_ = gone(worldFromCentre, (before / share_) * wayBetween(worldFromCentre, end_, lever), lever);
+      end_ = applied(worldFromCentre, (before / share_) * displacementBetween(worldFromCentre, end_, lever),
+                     lever);
     const SixAxes ours = axesOf(twist, lever);
     if (target.held) return moveEnd(ours, ours, lever, dt);
     if (!isNews) return moveEnd({}, (1.0 - dt / kNews) * axesOf(twist_, lever), lever, dt);
     // Extrapolation with a delayed velocity raises the gain of the loop from hand to hand, so only a replica
     // under little load is led with it.
-    const double pull = share_ * kGains.stiffness * length(wayBetween(worldFromCentre, end_, lever));
+    const double pull = share_ * kGains.stiffness * length(displacementBetween(worldFromCentre, end_, lever));
     const double free = std::clamp(2.0 - pull / kFreePull, 0.0, 1.0);
     const SixAxes theirs = free * axesOf(target.peer->twist, lever);
-    const SixAxes gap =
-        wayBetween(end_, gone(target.peer->worldFromDrawn, (target.age - dt) * theirs, lever), lever);
+    const SixAxes gap = displacementBetween(
+        end_, applied(target.peer->worldFromDrawn, (target.age - dt) * theirs, lever), lever);
     // The end follows a replica that yields at the speed at which it yields, and a pressed one at a limited
     // speed; the damper neither hinders the first nor acts on the second.
     const double size = length(gap);
@@ -101,7 +102,7 @@ class OutageSpring {
 
   /// Moves the end at `speed`; the damper sees the velocity `damped`.
   void moveEnd(const SixAxes& speed, const SixAxes& damped, double lever, double dt) {
-    end_ = gone(end_, dt * speed, lever);
+    end_ = applied(end_, dt * speed, lever);
     twist_ = {damped.along, damped.about / lever};
   }
 

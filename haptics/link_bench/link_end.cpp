@@ -15,7 +15,7 @@ void PlainSpringEnd::receive(const haptics::LinkPacket& packet) {
 haptics::LinkPull PlainSpringEnd::pull(double, const Pose& worldFromCentre, const Twist&) {
   if (!heard_) return {{}, kDrag, kDrag * lever_ * lever_};
   const SixAxes force =
-      gains_.stiffness * haptics::wayBetween(worldFromCentre, peer_.worldFromDrawn, lever_) +
+      gains_.stiffness * haptics::displacementBetween(worldFromCentre, peer_.worldFromDrawn, lever_) +
       gains_.damping * haptics::axesOf(peer_.twist, lever_);
   const double damping = gains_.damping + gains_.stiffness * period_ + kDrag;
   return {haptics::wrenchOf(force, lever_), damping, damping * lever_ * lever_};

@@ -40,30 +40,30 @@ void SixAxisArm::step(const SixAxes& displacement, const SixAxes& velocity, cons
                       const Wrench& command) {
   const double h = kTick / kSubsteps;
   const SixAxes given{command.force, command.torque / kLever};
-  const Pose target = haptics::gone(start_, displacement, kLever);
+  const Pose target = haptics::applied(start_, displacement, kLever);
   for (int i = 0; i < kSubsteps; ++i) {
     SixAxes grip, drive = -50.0 * armVelocity_;
     if (held_) {
-      grip = arm_.gripStiffness * haptics::wayBetween(device_, armPose_, kLever) +
+      grip = arm_.gripStiffness * haptics::displacementBetween(device_, armPose_, kLever) +
              arm_.gripDamping * (armVelocity_ - velocity_);
-      drive = arm_.stiffness * haptics::wayBetween(armPose_, target, kLever) +
+      drive = arm_.stiffness * haptics::displacementBetween(armPose_, target, kLever) +
               arm_.damping * (velocity - armVelocity_) + arm_.mass * acceleration;
     }
     velocity_ += (h / p_.mass) * (grip + given - p_.damping * velocity_ - coulomb(velocity_, p_.friction));
     armVelocity_ += (h / arm_.mass) * (drive - grip);
-    device_ = haptics::gone(device_, h * velocity_, kLever);
-    armPose_ = haptics::gone(armPose_, h * armVelocity_, kLever);
+    device_ = haptics::applied(device_, h * velocity_, kLever);
+    armPose_ = haptics::applied(armPose_, h * armVelocity_, kLever);
     given_ += h * haptics::dot(given, velocity_);
   }
   read();
 }
 
 void SixAxisArm::read() {
-  const SixAxes displacement = haptics::wayBetween(start_, device_, kLever);
+  const SixAxes displacement = haptics::displacementBetween(start_, device_, kLever);
   const SixAxes steps{quantised(displacement.along, p_.quantum), quantised(displacement.about, p_.quantum)};
   const Pose last = read_;
-  read_ = haptics::gone(start_, steps, kLever);
-  readVelocity_ = 0.73 * readVelocity_ + (0.27 / kTick) * haptics::wayBetween(last, read_, kLever);
+  read_ = haptics::applied(start_, steps, kLever);
+  readVelocity_ = 0.73 * readVelocity_ + (0.27 / kTick) * haptics::displacementBetween(last, read_, kLever);
 }
 
 }  // namespace tandem::bench

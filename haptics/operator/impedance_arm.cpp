@@ -64,16 +64,17 @@ glm::dmat3 ImpedanceArm::jacobian(const glm::dvec3& q) const {
           glm::dvec3(s1 * s2, c2, -c1 * s2), glm::dvec3(-s1 * c3, s3, c1 * c3)};
 }
 
-void ImpedanceArm::angularJacobian(const ArmJoints& joints, glm::dmat3& turned, glm::dmat3& gimballed) const {
+void ImpedanceArm::angularJacobian(const ArmJoints& joints, glm::dmat3& byMotors,
+                                   glm::dmat3& byGimbal) const {
   const glm::dquat base = aboutY(-joints.arm.x);
   const glm::dquat forearm = forearmTurn(joints.arm);
   const glm::dquat yawed = forearm * aboutY(joints.gimbal.x);
   const glm::dquat pitched = yawed * aboutX(joints.gimbal.y);
   // The upper arm does not rotate the stylus: the parallelogram keeps the forearm at the angle of its own
   // motor.
-  turned = {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.0), base * glm::dvec3(-1.0, 0.0, 0.0)};
-  gimballed = {forearm * glm::dvec3(0.0, 1.0, 0.0), yawed * glm::dvec3(1.0, 0.0, 0.0),
-               pitched * glm::dvec3(0.0, 0.0, 1.0)};
+  byMotors = {glm::dvec3(0.0, -1.0, 0.0), glm::dvec3(0.0), base * glm::dvec3(-1.0, 0.0, 0.0)};
+  byGimbal = {forearm * glm::dvec3(0.0, 1.0, 0.0), yawed * glm::dvec3(1.0, 0.0, 0.0),
+              pitched * glm::dvec3(0.0, 0.0, 1.0)};
 }
 
 double ImpedanceArm::manipulability(const glm::dvec3& q) const {
@@ -126,8 +127,8 @@ ArmCommand ImpedanceArm::command(const glm::dvec3& arm, const glm::dvec3& force,
   const double motor = p_.reduction * p_.torqueConstant;  // N·m/A at the joint
   const glm::dvec3 weight = gravityTorque(arm);
   const glm::dvec3 held = p_.compensateGravity ? -weight : glm::dvec3(0.0);
-  const glm::dvec3 asked = limited(force, p_.maxForce);
-  const glm::dvec3 wanted = torqueOf(arm, asked);
+  const glm::dvec3 limitedForce = limited(force, p_.maxForce);
+  const glm::dvec3 wanted = torqueOf(arm, limitedForce);
   const double heldSquare = p_.heldCurrent * p_.heldCurrent;
   glm::dvec3 base(0.0);
   double share = 1.0;
@@ -142,7 +143,7 @@ ArmCommand ImpedanceArm::command(const glm::dvec3& arm, const glm::dvec3& force,
   out.torque = base + share * wanted;
   out.current = out.torque / motor;
   out.force = forceOf(arm, out.torque + weight);
-  out.saturated = share < 1.0 || asked != force;
+  out.saturated = share < 1.0 || limitedForce != force;
   const double keep = std::exp(-dt / p_.windingTime);
   heat = keep * heat + (1.0 - keep) * out.current * out.current;
   return out;

@@ -71,9 +71,9 @@ class ImpedanceArm {
 
   /// d tip / d q, m/rad: column i for motor joint i. Analytic.
   glm::dmat3 jacobian(const glm::dvec3& arm) const;
-  /// Rotation of the stylus, base axes, rad/rad: `turned` by the motor joints, `gimballed` by the gimbal's
-  /// joints.
-  void angularJacobian(const ArmJoints& joints, glm::dmat3& turned, glm::dmat3& gimballed) const;
+  /// Angular Jacobian of the stylus, base axes, rad/rad: `byMotors` of the motor joints, `byGimbal` of the
+  /// gimbal's.
+  void angularJacobian(const ArmJoints& joints, glm::dmat3& byMotors, glm::dmat3& byGimbal) const;
 
   /// Manipulability |det J| / (L1 L2 (L1 + L2)), Yoshikawa's measure made dimensionless: 0 where the arm is
   /// stretched, folded or over its own axis.

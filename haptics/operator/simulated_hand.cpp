@@ -64,12 +64,12 @@ void SimulatedHand::step(const HandTarget& target, const glm::dvec3& commandedFo
     energyGiven_ += glm::dot(command, deviceVelocity_) * h;
   }
 
-  const glm::dvec3 turn =
+  const glm::dvec3 rotation =
       rotationVector(target.worldFromTarget.orientation * glm::conjugate(worldFromDevice_.orientation)) *
       (1.0 - std::exp(-dt / kOrientationLag));
-  worldFromDevice_.orientation = glm::normalize(fromRotationVector(turn) * worldFromDevice_.orientation);
+  worldFromDevice_.orientation = glm::normalize(fromRotationVector(rotation) * worldFromDevice_.orientation);
   worldFromArm_.orientation = worldFromDevice_.orientation;
-  angularVelocity_ = turn / dt;
+  angularVelocity_ = rotation / dt;
 
   const glm::dvec3 last = reading_;
   reading_ = quantised(devicePosition, device_.quantum);

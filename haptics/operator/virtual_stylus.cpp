@@ -8,7 +8,7 @@ namespace {
 
 /// Exact solution of a critically damped follower after dt, for one vector: `offset` from the target and its
 /// rate.
-void settle(glm::dvec3& offset, glm::dvec3& rate, double omega, double dt) {
+void followCritically(glm::dvec3& offset, glm::dvec3& rate, double omega, double dt) {
   const glm::dvec3 lead = (rate + omega * offset) * dt;
   const double decay = std::exp(-omega * dt);
   offset = (offset + lead) * decay;
@@ -24,13 +24,13 @@ void PoseFilter::step(const Pose& target, double time, double maxSpeed, double d
   glm::dvec3 offset = limited(pose_.position - target.position, 2.0 * maxSpeed / omega);
   const glm::dvec3 aim = pose_.position - offset;
   const glm::dvec3 before = twist_.linear;
-  settle(offset, twist_.linear, omega, dt);
+  followCritically(offset, twist_.linear, omega, dt);
   pose_.position = aim + offset;
   acceleration_ = (twist_.linear - before) / dt;
 
-  glm::dvec3 turn = rotationVector(pose_.orientation * glm::conjugate(target.orientation));
-  settle(turn, twist_.angular, omega, dt);
-  pose_.orientation = glm::normalize(fromRotationVector(turn) * target.orientation);
+  glm::dvec3 rotation = rotationVector(pose_.orientation * glm::conjugate(target.orientation));
+  followCritically(rotation, twist_.angular, omega, dt);
+  pose_.orientation = glm::normalize(fromRotationVector(rotation) * target.orientation);
 }
 
 void PoseFilter::reset(const Pose& pose) { *this = PoseFilter(pose); }

@@ -86,8 +86,8 @@ RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, doub
       const double forward = glm::dot(ahead, d);
       // A corner straight along the crease does not end the roll.
       if (glm::length(d) <= 2.0 * skin || forward <= 1e-6 * glm::length(d)) continue;
-      const double turn = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
-      if (turn < limit.turn) limit = {turn, triangle};
+      const double angle = std::atan2(std::max(0.0, -glm::dot(normal, d)), forward);
+      if (angle < limit.angle) limit = {angle, triangle};
     }
   });
   return limit;

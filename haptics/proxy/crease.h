@@ -22,9 +22,9 @@ double lengthAcross(const Crease& crease, const glm::dvec3& displacement);
 
 /// How far a ball that rests on a crease can roll before its contact leaves that crease.
 struct RollLimit {
-  double turn = std::numbers::pi;  // rad
-  std::uint32_t triangle =
-      kNoTriangle;  // the triangle that then carries the contact; kNoTriangle if the mesh does not tell
+  double angle = std::numbers::pi;  // rad
+  // The triangle that then carries the contact; kNoTriangle if the mesh does not know its neighbours.
+  std::uint32_t triangle = kNoTriangle;
 };
 
 /// Roll limit about the crease under a contact, from its normal towards the unit vector `tangent`. A ball

@@ -41,8 +41,8 @@ bool clear(const ContactWorld& world, PartId part, double radius, glm::dvec3& p)
   return false;
 }
 
-/// Unit direction in which the contacts together hold the proxy away from the device; zero if none presses.
-glm::dvec3 heldAlong(const Proxy& proxy) {
+/// Unit direction in which the contacts together press the proxy away from the device; zero if none presses.
+glm::dvec3 pressingDirection(const Proxy& proxy) {
   glm::dvec3 sum(0.0);
   for (const ProxyPlane& plane : proxy.planes) {
     sum += plane.multiplier * plane.surface.normal;
@@ -134,13 +134,13 @@ FollowedMeshes followMeshes(ContactWorld& world, double radius, MeshChange& chan
     world.setIgnored(part, true);
     followed.squeezed.push_back(part);
   };
-  const glm::dvec3 held = heldAlong(proxy);
+  const glm::dvec3 pressing = pressingDirection(proxy);
   for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
     const SurfacePoint& old = proxy.planes[i].surface;
     if (!world.touchable(old.part)) continue;
-    const bool free =
-        (held == glm::dvec3(0.0) || leavePart(world, old.part, held, change.front[i], radius, proxy)) &&
-        leavePart(world, old.part, old.normal, change.front[i], radius, proxy);
+    const bool free = (pressing == glm::dvec3(0.0) ||
+                       leavePart(world, old.part, pressing, change.front[i], radius, proxy)) &&
+                      leavePart(world, old.part, old.normal, change.front[i], radius, proxy);
     if (!free) squeezedBy(old.part);
   }
   for (const PartId part : listNear(world, radius, proxy, followed.overflow)) {

@@ -118,9 +118,9 @@ class Descent {
   /// Runs from planes that are up to date.
   void run() {
     for (int round = 0; round < kMaxRounds; ++round) {
-      if (settled()) return;
+      if (descendOnce()) return;
     }
-    leaveOff();
+    stopShort();
   }
 
   /// run() for the first move of a tick: it starts with the stretch that the last move ended with.
@@ -135,9 +135,9 @@ class Descent {
   }
 
  private:
-  void leaveOff() {
-    // The rounds are used up before the proxy has arrived. The planes that hold it must still be known, or
-    // the force would drop to zero.
+  void stopShort() {
+    // The rounds are used up before the proxy has arrived. The planes that press on it must still be known,
+    // or the force would drop to zero.
     const glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
     if (touches(proxy_)) return;
     advance(world_, displacement, radius_, proxy_);
@@ -145,7 +145,7 @@ class Descent {
   }
 
   /// One round; true if the proxy has arrived.
-  bool settled() {
+  bool descendOnce() {
     glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
     if (glm::length(displacement) <= closeEnough(proxy_, radius_)) return !passEdge();
     if (!touches(proxy_))
@@ -269,8 +269,8 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     if (advance(world, displacement, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
     displacement = displacementToGoal(world, goal, radius, proxy);
   }
-  const double hold = frictionReach(world, proxy, proxy.sliding);
-  if (hold > 0.0 && glm::length(displacement) <= hold) {
+  const double stickReach = frictionReach(world, proxy, proxy.sliding);
+  if (stickReach > 0.0 && glm::length(displacement) <= stickReach) {
     proxy.sliding = false;
     return;
   }

@@ -25,7 +25,7 @@ namespace tandem::haptics {
 struct ProxyPlane {
   SurfacePoint surface;     // distance is from the proxy, along the normal
   double skin = 0.0;        // m
-  double multiplier = 0.0;  // m: Lagrange multiplier, how far this plane holds the proxy off the goal
+  double multiplier = 0.0;  // m, >= 0: Lagrange multiplier, the depth that the plane holds back
   bool arriving = false;    // not touched yet: the face onto which the proxy is being dragged
   bool beyondEdge = false;  // the plane of a face whose edge the tool still touches
 };

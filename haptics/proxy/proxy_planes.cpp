@@ -9,7 +9,7 @@
 namespace tandem::haptics {
 namespace {
 
-// 1 - cos of the angle by which a plane may turn before it counts as another constraint: 1.4e-5 rad. The
+// 1 - cos of the angle by which a plane may rotate before it counts as another constraint: 1.4e-5 rad. The
 // relative force error is of the same size, and it is above the noise of a direction measured over one skin.
 constexpr double kSameDirection = 1e-10;
 
@@ -26,8 +26,8 @@ const ProxyPlane* coverOf(const Proxy& proxy, double radius, const ProxyPlane& p
   return nullptr;
 }
 
-/// Decides what a covered edge constrains. Returns false where its face goes on flat or downwards, which the
-/// proxy does not feel from here; otherwise the contact becomes one with the rising face.
+/// Decides what a covered edge constrains. Returns false where its face continues flat or downwards, which
+/// cannot touch the proxy here; otherwise the contact becomes one with the rising face.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
                 SurfacePoint& at, double skin) {
   const Triangle face = world.triangle(at.part, at.triangle);

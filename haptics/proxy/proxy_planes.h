@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 
 /// Measures the planes again from the present proxy position and drops those that it no longer touches. True
-/// if a pressing plane has gone or turned, so that the last projection is out of date.
+/// if a pressing plane was dropped or rotated, so that the last projection is out of date.
 bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy);
 
 /// Adds the triangle that a sweep has hit. It replaces the plane of the same triangle, takes a free slot, or
@@ -26,9 +26,10 @@ void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoin
 /// plane, which is right at an inner edge, or as the edge alone.
 enum class Covered { asFace, asEdge };
 
-/// Displacement from the proxy to the point nearest to the goal that the known planes allow, m (god object).
-/// Stores the multipliers, and whether a face presses beyond its edge. Zero where the planes contradict each
-/// other.
+/// Displacement from the proxy to the point nearest to the goal that the known planes allow, m: the god
+/// object of Zilles & Salisbury 1995, with planes at the height of the ball as in Ruspini, Kolarov & Khatib
+/// 1997. Stores the multipliers, and whether a face presses beyond its edge. Zero where the planes
+/// contradict each other.
 glm::dvec3 displacementToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
                               Covered covered = Covered::asFace);
 

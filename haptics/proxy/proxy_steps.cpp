@@ -85,30 +85,31 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const double angle = std::atan2(sine, cosine);
   RollLimit limit;
   if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
-  const bool leaves = limit.triangle != kNoTriangle && limit.turn < std::min(angle, kMaxRoll);
+  const bool leaves = limit.triangle != kNoTriangle && limit.angle < std::min(angle, kMaxRoll);
   // A displacement far longer than the arc skims over it and over the creases behind it.
-  if (leaves && glm::length(displacement) > kSkim * limit.turn * reach + 8.0 * plane.skin) return false;
+  if (leaves && glm::length(displacement) > kSkim * limit.angle * reach + 8.0 * plane.skin) return false;
   // If the other side of the crease is unknown and the goal is under it, the ball would roll too far.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
-  const double turn = std::min({angle, limit.turn, kMaxRoll}), share = angle > 0.0 ? turn / angle : 1.0;
+  const double rollAngle = std::min({angle, limit.angle, kMaxRoll}),
+               share = angle > 0.0 ? rollAngle / angle : 1.0;
   const glm::dvec3 shift = (foot - plane.surface.point) * share;
   if (leaves) pressing.surface.triangle = limit.triangle;
-  if (turn * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
+  if (rollAngle * reach + glm::length(shift) <= 0.01 * plane.skin) return false;
   // Point at this fraction of the roll and this distance from the crease.
   const auto over = [&](double part, double distance) {
-    const double t = part * turn;
+    const double t = part * rollAngle;
     return plane.surface.point + shift * part + distance * (std::cos(t) * normal + std::sin(t) * tangent);
   };
   WorldHit stop;
   const auto rollTo = [&](double part, const glm::dvec3& end) {
-    const double t = part * turn;
+    const double t = part * rollAngle;
     const glm::dvec3 middle = over(0.5 * part, reach / std::cos(0.5 * t));
     return (reach * t * t <= plane.skin || advance(world, middle - proxy.position, radius, proxy, stop)) &&
            advance(world, end - proxy.position, radius, proxy, stop);
   };
   const Proxy before = proxy;
   glm::dvec3 end = over(1.0, reach);
-  if (leaves) end += 3.0 * plane.skin * (std::cos(turn) * tangent - std::sin(turn) * normal);
+  if (leaves) end += 3.0 * plane.skin * (std::cos(rollAngle) * tangent - std::sin(rollAngle) * normal);
   if (rollTo(1.0, end)) {
     refreshPlanes(world, radius, proxy);
     return true;

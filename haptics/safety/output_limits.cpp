@@ -16,11 +16,11 @@ glm::dvec3 clampLength(const glm::dvec3& v, double limit, bool& clamped) {
   return v * (std::max(limit, 0.0) / length);
 }
 
-/// One of force and torque on its way out.
+/// The limits' memory of the force or of the torque.
 struct Channel {
   glm::dvec3 sent, within;  // of the last tick
 
-  /// A change that the hand made: `wanted` less what is still held back, of which `step` is let go.
+  /// A change that the hand made: `wanted` less the part still held back, of which `step` is released.
   glm::dvec3 byHand(const glm::dvec3& wanted, double step, bool& slewed) const {
     const glm::dvec3 held = within - sent;
     const double length = glm::length(held);
@@ -80,7 +80,8 @@ Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const Force
                             ? Wrench{clampLength(wanted.force * gain, parameters.forceLimit, limited),
                                      clampLength(wanted.torque * gain, parameters.torqueLimit, limited)}
                             : Wrench{};
-  const double step = parameters.slewLimit * parameters.dt, turn = parameters.torqueSlewLimit * parameters.dt;
+  const double step = parameters.slewLimit * parameters.dt,
+               torqueStep = parameters.torqueSlewLimit * parameters.dt;
   const Channel force{limits.sent.force, limits.within.force};
   const Channel torque{limits.sent.torque, limits.within.torque};
   Wrench now;
@@ -89,19 +90,19 @@ Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const Force
   } else {
     now.force = force.byHand(within.force, step, slewed);
   }
-  now.torque =
-      ordered ? torque.byOthers(within.torque, turn, slewed) : torque.byHand(within.torque, turn, slewed);
+  now.torque = ordered ? torque.byOthers(within.torque, torqueStep, slewed)
+                       : torque.byHand(within.torque, torqueStep, slewed);
   if (parameters.deviceSlewLimit > 0.0) {
-    const double most = parameters.deviceSlewLimit * parameters.dt;
-    now.force = limits.sent.force + clampLength(now.force - limits.sent.force, most, slewed);
+    const double deviceStep = parameters.deviceSlewLimit * parameters.dt;
+    now.force = limits.sent.force + clampLength(now.force - limits.sent.force, deviceStep, slewed);
   }
   limits.within = within;
   limits.sent = now;
   if (limited) flags |= kFlagForceLimited;
   if (slewed) flags |= kFlagSlewLimited;
   if (parameters.passivity) {
-    const double asked = glm::length(wanted.force);
-    const double share = asked > 0.0 ? std::min(glm::length(within.force) / asked, 1.0) : gain;
+    const double wantedForce = glm::length(wanted.force);
+    const double share = wantedForce > 0.0 ? std::min(glm::length(within.force) / wantedForce, 1.0) : gain;
     now.force = withPassivity(now.force, cause.byTime * share, *device, parameters, limits.passivity, flags);
   }
   return now;

@@ -1,20 +1,19 @@
 #pragma once
 
-// The last step of a tick: what leaves for the hand is finite, within the device's limits, and jumps only if
-// the hand itself made it jump.
+// The last step of a tick: the wrench on the hand is finite and within the device's limits, and jumps only
+// if the hand itself made it jump.
 //
-// A hand that strokes over an edge at 5 m/s asks for a step of force and must feel one. A part that is put
-// onto the tool, a recovery after silence, a fault or a slider must not kick it. So not the force is slewed
-// but the jump at its cause: in a tick whose change the hand did not make, what exceeds the cap is held back,
-// and what is held back is let go at the capped rate while changes that the hand makes meanwhile pass at
-// once. To a hand under a part that jumped onto it this is a surface that arrives at cap / stiffness metres a
-// second.
+// A hand that strokes over an edge at 5 m/s must feel a step of force. A part that is put onto the tool, a
+// recovery after silence, a fault or a slider must not kick the hand. So the slew limit applies not to the
+// force but to the jump at its cause: in a tick whose change the hand did not make, the excess over the cap
+// is held back, and it is released at the capped rate while changes that the hand makes meanwhile pass at
+// once. To a hand under a part that jumped onto it this is a surface that arrives at cap / stiffness metres
+// a second.
 //
-// 1. While something is held back, the force lies between zero, what was sent last and what is wanted: never
-// a pull
-//    towards a surface, and nothing is kept on a hand that has left contact but what fades at the capped
-//    rate.
-// 2. A device that cannot follow any faster change has a limit of its own, whatever the cause.
+// 1. While something is held back, the force lies between zero, the last force sent and the wanted one. It
+//    never pulls towards a surface, and on a hand that has left contact nothing remains but what fades at
+//    the capped rate.
+// 2. A device that cannot follow faster changes has a limit of its own, whatever the cause.
 
 #include <array>
 

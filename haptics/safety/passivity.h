@@ -9,17 +9,17 @@
 namespace tandem::haptics {
 
 /// Passivity observer of Hannaford & Ryu 2002, "Time-domain passivity control of haptic interfaces": sums
-/// force times velocity, tick by tick. A passive system never gives out more than it took in.
+/// force times velocity, tick by tick. A passive system never returns more energy than it received.
 class EnergyObserver {
  public:
-  /// `force` (N) is what the system puts on the hand, held over the tick; `velocity` (m/s) the hand's in that
+  /// `force` (N) acts on the hand, constant over the tick; `velocity` (m/s) the hand's in that
   /// tick.
   void add(const glm::dvec3& force, const glm::dvec3& velocity, double dt);
   void add(const Wrench& toHand, const Twist& hand, double dt);
   /// The same from the hand's displacement (m) while the force was held: exact, whatever the velocity did.
   void addWork(const glm::dvec3& force, const glm::dvec3& displacement);
 
-  /// Energy given to the hand so far, J; negative while more came in than went out.
+  /// Energy given to the hand so far, J; negative while the hand gave more.
   double given() const { return given_; }
   /// Largest excess of energy given to the hand over energy received from it since the start, J, >= 0.
   double mostCreated() const { return mostCreated_; }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Time-domain passivity control of the force that is sampled and held: damping that appears when, and only
-// when, the sampling has given out energy that the rendered world did not have.
+// Time-domain passivity control of the force that is sampled and held: it damps when, and only when, the
+// sampling has given the hand energy that the rendered world did not have.
 
 #include <glm/vec3.hpp>
 
@@ -10,25 +10,25 @@
 namespace tandem::haptics {
 
 /// Passivity controller of Hannaford & Ryu 2002, with the energy that the rendered world should have
-/// exchanged as the reference (Ryu, Preusche, Hannaford & Hirzinger 2005, "Time-domain passivity control with
-/// reference energy following"), so that nothing earned earlier lets energy out later and nothing has to be
-/// taken back in a burst.
+/// exchanged as the reference (Ryu, Preusche, Hannaford & Hirzinger 2005, "Time-domain passivity control
+/// with reference energy following"): energy received earlier licenses none to be given later, and nothing
+/// has to be dissipated in a burst.
 ///
-/// Over a tick the hand goes d. It was given F_sent . d, exactly, because the force is held. Had the force
-/// followed the displacement, it would have been given (F_last + F_now) . d / 2: exactly so for every spring, whatever
-/// law the force follows otherwise. The difference, less what the device's own damping b takes (b d^2 / T;
-/// Colgate & Schenkel 1994: K T / 2 <= b), is the deficit, never below zero:
+/// Over a tick the hand moves by d. It receives F_sent . d, exactly, because the force is held. Had the
+/// force followed the displacement, it would have been given (F_last + F_now) . d / 2: exactly so for every
+/// spring, whatever law the force follows otherwise. The difference, less what the device's own damping b
+/// takes (b d^2 / T; Colgate & Schenkel 1994: K T / 2 <= b), is the deficit, never below zero:
 ///
 ///     deficit += F_sent . d - (F_last + F_now - F_time) . d / 2 - b d^2 / T
 ///
-/// and is taken back by a force -deficit d / d^2 against d, at most as large as the last change of the
+/// and is dissipated by a force -deficit d / d^2 against d, at most as large as the last change of the
 /// force: a device's quantum is never amplified beyond what the spring itself makes of it. It never pulls.
 ///
-/// What a source does as time goes on (a waveform) is not the sampling's: its held force is what the world
-/// renders. That part of the change stands in neither sum.
+/// The change F_time of a source that varies with time (a waveform) is not caused by sampling: its held
+/// force is what the world renders.
 ///
-/// An encoder at a mark (RestingReading) counts as no displacement, so a hand at rest feels the spring's own flicker of
-/// one quantum and nothing on top.
+/// An encoder at a mark (RestingReading) counts as no displacement, so a hand at rest feels the spring's
+/// own flicker of one quantum and nothing on top.
 class PassivityController {
  public:
   /// The force to add, N. `position` is the device's reading (m), `force` what is rendered (N), `byTime` what
@@ -40,7 +40,7 @@ class PassivityController {
   /// What was sent in the end, N: held until the next step().
   void sent(const glm::dvec3& force) { sent_ = force; }
 
-  /// Energy given out beyond the reference and not yet taken back, J.
+  /// Energy given beyond the reference and not yet dissipated, J.
   double deficit() const { return deficit_; }
 
   /// Forgets everything: the force was interrupted.

@@ -7,8 +7,8 @@
 namespace tandem::haptics {
 
 /// A reading that for some time has done nothing but stay and go back exactly to its last other value is an
-/// encoder at a mark: the hand went far less than the quantum that the reading shows. An exact reading does so
-/// only while it stands still.
+/// encoder at a mark: the hand went far less than the quantum that the reading shows. An exact reading does
+/// so only while it stands still.
 class RestingReading {
  public:
   /// Notes the reading of a tick, m, of `dt` s. Whether each axis is at rest.
@@ -31,9 +31,9 @@ class RestingReading {
   static constexpr double kResting = 0.02;
 
   bool started_ = false;
-  glm::dvec3 last_{0.0, 0.0, 0.0},
-      before_{0.0, 0.0, 0.0};  // the reading, and the last other one of each axis
-  double resting_ = 0.0;       // s
+  glm::dvec3 last_{0.0, 0.0, 0.0};    // m, the reading
+  glm::dvec3 before_{0.0, 0.0, 0.0};  // m, the last other value of each axis
+  double resting_ = 0.0;              // s
 };
 
 }  // namespace tandem::haptics

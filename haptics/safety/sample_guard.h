@@ -12,13 +12,11 @@ namespace tandem::haptics {
 /// Judges one reading a tick.
 ///
 /// 1. Not valid, not finite or absurd: refused.
-/// 2. Stale: its time stamp has stood still for longer than TickParameters::staleAfter; refused until it
-/// moves on. A
-///    stamp of 0 means that the device has none.
-/// 3. A jump: farther from the last good reading than a hand can have gone since at
-/// TickParameters::maxDeviceSpeed.
-///    Refused; a single glitch is over with the next reading. A place that stays for kJumpTicks ticks is
-///    where the hand now is: accepted, with the proxy put onto it.
+/// 2. Stale, its time stamp unchanged for longer than TickParameters::staleAfter: refused until the stamp
+///    changes. A stamp of 0 means that the device has none.
+/// 3. A jump, farther from the last good reading than a hand moves in the time since at
+///    TickParameters::maxDeviceSpeed: refused. A single glitch is over with the next reading. A place that
+///    stays for kJumpTicks ticks is where the hand now is: accepted, with the proxy put onto it.
 class SampleGuard {
  public:
   static constexpr int kJumpTicks = 5;

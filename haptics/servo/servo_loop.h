@@ -8,8 +8,8 @@
 // 2. A late wake-up is counted and the schedule moves on, without a burst of catch-up ticks.
 // 3. On stop, and while the callback overruns its period too often (servo_schedule.h), the device gets zero
 //    force. A non-finite wrench counts as zero; one above the device's limits is shortened to them.
-// 4. After a failed ASSERT the force is zero until the loop is started again. One in the callback lets the callback run on;
-//    one in the loop itself or in a driver ends the thread.
+// 4. After a failed ASSERT the force is zero until the loop is started again. One in the callback lets the
+//    callback run on; one in the loop itself or in a driver ends the thread.
 
 #include <array>
 #include <atomic>

@@ -47,7 +47,8 @@ void EffortGuard::note(double share) {
 ContactEffort EffortGuard::limited(ContactEffort set) const {
   ASSERT(stage_ >= 0 && stage_ <= kMaxStages);
   constexpr std::array<int, kMaxStages + 1> kMaxSteps = {4, 4, 2, 1};
-  return {std::min(set.steps, kMaxSteps[static_cast<std::size_t>(stage_)]), set.looks >> stage_, set.exact};
+  return {std::min(set.steps, kMaxSteps[static_cast<std::size_t>(stage_)]), set.sampleQueries >> stage_,
+          set.exact};
 }
 
 int DurationHistogram::bucketOf(std::int64_t duration_ns) {

@@ -94,8 +94,8 @@ void Tool::noteForeignChange(double expected) {
   foreign_.expected += expected;
 }
 
-/// How far the surface under the proxy would have come in this tick at the last tick's velocity, m: a motion that goes on
-/// is felt as it is, one that begins with a jump is not.
+/// Displacement of the surface under the proxy in this tick at the last tick's velocity, m: a motion that
+/// continues is felt as it is, one that begins with a jump is not.
 double Tool::expectedDisplacement(const Pose& before, const Twist& twist, const glm::dvec3& proxy) const {
   const double arm = glm::length(proxy - device_);
   return dt_ * (glm::length(velocityAt(before, twist, proxy)) + glm::length(twist.angular) * arm);

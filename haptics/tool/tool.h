@@ -1,12 +1,12 @@
 #pragma once
 
-// The bare tool of one hand, a point or a ball: its proxy, what the touched surfaces remember of it, and the parts that it
-// passes through.
+// The bare tool of one hand, a point or a ball: its proxy, what the touched surfaces remember of it, and
+// the parts that it passes through.
 //
-// 1. A tick calls begin() first, then place() where there is a valid reading, then what moves parts, then forgetIgnored(),
-//    and last touch(), carry() or withdraw().
-// 2. A part that the tool cannot be kept out of is ignored until both the device and the proxy have left it: then there is
-//    no depth, and so no force that begins with a step.
+// 1. A tick calls begin() first, then place() where there is a valid reading, then what moves parts, then
+//    forgetIgnored(), and last touch(), carry() or withdraw().
+// 2. A part that the tool cannot be kept out of is ignored until both the device and the proxy have left
+//    it: then there is no depth, and so no force that begins with a step.
 // 3. Only the thread that ticks uses it. Nothing here allocates.
 
 #include <cstdint>
@@ -28,7 +28,7 @@ inline constexpr double kTouchShare = 0.02;
 /// A change of the contact force in one tick that the hand did not make.
 struct ForeignChange {
   bool any = false;
-  double expected = 0.0;  // m, of displacement under the proxy that goes on as in the last tick
+  double expected = 0.0;  // m, displacement of the surface under the proxy at the last tick's velocity
 };
 
 /// A contact force that ends, as a spring that is as deep as its contacts were.
@@ -51,8 +51,8 @@ class Tool {
 
   // What parts do to the tool. All but ignore() have no effect before the first place().
 
-  /// A part has moved from `before`, where it had `twistBefore`, to its present pose: takes the proxy along. `byHand`: this
-  /// hand pushed it.
+  /// A part has moved from `before`, where it had `twistBefore`, to its present pose: takes the proxy
+  /// along. `byHand`: this hand pushed it.
   void follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand);
   /// A part is passed through from now on; sets kFlagOverflow if the list is full.
   void ignore(PartId part);
@@ -62,15 +62,15 @@ class Tool {
   void ignoreIfOver(PartId part);
   /// Ends the ignoring of the parts that the tool has left; `held` stays ignored.
   void forgetIgnored(PartId held);
-  /// Others have changed the force by something of which `expected` m of displacement were to be expected.
+  /// Others have changed the force; `expected` m of that displacement continue the motion of the last tick.
   void noteForeignChange(double expected);
 
   // How a tick ends for the tool.
 
-  /// Moves the proxy towards the device and computes the wrench of its contacts, which it writes to `out`. `felt` is the
-  /// reading, with no velocity where the hand is at rest.
+  /// Moves the proxy towards the device and computes the wrench of its contacts, which it writes to `out`.
+  /// `felt` is the reading, with no velocity where the hand is at rest.
   void touch(const DeviceSample& felt, const TickParameters& parameters, TickOutput& out);
-  /// The tool goes with a part in the hand and touches nothing itself; `position` m, world.
+  /// The tool moves with a part in the hand and touches nothing itself; `position` m, world.
   void carry(const glm::dvec3& position);
   /// There is no reading: no contact force.
   void withdraw() { contactWrench_ = Wrench{}; }
@@ -89,7 +89,8 @@ class Tool {
   bool pressesOn(PartId part) const;
   /// The stiffest of the touched materials, N/m, but no less than `least`.
   double stiffest(double least) const;
-  /// The part under a tool without contacts: what it is inside of, `held` aside, else the nearest within that part's reach.
+  /// The part under a tool without contacts: what it is inside of, `held` aside, else the nearest within
+  /// that part's reach.
   PartId partUnder(PartId held) const;
   /// Where the tool can come to in this tick with a margin, m, world.
   assets::Bounds reachInTick() const;

@@ -128,7 +128,8 @@ TEST(LinkedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
   const Pose start = sites.site(0).arm.device(), partFromGrip = inverse(peg.path(0.0)) * start;
   const auto intent = [&](double t, int site) {
     if (site != 0) return SixAxes{};
-    return haptics::wayBetween(start, peg.path(std::max(0.0, t - 1.0)) * partFromGrip, SixAxisArm::kLever);
+    return haptics::displacementBetween(start, peg.path(std::max(0.0, t - 1.0)) * partFromGrip,
+                                        SixAxisArm::kLever);
   };
   double deepest = 0.0;
   while (sites.time() < 1.0 + peg.duration) {

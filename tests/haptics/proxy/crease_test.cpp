@@ -72,12 +72,12 @@ TEST_F(CreaseOfABox, ABallOnAnEdgeRollsToTheFaceAheadAndNoFurther) {
     SurfacePoint contact = under({kHalf + 0.01, 0.013, kHalf + 0.01});
     contact.normal = turned(normal);
     const RollLimit over = rollLimit(world_, contact, kSkin, turned(tangent));
-    EXPECT_NEAR(over.turn, kQuarter - tilt, 1e-9);
+    EXPECT_NEAR(over.angle, kQuarter - tilt, 1e-9);
     ASSERT_NE(over.triangle, haptics::kNoTriangle);
     for (const glm::dvec3& p : {world_.surfaceAt(0, over.triangle, contact.point).point})
       EXPECT_NEAR(glm::length(p - contact.point), 0.0, 1e-9);  // it meets the edge
     const RollLimit back = rollLimit(world_, contact, kSkin, turned(-tangent));
-    EXPECT_NEAR(back.turn, tilt, 1e-9);
+    EXPECT_NEAR(back.angle, tilt, 1e-9);
   }
 }
 
@@ -86,17 +86,17 @@ TEST_F(CreaseOfABox, ABallOnACornerRollsToTheEdgeAhead) {
   contact.normal = turned({0.0, 0.0, 1.0});
   // Straight outwards over the corner, away from all three faces: to the plane of the other edge and no less.
   const RollLimit out = rollLimit(world_, contact, kSkin, turned({kDiagonal, kDiagonal, 0.0}));
-  EXPECT_GE(out.turn, kQuarter - 1e-9);
+  EXPECT_GE(out.angle, kQuarter - 1e-9);
   // Towards the middle of the face the ball already lies on what is ahead.
   const RollLimit in = rollLimit(world_, contact, kSkin, turned({-kDiagonal, -kDiagonal, 0.0}));
-  EXPECT_NEAR(in.turn, 0.0, 1e-9);
+  EXPECT_NEAR(in.angle, 0.0, 1e-9);
 }
 
 TEST_F(CreaseOfABox, OnTheDiagonalOfAFlatFaceThereIsNothingToRollAbout) {
   const SurfacePoint contact = under({0.0, 0.0, kHalf + 0.01});  // the diagonal of the face runs through
   for (const double angle : {0.2, 1.1, 2.5, 4.0}) {
     const glm::dvec3 tangent(std::cos(angle), std::sin(angle), 0.0);
-    EXPECT_NEAR(rollLimit(world_, contact, kSkin, turned(tangent)).turn, 0.0, 1e-9);
+    EXPECT_NEAR(rollLimit(world_, contact, kSkin, turned(tangent)).angle, 0.0, 1e-9);
   }
 }
 

@@ -82,15 +82,15 @@ TEST(EffortGuard, TakesEffortBackInItsOrderAndGivesItBackOnceTicksAreShort) {
   };
   ticks(EffortGuard::kLimit - 1, 0.9);
   EXPECT_EQ(guard.stage(), 0) << "a few long ticks are forgiven";
-  EXPECT_EQ(guard.limited(set).looks, set.looks);
+  EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries);
   ticks(1, 0.9);
-  EXPECT_EQ(guard.limited(set).looks, set.looks / 2);
+  EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries / 2);
   EXPECT_EQ(guard.limited(set).steps, set.steps);
   ticks(EffortGuard::kLimit, 0.9);
-  EXPECT_EQ(guard.limited(set).looks, set.looks / 4);
+  EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries / 4);
   EXPECT_EQ(guard.limited(set).steps, 2);
   ticks(10 * EffortGuard::kLimit, 0.9);
-  EXPECT_EQ(guard.limited(set).looks, set.looks / 8);
+  EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries / 8);
   EXPECT_EQ(guard.limited(set).steps, 1);
   EXPECT_TRUE(guard.limited(set).exact) << "what is touched stays exact";
   ticks(EffortGuard::kCalm - 1, 0.1);
@@ -105,7 +105,7 @@ TEST(EffortGuard, TakesEffortBackInItsOrderAndGivesItBackOnceTicksAreShort) {
 
 TEST(EffortGuard, GivesNoMoreThanIsSet) {
   EffortGuard guard;
-  EXPECT_EQ(guard.limited({1, 10, false}).looks, 10);
+  EXPECT_EQ(guard.limited({1, 10, false}).sampleQueries, 10);
   EXPECT_EQ(guard.limited({1, 10, false}).steps, 1);
   EXPECT_FALSE(guard.limited({1, 10, false}).exact);
 }
