@@ -34,7 +34,8 @@ Result<std::optional<std::string>> readFile(const std::string& path) {
   return std::optional<std::string>(std::move(content));
 }
 
-/// Writes a file for its owner alone, whole or not at all, and on the disk before it has its name.
+/// Writes a file with mode 0600 whole or not at all: it is synced to the disk under another name, then
+/// renamed.
 Status writePrivateFile(const std::string& path, const std::string& content) {
   const std::string temporary = path + ".new";
   ::unlink(temporary.c_str());

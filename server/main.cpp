@@ -1,5 +1,5 @@
-// tandem-server: loads a scene, opens its session's data directory, prints join links, and serves until it is
-// told to stop. Standard output carries the links and nothing else; the log goes to standard error. Exit
+// tandem-server: loads a scene, opens its session's data directory, prints join links, and serves until a
+// signal stops it. Standard output carries the links and nothing else; the log goes to standard error. Exit
 // codes: 0 done, 1 the run failed, 2 bad arguments or input (one line on standard error).
 
 #include <sys/stat.h>
@@ -31,7 +31,7 @@ namespace tandem::server {
 namespace {
 
 constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
-constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is soon seen
+constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is handled soon
 constexpr sync::Micros kClosingTime = 300 * sync::kMillisecond;
 
 volatile std::sig_atomic_t stopAsked = 0;
@@ -61,7 +61,7 @@ std::int64_t unixNow() {
 }
 
 int badInput(const Error& error) {
-  // Messages quote files and arguments, which may hold line breaks and codes that a terminal obeys.
+  // Messages quote files and arguments, which may hold line breaks and codes that a terminal executes.
   std::string line = error.message;
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
@@ -99,7 +99,7 @@ struct Server {
   std::optional<sync::RecordingWriter> recording;
 };
 
-/// Serves until told to stop. Returns whether the journal was sound to the end.
+/// Serves until a signal stops it. Returns whether the journal was sound to the end.
 bool serve(const Options& options, Server& server, Session& session, Invitations& invitations) {
   const sync::Micros end = options.duration_s > 0.0
                                ? localNow() + static_cast<sync::Micros>(options.duration_s * 1e6)
@@ -108,9 +108,9 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
     const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
     server.transport->wait(wait);
     session.step(localNow(), unixNow());
-    for (const LogLine& line : session.takeLog())
+    for (const LogLine& line : session.drainLog())
       spdlog::log(line.error ? spdlog::level::err : spdlog::level::info, "{}", line.text);
-    invitations.renew(session, session.takeUsedTokens(), unixNow());
+    invitations.renew(session, session.drainUsedTokens(), unixNow());
   }
   session.shutDown();
   const sync::Micros closed = localNow() + kClosingTime;
@@ -124,8 +124,8 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
 
 /// Adds to the error of a port in use how to listen on a free one.
 Error listenError(const Error& error, const std::string& host) {
-  const std::string taken = std::make_error_code(std::errc::address_in_use).message();
-  if (error.message.find(taken) == std::string::npos) return error;
+  const std::string inUse = std::make_error_code(std::errc::address_in_use).message();
+  if (error.message.find(inUse) == std::string::npos) return error;
   const bool ipv6 = host.find(':') != std::string::npos;
   return Error{error.message + " (--listen " + (ipv6 ? '[' + host + ']' : host) + ":0 takes any free port)"};
 }
@@ -155,7 +155,7 @@ Result<Server> prepare(Options& options, int& exitCode) {
 
 int run(Options& options) {
   watchSignals();
-  ::umask(077);  // what a server writes is its user's alone
+  ::umask(077);  // files of the server are readable by its user only
   startLog(options.quiet);
   localNow();
   int exitCode = kExitDone;

@@ -30,13 +30,13 @@ The session lives in the data directory: start the server again with the same --
 Send a link over a channel that you trust: it carries the right to enter and the pin of the server's key.
 Open both TCP and UDP of the port in the firewall; where UDP does not pass, state travels over TCP.)";
 
-constexpr double kMostGravity = 1000.0;  // m/s^2, the sizes of its components together
+constexpr double kMaxGravity = 1000.0;  // m/s^2, the sizes of its components together
 
 Result<glm::dvec3> parseVector(const std::string& text) {
   glm::dvec3 v{0.0};
   char rest = 0;
   if (std::sscanf(text.c_str(), "%lf,%lf,%lf%c", &v.x, &v.y, &v.z, &rest) != 3 ||
-      !(std::abs(v.x) + std::abs(v.y) + std::abs(v.z) <= kMostGravity))
+      !(std::abs(v.x) + std::abs(v.y) + std::abs(v.z) <= kMaxGravity))
     return Error{"--gravity " + text + ": must be X,Y,Z in m/s^2, at most 1000"};
   return v;
 }

@@ -21,17 +21,17 @@ struct Options {
   bool cache = true;
   std::string listenHost;           // empty: every address
   std::uint16_t listenPort = 7480;  // 0: any free one
-  std::string linkHost;             // as the sites reach this machine; empty: found out
+  std::string linkHost;             // the host by which sites reach this machine; empty: determined
   std::string data = "tandem-data";
   std::string record;                   // empty: no recording
   std::array<int, 3> invites{1, 1, 1};  // open links a role, by sync::Role
   std::int64_t tokenLifetime_s = 24 * 3600;
   sync::Micros lease = 2 * sync::kSecond;
-  double duration_s = 0.0;  // 0: until it is told to stop
+  double duration_s = 0.0;  // 0: until a signal stops it
   bool quiet = false;
 };
 
-/// The options; or the exit code when the command line has been dealt with (help) or is wrong (2, told on
+/// The options; or the exit code where the command line asks for help (0) or is wrong (2, with the error on
 /// stderr).
 std::variant<Options, int> parseOptions(int argc, char** argv);
 

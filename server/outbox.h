@@ -1,7 +1,7 @@
 #pragma once
 
-// Control messages on their way out, in one order for all sites, each held back until the journal is as far
-// as it was when the message was made. So no site learns of anything that a crash could undo, not even by a
+// Control messages on their way out, in one order for all sites, each held back until every journal record
+// that was written before it is durable. So no site learns of anything that a crash could undo, not even by a
 // denial.
 
 #include <cstdint>

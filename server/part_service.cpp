@@ -79,7 +79,7 @@ void PartService::answerGrab(const Peer& peer, const sync::OwnershipTable::Decis
                     std::to_string(record.epoch));
 }
 
-/// What a request that is not decided is answered with; the part may be one that the scene does not have.
+/// The record that answers a request that is not decided; the part may be one that the scene does not have.
 sync::PartRecord PartService::recordOrUnknown(PartId part) const {
   if (part < count()) return table_.part(part);
   sync::PartRecord unknown;
@@ -147,7 +147,7 @@ void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
   const auto decision = table_.engage(peer.site, peer.role, request, context_.now());
   if (decision.reply.denial != sync::Denial::none) ++context_.counts.denials;
   if (decision.changed)
-    context_.log.note(sites_.nameOf(peer.site) + " is engaged in part " + nameOf(request.part));
+    context_.log.note(sites_.nameOf(peer.site) + " is a co-holder of part " + nameOf(request.part));
   publisher_.sendTo(peer, decision.reply);
 }
 
@@ -158,9 +158,9 @@ void PartService::onDisengage(const Peer& peer, const sync::Disengage& request) 
   publisher_.sendTo(peer, decision.reply);
 }
 
-void PartService::publishMembers() {
-  for (const sync::MemberRecord& members : table_.takeChangedMembers())
-    publisher_.publish(sync::MembersChanged{members});
+void PartService::publishCoHolders() {
+  for (const sync::CoHolderRecord& coHolders : table_.drainChangedCoHolders())
+    publisher_.publish(sync::MembersChanged{coHolders});
 }
 
 bool PartService::revoke(PartId part, SiteId by) {

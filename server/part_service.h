@@ -2,7 +2,7 @@
 
 // The parts of the session: grabs, releases and engagements, leases, and the poses that the journal keeps.
 // The rules themselves are sync::OwnershipTable; this class writes each decision to the journal, answers, and
-// tells everybody.
+// publishes it.
 //
 // 1. Every change of an owner is kept before its answer is queued, and answered before it is published.
 // 2. While the journal cannot be written, every request is denied as `recovering`.
@@ -35,9 +35,9 @@ class PartService {
   void onRelease(const Peer& peer, const sync::Release& request);
   void onEngage(const Peer& peer, const sync::Engage& request);
   void onDisengage(const Peer& peer, const sync::Disengage& request);
-  /// Publishes who is engaged in what, where that has changed since the last call: behind the parts' own
+  /// Publishes the co-holders of parts where they have changed since the last call, behind the parts' own
   /// records.
-  void publishMembers();
+  void publishCoHolders();
 
   /// Takes a part away from its owner. False if nobody owns it.
   bool revoke(PartId part, SiteId by);
@@ -65,7 +65,7 @@ class PartService {
   void answerGrab(const Peer& peer, const sync::OwnershipTable::Decision& decision);
   /// Keeps a part's new record; its pose is then no newer than the journal's.
   void keep(const sync::PartRecord& record);
-  /// Keeps a part's new record, then tells everybody.
+  /// Keeps a part's new record, then publishes it.
   void change(const sync::PartRecord& record);
   void freed(const std::vector<sync::PartRecord>& records, const char* why);
   sync::PartRecord recordOrUnknown(PartId part) const;

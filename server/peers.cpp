@@ -10,7 +10,7 @@ Peer& Peers::add(sync::ConnectionId connection, sync::Micros now) {
   Peer peer;
   peer.connection = connection;
   peer.serial = nextSerial_++;
-  peer.lastHeard = peer.states.allowanceAt = now;
+  peer.lastReceived = peer.states.allowanceAt = now;
   ASSERT(peer.serial != kRecordingOnly);
   Peer& added = peers_[connection];
   added = peer;

@@ -12,7 +12,8 @@
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/state_bundle.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
+#include "sync/wire/state_sender.h"
 #include "sync/wire/state_update.h"
 #include "sync/wire/time.h"
 
@@ -50,8 +51,8 @@ struct Peer {
   Stage stage = Stage::hello;
   SiteId site = kNoSite;  // from the hello on
   sync::Role role = sync::Role::observer;
-  sync::Micros lastHeard = 0;  // session time
-  bool welcomed = false;       // the Welcome has left: chunks may follow it
+  sync::Micros lastReceived = 0;  // session time
+  bool welcomed = false;          // the Welcome has left: chunks may follow it
   StateLeg states;
   TransferProgress transfer;
 };
@@ -69,7 +70,7 @@ class Peers {
   Peer* bySerial(PeerSerial serial);
 
   bool empty() const { return peers_.empty(); }
-  /// Connections that have not said hello.
+  /// Connections that have sent no Hello.
   std::size_t strangers() const;
   /// Connections that have a site.
   std::size_t admitted() const;

@@ -3,8 +3,8 @@
 // The way out of a session: what it writes to the journal, what it sends as control messages, and what it
 // records.
 //
-// 1. A message that sendTo() or publish() takes leaves only when every record kept before it is durable; all
-//    of them keep one order.
+// 1. A message of sendTo() or publish() leaves only when every record kept before it is durable; all of them
+//    keep one order.
 // 2. Once the journal has failed, writable() is false for good: what waited for it becomes a denial or is
 //    dropped.
 

@@ -39,7 +39,7 @@ void SceneTransfer::sendChunks(Peer& peer) {
     publisher_.sendNow(peer.connection, chunk);
     progress.offset += size;
     progress.active = progress.offset < package_.size();
-    peer.lastHeard = context_.now();  // a slow link takes its time; a dead one shows in the backlog
+    peer.lastReceived = context_.now();  // a slow link takes its time; a dead one shows in the backlog
   }
   ASSERT(progress.offset <= package_.size());
 }

@@ -76,7 +76,7 @@ class Session::Dispatcher {
   SiteAdmission admission;
 
  private:
-  void takeEvents();
+  void receiveEvents();
   void onControl(Peer& peer, std::span<const std::byte> bytes);
   void dispatch(Peer& peer, const sync::ControlMessage& message);
   void runTimers();
@@ -105,11 +105,11 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   context.advance(callerNow + offset_, unixNow);
   journal.noteTime(context.now());
   publisher.watchJournal();
-  takeEvents();
+  receiveEvents();
   relay.flush();
   runTimers();
   commands.continueReset();
-  parts.publishMembers();
+  parts.publishCoHolders();
   publisher.flush([&](sync::ConnectionId connection) { admission.onLost(connection, "refused"); });
   for (auto& [connection, peer] : peers) transfer.sendChunks(peer);
 }
@@ -130,7 +130,7 @@ void Session::Dispatcher::shutDown() {
   peers.clear();
 }
 
-void Session::Dispatcher::takeEvents() {
+void Session::Dispatcher::receiveEvents() {
   sync::TransportEvent event;
   for (int i = 0; i < kMaxEventsPerStep; ++i) {
     eventsLeft_ = transport.poll(event);
@@ -157,7 +157,7 @@ void Session::Dispatcher::takeEvents() {
 
 void Session::Dispatcher::onControl(Peer& peer, std::span<const std::byte> bytes) {
   context.counts.received.countControl(bytes.size());
-  peer.lastHeard = context.now();
+  peer.lastReceived = context.now();
   const Result<sync::ControlMessage> message = sync::decodeControl(bytes);
   if (!message) {
     admission.refuse(peer, sync::Refusal::malformed, message.error().message);
@@ -238,7 +238,7 @@ void Session::shutDown() { dispatcher_->shutDown(); }
 const std::vector<sync::SiteInfo>& Session::sites() const { return dispatcher_->sites.listed(); }
 const sync::OwnershipTable& Session::ownership() const { return dispatcher_->parts.table(); }
 const SessionCounters& Session::counters() const { return dispatcher_->context.counts; }
-std::vector<LogLine> Session::takeLog() { return dispatcher_->context.log.take(); }
-std::vector<sync::Role> Session::takeUsedTokens() { return dispatcher_->admission.takeUsedTokens(); }
+std::vector<LogLine> Session::drainLog() { return dispatcher_->context.log.drain(); }
+std::vector<sync::Role> Session::drainUsedTokens() { return dispatcher_->admission.drainUsedTokens(); }
 
 }  // namespace tandem::server

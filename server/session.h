@@ -50,7 +50,7 @@ class Session {
   /// A join token for this role, valid until `expires` (Unix time, s), usable once.
   std::string makeToken(sync::Role role, std::int64_t expires) const;
 
-  /// Takes in every event that the transport has, then does what is due: durable replies, leases, chunks.
+  /// Handles every event that the transport has, then does what is due: durable replies, leases, chunks.
   void step(sync::Micros now, std::int64_t unixNow);
   /// When, on the caller's clock, step() must be called next even if nothing arrives.
   sync::Micros nextDeadline() const;
@@ -66,9 +66,9 @@ class Session {
   const SessionCounters& counters() const;
 
   /// Lines for the log (a site joined, left, was refused, was granted a part) since the last call.
-  std::vector<LogLine> takeLog();
+  std::vector<LogLine> drainLog();
   /// The roles of the join tokens used since the last call: each may want a new link.
-  std::vector<sync::Role> takeUsedTokens();
+  std::vector<sync::Role> drainUsedTokens();
 
  private:
   class Dispatcher;

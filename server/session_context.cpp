@@ -8,7 +8,7 @@
 namespace tandem::server {
 namespace {
 
-constexpr std::size_t kMaxLogLines = 1000;  // between two calls of take()
+constexpr std::size_t kMaxLogLines = 1000;  // between two calls of drain()
 
 }  // namespace
 
@@ -18,7 +18,7 @@ void SessionLog::note(std::string line) {
 
 void SessionLog::error(std::string line) { lines_.push_back({std::move(line), true}); }
 
-std::vector<LogLine> SessionLog::take() { return std::exchange(lines_, {}); }
+std::vector<LogLine> SessionLog::drain() { return std::exchange(lines_, {}); }
 
 void SessionContext::advance(sync::Micros now, std::int64_t unixNow) {
   now_ = std::max(now_, now);

@@ -19,7 +19,7 @@ struct SessionCounters {
   std::uint64_t droppedBaselines = 0;  // updates against a baseline that is missing, or with a wrong checksum
   std::uint64_t droppedEarly = 0;      // datagrams of a connection that is not ready
   std::uint64_t relayedLinks = 0;      // LinkUpdates passed on
-  std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that share no part
+  std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that are not owner and co-holder
   std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   sync::Traffic sent, received;
@@ -33,13 +33,13 @@ struct LogLine {
   bool error = false;
 };
 
-/// Collects lines until the caller of the session takes them; bounded, because nobody need ever take them.
+/// Collects lines until the caller of the session drains them; bounded, because the caller need not.
 class SessionLog {
  public:
   void note(std::string line);
   /// An error is never left out: there are at most two, the journal's and the recording's.
   void error(std::string line);
-  std::vector<LogLine> take();
+  std::vector<LogLine> drain();
 
  private:
   std::vector<LogLine> lines_;

@@ -8,10 +8,10 @@
 namespace tandem::server {
 namespace {
 
-constexpr std::size_t kMaxStrangers = 64;                    // connections that have not said hello
-constexpr sync::Micros kHelloPatience = 10 * sync::kSecond;  // from connecting to the hello
-constexpr sync::Micros kLoadPatience = 600 * sync::kSecond;  // without a word from a loading site
-constexpr sync::Micros kReadyPatience = 15 * sync::kSecond;  // without a word from a ready site
+constexpr std::size_t kMaxStrangers = 64;                    // connections that have sent no Hello
+constexpr sync::Micros kHelloPatience = 10 * sync::kSecond;  // from connecting to the Hello
+constexpr sync::Micros kLoadPatience = 600 * sync::kSecond;  // without a message of a loading site
+constexpr sync::Micros kReadyPatience = 15 * sync::kSecond;  // without a message of a ready site
 constexpr std::size_t kMaxPartsInWelcome = 8192;  // what fits into kMaxControlBytes; others follow it
 
 /// A name as it may be shown and logged: no control characters, never empty.
@@ -122,7 +122,7 @@ void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello)
   if (hello.colour != sync::kAnyColour)
     site.info.colour = hello.colour;
   else if (!hello.resume)
-    site.info.colour = ground_.sites.freeColour(site.info.site);  // who comes back keeps the old one
+    site.info.colour = ground_.sites.freeColour(site.info.site);  // a site that comes back keeps its colour
   site.info.connected = true;
   site.listed = true;
   ground_.publisher.keep(SiteRecord{site.info, false});
@@ -135,8 +135,8 @@ void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello)
   std::vector<sync::PartRecord> rest;
   ground_.publisher.sendTo(peer, welcomeFor(site, rest));
   for (const sync::PartRecord& part : rest) ground_.publisher.sendTo(peer, sync::OwnershipChanged{part});
-  for (const sync::MemberRecord& members : ground_.parts.table().allMembers())
-    ground_.publisher.sendTo(peer, sync::MembersChanged{members});
+  for (const sync::CoHolderRecord& coHolders : ground_.parts.table().allCoHolders())
+    ground_.publisher.sendTo(peer, sync::MembersChanged{coHolders});
   ground_.context.log.note(ground_.sites.nameOf(peer.site) + " joined as " + sync::toString(peer.role) +
                            (hello.resume ? " (came back)" : ""));
 }
@@ -216,7 +216,7 @@ void SiteAdmission::onLost(sync::ConnectionId connection, const std::string& rea
 void SiteAdmission::dropSilent() {
   std::vector<sync::ConnectionId> silent;
   for (const auto& [connection, peer] : ground_.peers)
-    if (ground_.context.now() - peer.lastHeard > patienceFor(peer.stage)) silent.push_back(connection);
+    if (ground_.context.now() - peer.lastReceived > patienceFor(peer.stage)) silent.push_back(connection);
   for (const sync::ConnectionId connection : silent) {
     ground_.transport.close(connection);
     onLost(connection, "nothing heard from it for too long");
@@ -236,6 +236,6 @@ void SiteAdmission::housekeeping() {
   std::erase_if(usedNonces_, [&](const auto& entry) { return entry.second <= ground_.context.unixNow(); });
 }
 
-std::vector<sync::Role> SiteAdmission::takeUsedTokens() { return std::exchange(usedTokens_, {}); }
+std::vector<sync::Role> SiteAdmission::drainUsedTokens() { return std::exchange(usedTokens_, {}); }
 
 }  // namespace tandem::server

@@ -59,7 +59,7 @@ class SiteAdmission {
   /// Brings the list of sites up to date and publishes who is off it.
   void relist();
 
-  std::vector<sync::Role> takeUsedTokens();
+  std::vector<sync::Role> drainUsedTokens();
 
  private:
   bool full() const;
@@ -73,7 +73,7 @@ class SiteAdmission {
   Ground ground_;
   std::size_t maxSites_;
   std::unordered_map<std::string, std::int64_t> usedNonces_;  // and when each expires, Unix time in s
-  std::vector<sync::Role> usedTokens_;                        // since the last takeUsedTokens()
+  std::vector<sync::Role> usedTokens_;                        // since the last drainUsedTokens()
 };
 
 }  // namespace tandem::server

@@ -25,11 +25,11 @@ class SqliteDatabase {
   Status run(const char* sql);
   /// The first column of the first row as text; empty if there is none.
   Result<std::string> ask(const char* sql);
-  /// The last error, in SQLite's words.
+  /// The last error, as SQLite reports it.
   std::string error() const;
   sqlite3* handle() const { return handle_; }
 
-  /// From now on no commit makes a checkpoint by itself, and framesInLog() counts.
+  /// Turns off automatic checkpoints, and lets framesInLog() count from now on.
   void watchLog();
   /// Frames in the write-ahead log after the last commit that wrote.
   int framesInLog() const { return *frames_; }

@@ -21,13 +21,13 @@ namespace {
 
 constexpr const char* kApplicationId = "1414417741";  // "TNDM"
 constexpr const char* kSchemaVersion = "1";
-// Session time in the database runs ahead of session time by between these two.
+// The session time in the database leads the session by an amount between these two.
 constexpr sync::Micros kTimeAhead = 4 * sync::kSecond, kLeastAhead = 2 * sync::kSecond;
 
-// The write-ahead log, in frames of one page each. It is grown once to hold kMostFrames; a checkpoint lets it
+// The write-ahead log, in frames of one page each. It is grown once to hold kMaxFrames; a checkpoint lets it
 // start again from the front. Checkpoints cost several fsyncs, so they wait for a quiet moment unless the log
 // is full.
-constexpr int kMostFrames = 1000, kIdleFrames = 100;
+constexpr int kMaxFrames = 1000, kIdleFrames = 100;
 constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
 constexpr auto kQuiet = std::chrono::milliseconds(150);
 
@@ -80,16 +80,16 @@ Status checkScene(SqliteDatabase& database, const std::string& sceneHash) {
   return {};
 }
 
-/// Runs a query and hands each row to `take`, which returns whether the row is sound.
-template <typename Take>
-Status readRows(SqliteDatabase& database, const char* sql, const char* table, Take take) {
+/// Runs a query and hands each row to `read`, which returns whether the row is sound.
+template <typename Read>
+Status readRows(SqliteDatabase& database, const char* sql, const char* table, Read read) {
   Result<SqliteStatement> rows = SqliteStatement::prepare(database, sql);
   if (!rows) return rows.error();
   for (;;) {
     const auto row = rows->next();
     if (row == SqliteStatement::Row::end) return {};
     if (row == SqliteStatement::Row::failed) return Error{database.error()};
-    if (!take(*rows)) return Error{std::string("damaged: table ") + table + " holds a value out of range"};
+    if (!read(*rows)) return Error{std::string("damaged: table ") + table + " holds a value out of range"};
   }
 }
 
@@ -153,7 +153,7 @@ Result<JournalContents> readContents(SqliteDatabase& database) {
 }
 
 /// Writes zeros behind the log's end, once, so that a commit finds its blocks in place: fdatasync then has no
-/// new file size or block map to write, which would be a second trip to the disk. SQLite takes zeros for the
+/// new file size or block map to write, which would be a second access to the disk. SQLite reads zeros as the
 /// end of the log (they have no valid checksum), and its locks are on other files.
 Status growLog(const std::string& path) {
   const int file = ::open((path + "-wal").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
@@ -161,7 +161,7 @@ Status growLog(const std::string& path) {
   struct stat now {};
   bool good = ::fstat(file, &now) == 0;
   const std::vector<char> zeros(std::size_t{64} * 1024, 0);
-  constexpr auto kWanted = static_cast<off_t>(kLogHeaderBytes + kMostFrames * kFrameBytes);
+  constexpr auto kWanted = static_cast<off_t>(kLogHeaderBytes + kMaxFrames * kFrameBytes);
   for (off_t at = now.st_size; good && at < kWanted;) {
     const auto size = std::min(zeros.size(), static_cast<std::size_t>(kWanted - at));
     const ssize_t written = ::pwrite(file, zeros.data(), size, at);
@@ -263,13 +263,14 @@ struct SqliteJournal::State {
   int checkpointAt = kIdleFrames;  // frames from which a quiet moment is used
 
   void work();
-  bool take(std::vector<JournalRecord>& batch, sync::Micros& time);
+  bool drain(std::vector<JournalRecord>& batch, sync::Micros& time);
   void checkpoint();
   void finish(bool good, std::size_t count);
 };
 
-/// Waits for work and takes all of it; uses a quiet moment for a checkpoint. False when it is time to stop.
-bool SqliteJournal::State::take(std::vector<JournalRecord>& batch, sync::Micros& time) {
+/// Waits for work and drains the queue; makes a checkpoint in a quiet moment. False when the thread is to
+/// stop.
+bool SqliteJournal::State::drain(std::vector<JournalRecord>& batch, sync::Micros& time) {
   const auto some = [&] { return stopping || !queue.empty() || queuedTime != 0; };
   std::unique_lock lock(mutex);
   if (frames >= checkpointAt && !wanted.wait_for(lock, kQuiet, some)) {
@@ -286,7 +287,7 @@ bool SqliteJournal::State::take(std::vector<JournalRecord>& batch, sync::Micros&
 }
 
 /// Moves what the log holds into the database, so that the log starts again from the front. If that fails
-/// nothing is lost: the records are safe in the log, which grows on.
+/// nothing is lost: the records are safe in the log, which keeps growing.
 void SqliteJournal::State::checkpoint() {
   const bool done = database.checkpoint();
   checkpointAt = done ? kIdleFrames : frames + kIdleFrames;
@@ -297,17 +298,17 @@ void SqliteJournal::State::checkpoint() {
 void SqliteJournal::State::work() {
   std::vector<JournalRecord> batch;
   sync::Micros time = 0;
-  while (take(batch, time)) {
+  while (drain(batch, time)) {
     const bool good = writer.commitBatch(batch, time);
     finish(good, batch.size());
     if (!good) return;
     frames = database.framesInLog();
-    if (frames >= std::max(kMostFrames, checkpointAt)) checkpoint();
+    if (frames >= std::max(kMaxFrames, checkpointAt)) checkpoint();
   }
 }
 
 void SqliteJournal::State::finish(bool good, std::size_t count) {
-  std::function<void()> tell;
+  std::function<void()> notify;
   {
     const std::lock_guard lock(mutex);
     if (good) {
@@ -318,9 +319,9 @@ void SqliteJournal::State::finish(bool good, std::size_t count) {
       queue.clear();
       failed.store(true, std::memory_order_release);
     }
-    tell = callback;
+    notify = callback;
   }
-  if (tell && (count > 0 || !good)) tell();
+  if (notify && (count > 0 || !good)) notify();
 }
 
 Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& path,
@@ -356,7 +357,7 @@ SqliteJournal::~SqliteJournal() {
   {
     const std::lock_guard lock(state_->mutex);
     state_->stopping = true;
-    // An orderly end needs no head start: session time goes on exactly where it was.
+    // After an orderly shutdown the time in the database need not lead: session time continues where it was.
     if (state_->latestTime > 0 && state_->failure.empty()) state_->queuedTime = state_->latestTime;
   }
   state_->wanted.notify_one();

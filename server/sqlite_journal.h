@@ -2,11 +2,11 @@
 
 // The journal on a disk: SQLite in WAL mode with synchronous=FULL, written by a thread of its own.
 //
-// 1. append() and noteTime() only queue; the writer takes everything that is queued as one transaction (group
-//    commit), so that many grants cost one fsync, and the network thread never waits for a disk.
+// 1. append() and noteTime() only queue; the writer commits everything that is queued as one transaction
+//    (group commit), so that many grants cost one fsync, and the network thread never waits for a disk.
 // 2. A record counts as durable only after COMMIT has returned.
 // 3. The first error of a write is final: nothing becomes durable after it, and failure() says why.
-// 4. A database that is not ours, is damaged, or belongs to another scene is refused when it is opened.
+// 4. A database that is no journal, is damaged, or belongs to another scene is refused when it is opened.
 
 #include <functional>
 #include <memory>
@@ -20,7 +20,7 @@ namespace tandem::server {
 struct SqliteJournalOptions {
   std::string sceneHash;       // hexadecimal; a journal of another scene is refused
   std::int64_t unixNow = 0;    // s; used tokens that expired before are forgotten
-  std::uint32_t maxPages = 0;  // of the database; 0 = no limit of our own
+  std::uint32_t maxPages = 0;  // of the database; 0 = no limit beyond SQLite's
 };
 
 class SqliteJournal : public Journal {

@@ -65,7 +65,7 @@ void StateRelay::flush() {
 }
 
 void StateRelay::onDatagram(Peer& peer, std::span<const std::byte> datagram) {
-  while (onMessage(peer, sync::takeMessage(datagram)) && !datagram.empty()) continue;
+  while (onMessage(peer, sync::popMessage(datagram)) && !datagram.empty()) continue;
 }
 
 bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
@@ -81,8 +81,8 @@ bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
     ++context_.counts.droppedMalformed;
     return true;
   }
-  peer.lastHeard = context_.now();
-  if (outcome != Outcome::taken) {
+  peer.lastReceived = context_.now();
+  if (outcome != Outcome::decoded) {
     ++context_.counts.droppedBaselines;
     return true;
   }
@@ -95,13 +95,12 @@ bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
   } else if (const auto* ack = std::get_if<sync::StateAck>(&message)) {
     peer.states.sender.acknowledged(*ack);
   } else {
-    ++context_.counts.droppedMalformed;  // only the server says this
+    ++context_.counts.droppedMalformed;  // only the server sends this
   }
   return true;
 }
 
-/// A LinkUpdate goes from one who simulates a part to another: from a member to the owner, or from the owner
-/// to a member.
+/// A LinkUpdate passes between the owner of a part and one of its co-holders, in either direction.
 void StateRelay::onLink(Peer& peer, sync::StateMessage& message) {
   auto& link = std::get<sync::LinkUpdate>(message);
   if (peer.stage != Stage::ready) {
@@ -110,7 +109,7 @@ void StateRelay::onLink(Peer& peer, sync::StateMessage& message) {
   }
   Peer* other = link.part < parts_.count() ? peers_.bySite(link.peer) : nullptr;
   if (other == nullptr || other->stage != Stage::ready ||
-      !parts_.table().tied(link.part, peer.site, link.peer)) {
+      !parts_.table().areLinked(link.part, peer.site, link.peer)) {
     ++context_.counts.droppedLinks;
     return;
   }
@@ -133,9 +132,9 @@ void StateRelay::onPing(Peer& peer, const sync::Ping& ping) {
   send(peer);
 }
 
-/// Tells the site which of its states it may encode the next ones against.
+/// Acknowledges the updates of the site, which may encode the next ones against them.
 void StateRelay::acknowledge(Peer& peer) {
-  const std::optional<sync::StateAck> ack = peer.states.receiver.takeAck(context_.now());
+  const std::optional<sync::StateAck> ack = peer.states.receiver.drainAck(context_.now());
   if (!ack) return;
   sync::encodeState(*ack, frame_, encoded_);
   send(peer);

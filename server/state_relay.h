@@ -5,7 +5,7 @@
 // 1. No datagram closes a connection: what is malformed, early, too much or of another owner is dropped and
 //    counted.
 // 2. Nothing here allocates once its buffers have grown.
-// 3. What one step says to a site leaves in as few datagrams as it fits into, at the end of the step.
+// 3. The messages of one step to a site leave at the end of the step, in as few datagrams as they fit into.
 
 #include <span>
 #include <vector>
@@ -28,7 +28,7 @@ class StateRelay {
   StateRelay(const sync::WireFrame& frame, SessionContext& context, sync::Transport& transport, Peers& peers,
              PartService& parts, Publisher& publisher);
 
-  /// Takes the messages of one datagram.
+  /// Handles the messages of one datagram.
   void onDatagram(Peer& peer, std::span<const std::byte> datagram);
   /// Sends what this step has left for all sites.
   void flush();

@@ -46,8 +46,8 @@ struct Report {
   int faultClears = 0;
   double modelSeconds = 0.0;  // until held parts could collide
   void collect(JoinedSite& site) {
-    for (OwnershipNote& note : site.takeOwnershipNotes()) ownership.push_back(note);
-    for (GrabNote& note : site.takeGrabNotes()) grabs.push_back(note);
+    for (OwnershipNote& note : site.drainOwnershipNotes()) ownership.push_back(note);
+    for (GrabNote& note : site.drainGrabNotes()) grabs.push_back(note);
   }
 };
 

@@ -144,9 +144,9 @@ struct Summary {
 
 /// The co-holders of a part if the message carries them: a reply to the site that asked, a message to the
 /// others.
-const sync::MemberRecord* membersIn(const sync::ControlMessage& message) {
-  if (const auto* changed = std::get_if<sync::MembersChanged>(&message)) return &changed->members;
-  if (const auto* reply = std::get_if<sync::EngageReply>(&message)) return &reply->members;
+const sync::CoHolderRecord* coHoldersIn(const sync::ControlMessage& message) {
+  if (const auto* changed = std::get_if<sync::MembersChanged>(&message)) return &changed->coHolders;
+  if (const auto* reply = std::get_if<sync::EngageReply>(&message)) return &reply->coHolders;
   return nullptr;
 }
 
@@ -175,10 +175,10 @@ Summary summarise(const Recording& recording, const assets::Scene& scene) {
         summary.sites[site->site.site].name = site->site.name;
       const auto* reply = std::get_if<sync::GrabReply>(control);
       if (reply && reply->denial != sync::Denial::none) ++summary.denials;
-      const sync::MemberRecord* members = membersIn(*control);
-      if (members && members->part < scene.parts.size())
+      const sync::CoHolderRecord* coHolders = coHoldersIn(*control);
+      if (coHolders && coHolders->part < scene.parts.size())
         summary.shared.push(
-            {{"t", time}, {"part", scene.parts[members->part].name}, {"sites", members->sites}});
+            {{"t", time}, {"part", scene.parts[coHolders->part].name}, {"sites", coHolders->sites}});
       const auto* changed = std::get_if<sync::OwnershipChanged>(control);
       if (!changed || changed->part.part >= scene.parts.size()) continue;
       if (count.isGrant(changed->part, time)) {

@@ -314,8 +314,8 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   record.maxForce = std::max(record.maxForce, glm::length(output_.tick.hands[0].toHand.force));
   // The flag lasts for one tick, which is too short to be seen.
   constexpr sync::Micros kShown = sync::kSecond;
-  if (output_.tick.flags & haptics::kFlagPopThrough) gaveWayUntil_ = now + kShown;
-  output_.gaveWay = now < gaveWayUntil_;
+  if (output_.tick.flags & haptics::kFlagPopThrough) poppedThroughUntil_ = now + kShown;
+  output_.poppedThrough = now < poppedThroughUntil_;
   output_.fault = state_.fault().condition;
   output_.grabPending = grasps_.isPending();
   for (int i = 0; i < output_.tick.ownedCount; ++i) {

@@ -122,7 +122,7 @@ class HandLoop {
   std::array<haptics::HandInput, haptics::kHands> hands_;  // of this tick
   std::unique_ptr<BareTool> bareTool_;                     // of the second hand; null: there is none
   static_assert(BareTool::kMaxMoved >= FollowedParts::kMax + haptics::kMaxOwnedParts);
-  sync::Micros gaveWayUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
+  sync::Micros poppedThroughUntil_ = 0;  // local time: for how long the view tells of a surface that gave way
 };
 
 }  // namespace tandem::client

@@ -1,6 +1,6 @@
 #pragma once
 
-// What a site joins a session with.
+// The options with which a site joins a session.
 
 #include <string>
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <future>
 
+#include "assets/base/assert.h"
 #include "client/join/local_time.h"
 #include "haptics/safety/device_defaults.h"
 #include "sync/transport/socket_transport.h"
@@ -51,7 +52,7 @@ Status JoinedSite::enterSession(const Progress& progress) {
   const Micros deadline = localTime() + static_cast<Micros>(options_.enterTimeout_s * 1e6);
   while (connection_->stage() == ServerConnection::Stage::connecting ||
          connection_->stage() == ServerConnection::Stage::entering) {
-    // Somebody who enters waits in front of the screen: what does not work at once is told at once.
+    // A person waits while the site enters, so the first failure is reported instead of retried.
     if (!connection_->reason().empty() || localTime() > deadline)
       return Error{options_.link.host + ":" + std::to_string(options_.link.port) + ": " +
                    (connection_->reason().empty() ? "no answer" : connection_->reason())};
@@ -95,6 +96,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
 }
 
 Status JoinedSite::modelParts(const Progress& progress) {
+  ASSERT(contact_ != nullptr && servo_ == nullptr);
   if (!options_.partContact || role() == Role::observer) return {};
   std::atomic<double> done{0.0};
   std::atomic<bool> stop{false};
@@ -104,7 +106,7 @@ Status JoinedSite::modelParts(const Progress& progress) {
     done = share;
     return !stop;
   };
-  // Beside this thread: a large mesh takes seconds, and the server takes a site that says nothing for gone.
+  // In a thread of its own: a large mesh takes seconds, and the server drops a site that sends nothing.
   std::future<bool> made = std::async(std::launch::async, [&] { return contact_->modelParts(models); });
   bool ended = false;
   Micros nextShare = 0;
@@ -112,11 +114,11 @@ Status JoinedSite::modelParts(const Progress& progress) {
     waitForNetwork();
     connection_->step(localTime());
     if (connection_->stage() == ServerConnection::Stage::needScene)
-      connection_->skipTransfer();  // came back after an outage
+      connection_->skipTransfer();  // reconnected after an outage
     ended = connection_->stage() == ServerConnection::Stage::ended;
     if (const Micros now = localTime(); now >= nextShare) {
       nextShare = now + SharedSession::kPeriod;
-      shared_.exchange(*connection_, scene_.parts.size());  // the person sees who is here
+      shared_.exchange(*connection_, scene_.parts.size());  // the participants are displayed meanwhile
     }
     if (!stop && (ended || !progress(done, "making parts ready to collide"))) stop = true;
   }
@@ -126,6 +128,7 @@ Status JoinedSite::modelParts(const Progress& progress) {
 
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare,
                        std::unique_ptr<haptics::Device> second) {
+  ASSERT(device != nullptr && contact_ != nullptr && exchange_ != nullptr && servo_ == nullptr);
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   device_ = std::move(device);
   secondDevice_ = std::move(second);
@@ -180,7 +183,7 @@ void JoinedSite::runNetwork() {
     nextShare = now + SharedSession::kPeriod;
     shared_.exchange(*connection_, scene_.parts.size());
   }
-  // A last word must leave before the socket goes.
+  // The Goodbye must leave before the socket is closed.
   if (connection_->stage() != ServerConnection::Stage::ended) connection_->leave();
   for (int i = 0; i < 20 && connection_->transport(); ++i) {
     connection_->step(localTime());
@@ -208,6 +211,7 @@ void JoinedSite::update(ViewModel& model) {
   }
   ShownPose shown;
   while (exchange_->shown.pop(shown)) {
+    ASSERT(shown.part < model.worldFromPart.size());
     model.worldFromPart[shown.part] = shown.worldFromDrawn;
     if (onShown) onShown(shown);
   }
@@ -240,7 +244,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.links = held != nullptr ? held->links : haptics::LinkReport{};
   hand.grabPending = output.grabPending;
   hand.flags = output.tick.flags;
-  if (output.gaveWay) hand.flags |= haptics::kFlagPopThrough;
+  if (output.poppedThrough) hand.flags |= haptics::kFlagPopThrough;
   hand.flagsSeen = output.hands[0].flagsSeen;
   hand.stalls = output.stalls;
   if (secondDevice_)
@@ -287,7 +291,7 @@ void JoinedSite::act(const ViewActions& actions) {
     settings_.parameters[0].stiffness = actions.settings.stiffness;
     settings_.parameters[1].gain = actions.settings.gain;
     settings_.parameters[1].zeroForce = actions.settings.zeroForce;
-    // Who asks for more than the device's share gets it.
+    // A person who sets a larger stiffness than the limit of the device raises the limit.
     double& limit = settings_.parameters[0].stiffnessLimit;
     if (limit > 0.0) limit = std::max(limit, actions.settings.stiffness);
   }

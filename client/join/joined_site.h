@@ -1,8 +1,8 @@
 #pragma once
 
-// A site that runs: servo thread (HandLoop on a device), network thread (ServerConnection on sockets), and
-// what the main thread needs to show and steer both. Main thread only, but for what its two threads do
-// inside.
+// A running site: the servo thread (HandLoop on a device), the network thread (ServerConnection on sockets),
+// and the interface by which the main thread displays and controls both. All public functions are for the
+// main thread.
 
 #include <atomic>
 #include <functional>
@@ -22,15 +22,16 @@
 #include "client/session/server_connection.h"
 #include "client/session/view_model.h"
 #include "haptics/servo/servo_loop.h"
+#include "sync/wire/recording.h"
 
 namespace tandem::client {
 
 class JoinedSite {
  public:
-  /// Enters the session and fetches the scene. Blocks until the scene stands. What was fetched when it is
-  /// stopped, or killed, is kept: the next visit goes on from there.
+  /// Enters the session and fetches the scene. Blocks until the scene is ready. A transfer that is stopped or
+  /// killed is kept, and the next visit continues it.
   static Result<std::unique_ptr<JoinedSite>> enter(const JoinOptions& options, const Progress& progress);
-  ~JoinedSite();  // stops both threads, says goodbye
+  ~JoinedSite();  // stops both threads and leaves the session
 
   const assets::Scene& scene() const { return scene_; }
   const haptics::ContactScene& contact() const { return *contact_; }
@@ -39,9 +40,9 @@ class JoinedSite {
   /// Servo thread, once started.
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
 
-  /// Makes what a part in the hand needs to collide, where JoinOptions::partContact asks for it: seconds, for
-  /// large scenes minutes, from the cache a share of that. The site stays in the session meanwhile. Before
-  /// start(); an error if `progress` stopped it or the session ended.
+  /// Makes the contact models by which a part in the hand collides, where JoinOptions::partContact asks for
+  /// it. This takes seconds, for large scenes minutes, and less from the cache; the site stays in the session
+  /// meanwhile. Called before start(). An error if `progress` stopped it or the session ended.
   Status modelParts(const Progress& progress);
 
   /// Starts both threads with this device, which must be open. `prepare`, if given, is called before each
@@ -49,22 +50,23 @@ class JoinedSite {
   void start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare = {},
              std::unique_ptr<haptics::Device> second = nullptr);
 
-  /// Brings the model up to date with both threads.
+  /// Updates the model from both threads.
   void update(ViewModel& model);
-  /// Puts the tip of the stylus back onto the device: it is caught behind something.
+  /// Moves the proxy back onto the device where it is caught behind a surface.
   void reseat();
-  /// Lets force come back after a fault, for a site without a window; a ViewActions does the same.
+  /// Clears a fault, so that force returns, for a site without a window; ViewActions::resetFault does the
+  /// same.
   void clearFault();
-  /// Hands the person's actions on.
+  /// Passes the person's actions to both threads.
   void act(const ViewActions& actions);
 
-  /// The site is out of the session for good, and why.
+  /// Whether the site has left the session for good, and why.
   bool ended(std::string& reason) { return shared_.ended(reason); }
   ConnectionStatistics connectionStatistics() { return shared_.statistics(); }
   haptics::ServoStatistics servoStatistics() const;
-  std::vector<OwnershipNote> takeOwnershipNotes() { return notes_.drainOwnership(); }
-  std::vector<GrabNote> takeGrabNotes() { return notes_.drainGrabs(); }
-  /// Called in update() for every pose that a part had here, in the order of time.
+  std::vector<OwnershipNote> drainOwnershipNotes() { return notes_.drainOwnership(); }
+  std::vector<GrabNote> drainGrabNotes() { return notes_.drainGrabs(); }
+  /// Called in update() for every pose that a part had at this site, in the order of time.
   std::function<void(const ShownPose&)> onShown;
 
  private:

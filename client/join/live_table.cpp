@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "client/base/readable.h"
 
 namespace tandem::client {
@@ -13,11 +14,14 @@ namespace tandem::client {
 namespace {
 
 std::string partName(const ViewModel& model, PartId part) {
-  return part == kNoPart || !model.scene ? "-" : model.scene->parts[part].name;
+  if (part == kNoPart || !model.scene) return "-";
+  ASSERT(part < model.scene->parts.size());
+  return model.scene->parts[part].name;
 }
 
 std::string ownedBy(const ViewModel& model, SiteId site) {
   std::string names;
+  ASSERT(model.owner.size() <= model.scene->parts.size());
   for (std::size_t i = 0; i < model.owner.size(); ++i)
     if (model.owner[i] == site) names += (names.empty() ? "" : ", ") + model.scene->parts[i].name;
   return names.empty() ? "-" : names;
@@ -41,7 +45,7 @@ LiveTable::LiveTable(bool quiet) : quiet_(quiet), terminal_(isatty(STDOUT_FILENO
 
 void LiveTable::show(const ViewModel& model, double elapsed) {
   if (quiet_ || !model.scene) return;
-  if (!terminal_) tellNews(model, elapsed);
+  if (!terminal_) printNews(model, elapsed);
   if (elapsed < next_) return;
   next_ = elapsed + (terminal_ ? 0.2 : 2.0);
   if (!terminal_) {
@@ -95,18 +99,18 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
-/// Each notice once, as it comes.
-void LiveTable::tellNews(const ViewModel& model, double elapsed) {
+/// Prints each notice once, when it arrives.
+void LiveTable::printNews(const ViewModel& model, double elapsed) {
   for (const Notice& notice : model.notices)
-    if (notice.number > told_) {
-      told_ = notice.number;
+    if (notice.number > printed_) {
+      printed_ = notice.number;
       std::printf("%7.1f s  %s\n", elapsed, notice.text.c_str());
       std::fflush(stdout);
     }
-  if (model.hand.fault == toldFault_) return;
-  toldFault_ = model.hand.fault;
+  if (model.hand.fault == printedFault_) return;
+  printedFault_ = model.hand.fault;
   std::printf("%7.1f s  %s\n", elapsed,
-              toldFault_.empty() ? "the fault is cleared" : faultLine(model).c_str());
+              printedFault_.empty() ? "the fault is cleared" : faultLine(model).c_str());
   std::fflush(stdout);
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-// What a site without a window shows: a table in the terminal, drawn anew, or a line now and then where there
-// is none.
+// The display of a site without a window: a table in the terminal that is redrawn, or without a terminal a
+// line every two seconds.
 
 #include <cstddef>
 #include <cstdint>
@@ -20,11 +20,11 @@ class LiveTable {
   static void summary(const ViewModel& model, const std::string& end, std::size_t grabs);
 
  private:
-  void tellNews(const ViewModel& model, double elapsed);
+  void printNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
-  double next_ = 0.0;       // s since the start
-  std::uint64_t told_ = 0;  // notices
-  std::string toldFault_;
+  double next_ = 0.0;          // s since the start
+  std::uint64_t printed_ = 0;  // the number of the last notice that was printed
+  std::string printedFault_;
   int lines_ = 0;
 };
 

@@ -1,5 +1,6 @@
 #include "client/join/scene_download.h"
 
+#include "assets/base/assert.h"
 #include "client/join/local_time.h"
 
 namespace tandem::client {
@@ -8,13 +9,14 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kKeepPeriod = kSecond;             // between copies of a transfer under way
+constexpr Micros kKeepPeriod = kSecond;             // between copies of an unfinished transfer
 constexpr Micros kTransferPatience = 30 * kSecond;  // without a byte
 
 }  // namespace
 
 Status downloadScene(ServerConnection& connection, const SceneStore& store, const Progress& progress,
                      const std::function<void(sync::Micros)>& step) {
+  ASSERT(connection.stage() == ServerConnection::Stage::needScene);
   const assets::ContentHash hash = connection.welcome().sceneHash;
   connection.startTransfer(store.beginning(hash));
   Micros lastProgress = localTime(), lastKept = lastProgress;

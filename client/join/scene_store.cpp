@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "assets/base/assert.h"
+
 namespace tandem::client {
 
 namespace fs = std::filesystem;
@@ -19,7 +21,7 @@ std::vector<std::byte> readFile(const std::string& path) {
   return {begin, begin + bytes.size()};
 }
 
-/// Written beside and renamed, so that a reader sees the whole file or none.
+/// Writes another file and renames it, so that a reader sees the whole file or none.
 void writeFileWhole(const std::string& path, const std::vector<std::byte>& bytes) {
   std::error_code ignored;
   fs::create_directories(fs::path(path).parent_path(), ignored);
@@ -48,6 +50,7 @@ std::vector<std::byte> SceneStore::beginning(const assets::ContentHash& hash) co
 }
 
 void SceneStore::keep(const assets::ContentHash& hash, const std::vector<std::byte>& package) const {
+  ASSERT(!package.empty());
   if (directory_.empty()) return;
   writeFileWhole(path(hash, ".scene"), package);
   forgetBeginning(hash);

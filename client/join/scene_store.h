@@ -1,7 +1,7 @@
 #pragma once
 
 // Scene packages that this user's sites have fetched: whole ones by content hash, and the beginnings of
-// broken transfers.
+// interrupted transfers.
 
 #include <cstddef>
 #include <string>
@@ -19,7 +19,7 @@ class SceneStore {
 
   /// The package with this hash; empty if there is none, or if the file is damaged.
   std::vector<std::byte> find(const assets::ContentHash& hash) const;
-  /// Bytes of an earlier, broken-off transfer of this package.
+  /// The bytes of an earlier, interrupted transfer of this package.
   std::vector<std::byte> beginning(const assets::ContentHash& hash) const;
   /// Keeps a whole package (removing its beginning), or a beginning. A store that cannot be written is no
   /// error: the next visit transfers again.

@@ -10,13 +10,14 @@ namespace tandem::client {
 using namespace sync;
 
 void SharedSession::exchange(ServerConnection& connection, std::size_t partCount) {
+  ASSERT(partCount <= kMaxParts);
   ToNetwork commands;
   {
     const std::lock_guard lock(mutex_);
     toMain_.sites = connection.sites();
     toMain_.owner.resize(partCount);
     for (std::size_t i = 0; i < partCount; ++i) toMain_.owner[i] = connection.owner(static_cast<PartId>(i));
-    for (Notice& notice : connection.takeNotices()) toMain_.notices.push_back(std::move(notice));
+    for (Notice& notice : connection.drainNotices()) toMain_.notices.push_back(std::move(notice));
     const TransportCounters before = toMain_.statistics.transport;
     toMain_.statistics = connection.statistics();
     measureRates(before, toMain_.statistics.transport);

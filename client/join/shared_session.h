@@ -1,8 +1,8 @@
 #pragma once
 
-// What the network thread and the main thread of a joined site share, under one mutex: the session's state for
-// display on its way to the main thread, and the person's commands on their way back. The servo thread never
-// takes the mutex.
+// What the network thread and the main thread of a joined site share, under one mutex: the session's state
+// for display on its way to the main thread, and the person's commands on their way back. The servo thread
+// never takes the mutex.
 
 #include <cstddef>
 #include <mutex>

@@ -1,7 +1,7 @@
 #pragma once
 
-// When to try to connect again: truncated exponential back-off, without the random part, since a session has few
-// sites.
+// When to try to connect again: truncated exponential back-off, without the random part, since a session has
+// few sites.
 
 #include <algorithm>
 

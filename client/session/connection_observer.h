@@ -1,14 +1,21 @@
 #pragma once
 
-// Who looks on while a site is in a session: the checks of a simulation, the reports of `join`, a recording.
+// Observers of a connection: the checks of a simulation, the reports of `join`, a recording.
 
-#include "sync/wire/ownership_messages.h"
-#include "sync/wire/recording.h"
-#include "sync/wire/state_update.h"
+#include "assets/base/ids.h"
+
+namespace tandem::sync {
+struct Grab;
+struct GrabReply;
+struct PartRecord;
+struct PartState;
+class RecordingWriter;
+struct Release;
+}  // namespace tandem::sync
 
 namespace tandem::client {
 
-/// Watches a site from outside. Called in the network thread.
+/// Is called with what a site receives and sends. Network thread.
 class ConnectionObserver {
  public:
   virtual ~ConnectionObserver() = default;

@@ -1,8 +1,8 @@
 #pragma once
 
-// The only meeting place of the threads of a site: haptic thread (HandLoop), network thread
-// (ServerConnection), main thread (window or terminal). Latest values go through triple buffers, events
-// through single-producer rings; nobody waits.
+// All data that the threads of a site exchange: haptic thread (HandLoop), network thread (ServerConnection),
+// main thread (window or terminal). Latest values go through triple buffers, events through single-producer
+// rings; no thread waits for another.
 //
 //   ServerConnection --events, time base--> HandLoop --output, intents--> ServerConnection
 //   main ----settings, wish-------> HandLoop --view, poses------> main
@@ -21,11 +21,11 @@
 
 namespace tandem::client {
 
-/// Network to hand: what the others did. Already checked against ownership.
+/// Network to hand: changes by other sites, already checked against ownership.
 struct NetworkEvent {
   enum class Kind : std::uint8_t {
     state,       // `state` of a part that another site owns, holding at session time `time`
-    ownership,   // `record` is how things stand now
+    ownership,   // `record` is the part's newest one
     denied,      // the grab of `record.part` was refused
     lost,        // the connection is lost: open grabs get no answer
     link,        // a coordination link is to begin by the terms `link`
@@ -41,7 +41,7 @@ struct NetworkEvent {
   int simulators = 1;
 };
 
-/// Hand to network: what the person asks for.
+/// Hand to network: requests of the person.
 struct HandIntent {
   enum class Kind : std::uint8_t {
     grab,     // to own the part, or to hold it together with its owner
@@ -77,25 +77,25 @@ struct HandOutput {
   haptics::TickOutput tick;
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned; 0: not to be published
   bool grabPending = false;
-  std::uint32_t stalls = 0;     // times that the loop stood still for over HandLoop::kStall
-  bool gaveWay = false;         // a surface was passed through within the last second
+  std::uint32_t stalls = 0;     // pauses of the loop of over HandLoop::kStall
+  bool poppedThrough = false;   // the proxy popped through a surface within the last second
   const char* fault = nullptr;  // why force is off: the broken condition, while kFlagFault is set
 };
 
-/// A control's part and the value that it shall have, m or rad; a new `count` is a new wish.
+/// A control's part and its target value, m or rad; a new `count` is a new wish.
 struct ControlWish {
   PartId part = kNoPart;
   double value = 0.0;
   std::uint32_t count = 0;
 };
 
-/// What the person set. `wish` is a part to grasp whatever the stylus touches; kNoPart: the touched one.
+/// Settings of the person. `wish` is the part to grasp whatever the stylus touches; kNoPart: the touched one.
 struct HandSettingsInput {
   std::array<haptics::TickParameters, haptics::kHands> parameters;  // of each hand
   PartId wish = kNoPart;
   bool graspButton = false;       // of the window or a script, besides the device's own button 0
   std::uint32_t faultResets = 0;  // counts up
-  std::uint32_t reseats = 0;      // counts up: put the tip back onto the device, without force meanwhile
+  std::uint32_t reseats = 0;      // counts up: move the proxy back onto the device, without force meanwhile
   ControlWish control;
 };
 
@@ -104,8 +104,8 @@ struct ShownPose {
   PartId part = kNoPart;
   bool owned = false;     // simulated here; else played out, `time` lying the play-out delay before now
   sync::Micros time = 0;  // of the session
-  Pose worldFromPart;     // how the part stood at that time, as the hand has it
-  Pose worldFromDrawn;    // the display pose now: what others move is extrapolated
+  Pose worldFromPart;     // the pose of the part at that time, as the hand has it
+  Pose worldFromDrawn;    // the display pose now: extrapolated for parts that others move
 };
 
 inline constexpr std::size_t kEventRing = 1024;
@@ -120,7 +120,7 @@ struct Exchange {
   haptics::SpscRing<HandIntent, kIntentRing> intents;  // hand -> network
   haptics::TripleBuffer<HandOutput> output;            // hand -> network
   haptics::SpscRing<haptics::AddressedPacket, kLinkRing> linksIn,
-      linksOut;                                       // of shared parts: network -> hand, and back
+      linksOut;  // packets of coordination links: network -> hand, and back
   haptics::TripleBuffer<HandSettingsInput> settings;  // main -> hand
   haptics::TripleBuffer<HandOutput> view;             // hand -> main
   haptics::SpscRing<ShownPose, kShownRing> shown;     // hand -> main: poses that changed

@@ -18,9 +18,9 @@ class HandEvents {
   explicit HandEvents(Exchange& exchange) : exchange_(exchange) {}
 
   void push(const NetworkEvent& event);
-  /// Moves what has waited into the ring, as far as there is room.
+  /// Moves waiting events into the ring as far as there is room.
   void flush();
-  /// States that found the ring full.
+  /// States that were dropped because the ring was full.
   std::uint64_t droppedStates() const { return droppedStates_; }
 
  private:

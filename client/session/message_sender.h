@@ -1,6 +1,6 @@
 #pragma once
 
-// The way out of a site: messages are encoded, counted, and handed to the transport of the present
+// The sending side of a site: messages are encoded, counted, and given to the transport of the present
 // connection. State messages of one step leave in one datagram.
 //
 // 1. Messages leave in the order in which they are sent; control messages at once, state messages at flush().
@@ -32,7 +32,7 @@ class MessageSender {
   void sendState(const sync::StateMessage& message, const sync::WireFrame& frame);
   /// The same for a state message that is encoded already.
   void sendEncoded(std::span<const std::byte> message);
-  /// The state messages since the last call leave.
+  /// Sends the state messages since the last call.
   void flush();
 
   /// Of all connections.

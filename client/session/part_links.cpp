@@ -66,7 +66,7 @@ LinkState stateOf(const haptics::LinkPacket& packet) {
 }
 
 /// What both ends must agree on, and the owner decides.
-LineTerms agreementOf(const haptics::LinkTerms& terms) {
+LinkAgreement agreementOf(const haptics::LinkTerms& terms) {
   return {terms.parameters.impedance, terms.parameters.softImpedance, terms.parameters.packetPeriod};
 }
 
@@ -114,14 +114,14 @@ void PartLinks::newEpoch(PartId part, Micros now) {
   lastEpoch_[part] = std::max(lastEpoch_[part] + 1, epochOf(now));
 }
 
-LineTerms PartLinks::agreementWith(SiteId peer, std::size_t links) const {
+LinkAgreement PartLinks::agreementWith(SiteId peer, std::size_t links) const {
   const haptics::LinkImpedances b =
       haptics::impedancesAt(ageOf(peer), packetPeriod_, static_cast<int>(links));
   return {rounded(b.stiff, kImpedanceQuantum), rounded(b.soft, kImpedanceQuantum), packetPeriod_};
 }
 
 /// Begins a link, or begins it anew, by this agreement and in the newest epoch of its part.
-void PartLinks::begin(Link& link, const LineTerms& agreement, Micros now, bool ownedByPeer) {
+void PartLinks::begin(Link& link, const LinkAgreement& agreement, Micros now, bool ownedByPeer) {
   haptics::LinkTerms& terms = link.terms;
   terms.epoch = lastEpoch_[terms.id.part];
   terms.delay = ageOf(terms.id.peer);
@@ -152,9 +152,9 @@ void PartLinks::publishSimulators(const OwnershipView& view, PartId part) {
 void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
   ASSERT(part < scene_.parts.size());
   const SiteId owner = view.part(part).owner;
-  std::vector<SiteId> coHolders = view.members(part).sites;
+  std::vector<SiteId> coHolders = view.coHolders(part).sites;
   std::erase(coHolders, view.self());  // the list without a new owner arrives a moment after its ownership
-  const bool owns = view.owns(part), isCoHolder = view.engaged(part);
+  const bool owns = view.owns(part), isCoHolder = view.isCoHolder(part);
   const auto shares = [&](SiteId peer) {
     if (owns) return std::find(coHolders.begin(), coHolders.end(), peer) != coHolders.end();
     return isCoHolder && peer == owner;
@@ -178,7 +178,7 @@ void PartLinks::follow(const OwnershipView& view, PartId part, Micros now) {
 /// links.
 void PartLinks::linkCoHolders(PartId part, const std::vector<SiteId>& coHolders, Micros now) {
   for (const SiteId peer : coHolders) {
-    const LineTerms agreement = agreementWith(peer, coHolders.size());
+    const LinkAgreement agreement = agreementWith(peer, coHolders.size());
     Link* link = find({part, peer});
     if (link != nullptr && link->terms.parameters.impedance <= 1.1 * agreement.impedance) continue;
     if (link == nullptr) link = &add({part, peer});
@@ -215,7 +215,7 @@ std::optional<haptics::AddressedPacket> PartLinks::receive(const LinkUpdate& upd
   if (update.part >= scene_.parts.size()) return std::nullopt;
   const std::optional<Micros> time = sessionTimeOf(update, now);
   if (!time) return std::nullopt;
-  const bool fromOwner = view.engaged(update.part) && view.part(update.part).owner == update.peer;
+  const bool fromOwner = view.isCoHolder(update.part) && view.part(update.part).owner == update.peer;
   Link* link = fromOwner ? linkToOwner(update, now) : find({update.part, update.peer});
   if (link == nullptr || update.epoch != link->terms.epoch) return std::nullopt;
   const std::optional<LinkState> state = link->receiver.receiveAt(update, *time);

@@ -71,8 +71,8 @@ class PartLinks {
   Link& add(haptics::LinkId id);
   double ageOf(SiteId peer) const;
   void newEpoch(PartId part, sync::Micros now);
-  sync::LineTerms agreementWith(SiteId peer, std::size_t links) const;
-  void begin(Link& link, const sync::LineTerms& agreement, sync::Micros now, bool ownedByPeer);
+  sync::LinkAgreement agreementWith(SiteId peer, std::size_t links) const;
+  void begin(Link& link, const sync::LinkAgreement& agreement, sync::Micros now, bool ownedByPeer);
   void linkCoHolders(PartId part, const std::vector<SiteId>& coHolders, sync::Micros now);
   void publishSimulators(const sync::OwnershipView& view, PartId part);
   Link* linkToOwner(const sync::LinkUpdate& update, sync::Micros now);

@@ -8,7 +8,7 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kMaxPatience = 15 * kMillisecond;  // that a link's packet is waited for
+constexpr Micros kMaxPatience = 15 * kMillisecond;  // for which messages wait for a link's packet
 
 }  // namespace
 
@@ -30,7 +30,7 @@ PartOwnership::PartOwnership(const assets::Scene& scene, const LeaseRules& lease
 
 void PartOwnership::enter(SiteId self) {
   view_.setSelf(self);
-  view_.forgetMembers();
+  view_.forgetCoHolders();
 }
 
 bool PartOwnership::handle(const OwnershipChanged& message) {
@@ -40,7 +40,7 @@ bool PartOwnership::handle(const OwnershipChanged& message) {
 }
 
 void PartOwnership::handle(const MembersChanged& message) {
-  if (exists(message.members.part)) apply(message.members);
+  if (exists(message.coHolders.part)) apply(message.coHolders);
 }
 
 void PartOwnership::apply(const PartRecord& record) {
@@ -54,12 +54,12 @@ void PartOwnership::apply(const PartRecord& record) {
   followLinks(record.part);
 }
 
-void PartOwnership::apply(const MemberRecord& members) {
-  ASSERT(exists(members.part));
-  if (view_.apply(members)) followLinks(members.part);
+void PartOwnership::apply(const CoHolderRecord& coHolders) {
+  ASSERT(exists(coHolders.part));
+  if (view_.apply(coHolders)) followLinks(coHolders.part);
 }
 
-/// Brings the links of a part in line with who owns and shares it now.
+/// Matches the links of a part to its present owner and co-holders.
 void PartOwnership::followLinks(PartId part) {
   links_.follow(view_, part, clock_.time());
   pushOrders();
@@ -73,7 +73,9 @@ void PartOwnership::handle(const LinkUpdate& update) {
   if (!clock_.known()) return;
   const auto packet = links_.receive(update, view_, clock_.time());
   pushOrders();
-  if (packet) static_cast<void>(exchange_.linksIn.push(*packet));  // a full ring is a hand that stands still
+  if (packet)
+    static_cast<void>(
+        exchange_.linksIn.push(*packet));  // the ring is full only while the hand's loop stands still
 }
 
 void PartOwnership::exchangeLinks() {
@@ -89,7 +91,7 @@ void PartOwnership::exchangeLinks() {
   pushOrders();
 }
 
-/// Non-link traffic rides on link datagrams while a link is active: it costs no datagram of its own then.
+/// Non-link traffic rides on link datagrams while a link is active, so it costs no datagrams of its own.
 bool PartOwnership::linkPacketIsNear() const {
   const Micros now = clock_.now();
   return patience_ <= kMaxPatience && now != linkSentAt_ && now - linkSentAt_ < patience_;

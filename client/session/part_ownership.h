@@ -1,8 +1,7 @@
 #pragma once
 
-// Who owns and who shares each part, as the server says, and what follows from it: the coordination links to
-// the sites that share a part (part_links.h), and the packets of those links on their way between the hand
-// and the wire.
+// The owner and the co-holders of each part, as the server publishes them, and what follows: the coordination
+// links between them (part_links.h), and the packets of those links between the hand and the wire.
 //
 // 1. Every change of ownership reaches the hand as an event, before the orders to its links that follow from
 //    it.
@@ -31,7 +30,7 @@ class PartOwnership {
                 Exchange& exchange, HandEvents& events, MessageSender& sender, SessionClock& clock,
                 const Watchers& watchers);
 
-  /// A Welcome came: this site is `self`, and the server may count the versions of members anew.
+  /// A Welcome arrived: this site is `self`, and the server may count the versions of co-holders anew.
   void enter(SiteId self);
   /// False if there is no such part.
   [[nodiscard]] bool handle(const sync::OwnershipChanged& message);
@@ -39,15 +38,15 @@ class PartOwnership {
   void handle(const sync::LinkUpdate& update);
   /// Records of parts that exist; one that is not newer than what is known is ignored.
   void apply(const sync::PartRecord& record);
-  void apply(const sync::MemberRecord& members);
+  void apply(const sync::CoHolderRecord& coHolders);
 
-  /// A state of `peer` came, `age` after it held.
-  void heard(SiteId peer, sync::Micros age) { links_.noteAge(peer, age); }
+  /// A state of `peer` arrived `age` after the time at which it held.
+  void noteAge(SiteId peer, sync::Micros age) { links_.noteAge(peer, age); }
   /// Sends the packets of the hand's ends of links, and begins links anew that have fallen silent.
   void exchangeLinks();
   /// Whether a link's packet leaves so soon that other state messages should wait to ride on its datagram.
   bool linkPacketIsNear() const;
-  /// Whether what the peer does to the part is felt here through a link.
+  /// Whether the peer's forces on the part are felt here through a link.
   bool felt(PartId part, SiteId peer) const { return links_.felt(part, peer); }
 
   sync::OwnershipView& view() { return view_; }
@@ -69,7 +68,7 @@ class PartOwnership {
   sync::WireFrame frame_;
   sync::OwnershipView view_;
   PartLinks links_;
-  sync::Micros patience_;                     // that other messages wait for a link's packet
+  sync::Micros patience_;                     // for which other messages wait for a link's packet
   sync::Micros linkSentAt_ = -sync::kSecond;  // local time
 };
 

@@ -10,7 +10,7 @@ using namespace sync;
 
 namespace {
 
-constexpr int kMaxRepeats = 4;  // of a request for a part that comes and goes
+constexpr int kMaxRepeats = 4;  // of a request for a part that keeps changing owners
 
 }  // namespace
 
@@ -31,7 +31,7 @@ RequestId PartRequests::open(PartId part, OpenRequest::Kind kind, int before) {
   return nextRequest_++;
 }
 
-/// The request that a reply answers, which is not open any more; nothing if it answers none.
+/// The open request that a reply answers, which is removed; nothing if there is none.
 std::optional<PartRequests::OpenRequest> PartRequests::close(RequestId request, PartId part) {
   const auto found =
       std::find_if(open_.begin(), open_.end(), [&](const auto& entry) { return entry.request == request; });
@@ -49,22 +49,22 @@ bool PartRequests::isReclaiming(PartId part) const {
 
 // ---- requests ----
 
-/// Whether this site may hold a part together with the site that owns it.
-bool PartRequests::mayShare(PartId part) const {
+/// Whether this site may become a co-holder of the part.
+bool PartRequests::mayEngage(PartId part) const {
   const SiteId owner = ownership_->view().part(part).owner;
   return owner != kNoSite && owner != people_.self() &&
          assets::controlOf(ownership_->scene(), part) == nullptr;
 }
 
-/// Asks to own a part, or to share it where another site owns it.
+/// Grabs a part, or engages in it where another site owns it.
 void PartRequests::askFor(PartId part, int before) {
   ASSERT(ownership_->exists(part));
-  // The part may have been passed on to this site meanwhile. One that was given back is asked for anew,
-  // though, before the release is answered.
+  // The part may have passed to this site meanwhile. A part that was released is requested anew, though, even
+  // before the release is answered.
   if (ownership_->view().owns(part) && givenBack_[part] != ownership_->view().part(part).epoch) return;
-  const bool share = mayShare(part);
-  const RequestId request = open(part, share ? OpenRequest::Kind::engage : OpenRequest::Kind::grab, before);
-  if (share) return sender_.send(Engage{request, part});
+  const bool engages = mayEngage(part);
+  const RequestId request = open(part, engages ? OpenRequest::Kind::engage : OpenRequest::Kind::grab, before);
+  if (engages) return sender_.send(Engage{request, part});
   const Grab grab{request, part};
   if (watchers_.observer) watchers_.observer->onGrab(grab);
   sender_.send(grab);
@@ -82,7 +82,7 @@ void PartRequests::sendIntents() {
   HandIntent intent;
   while (exchange_->intents.pop(intent)) {
     ASSERT(intent.lost <= lost_);
-    if (intent.lost != lost_) continue;  // the hand has been told since that this gets no answer
+    if (intent.lost != lost_) continue;  // the hand has been notified that this request gets no answer
     switch (intent.kind) {
       case HandIntent::Kind::grab:
         askFor(intent.part, 0);
@@ -110,7 +110,7 @@ void PartRequests::reclaim(bool all) {
   }
 }
 
-void PartRequests::shareAgain() {
+void PartRequests::engageAgain() {
   for (int i = 0; i < hand_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
     if (hand_.ownedEpoch[index] == 0) askFor(hand_.tick.owned[index].part, 0);
@@ -141,29 +141,29 @@ bool PartRequests::handle(const GrabReply& message) {
   if (message.denial == Denial::none) {
     if (asked->lapses == ownership_->view().lapses()) ownership_->view().confirmed(record.part, record.epoch);
   } else if (message.denial == Denial::ownedByOther && !reclaim && asked->before < kMaxRepeats &&
-             mayShare(record.part)) {
+             mayEngage(record.part)) {
     askFor(record.part, asked->before + 1);
   } else {
-    tellDenial(message, reclaim);
+    reportDenial(message, reclaim);
   }
   return true;
 }
 
 bool PartRequests::handle(const EngageReply& message) {
-  const PartId part = message.members.part;
+  const PartId part = message.coHolders.part;
   const std::optional<OpenRequest> asked = close(message.request, part);
   if (!asked) return false;
-  ownership_->apply(message.members);
+  ownership_->apply(message.coHolders);
   if (asked->kind == OpenRequest::Kind::leave) return true;
   sync::OwnershipView& view = ownership_->view();
   if (message.denial == Denial::none) {
-    if (asked->lapses == view.lapses()) view.engagementConfirmed(part);
+    if (asked->lapses == view.lapses()) view.coHoldingConfirmed(part);
     people_.notice(Notice::Level::info,
                    partName(part) + " is shared with " + people_.nameOf(view.part(part).owner));
   } else if (message.denial == Denial::notOwned && asked->before < kMaxRepeats) {
     askFor(part, asked->before + 1);
   } else {
-    tellDenied(view.part(part), toString(message.denial));
+    reportDenied(view.part(part), toString(message.denial));
   }
   return true;
 }
@@ -176,17 +176,17 @@ void PartRequests::handle(const CommandReply& message) {
   if (!message.done) people_.notice(Notice::Level::warning, "not done: " + message.reason);
 }
 
-void PartRequests::tellDenial(const GrabReply& reply, bool reclaim) {
+void PartRequests::reportDenial(const GrabReply& reply, bool reclaim) {
   const SiteId owner = reply.part.owner;
   if (!reclaim)
-    tellDenied(reply.part, reply.denial == Denial::ownedByOther ? people_.nameOf(owner) + " holds it"
-                                                                : toString(reply.denial));
+    reportDenied(reply.part, reply.denial == Denial::ownedByOther ? people_.nameOf(owner) + " holds it"
+                                                                  : toString(reply.denial));
   else if (owner != kNoSite && owner != people_.self())
     people_.notice(Notice::Level::warning,
                    partName(reply.part.part) + " now belongs to " + people_.nameOf(owner));
 }
 
-void PartRequests::tellDenied(const PartRecord& record, const std::string& why) {
+void PartRequests::reportDenied(const PartRecord& record, const std::string& why) {
   people_.notice(Notice::Level::warning, partName(record.part) + " cannot be taken: " + why);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::denied;

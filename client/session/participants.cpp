@@ -55,6 +55,6 @@ void Participants::notice(Notice::Level level, std::string text) {
   notices_.push_back({level, 0.0, std::move(text)});
 }
 
-std::vector<Notice> Participants::takeNotices() { return std::exchange(notices_, {}); }
+std::vector<Notice> Participants::drainNotices() { return std::exchange(notices_, {}); }
 
 }  // namespace tandem::client

@@ -1,6 +1,6 @@
 #pragma once
 
-// Who is in the session, as the server says, and what the person at this site is told in words.
+// The participants of the session, as the server publishes them, and the notices for the person at this site.
 //
 // Network thread.
 
@@ -19,9 +19,9 @@ class Participants {
   void reset(SiteId self, const std::vector<sync::SiteInfo>& sites);
   void handle(const sync::SiteChanged& message);
   void handle(const sync::SiteLeft& message);
-  /// Without a server, nobody else is known to be there.
+  /// Without a server, no other site is known to be connected.
   void connectionLost();
-  /// A newer hand and camera of a site. An unknown site is ignored.
+  /// A newer presence of a site. An unknown site is ignored.
   void show(SiteId site, const sync::Presence& presence);
 
   /// This site; kNoSite before the first Welcome.
@@ -32,7 +32,7 @@ class Participants {
 
   void notice(Notice::Level level, std::string text);
   /// The notices since the last call, oldest first.
-  std::vector<Notice> takeNotices();
+  std::vector<Notice> drainNotices();
 
  private:
   SiteView* find(SiteId site);

@@ -1,7 +1,7 @@
 #pragma once
 
-// The bytes of the scene package, as the server sends them. A transfer that breaks off is continued by a
-// later one, which is started with the bytes of the earlier one.
+// Receives the bytes of the scene package. A transfer that breaks off is continued by a later one that starts
+// with the bytes of the earlier one.
 //
 // 1. There are never more bytes than the Welcome announced, and none out of order.
 //
@@ -17,10 +17,10 @@ namespace tandem::client {
 
 class SceneFetch {
  public:
-  /// A Welcome came: the package has `total` bytes, and no chunk is on its way.
+  /// A Welcome arrived: the package has `total` bytes, and no chunk is on its way.
   void expect(std::uint64_t total);
-  /// Continues after `have`, which is dropped if it is longer than the package; complete() tells whether
-  /// anything is missing. If so, what this returns is to be sent.
+  /// Continues after `have`, which is dropped if it is longer than the package; the returned request is to be
+  /// sent unless the package is complete().
   sync::SceneRequest start(std::vector<std::byte> have);
   /// Chunks are not expected any more.
   void stop() { running_ = false; }

@@ -4,6 +4,7 @@
 #include <type_traits>
 
 #include "assets/base/assert.h"
+#include "sync/wire/recording.h"
 
 namespace tandem::client {
 
@@ -16,7 +17,7 @@ concept Handles = requires(Receiver& receiver, Message& message) {
   receiver.handle(message);
 };
 
-/// What the receiver says of the message; one that says nothing has a place for it.
+/// Whether the receiver accepts the message; a handler that returns nothing always does.
 template <typename Receiver, typename Message>
 bool handleBy(Receiver& receiver, Message& message) {
   if constexpr (std::is_void_v<decltype(receiver.handle(message))>) {
@@ -41,7 +42,7 @@ ServerConnection::~ServerConnection() = default;
 void ServerConnection::step(Micros now) {
   clock_.advance(now);
   if (stage_ == Stage::ended) {
-    if (transport_) receiveEvents();  // lets a farewell leave
+    if (transport_) receiveEvents();  // lets queued messages leave
     return;
   }
   if (!transport_ && backoff_.due(now)) connect();
@@ -96,7 +97,7 @@ void ServerConnection::disconnected(const std::string& reason) {
   backoff_.failed(clock_.now());
 }
 
-void ServerConnection::sayHello() {
+void ServerConnection::sendHello() {
   enter(Stage::entering);
   const bool resume = !resumeTicket_.empty();
   sender_.send(Hello{kProtocolVersion, resume, resume ? resumeTicket_ : options_.token, options_.name,
@@ -112,7 +113,7 @@ void ServerConnection::leave() {
   reason_ = "left";
 }
 
-/// Chunks of the scene have a place only in the stage `transferring`.
+/// Chunks of the scene are expected only in the stage `transferring`.
 void ServerConnection::enter(Stage stage) {
   if (stage != Stage::transferring) fetch_.stop();
   stage_ = stage;
@@ -125,7 +126,7 @@ void ServerConnection::receiveEvents() {
   while (transport_ && transport_->poll(event)) {
     switch (event.kind) {
       case TransportEvent::Kind::connected:
-        sayHello();
+        sendHello();
         break;
       case TransportEvent::Kind::control:
         received_.countControl(event.bytes.size());
@@ -133,7 +134,7 @@ void ServerConnection::receiveEvents() {
         break;
       case TransportEvent::Kind::state:
         do {
-          receiveState(takeMessage(event.bytes));
+          receiveState(popMessage(event.bytes));
         } while (!event.bytes.empty());
         break;
       case TransportEvent::Kind::closed:
@@ -143,7 +144,7 @@ void ServerConnection::receiveEvents() {
   }
 }
 
-/// Hands the message to the class that has a handler for it; false if it has no place here.
+/// Passes the message to the class that has a handler for it; false if it is not allowed at this point.
 template <typename Message>
 bool ServerConnection::route(Message& message) {
   if constexpr (requires { this->handle(message); }) {
@@ -183,11 +184,11 @@ void ServerConnection::receiveControl(std::span<const std::byte> bytes) {
 
 void ServerConnection::receiveState(std::span<const std::byte> bytes) {
   received_.countState(bytes);
-  if (stage_ != Stage::ready) return;  // before the scene stands, nothing can be done with it
+  if (stage_ != Stage::ready) return;  // before the scene is ready, states have no use
   ASSERT(inScene_ != nullptr);
   const StateReceiver::Outcome outcome = inScene_->receiving.decode(bytes);
   if (outcome == StateReceiver::Outcome::malformed) ++malformed_;
-  if (outcome != StateReceiver::Outcome::taken) return;
+  if (outcome != StateReceiver::Outcome::decoded) return;
   std::visit([this](const auto& message) { static_cast<void>(route(message)); },
              inScene_->receiving.message());
 }
@@ -213,7 +214,7 @@ void ServerConnection::handle(Welcome& message) {
 }
 
 void ServerConnection::handle(const Refused& message) {
-  // A ticket of a server that forgot this site is no reason to try for ever.
+  // The site does not try again with a credential that the server refused.
   reason_ = message.reason;
   enter(Stage::ended);
   people_.notice(Notice::Level::error, "refused: " + message.reason);
@@ -230,7 +231,7 @@ void ServerConnection::handle(const Pong& message) {
   requests_.reclaim(false);
 }
 
-/// While the scene is made ready, which may take minutes, the Welcome's list is kept up to date.
+/// Keeps the Welcome's list of parts up to date while the scene is made ready, which may take minutes.
 bool ServerConnection::handleBeforeScene(const OwnershipChanged& message) {
   if (stage_ < Stage::needScene || stage_ > Stage::haveScene) return false;
   const auto known = std::find_if(welcome_.parts.begin(), welcome_.parts.end(),
@@ -242,7 +243,7 @@ bool ServerConnection::handleBeforeScene(const OwnershipChanged& message) {
   return true;
 }
 
-/// The server tells the members of every part to a site that becomes ready.
+/// Ignored: the server sends the co-holders of every part to a site that becomes ready.
 bool ServerConnection::handleBeforeScene(const MembersChanged&) { return true; }
 
 // ---- into the session ----
@@ -261,7 +262,7 @@ void ServerConnection::startTransfer(std::vector<std::byte> have) {
 ServerConnection::InScene::InScene(ServerConnection& connection, const assets::Scene& scene,
                                    Exchange& exchange)
     : events(exchange),
-      ownership(scene, connection.options_.lease, connection.options_.rates.most, exchange, events,
+      ownership(scene, connection.options_.lease, connection.options_.rates.max, exchange, events,
                 connection.sender_, connection.clock_, connection.watchers_),
       receiving(ownership, connection.people_, exchange, events, connection.sender_, connection.clock_,
                 connection.watchers_),
@@ -290,10 +291,11 @@ void ServerConnection::enterReady() {
   requests_.reclaim(true);
   for (const PartRecord& record : welcome_.parts)
     if (ownership.exists(record.part)) ownership.apply(record);
-  requests_.shareAgain();
+  requests_.engageAgain();
 }
 
-/// A recording begins with who is here and how things stand by now; the Welcome itself holds a credential.
+/// A recording begins with the participants and the records of the parts, not with the Welcome, which holds a
+/// credential.
 void ServerConnection::recordBeginning() {
   if (!watchers_.recording) return;
   for (const SiteView& site : people_.sites())

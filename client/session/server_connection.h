@@ -1,12 +1,12 @@
 #pragma once
 
-// A site's connection to the server: enters the session, keeps its clock and lease by pings, comes back after
+// A site's connection to the server: enters the session, keeps its clock and lease by pings, reconnects after
 // an outage, and routes each message to the class that handles it. Knows no socket and no thread: a connector
 // makes transports, and step() is called about a thousand times a second.
 //
 // 1. A message of the server is handled by the one class that has a handle() for it; see route().
-// 2. Handlers return false for a message that has no place here; it is counted as malformed and changes
-//    nothing.
+// 2. Handlers return false for a message that is not allowed at this point; it is counted as malformed and
+//    changes nothing.
 // 3. What needs the scene exists from sceneReady() on, and outlives every reconnect.
 //
 // Network thread only; the haptic thread is reached through the Exchange.
@@ -53,20 +53,20 @@ class ServerConnection {
   const std::string& reason() const { return reason_; }
   const sync::Welcome& welcome() const { return welcome_; }
 
-  /// The scene package is in a cache: no transfer.
+  /// The scene package is in a store, so no transfer is needed.
   void skipTransfer();
   /// Fetches the package, continuing after `have` (bytes of an earlier, broken-off transfer).
   void startTransfer(std::vector<std::byte> have);
   double transferProgress() const { return fetch_.progress(); }  // 0..1
   const std::vector<std::byte>& scenePackage() const { return fetch_.package(); }
 
-  /// The scene stands and the hand may touch it. Once; both must outlive the connection.
+  /// The scene is ready for the hand. Called once; both must outlive the connection.
   void sceneReady(const assets::Scene& scene, Exchange& exchange);
 
   void revoke(PartId part);
   void resetParts();
   void setCamera(const Pose& worldFromCamera) { worldFromCamera_ = worldFromCamera; }
-  /// Says goodbye: this site's parts are free at once.
+  /// Sends a Goodbye: this site's parts are free at once.
   void leave();
 
   sync::Transport* transport() { return transport_.get(); }
@@ -74,13 +74,13 @@ class ServerConnection {
   /// kNoSite before the scene is ready.
   SiteId owner(PartId part) const;
   ConnectionStatistics statistics() const;
-  std::vector<Notice> takeNotices() { return people_.takeNotices(); }
+  std::vector<Notice> drainNotices() { return people_.drainNotices(); }
 
   void setObserver(ConnectionObserver* observer) { watchers_.observer = observer; }
   void setRecording(sync::RecordingWriter* recording) { watchers_.recording = recording; }
 
  private:
-  /// What exists once the scene stands.
+  /// What exists from sceneReady() on.
   struct InScene {
     InScene(ServerConnection& connection, const assets::Scene& scene, Exchange& exchange);
     HandEvents events;
@@ -91,7 +91,7 @@ class ServerConnection {
 
   void connect();
   void disconnected(const std::string& reason);
-  void sayHello();
+  void sendHello();
   void receiveEvents();
   void receiveControl(std::span<const std::byte> bytes);
   void receiveState(std::span<const std::byte> bytes);

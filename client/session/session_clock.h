@@ -1,6 +1,6 @@
 #pragma once
 
-// What time it is: local time as of the present step, and the session's time as pings estimate it.
+// The time of the present step: local time, and the session time that pings estimate.
 //
 // Network thread.
 
@@ -17,7 +17,7 @@ class SessionClock {
   /// A Pong that comes in this step answers a Ping of local time `sent`.
   void observe(sync::Micros sent, sync::Micros serverTime) { offset_.observe(sent, serverTime, now_); }
 
-  /// Whether a Pong has come on this connection.
+  /// Whether a Pong has arrived on this connection.
   bool known() const { return offset_.known(); }
   /// Local time.
   sync::Micros now() const { return now_; }

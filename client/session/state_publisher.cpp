@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::client {
 
@@ -13,10 +14,10 @@ using namespace sync;
 
 namespace {
 
-constexpr double kSmoothEnough = 25.0;  // Hz, of hand and eyes where updates are few
+constexpr double kSmoothEnough = 25.0;  // Hz, of hand and camera where updates are few
 constexpr Micros kEarly =
-    3 * kMillisecond / 2;         // by which something may leave, rather than a link packet late
-constexpr int kQuickRepeats = 4;  // at the least rate: 5 % of loss leave one chance in 3 million
+    3 * kMillisecond / 2;         // by which an update may leave early, rather than a link packet later
+constexpr int kQuickRepeats = 4;  // at the minimum rate: at 5 % of loss all are lost once in 3 million cases
 constexpr Micros kSlowestRepeat = 500 * kMillisecond;
 constexpr double kErrorFloor = 0x1p-18;     // of the frame's half extent: some steps of the wire
 constexpr double kPresenceMoved = 0x1p-13;  // of the frame's half extent: under a pixel of a whole view
@@ -52,8 +53,8 @@ double reachOf(const assets::Scene& scene, const assets::Part& part) {
 StatePublisher::StatePublisher(const assets::Scene& scene, const WireFrame& frame, const PublishRates& rates)
     : frame_(frame), rates_(rates) {
   for (const assets::Part& part : scene.parts) reach_.push_back(reachOf(scene, part));
-  rates_.least = std::min(rates_.least, rates_.most);
-  rates_.presence = std::min({rates_.presence, rates_.most, std::max(kSmoothEnough, 0.25 * rates_.most)});
+  rates_.min = std::min(rates_.min, rates_.max);
+  rates_.presence = std::min({rates_.presence, rates_.max, std::max(kSmoothEnough, 0.25 * rates_.max)});
 }
 
 void StatePublisher::reset() {
@@ -87,15 +88,16 @@ double StatePublisher::distance(const Pose& a, const Pose& b, PartId part) const
 
 bool StatePublisher::partDue(const OfferedPart& part, Micros now, Micros time) const {
   const Sent* last = lastOf(part.state);
-  if (last == nullptr || part.shared) return true;
+  if (last == nullptr || part.coHeld) return true;
   const bool rests = isStill(part.state.twist);
   if (rests != isStill(last->state.twist)) return true;
-  const Pose &pose = part.state.worldFromPart, &told = last->state.worldFromPart;
-  if (rests) return pose.position != told.position || pose.orientation != told.orientation;
-  if (rates_.deadband <= 0.0 || now - parts_.sentAt + kEarly >= period(rates_.least)) return true;
-  const Pose shown = integrate(told, last->state.twist, toSeconds(time - last->time));
-  const double wrong = distance(pose, shown, part.state.part), way = distance(pose, told, part.state.part);
-  return wrong > kErrorFloor * frame_.halfExtent + rates_.deadband * way;
+  const Pose &pose = part.state.worldFromPart, &lastPose = last->state.worldFromPart;
+  if (rests) return pose.position != lastPose.position || pose.orientation != lastPose.orientation;
+  if (rates_.deadband <= 0.0 || now - parts_.sentAt + kEarly >= period(rates_.min)) return true;
+  const Pose extrapolated = integrate(lastPose, last->state.twist, toSeconds(time - last->time));
+  const double wrong = distance(pose, extrapolated, part.state.part),
+               displacement = distance(pose, lastPose, part.state.part);
+  return wrong > kErrorFloor * frame_.halfExtent + rates_.deadband * displacement;
 }
 
 bool StatePublisher::partsDue(Micros now, Micros time, std::span<const OfferedPart> parts) const {
@@ -121,15 +123,15 @@ bool StatePublisher::due(Micros now, Micros time, std::span<const OfferedPart> p
   if (!mayBeDue(now)) return false;
   ASSERT(parts.size() <= kMaxStateParts);
   const bool partsNew =
-      partsDue(now, time, parts);  // false: there are none, or the others extrapolate them well
-  const bool partsGo = partsNew || (!parts.empty() && parts_.due(now, rates_.least));
+      partsDue(now, time, parts);  // false: there are no parts, or receivers extrapolate them well
+  const bool partsGo = partsNew || (!parts.empty() && parts_.due(now, rates_.min));
   const bool presenceNew =
       presenceChanged(presence) && now - presence_.sentAt + kEarly >= period(rates_.presence);
-  newPresence = presenceNew || presence_.due(now, std::min(rates_.least, rates_.presence));
+  newPresence = presenceNew || presence_.due(now, std::min(rates_.min, rates_.presence));
   if (!partsGo && !newPresence) return false;
 
-  next_ = std::max(next_ + period(rates_.most), now - kMillisecond);
-  if (!parts.empty()) parts_.sent(now, partsNew);  // they go along with every update
+  next_ = std::max(next_ + period(rates_.max), now - kMillisecond);
+  if (!parts.empty()) parts_.sent(now, partsNew);  // every update carries all parts
   sent_.clear();
   for (const OfferedPart& part : parts) sent_.push_back({part.state, time});
   if (newPresence) {

@@ -1,9 +1,10 @@
 #pragma once
 
-// When a site publishes its parts, hand and camera: as rarely as the others can go on extrapolating without a
+// When a site publishes its parts, hand and camera: as rarely as receivers can extrapolate without a
 // noticeable error. Pure: time comes in as an argument. state_publishing.h sends what is due.
 //
-// 1. A part that another site's hand touches is published at the full rate: what is felt is not thinned out.
+// 1. A part that another site's hand touches is published at the full rate: states that are felt are never
+//    left out.
 // 2. Any other moving part is published when what receivers extrapolate from its last state
 //    (sync/replica/play_out.h) is wrong by more than a share of its displacement since then: the perceptual
 //    deadband of Hinterseer et al., "Perception-based data reduction and transmission of haptic data", IEEE
@@ -15,14 +16,15 @@
 #include <vector>
 
 #include "assets/scene/scene.h"
-#include "sync/wire/wire.h"
+#include "sync/wire/state_update.h"
+#include "sync/wire/wire_frame.h"
 
 namespace tandem::client {
 
 struct PublishRates {
-  double most = 250.0;     // Hz, of updates
-  double least = 60.0;     // Hz, of a part that moves
-  double presence = 60.0;  // Hz at most, about, of hand and eyes; less where there are few updates
+  double max = 250.0;      // Hz, of updates
+  double min = 60.0;       // Hz, of a part that moves
+  double presence = 60.0;  // Hz at most, about, of hand and camera; less where there are few updates
   /// Weber fraction: the noticeable error as a share of the displacement. 0: no error is tolerated, and
   /// everything is published at the full rate.
   double deadband = 0.1;
@@ -31,7 +33,7 @@ struct PublishRates {
 /// A part that the site owns, as it is now.
 struct OfferedPart {
   sync::PartState state;
-  bool shared = false;  // another site's hand touches it
+  bool coHeld = false;  // another site's hand touches it
 };
 
 class StatePublisher {
@@ -42,8 +44,8 @@ class StatePublisher {
   void reset();
   /// Whether an update may leave at `now`; if not, there is no need to ask due().
   bool mayBeDue(sync::Micros now) const { return now >= next_; }
-  /// Whether an update is to leave now, with these parts, which hold at local time `time`. If so it is taken
-  /// as sent, and `newPresence` says whether presence goes along.
+  /// Whether an update is to leave now, with these parts, which hold at local time `time`. If so the update
+  /// counts as sent, and `newPresence` is whether it includes presence.
   bool due(sync::Micros now, sync::Micros time, std::span<const OfferedPart> parts,
            const sync::Presence& presence, bool& newPresence);
 

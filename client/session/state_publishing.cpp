@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "sync/wire/recording.h"
 
 namespace tandem::client {
 
@@ -28,15 +29,15 @@ void StatePublishing::reset() {
   updatesOfConnection_ = 0;
 }
 
-/// Whether another site's hand feels the part as it is played out. A site that shares the part feels the link
-/// instead, where the delay allows one.
+/// Whether another site's hand touches the part as it is played out there. A co-holder feels the coordination
+/// link instead, where the delay allows one.
 bool StatePublishing::othersTouch(PartId part) const {
-  const std::vector<SiteId>& members = ownership_.view().members(part).sites;
+  const std::vector<SiteId>& coHolders = ownership_.view().coHolders(part).sites;
   const std::vector<SiteView>& sites = people_.sites();
   return std::any_of(sites.begin(), sites.end(), [&](const SiteView& site) {
     if (site.self || !site.info.connected || ownership_.felt(part, site.info.site)) return false;
-    const bool shares = std::find(members.begin(), members.end(), site.info.site) != members.end();
-    return shares || (site.seen && site.presence.touched == part);
+    const bool isCoHolder = std::find(coHolders.begin(), coHolders.end(), site.info.site) != coHolders.end();
+    return isCoHolder || (site.seen && site.presence.touched == part);
   });
 }
 

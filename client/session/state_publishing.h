@@ -1,9 +1,9 @@
 #pragma once
 
-// What this site tells the server of its parts, hand and eyes. state_publisher.h decides when.
+// Publishes the states of this site's parts, hand and camera. state_publisher.h decides when.
 //
 // 1. Only what the ownership view allows is published: parts in the epoch in which this site owns them, while
-//    its lease runs (S3). The hand goes on either way.
+//    its lease runs (S3). The hand keeps simulating them either way.
 //
 // Network thread.
 
@@ -13,7 +13,7 @@
 #include "client/session/part_ownership.h"
 #include "client/session/participants.h"
 #include "client/session/state_publisher.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_sender.h"
 
 namespace tandem::client {
 
@@ -24,11 +24,11 @@ class StatePublishing {
                   MessageSender& sender, SessionClock& clock, const Watchers& watchers,
                   const PublishRates& rates);
 
-  /// A new connection: nobody has anything.
+  /// A new connection: the server has no baseline.
   void reset();
-  /// What the server has, to be told against.
+  /// The server acknowledges updates, which later ones may be encoded against.
   void handle(const sync::StateAck& message) { encoder_.acknowledged(message); }
-  /// An update leaves if one is due.
+  /// Sends an update if one is due.
   void publish(const Pose& worldFromCamera);
 
   std::uint64_t updatesOfConnection() const { return updatesOfConnection_; }

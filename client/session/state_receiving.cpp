@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "sync/wire/recording.h"
 
 namespace tandem::client {
 
@@ -22,28 +23,28 @@ StateReceiving::StateReceiving(PartOwnership& ownership, Participants& people, E
 void StateReceiving::reset() {
   receiver_.reset();
   newestOf_.clear();
-  expected_ = heard_ = 0;
+  expected_ = arrived_ = 0;
   loss_ = {};
 }
 
 StateReceiver::Outcome StateReceiving::decode(std::span<const std::byte> bytes) {
   const StateReceiver::Outcome outcome = receiver_.decode(bytes, ownership_.frame(), message_);
-  if (outcome != StateReceiver::Outcome::taken && outcome != StateReceiver::Outcome::malformed)
+  if (outcome != StateReceiver::Outcome::decoded && outcome != StateReceiver::Outcome::malformed)
     ++counts_.droppedBaselines;
   return outcome;
 }
 
 void StateReceiving::countLoss(std::uint32_t sequence) {
-  if (heard_++ == 0) newest_ = sequence - 1;
+  if (arrived_++ == 0) newest_ = sequence - 1;
   const auto ahead = static_cast<std::int32_t>(sequence - newest_);
   if (ahead > 0) {
     expected_ += static_cast<std::uint64_t>(ahead);
     newest_ = sequence;
   }
-  loss_.observe(expected_, heard_);
+  loss_.observe(expected_, arrived_);
 }
 
-/// Whether no later update of the same site has come before.
+/// Whether no later update of the same site has arrived before.
 bool StateReceiving::isNewest(const StateUpdate& update) {
   auto last = std::find_if(newestOf_.begin(), newestOf_.end(),
                            [&](const auto& entry) { return entry.first == update.site; });
@@ -61,7 +62,7 @@ void StateReceiving::handle(const StateUpdate& update) {
   if (watchers_.recording && update.presenceKnown) watchers_.recording->write(update.time, message_);
   if (!clock_.known()) return;
   delay_.observe(update.time, clock_.time());
-  ownership_.heard(update.site, clock_.time() - update.time);
+  ownership_.noteAge(update.site, clock_.time() - update.time);
   for (const PartState& state : update.parts) accept(update, state);
 }
 
@@ -80,7 +81,7 @@ void StateReceiving::accept(const StateUpdate& update, const PartState& state) {
 }
 
 void StateReceiving::acknowledge() {
-  if (const std::optional<StateAck> ack = receiver_.takeAck(clock_.now()))
+  if (const std::optional<StateAck> ack = receiver_.drainAck(clock_.now()))
     sender_.sendState(*ack, ownership_.frame());
 }
 

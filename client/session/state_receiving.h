@@ -1,7 +1,7 @@
 #pragma once
 
-// The state datagrams that the server sends to this site: decoded, checked against ownership, handed to the
-// hand with the play-out delay that their arrivals ask for, acknowledged, and counted for the losses.
+// Receives the state datagrams of the server: decodes them, checks them against ownership, passes them to the
+// hand, acknowledges them, and derives play-out delay and loss from their arrivals.
 //
 // Network thread.
 
@@ -14,7 +14,7 @@
 #include "client/session/part_ownership.h"
 #include "client/session/participants.h"
 #include "sync/replica/play_out.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
 
 namespace tandem::client {
 
@@ -22,7 +22,7 @@ class StateReceiving {
  public:
   struct Counts {
     std::uint64_t updates = 0, droppedStates = 0;
-    std::uint64_t droppedBaselines = 0;  // updates told against one that is not here, or that came out wrong
+    std::uint64_t droppedBaselines = 0;  // updates whose baseline is missing or whose checksum does not match
   };
 
   /// What is referred to must outlive this.
@@ -34,13 +34,12 @@ class StateReceiving {
   /// A site that is not coming back.
   void forget(SiteId site) { receiver_.forget(site); }
 
-  /// Reads a datagram into message(), or counts it as dropped. Malformed ones are left to the caller to
-  /// count.
+  /// Reads a datagram into message(), or counts it as dropped. The caller counts malformed ones.
   [[nodiscard]] sync::StateReceiver::Outcome decode(std::span<const std::byte> bytes);
   const sync::StateMessage& message() const { return message_; }
   /// `update` is that of message().
   void handle(const sync::StateUpdate& update);
-  /// Tells the server what has come, so that it may encode what follows against it.
+  /// Acknowledges the updates that have arrived, so that the server may encode later ones against them.
   void acknowledge();
   /// Gives the hand the session's time and the play-out delay.
   void publishTimeBase();
@@ -65,8 +64,8 @@ class StateReceiving {
   sync::StateReceiver receiver_;
   sync::StateMessage message_;
   std::vector<std::pair<SiteId, std::uint32_t>> newestOf_;  // sequence of the newest update of each site
-  // Of all updates on this connection, whosever states they are: the server numbers them in one row.
-  std::uint64_t expected_ = 0, heard_ = 0;
+  // Of all updates on this connection, of whichever site: the server numbers them in one sequence.
+  std::uint64_t expected_ = 0, arrived_ = 0;
   std::uint32_t newest_ = 0;  // sequence
   LossMeter loss_;
   sync::PlayOutDelay delay_;

@@ -48,9 +48,9 @@ struct HandView {
   bool grabPending = false;     // asked for, not answered yet
   std::uint32_t flags = 0;      // haptics::TickFlag
   std::uint32_t flagsSeen = 0;  // of all ticks so far
-  std::uint32_t stalls = 0;     // times that its loop stood still, and the hand was without force
+  std::uint32_t stalls = 0;     // pauses of its loop, during which the hand was without force
   std::string fault;            // why force is off; empty without a fault
-  double stiffest = 0.0;        // N/m that a contact on this device may have; 0 = any
+  double stiffest = 0.0;        // N/m, largest stiffness of a contact on this device; 0 = any
   SecondHandView second;
 };
 
@@ -74,7 +74,7 @@ struct ConnectionView {
   bool stateOverUdp = true;
 };
 
-/// Somebody in the session.
+/// A participant of the session.
 struct SiteView {
   sync::SiteInfo info;
   bool self = false;
@@ -82,7 +82,7 @@ struct SiteView {
   sync::Presence presence;  // smoothed for display
 };
 
-/// A line for the person: a denied grab and why, somebody joined, a warning.
+/// A line for the person: a denied grab and why, a new participant, a warning.
 struct Notice {
   enum class Level : std::uint8_t { info, warning, error };
   Level level = Level::info;

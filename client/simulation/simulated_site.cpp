@@ -54,7 +54,7 @@ void SimulatedSite::start() {
   ASSERT(!started());
   ConnectionOptions options;
   options.name = description_.name;
-  options.rates.most = context_.scenario.packetHz;
+  options.rates.max = context_.scenario.packetHz;
   options.rates.deadband = description_.deadband;
   options.token = context_.server.makeToken(description_.role);
   connection_ = std::make_unique<ServerConnection>(options, [this]() -> Result<std::unique_ptr<Transport>> {

@@ -11,7 +11,8 @@ void ClockOffset::observe(Micros sent, Micros serverTime, Micros received) {
   const Micros roundTrip = received - sent;
   if (roundTrip < 0) return;
   lastRoundTrip_ = roundTrip;
-  // The clock offset by the middle of the round trip.
+  // RFC 5905 section 8: offset = ((T2 - T1) + (T3 - T4)) / 2 and delay = (T4 - T1) - (T3 - T2). The server
+  // answers at once, T2 = T3 = serverTime; T1 = sent, T4 = received.
   samples_[next_] = {roundTrip, serverTime - (sent + roundTrip / 2), received};
   next_ = (next_ + 1) % kWindow;
   count_ = std::min(count_ + 1, kWindow);

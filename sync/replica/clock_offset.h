@@ -1,13 +1,12 @@
 #pragma once
 
-// Session time minus local time, estimated from pings: the sample with the smallest round trip of the recent
-// ones wins (NTP's clock filter, RFC 5905 section 10; an older sample counts as worse by what the clocks may
-// have drifted apart since), and the estimate slews toward it, so that session time never runs backwards and
-// never jumps while it is in use.
+// Session time minus local time, estimated from pings. Of the recent samples the one with the least error
+// bound is used (NTP's clock filter, RFC 5905 section 10: half the round trip, plus the drift of the clocks
+// since the sample). The estimate slews toward it, so that session time never runs backwards and never jumps
+// while it is in use.
 //
-// Once the slewing has caught up, |estimated - true session time| <= bestRoundTrip / 2 + drift * age of that
-// sample: the ping and the pong together took the round trip, and nobody knows how it was shared between
-// them.
+// After the slewing, |estimated - true session time| <= roundTrip / 2 + drift * age of that sample, because
+// the shares of ping and pong in the round trip are unknown.
 
 #include <array>
 #include <cstddef>
@@ -20,7 +19,7 @@ class ClockOffset {
  public:
   /// A Pong: local times of sending and receiving, and the server's session time in between.
   void observe(Micros sent, Micros serverTime, Micros received);
-  /// Forget everything (a new connection to a restarted server).
+  /// Forgets all samples, for a new connection: the server may have been restarted.
   void reset();
 
   bool known() const { return count_ > 0; }

@@ -1,10 +1,10 @@
 #pragma once
 
-// How long a lease lasts (Gray & Cheriton, "Leases: an efficient fault-tolerant mechanism for distributed file
-// cache consistency", SOSP 1989). The server frees a part only when the full lease and the clocks' drift have
-// passed since a ping arrived; a site stops earlier than that by drift and a margin, counted from the sending
-// of the same ping. So the site has stopped before the server may free the part (S3), whatever the delay of
-// the ping was.
+// How long a lease lasts (Gray & Cheriton, "Leases: an efficient fault-tolerant mechanism for distributed
+// file cache consistency", SOSP 1989). The server frees a part only when the full lease and the clocks' drift
+// have passed since a ping arrived; a site stops earlier than that by drift and a margin, counted from the
+// sending of the same ping. So the site has stopped before the server may free the part (S3), whatever the
+// delay of the ping was.
 
 #include "sync/wire/time.h"
 

@@ -6,6 +6,7 @@
 #include <set>
 
 #include "assets/base/assert.h"
+#include "sync/replica/co_holder_lists.h"
 #include "sync/replica/request_memory.h"
 
 namespace tandem::sync {
@@ -19,13 +20,10 @@ struct PartEntry {
   bool hasSequence = false;  // whether a state of this epoch was accepted since the table began
   std::uint32_t sequence = 0;
   Micros leaseFrom = 0;
-  MemberRecord members;
 };
 
 struct SiteEntry {
-  std::set<PartId> owned;  // ordered, so that parts freed together are published in one order everywhere
-  std::set<PartId> engaged;
-  Micros engagedFrom = 0;  // when it was last heard of, for all that it is engaged in
+  std::set<PartId> owned;  // ordered: parts that are freed together are published in this order
 };
 
 bool isOlder(const PartRecord& a, const PartRecord& b) {
@@ -36,14 +34,15 @@ bool isOlder(const PartRecord& a, const PartRecord& b) {
 }  // namespace
 
 struct OwnershipTable::State {
+  explicit State(std::size_t partCount) : parts(partCount), coHolders(partCount) {}
+
   std::vector<PartEntry> parts;
   std::map<SiteId, SiteEntry> sites;
+  CoHolderLists coHolders;
   RequestMemory answered;
   LeaseRules rules;
   Micros recoveringUntil = std::numeric_limits<Micros>::min();
   std::size_t awaited = 0;
-
-  std::vector<PartId> changedMembers;
 
   bool recovering(Micros now) const { return awaited > 0 && now < recoveringUntil; }
   /// Lease expiry as the server counts it: lease + drift since the last ping arrived (L2).
@@ -73,73 +72,45 @@ struct OwnershipTable::State {
     part.hasSequence = false;
     return part.record;
   }
-  /// Ends an ownership. Where sites are engaged in the part, the one engaged for longest owns it in the next
-  /// epoch.
+  /// Ends an ownership. Where the part has co-holders, the longest one owns it in the next epoch.
   const PartRecord& passOn(PartEntry& part) {
     disown(part);
-    if (part.members.sites.empty()) return part.record;
-    const SiteId heir = part.members.sites.front();
-    disengage(part, heir);
+    const std::optional<SiteId> heir = coHolders.longest(part.record.part);
+    if (!heir) return part.record;
+    coHolders.remove(part.record.part, *heir);
     if (part.record.epoch == std::numeric_limits<Epoch>::max()) {
-      disengageAll(part);
+      coHolders.removeAll(part.record.part);
       return part.record;
     }
     ++part.record.epoch;
-    own(part, heir, sites[heir].engagedFrom);  // its lease runs from when it was last heard of (L2)
-    ASSERT(part.record.owner == heir);
+    own(part, *heir, coHolders.lastRenewed(*heir));  // its lease runs from its last ping (L2)
+    ASSERT(part.record.owner == *heir && !coHolders.contains(part.record.part, *heir));
     return part.record;
   }
 
-  void membersChanged(PartEntry& part) {
-    ++part.members.version;
-    const PartId id = part.record.part;
-    if (std::find(changedMembers.begin(), changedMembers.end(), id) == changedMembers.end())
-      changedMembers.push_back(id);
-  }
-  bool disengage(PartEntry& part, SiteId site) {
-    if (std::erase(part.members.sites, site) == 0) return false;
-    sites[site].engaged.erase(part.record.part);
-    membersChanged(part);
-    return true;
-  }
-  void disengageAll(PartEntry& part) {
-    while (!part.members.sites.empty()) disengage(part, part.members.sites.back());
-  }
-  void disengageFromAll(SiteEntry& entry, SiteId site) {
-    const std::set<PartId> engaged = entry.engaged;
-    for (const PartId id : engaged) disengage(parts[id], site);
-  }
-  MemberRecord membersOf(const PartEntry& part) const {
-    MemberRecord members = part.members;
-    members.part = part.record.part;
-    members.epoch = part.record.epoch;
-    return members;
+  CoHolderRecord coHoldersOf(const PartEntry& part) const {
+    return coHolders.record(part.record.part, part.record.epoch);
   }
   /// Answers an Engage or a Disengage: `decide` is asked about parts that exist.
   template <typename Request, typename Decide>
   EngageDecision answer(const Request& request, const Decide& decide) {
     EngageDecision decision;
     decision.reply.request = request.request;
-    decision.reply.members.part = request.part;
+    decision.reply.coHolders.part = request.part;
     if (request.part >= parts.size()) {
       decision.reply.denial = Denial::unknownPart;
       return decision;
     }
     PartEntry& part = parts[request.part];
     decision.reply.denial = decide(part, decision.changed);
-    decision.reply.members = membersOf(part);
+    decision.reply.coHolders = coHoldersOf(part);
     return decision;
   }
   Denial decideEngage(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
     if (role == Role::observer) return Denial::roleForbids;
     if (!part.movable) return Denial::notMovable;
     if (part.record.owner == kNoSite || part.record.owner == site) return Denial::notOwned;
-    SiteEntry& entry = sites[site];
-    entry.engagedFrom = now;
-    if (!entry.engaged.insert(part.record.part).second) return Denial::none;
-    part.members.sites.push_back(site);
-    membersChanged(part);
-    changed = true;
+    changed = coHolders.add(part.record.part, site, now);
     return Denial::none;
   }
 
@@ -167,20 +138,21 @@ struct OwnershipTable::State {
   Denial decideGrab(SiteId site, Role role, PartEntry& part, Micros now, bool& changed) {
     if (role == Role::observer) return Denial::roleForbids;
     if (!part.movable) return Denial::notMovable;
-    if (part.record.owner == site) {  // asked again, or after a restart: the site owns the part already
+    // The site owns the part already: it repeats its request, or was restarted.
+    if (part.record.owner == site) {
       cameBack(part);
       part.leaseFrom = now;
       return Denial::none;
     }
     if (part.record.owner != kNoSite && !expired(part, now)) return Denial::ownedByOther;
-    if (part.record.owner != kNoSite && !part.members.sites.empty()) {
+    if (part.record.owner != kNoSite && coHolders.longest(part.record.part)) {
       changed = true;
       return passOn(part).owner == site ? Denial::none : Denial::ownedByOther;
     }
     if (recovering(now)) return Denial::recovering;
     if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
     if (part.record.owner != kNoSite) disown(part);
-    ASSERT(part.members.sites.empty());  // nobody is engaged in a part without an owner
+    ASSERT(!coHolders.longest(part.record.part));  // a part without an owner has no co-holders
     ++part.record.epoch;
     own(part, site, now);
     changed = true;
@@ -205,10 +177,9 @@ struct OwnershipTable::State {
 
 OwnershipTable::OwnershipTable(std::vector<bool> movable, std::vector<Pose> worldFromPartAtRest,
                                LeaseRules rules)
-    : state_(std::make_unique<State>()) {
+    : state_(std::make_unique<State>(movable.size())) {
   ASSERT(movable.size() == worldFromPartAtRest.size() && movable.size() <= kMaxParts);
   state_->rules = rules;
-  state_->parts.resize(movable.size());
   for (std::size_t i = 0; i < movable.size(); ++i) {
     PartEntry& part = state_->parts[i];
     part.movable = movable[i];
@@ -272,38 +243,34 @@ OwnershipTable::EngageDecision OwnershipTable::engage(SiteId site, Role role, co
 
 OwnershipTable::EngageDecision OwnershipTable::disengage(SiteId site, const Disengage& request) {
   return state_->answer(request, [&](PartEntry& part, bool& changed) {
-    changed = state_->disengage(part, site);
+    changed = state_->coHolders.remove(part.record.part, site);
     return Denial::none;
   });
 }
 
-MemberRecord OwnershipTable::members(PartId id) const {
+CoHolderRecord OwnershipTable::coHolders(PartId id) const {
   ASSERT(id < state_->parts.size());
-  return state_->membersOf(state_->parts[id]);
+  return state_->coHoldersOf(state_->parts[id]);
 }
 
-bool OwnershipTable::tied(PartId id, SiteId a, SiteId b) const {
+bool OwnershipTable::areLinked(PartId id, SiteId a, SiteId b) const {
   ASSERT(id < state_->parts.size());
   const PartEntry& part = state_->parts[id];
-  const auto engaged = [&](SiteId site) {
-    const std::vector<SiteId>& sites = part.members.sites;
-    return std::find(sites.begin(), sites.end(), site) != sites.end();
-  };
-  return (part.record.owner == a && engaged(b)) || (part.record.owner == b && engaged(a));
+  const auto isCoHolder = [&](SiteId site) { return state_->coHolders.contains(id, site); };
+  return (part.record.owner == a && isCoHolder(b)) || (part.record.owner == b && isCoHolder(a));
 }
 
-std::vector<MemberRecord> OwnershipTable::allMembers() const {
-  std::vector<MemberRecord> all;
+std::vector<CoHolderRecord> OwnershipTable::allCoHolders() const {
+  std::vector<CoHolderRecord> all;
   for (const PartEntry& part : state_->parts) {
-    if (!part.members.sites.empty()) all.push_back(state_->membersOf(part));
+    if (state_->coHolders.longest(part.record.part)) all.push_back(state_->coHoldersOf(part));
   }
   return all;
 }
 
-std::vector<MemberRecord> OwnershipTable::takeChangedMembers() {
-  std::vector<MemberRecord> changed;
-  for (const PartId id : state_->changedMembers) changed.push_back(members(id));
-  state_->changedMembers.clear();
+std::vector<CoHolderRecord> OwnershipTable::drainChangedCoHolders() {
+  std::vector<CoHolderRecord> changed;
+  for (const PartId id : state_->coHolders.drainChanged()) changed.push_back(coHolders(id));
   return changed;
 }
 
@@ -314,7 +281,7 @@ std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
     return std::nullopt;
   state_->disown(part);
   ++part.record.epoch;
-  state_->disengageAll(part);
+  state_->coHolders.removeAll(id);
   return part.record;
 }
 
@@ -329,18 +296,18 @@ std::optional<PartRecord> OwnershipTable::reset(PartId id, Micros /*now*/) {
 }
 
 void OwnershipTable::renew(SiteId site, Micros now) {
+  state_->coHolders.renew(site, now);
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return;
   for (const PartId id : found->second.owned) state_->parts[id].leaseFrom = now;
-  found->second.engagedFrom = now;
 }
 
 std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
   std::vector<PartRecord> freed;
   state_->answered.forget(site);
+  state_->coHolders.forget(site);
   const auto found = state_->sites.find(site);
   if (found == state_->sites.end()) return freed;
-  state_->disengageFromAll(found->second, site);
   const std::set<PartId> owned = found->second.owned;
   for (const PartId id : owned) freed.push_back(state_->passOn(state_->parts[id]));
   state_->sites.erase(site);
@@ -349,10 +316,8 @@ std::vector<PartRecord> OwnershipTable::leave(SiteId site) {
 
 std::vector<PartRecord> OwnershipTable::expire(Micros now) {
   std::vector<PartId> over;
-  // Sites that are no longer heard of are disengaged first, so that no part passes to one of them.
-  for (auto& [site, entry] : state_->sites) {
-    if (now - entry.engagedFrom >= state_->rules.serverLease()) state_->disengageFromAll(entry, site);
-  }
+  // Co-holders whose pings stopped are removed first, so that no part passes to one of them.
+  state_->coHolders.removeSilent(now, state_->rules.serverLease());
   for (const auto& [site, entry] : state_->sites) {
     for (const PartId id : entry.owned) {
       if (state_->expired(state_->parts[id], now)) over.push_back(id);

@@ -7,19 +7,19 @@
 // 1. A part has one owner or none. Every grant and every end of an ownership is published; a grant has a new
 //    epoch, larger than any before it (S1), also across restarts (restore()).
 // 2. Records of a part are ordered by epoch, and within an epoch an ended ownership (owner = kNoSite) comes
-//    after a running one. A grant, a revocation and a reset each begin a new epoch; a release, an expiry and a
-//    leave end the running one.
+//    after a running one. A grant, a revocation and a reset each begin a new epoch; a release, an expiry and
+//    a leave end the running one.
 // 3. A request repeated by (site, request id) gets the same answer again (S7), as long as RequestMemory holds
-//    it. An older one, or one from before a restart of the server, is decided anew; that grants nothing twice,
-//    because a Grab by the owner is answered with the epoch that it has.
+//    it. An older one, or one from before a restart of the server, is decided anew; that grants nothing
+//    twice, because a Grab by the owner is answered with the epoch that it has.
 // 4. After restore() no part gets a new owner, not even one that nobody owned, until each restored owner has
 //    come back (reclaimed, released, left, or published in its epoch) or lease + drift has passed (S8).
 // 5. A site that comes back with a ticket finds its parts in Welcome and reclaims or releases each: its pings
 //    keep all of them.
-// 6. Sites may be engaged in a part that another one owns. Their list is versioned (S5), and each is on it
-//    for as long as its pings keep it there. Where the owner lets go, leaves or is no longer heard of, the
-//    site that has been engaged for longest owns the part in the next epoch, so no simulated part is without
-//    an owner.
+// 6. A part that is owned may have co-holders: sites that simulate it beside its owner. Their list is
+//    versioned (S5), and the pings of a co-holder keep it on the list. Where the owner releases the part,
+//    leaves or lets its lease expire, the longest co-holder owns the part in the next epoch, so no simulated
+//    part is without an owner.
 
 #include <memory>
 #include <optional>
@@ -40,13 +40,13 @@ class OwnershipTable {
   ~OwnershipTable();
   OwnershipTable(OwnershipTable&&) noexcept;
 
-  /// Takes over what the journal kept. Owners have until `now` + lease (+ drift) to come back.
+  /// Takes over the records of the journal. Their owners have until `now` + lease + drift to come back.
   void restore(std::span<const PartRecord> records, Micros now);
 
   struct Decision {
     GrabReply reply;
     bool changed = false;   // a new epoch: write it to the journal, then reply, then publish it
-    bool repeated = false;  // an earlier answer, given again
+    bool repeated = false;  // the earlier answer to the same request
   };
   Decision grab(SiteId site, Role role, const Grab& request, Micros now);
   Decision reclaim(SiteId site, Role role, const Reclaim& request, Micros now);
@@ -63,34 +63,36 @@ class OwnershipTable {
   };
   EngageDecision engage(SiteId site, Role role, const Engage& request, Micros now);
   EngageDecision disengage(SiteId site, const Disengage& request);
-  MemberRecord members(PartId part) const;
-  /// Whether one of the two sites owns the part and the other one is engaged in it.
-  bool tied(PartId part, SiteId a, SiteId b) const;
-  /// Of every part that somebody is engaged in.
-  std::vector<MemberRecord> allMembers() const;
-  /// The lists that have changed since the last call, in order: to be published behind the part's own record.
-  std::vector<MemberRecord> takeChangedMembers();
+  CoHolderRecord coHolders(PartId part) const;
+  /// Whether one of the two sites owns the part and the other one is its co-holder, so that a coordination
+  /// link joins their replicas.
+  bool areLinked(PartId part, SiteId a, SiteId b) const;
+  /// The co-holders of every part that has some.
+  std::vector<CoHolderRecord> allCoHolders() const;
+  /// The lists of co-holders that have changed since the last call, in order, to be published after the
+  /// part's own record.
+  std::vector<CoHolderRecord> drainChangedCoHolders();
 
-  /// Ends an ownership by an instructor's word, and all engagement, with a new epoch. Returns the part as it
-  /// is now, or nothing if nobody owned it.
+  /// Ends an ownership at an instructor's command, with a new epoch, and removes all co-holders. Returns the
+  /// part's record, or nothing if nobody owned it.
   std::optional<PartRecord> revoke(PartId part, Micros now);
   /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or
   /// was never granted.
   std::optional<PartRecord> reset(PartId part, Micros now);
 
-  /// A site's ping arrived: all its leases run anew.
+  /// A site's ping arrived, which renews all its leases.
   void renew(SiteId site, Micros now);
-  /// The site left for good: its parts are free now, or pass to a member. (A lost connection is not a leave:
-  /// the lease decides.)
+  /// The site left for good: its parts are free now, or pass to a co-holder. A lost connection is not a
+  /// leave; there the lease decides.
   std::vector<PartRecord> leave(SiteId site);
-  /// Lease expiry: ends each ownership whose lease has run out, and returns the parts, free now or passed to
-  /// a member. Sites that are no longer heard of are disengaged.
+  /// Lease expiry: ends each ownership whose lease has expired, and returns the parts, which are free now or
+  /// passed to a co-holder. Co-holders whose pings stopped are removed.
   std::vector<PartRecord> expire(Micros now);
-  /// When the next lease runs out if it is not renewed; nothing if nobody owns a part.
+  /// When the next lease expires if it is not renewed; nothing if nobody owns a part.
   std::optional<Micros> nextExpiry() const;
 
-  /// Whether a state that came from `site` may be relayed; if so its pose becomes the part's last known one
-  /// (S2).
+  /// Whether a state that arrived from `site` may be relayed; if so its pose becomes the last one of the
+  /// part's record (S2).
   bool accept(SiteId site, const PartState& state);
 
   const PartRecord& part(PartId part) const;

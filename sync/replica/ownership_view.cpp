@@ -13,9 +13,9 @@ struct OwnershipView::State {
     PartRecord record;
     bool hasSequence = false;
     std::uint32_t sequence = 0;
-    bool unconfirmed = false;       // the lease lapsed after the grant, and no answer has confirmed it since
-    bool engagedConfirmed = false;  // confirmed by an answer to a request made since the last lapse
-    MemberRecord members;
+    bool unconfirmed = false;  // the lease lapsed after the grant, and no answer has confirmed it since
+    bool coHoldingConfirmed = false;  // confirmed by an answer to a request made since the last lapse
+    CoHolderRecord coHolders;
   };
   std::vector<Entry> parts;
   LeaseRules rules;
@@ -30,7 +30,7 @@ OwnershipView::OwnershipView(std::size_t partCount, LeaseRules rules) : state_(s
   state_->rules = rules;
   state_->parts.resize(partCount);
   for (std::size_t i = 0; i < partCount; ++i)
-    state_->parts[i].record.part = state_->parts[i].members.part = static_cast<PartId>(i);
+    state_->parts[i].record.part = state_->parts[i].coHolders.part = static_cast<PartId>(i);
 }
 OwnershipView::~OwnershipView() = default;
 OwnershipView::OwnershipView(OwnershipView&&) noexcept = default;
@@ -49,38 +49,38 @@ bool OwnershipView::apply(const PartRecord& record) {
   if (newEpoch) {
     entry.hasSequence = false;
     // The server may have ended this ownership long before the record is read, so it counts as unconfirmed. A
-    // member that inherits the part has had its engagement confirmed since the last lapse.
-    entry.unconfirmed = !entry.engagedConfirmed;
-    entry.engagedConfirmed = false;
+    // co-holder to which the part passes was confirmed as co-holder since the last lapse.
+    entry.unconfirmed = !entry.coHoldingConfirmed;
+    entry.coHoldingConfirmed = false;
   }
   return true;
 }
 
-bool OwnershipView::apply(const MemberRecord& members) {
-  if (members.part >= state_->parts.size()) return false;
-  MemberRecord& known = state_->parts[members.part].members;
+bool OwnershipView::apply(const CoHolderRecord& coHolders) {
+  if (coHolders.part >= state_->parts.size()) return false;
+  CoHolderRecord& known = state_->parts[coHolders.part].coHolders;
   const bool newer =
-      members.epoch != known.epoch ? members.epoch > known.epoch : members.version > known.version;
-  if (newer) known = members;
+      coHolders.epoch != known.epoch ? coHolders.epoch > known.epoch : coHolders.version > known.version;
+  if (newer) known = coHolders;
   return newer;
 }
 
-void OwnershipView::forgetMembers() {
-  for (State::Entry& entry : state_->parts) entry.members = {entry.record.part, 0, 0, {}};
+void OwnershipView::forgetCoHolders() {
+  for (State::Entry& entry : state_->parts) entry.coHolders = {entry.record.part, 0, 0, {}};
 }
 
-const MemberRecord& OwnershipView::members(PartId part) const {
+const CoHolderRecord& OwnershipView::coHolders(PartId part) const {
   ASSERT(part < state_->parts.size());
-  return state_->parts[part].members;
+  return state_->parts[part].coHolders;
 }
 
-bool OwnershipView::engaged(PartId part) const {
-  const std::vector<SiteId>& sites = members(part).sites;
+bool OwnershipView::isCoHolder(PartId part) const {
+  const std::vector<SiteId>& sites = coHolders(part).sites;
   return std::find(sites.begin(), sites.end(), state_->self) != sites.end();
 }
 
 std::size_t OwnershipView::simulators(PartId part) const {
-  return members(part).sites.size() + (state_->parts[part].record.owner != kNoSite ? 1 : 0);
+  return coHolders(part).sites.size() + (state_->parts[part].record.owner != kNoSite ? 1 : 0);
 }
 
 OwnershipView::Verdict OwnershipView::accept(SiteId from, const PartState& state) {
@@ -109,14 +109,14 @@ void OwnershipView::renewed(Micros pingSent, Micros received) {
     ++state_->lapses;
     for (State::Entry& entry : state_->parts) {
       entry.unconfirmed = true;
-      entry.engagedConfirmed = false;
+      entry.coHoldingConfirmed = false;
     }
   }
   renewed(pingSent);
 }
 
-void OwnershipView::engagementConfirmed(PartId part) {
-  if (part < state_->parts.size()) state_->parts[part].engagedConfirmed = true;
+void OwnershipView::coHoldingConfirmed(PartId part) {
+  if (part < state_->parts.size()) state_->parts[part].coHoldingConfirmed = true;
 }
 
 std::uint32_t OwnershipView::lapses() const { return state_->lapses; }

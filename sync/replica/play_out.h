@@ -1,11 +1,11 @@
 #pragma once
 
-// Shows the states of a part that another site moves. They wait in a short buffer and are played out a little
-// late, so that jitter and losses do not reach the hand. The buffer interpolates between states (cubic
-// Hermite, from positions and velocities), extrapolates for a bounded time, then stands still; corrections
+// Plays out the states of a part that another site moves. They wait in a short buffer and are played out with
+// a delay, so that jitter and losses do not reach the hand. The buffer interpolates between states (cubic
+// Hermite, from positions and velocities), extrapolates for a bounded time, then holds the pose; corrections
 // after an extrapolation are blended in.
 //
-// No allocation: may live in the haptic thread. Times are session time.
+// No allocation, so the haptic thread may use it. Times are session time.
 
 #include <array>
 #include <cstddef>
@@ -15,8 +15,9 @@
 
 namespace tandem::sync {
 
-/// The play-out delay D_p: the 98 % quantile of the transits (arrival - state time) + kReserve, followed
-/// quickly up and slowly down.
+/// The play-out delay D_p: a quantile of recent transits (arrival - state time), after Moon, Kurose and
+/// Towsley, "Packet audio playout delay adjustment: performance bounds and algorithms", Multimedia Systems 6
+/// (1998). The quantile is 98 %, kReserve is added, and the delay follows quickly up and slowly down.
 class PlayOutDelay {
  public:
   /// A state that held at `stateTime` arrived at `arrival`.
@@ -38,8 +39,8 @@ class PlayOutDelay {
 
 class PlayOut {
  public:
-  /// A new epoch or the end of one: from now on the part is at this pose, reached from the shown pose by a
-  /// blend of `blend` (0 = at once). Older states are forgotten (S6).
+  /// An epoch began or ended: from now on the part is at this pose, to which the displayed pose blends within
+  /// `blend` (0 = at once). Older states are forgotten (S6).
   void restart(const Pose& worldFromPart, Micros now, Micros blend);
 
   /// A state that ownership has accepted, holding at `time`. Out-of-order states within the buffer are sorted
@@ -52,7 +53,7 @@ class PlayOut {
     bool extrapolated = false;
     bool still = true;  // at rest, and no newer state is known
   };
-  /// What to show at session time `now`, playing at `now - delay`.
+  /// The pose to display at session time `now`: that of `now - delay`.
   Shown at(Micros now, Micros delay);
 
   static constexpr Micros kMaxExtrapolation = 50 * kMillisecond;

@@ -16,7 +16,7 @@ constexpr Micros kBeyondUsual = 60 * kMillisecond;   // past the usual age the p
 constexpr double kAgeShare = 0.1;                    // weight of a new age in the average
 constexpr double kUnseen = 1e-6;                     // m
 constexpr double kUnseenTurn = 1e-5;                 // rad
-constexpr Micros kLongestStep = 100 * kMillisecond;  // between states that tell an acceleration
+constexpr Micros kLongestStep = 100 * kMillisecond;  // between two states that give an acceleration
 
 }  // namespace
 
@@ -62,14 +62,14 @@ void PosePrediction::standAt(const Pose& worldFromPart, Micros now) {
 Pose PosePrediction::carriedOn(Micros now) const {
   if (!known_) return newest_.worldFromPart;
   const Micros farthest = std::min(kFarthest, static_cast<Micros>(usualAge_us_) + kBeyondUsual);
-  const double way = toSeconds(std::clamp<Micros>(now - time_, 0, farthest));
-  Pose pose = integrate(newest_.worldFromPart, newest_.twist, way);
+  const double elapsed = toSeconds(std::clamp<Micros>(now - time_, 0, farthest));
+  Pose pose = integrate(newest_.worldFromPart, newest_.twist, elapsed);
   // A part that brakes comes to rest: the acceleration is applied only until the speed is zero.
   const double speed = glm::length(newest_.twist.linear);
   const double along = speed > 0.0 ? glm::dot(acceleration_, newest_.twist.linear) / speed : 0.0;
-  const double braked = along < 0.0 ? std::min(way, -speed / along) : way;
-  ASSERT(braked >= 0.0 && braked <= way);
-  pose.position += newest_.twist.linear * (braked - way) + 0.5 * braked * braked * acceleration_;
+  const double braked = along < 0.0 ? std::min(elapsed, -speed / along) : elapsed;
+  ASSERT(braked >= 0.0 && braked <= elapsed);
+  pose.position += newest_.twist.linear * (braked - elapsed) + 0.5 * braked * braked * acceleration_;
   return pose;
 }
 

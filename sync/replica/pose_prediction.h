@@ -16,8 +16,7 @@ class PosePrediction {
   void restart(const Pose& worldFromPart, Micros now);
   /// A state that held at `time`. A state older than the newest changes nothing.
   void push(const PartState& state, Micros time);
-  /// Puts the part at rest at this pose, even if a state with a later time (of a clock that is ahead) is
-  /// known.
+  /// Puts the part at rest at this pose, even if a state with a later time is known, whose clock was ahead.
   void standAt(const Pose& worldFromPart, Micros now);
   /// What to draw at session time `now`, which does not go backwards.
   Pose at(Micros now);

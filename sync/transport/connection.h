@@ -1,7 +1,7 @@
 #pragma once
 
-// One connection over sockets, from the TCP connect on: its TLS stream, its path for datagrams, and how far it
-// has got. Internal to the transport.
+// One connection over sockets, from the TCP connect on: its TLS stream, its path for datagrams, and how far
+// it has got. Internal to the transport.
 
 #include <cstddef>
 #include <memory>

@@ -13,17 +13,18 @@ namespace asio = boost::asio;
 using boost::system::error_code;
 
 constexpr Micros kHousekeeping = 25 * kMillisecond;
-constexpr Micros kCloseTime = 2 * kSecond;  // for a peer to take what is queued
+constexpr Micros kCloseTime = 2 * kSecond;  // for a peer to read what is queued
 constexpr Micros kDestructionTime = 500 * kMillisecond;
 constexpr std::size_t kMaxBacklog = 4 << 20;         // bytes queued to a peer that does not read
-constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // older state than this is of no use to anybody
+constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // state beyond this would arrive too late
 constexpr std::size_t kMaxUndelivered = 4 << 20;     // bytes received that the application has not polled
 constexpr std::size_t kMaxSpare = 16;
 constexpr std::size_t kMaxSpareBytes = 64 * 1024;
 
 }  // namespace
 
-// One thread runs the sockets; only wake() comes from another one, and a name may be looked up on Asio's own.
+// One thread runs the sockets. Only wake() is called from another one, and Asio may resolve a name on a
+// thread of its own.
 SocketCore::SocketCore(Peers peers)
     : io_(BOOST_ASIO_CONCURRENCY_HINT_1), udp_(io_), peers_(peers), work_(io_.get_executor()), timer_(io_) {}
 SocketCore::~SocketCore() = default;
@@ -151,7 +152,7 @@ void SocketCore::sendControl(ConnectionId id, std::span<const std::byte> bytes) 
   connection->stream->send(FrameType::control, bytes);
 }
 
-/// A peer that does not read gets no farewell: it would stand behind what it has not read.
+/// A peer that does not read gets no farewell, which would queue behind what it has not read.
 void SocketCore::overflow(Connection& connection) {
   ++counters_.droppedFull;
   const auto stream = connection.stream;
@@ -229,7 +230,7 @@ void SocketCore::receiveUdp() {
 
 bool SocketCore::findState() {
   while (!batch_.empty()) {
-    if (open(batch_.take())) return stateReady_ = true;
+    if (open(batch_.pop())) return stateReady_ = true;
   }
   return false;
 }
@@ -287,7 +288,7 @@ void SocketCore::keepHouse() {
   housekeeping(at);
 }
 
-/// The timer stays armed over many short waits: it may ring early, never late.
+/// The timer stays armed over many short waits: it may expire early, never late.
 void SocketCore::armTimer(Micros at) {
   if (timerArmed_ && armedAt_ <= at) return;
   timerArmed_ = true;
@@ -301,8 +302,8 @@ void SocketCore::wait(Micros timeout) {
   retired_.clear();
   keepHouse();
   watchUdp();
-  // Where it may block, run_one() takes in what has arrived just as well, with one system call less a
-  // datagram.
+  // Where wait() may block, run_one() below handles what has arrived just as well, with one system call fewer
+  // for each datagram.
   if (timeout <= 0 || woken_.load(std::memory_order_acquire) || eventReady()) io_.poll();
   while (!eventReady() && !woken_.load(std::memory_order_acquire)) {
     if (now() >= deadline) break;

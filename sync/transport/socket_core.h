@@ -44,14 +44,13 @@ class SocketCore : public SocketTransport {
   virtual void handshakeDone(Connection& connection) = 0;
   /// Offer or accept; anything wrong ends the connection.
   virtual void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) = 0;
-  /// Takes out a connection that is over. The connection lives until retire() has been called and the caller has
-  /// returned.
+  /// Removes a connection that is over. It lives until retire() has been called and the caller has returned.
   virtual void connectionClosed(Connection& connection, const std::string& reason) = 0;
   void payload(Connection& connection, FrameType type, std::span<const std::byte> bytes);
 
  protected:
   static Micros now();
-  /// Does the work that is due by the clock; runs every kHousekeeping of waiting.
+  /// Does the work that is due by the clock, every kHousekeeping.
   virtual void housekeeping(Micros now) = 0;
   /// The connection whose datagrams have this id, or null.
   virtual Connection* connectionOf(std::uint64_t wireId) = 0;
@@ -61,10 +60,10 @@ class SocketCore : public SocketTransport {
   void refuse(Connection& connection, const std::string& reason);
   /// Removes an announced connection and queues its `closed`.
   void drop(Connection& connection, const std::string& reason);
-  /// Keeps a connection until no handler can be using it.
+  /// Keeps a connection alive until no handler can use it.
   void retire(std::shared_ptr<Connection> connection) { retired_.push_back(std::move(connection)); }
   void queueClosed(ConnectionId id, std::string reason);
-  /// For destructors: lets close() finish what it can within half a second, then cuts everything.
+  /// For destructors: gives close() half a second to finish, then cuts all connections.
   void shutDown();
   void watchUdp();
   void sendProbe(Connection& connection, Micros now);

@@ -1,4 +1,5 @@
-// The server's end: accepts, shakes hands, tells datagrams apart by their connection id.
+// The server's end: accepts connections, completes handshakes, and assigns datagrams to connections by their
+// id.
 
 #include <openssl/rand.h>
 #include <sys/socket.h>
@@ -33,7 +34,7 @@ class ServerTransport final : public SocketCore {
   Status listen(const std::string& host, std::uint16_t port);
   std::uint16_t port() const override { return port_; }
 
-  void handshakeDone(Connection&) override {}  // the client speaks first
+  void handshakeDone(Connection&) override {}  // the client sends the first frame
   void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) override;
   void connectionClosed(Connection& connection, const std::string& reason) override;
 
@@ -46,7 +47,7 @@ class ServerTransport final : public SocketCore {
   void accept();
   void accepted(tcp::socket socket);
   std::uint64_t newWireId() const;
-  std::shared_ptr<Connection> takePending(Connection& connection);
+  std::shared_ptr<Connection> removePending(Connection& connection);
 
   std::unique_ptr<SslContext> context_;
   ListenOptions options_;
@@ -55,7 +56,7 @@ class ServerTransport final : public SocketCore {
   std::vector<std::shared_ptr<Connection>> pending_;  // oldest first
   std::unordered_map<std::uint64_t, Connection*> byWireId_;
   ConnectionId nextId_ = 0;
-  Micros acceptAt_ = 0;  // not 0: accepting rests until then
+  Micros acceptAt_ = 0;  // if not 0, no connection is accepted before then
 };
 
 ServerTransport::~ServerTransport() {
@@ -126,7 +127,7 @@ void ServerTransport::accept() {
 void ServerTransport::accepted(tcp::socket socket) {
   tuneTcp(socket);
   if (pending_.size() >= options_.maxPendingHandshakes) {
-    // Honest handshakes are short: the oldest one is the likeliest to be a peer that only holds a place.
+    // Honest handshakes are short, so the oldest one most likely belongs to a peer that only occupies a slot.
     pending_.front()->stream->abandon();
     connectionClosed(*pending_.front(), {});
   }
@@ -145,13 +146,13 @@ std::uint64_t ServerTransport::newWireId() const {
   return id;
 }
 
-std::shared_ptr<Connection> ServerTransport::takePending(Connection& connection) {
+std::shared_ptr<Connection> ServerTransport::removePending(Connection& connection) {
   const auto found =
       std::find_if(pending_.begin(), pending_.end(), [&](const auto& p) { return p.get() == &connection; });
   if (found == pending_.end()) return nullptr;
-  std::shared_ptr<Connection> taken = std::move(*found);
+  std::shared_ptr<Connection> removed = std::move(*found);
   pending_.erase(found);
-  return taken;
+  return removed;
 }
 
 void ServerTransport::greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
@@ -171,12 +172,12 @@ void ServerTransport::greeting(Connection& connection, FrameType type, std::span
   }
   byWireId_[accept.wireId] = &connection;
   connection.stream->send(FrameType::accept, encode(accept));
-  announce(takePending(connection), nextId_++);
+  announce(removePending(connection), nextId_++);
 }
 
 void ServerTransport::connectionClosed(Connection& connection, const std::string& reason) {
   if (connection.channel != nullptr) byWireId_.erase(connection.channel->wireId());
-  if (auto pending = takePending(connection)) {
+  if (auto pending = removePending(connection)) {
     ++counters_.failedHandshakes;
     retire(std::move(pending));
     return;

@@ -23,11 +23,11 @@ StateChannel::StateChannel(Side side, SealAlgorithm algorithm, const StateKeys& 
       sealer_(algorithm, keyToSend(side, keys), wireId),
       opener_(algorithm, keyToReceive(side, keys), wireId),
       started_(now),
-      lastHeard_(now),
+      lastReceived_(now),
       nextProbe_(now) {}
 
 void StateChannel::update(Micros now) {
-  if (heard_ && now - lastHeard_ > kPathSilence) heard_ = usable_ = false;
+  if (receiving_ && now - lastReceived_ > kPathSilence) receiving_ = usable_ = false;
 }
 
 std::size_t StateChannel::sealState(std::span<const std::byte> plain, std::byte* out) {
@@ -37,7 +37,7 @@ std::size_t StateChannel::sealState(std::span<const std::byte> plain, std::byte*
 std::size_t StateChannel::sealProbe(DatagramKind kind, std::byte* out) {
   std::array<std::byte, kMaxStateBytes> plain{};
   ASSERT(kind != DatagramKind::state);
-  plain[0] = heard_ ? std::byte{1} : std::byte{0};
+  plain[0] = receiving_ ? std::byte{1} : std::byte{0};
   const std::size_t size = sealer_.seal(kind, plain, out);
   ASSERT(size <= kMaxDatagramBytes);
   return size;
@@ -45,7 +45,7 @@ std::size_t StateChannel::sealProbe(DatagramKind kind, std::byte* out) {
 
 std::size_t StateChannel::probeIfDue(Micros now, std::byte* out) {
   if (side_ != Side::client || now < nextProbe_) return 0;
-  const bool often = !heard_ && now - started_ < kProbeBurst;
+  const bool often = !receiving_ && now - started_ < kProbeBurst;
   nextProbe_ = now + (often ? kProbeOften : kProbeSeldom);
   return sealProbe(DatagramKind::probe, out);
 }
@@ -56,19 +56,19 @@ StateChannel::Received StateChannel::receive(std::span<const std::byte> datagram
   Received received{.verdict = opened.verdict, .newest = opened.newest};
   if (opened.verdict != Opener::Verdict::accepted) return received;
   ASSERT(opened.size + kSealOverheadBytes == datagram.size());
-  lastHeard_ = now;
-  const bool firstHeard = !heard_;
-  heard_ = true;
+  lastReceived_ = now;
+  const bool first = !receiving_;
+  receiving_ = true;
   if (opened.kind == DatagramKind::state) {
-    // A sender uses this path only once it knows that it is heard. Its probes say so too, but may arrive
-    // later.
+    // A sender uses this path only once it knows that its datagrams arrive. Its probes carry the same
+    // information, but may arrive later.
     usable_ = true;
     received.isState = true;
     received.size = opened.size;
   } else if (opened.kind == DatagramKind::answer) {
     usable_ = true;
     // The server learns at once, instead of at the next probe, that its datagrams arrive.
-    if (firstHeard) received.replyBytes = sealProbe(DatagramKind::probe, reply);
+    if (first) received.replyBytes = sealProbe(DatagramKind::probe, reply);
   } else if (side_ == Side::server) {
     if (opened.newest && opened.size > 0) usable_ = out[0] != std::byte{0};
     received.replyBytes = sealProbe(DatagramKind::answer, reply);

@@ -3,8 +3,8 @@
 // The UDP path of one connection: seals and opens its datagrams, and decides from probes whether state may
 // use it. It has no socket and no clock: its owner moves the bytes and passes the time.
 //
-// 1. The client probes; the server answers. A probe says whether its sender hears the other end, so both ends
-//    know the state of both directions.
+// 1. The client probes; the server answers. A probe carries whether its sender receives datagrams of the
+//    other end, so both ends know the state of both directions.
 // 2. Probes and answers are as large as the largest state: a path that passes them passes every state.
 // 3. Silence for kPathSilence means that the path is gone; probing goes on, so state returns when the path
 //    does.
@@ -23,8 +23,8 @@ namespace tandem::sync {
 inline constexpr std::size_t kMaxDatagramBytes = kMaxStateBytes + kSealOverheadBytes;
 inline constexpr Micros kProbeBurst = kSecond;            // how long a new client probes often
 inline constexpr Micros kProbeOften = 50 * kMillisecond;  // while nothing is known
-inline constexpr Micros kProbeSeldom =
-    500 * kMillisecond;  // to keep the path and any address translation open
+/// Keeps the path, and any address translation on it, open.
+inline constexpr Micros kProbeSeldom = 500 * kMillisecond;
 /// Half of a lease (LeaseRules), so that pings, which are state too, change to TLS before the lease expires.
 inline constexpr Micros kPathSilence = kSecond;
 
@@ -39,7 +39,7 @@ class StateChannel {
   StateChannel(Side side, SealAlgorithm algorithm, const StateKeys& keys, std::uint64_t wireId, Micros now);
 
   std::uint64_t wireId() const { return wireId_; }
-  /// Whether state sent now arrives, as far as is known.
+  /// Whether state that is sent now will arrive, as far as is known.
   bool usable() const { return usable_; }
   /// Marks the path as gone after kPathSilence.
   void update(Micros now);
@@ -51,7 +51,7 @@ class StateChannel {
 
   struct Received {
     Opener::Verdict verdict = Opener::Verdict::forged;
-    bool isState = false;  // `size` bytes of state stand in `out`
+    bool isState = false;  // `out` holds `size` bytes of state
     std::size_t size = 0;
     bool newest = false;         // the datagram shows the sender's current address
     std::size_t replyBytes = 0;  // a datagram to send back, in `reply`
@@ -67,8 +67,8 @@ class StateChannel {
   std::uint64_t wireId_;
   Sealer sealer_;
   Opener opener_;
-  Micros started_, lastHeard_, nextProbe_;
-  bool heard_ = false;  // a datagram of the other end came within kPathSilence
+  Micros started_, lastReceived_, nextProbe_;
+  bool receiving_ = false;  // a datagram of the other end arrived within kPathSilence
   bool usable_ = false;
 };
 

@@ -69,13 +69,13 @@ bool parsePin(const std::string& text, Pin& pin) {
 
 void freePin(void*, void* pin, CRYPTO_EX_DATA*, int, long, void*) { delete static_cast<Pin*>(pin); }
 
-/// The slot in an SSL_CTX that holds the pin it must see.
+/// The slot of an SSL_CTX for the pin that the peer's key must have.
 int pinSlot() {
   static const int slot = SSL_CTX_get_ex_new_index(0, nullptr, nullptr, nullptr, freePin);
   return slot;
 }
 
-/// OpenSSL's certificate check, replaced: the key is the one in the join link, or the handshake fails.
+/// Replaces OpenSSL's certificate check: the handshake fails unless the key has the pin of the join link.
 int verifyPin(X509_STORE_CTX* store, void*) {
   const auto* ssl =
       static_cast<const SSL*>(X509_STORE_CTX_get_ex_data(store, SSL_get_ex_data_X509_STORE_CTX_idx()));
@@ -93,8 +93,8 @@ std::unique_ptr<SslContext> baseContext(SslContext::method method) {
   SSL_CTX* raw = context->native_handle();
   SSL_CTX_set_min_proto_version(raw, TLS1_3_VERSION);
   SSL_CTX_set_max_proto_version(raw, TLS1_3_VERSION);
-  // A connection is never resumed at this level: the session's own tickets do that, checked against the
-  // journal.
+  // TLS does not resume connections: a site resumes by the session's own ticket, which the server checks
+  // against its journal.
   SSL_CTX_set_session_cache_mode(raw, SSL_SESS_CACHE_OFF);
   SSL_CTX_set_num_tickets(raw, 0);
   return context;

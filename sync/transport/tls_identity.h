@@ -1,6 +1,7 @@
 #pragma once
 
-// Certificates and pins: what TLS needs to know about who is who. Internal to the transport: includes Asio.
+// Certificates and pins: the identities of the two ends of a TLS connection. Internal to the transport:
+// includes Asio.
 
 #include <utility>
 // Asio needs <utility> before it.

@@ -97,7 +97,7 @@ void TlsStream::readDone(const Code& failure, std::size_t bytes) {
 }
 
 bool TlsStream::parseFrames() {
-  const auto self = shared_from_this();  // a listener may let go of us
+  const auto self = shared_from_this();  // a listener may release this stream
   while (listener_ != nullptr && inputEnd_ - inputBegin_ >= kLengthBytes) {
     const std::byte* begin = input_.data() + inputBegin_;
     const std::size_t length = loadLength(begin);
@@ -107,7 +107,7 @@ bool TlsStream::parseFrames() {
     }
     if (inputEnd_ - inputBegin_ < kLengthBytes + length) break;
     inputBegin_ += kLengthBytes + length;
-    if (closing_) continue;  // nobody wants it any more
+    if (closing_) continue;  // what arrives after close() is dropped
     listener_->onFrame(static_cast<FrameType>(begin[kLengthBytes]), {begin + kLengthBytes + 1, length - 1});
   }
   return listener_ != nullptr;
@@ -150,8 +150,8 @@ void TlsStream::writeDone(const Code& failure, std::size_t bytes) {
   writeInFlight_ = false;
   if (listener_ == nullptr) return;
   written_ += bytes;
-  // A peer that is gone may have said why: what it sent before stands in the input still, and the read ends
-  // by itself.
+  // A peer that closed may have sent a farewell, which is still in the input. The pending read then reports
+  // the end of the connection.
   if (failure && reading_ && !closing_) return;
   if (failure) return finish(closing_ ? std::string() : reasonOf(failure));
   write();
@@ -182,8 +182,8 @@ void TlsStream::abandon() {
   listener_ = nullptr;
   auto& socket = stream_.next_layer();
   if (!socket.is_open()) return;
-  // Unread input would turn the close into a reset, and that would take from the peer what it has not read
-  // yet.
+  // Closing a TCP socket with unread input resets the connection (RFC 1122 section 4.2.2.13), which discards
+  // what the peer has not read yet.
   std::array<char, 4096> rest;
   for (int i = 0; i < 64 && recv(socket.native_handle(), rest.data(), rest.size(), MSG_DONTWAIT) > 0; ++i) {
   }
@@ -200,14 +200,14 @@ bool TlsStream::exportKeys(SealAlgorithm algorithm, StateKeys& keys) {
     return false;
   }
   const unsigned char* from = material.data();
-  const auto take = [&from](auto& field) {
+  const auto fill = [&from](auto& field) {
     std::memcpy(field.data(), from, field.size());
     from += field.size();
   };
-  take(keys.clientToServer.key);
-  take(keys.serverToClient.key);
-  take(keys.clientToServer.iv);
-  take(keys.serverToClient.iv);
+  fill(keys.clientToServer.key);
+  fill(keys.serverToClient.key);
+  fill(keys.clientToServer.iv);
+  fill(keys.serverToClient.iv);
   OPENSSL_cleanse(material.data(), material.size());
   return true;
 }

@@ -59,15 +59,15 @@ class TlsStream : public std::enable_shared_from_this<TlsStream> {
   void send(FrameType type, std::span<const std::byte> bytes);
   /// Bytes queued and not yet given to the kernel.
   std::size_t backlog() const { return writing_.size() - written_ + pending_.size(); }
-  /// Stops or resumes reading, for a listener that has too much queued.
+  /// Stops or resumes reading, for a listener with too much queued.
   void pauseReading(bool paused);
-  /// Sends what is queued, says goodbye, closes; then onClosed("").
+  /// Sends what is queued, shuts TLS down, closes; then onClosed("").
   void close();
   bool closing() const { return closing_; }
   /// Cuts the connection; the listener is not called again.
   void abandon();
 
-  /// Key material that both ends share and nobody else knows (RFC 8446 section 7.5). After onHandshake.
+  /// Exports keying material for the datagrams (RFC 8446 section 7.5). After onHandshake.
   [[nodiscard]] bool exportKeys(SealAlgorithm algorithm, StateKeys& keys);
 
  private:
@@ -94,7 +94,8 @@ class TlsStream : public std::enable_shared_from_this<TlsStream> {
   bool closing_ = false, shuttingDown_ = false;
 };
 
-/// How long TCP keeps trying before it gives a silent peer up, and no delay for small messages.
+/// Bounds the time for which TCP retransmits to a silent peer or keeps an idle connection to one, and turns
+/// off Nagle's algorithm (RFC 896), which delays small messages.
 void tuneTcp(boost::asio::ip::tcp::socket& socket);
 
 }  // namespace tandem::sync

@@ -14,7 +14,7 @@ constexpr int kSocketBufferBytes = 4 << 20;
 }  // namespace
 
 struct UdpBatch::Buffers {
-  // One byte more than the largest good datagram, so that a longer one shows.
+  // One byte more than the largest good datagram, so that a longer one is detected.
   std::array<std::array<std::byte, kMaxDatagramBytes + 1>, kCapacity> bytes;
   std::array<UdpAddress, kCapacity> addresses;
   std::array<iovec, kCapacity> vectors{};
@@ -44,7 +44,7 @@ bool UdpBatch::receive(int socket) {
   return count_ == kCapacity;
 }
 
-UdpBatch::Datagram UdpBatch::take() {
+UdpBatch::Datagram UdpBatch::pop() {
   ASSERT(!empty());
   const std::size_t i = next_++;
   const mmsghdr& header = buffers_->headers[i];

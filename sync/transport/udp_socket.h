@@ -27,7 +27,7 @@ class UdpBatch {
   UdpBatch();
   ~UdpBatch();
 
-  /// Takes what has arrived on a non-blocking socket; true if there may be more.
+  /// Receives what has arrived on a non-blocking socket; true if there may be more.
   bool receive(int socket);
   bool empty() const { return next_ == count_; }
 
@@ -37,7 +37,7 @@ class UdpBatch {
     bool oversized = false;
   };
   /// The next datagram of a batch that is not empty.
-  Datagram take();
+  Datagram pop();
 
  private:
   struct Buffers;
@@ -48,7 +48,8 @@ class UdpBatch {
 /// Sends without blocking; `to` null: to where the socket is connected. False: the send queue was full.
 bool sendDatagram(int socket, const UdpAddress* to, std::span<const std::byte> bytes);
 
-/// As large as the system lets us: a burst from many sites must not be lost before we run.
+/// Makes the kernel's buffers as large as the system allows, so that a burst from many sites is not lost
+/// before this thread runs.
 void enlargeBuffers(int socket);
 
 }  // namespace tandem::sync

@@ -15,9 +15,9 @@
 namespace tandem::sync {
 namespace {
 
-constexpr Micros kResendPause =
-    10 * kMillisecond;  // a lost segment is noticed a round trip and this much later
-constexpr int kMostResends = 10;
+/// A lost segment is sent again a round trip and this much later.
+constexpr Micros kResendPause = 10 * kMillisecond;
+constexpr int kMaxResends = 10;
 
 struct Received {
   TransportEvent::Kind kind = TransportEvent::Kind::closed;
@@ -35,7 +35,7 @@ struct Endpoint {
   std::map<ConnectionId, std::shared_ptr<Connection>> connections;
 };
 
-/// One direction of the control stream of a connection: first in, first out.
+/// One direction of the control stream of a connection: a queue.
 struct Channel {
   struct Item {
     bool closes = false;
@@ -72,7 +72,7 @@ struct Later {
   }
 };
 
-/// The wires between the endpoints.
+/// The network between the endpoints.
 struct Core {
   explicit Core(std::uint64_t seed) : random(seed) {}
 
@@ -107,7 +107,7 @@ struct Core {
   void sendControl(const std::shared_ptr<Connection>& connection, Side to, Channel::Item item,
                    Micros extra = 0) {
     Micros arrival = now + legDelay() + extra;
-    for (int i = 0; i < kMostResends && chance(conditions.loss); ++i)
+    for (int i = 0; i < kMaxResends && chance(conditions.loss); ++i)
       arrival += conditions.oneWay + kResendPause;
     Channel& channel = connection->toward[to];
     channel.lastArrival = std::max(channel.lastArrival, arrival);

@@ -23,7 +23,7 @@ namespace tandem::sync {
 struct NetworkConditions {
   Micros oneWay = 0;    // through the server; half on each leg
   double jitter = 0.0;  // share of the delay, uniform, plus and minus
-  double loss = 0.0;    // probability a datagram on the whole way; control is delayed by a resend instead
+  double loss = 0.0;  // probability for a datagram on the whole path; control is delayed by a resend instead
   double duplicate = 0.0;
   double reorder = 0.0;  // probability that a datagram is held back by one more delay
 };

@@ -18,12 +18,12 @@ void BitWriter::put(std::uint64_t value, int bits) {
   }
   while (bits > 0) {
     const int offset = static_cast<int>(position_ % 8);
-    const int taken = std::min(8 - offset, bits);
-    const auto low = static_cast<unsigned>(value & ((1u << taken) - 1u));
+    const int count = std::min(8 - offset, bits);
+    const auto low = static_cast<unsigned>(value & ((1u << count) - 1u));
     bytes_[position_ / 8] |= static_cast<std::byte>(low << offset);
-    value >>= taken;
-    bits -= taken;
-    position_ += static_cast<std::size_t>(taken);
+    value >>= count;
+    bits -= count;
+    position_ += static_cast<std::size_t>(count);
   }
 }
 
@@ -50,11 +50,11 @@ std::uint64_t BitReader::get(int bits) {
   std::uint64_t value = 0;
   for (int done = 0; done < bits;) {
     const int offset = static_cast<int>(position_ % 8);
-    const int taken = std::min(8 - offset, bits - done);
-    const unsigned part = (std::to_integer<unsigned>(bytes_[position_ / 8]) >> offset) & ((1u << taken) - 1u);
+    const int count = std::min(8 - offset, bits - done);
+    const unsigned part = (std::to_integer<unsigned>(bytes_[position_ / 8]) >> offset) & ((1u << count) - 1u);
     value |= static_cast<std::uint64_t>(part) << done;
-    done += taken;
-    position_ += static_cast<std::size_t>(taken);
+    done += count;
+    position_ += static_cast<std::size_t>(count);
   }
   return value;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-// Packs integers of any width into bytes and takes them out again.
+// Packs integers of any width into bytes and unpacks them.
 //
 // Bit i of a stream is bit i % 8 of byte i / 8, and a number's least significant bit comes first: a number
 // whose width and place are whole bytes is therefore a little-endian integer.

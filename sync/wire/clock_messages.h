@@ -17,8 +17,8 @@ struct Pong {
   std::uint32_t sequence = 0;
   Micros siteTime = 0;    // copied from the Ping
   Micros serverTime = 0;  // session time when the Pong was sent
-  std::uint32_t received =
-      0;  // state datagrams received from this site so far: the site computes its uplink loss
+  /// State updates that the server has received from this site so far, for its uplink loss.
+  std::uint32_t received = 0;
 };
 
 }  // namespace tandem::sync

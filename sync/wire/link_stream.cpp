@@ -10,10 +10,10 @@ namespace {
 
 constexpr double kWhole24 = 16777216.0;
 constexpr std::uint32_t kLow24 = (1u << 24) - 1;
-constexpr Micros kMostAhead = kSecond / 2;  // more than two clocks that are set differ by
-constexpr std::uint32_t kPoseEvery = 8;     // datagrams; the pose bounds the error after losses
+constexpr Micros kMaxAhead = kSecond / 2;  // synchronised clocks differ by less
+constexpr std::uint32_t kPoseEvery = 8;    // datagrams; the pose bounds the error after losses
 
-/// The code of a number in steps of `quantum`, by its low 32 bits.
+/// The low 32 bits of a whole number of steps, in two's complement.
 std::uint32_t lowBits(double steps) {
   constexpr double kWhole = 4294967296.0;
   return static_cast<std::uint32_t>(steps - kWhole * std::floor(steps / kWhole));
@@ -34,7 +34,7 @@ Pose advanced(const Pose& pose, const Twist& twist, double seconds) {
 
 std::optional<Micros> sessionTimeOf(const LinkUpdate& update, Micros now) {
   const auto time = static_cast<Micros>(nearest(static_cast<double>(now), update.time, kWhole24));
-  if (time > now + kMostAhead) return std::nullopt;
+  if (time > now + kMaxAhead) return std::nullopt;
   return time;
 }
 

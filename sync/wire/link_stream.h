@@ -17,7 +17,7 @@
 
 namespace tandem::sync {
 
-/// One end of a link at one instant.
+/// The state of one end of a link at one instant.
 struct LinkState {
   std::uint32_t epoch = 0, sequence = 0;  // the sequence grows by one a datagram, from 1 in each epoch
   Micros time = 0;                        // of the session
@@ -33,15 +33,15 @@ struct LinkState {
 /// Encodes a state for the wire. A pose that is not valid is left out.
 LinkUpdate toWire(const LinkState& state, SiteId peer, PartId part);
 
-/// The session time at which a datagram was made that came at `now` (session time); nothing if it lies
-/// further ahead than clocks can differ, so that it was taken before the sender's clock was set.
+/// The session time at which a datagram that arrived at `now` (session time) was made. Nothing if it lies
+/// further ahead than synchronised clocks can differ: the sender's clock was not yet synchronised.
 std::optional<Micros> sessionTimeOf(const LinkUpdate& update, Micros now);
 
 /// Completes the datagrams of one peer about one part.
 class LinkReceiver {
  public:
-  /// The completed state of a datagram that came at `now` (session time); nothing if it is of an earlier
-  /// epoch, lies in the future, or no pose is known yet. A larger epoch begins anew.
+  /// The completed state of a datagram that arrived at `now` (session time). Nothing if the datagram is of an
+  /// earlier epoch or lies in the future, or if no pose is known yet. A larger epoch resets the receiver.
   std::optional<LinkState> receive(const LinkUpdate& update, Micros now);
   /// The same where the datagram's own session time is already known, from sessionTimeOf().
   std::optional<LinkState> receiveAt(const LinkUpdate& update, Micros time);

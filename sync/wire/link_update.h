@@ -10,11 +10,11 @@
 
 namespace tandem::sync {
 
-/// The terms of a coordination link, which its owner sets: multiples of the quanta below.
-struct LineTerms {
+/// What both ends of a coordination link use, as its owner decides: multiples of the quanta below.
+struct LinkAgreement {
   double impedance = 27.0, softImpedance = 14.0;  // N s/m, of the regimes stiff and soft
   double packetPeriod = 4e-3;                     // s, between packets of either end
-  friend bool operator==(const LineTerms&, const LineTerms&) = default;
+  friend bool operator==(const LinkAgreement&, const LinkAgreement&) = default;
 };
 inline constexpr double kImpedanceQuantum = 0.125;       // N s/m
 inline constexpr double kPacketPeriodQuantum = 0.25e-3;  // s
@@ -24,9 +24,9 @@ inline constexpr double kPacketPeriodQuantum = 0.25e-3;  // s
 struct LinkUpdate {
   SiteId peer = kNoSite;  // to the server: the addressee; from the server: the sender
   PartId part = kNoPart;
-  std::uint32_t epoch = 0;  // of the link, chosen by the owner; larger than any of it before
+  std::uint32_t epoch = 0;  // of the link, chosen by the owner; larger than any earlier one of this link
   std::uint16_t sequence = 0;
-  std::uint32_t time = 0;               // us of session time, 24 bits
+  std::uint32_t time = 0;               // low 24 bits of session time in us
   std::array<std::uint32_t, 6> wave{};  // steps of kWaveQuantum, 24 bits each
   std::uint32_t energy = 0;             // steps of kEnergyQuantum
   std::uint8_t fade = 0;                // 255ths
@@ -35,7 +35,7 @@ struct LinkUpdate {
   bool posed = false;       // whether the fields that follow are present
   Pose worldFromDrawn;
   Twist twist;
-  LineTerms terms;
+  LinkAgreement terms;
 };
 inline constexpr double kWaveQuantum = 1e-5;    // sqrt(W) s
 inline constexpr double kEnergyQuantum = 1e-7;  // J

@@ -1,7 +1,7 @@
 #pragma once
 
-// Who owns a part and who simulates it beside its owner: what a site requests, and what the server answers and
-// publishes. The rules are in sync/replica/README.md.
+// Who owns a part and who simulates it beside its owner: what a site requests, and what the server answers
+// and publishes. The rules are in sync/replica/README.md.
 
 #include <cstdint>
 #include <vector>
@@ -23,14 +23,15 @@ struct PartRecord {
   Pose worldFromPart;
 };
 
-/// The sites that simulate a part beside its owner, because their hands or parts of theirs touch it. Newer
-/// where (epoch, version) is larger. With its owner they are n sites, each with a replica of 1/n of its mass.
-struct MemberRecord {
+/// The co-holders of a part: the sites that simulate it beside its owner, because their hands or parts of
+/// theirs touch it. A record is newer where (epoch, version) is larger. The owner and its co-holders are n
+/// sites, each with a replica of 1/n of the part's mass.
+struct CoHolderRecord {
   PartId part = kNoPart;
   Epoch epoch = 0;
   std::uint32_t version = 0;
-  std::vector<SiteId> sites;  // who has been engaged for longest first; the owner is not among them
-  friend bool operator==(const MemberRecord&, const MemberRecord&) = default;
+  std::vector<SiteId> sites;  // the longest co-holder first; the owner is not among them
+  friend bool operator==(const CoHolderRecord&, const CoHolderRecord&) = default;
 };
 
 // ---- site to server ----
@@ -53,12 +54,12 @@ struct Reclaim {
   Epoch epoch = 0;
   Pose worldFromPart;
 };
-/// The site simulates a part beside the site that owns it. Answered by an EngageReply.
+/// The site becomes a co-holder of a part that another site owns. Answered by an EngageReply.
 struct Engage {
   RequestId request = 0;
   PartId part = kNoPart;
 };
-/// The site no longer simulates the part. Answered by an EngageReply.
+/// The site is a co-holder of the part no longer. Answered by an EngageReply.
 struct Disengage {
   RequestId request = 0;
   PartId part = kNoPart;
@@ -74,7 +75,7 @@ enum class Denial : std::uint8_t {
   unknownPart,
   recovering,  // a restarted server waits for earlier owners to come back (S8)
   stale,       // a Reclaim or Release of an epoch that is over
-  notOwned,    // an Engage in a part that nobody or the site itself owns: it is to be grabbed
+  notOwned,    // an Engage for a part that no other site owns: it is to be grabbed
 };
 const char* toString(Denial denial);
 /// The answer to Grab or Reclaim, repeated unchanged if the request is repeated (S7).
@@ -89,7 +90,7 @@ struct ReleaseReply {
   PartRecord part;
 };
 /// Published to every site in the same order for each part: a new epoch, or the end of an ownership (owner =
-/// kNoSite). The pose is the last state of what was before: nobody shows an older state after this (S6).
+/// kNoSite). The pose is the last state of the epoch before: no site displays an older state after this (S6).
 struct OwnershipChanged {
   PartRecord part;
 };
@@ -98,11 +99,11 @@ struct OwnershipChanged {
 struct EngageReply {
   RequestId request = 0;
   Denial denial = Denial::none;
-  MemberRecord members;  // as they are now
+  CoHolderRecord coHolders;  // as they are now
 };
 /// Published to every site in the same order for each part, behind the OwnershipChanged that goes with it.
 struct MembersChanged {
-  MemberRecord members;
+  CoHolderRecord coHolders;
 };
 
 }  // namespace tandem::sync

@@ -16,7 +16,7 @@ constexpr int kLongestPrefix = 32;
 /// How a state is predicted from its baseline.
 enum class Rule : std::uint8_t { steady, changing };
 
-// ---- three small numbers: Exp-Golomb codes of an order that is sent with them ----
+// ---- three small numbers: Exp-Golomb codes (Teuhola 1978) of an order that is sent with them ----
 
 std::uint64_t folded(std::int64_t x) {
   return x >= 0 ? 2 * static_cast<std::uint64_t>(x) : 2 * static_cast<std::uint64_t>(-x) - 1;
@@ -69,8 +69,8 @@ Code3 getThree(BitReader& reader, int order) {
 
 // ---- prediction ----
 
-std::int64_t rounded(double value, std::int64_t most) {
-  return std::clamp<std::int64_t>(std::llround(value), -most, most);
+std::int64_t rounded(double value, std::int64_t max) {
+  return std::clamp<std::int64_t>(std::llround(value), -max, max);
 }
 Code3 operator-(const Code3& a, const Code3& b) { return {a[0] - b[0], a[1] - b[1], a[2] - b[2]}; }
 Code3 operator+(const Code3& a, const Code3& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
@@ -91,7 +91,8 @@ Code3 predictedSpeed(const Code3& before, const Code3& at, Rule rule, double h, 
 
 /// The displacement from 0 to d, in steps of the velocity times seconds: the integral of v(t) = at + b t + c
 /// t^2 through the known velocities (the trapezoid rule, where c = 0).
-glm::dvec3 way(const Code3& before, const Code3& at, const Code3& after, Rule rule, double h, double d) {
+glm::dvec3 displacement(const Code3& before, const Code3& at, const Code3& after, Rule rule, double h,
+                        double d) {
   glm::dvec3 sum;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto v0 = static_cast<double>(at[i]);
@@ -105,7 +106,7 @@ glm::dvec3 way(const Code3& before, const Code3& at, const Code3& after, Rule ru
 }
 
 /// A rotation vector as a quaternion by the series of sine and cosine: exact enough for the angles of a
-/// prediction, and the same everywhere.
+/// prediction, with the same bits on every machine.
 glm::dquat turned(const glm::dvec3& rotation, const glm::dquat& from) {
   const glm::dvec3 v = 0.5 * rotation;
   const double s = v.x * v.x + v.y * v.y + v.z * v.z;
@@ -118,7 +119,7 @@ glm::dquat turned(const glm::dvec3& rotation, const glm::dquat& from) {
   return glm::dquat(q.w / norm, q.x / norm, q.y / norm, q.z / norm);
 }
 
-/// A baseline and a time after it, ready to predict by one of the rules.
+/// Predicts the state at a time after a baseline, by one of the rules.
 class Prediction {
  public:
   Prediction(const PartBaseline& baseline, Micros elapsed, const WireFrame& frame, Rule rule)
@@ -132,7 +133,7 @@ class Prediction {
   Code3 angular() const { return speed(baseline_.before.angular, baseline_.code.twist.angular); }
   Code3 position(const Code3& linear) const {
     const glm::dvec3 moved =
-        way(baseline_.before.linear, baseline_.code.twist.linear, linear, rule_, h_, d_) *
+        displacement(baseline_.before.linear, baseline_.code.twist.linear, linear, rule_, h_, d_) *
         (kMaxLinearSpeed / kSpeedMax * stepsPerMetre_);
     Code3 code;
     for (std::size_t i = 0; i < 3; ++i)
@@ -144,7 +145,7 @@ class Prediction {
     const bool valid = fromCode(baseline_.code.pose, {}, pose);
     ASSERT(valid);
     const glm::dvec3 turn =
-        way(baseline_.before.angular, baseline_.code.twist.angular, angular, rule_, h_, d_) *
+        displacement(baseline_.before.angular, baseline_.code.twist.angular, angular, rule_, h_, d_) *
         (kMaxAngularSpeed / kSpeedMax);
     return turned(turn, pose.orientation);
   }
@@ -274,7 +275,8 @@ DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros ela
     now.twist.linear = prediction.linear() + residual.threes[0];
     now.twist.angular = prediction.angular() + residual.threes[1];
   }
-  // Checked before they are used: no prediction is made from a velocity out of range.
+  // The velocities are checked before they are used, since nothing is predicted from one that is out of
+  // range.
   if (!within(now.twist.linear, -kSpeedMax, kSpeedMax) || !within(now.twist.angular, -kSpeedMax, kSpeedMax)) {
     reader.fail();
     return {};
@@ -290,8 +292,8 @@ DeltaOrders getDelta(BitReader& reader, const PartBaseline& baseline, Micros ela
   return residual.bestOrders();
 }
 
-PartBaseline toldAgainst(const PartBaseline& baseline, Micros elapsed, const PartCode& now,
-                         const DeltaOrders& orders) {
+PartBaseline encodedAgainst(const PartBaseline& baseline, Micros elapsed, const PartCode& now,
+                            const DeltaOrders& orders) {
   ASSERT(elapsed > 0);
   return {now, true, baseline.code.twist, elapsed, orders};
 }

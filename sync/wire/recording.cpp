@@ -28,7 +28,7 @@ constexpr std::array<std::uint32_t, 256> crcTable() {
   return table;
 }
 
-/// CRC-32 of IEEE 802.3: finds a write that a crash cut off, not an attacker.
+/// CRC-32 of IEEE 802.3. It detects a write that a crash cut off; it is no protection against an attacker.
 std::uint32_t crc32(std::span<const std::byte> bytes) {
   static constexpr auto kTable = crcTable();
   std::uint32_t crc = 0xffffffffu;
@@ -135,8 +135,8 @@ struct RecordingReader::State {
   std::string damaged;
   bool ended = false;
 
-  /// Reads up to `count` more bytes of the record; how many there were.
-  std::size_t take(std::size_t count) {
+  /// Appends up to `count` bytes of the file to the record; returns how many there were.
+  std::size_t read(std::size_t count) {
     const std::size_t at = record.size();
     record.resize(at + count);
     const std::size_t got = std::fread(record.data() + at, 1, count, file.get());
@@ -159,7 +159,7 @@ Result<RecordingReader> RecordingReader::open(const std::string& path) {
   auto state = std::make_unique<State>();
   state->file.reset(std::fopen(path.c_str(), "rb"));
   if (!state->file) return Error{path + ": cannot open the recording: " + std::strerror(errno)};
-  if (state->take(kHeaderBytes) != kHeaderBytes) return Error{path + ": too short for a recording"};
+  if (state->read(kHeaderBytes) != kHeaderBytes) return Error{path + ": too short for a recording"};
   const std::span<const std::byte> bytes(state->record);
   if (std::memcmp(bytes.data(), kMagic, 8) != 0) return Error{path + ": not a recording of this version"};
   if (crc32(bytes.first(kHeaderBytes - kCrcBytes)) != getNumber(bytes, kHeaderBytes - kCrcBytes, 4)) {
@@ -186,12 +186,12 @@ const std::string& RecordingReader::damaged() const { return state_->damaged; }
 std::optional<RecordingEntry> RecordingReader::next() {
   if (state_->ended) return std::nullopt;
   state_->record.clear();
-  const std::size_t head = state_->take(kRecordHead);
+  const std::size_t head = state_->read(kRecordHead);
   if (head == 0) return state_->end("");
   if (head < kRecordHead) return state_->end("the last record is cut off");
   const std::size_t size = getNumber(state_->record, 0, 4);
   if (size > kMaxControlBytes) return state_->end("a record's length is out of range");
-  if (state_->take(size + kCrcBytes) != size + kCrcBytes) return state_->end("the last record is cut off");
+  if (state_->read(size + kCrcBytes) != size + kCrcBytes) return state_->end("the last record is cut off");
 
   const std::span<const std::byte> bytes(state_->record);
   if (crc32(bytes.first(kRecordHead + size)) != getNumber(bytes, kRecordHead + size, 4)) {

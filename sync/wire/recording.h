@@ -1,11 +1,11 @@
 #pragma once
 
-// A recording of a session: what happened when, enough to show it again with its forces. One file, appended
-// to while the session runs; a file cut off by a crash is readable up to the cut.
+// A recording of a session: its messages with their session times, enough to replay it with its forces. One
+// file, appended to while the session runs; a file cut off by a crash is readable up to the cut.
 //
 // Layout: header (magic "TNDMREC1", scene hash, position range, checksum), then records (length, kind,
 // session time, payload, checksum); sync/WIRE.md has the bytes. Payloads are control and state messages as on
-// the wire, so a recording speaks one language with the network.
+// the wire, so recording and network have one codec.
 
 #include <cstdio>
 #include <memory>

@@ -26,7 +26,7 @@ bool StateBundle::add(std::span<const std::byte> message) {
   return true;
 }
 
-std::span<const std::byte> takeMessage(std::span<const std::byte>& datagram) {
+std::span<const std::byte> popMessage(std::span<const std::byte>& datagram) {
   std::span<const std::byte> message = datagram;
   if (datagram.size() > kHead && datagram[0] == std::byte{kStateVersion} && datagram[1] == kPair) {
     const auto length = std::to_integer<std::size_t>(datagram[2]);

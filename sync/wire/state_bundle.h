@@ -1,7 +1,7 @@
 #pragma once
 
 // State messages that leave one end of a connection at the same time, in one datagram: each datagram costs 32
-// bytes of seal and 28 of IP and UDP beside what it says.
+// bytes of seal and 28 of IP and UDP headers beside its messages.
 //
 // 1. The messages keep their order; a single message is a datagram without any head.
 // 2. No allocation once the buffer has grown.
@@ -38,8 +38,8 @@ class StateBundle {
   std::size_t last_ = 0;  // where the last message begins
 };
 
-/// Takes the first message off a datagram. Bytes that are no bundle count as one message, which decoding may
+/// Splits the first message off a datagram. Bytes that are no bundle count as one message, which decoding may
 /// refuse.
-std::span<const std::byte> takeMessage(std::span<const std::byte>& datagram);
+std::span<const std::byte> popMessage(std::span<const std::byte>& datagram);
 
 }  // namespace tandem::sync

@@ -20,7 +20,7 @@ inline constexpr int kPositionBits = 24, kQuaternionBits = 18, kSpeedBits = 16, 
 inline constexpr int kPoseBits = 3 * kPositionBits + 2 + 3 * kQuaternionBits;
 inline constexpr int kTwistBits = 6 * kSpeedBits;
 inline constexpr int kHandBits = kPoseBits + 3 * kSpeedBits + 1 + kPartBits;
-inline constexpr int kPresenceBits = kHandBits + kPoseBits;  // hand and eyes
+inline constexpr int kPresenceBits = kHandBits + kPoseBits;  // hand and camera
 inline constexpr int kSmallestPartBits = kPartBits + 8 + 8 + kPoseBits + 1;
 inline constexpr std::int64_t kPositionMax = (std::int64_t{1} << (kPositionBits - 1)) - 1;
 inline constexpr std::int64_t kQuaternionMax = (1 << (kQuaternionBits - 1)) - 1;
@@ -61,13 +61,13 @@ bool fromCode(const PoseCode& code, const WireFrame& frame, Pose& pose);
 Twist fromCode(const TwistCode& code);
 bool fromCode(const PartCode& code, const WireFrame& frame, PartState& state);
 
-/// Whether a state can be sent at all.
+/// Whether a state can be encoded: it has a part and a valid pose.
 bool sendable(const PartState& state);
 
 void put(BitWriter& writer, const PoseCode& code);
 void put(BitWriter& writer, const TwistCode& code);
 void putTime(BitWriter& writer, Micros time);
-/// `camera`: whether the pose of the camera goes along.
+/// `camera`: whether the pose of the camera is included.
 void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
                  int& clamped);
 /// A part by itself, without a baseline.

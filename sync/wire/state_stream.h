@@ -4,26 +4,25 @@
 // datagram that the receiver has acknowledged. Site to server and server to each site are streams of their
 // own, each with its own losses; the server decodes and encodes in between.
 //
-// 1. Every datagram is decodable alone by whoever has its baseline, and says which one that is. Whoever lacks
-//    it drops the datagram and counts it: nothing is ever applied to another baseline.
+// 1. Every datagram names its baseline and can be decoded by a receiver that has it. A receiver that lacks it
+//    drops the datagram and counts it, so no difference is applied to another baseline.
 // 2. Baselines: at most every kKeepInterval the sender marks a datagram to be kept. The receiver keeps it and
 //    acknowledges it; the sender encodes against the newest acknowledged one that it still has. Both keep the
-//    newest kKept that were marked, so what the sender chooses, the receiver has.
-// 3. Without an acknowledged baseline (at the start, after an outage of a second) parts are sent whole: a
-//    receiver is never further from a usable state than the next datagram.
+//    newest kKept marked datagrams, so the receiver has every baseline that the sender may choose.
+// 3. Without an acknowledged baseline (at the start, after an outage of a second) parts are sent whole, so
+//    the next datagram gives a receiver a usable state.
 // 4. Each datagram against a baseline carries a checksum of the decoded states.
 // 5. Both ends keep integer codes, not floating-point numbers, and predict from them: no error accumulates.
 //
-// No allocation once the buffers have grown. One thread.
+// The sender is StateSender (state_sender.h), the receiver StateReceiver (state_receiver.h). Neither
+// allocates once its buffers have grown; each is used by one thread.
 
-#include <array>
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <vector>
 
 #include "sync/wire/part_delta.h"
-#include "sync/wire/wire.h"
 
 namespace tandem::sync {
 
@@ -39,102 +38,37 @@ struct KeptUpdate {
   std::vector<PartBaseline> parts;
 };
 
-class StateSender {
+inline constexpr int kDistanceBits = 16, kCheckBits = 16;
+
+/// A checksum of the states that the receiver must decode: every number enters it, in the order of the wire
+/// (sync/WIRE.md).
+class StateChecksum {
  public:
-  /// Replaces `bytes`. Parts from the back of update.parts are left out if they do not fit; presence goes
-  /// along where it is new (StateUpdate::newPresence), or new to this receiver; of it the camera where that
-  /// moved, and at times.
-  void encode(const StateUpdate& update, const WireFrame& frame, std::vector<std::byte>& bytes,
-              EncodeLosses* losses = nullptr);
-  void acknowledged(const StateAck& ack);
-  /// The connection is a new one: the receiver has no baseline.
-  void reset() { streams_.clear(); }
-  /// Frees the stream of an origin that is not coming back.
-  void forget(SiteId origin);
+  void add(const PartCode& code) {
+    for (const std::uint64_t x :
+         {std::uint64_t{code.part}, std::uint64_t{code.epoch}, std::uint64_t{code.sequence},
+          static_cast<std::uint64_t>(code.pose.largest)})
+      mix(x);
+    for (const Code3* three :
+         {&code.pose.position, &code.pose.three, &code.twist.linear, &code.twist.angular})
+      for (const std::int64_t x : *three) mix(static_cast<std::uint64_t>(x));
+  }
+  std::uint64_t value() const { return state_ >> (64 - kCheckBits); }
 
  private:
-  /// What goes into an update beside the parts.
-  struct With {
-    bool presence = false, camera = false;
-  };
-  struct Stream {
-    SiteId origin = kNoSite;
-    int presences = 0;  // sent since the camera moved
-    Pose camera;        // as sent last
-    bool everKept = false;
-    Micros keptAt = 0;
-    std::size_t next = 0;  // in `kept`, to be replaced
-    std::vector<KeptUpdate> kept;
-
-    With goesAlong(const StateUpdate& update);
-  };
-  /// How one part of the baseline is encoded.
-  struct Plan {
-    const PartBaseline* baseline = nullptr;
-    int code = -1;  // in codes_; -1: it is not in this datagram
-    bool same = false;
-    DeltaOrders orders{};
-  };
-
-  Stream& streamOf(SiteId origin);
-  const KeptUpdate* baselineFor(const Stream& stream, const StateUpdate& update) const;
-  std::optional<std::uint32_t> stepFrom(const KeptUpdate& baseline) const;
-  void plan(const KeptUpdate* baseline, Micros elapsed, std::optional<std::uint32_t> step,
-            const WireFrame& frame, int room);
-  void write(const StateUpdate& update, const KeptUpdate* baseline, std::uint32_t step, bool keep, With with,
-             const WireFrame& frame, std::vector<std::byte>& bytes, EncodeLosses& losses);
-  void keep(Stream& stream, const StateUpdate& update, Micros elapsed);
-
-  std::vector<Stream> streams_;
-  std::vector<PartCode> codes_;
-  std::vector<Plan> plans_;         // of the baseline's parts
-  std::vector<std::size_t> whole_;  // in codes_
-  std::vector<PartBaseline> spare_;
+  void mix(std::uint64_t x) { state_ = (state_ ^ x) * 0x9e3779b97f4a7c15u; }
+  std::uint64_t state_ = 1;
 };
 
-class StateReceiver {
- public:
-  /// `origins`: of how many sites updates may come; one for what a site itself sends, whatever it says it is.
-  explicit StateReceiver(std::size_t origins = kMaxSites) : origins_(origins) {}
+/// The stream of this origin, or null.
+template <typename Streams>
+auto* findStream(Streams& streams, SiteId origin) {
+  const auto at = std::find_if(streams.begin(), streams.end(),
+                               [&](const auto& stream) { return stream.origin == origin; });
+  return at == streams.end() ? nullptr : &*at;
+}
 
-  enum class Outcome : std::uint8_t {
-    taken,
-    malformed,
-    noBaseline,  // against a datagram that this end does not have
-    spoilt,      // the checksum of the decoded states does not match
-  };
-  /// As decodeState, for every kind of datagram; an update without a presence gets the newest one known.
-  Outcome decode(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);
-  /// The acknowledgement that is due now; nothing if there is nothing new, or the last one is less than
-  /// kAckInterval old.
-  std::optional<StateAck> takeAck(Micros now);
-  void reset();
-  void forget(SiteId origin);
-
- private:
-  struct Stream {
-    SiteId origin = kNoSite;
-    bool hasPresence = false, hasCamera = false;
-    std::uint32_t presenceSequence = 0, cameraSequence = 0;
-    Presence presence;
-    Pose camera;
-    std::vector<KeptUpdate> kept;
-  };
-
-  Outcome decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update);
-  Outcome readAgainst(BitReader& reader, const KeptUpdate& baseline, Micros elapsed, std::uint32_t step,
-                      const WireFrame& frame);
-  Outcome readWhole(BitReader& reader);
-  Stream* streamOf(SiteId origin);
-  void takePresence(Stream& stream, bool camera, StateUpdate& update);
-  void keep(Stream& stream, const StateUpdate& update);
-
-  std::size_t origins_;
-  std::vector<Stream> streams_;
-  std::vector<PartBaseline> parts_;  // of the datagram that is being read
-  StateAck ack_;
-  bool everAcknowledged_ = false;
-  Micros acknowledgedAt_ = 0;
-};
+/// Whether sequence `a` is newer than `b`, over a wrap too.
+inline bool isNewer(std::uint32_t a, std::uint32_t b) { return static_cast<std::int32_t>(a - b) > 0; }
 
 }  // namespace tandem::sync

@@ -44,9 +44,9 @@ struct StateUpdate {
 
 /// Which of the StateUpdates that were marked to be kept the receiver has (state_stream.h).
 struct StateAck {
-  static constexpr std::size_t kMost = 16;
+  static constexpr std::size_t kMax = 16;
   std::uint8_t count = 0;
-  std::array<std::uint32_t, kMost> sequences{};  // the first `count`
+  std::array<std::uint32_t, kMax> sequences{};  // the first `count`
 };
 
 }  // namespace tandem::sync

@@ -1,8 +1,8 @@
 #pragma once
 
-// State and control messages of one direction, counted by what they are for. Bytes are those of the messages:
-// on sockets a datagram of several has 3 more for each but the last, sealing adds 32 to each datagram (the
-// transport counts them), and a frame 5 and TLS some 22 to each control message.
+// State and control messages of one direction, counted by purpose. Only the bytes of the messages count.
+// Sockets add 3 bytes for each message of a datagram but the last and 32 of seal to each datagram, which the
+// transport counts, and to each control message 5 of frame and some 22 of TLS.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,7 +19,7 @@ struct Traffic {
   Flow presence;  // updates without parts, and the bytes of presence in those with parts
   Flow links, pings, acks;
   Flow control;
-  Flow unknown;  // of a kind that does not exist
+  Flow unknown;  // of an unknown kind
 
   /// Counts a message by its first bytes, whether or not it decodes.
   void countState(std::span<const std::byte> datagram);

@@ -11,22 +11,11 @@
 #include <vector>
 
 #include "assets/base/result.h"
-#include "assets/scene/scene.h"
 #include "sync/wire/control_message.h"
 #include "sync/wire/state_message.h"
+#include "sync/wire/wire_frame.h"
 
 namespace tandem::sync {
-
-/// The range in which positions are quantised on the wire; the same at every site because it comes from the
-/// scene. Positions outside are clamped, and counted by the encoder.
-struct WireFrame {
-  glm::dvec3 centre{0.0, 0.0, 0.0};  // m
-  double halfExtent = 2.0;           // m, of a cube around the centre
-};
-
-/// A cube several times the scene's bounds, so that parts can be laid aside. Position quantum: 2 halfExtent /
-/// 2^24.
-WireFrame wireFrame(const assets::Bounds& sceneBounds);
 
 /// Text is cut to its limit, and bytes that a receiver would refuse (not UTF-8, control characters) become
 /// '?'.
@@ -35,8 +24,8 @@ std::vector<std::byte> encodeControl(const ControlMessage& message);
 /// version is decoded, so that the server can answer it.
 Result<ControlMessage> decodeControl(std::span<const std::byte> bytes);
 
-/// What a state datagram's second byte says. A streamed update is one that StateSender writes
-/// (state_stream.h); a pair is a message and another one, or pair, behind it (state_bundle.h).
+/// The second byte of a state datagram. A streamed update is one that StateSender writes (state_stream.h); a
+/// pair is a message and another one, or pair, behind it (state_bundle.h).
 enum class StateKind : std::uint8_t {
   update = 1,
   ping = 2,
@@ -57,7 +46,7 @@ struct EncodeLosses {
 /// Does not allocate once `bytes` has the capacity kMaxStateBytes.
 void encodeState(const StateMessage& message, const WireFrame& frame, std::vector<std::byte>& bytes,
                  EncodeLosses* losses = nullptr);
-/// Whether a datagram says that it is a StateUpdate, whole or streamed.
+/// Whether a datagram's kind is that of a StateUpdate, whole or streamed.
 bool isStateUpdate(std::span<const std::byte> bytes);
 /// Decodes every kind but the streamed one, which StateReceiver reads. Reuses the storage of `message` (a
 /// StateUpdate keeps its vector's capacity). After an error its content is unspecified.

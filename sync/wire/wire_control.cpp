@@ -35,7 +35,7 @@ std::size_t printableSequence(const std::string& text, std::size_t i) {
   }
   const std::uint32_t smallest = length == 2 ? 0x80 : length == 3 ? 0x800 : 0x10000;
   const bool surrogate = code >= 0xd800 && code < 0xe000;
-  const bool control = code < 0xa0;  // C1: some terminals obey these
+  const bool control = code < 0xa0;  // C1 control characters, which some terminals execute
   return code < smallest || code > 0x10ffff || surrogate || control ? 0 : length;
 }
 
@@ -195,7 +195,7 @@ class Reader {
     std::uint16_t size = 0;
     number(size);
     if (size > limit) fail("a list is too long");
-    // A count is believed only as far as the bytes for it are there.
+    // A count is trusted only as far as the bytes for it are there.
     if (!ok() || !need(size * smallest)) return;
     values.resize(size);
   }
@@ -252,7 +252,7 @@ void fields(auto& a, Is<PartRecord> auto& m) {
 }
 constexpr std::size_t kPartRecordBytes = 2 + 2 + 4 + 7 * 8;
 
-void fields(auto& a, Is<MemberRecord> auto& m) {
+void fields(auto& a, Is<CoHolderRecord> auto& m) {
   a.part(m.part);
   a.number(m.epoch);
   a.number(m.version);
@@ -275,7 +275,7 @@ void fields(auto& a, Is<Grab> auto& m) {
   a.number(m.request);
   a.part(m.part);
 }
-/// Release and Reclaim say the same.
+/// Release and Reclaim have the same fields.
 void holding(auto& a, auto& m) {
   a.number(m.request);
   a.part(m.part);
@@ -314,7 +314,7 @@ void fields(auto& a, Is<SceneChunk> auto& m) {
 }
 void fields(auto& a, Is<SiteChanged> auto& m) { fields(a, m.site); }
 void fields(auto& a, Is<SiteLeft> auto& m) { a.number(m.site); }
-/// GrabReply and ReleaseReply say the same.
+/// GrabReply and ReleaseReply have the same fields.
 void reply(auto& a, auto& m) {
   a.number(m.request);
   a.enumeration(m.denial, Denial::notOwned);
@@ -339,9 +339,9 @@ void fields(auto& a, Is<Disengage> auto& m) {
 void fields(auto& a, Is<EngageReply> auto& m) {
   a.number(m.request);
   a.enumeration(m.denial, Denial::notOwned);
-  fields(a, m.members);
+  fields(a, m.coHolders);
 }
-void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.members); }
+void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.coHolders); }
 
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
 static_assert(kKinds == 22, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");

@@ -45,7 +45,7 @@ void encodeUpdate(const StateUpdate& update, const WireFrame& frame, std::vector
   ASSERT(!writer.overflowed() && writer.bitCount() == static_cast<std::size_t>(bits));
 }
 
-/// 1..255 of them.
+/// The number of steps, 1..255.
 std::uint64_t inSteps(double value, double quantum) {
   return static_cast<std::uint64_t>(std::clamp(std::round(value / quantum), 1.0, 255.0));
 }
@@ -87,7 +87,7 @@ void encodeLink(const LinkUpdate& link, const WireFrame& frame, std::vector<std:
 }
 
 void encodeAck(const StateAck& ack, std::vector<std::byte>& bytes) {
-  ASSERT(ack.count <= StateAck::kMost);
+  ASSERT(ack.count <= StateAck::kMax);
   bytes.resize(3 + 4 * std::size_t{ack.count});
   BitWriter writer(bytes);
   writer.put(kVersion, 8);
@@ -118,7 +118,7 @@ void decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update
   update.newPresence = update.presenceKnown = true;
   update.parts.clear();
   const std::size_t count = reader.get(8);
-  // A count is believed only as far as the bits for it are there.
+  // A count is trusted only as far as the bits for it are there.
   if (count * kSmallestPartBits > reader.remaining()) return reader.fail();
   update.parts.resize(count);
   for (std::size_t i = 0; i < count && !reader.failed(); ++i) {
@@ -145,7 +145,7 @@ void decodeLink(BitReader& reader, const WireFrame& frame, LinkUpdate& link) {
   link.posed = reader.get(1) == 1;
   link.worldFromDrawn = Pose{};
   link.twist = Twist{};
-  link.terms = LineTerms{};
+  link.terms = LinkAgreement{};
   if (!link.posed) return;
   getPose(reader, frame, link.worldFromDrawn);
   link.twist = getTwist(reader);
@@ -156,7 +156,7 @@ void decodeLink(BitReader& reader, const WireFrame& frame, LinkUpdate& link) {
 
 void decodeAck(BitReader& reader, StateAck& ack) {
   ack.count = static_cast<std::uint8_t>(reader.get(8));
-  if (ack.count == 0 || ack.count > StateAck::kMost) {
+  if (ack.count == 0 || ack.count > StateAck::kMax) {
     ack.count = 0;
     return reader.fail();
   }
@@ -171,19 +171,6 @@ T& as(StateMessage& message) {
 }
 
 }  // namespace
-
-WireFrame wireFrame(const assets::Bounds& sceneBounds) {
-  const glm::dvec3 size = sceneBounds.max - sceneBounds.min;
-  const double largest = std::max({size.x, size.y, size.z});
-  if (!(size.x >= 0.0 && size.y >= 0.0 && size.z >= 0.0) || !(largest < 1e6)) return {};
-  WireFrame frame;
-  frame.centre = 0.5 * (sceneBounds.min + sceneBounds.max);
-  // Eight times the scene, and never less than an arm's reach: hands move in metres even where parts are
-  // small.
-  const double wanted = std::max(4.0 * largest, 0.5);
-  frame.halfExtent = std::exp2(std::ceil(std::log2(wanted)));
-  return frame;
-}
 
 void encodeState(const StateMessage& message, const WireFrame& frame, std::vector<std::byte>& bytes,
                  EncodeLosses* losses) {

@@ -190,7 +190,7 @@ class Site {
     transport_->sendState(0, bytes_);
     waitFor([&](const sync::TransportEvent& event) {
       for (auto rest = event.bytes; event.kind == Kind::state && !rest.empty();) {
-        if (!sync::decodeState(sync::takeMessage(rest), frame_, state_)) continue;
+        if (!sync::decodeState(sync::popMessage(rest), frame_, state_)) continue;
         const auto* pong = std::get_if<sync::Pong>(&state_);
         if (pong != nullptr && pong->sequence == pings_) return true;
       }

@@ -36,7 +36,7 @@
 #include "sync/transport/seal.h"
 #include "sync/transport/socket_transport.h"
 #include "sync/wire/state_bundle.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
 #include "sync/wire/wire.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/forwarder.h"
@@ -201,7 +201,7 @@ std::optional<double> travelBetween(End& sender, End& receiver, const sync::Wire
       const double at = 1e6 * watch.seconds();
       using Outcome = sync::StateReceiver::Outcome;
       for (auto rest = event.bytes; event.kind == Kind::state && !rest.empty();) {
-        if (states.decode(sync::takeMessage(rest), frame, message) != Outcome::taken) continue;
+        if (states.decode(sync::popMessage(rest), frame, message) != Outcome::decoded) continue;
         const auto* update = std::get_if<sync::StateUpdate>(&message);
         if (update != nullptr && update->parts.size() == 1 && update->parts[0].sequence == sequence)
           took = at;

@@ -229,7 +229,7 @@ def test_contend(binaries, folder, figures):
         # Whoever did not know yet that it was owned is told so, and then shares it.
         late = [answer for answer in answers if answer != "granted"]
         check(len(answers) - len(late) == 1 and late in ([], ["somebody else holds it"]) and
-              server.count(PEG, "is engaged") == 1, f"one owns it, one shares it: {answers}")
+              server.count(PEG, "is a co-holder") == 1, f"one owns it, one shares it: {answers}")
         check(server.count(PEG, "released by", "now with") <= 1 and server.said(PEG, "released by"),
               "nobody has it in the end")
         for site, result in zip((a, b), results):

@@ -7,7 +7,8 @@
 
 #include "sync/wire/link_stream.h"
 #include "sync/wire/state_bundle.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
+#include "sync/wire/state_sender.h"
 #include "sync/wire/traffic.h"
 #include "sync/wire/wire.h"
 
@@ -60,7 +61,7 @@ StateReceiver begun() {
   StateSender().encode(update, kFrame, bytes);
   StateReceiver receiver;
   StateMessage message;
-  if (receiver.decode(bytes, kFrame, message) != StateReceiver::Outcome::taken) std::abort();
+  if (receiver.decode(bytes, kFrame, message) != StateReceiver::Outcome::decoded) std::abort();
   return receiver;
 }
 
@@ -76,7 +77,7 @@ void streamed(std::span<const std::byte> bytes) {
       for (const int byte : {int{kStateVersion}, 5, 3, 0, 2, 0, 0, 0, 0x15, 0, 0})
         datagram.push_back(static_cast<std::byte>(byte));
     datagram.insert(datagram.end(), bytes.begin(), bytes.end());
-    if (receiver.decode(datagram, kFrame, message) != StateReceiver::Outcome::taken) continue;
+    if (receiver.decode(datagram, kFrame, message) != StateReceiver::Outcome::decoded) continue;
     if (const auto* update = std::get_if<StateUpdate>(&message))
       for (const PartState& part : update->parts)
         if (!tandem::isValid(part.worldFromPart) || part.part >= tandem::kMaxParts) std::abort();
@@ -109,7 +110,7 @@ void difference(std::span<const std::byte> bytes) {
 void bundled(std::span<const std::byte> bytes) {
   std::size_t most = bytes.size();
   do {
-    const std::span<const std::byte> message = takeMessage(bytes);
+    const std::span<const std::byte> message = popMessage(bytes);
     if (message.size() > most || bytes.size() + message.size() > most) std::abort();
     most = bytes.size();
     state(message);

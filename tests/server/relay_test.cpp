@@ -1,5 +1,5 @@
-// The relay's own cost and record: no heap use per update once everything has grown, links that are replaced
-// when used, and a recording that holds what was relayed.
+// The cost and the record of the relay: no heap use per update once its buffers have grown, join links that
+// are replaced when they are used, and a recording that holds what was relayed.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -12,7 +12,8 @@
 #include "server/invitations.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
+#include "sync/wire/state_sender.h"
 #include "sync/wire/wire.h"
 #include "tests/support/allocation_counter.h"
 
@@ -59,7 +60,7 @@ class HandFedTransport final : public Transport {
     std::copy(bytes.begin(), bytes.end(), last.bytes.begin());
     last.size = bytes.size();
   }
-  /// The newest datagram that this connection was sent.
+  /// The newest datagram that was sent to this connection.
   std::span<const std::byte> lastTo(ConnectionId to) const {
     const Last& last = last_[to % last_.size()];
     return std::span(last.bytes).first(last.size);
@@ -130,7 +131,7 @@ struct Relay {
     journal.advanceTo(now);
     session->step(now, kUnix);
   }
-  /// Keeps the lease, every tenth of a second.
+  /// Renews the lease every tenth of a second.
   void pingNow(int period) {
     if (period % 25 != 0) return;
     encodeState(Ping{static_cast<std::uint32_t>(period), now}, wireFrame(scene.bounds), bytes);
@@ -177,9 +178,9 @@ TEST(Relay, AllocatesNothingForAnUpdateOnceItsBuffersHaveGrown) {
   }
   EXPECT_EQ(relay.session->counters().relayedParts - before, 1000u);
   EXPECT_EQ(relay.session->counters().expiries, 0u);
-  // These are four seconds, and once a second a moving part's pose goes into the journal.
+  // In these four seconds, the pose of a moving part goes into the journal once a second.
   EXPECT_LE(stepsThatAllocate, 4) << allocations << " allocations";
-  // The control: a step that the counter must see.
+  // The control: a step whose allocations the counter must count.
   const test::AllocationScope scope;
   relay.transport.control(2, Grab{1, 0});
   relay.step();
@@ -218,7 +219,8 @@ TEST(Relay, RecordsWhatItRelays) {
   std::filesystem::remove(pattern);
 }
 
-/// Of sixty parts that move, all of site 1, what reaches site 2, which has acknowledged nothing: they do not fit.
+/// The parts that reach site 2 of sixty moving ones of site 1. Site 2 has acknowledged nothing, so they do
+/// not all fit.
 std::vector<PartId> partsThatReach(Relay& relay, const std::optional<Presence>& presence) {
   const WireFrame frame = wireFrame(relay.scene.bounds);
   for (PartId part = 1; part < 60; ++part) {
@@ -226,12 +228,12 @@ std::vector<PartId> partsThatReach(Relay& relay, const std::optional<Presence>& 
     relay.step();
     relay.step();
   }
-  StateUpdate eyes;
-  eyes.sequence = 1;
-  eyes.time = relay.session->sessionTime();
+  StateUpdate view;
+  view.sequence = 1;
+  view.time = relay.session->sessionTime();
   if (presence) {
-    eyes.presence = *presence;
-    encodeState(eyes, frame, relay.bytes);
+    view.presence = *presence;
+    encodeState(view, frame, relay.bytes);
     relay.transport.state(2, relay.bytes);
     relay.step();
   }
@@ -260,7 +262,8 @@ std::vector<PartId> partsThatReach(Relay& relay, const std::optional<Presence>& 
     relay.step();
     if (decodeState(relay.transport.lastTo(1), frame, message))
       if (const auto* ack = std::get_if<StateAck>(&message)) sender.acknowledged(*ack);
-    if (receiver.decode(relay.transport.lastTo(2), frame, message) != StateReceiver::Outcome::taken) continue;
+    if (receiver.decode(relay.transport.lastTo(2), frame, message) != StateReceiver::Outcome::decoded)
+      continue;
     reached.clear();
     for (const PartState& state : std::get<StateUpdate>(message).parts) reached.push_back(state.part);
   }
@@ -279,7 +282,7 @@ TEST(Relay, WhatAReceiverTouchesAndLooksAtGoesFirst) {
   ASSERT_LT(reached.size(), 60u);
   EXPECT_TRUE(has(reached, 51));
   for (PartId part = 0; part < 60; part += 2) EXPECT_TRUE(has(reached, part)) << part;
-  // Control: of eyes that look the other way it sends others.
+  // Control: for a camera that looks in the other direction it sends others.
   presence.worldFromCamera.orientation = fromRotationVector({0.0, 3.14159265358979, 0.0});
   Relay turned(nullptr, 60);
   const std::vector<PartId> others = partsThatReach(turned, presence);

@@ -79,24 +79,24 @@ struct Rig {
   std::string token(Role role) { return session->makeToken(role, kUnix + 3600); }
   FakeSite& join(const std::string& name, Role role = Role::participant, SiteColour colour = {1, 2, 3}) {
     FakeSite& site = connect(name);
-    site.say(Hello{kProtocolVersion, false, token(role), name, colour});
+    site.send(Hello{kProtocolVersion, false, token(role), name, colour});
     run(40 * kMillisecond);
     EXPECT_NE(site.last<Welcome>(), nullptr);
-    site.say(Ready{});
+    site.send(Ready{});
     run(20 * kMillisecond);
     return site;
   }
   FakeSite& resume(const std::string& name, const std::string& ticket, SiteColour colour = {1, 2, 3}) {
     FakeSite& site = connect(name);
-    site.say(Hello{kProtocolVersion, true, ticket, name, colour});
+    site.send(Hello{kProtocolVersion, true, ticket, name, colour});
     run(40 * kMillisecond);
     EXPECT_NE(site.last<Welcome>(), nullptr);
-    site.say(Ready{});
+    site.send(Ready{});
     run(20 * kMillisecond);
     return site;
   }
   GrabReply grab(FakeSite& site, PartId part, RequestId request) {
-    site.say(Grab{request, part});
+    site.send(Grab{request, part});
     run(40 * kMillisecond);
     const auto* reply = site.last<GrabReply>();
     EXPECT_NE(reply, nullptr);
@@ -116,7 +116,7 @@ struct Rig {
   }
   Refusal refusalOf(const Hello& hello) {
     FakeSite& site = connect("stranger" + std::to_string(sites.size()));
-    site.say(hello);
+    site.send(hello);
     run(60 * kMillisecond);
     const auto* refused = site.last<Refused>();
     EXPECT_NE(refused, nullptr);
@@ -142,7 +142,7 @@ TEST(Session, LetsATokenInOnceAlsoAcrossACrash) {
   Rig rig;
   const std::string token = rig.token(Role::participant);
   FakeSite& a = rig.connect("a");
-  a.say(Hello{kProtocolVersion, false, token, "a", {}});
+  a.send(Hello{kProtocolVersion, false, token, "a", {}});
   rig.run(50 * kMillisecond);
   ASSERT_NE(a.last<Welcome>(), nullptr);
   EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::alreadyUsed);
@@ -161,8 +161,8 @@ TEST(Session, RefusesWhenFull) {
 TEST(Session, GivesSimultaneousGrabsOneWinnerKnownToAll) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b"), &c = rig.join("c", Role::observer);
-  a.say(Grab{1, 0});
-  b.say(Grab{1, 0});
+  a.send(Grab{1, 0});
+  b.send(Grab{1, 0});
   rig.run(50 * kMillisecond);
   const auto *ra = a.last<GrabReply>(), *rb = b.last<GrabReply>();
   ASSERT_TRUE(ra != nullptr && rb != nullptr);
@@ -174,26 +174,26 @@ TEST(Session, GivesSimultaneousGrabsOneWinnerKnownToAll) {
   }
 }
 
-TEST(Session, PassesAPartOnToWhoIsEngagedInIt) {
+TEST(Session, PassesAPartOnToItsCoHolder) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b"), &c = rig.join("c", Role::observer);
   const GrabReply held = rig.grab(a, 0, 1);
-  b.say(Engage{1, 0});
-  c.say(Engage{1, 0});
+  b.send(Engage{1, 0});
+  c.send(Engage{1, 0});
   rig.run(40 * kMillisecond);
   EXPECT_EQ(c.last<EngageReply>()->denial, Denial::roleForbids);
   const SiteId ben = b.last<Welcome>()->site;
   for (const FakeSite* site : {&a, &b, &c}) {
     ASSERT_EQ(site->count<MembersChanged>(), 1u);
-    EXPECT_EQ(site->last<MembersChanged>()->members.sites, std::vector<SiteId>{ben});
+    EXPECT_EQ(site->last<MembersChanged>()->coHolders.sites, std::vector<SiteId>{ben});
   }
-  a.say(Release{2, 0, held.part.epoch, {}});
+  a.send(Release{2, 0, held.part.epoch, {}});
   rig.run(40 * kMillisecond);
   for (const FakeSite* site : {&a, &b, &c}) {
     EXPECT_EQ(site->last<OwnershipChanged>()->part.owner, ben);
     EXPECT_EQ(site->last<OwnershipChanged>()->part.epoch, held.part.epoch + 1);
-    EXPECT_TRUE(site->last<MembersChanged>()->members.sites.empty());
-    EXPECT_EQ(site->last<MembersChanged>()->members.epoch, held.part.epoch + 1);
+    EXPECT_TRUE(site->last<MembersChanged>()->coHolders.sites.empty());
+    EXPECT_EQ(site->last<MembersChanged>()->coHolders.epoch, held.part.epoch + 1);
   }
 }
 
@@ -206,39 +206,39 @@ TEST(Session, PassesLinksOnBetweenThoseThatAPartTies) {
   link.part = 0;
   link.epoch = 3;
   link.energy = 77;
-  const auto say = [&](FakeSite& from, SiteId to) {
+  const auto sendLink = [&](FakeSite& from, SiteId to) {
     link.peer = to;
     from.send(link);
     rig.run(40 * kMillisecond);
   };
-  say(b, ann);
-  EXPECT_EQ(rig.session->counters().droppedLinks, 1u) << "not engaged yet";
-  b.say(Engage{1, 0});
+  sendLink(b, ann);
+  EXPECT_EQ(rig.session->counters().droppedLinks, 1u) << "not a co-holder yet";
+  b.send(Engage{1, 0});
   rig.run(40 * kMillisecond);
-  say(b, ann);
+  sendLink(b, ann);
   ASSERT_EQ(a.links.size(), 1u);
   EXPECT_EQ(a.links[0].peer, ben);
   EXPECT_EQ(a.links[0].energy, 77u);
-  say(a, ben);
+  sendLink(a, ben);
   ASSERT_EQ(b.links.size(), 1u);
   EXPECT_EQ(b.links[0].peer, ann);
-  say(c, ann);
-  say(b, 999);
+  sendLink(c, ann);
+  sendLink(b, 999);
   link.part = 9999;
-  say(b, ann);
+  sendLink(b, ann);
   EXPECT_EQ(rig.session->counters().droppedLinks, 4u);
   EXPECT_TRUE(c.links.empty());
 }
 
-TEST(Session, TellsWhoJoinsLaterWhoIsEngaged) {
+TEST(Session, SendsTheCoHoldersToASiteThatJoinsLater) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b");
   rig.grab(a, 0, 1);
-  b.say(Engage{1, 0});
+  b.send(Engage{1, 0});
   rig.run(40 * kMillisecond);
   FakeSite& c = rig.join("c");
   ASSERT_EQ(c.count<MembersChanged>(), 1u);
-  EXPECT_EQ(c.last<MembersChanged>()->members, b.last<MembersChanged>()->members);
+  EXPECT_EQ(c.last<MembersChanged>()->coHolders, b.last<MembersChanged>()->coHolders);
 }
 
 TEST(Session, AnswersARepeatedRequestAlike) {
@@ -253,8 +253,8 @@ TEST(Session, HoldsGrantAndDenialUntilTheRecordIsDurable) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b");
   const Micros asked = rig.now;
-  a.say(Grab{1, 0});
-  b.say(Grab{1, 0});
+  a.send(Grab{1, 0});
+  b.send(Grab{1, 0});
   rig.run(11 * kMillisecond);  // 5 ms to the server, 2 ms to the disk, 5 ms back
   EXPECT_EQ(a.last<GrabReply>(), nullptr) << rig.now - asked;
   EXPECT_EQ(b.last<GrabReply>(), nullptr);
@@ -271,13 +271,13 @@ TEST(Session, ChecksRoles) {
   EXPECT_EQ(rig.grab(p, 99, 2).denial, Denial::unknownPart);
   const auto held = rig.grab(p, 0, 3);
   ASSERT_EQ(held.denial, Denial::none);
-  o.say(Release{9, 0, held.part.epoch, {}});
-  p.say(Revoke{4, 0});
+  o.send(Release{9, 0, held.part.epoch, {}});
+  p.send(Revoke{4, 0});
   rig.run(40 * kMillisecond);
   EXPECT_EQ(o.last<ReleaseReply>()->denial, Denial::roleForbids);
   EXPECT_FALSE(p.last<CommandReply>()->done);
   EXPECT_EQ(rig.session->ownership().part(0).owner, held.part.owner);
-  i.say(Revoke{1, 0});
+  i.send(Revoke{1, 0});
   rig.run(40 * kMillisecond);
   EXPECT_TRUE(i.last<CommandReply>()->done);
   EXPECT_EQ(p.last<OwnershipChanged>()->part.owner, kNoSite);
@@ -342,7 +342,7 @@ TEST(Session, FreesPartsAtOnceOnGoodbyeAndVoidsTheTicket) {
   FakeSite &a = rig.join("a"), &b = rig.join("b");
   const std::string ticket = a.last<Welcome>()->resumeTicket;
   rig.grab(a, 0, 1);
-  a.say(Goodbye{});
+  a.send(Goodbye{});
   rig.run(40 * kMillisecond);
   EXPECT_EQ(b.last<OwnershipChanged>()->part.owner, kNoSite);
   EXPECT_EQ(b.count<SiteLeft>(), 1u);
@@ -362,9 +362,9 @@ TEST(Session, GivesEachSiteThatChoseNoColourOneThatNobodyHas) {
   };
   EXPECT_EQ(colours(d),
             (std::vector<SiteColour>{kSiteColours[0], kSiteColours[1], kSiteColours[2], {9, 8, 7}}));
-  // Who leaves frees a colour; who comes back has the one that they had.
+  // A site that leaves frees its colour; a site that comes back has its earlier one.
   const std::string ticket = c.last<Welcome>()->resumeTicket;
-  a.say(Goodbye{});
+  a.send(Goodbye{});
   rig.run(50 * kMillisecond);
   FakeSite& back = rig.resume("c", ticket, kAnyColour);
   EXPECT_EQ(colours(back), (std::vector<SiteColour>{kSiteColours[1], kSiteColours[2], {9, 8, 7}}));
@@ -393,7 +393,7 @@ TEST(Session, ResumesTheSameSiteAndReplacesItsOldConnection) {
   EXPECT_EQ(rig.session->sites().size(), 1u);
   ASSERT_EQ(again.last<Welcome>()->parts.size(), 1u);
   EXPECT_EQ(again.last<Welcome>()->parts[0].epoch, granted.part.epoch);
-  again.say(Reclaim{2, 0, granted.part.epoch, {}});
+  again.send(Reclaim{2, 0, granted.part.epoch, {}});
   rig.run(40 * kMillisecond);
   EXPECT_EQ(again.last<GrabReply>()->denial, Denial::none);
 }
@@ -411,11 +411,11 @@ TEST(Session, AfterACrashGrantsNothingUntilTheHolderIsBackAndEpochsGrow) {
   FakeSite& b2 = rig.resume("b2", ticketB);
   EXPECT_EQ(rig.grab(b2, 1, 7).denial, Denial::recovering);
   FakeSite& a2 = rig.resume("a2", ticketA);
-  a2.say(Reclaim{2, 0, held.part.epoch, held.part.worldFromPart});
+  a2.send(Reclaim{2, 0, held.part.epoch, held.part.worldFromPart});
   rig.run(40 * kMillisecond);
   EXPECT_EQ(a2.last<GrabReply>()->denial, Denial::none);
   EXPECT_EQ(rig.grab(b2, 1, 8).denial, Denial::none);
-  a2.say(Release{3, 0, held.part.epoch, held.part.worldFromPart});
+  a2.send(Release{3, 0, held.part.epoch, held.part.worldFromPart});
   rig.run(40 * kMillisecond);
   EXPECT_GT(rig.grab(b2, 0, 9).part.epoch, held.part.epoch);
 }
@@ -426,7 +426,7 @@ TEST(Session, KeepsAReleasedPoseAcrossACrash) {
   const auto held = rig.grab(a, 0, 1);
   Pose pose;
   pose.position = glm::dvec3(0.25, -0.125, 0.5);
-  a.say(Release{2, 0, held.part.epoch, pose});
+  a.send(Release{2, 0, held.part.epoch, pose});
   rig.run(40 * kMillisecond);
   ASSERT_EQ(a.last<ReleaseReply>()->denial, Denial::none);
   rig.crash();
@@ -440,14 +440,14 @@ TEST(Session, KeepsAReleasedPoseAcrossACrash) {
 TEST(Session, SendsTheSceneFromTheOffsetAskedFor) {
   Rig rig;
   FakeSite& a = rig.connect("a");
-  a.say(Hello{kProtocolVersion, false, rig.token(Role::observer), "a", {}});
+  a.send(Hello{kProtocolVersion, false, rig.token(Role::observer), "a", {}});
   rig.run(40 * kMillisecond);
   for (const std::uint64_t offset : {std::uint64_t{0}, std::uint64_t{123457}}) {
-    a.heard.clear();
-    a.say(SceneRequest{offset});
+    a.received.clear();
+    a.send(SceneRequest{offset});
     rig.run(100 * kMillisecond);
     std::vector<std::byte> got;
-    for (const auto& message : a.heard)
+    for (const auto& message : a.received)
       if (const auto* chunk = std::get_if<SceneChunk>(&message)) {
         EXPECT_EQ(chunk->offset, offset + got.size());
         for (const std::uint8_t byte : chunk->bytes) got.push_back(std::byte{byte});
@@ -455,7 +455,7 @@ TEST(Session, SendsTheSceneFromTheOffsetAskedFor) {
     EXPECT_EQ(got, std::vector<std::byte>(rig.package.begin() + static_cast<std::ptrdiff_t>(offset),
                                           rig.package.end()));
   }
-  a.say(SceneRequest{rig.package.size() + 1});
+  a.send(SceneRequest{rig.package.size() + 1});
   rig.run(60 * kMillisecond);
   EXPECT_TRUE(a.closed);
 }
@@ -465,7 +465,7 @@ TEST(Session, ClosesOnMessagesOutOfPlaceAndChangesNothing) {
   for (const auto& message : wrong) {
     Rig rig;
     FakeSite& a = rig.connect("a");
-    a.say(message);
+    a.send(message);
     rig.run(60 * kMillisecond);
     EXPECT_TRUE(a.closed);
     EXPECT_TRUE(rig.session->sites().empty());
@@ -475,7 +475,7 @@ TEST(Session, ClosesOnMessagesOutOfPlaceAndChangesNothing) {
     Rig rig;
     FakeSite &a = rig.join("a"), &b = rig.join("b");
     const auto held = rig.grab(b, 0, 1);
-    a.say(message);
+    a.send(message);
     rig.run(60 * kMillisecond);
     EXPECT_EQ(a.closed,
               !std::holds_alternative<SceneRequest>(message) && !std::holds_alternative<Ready>(message));
@@ -512,7 +512,7 @@ TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
   const auto held = rig.grab(a, 0, 1);
   rig.journal.fail("disk full");
   EXPECT_EQ(rig.grab(b, 1, 1).denial, Denial::recovering);
-  a.say(Release{2, 0, held.part.epoch, {}});
+  a.send(Release{2, 0, held.part.epoch, {}});
   a.send(rig.update(a, 0, held.part.epoch, 0.3));
   rig.run(40 * kMillisecond);
   EXPECT_EQ(a.last<ReleaseReply>()->denial, Denial::recovering);
@@ -524,11 +524,11 @@ TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
 TEST(Session, CallsAFailedJournalAnErrorOnceAndNothingElse) {
   Rig rig;
   rig.grab(rig.join("a"), 0, 1);
-  for (const LogLine& line : rig.session->takeLog()) EXPECT_FALSE(line.error) << line.text;
+  for (const LogLine& line : rig.session->drainLog()) EXPECT_FALSE(line.error) << line.text;
   rig.journal.fail("disk full");
   rig.run(2 * kSecond);
   int errors = 0;
-  for (const LogLine& line : rig.session->takeLog()) {
+  for (const LogLine& line : rig.session->drainLog()) {
     if (!line.error) continue;
     ++errors;
     EXPECT_NE(line.text.find("journal: disk full"), std::string::npos) << line.text;
@@ -554,9 +554,9 @@ TEST(Session, PutsUnownedPartsBackForAnInstructor) {
   const auto held = rig.grab(i, 0, 1);
   Pose away;
   away.position.x = 0.4;
-  i.say(Release{2, 0, held.part.epoch, away});
-  i.say(ResetParts{3});
-  i.say(ResetParts{3});  // repeated: one reset, answered again
+  i.send(Release{2, 0, held.part.epoch, away});
+  i.send(ResetParts{3});
+  i.send(ResetParts{3});  // repeated: one reset, answered again
   rig.run(60 * kMillisecond);
   ASSERT_NE(i.last<CommandReply>(), nullptr);
   EXPECT_TRUE(i.last<CommandReply>()->done);

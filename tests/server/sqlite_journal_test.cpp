@@ -74,8 +74,8 @@ TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
 
 TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
   for (int round = 0; round < 5; ++round) {
-    int told[2];
-    ASSERT_EQ(::pipe(told), 0);
+    int pipe[2];
+    ASSERT_EQ(::pipe(pipe), 0);
     const pid_t child = ::fork();
     if (child == 0) {
       auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
@@ -83,25 +83,25 @@ TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
       const auto contents = (*journal)->contents();
       Epoch epoch = contents.parts.empty() ? 0 : contents.parts[0].epoch;
       const Epoch first = epoch;
-      for (std::uint64_t said = 0;;) {
+      for (std::uint64_t reported = 0;;) {
         (*journal)->append(record(1, ++epoch));
         std::this_thread::sleep_for(std::chrono::microseconds(50));
         const std::uint64_t safe = (*journal)->durableUpTo();
-        if (safe == said) continue;
-        said = safe;
+        if (safe == reported) continue;
+        reported = safe;
         const Epoch durableEpoch = first + static_cast<Epoch>(safe);
-        if (::write(told[1], &durableEpoch, sizeof durableEpoch) != sizeof durableEpoch) ::_exit(2);
+        if (::write(pipe[1], &durableEpoch, sizeof durableEpoch) != sizeof durableEpoch) ::_exit(2);
       }
     }
-    ::close(told[1]);
+    ::close(pipe[1]);
     Epoch last = 0, next = 0;
-    for (int i = 0; i < 40 + 10 * round && ::read(told[0], &next, sizeof next) == sizeof next; ++i)
+    for (int i = 0; i < 40 + 10 * round && ::read(pipe[0], &next, sizeof next) == sizeof next; ++i)
       last = next;
     ::kill(child, SIGKILL);
     int status = 0;
     ::waitpid(child, &status, 0);
-    while (::read(told[0], &next, sizeof next) == sizeof next) last = next;
-    ::close(told[0]);
+    while (::read(pipe[0], &next, sizeof next) == sizeof next) last = next;
+    ::close(pipe[0]);
     EXPECT_TRUE(WIFSIGNALED(status));
     ASSERT_GT(last, 0u);
     auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
@@ -143,7 +143,7 @@ TEST_F(SqliteJournalTest, RefusesWhatIsNotItsOwn) {
   EXPECT_FALSE(SqliteJournal::open((folder / "none" / "x.db").string(), {"abc", 0, 0}).ok());
 }
 
-TEST_F(SqliteJournalTest, StopsAndSaysSoWhenTheDiskIsFull) {
+TEST_F(SqliteJournalTest, StopsAndReportsWhenTheDiskIsFull) {
   auto journal = SqliteJournal::open(path(), {"abc", 0, 6});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   std::uint64_t number = 0;
@@ -155,16 +155,16 @@ TEST_F(SqliteJournalTest, StopsAndSaysSoWhenTheDiskIsFull) {
   EXPECT_EQ((*journal)->durableUpTo(), before);
 }
 
-TEST_F(SqliteJournalTest, TellsWhenRecordsBecomeDurable) {
+TEST_F(SqliteJournalTest, NotifiesWhenRecordsBecomeDurable) {
   auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
   ASSERT_TRUE(journal.ok());
-  std::atomic<std::uint64_t> told{0};
-  (*journal)->onProgress([&] { told = (*journal)->durableUpTo(); });
+  std::atomic<std::uint64_t> durable{0};
+  (*journal)->onProgress([&] { durable = (*journal)->durableUpTo(); });
   std::vector<double> taken_ms;
   for (Epoch epoch = 1; epoch <= 300; ++epoch) {
     const auto start = std::chrono::steady_clock::now();
     const auto number = (*journal)->append(record(1, epoch));
-    while (told < number) std::this_thread::yield();
+    while (durable < number) std::this_thread::yield();
     taken_ms.push_back(
         std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count());
   }

@@ -52,7 +52,7 @@ struct Loading {
     connection = std::make_unique<ServerConnection>(
         options, [this]() -> Result<std::unique_ptr<Transport>> { return network.connect("loading"); });
     join(other, "other");
-    other.say(Ready{});
+    other.send(Ready{});
     run(40 * kMillisecond);
   }
   /// Another site enters the session; it is not ready yet.
@@ -60,7 +60,7 @@ struct Loading {
     site.frame = wireFrame(scene.bounds);
     site.transport = network.connect(name);
     run(30 * kMillisecond);
-    site.say(
+    site.send(
         Hello{kProtocolVersion, false, session->makeToken(Role::participant, kUnix + 3600), name, {1, 2, 3}});
     run(40 * kMillisecond);
   }
@@ -81,11 +81,11 @@ struct Loading {
 TEST(LoadingSite, KnowsWhoTookAPartWhileItMadeTheSceneReady) {
   Loading rig;
   ASSERT_EQ(rig.connection->stage(), ServerConnection::Stage::haveScene);
-  for (const PartId part : {PartId{0}, PartId{1}}) rig.other.say(Grab{RequestId{1u + part}, part});
+  for (const PartId part : {PartId{0}, PartId{1}}) rig.other.send(Grab{RequestId{1u + part}, part});
   rig.run(60 * kMillisecond);
   Pose left;
   left.position.x = 0.2;
-  rig.other.say(Release{9, 1, rig.session->ownership().part(1).epoch, left});
+  rig.other.send(Release{9, 1, rig.session->ownership().part(1).epoch, left});
   rig.run(60 * kMillisecond);
   ASSERT_EQ(rig.session->ownership().part(1).owner, kNoSite);
 
@@ -134,7 +134,7 @@ TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
   Loading rig;
   test::FakeSite third;
   rig.join(third, "third");
-  third.say(Ready{});
+  third.send(Ready{});
   rig.connection->sceneReady(rig.scene, rig.exchange);
   EXPECT_EQ(rig.connection->statistics().roundTrip_ms, 0.0);
   for (int i = 0; i < 100; ++i) {

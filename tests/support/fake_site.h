@@ -1,6 +1,6 @@
 #pragma once
 
-// A site by hand: says exactly what a test tells it to over a Transport, and keeps all that it hears.
+// A site that sends exactly what a test gives it over a Transport, and keeps all that it receives.
 
 #include <cstring>
 #include <memory>
@@ -9,7 +9,7 @@
 
 #include "sync/transport/transport.h"
 #include "sync/wire/state_bundle.h"
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
 #include "sync/wire/wire.h"
 
 namespace tandem::test {
@@ -19,13 +19,13 @@ struct FakeSite {
   sync::WireFrame frame;
   sync::StateReceiver receiver;
   bool connected = false, closed = false;
-  std::vector<sync::ControlMessage> heard;
+  std::vector<sync::ControlMessage> received;
   std::vector<sync::StateUpdate> updates;
   std::vector<sync::Pong> pongs;
   std::vector<sync::LinkUpdate> links;
   std::uint32_t sequence = 0, pings = 0;
 
-  void say(const sync::ControlMessage& message) { transport->sendControl(0, sync::encodeControl(message)); }
+  void send(const sync::ControlMessage& message) { transport->sendControl(0, sync::encodeControl(message)); }
   void send(const sync::StateMessage& message) {
     std::vector<std::byte> bytes;
     sync::encodeState(message, frame, bytes);
@@ -42,16 +42,16 @@ struct FakeSite {
       if (event.kind == Kind::control) {
         auto message = sync::decodeControl(event.bytes);
         ASSERT(message.ok());
-        heard.push_back(*message);
+        received.push_back(*message);
       }
       if (event.kind != Kind::state) continue;
-      while (!event.bytes.empty()) hear(sync::takeMessage(event.bytes));
+      while (!event.bytes.empty()) receive(sync::popMessage(event.bytes));
     }
   }
-  void hear(std::span<const std::byte> bytes) {
+  void receive(std::span<const std::byte> bytes) {
     sync::StateMessage message;
     const auto decoded = receiver.decode(bytes, frame, message);
-    ASSERT(decoded == sync::StateReceiver::Outcome::taken);
+    ASSERT(decoded == sync::StateReceiver::Outcome::decoded);
     if (const auto* update = std::get_if<sync::StateUpdate>(&message)) updates.push_back(*update);
     if (const auto* pong = std::get_if<sync::Pong>(&message)) pongs.push_back(*pong);
     if (const auto* link = std::get_if<sync::LinkUpdate>(&message)) links.push_back(*link);
@@ -60,14 +60,14 @@ struct FakeSite {
   /// The latest message of a kind, or null.
   template <typename Message>
   const Message* last() const {
-    for (auto at = heard.rbegin(); at != heard.rend(); ++at)
+    for (auto at = received.rbegin(); at != received.rend(); ++at)
       if (const auto* message = std::get_if<Message>(&*at)) return message;
     return nullptr;
   }
   template <typename Message>
   std::size_t count() const {
     std::size_t n = 0;
-    for (const auto& message : heard) n += std::holds_alternative<Message>(message) ? 1 : 0;
+    for (const auto& message : received) n += std::holds_alternative<Message>(message) ? 1 : 0;
     return n;
   }
 };

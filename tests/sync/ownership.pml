@@ -40,7 +40,7 @@ typedef Site {
   byte owner[PARTS];
   byte epoch[PARTS];
   bool unconfirmed[PARTS];
-  bool heir[PARTS]; /* told that it is engaged in the part, as it asked since its lease last lapsed */
+  bool heir[PARTS]; /* confirmed as a co-holder by an answer to a request since its lease last lapsed */
   byte stale;       /* records still to be read that are older than the last lapse */
   byte shown[PARTS]; /* epoch of the last state shown */
   byte lease = LEASE - 1;
@@ -54,7 +54,7 @@ Site site[SITES + 1];
 #define CHANGED 0 /* a record */
 #define GRANTED 1 /* a record that answers the site's own request */
 #define ENGAGED 2
-chan told[SITES + 1] = [2] of { byte, byte, byte, byte };
+chan sent[SITES + 1] = [2] of { byte, byte, byte, byte };
 
 /* A state datagram that the network keeps as long as it likes and delivers as often. */
 byte flyingPart, flyingEpoch, flyingFrom;
@@ -117,8 +117,8 @@ inline tell(x, who) {
   do
   :: n <= SITES ->
     if
-    :: site[n].connected && len(told[n]) < 2 -> told[n]!x, epoch[x], owner[x], (n == who -> GRANTED : CHANGED)
-    :: site[n].connected && len(told[n]) == 2 -> cut(n)
+    :: site[n].connected && len(sent[n]) < 2 -> sent[n]!x, epoch[x], owner[x], (n == who -> GRANTED : CHANGED)
+    :: site[n].connected && len(sent[n]) == 2 -> cut(n)
     :: else -> skip
     fi;
     n++
@@ -128,7 +128,7 @@ inline tell(x, who) {
 }
 inline cut(s) {
   do
-  :: len(told[s]) > 0 -> told[s]?_, _, _, _
+  :: len(sent[s]) > 0 -> sent[s]?_, _, _, _
   :: else -> break
   od;
   site[s].connected = false;
@@ -160,7 +160,7 @@ inline inherit(x, s) {
   begin(x, s);
   tell(x, 0)
 }
-/* Who has not been heard of when a lease runs out simulates nothing any more. */
+/* A site whose pings stopped is no co-holder any more when a lease expires. */
 inline end_lease(x) {
   ended[x] = epoch[x];
   n = 1;
@@ -214,15 +214,15 @@ active [SITES * PARTS] proctype OfASiteAndAPart() {
   :: d_step { up && RUNS_OUT && SIMULATES(ME) && ACTS && MAY_INHERIT -> end_lease(PART); inherit(PART, ME) }
   /* It is engaged in what another one owns, or no longer. */
   :: d_step {
-      up && ACTS && owner[PART] != NOBODY && owner[PART] != ME && !OWNS && len(told[ME]) < 2 ->
+      up && ACTS && owner[PART] != NOBODY && owner[PART] != ME && !OWNS && len(sent[ME]) < 2 ->
       engaged[PART] = engaged[PART] | (1 << ME);
-      told[ME]!PART, 0, 0, ENGAGED
+      sent[ME]!PART, 0, 0, ENGAGED
     }
   :: d_step { up && ACTS && SIMULATES(ME) -> engaged[PART] = engaged[PART] & (15 - (1 << ME)) }
   /* What it holds over a lapse it asks for again. */
   :: d_step {
       up && ACTS && OWNS && site[ME].unconfirmed[PART] && owner[PART] == ME && epoch[PART] == site[ME].epoch[PART] &&
-        len(told[ME]) == 0 ->
+        len(sent[ME]) == 0 ->
       site[ME].unconfirmed[PART] = false;
       lease[PART] = LEASE;
       awaited[PART] = false
@@ -246,8 +246,8 @@ active [SITES * PARTS] proctype OfASiteAndAPart() {
     }
   /* Records arrive in order. */
   :: d_step {
-      PART == 0 && site[ME].connected && len(told[ME]) > 0 ->
-      told[ME]?q, e, o, kind;
+      PART == 0 && site[ME].connected && len(sent[ME]) > 0 ->
+      sent[ME]?q, e, o, kind;
       if
       :: kind == ENGAGED -> site[ME].heir[q] = (site[ME].heir[q] || site[ME].stale == 0)
       :: else -> apply(ME, q, e, o, kind == GRANTED && site[ME].stale == 0)
@@ -283,7 +283,7 @@ active [SITES * PARTS] proctype OfASiteAndAPart() {
         :: LAPSED ->
           site[ME].unconfirmed[n] = true;
           site[ME].heir[n] = false;
-          site[ME].stale = len(told[ME])
+          site[ME].stale = len(sent[ME])
         :: else -> skip
         fi;
         n++
@@ -298,7 +298,7 @@ active [SITES * PARTS] proctype OfASiteAndAPart() {
       site[ME].ping = 0;
       site[ME].pingAge = 0
     }
-  /* It pauses, for as long as it likes, or its connection breaks; it comes back and is told how things stand. */
+  /* It pauses, for as long as it likes, or its connection breaks; it comes back and gets the present records. */
   :: d_step { PART == 0 -> site[ME].paused = !site[ME].paused }
   :: d_step { PART == 0 && site[ME].connected -> cut(ME) }
   :: d_step {

@@ -11,7 +11,7 @@ TEST(SessionNotes, AGrabIsNotedWithItsAnswerAndAReclaimIsNot) {
   SessionNotes notes;
   notes.onGrab({7, 3});
   notes.onGrabReply({7, Denial::ownedByOther, {3, 2, 5, {}}});
-  notes.onGrabReply({8, Denial::none, {4, 1, 6, {}}});  // nobody asked for it here
+  notes.onGrabReply({8, Denial::none, {4, 1, 6, {}}});  // no person at this site requested it
   const std::vector<GrabNote> grabs = notes.drainGrabs();
   ASSERT_EQ(grabs.size(), 1u);
   EXPECT_EQ(grabs[0].part, 3);

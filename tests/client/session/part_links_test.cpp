@@ -23,7 +23,7 @@ class PartLinksTest : public testing::Test {
 
   void own(SiteId owner) { view_.apply(sync::PartRecord{kBox, owner, ++epoch_, {}}); }
   void coHold(std::vector<SiteId> sites) {
-    view_.apply(sync::MemberRecord{kBox, epoch_, ++version_, std::move(sites)});
+    view_.apply(sync::CoHolderRecord{kBox, epoch_, ++version_, std::move(sites)});
   }
   /// The events of this kind that following ownership causes now.
   std::vector<NetworkEvent> follow(Kind kind) {

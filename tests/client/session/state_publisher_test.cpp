@@ -1,4 +1,5 @@
-// When a site tells the others something: what they show without it, and how often it has been told.
+// When a site publishes its states: how far receivers extrapolate wrongly without an update, and how often
+// updates leave.
 
 #include "client/session/state_publisher.h"
 
@@ -29,25 +30,26 @@ assets::Scene oneSphere() {
 
 struct Course {
   int updates = 0, withPresence = 0;
-  double worst = 0.0;      // m, of what a receiver extrapolates that has all
+  double worst = 0.0;      // m, the error of a receiver that extrapolates and misses no update
   std::vector<Micros> at;  // when updates left
 };
 
-/// Asks every millisecond, as a site does; `part` gives the state at a time in s, or nothing where there is none.
-Course follow(const PublishRates& rates, double seconds, bool shared,
+/// Asks every millisecond, as a site does; `part` gives the state at a time in s, or nothing where there is
+/// none.
+Course follow(const PublishRates& rates, double seconds, bool coHeld,
               const std::function<bool(double, PartState&)>& part,
               const std::function<void(double, Presence&)>& presence = {}) {
   StatePublisher publisher(oneSphere(), WireFrame{}, rates);
   Course course;
   std::vector<OfferedPart> offered;
-  PartState told;
-  Micros toldAt = -1;
+  PartState sent;
+  Micros sentAt = -1;
   for (Micros now = 0; now < static_cast<Micros>(seconds * 1e6); now += kMillisecond) {
     PartState state;
     state.part = 0;
     state.epoch = 1;
     offered.clear();
-    if (part(toSeconds(now), state)) offered.push_back({state, shared});
+    if (part(toSeconds(now), state)) offered.push_back({state, coHeld});
     Presence here;
     if (presence) presence(toSeconds(now), here);
     bool newPresence = false;
@@ -55,11 +57,11 @@ Course follow(const PublishRates& rates, double seconds, bool shared,
       ++course.updates;
       course.withPresence += newPresence ? 1 : 0;
       course.at.push_back(now);
-      told = state;
-      toldAt = now;
+      sent = state;
+      sentAt = now;
     }
-    if (offered.empty() || toldAt < 0) continue;
-    const Pose shown = integrate(told.worldFromPart, told.twist, toSeconds(now - toldAt));
+    if (offered.empty() || sentAt < 0) continue;
+    const Pose shown = integrate(sent.worldFromPart, sent.twist, toSeconds(now - sentAt));
     course.worst = std::max(course.worst, glm::length(shown.position - state.worldFromPart.position));
   }
   return course;
@@ -72,7 +74,7 @@ bool steady(double t, PartState& state) {
   state.worldFromPart.position.x = 0.2 * t;
   return true;
 }
-/// 5 mm to and fro, four times a second.
+/// A motion of 5 mm to and fro, four times a second.
 bool shaken(double t, PartState& state) {
   const double w = 2.0 * kPi * 4.0;
   state.twist.linear.x = 0.005 * w * std::cos(w * t);
@@ -80,7 +82,7 @@ bool shaken(double t, PartState& state) {
   return true;
 }
 
-TEST(StatePublisher, AStillHandIsToldTwiceASecond) {
+TEST(StatePublisher, AStillHandIsPublishedTwiceASecond) {
   const Course course = follow({}, 20.0, false, nothing);
   EXPECT_LE(course.updates, 50);
   EXPECT_GE(course.updates, 40);
@@ -88,7 +90,7 @@ TEST(StatePublisher, AStillHandIsToldTwiceASecond) {
   EXPECT_EQ(course.at[0], 0);
 }
 
-TEST(StatePublisher, APartAtRestIsToldEverLessOften) {
+TEST(StatePublisher, APartAtRestIsPublishedEverLessOften) {
   const Course course = follow({}, 20.0, false, resting);
   EXPECT_LE(course.updates, 100) << "with those of the hand";
   ASSERT_GT(course.at.size(), 5u);
@@ -112,7 +114,7 @@ TEST(StatePublisher, WhatIsShakenGoesMoreOftenAndIsShownWithinTheDeadband) {
   const Course finer = follow(rates, 10.0, false, shaken);
   EXPECT_GT(finer.updates, course.updates);
   EXPECT_LT(finer.worst, course.worst);
-  // Control: who tolerates all sees more of it.
+  // Control: a larger tolerance gives a larger error.
   rates.deadband = 1.0;
   EXPECT_GT(follow(rates, 10.0, false, shaken).worst, 1.2 * course.worst);
 }
@@ -124,7 +126,7 @@ TEST(StatePublisher, WhereAnotherHandIsOnItOrNothingIsToleratedEverythingGoes) {
   EXPECT_NEAR(follow(exact, 10.0, false, steady).updates, 2500, 2);
 }
 
-TEST(StatePublisher, TheEndOfAMotionIsToldAtOnce) {
+TEST(StatePublisher, TheEndOfAMotionIsPublishedAtOnce) {
   const double end = 1.0013;
   const Course course = follow({}, 2.0, false, [end](double t, PartState& state) {
     steady(std::min(t, end), state);
@@ -136,7 +138,7 @@ TEST(StatePublisher, TheEndOfAMotionIsToldAtOnce) {
   EXPECT_GE(within, 1);
 }
 
-TEST(StatePublisher, AHandThatMovesIsToldAtItsRateAndATouchToo) {
+TEST(StatePublisher, AHandThatMovesIsPublishedAtItsRateAndATouchToo) {
   const Course moving = follow({}, 10.0, false, nothing,
                                [](double t, Presence& here) { here.worldFromTool.position.x = 0.1 * t; });
   EXPECT_NEAR(moving.withPresence, 600, 40);
@@ -151,7 +153,7 @@ TEST(StatePublisher, AHandThatMovesIsToldAtItsRateAndATouchToo) {
             3);
 }
 
-TEST(StatePublisher, ANewEpochIsToldAtOnce) {
+TEST(StatePublisher, ANewEpochIsPublishedAtOnce) {
   const Course course = follow({}, 2.0, false, [](double t, PartState& state) {
     if (t >= 1.0) state.epoch = 2;
     return true;

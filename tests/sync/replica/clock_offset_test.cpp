@@ -13,7 +13,7 @@ TEST(ClockOffset, IsLocalTimeBeforeTheFirstPong) {
   EXPECT_EQ(clock.sessionTime(123), 123);
 }
 
-TEST(ClockOffset, TakesTheFirstPongAtOnce) {
+TEST(ClockOffset, UsesTheFirstPongAtOnce) {
   ClockOffset clock;
   clock.observe(1000, 501000, 3000);
   EXPECT_TRUE(clock.known());
@@ -27,8 +27,8 @@ TEST(ClockOffset, IgnoresAPongFromTheFuture) {
   EXPECT_FALSE(clock.known());
 }
 
-/// Uplink and downlink delays with one-sided jitter, local clock `ppm` fast; the error's bound of the header
-/// must hold.
+/// Delays of uplink and downlink with one-sided jitter, and a local clock that is `ppm` fast: the error bound
+/// of the header must hold.
 TEST(ClockOffset, StaysWithinHalfTheBestRoundTripUnderAsymmetricJitter) {
   for (std::uint64_t seed = 1; seed <= 50; ++seed) {
     testing::RandomMessages random(seed);
@@ -60,7 +60,7 @@ TEST(ClockOffset, SlewsAfterAStepInsteadOfJumping) {
   ClockOffset clock;
   clock.observe(0, 0, 0);
   Micros last = clock.sessionTime(0);
-  for (int i = 1; i <= 16; ++i) clock.observe(i, i + 100000, i);  // 0.1 s off from now on
+  for (int i = 1; i <= 16; ++i) clock.observe(i, i + 100000, i);  // from here on the offset is 0.1 s
   for (Micros t = 1000; t <= 6 * kSecond; t += 1000) {
     const Micros now = clock.sessionTime(t);
     EXPECT_GE(now - last, 980 - 1);

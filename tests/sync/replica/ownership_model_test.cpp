@@ -1,7 +1,7 @@
 // Three sites, two parts, a server that crashes, a network that delays, doubles and reorders state: every
 // interleaving that a seed gives is run through OwnershipTable and OwnershipView, and an independent checker,
-// which knows nothing of either, watches what is granted, published and applied. Controls break the protocol
-// in one place each; the checker must notice.
+// which uses neither, checks what is granted, published and applied. Each control breaks the protocol in one
+// place, which the checker must detect.
 
 #include <gtest/gtest.h>
 
@@ -38,15 +38,15 @@ enum class Mutation {
   publishesForever,
   revivedLease,
   noHeir,
-  membersInAnyOrder
+  coHoldersInAnyOrder
 };
 
-/// Watches the promises S1-S5, S7, S8 and L2 from outside.
+/// Checks the rules S1-S5, S7, S8 and L2 from outside.
 class Checker {
  public:
   std::vector<std::string> violations;
 
-  /// `passedOn`: to who was engaged in it, by one who had it: that is no grant while others are out.
+  /// `passedOn`: from its owner to a co-holder, which is no grant while other owners are out.
   void granted(PartId part, Epoch epoch, SiteId site, Micros now, bool passedOn = false) {
     const auto [found, first] = grants_.try_emplace({part, epoch}, site);
     if (!first && found->second != site) violations.push_back("S1: two grants of one epoch");
@@ -74,12 +74,12 @@ class Checker {
     if (std::pair(epoch, sequence) <= last) violations.push_back("S2: something older was applied");
     last = {epoch, sequence};
   }
-  void engaged(PartId part, SiteId site) { engaged_[part].insert(site); }
+  void engages(PartId part, SiteId site) { engaged_[part].insert(site); }
   void disengaged(PartId part, SiteId site) { engaged_[part].erase(site); }
-  /// What the server says of a part: who owns it, and who simulates it beside that one.
-  void told(PartId part, SiteId owner, const MemberRecord& members) {
-    std::set<SiteId> sites(members.sites.begin(), members.sites.end());
-    if (sites.size() != members.sites.size() || sites.contains(owner))
+  /// What the server publishes of a part: its owner and its co-holders.
+  void published(PartId part, SiteId owner, const CoHolderRecord& coHolders) {
+    std::set<SiteId> sites(coHolders.sites.begin(), coHolders.sites.end());
+    if (sites.size() != coHolders.sites.size() || sites.contains(owner))
       violations.push_back("S5: a site is on the list twice, or owns the part");
     if (owner == kNoSite && !sites.empty()) violations.push_back("S5: a part that is simulated has no owner");
     engaged_[part] = std::move(sites);
@@ -87,12 +87,12 @@ class Checker {
   void freed(PartId part) {
     if (!engaged_[part].empty()) violations.push_back("S5: freed while sites simulate it");
   }
-  void membersApplied(int at, const MemberRecord& members, int server) {
+  void coHoldersApplied(int at, const CoHolderRecord& coHolders, int server) {
     const auto [found, first] =
-        lists_.try_emplace({server, members.part, members.epoch, members.version}, members.sites);
-    if (!first && found->second != members.sites) violations.push_back("S5: two lists of one version");
-    auto& last = lastList_[{at, members.part}];
-    const std::tuple newest(server, members.epoch, members.version);
+        lists_.try_emplace({server, coHolders.part, coHolders.epoch, coHolders.version}, coHolders.sites);
+    if (!first && found->second != coHolders.sites) violations.push_back("S5: two lists of one version");
+    auto& last = lastList_[{at, coHolders.part}];
+    const std::tuple newest(server, coHolders.epoch, coHolders.version);
     if (newest <= last) violations.push_back("S5: an older list was applied");
     last = newest;
   }
@@ -106,7 +106,7 @@ class Checker {
     heldOut_ = std::move(holders);
     quietUntil_ = quietUntil;
     engaged_.clear();
-    answers_.clear();  // the memory of answers does not outlive the server; see ownership.h, invariant 4
+    answers_.clear();  // answers are not remembered over a restart; see ownership_table.h, invariant 3
   }
   void cameBack(PartId part, SiteId site) { heldOut_.erase({part, site}); }
 
@@ -162,8 +162,8 @@ class Model {
     RequestId nextRequest = 1;
     std::uint32_t sequence = 0;
     std::optional<Grab> waiting;
-    std::uint32_t waitingLapses = 0;  // of the lease, when it was sent first
-    Micros controlArrives = 0;        // the last of the ordered stream from the server
+    std::uint32_t waitingLapses = 0;  // lapses of the lease when the request was first sent
+    Micros controlArrives = 0;        // when the last message of the ordered stream from the server arrives
     int connection = 0;
     bool connected = true;
   };
@@ -207,8 +207,8 @@ class Model {
     std::erase_if(journal_, [&](const PartRecord& r) { return r.part == record.part; });
     journal_.push_back(record);
   }
-  /// In order to one site; lost if its connection ends before.
-  void tell(Site& site, const PartRecord& record) {
+  /// Delivered in order to one site; lost if its connection ends before.
+  void publishTo(Site& site, const PartRecord& record) {
     if (!site.connected) return;
     site.controlArrives = std::max(site.controlArrives, now_ + delay());
     const int connection = site.connection;
@@ -225,29 +225,29 @@ class Model {
       checker_.freed(record.part);
     }
     checker_.cameBack(record.part, oldOwner);
-    for (Site& site : sites_) tell(site, record);
+    for (Site& site : sites_) publishTo(site, record);
   }
-  void tellMembers() {
+  void publishCoHolders() {
     if (mutation_ == Mutation::noHeir) return;
-    for (const MemberRecord& members : table_->takeChangedMembers()) {
-      checker_.told(members.part, table_->part(members.part).owner, members);
-      for (Site& site : sites_) tell(site, members);
+    for (const CoHolderRecord& coHolders : table_->drainChangedCoHolders()) {
+      checker_.published(coHolders.part, table_->part(coHolders.part).owner, coHolders);
+      for (Site& site : sites_) publishTo(site, coHolders);
     }
   }
-  void tell(Site& site, const MemberRecord& members) {
+  void publishTo(Site& site, const CoHolderRecord& coHolders) {
     if (!site.connected) return;
     site.controlArrives = std::max(site.controlArrives, now_ + delay());
-    const Micros after = mutation_ == Mutation::membersInAnyOrder ? delay() : site.controlArrives - now_;
+    const Micros after = mutation_ == Mutation::coHoldersInAnyOrder ? delay() : site.controlArrives - now_;
     const int connection = site.connection, server = serverRuns_;
-    later(after, [this, &site, members, connection, server] {
+    later(after, [this, &site, coHolders, connection, server] {
       if (site.connection != connection) return;
-      if (site.view.apply(members) || mutation_ == Mutation::membersInAnyOrder)
-        checker_.membersApplied(site.id, members, server);
+      if (site.view.apply(coHolders) || mutation_ == Mutation::coHoldersInAnyOrder)
+        checker_.coHoldersApplied(site.id, coHolders, server);
     });
   }
-  /// A server that lets parts go although somebody is engaged in them.
-  void forgetMembers(PartId part) {
-    for (const SiteId site : table_->members(part).sites) table_->disengage(site, {0, part});
+  /// A server that frees parts although they have co-holders.
+  void forgetCoHolders(PartId part) {
+    for (const SiteId site : table_->coHolders(part).sites) table_->disengage(site, {0, part});
   }
 
   void serverDuties() {
@@ -257,14 +257,15 @@ class Model {
     tellExpired();
     for (const PartRecord& record : over)
       ended(record, before[record.part].epoch, before[record.part].owner, true);
-    tellMembers();
+    publishCoHolders();
   }
-  /// Who is heard of no more is engaged in nothing, before its parts are passed on.
+  /// A site whose pings stopped is no co-holder any more before its parts are passed on.
   void tellExpired() {
     for (PartId part = 0; part < kParts; ++part) {
-      const MemberRecord members = table_->members(part);
+      const CoHolderRecord coHolders = table_->coHolders(part);
       for (const Site& site : sites_) {
-        const bool on = std::find(members.sites.begin(), members.sites.end(), site.id) != members.sites.end();
+        const bool on =
+            std::find(coHolders.sites.begin(), coHolders.sites.end(), site.id) != coHolders.sites.end();
         if (!on) checker_.disengaged(part, site.id);
       }
     }
@@ -284,8 +285,8 @@ class Model {
       const SiteId owner = decision.reply.part.owner;
       checker_.granted(request.part, decision.reply.part.epoch, owner, now_,
                        decision.reply.denial != Denial::none);
-      for (Site& other : sites_) tell(other, decision.reply.part);
-      tellMembers();
+      for (Site& other : sites_) publishTo(other, decision.reply.part);
+      publishCoHolders();
     }
     checker_.answered(site.id, request.request, decision.reply);
     const GrabReply reply = decision.reply;
@@ -301,26 +302,26 @@ class Model {
   }
   void serverRelease(Site& site, const Release& request) {
     if (!table_ || !site.connected) return;
-    if (mutation_ == Mutation::noHeir) forgetMembers(request.part);
+    if (mutation_ == Mutation::noHeir) forgetCoHolders(request.part);
     const auto decision = table_->release(site.id, request);
     if (decision.changed) ended(decision.reply.part, request.epoch, site.id, false);
-    tellMembers();
+    publishCoHolders();
   }
   void serverEngage(Site& site, PartId part, bool on, std::uint32_t lapses) {
     if (!table_ || !site.connected) return;
     if (on) {
       const auto decision = table_->engage(site.id, Role::participant, {0, part}, now_);
-      if (decision.changed) checker_.engaged(part, site.id);
+      if (decision.changed) checker_.engages(part, site.id);
       if (decision.reply.denial == Denial::none) {
         site.controlArrives = std::max(site.controlArrives, now_ + delay());
         later(site.controlArrives - now_, [&site, part, lapses, c = site.connection] {
-          if (site.connection == c && site.view.lapses() == lapses) site.view.engagementConfirmed(part);
+          if (site.connection == c && site.view.lapses() == lapses) site.view.coHoldingConfirmed(part);
         });
       }
     } else if (table_->disengage(site.id, {0, part}).changed) {
       checker_.disengaged(part, site.id);
     }
-    tellMembers();
+    publishCoHolders();
   }
   void serverState(Site& site, const PartState& state) {
     if (!table_) return;
@@ -383,7 +384,7 @@ class Model {
       const PartState state{part, site.view.part(part).epoch, ++site.sequence, {}, {}};
       checker_.published(part, state.epoch, site.id, now_);
       for (int copies = random_.chance(0.1) ? 2 : 1; copies > 0; --copies) {
-        // A datagram is sealed for its connection: nothing of an earlier one is taken.
+        // A datagram is sealed for its connection: no datagram of an earlier one is accepted.
         later(delay(), [this, &site, state, c = site.connection] {
           if (site.connection == c) serverState(site, state);
         });
@@ -421,9 +422,9 @@ class Model {
     site.connected = true;
     ++site.connection;
     site.controlArrives = now_;
-    site.view.forgetMembers();
+    site.view.forgetCoHolders();
     for (const PartRecord& record : table_->records()) site.view.apply(record);  // Welcome
-    for (const MemberRecord& members : table_->allMembers()) site.view.apply(members);
+    for (const CoHolderRecord& coHolders : table_->allCoHolders()) site.view.apply(coHolders);
     for (PartId part = 0; part < kParts; ++part) {
       if (!site.view.owns(part)) continue;
       const auto decision = table_->reclaim(site.id, Role::participant,
@@ -467,7 +468,7 @@ TEST(OwnershipModel, KeepsItsPromisesOverTwoThousandFiveHundredHistories) {
   }
 }
 
-/// How many of the histories break the promise `rule`.
+/// How many of the histories break the rule `rule`.
 int broken(Mutation mutation, const std::string& rule, std::uint64_t histories = 100) {
   int count = 0;
   for (std::uint64_t seed = 1; seed <= histories; ++seed) {
@@ -488,7 +489,7 @@ TEST(OwnershipModel, NoticesWhatABrokenProtocolWouldDo) {
   EXPECT_GT(broken(Mutation::noRecovery, "S8"), 10);
   EXPECT_GT(broken(Mutation::forgetfulRequests, "S7"), 10);
   EXPECT_GT(broken(Mutation::noHeir, "S5"), 10);
-  EXPECT_GT(broken(Mutation::membersInAnyOrder, "S5"), 10);
+  EXPECT_GT(broken(Mutation::coHoldersInAnyOrder, "S5"), 10);
   EXPECT_GT(broken(Mutation::publishesForever, "S3", 400), 4) << "needs a pause of just the right length";
 }
 

@@ -80,7 +80,7 @@ TEST_F(Ownership, ALeaseRunsOutAfterItsFullLengthAndDrift) {
   EXPECT_EQ(table.expire(end + 2 * rules.lease).size(), 1u);
 }
 
-TEST_F(Ownership, TakesOnlyNewStatesOfTheOwnersEpoch) {
+TEST_F(Ownership, AcceptsOnlyNewStatesOfTheOwnersEpoch) {
   table.grab(kAnn, kRole, {1, 0}, 0);
   EXPECT_FALSE(table.accept(kBen, state(0, 1, 1)));
   EXPECT_FALSE(table.accept(kAnn, state(0, 2, 1)));
@@ -154,7 +154,7 @@ TEST_F(Ownership, AViewOrdersRecordsByEpochAndEnd) {
   EXPECT_FALSE(view.apply({9, kBen, 5, at(0)}));
 }
 
-TEST_F(Ownership, AViewTakesOnlyWhatIsNewFromTheOwner) {
+TEST_F(Ownership, AViewAcceptsOnlyWhatIsNewFromTheOwner) {
   using Verdict = OwnershipView::Verdict;
   OwnershipView view(3, rules);
   view.setSelf(kBen);
@@ -176,14 +176,14 @@ TEST_F(Ownership, AnOwnerStopsPublishingBeforeTheServerMayFreeThePart) {
   view.confirmed(0, 1);
   EXPECT_FALSE(view.mayPublish(0, 0)) << "no pong yet";
   view.renewed(1000);
-  view.renewed(500);  // an older ping's pong comes late
+  view.renewed(500);  // the pong of an older ping arrives late
   const Micros end = 1000 + rules.lease - rules.drift() - rules.margin;
   EXPECT_TRUE(view.mayPublish(0, end - 1));
   EXPECT_FALSE(view.mayPublish(0, end));
   EXPECT_FALSE(view.mayPublish(1, 1000)) << "not its part";
 }
 
-/// The grant lies in a stream that stalls for longer than a lease, while pings and pongs pass.
+/// The grant is in a stream that stalls for longer than a lease, while pings and pongs pass.
 TEST_F(Ownership, AGrantThatIsReadAfterALapseIsReclaimedFirst) {
   const Micros lease = rules.siteLease(), later = 2 * lease + 20;
   OwnershipView view(3, rules);
@@ -199,7 +199,7 @@ TEST_F(Ownership, AGrantThatIsReadAfterALapseIsReclaimedFirst) {
   EXPECT_TRUE(view.mayPublish(0, later));
 }
 
-/// An heir goes on at once, unless it was not heard of since it was engaged.
+/// An heir publishes at once, unless no ping of it was answered since it became a co-holder.
 TEST_F(Ownership, APartIsPassedToAnHeirWhoseLeaseHasNotLapsed) {
   const Micros lease = rules.siteLease();
   OwnershipView view(3, rules);
@@ -207,7 +207,7 @@ TEST_F(Ownership, APartIsPassedToAnHeirWhoseLeaseHasNotLapsed) {
   view.renewed(0, 10);
   for (const PartId part : {PartId{0}, PartId{1}}) {
     view.apply(PartRecord{part, kAnn, 1, at(0)});
-    view.engagementConfirmed(part);
+    view.coHoldingConfirmed(part);
   }
   view.apply(PartRecord{0, kBen, 2, at(0)});
   EXPECT_TRUE(view.mayPublish(0, 100));

@@ -29,7 +29,7 @@ PartState owner(Micros at) {
   return state;
 }
 
-struct Way {
+struct Path {
   double oneWay_s = 0.025, jitter = 0.2, loss = 0.02;
   Micros silentFrom = -1, silentUntil = -1;
 };
@@ -38,8 +38,8 @@ struct Figures {
   int samples = 0;
 };
 
-/// Streams owner() at 250 Hz over `way`, shows it at 1 kHz.
-Figures stream(const Way& way, std::uint64_t seed, bool interpolating = true) {
+/// Streams owner() at 250 Hz over `path`, plays it out at 1 kHz.
+Figures stream(const Path& path, std::uint64_t seed, bool interpolating = true) {
   struct Packet {
     Micros arrival, time;
     bool operator<(const Packet& other) const { return arrival > other.arrival; }
@@ -53,9 +53,9 @@ Figures stream(const Way& way, std::uint64_t seed, bool interpolating = true) {
   Figures figures;
   glm::dvec3 last(0.0);
   for (Micros now = 0; now < 10 * kSecond; now += kMillisecond) {
-    const bool silent = now >= way.silentFrom && now < way.silentUntil;
-    if (now % (4 * kMillisecond) == 0 && !random.chance(way.loss) && !silent) {
-      const double transit = way.oneWay_s * (1.0 + way.jitter * random.real(-1.0, 1.0));
+    const bool silent = now >= path.silentFrom && now < path.silentUntil;
+    if (now % (4 * kMillisecond) == 0 && !random.chance(path.loss) && !silent) {
+      const double transit = path.oneWay_s * (1.0 + path.jitter * random.real(-1.0, 1.0));
       flying.push({now + static_cast<Micros>(transit * 1e6), now});
     }
     while (!flying.empty() && flying.top().arrival <= now) {
@@ -111,11 +111,11 @@ TEST(PlayOut, WithoutVelocitiesTheSameStreamIsWorse) {
 
 TEST(PlayOut, ComesBackFromASilenceWithoutAStep) {
   for (const Micros length : {60, 120, 250, 500, 1000}) {
-    Way way;
-    way.silentFrom = 3050 * kMillisecond;
-    way.silentUntil = way.silentFrom + length * kMillisecond;
-    // The owner's 0.52 m/s, the correction's 1 m/s and what the play-out's own slowing adds.
-    EXPECT_LT(stream(way, 9).worstStep, 1.7e-3) << length << " ms";
+    Path path;
+    path.silentFrom = 3050 * kMillisecond;
+    path.silentUntil = path.silentFrom + length * kMillisecond;
+    // The bound adds 0.52 m/s of the owner, 1 m/s of the correction, and the share of the slowed play-out.
+    EXPECT_LT(stream(path, 9).worstStep, 1.7e-3) << length << " ms";
   }
 }
 

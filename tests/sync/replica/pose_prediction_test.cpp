@@ -1,4 +1,4 @@
-// What the eyes are shown of a part that moves elsewhere.
+// The display pose of a part that another site moves.
 
 #include "sync/replica/pose_prediction.h"
 
@@ -17,8 +17,8 @@ struct Drawn {
   double rms = 0.0, largestStep = 0.0;  // m
 };
 
-/// A part whose states take kTransit, every 10 ms; drawn each ms from 0.5 s on and compared with where it is. `predicts`:
-/// false draws the newest state as it came.
+/// A part whose states are sent every 10 ms and arrive after kTransit. From 0.5 s on it is drawn each ms and
+/// compared with its true pose. `predicts`: false draws the newest state as it arrived.
 Drawn follow(const std::function<double(double)>& place, bool predicts, double seconds) {
   PosePrediction prediction;
   prediction.restart({{place(0.0), 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}}, 0);
@@ -59,14 +59,14 @@ TEST(PosePrediction, ShowsASwingWhereItIsByNow) {
 TEST(PosePrediction, CorrectsWithoutAJumpWherePartsStop) {
   const auto stops = [](double t) { return t < 1.0 ? 0.1 * t : 0.1; };
   const Drawn drawn = follow(stops, true, 2.0);
-  EXPECT_LT(drawn.largestStep, 1.2e-3);  // 11 mm too far, taken back within some 20 ms
+  EXPECT_LT(drawn.largestStep, 1.2e-3);  // 11 mm too far, corrected within some 20 ms
   PosePrediction prediction;
   prediction.restart({}, 0);
   PartState state;
   state.twist.linear.x = 0.1;
   prediction.push(state, 0);
   prediction.at(kTransit);
-  EXPECT_LT(prediction.at(10 * kSecond).position.x, 0.1 * (toSeconds(kTransit) + 0.07)) << "nothing is heard";
+  EXPECT_LT(prediction.at(10 * kSecond).position.x, 0.1 * (toSeconds(kTransit) + 0.07)) << "nothing arrives";
 }
 
 TEST(PosePrediction, WhatBrakesDoesNotTurnBack) {
@@ -86,7 +86,7 @@ TEST(PosePrediction, WhatBrakesDoesNotTurnBack) {
   EXPECT_NEAR(furthest, 0.045, 2e-3);
 }
 
-TEST(PosePrediction, StandsWhereItIsSaidToThoughAStateIsOfLater) {
+TEST(PosePrediction, StandsWhereItIsPutThoughALaterStateIsKnown) {
   const Pose rest{{0.1, 0.0, 0.0}, {1.0, 0.0, 0.0, 0.0}};
   const auto drawn = [&](bool stands) {
     PosePrediction prediction;

@@ -22,7 +22,7 @@ TEST(JoinLink, ComesBackFromItsText) {
   }
 }
 
-TEST(JoinLink, SaysWhichPartIsWrong) {
+TEST(JoinLink, NamesTheWrongPart) {
   const auto problem = [](const std::string& text) {
     const auto link = parseJoinLink(text);
     return link.ok() ? std::string("none") : link.error().message;

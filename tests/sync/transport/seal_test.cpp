@@ -109,7 +109,7 @@ TEST_P(SealWith, ReorderedOpenOnceAndReplaysNever) {
     EXPECT_EQ(opener_.open(datagram, out_.data()).verdict, Opener::Verdict::replayed);
 }
 
-/// A forgery that claims a far counter. Sent by somebody who has seen one genuine datagram.
+/// A forgery with a far counter, by an attacker who has seen one genuine datagram.
 Bytes forgedFrom(const Bytes& genuine, std::uint8_t counterByte) {
   Bytes forged = genuine;
   forged[13] = std::byte{counterByte};
@@ -124,8 +124,8 @@ TEST_P(SealWith, ForgeriesDoNotMoveTheWindow) {
   EXPECT_EQ(opener_.open(first, out_.data()).verdict, Opener::Verdict::accepted);
 }
 
-// The negative control of the test above: marking before the tag verifies lets one forgery shut everybody
-// out.
+// The negative control of the test above: marking a counter before the tag has verified lets one forgery
+// block all genuine datagrams.
 TEST_P(SealWith, MarkingBeforeVerifyingWouldLetAForgeryShutGenuineDatagramsOut) {
   const Bytes first = sealed(sealer_, bytesOf(16));
   const Bytes forged = forgedFrom(first, 9);

@@ -1,6 +1,6 @@
 #pragma once
 
-// The two ends of real sockets on loopback, driven by turns from one thread, for the tests of the transport.
+// The two ends of real sockets on loopback, driven in turn by one thread, for the tests of the transport.
 
 #include <gtest/gtest.h>
 
@@ -36,7 +36,7 @@ struct Seen {
   std::string reason;
 };
 
-/// One end with everything it has heard.
+/// One end with everything that it has received.
 struct End {
   std::unique_ptr<SocketTransport> transport;
   std::deque<Seen> seen;
@@ -93,7 +93,7 @@ class Sockets : public testing::Test {
     }
     return done();
   }
-  /// A client that is connected, known to the server, and sends its state the way it should.
+  /// A client that is connected, known to the server, and sends its state on the expected path.
   End joined(bool udp = true) {
     End site = connect({.udp = udp});
     const std::size_t before = server_.count(Kind::connected);
@@ -108,7 +108,7 @@ class Sockets : public testing::Test {
   ConnectionId newest() const { return server_.last(Kind::connected)->connection; }
 
   End server_;
-  std::function<void()> meanwhile_;  // whatever else takes its turn
+  std::function<void()> meanwhile_;  // what else runs in each round
   std::uint16_t port_ = 0;
 };
 

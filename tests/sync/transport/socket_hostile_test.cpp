@@ -1,4 +1,4 @@
-// What a stranger can send to a server's ports, and what it may do to the others: nothing.
+// What an unauthenticated peer can send to a server's ports, which must not affect other connections.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ sockaddr_in loopback(std::uint16_t port) {
   return address;
 }
 
-/// A plain socket, without any of the transport's code.
+/// A plain socket that uses none of the transport's code.
 struct RawSocket {
   explicit RawSocket(int type) : fd(socket(AF_INET, type, 0)) {}
   RawSocket(RawSocket&& other) noexcept : fd(std::exchange(other.fd, -1)) {}
@@ -73,7 +73,7 @@ class Outlaw {
   void offer(unsigned version = 1) {
     frame(3, {std::byte{2}, static_cast<std::byte>(version), std::byte{2}});  // ChaCha20-Poly1305 only
   }
-  /// What the server has sent, as far as it came within some turns.
+  /// What the server has sent, as far as it arrived within some rounds.
   Bytes read(End& server, std::size_t size) {
     Bytes all;
     for (int i = 0; i < 500 && all.size() < size; ++i) {
@@ -124,7 +124,7 @@ class Outlaw {
 
 class Hostile : public Sockets {
  protected:
-  /// An honest site still gets in and through.
+  /// An honest site can still connect and exchange messages.
   void expectService() {
     End site = joined();
     const std::size_t before = server_.count(Kind::control);
@@ -185,7 +185,7 @@ TEST_F(Hostile, ForgedAndReplayedDatagramsAreCountedAndNeverApplied) {
   ASSERT_NE(sealer, nullptr);
   const Bytes first = seal(*sealer, bytesOf("first")), second = seal(*sealer, bytesOf("second"));
   Bytes forged = first;
-  forged[13] = std::byte{9};  // a far counter: must not move the window
+  forged[13] = std::byte{9};  // a far counter must not move the window
   peer.datagram(forged);
   peer.datagram(second);
   peer.datagram(first);  // late, and genuine
@@ -231,20 +231,20 @@ TEST_F(Hostile, AnOversizedFrameEndsTheConnection) {
   expectService();
 }
 
-TEST_F(Hostile, NothingIsTakenBeforeTheGreeting) {
+TEST_F(Hostile, NothingIsAcceptedBeforeTheGreeting) {
   listen();
   for (const std::uint32_t length : {0u, 5u, 66u, 100000u}) {
     const auto failed = server_.counters().failedHandshakes;
     Outlaw peer(port_);
     ASSERT_TRUE(peer.shakeHands(server_));
-    peer.frame(length, Bytes(5));  // a control message, or a size too much for a greeting
+    peer.frame(length, Bytes(5));  // a control message, or a frame too long for a greeting
     peer.vanish();
     ASSERT_TRUE(runUntil({}, [&] { return server_.counters().failedHandshakes == failed + 1; }));
   }
   EXPECT_TRUE(server_.seen.empty());
 }
 
-TEST_F(Hostile, AnotherVersionIsToldSo) {
+TEST_F(Hostile, AnotherVersionIsRefusedWithTheReason) {
   listen();
   Outlaw peer(port_);
   ASSERT_TRUE(peer.shakeHands(server_));
@@ -287,7 +287,7 @@ TEST_F(Hostile, SilentHandshakesDoNotKeepHonestSitesOut) {
   expectService();
 }
 
-TEST_F(Hostile, AFullServerSaysSo) {
+TEST_F(Hostile, AFullServerRefusesWithTheReason) {
   listen({.maxConnections = 1});
   End first = joined();
   End second = connect();

@@ -1,6 +1,6 @@
-// A way for datagrams that is blocked, too narrow, comes and goes: state must arrive all the same, over UDP
-// where it passes and over TLS where not. Real sockets on loopback with a box between them that loses what it
-// is told to lose.
+// A path for datagrams that is blocked or too narrow, or that fails and recovers: state must arrive
+// nevertheless, over UDP where it passes and else over TLS. Real sockets on loopback with a forwarder between
+// them that loses datagrams on demand.
 
 #include <gtest/gtest.h>
 
@@ -16,7 +16,7 @@ namespace {
 
 class SocketPath : public Sockets {
  protected:
-  /// A site that is connected through the box; what its datagrams do is still open.
+  /// A site that is connected through the box; whether its datagrams pass is not decided yet.
   void connectThroughBox() {
     listen();
     box_ = std::make_unique<test::Forwarder>(port_);
@@ -58,7 +58,7 @@ class SocketPath : public Sockets {
 };
 
 TEST(StateChannel, GivesUpDatagramsLongBeforeALeaseLapses) {
-  // The pings that renew a lease travel as state: half a second is left for them to go by TLS.
+  // The pings that renew a lease are state messages: half a second is left for them to travel over TLS.
   EXPECT_LE(kPathSilence + kSecond / 2, LeaseRules{}.siteLease());
 }
 
@@ -112,7 +112,7 @@ TEST_F(SocketPath, ThatIsTooNarrowForTheLargestStateIsNotUsed) {
   EXPECT_TRUE(stateArrives());
 }
 
-TEST_F(SocketPath, ThatStopsIsLeftForTlsAndTakenUpAgain) {
+TEST_F(SocketPath, ThatStopsIsLeftForTlsAndUsedAgain) {
   connectThroughBox();
   finishConnecting();
   ASSERT_TRUE(runUntilBothUse(true));
@@ -122,7 +122,7 @@ TEST_F(SocketPath, ThatStopsIsLeftForTlsAndTakenUpAgain) {
   const std::size_t before = server_.count(Kind::state);
   site_.transport->sendState(0, bytesOf("lost"));
   ASSERT_TRUE(runUntilBothUse(false));
-  EXPECT_EQ(server_.count(Kind::state), before);  // the box does block
+  EXPECT_EQ(server_.count(Kind::state), before);  // the box does block datagrams
   EXPECT_TRUE(stateArrives());
 
   box_->pass(true, true);
@@ -133,7 +133,8 @@ TEST_F(SocketPath, ThatStopsIsLeftForTlsAndTakenUpAgain) {
   expectStillConnected();
 }
 
-// The server hears its client all the while; only the client's probes can tell it.
+// The server receives datagrams of its client throughout; it learns only from the client's probes that its
+// own are lost.
 TEST_F(SocketPath, ThatStopsTowardsTheClientIsLeftByBothEnds) {
   connectThroughBox();
   finishConnecting();

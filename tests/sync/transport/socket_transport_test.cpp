@@ -103,7 +103,7 @@ TEST_F(Sockets, ServeManySitesAtOnce) {
   }
   ASSERT_TRUE(runUntil(
       ends, [&] { return server_.count(Kind::control) == kSites && server_.count(Kind::state) == kSites; }));
-  // Each connection's control and state carry the same size: nothing is taken for another's.
+  // Each connection's control and state carry the same size: nothing is mistaken for another's.
   std::vector<std::size_t> control(kSites), state(kSites);
   for (const Seen& seen : server_.seen) {
     ASSERT_LT(seen.connection, kSites);
@@ -126,7 +126,7 @@ TEST_F(Sockets, CloseSendsWhatIsQueuedFirst) {
   EXPECT_EQ(site.last(Kind::closed)->reason, "");
 }
 
-TEST_F(Sockets, AClosedTransportThatIsDestroyedAtOnceStillSaysItsLastWord) {
+TEST_F(Sockets, AClosedTransportThatIsDestroyedAtOnceStillSendsWhatIsQueued) {
   listen();
   End site = joined();
   site.transport->sendControl(0, bytesOf("goodbye"));
@@ -141,7 +141,7 @@ TEST_F(Sockets, NothingButClosedComesAfterClose) {
   listen();
   End site = joined();
   site.transport->sendControl(0, bytesOf("late"));
-  server_.transport->wait(20 * kMillisecond);  // it is here, and not polled
+  server_.transport->wait(20 * kMillisecond);  // it has arrived, and is not polled
   server_.transport->close(newest());
   ASSERT_TRUE(
       runUntil({&site}, [&] { return server_.count(Kind::closed) == 1 && site.count(Kind::closed) == 1; }));
@@ -192,9 +192,9 @@ TEST_F(Sockets, AnApplicationThatDoesNotPollHoldsTheSenderBack) {
       ++sent;
     }
     site.turn(0);
-    server_.transport->wait(0);  // takes bytes in, hands nothing out
+    server_.transport->wait(0);  // reads bytes, and nothing is polled
   }
-  EXPECT_LT(sent, 200u);  // 50 MB would have gone in otherwise
+  EXPECT_LT(sent, 200u);  // otherwise 50 MB would have been accepted
   ASSERT_TRUE(runUntil({&site}, [&] { return server_.count(Kind::control) == sent; }));
 }
 

@@ -163,7 +163,7 @@ TEST(VirtualNetwork, ACrashedSiteIsNoticedLate) {
   EXPECT_EQ(drain(*server).at(0).kind, Kind::closed);
 }
 
-TEST(VirtualNetwork, CloseSendsWhatIsQueuedAndTellsBothEnds) {
+TEST(VirtualNetwork, CloseSendsWhatIsQueuedAndClosesBothEnds) {
   VirtualNetwork network(1, {});
   auto server = network.listen();
   auto site = network.connect("a");

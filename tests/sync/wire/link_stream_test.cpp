@@ -14,7 +14,8 @@ namespace {
 
 constexpr Micros kPeriod = 4 * kMillisecond;
 
-/// A part led to and fro for minutes, under a steady force: sums that pass the range of their low bits many times.
+/// A part that is led to and fro for minutes under a steady force, so that sums exceed the range of their low
+/// bits many times.
 LinkState stateAt(std::uint32_t sequence) {
   const double t = 0.004 * sequence, phase = 2.0 * t;
   LinkState state;
@@ -56,7 +57,7 @@ void expectSame(const LinkState& got, const LinkState& sent) {
   EXPECT_EQ(got.on, sent.on);
   EXPECT_EQ(got.asks, sent.asks);
   EXPECT_EQ(got.regime, sent.regime);
-  // Without a pose the last one goes on, for a few packets of an acceleration of 0.2 m/s^2.
+  // Without a pose the last one is extrapolated, for a few packets at an acceleration of 0.2 m/s^2.
   EXPECT_LT(glm::length(got.worldFromDrawn.position - sent.worldFromDrawn.position), 2e-4);
   EXPECT_LT(glm::length(got.twist.linear - sent.twist.linear), 0.02);
 }
@@ -108,15 +109,15 @@ TEST(LinkStream, ALargerEpochBeginsAnewAndAnEarlierOneIsDropped) {
   EXPECT_FALSE(receiver.receive(onTheWire(stateAt(9000)), begun.time));
 }
 
-TEST(LinkStream, NothingIsSaidBeforeAPoseIsKnown) {
+TEST(LinkStream, NoStateIsCompleteBeforeAPoseIsKnown) {
   LinkReceiver receiver;
   EXPECT_FALSE(receiver.receive(onTheWire(stateAt(24)), stateAt(24).time));
   EXPECT_TRUE(receiver.receive(onTheWire(stateAt(25)), stateAt(25).time));
   EXPECT_TRUE(receiver.receive(onTheWire(stateAt(26)), stateAt(26).time));
 }
 
-// A site that has been away tells a moment of its own clock before it knows the session's. Its low bits made whole lie
-// seconds ahead, and as the newest packet it would hide all that follow.
+// A site that reconnects may send the time of its own clock before it knows the session's. Completed from its
+// low bits, that time lies seconds ahead, and as the newest packet it would hide all later ones.
 TEST(LinkStream, WhatLiesInTheFutureIsDropped) {
   LinkReceiver receiver;
   const Micros now = 9 * kSecond;

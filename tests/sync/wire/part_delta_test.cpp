@@ -1,4 +1,4 @@
-// A part's state as a difference: exact, small for what a hand does, and harmless whatever the bytes say.
+// A part's state as a difference: exact, small for what a hand does, and harmless whatever the bytes are.
 
 #include "sync/wire/part_delta.h"
 
@@ -19,12 +19,12 @@ PartCode codeOf(const PartState& state) {
   return toCode(state, kFrame, clamped);
 }
 
-struct Told {
+struct Encoded {
   int bits = 0;
   DeltaOrders orders{};
 };
-/// Encoded and decoded again.
-Told roundTrip(const PartBaseline& baseline, Micros elapsed, const PartCode& now) {
+/// Encodes a difference and decodes it again.
+Encoded roundTrip(const PartBaseline& baseline, Micros elapsed, const PartCode& now) {
   std::vector<std::byte> bytes(400);
   BitWriter writer(bytes);
   const DeltaOrders orders = putDelta(writer, baseline, elapsed, now, kFrame);
@@ -52,8 +52,8 @@ TEST(PartDelta, AnyStateComesBackExactlyFromAnyOther) {
   }
 }
 
-/// Minimum-jerk strokes between random places (Flash and Hogan 1985), each with a turn about a random axis, with the
-/// tremor of a hand, 10 Hz, on top.
+/// Minimum-jerk strokes between random places (Flash and Hogan 1985), each with a turn about a random axis,
+/// with the tremor of a hand, 10 Hz, on top.
 class HandMotion {
  public:
   HandMotion(std::uint64_t seed, double length, double turn, double duration, double tremor)
@@ -97,7 +97,7 @@ class HandMotion {
   void next() {
     way_ = length_ * direction();
     const glm::dvec3 back = kFrame.centre - from_.position;
-    if (glm::dot(way_, back) < 0.0) way_ = -way_;  // stays about the middle
+    if (glm::dot(way_, back) < 0.0) way_ = -way_;  // so that the motion stays near the middle
     rotation_ = turn_ * direction();
   }
 
@@ -110,28 +110,30 @@ class HandMotion {
 struct Sizes {
   double mean = 0.0, most = 0.0;  // bytes
 };
-/// Of states told against those of 48 and 52 ms ago by turns, themselves told against those of 48 ms before, and those
-/// whole or (`chained`) against others. The two bits that say in the datagram that there is a difference are in it.
+/// Of states encoded against those of 48 and 52 ms ago by turns, themselves encoded against those of 48 ms
+/// before, and those whole or (`chained`) against others. The two bits of the datagram that announce a
+/// difference are included.
 Sizes sizesOf(HandMotion motion, bool chained = true) {
   constexpr std::size_t kSteps = 12;  // of 4 ms
   constexpr Micros kBefore = 48 * kMillisecond;
   Sizes sizes;
   std::vector<PartCode> codes;
   for (int i = 0; i < 5000; ++i) codes.push_back(codeOf(motion.at(4e-3 * i)));
-  std::vector<PartBaseline> told;
+  std::vector<PartBaseline> encoded;
   for (std::size_t i = 0; i < codes.size(); ++i) {
     if (i < kSteps || !chained) {
-      told.push_back({codes[i], false, {}, 0, {}});
+      encoded.push_back({codes[i], false, {}, 0, {}});
     } else {
-      const PartBaseline& against = told[i - kSteps];
-      told.push_back(toldAgainst(against, kBefore, codes[i], roundTrip(against, kBefore, codes[i]).orders));
+      const PartBaseline& against = encoded[i - kSteps];
+      encoded.push_back(
+          encodedAgainst(against, kBefore, codes[i], roundTrip(against, kBefore, codes[i]).orders));
     }
   }
   const std::size_t first = 3 * kSteps;
   for (std::size_t i = first; i < codes.size(); ++i) {
     const std::size_t age = kSteps + i % 2;
     const Micros elapsed = static_cast<Micros>(age) * 4 * kMillisecond;
-    const double bytes = (2 + roundTrip(told[i - age], elapsed, codes[i]).bits) / 8.0;
+    const double bytes = (2 + roundTrip(encoded[i - age], elapsed, codes[i]).bits) / 8.0;
     sizes.mean += bytes / static_cast<double>(codes.size() - first);
     sizes.most = std::max(sizes.most, bytes);
   }
@@ -139,15 +141,15 @@ Sizes sizesOf(HandMotion motion, bool chained = true) {
 }
 
 TEST(PartDelta, AMovingPartTakesAtMostTwelveBytesAgainstTheStateOf50MsAgo) {
-  // 10 cm and 30 degrees in 0.8 s, again and again, by a hand that trembles by 20 um.
+  // Repeated strokes of 10 cm and 30 degrees in 0.8 s, by a hand with a tremor of 20 um.
   const HandMotion motion(1, 0.10, 0.52, 0.8, 2e-5);
   EXPECT_LE(sizesOf(motion).mean, 12.0);
   EXPECT_LE(sizesOf(motion).most, 15.5);
-  // 5 cm and 15 degrees in a second.
+  // Strokes of 5 cm and 15 degrees in a second.
   EXPECT_LE(sizesOf(HandMotion(1, 0.05, 0.26, 1.0, 2e-5)).mean, 10.5);
-  // As fast as the play-out's own test, 0.5 m/s and 3 rad/s at the peak.
+  // As fast as in the test of the play-out: 0.5 m/s and 3 rad/s at the peak.
   EXPECT_LE(sizesOf(HandMotion(2, 0.2, 1.2, 0.75, 2e-5)).mean, 13.5);
-  // Control: with nothing known from before the baseline it is more.
+  // Control: without a velocity from before the baseline it takes more.
   EXPECT_GT(sizesOf(motion, false).mean, 12.0);
 }
 
@@ -171,7 +173,7 @@ TEST(PartDelta, AgainstAnotherBaselineSomethingElseComesOut) {
 
 TEST(PartDelta, WhateverTheBytesAreTheStateIsAValidOneOrNone) {
   RandomMessages random(22);
-  int taken = 0;
+  int accepted = 0;
   for (int round = 0; round < 50000; ++round) {
     const auto parts = random.update(2, kFrame).parts;
     const PartBaseline baseline{codeOf(parts[0]),
@@ -185,13 +187,13 @@ TEST(PartDelta, WhateverTheBytesAreTheStateIsAValidOneOrNone) {
     BitReader reader(bytes);
     getDelta(reader, baseline, 1 + random.number(kLongestElapsed), kFrame, back);
     if (reader.failed()) continue;
-    ++taken;
+    ++accepted;
     PartState state;
     ASSERT_TRUE(fromCode(back, kFrame, state));
     ASSERT_TRUE(isValid(state.worldFromPart));
     ASSERT_LE(std::abs(state.twist.linear.x), kMaxLinearSpeed);
   }
-  EXPECT_GT(taken, 100);
+  EXPECT_GT(accepted, 100);
 }
 
 }  // namespace

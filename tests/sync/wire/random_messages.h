@@ -49,8 +49,8 @@ class RandomMessages {
   }
   PartId partId() { return chance(0.1) ? kNoPart : static_cast<PartId>(number(kMaxParts)); }
   PartRecord record() { return {partId(), static_cast<SiteId>(number(65536)), number(~0u), pose(5.0)}; }
-  MemberRecord members() {
-    MemberRecord m{partId(), number(~0u), number(~0u), {}};
+  CoHolderRecord coHolders() {
+    CoHolderRecord m{partId(), number(~0u), number(~0u), {}};
     for (std::uint32_t n = number(6); n > 0; --n) m.sites.push_back(static_cast<SiteId>(number(65536)));
     return m;
   }
@@ -100,9 +100,9 @@ class RandomMessages {
       case 19:
         return Disengage{number(~0u), partId()};
       case 20:
-        return EngageReply{number(~0u), static_cast<Denial>(number(8)), members()};
+        return EngageReply{number(~0u), static_cast<Denial>(number(8)), coHolders()};
       default:
-        return MembersChanged{members()};
+        return MembersChanged{coHolders()};
     }
   }
   Welcome welcome() {

@@ -85,7 +85,7 @@ TEST_F(Recording, NoticesEveryFlippedBit) {
   }
 }
 
-TEST_F(Recording, SaysWhyItCannotBeOpenedOrWritten) {
+TEST_F(Recording, GivesTheReasonWhyItCannotBeOpenedOrWritten) {
   EXPECT_FALSE(RecordingReader::open("/nowhere/at/all").ok());
   EXPECT_FALSE(RecordingWriter::create("/nowhere/at/all", header).ok());
   auto full = RecordingWriter::create("/dev/full", header);

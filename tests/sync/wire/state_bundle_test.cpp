@@ -14,7 +14,7 @@ namespace {
 using namespace sync;
 using Bytes = std::vector<std::byte>;
 
-/// That could be a message: version, kind, and a filling.
+/// Bytes that could be a message: version, kind, and padding.
 Bytes message(std::size_t size, int fill) {
   Bytes bytes(size, static_cast<std::byte>(fill));
   bytes[0] = std::byte{kStateVersion};
@@ -22,10 +22,10 @@ Bytes message(std::size_t size, int fill) {
   return bytes;
 }
 
-std::vector<Bytes> taken(std::span<const std::byte> datagram) {
+std::vector<Bytes> split(std::span<const std::byte> datagram) {
   std::vector<Bytes> messages;
   do {
-    const std::span<const std::byte> one = takeMessage(datagram);
+    const std::span<const std::byte> one = popMessage(datagram);
     messages.emplace_back(one.begin(), one.end());
   } while (!datagram.empty());
   return messages;
@@ -34,17 +34,17 @@ std::vector<Bytes> taken(std::span<const std::byte> datagram) {
 TEST(StateBundle, WhatGoesInComesOutInOrder) {
   StateBundle bundle;
   EXPECT_TRUE(bundle.bytes().empty());
-  const std::vector<Bytes> said{message(39, 1), message(255, 2), message(3, 3), message(600, 4)};
+  const std::vector<Bytes> messages{message(39, 1), message(255, 2), message(3, 3), message(600, 4)};
   std::size_t size = 0;
-  for (const Bytes& one : said) {
+  for (const Bytes& one : messages) {
     ASSERT_TRUE(bundle.add(one));
     size += one.size();
   }
   EXPECT_EQ(bundle.bytes().size(), size + 3 * 3);
-  EXPECT_EQ(taken(bundle.bytes()), said);
+  EXPECT_EQ(split(bundle.bytes()), messages);
   bundle.clear();
-  ASSERT_TRUE(bundle.add(said[0]));
-  EXPECT_EQ(Bytes(bundle.bytes().begin(), bundle.bytes().end()), said[0]) << "alone it is as it is";
+  ASSERT_TRUE(bundle.add(messages[0]));
+  EXPECT_EQ(Bytes(bundle.bytes().begin(), bundle.bytes().end()), messages[0]) << "alone it is as it is";
 }
 
 TEST(StateBundle, WhatDoesNotFitIsRefused) {
@@ -67,18 +67,18 @@ TEST(StateBundle, HostileBytesEnd) {
     state = state * 1664525u + 1013904223u;
     for (std::size_t size = state >> 25; bytes.size() < size;) {
       state = state * 1664525u + 1013904223u;
-      // Mostly what the head of a pair is made of.
+      // Mostly the bytes of the head of a pair.
       bytes.push_back(
           static_cast<std::byte>(std::array{2u, 7u, state >> 29, state >> 24}[(state >> 20) % 4]));
     }
     std::size_t sum = 0;
-    for (const Bytes& one : taken(bytes)) sum += one.size();
+    for (const Bytes& one : split(bytes)) sum += one.size();
     EXPECT_LE(sum, bytes.size());
   }
   for (const Bytes& odd :
        {Bytes{}, Bytes{std::byte{2}}, Bytes{std::byte{2}, std::byte{7}, std::byte{0}, std::byte{1}},
         Bytes{std::byte{2}, std::byte{7}, std::byte{1}, std::byte{9}}})
-    EXPECT_EQ(taken(odd), std::vector<Bytes>{odd}) << "no pair: one message, for the decoder to refuse";
+    EXPECT_EQ(split(odd), std::vector<Bytes>{odd}) << "no pair: one message, for the decoder to refuse";
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
-// Updates from end to end with losses, doubles and wrong order: what is decoded is what was sent, or nothing.
+// Updates from end to end with losses, duplicates and reordering: each is decoded as it was sent, or not at
+// all.
 
-#include "sync/wire/state_stream.h"
+#include "sync/wire/state_receiver.h"
+#include "sync/wire/state_sender.h"
 
 #include <gtest/gtest.h>
 
@@ -66,7 +68,7 @@ class Parts {
   Micros time_ = 0;
 };
 
-/// Whether a decoded update is the sent one, as the wire rounds it.
+/// Whether a decoded update is the sent one, as quantised by the wire.
 bool isThatSent(const StateUpdate& sent, const StateUpdate& got) {
   if (sent.sequence != got.sequence || sent.time != got.time || sent.site != got.site ||
       sent.parts.size() != got.parts.size())
@@ -87,7 +89,7 @@ struct Lossy {
   Micros delay = 12 * kMillisecond;
 };
 struct Tally {
-  int arrived = 0, taken = 0, noBaseline = 0, wrong = 0;
+  int arrived = 0, decoded = 0, noBaseline = 0, wrong = 0;
   std::size_t bytes = 0;
 };
 
@@ -123,12 +125,12 @@ Tally run(std::uint64_t seed, const Lossy& network, int rounds, int forgetsAt = 
       ++tally.arrived;
       const Outcome outcome = receiver.decode(there.begin()->second, kFrame, message);
       tally.noBaseline += outcome == Outcome::noBaseline ? 1 : 0;
-      if (outcome != Outcome::taken) continue;
-      ++tally.taken;
+      if (outcome != Outcome::decoded) continue;
+      ++tally.decoded;
       const auto& got = std::get<StateUpdate>(message);
       tally.wrong += isThatSent(sent[got.sequence], got) ? 0 : 1;
     }
-    if (const auto ack = receiver.takeAck(now))
+    if (const auto ack = receiver.drainAck(now))
       if (!random.chance(network.loss)) back.emplace(now + delay(), *ack);
     for (; !back.empty() && back.begin()->first <= now; back.erase(back.begin()))
       sender.acknowledged(back.begin()->second);
@@ -140,7 +142,7 @@ TEST(StateStream, DecodesWhatWasSentOrNothingOnABadNetwork) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     const Tally bad = run(seed, {0.3, 0.1, 0.2, 60 * kMillisecond}, 2000);
     EXPECT_EQ(bad.wrong, 0);
-    EXPECT_EQ(bad.taken, bad.arrived) << "what is told against an acknowledged state can be decoded";
+    EXPECT_EQ(bad.decoded, bad.arrived) << "an update against an acknowledged state can be decoded";
     EXPECT_GT(bad.arrived, 1300);
   }
 }
@@ -149,7 +151,7 @@ TEST(StateStream, IsSmallOnceAcknowledged) {
   const Tally near = run(1, {}, 2000);
   // 125 ms a leg: the baselines are a quarter of a second old.
   const Tally far = run(1, {0.0, 0.0, 0.0, 125 * kMillisecond}, 2000);
-  const Tally never = run(1, {1.0, 0.0, 0.0, 0}, 2000);  // nothing arrives: all is told whole
+  const Tally never = run(1, {1.0, 0.0, 0.0, 0}, 2000);  // nothing arrives: all is sent whole
   EXPECT_LT(near.bytes, never.bytes * 7 / 10);
   EXPECT_LT(far.bytes, never.bytes * 9 / 10);
 }
@@ -160,7 +162,7 @@ TEST(StateStream, AReceiverThatHasForgottenDropsAndCountsAndIsWellWithinASecond)
   EXPECT_EQ(tally.wrong, 0);
   EXPECT_GT(tally.noBaseline, 0);
   EXPECT_LE(tally.noBaseline, static_cast<int>(kKept * kKeepInterval / kPeriod) + 10);
-  EXPECT_EQ(tally.taken + tally.noBaseline, tally.arrived);
+  EXPECT_EQ(tally.decoded + tally.noBaseline, tally.arrived);
 }
 
 /// A sender and a receiver without a network, after a few acknowledged rounds.
@@ -182,13 +184,13 @@ struct Pair {
   }
   Outcome deliver() {
     const Outcome outcome = receiver.decode(bytes, kFrame, message);
-    if (const auto ack = receiver.takeAck(update.time)) sender.acknowledged(*ack);
+    if (const auto ack = receiver.drainAck(update.time)) sender.acknowledged(*ack);
     return outcome;
   }
   void rounds(int count) {
     for (int i = 0; i < count; ++i) {
       advance();
-      ASSERT_EQ(deliver(), Outcome::taken);
+      ASSERT_EQ(deliver(), Outcome::decoded);
     }
   }
 };
@@ -226,7 +228,7 @@ TEST(StateStream, NeverLongerThanADatagramAndTheFirstPartsComeFirst) {
   for (int round = 0; round < 200; ++round) {
     pair.advance();
     ASSERT_LE(pair.bytes.size(), kMaxStateBytes);
-    ASSERT_EQ(pair.deliver(), Outcome::taken);
+    ASSERT_EQ(pair.deliver(), Outcome::decoded);
     const auto& parts = std::get<StateUpdate>(pair.message).parts;
     most = std::max(most, parts.size());
     for (const PartState& state : parts) seen[state.part] = true;
@@ -235,8 +237,8 @@ TEST(StateStream, NeverLongerThanADatagramAndTheFirstPartsComeFirst) {
   EXPECT_GT(most, 60u) << "whole, only 33 fit";
 }
 
-TEST(StateStream, WhatWasToldAgainstOtherStatesIsNotTaken) {
-  // Two pasts with the same sequences and times, and different poses.
+TEST(StateStream, AnUpdateAgainstOtherStatesIsNotDecoded) {
+  // Two histories with the same sequences and times, and different poses.
   Pair here, other;
   here.update.parts = partsAt(1, {{0.1, 0.0, 0.0}, {}});
   other.update.parts = partsAt(1, {{0.1, 0.0, 0.0}, {}});
@@ -245,22 +247,22 @@ TEST(StateStream, WhatWasToldAgainstOtherStatesIsNotTaken) {
   other.rounds(30);
   here.advance();
   other.advance();
-  EXPECT_EQ(here.receiver.decode(other.bytes, kFrame, here.message), Outcome::spoilt);
-  EXPECT_EQ(here.deliver(), Outcome::taken);
+  EXPECT_EQ(here.receiver.decode(other.bytes, kFrame, here.message), Outcome::checksumMismatch);
+  EXPECT_EQ(here.deliver(), Outcome::decoded);
 }
 
-TEST(StateStream, AStateOfAnotherEpochIsToldWhole) {
+TEST(StateStream, AStateOfAnotherEpochIsSentWhole) {
   Pair pair;
   pair.update.parts = partsAt(1, {});
   pair.rounds(30);
   pair.update.newPresence = false;
   pair.advance();
   const std::size_t small = pair.bytes.size();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   ++pair.update.parts[0].epoch;
   pair.advance();
   EXPECT_GT(pair.bytes.size(), small + 15);
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   EXPECT_EQ(std::get<StateUpdate>(pair.message).parts[0].epoch, 5u);
 }
 
@@ -270,24 +272,24 @@ TEST(StateStream, PresenceComesWhereItIsNewAndIsRememberedOtherwise) {
   pair.update.newPresence = false;
   pair.update.presence.touched = 7;
   pair.advance();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   const auto& got = std::get<StateUpdate>(pair.message);
   EXPECT_TRUE(got.newPresence) << "the receiver had none";
   pair.update.presence.touched = 8;
   pair.advance();
   const std::size_t without = pair.bytes.size();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   EXPECT_FALSE(got.newPresence);
   EXPECT_EQ(got.presence.touched, 7);
   EXPECT_EQ(got.presence.site, 9);
   pair.update.newPresence = true;
   pair.advance();
   EXPECT_EQ(pair.bytes.size(), without + 40);
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   EXPECT_EQ(got.presence.touched, 8);
 }
 
-TEST(StateStream, TheCameraIsToldWhereItMovesAndAtTimes) {
+TEST(StateStream, TheCameraIsSentWhereItMovesAndAtIntervals) {
   Pair pair;
   pair.update.newPresence = true;
   std::vector<std::size_t> sizes;
@@ -295,7 +297,9 @@ TEST(StateStream, TheCameraIsToldWhereItMovesAndAtTimes) {
     pair.update.presence.worldFromCamera.position.x = x;
     pair.advance();
     sizes.push_back(pair.bytes.size());
-    if (arrives) ASSERT_EQ(pair.deliver(), Outcome::taken);
+    if (arrives) {
+      ASSERT_EQ(pair.deliver(), Outcome::decoded);
+    }
   };
   const auto shown = [&] { return std::get<StateUpdate>(pair.message).presence.worldFromCamera.position.x; };
   for (int i = 0; i < 9; ++i) advance(0.5, true);
@@ -312,29 +316,29 @@ TEST(StateStream, ACameraThatWasOvertakenCounts) {
   pair.update.newPresence = true;
   for (int i = 0; i < 4; ++i) {
     pair.advance();
-    ASSERT_EQ(pair.deliver(), Outcome::taken);
+    ASSERT_EQ(pair.deliver(), Outcome::decoded);
   }
   pair.update.presence.worldFromCamera.position.x = 0.5;
   pair.advance();
   const auto late = pair.bytes;
   for (int i = 0; i < 3; ++i) pair.advance();
   pair.advance();  // without the camera
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   const auto& got = std::get<StateUpdate>(pair.message);
   EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.0, 1e-5);
   pair.bytes = late;
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   pair.advance();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   EXPECT_NEAR(got.presence.worldFromCamera.position.x, 0.5, 1e-5);
 }
 
 TEST(StateStream, AHandWithoutEyesIsNotShown) {
   Pair pair;
   pair.update.newPresence = true;
-  for (int i = 0; i < 4; ++i) pair.advance();  // with the camera: lost
+  for (int i = 0; i < 4; ++i) pair.advance();  // updates with the camera, which are lost
   pair.advance();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   auto& got = std::get<StateUpdate>(pair.message);
   EXPECT_FALSE(got.newPresence);
   EXPECT_FALSE(got.presenceKnown);
@@ -342,10 +346,10 @@ TEST(StateStream, AHandWithoutEyesIsNotShown) {
   StateReceiver other;
   StateMessage message;
   onward.encode(got, kFrame, pair.bytes);
-  ASSERT_EQ(other.decode(pair.bytes, kFrame, message), Outcome::taken);
+  ASSERT_EQ(other.decode(pair.bytes, kFrame, message), Outcome::decoded);
   EXPECT_FALSE(std::get<StateUpdate>(message).presenceKnown) << "nor by who passes it on";
   for (int i = 0; i < 4; ++i) pair.advance();
-  ASSERT_EQ(pair.deliver(), Outcome::taken);
+  ASSERT_EQ(pair.deliver(), Outcome::decoded);
   EXPECT_TRUE(got.newPresence);
   EXPECT_TRUE(got.presenceKnown);
 }
@@ -366,18 +370,18 @@ TEST(StateStream, HostileBytesGiveValidStatesOrNone) {
     StateReceiver receiver = pair.receiver;
     const Outcome outcome = receiver.decode(bytes, kFrame, pair.message);
     ++outcomes[outcome];
-    if (outcome == Outcome::taken)
+    if (outcome == Outcome::decoded)
       if (const auto* got = std::get_if<StateUpdate>(&pair.message))
         for (const PartState& state : got->parts) {
           ASSERT_TRUE(isValid(state.worldFromPart));
           ASSERT_LT(state.part, kMaxParts);
         }
     if (round % 10 == 0) {
-      ASSERT_EQ(pair.deliver(), Outcome::taken);
+      ASSERT_EQ(pair.deliver(), Outcome::decoded);
     }
   }
   EXPECT_GT(outcomes[Outcome::malformed], 1000);
-  EXPECT_GT(outcomes[Outcome::spoilt], 1000);
+  EXPECT_GT(outcomes[Outcome::checksumMismatch], 1000);
   EXPECT_GT(outcomes[Outcome::noBaseline], 100);
 }
 
@@ -388,7 +392,7 @@ TEST(StateStream, EveryTruncationIsRefused) {
   pair.advance();
   for (std::size_t length = 0; length < pair.bytes.size(); ++length) {
     StateReceiver receiver = pair.receiver;
-    EXPECT_NE(receiver.decode(std::span(pair.bytes).first(length), kFrame, pair.message), Outcome::taken);
+    EXPECT_NE(receiver.decode(std::span(pair.bytes).first(length), kFrame, pair.message), Outcome::decoded);
   }
   pair.bytes.push_back(std::byte{0});
   EXPECT_EQ(pair.deliver(), Outcome::malformed);

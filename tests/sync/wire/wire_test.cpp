@@ -122,7 +122,7 @@ TEST(ControlWire, SurvivesFlippedBitsAndDecodesOnlyWhatItWouldEncode) {
 
 TEST(ControlWire, RefusesCountsWithoutTheirBytes) {
   auto bytes = encodeControl(Welcome{});
-  bytes[bytes.size() - 2] = std::byte{0xff};  // 255 parts that are not there
+  bytes[bytes.size() - 2] = std::byte{0xff};  // announces 255 parts that are not there
   EXPECT_FALSE(decodeControl(bytes).ok());
 }
 
@@ -137,11 +137,11 @@ TEST(ControlWire, RefusesUnknownKindsAndBadNumbers) {
   EXPECT_FALSE(decodeControl(encodeControl(release)).ok());
 }
 
-TEST(ControlWire, TellsTheVersionOfAHelloThatItCannotRead) {
+TEST(ControlWire, DecodesTheVersionOfAHelloThatItCannotRead) {
   Hello hello;
   hello.protocolVersion = 77;
   auto bytes = encodeControl(hello);
-  bytes.push_back(std::byte{0x5a});  // whatever that version may say
+  bytes.push_back(std::byte{0x5a});  // whatever fields that version may have
   const auto message = decodeControl(bytes);
   ASSERT_TRUE(message.ok());
   EXPECT_EQ(std::get<Hello>(*message).protocolVersion, 77);
@@ -192,7 +192,7 @@ TEST(StateWire, ErrorsStayWithinTheStatedBounds) {
   }
 }
 
-TEST(StateWire, TheReceiverGetsExactlyWhatQuantisedSays) {
+TEST(StateWire, TheReceiverGetsExactlyWhatQuantisedReturns) {
   RandomMessages random(6);
   const StateUpdate sent = random.update(15, kFrame);
   StateMessage message;

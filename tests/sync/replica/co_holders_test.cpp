@@ -1,4 +1,4 @@
-// Who simulates a part beside its owner, and who owns it after that one.
+// The co-holders of a part, and which of them owns it after its owner.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ namespace {
 constexpr SiteId kAnn = 1, kBen = 2, kCleo = 3;
 constexpr Role kRole = Role::participant;
 
-class Engagement : public ::testing::Test {
+class CoHolders : public ::testing::Test {
  protected:
   LeaseRules rules;
   OwnershipTable table{{true, true, false}, std::vector<Pose>(3), rules};
@@ -33,7 +33,7 @@ class Engagement : public ::testing::Test {
   RequestId next = 1;
 };
 
-TEST_F(Engagement, IsForPartsThatSomebodyElseOwns) {
+TEST_F(CoHolders, IsForPartsThatSomebodyElseOwns) {
   EXPECT_EQ(engage(kBen), Denial::notOwned);
   grab(kAnn);
   EXPECT_EQ(engage(kAnn), Denial::notOwned);
@@ -41,39 +41,39 @@ TEST_F(Engagement, IsForPartsThatSomebodyElseOwns) {
   EXPECT_EQ(engage(kBen, 0, 9), Denial::unknownPart);
   EXPECT_EQ(table.engage(kBen, Role::observer, {1, 0}, 0).reply.denial, Denial::roleForbids);
   EXPECT_EQ(engage(kBen), Denial::none);
-  EXPECT_EQ(table.members(0).sites, std::vector<SiteId>{kBen});
+  EXPECT_EQ(table.coHolders(0).sites, std::vector<SiteId>{kBen});
 }
 
-TEST_F(Engagement, EachChangeOfTheListIsANewVersionToldOnce) {
+TEST_F(CoHolders, EachChangeOfTheListIsANewVersionPublishedOnce) {
   grab(kAnn);
   engage(kBen);
-  const auto first = table.takeChangedMembers();
+  const auto first = table.drainChangedCoHolders();
   ASSERT_EQ(first.size(), 1u);
-  EXPECT_EQ(engage(kBen), Denial::none);  // again: nothing changes
-  EXPECT_TRUE(table.takeChangedMembers().empty());
+  EXPECT_EQ(engage(kBen), Denial::none);  // a repeated request changes nothing
+  EXPECT_TRUE(table.drainChangedCoHolders().empty());
   engage(kCleo);
   EXPECT_TRUE(table.disengage(kBen, {9, 0}).changed);
   EXPECT_FALSE(table.disengage(kBen, {9, 0}).changed);
-  const auto second = table.takeChangedMembers();
+  const auto second = table.drainChangedCoHolders();
   ASSERT_EQ(second.size(), 1u);
   EXPECT_GT(second[0].version, first[0].version);
   EXPECT_EQ(second[0].sites, std::vector<SiteId>{kCleo});
 }
 
-TEST_F(Engagement, WhoHasBeenEngagedForLongestOwnsItNext) {
+TEST_F(CoHolders, TheLongestCoHolderOwnsItNext) {
   const Epoch epoch = grab(kAnn);
   engage(kBen);
   engage(kCleo);
   release(kAnn, epoch);
   EXPECT_EQ(table.part(0).owner, kBen);
   EXPECT_EQ(table.part(0).epoch, epoch + 1);
-  EXPECT_EQ(table.members(0).sites, std::vector<SiteId>{kCleo});
-  EXPECT_EQ(table.members(0).epoch, epoch + 1);
+  EXPECT_EQ(table.coHolders(0).sites, std::vector<SiteId>{kCleo});
+  EXPECT_EQ(table.coHolders(0).epoch, epoch + 1);
   EXPECT_FALSE(table.accept(kAnn, {0, epoch, 5, {}, {}}));
   EXPECT_TRUE(table.accept(kBen, {0, epoch + 1, 1, {}, {}}));
 }
 
-TEST_F(Engagement, ALeaseThatRunsOutPassesThePartOnToWhoIsStillThere) {
+TEST_F(CoHolders, ALeaseThatRunsOutPassesThePartOnToWhoIsStillThere) {
   const Epoch epoch = grab(kAnn);
   engage(kBen);
   engage(kCleo);
@@ -83,10 +83,10 @@ TEST_F(Engagement, ALeaseThatRunsOutPassesThePartOnToWhoIsStillThere) {
   ASSERT_EQ(over.size(), 1u);
   EXPECT_EQ(over[0].owner, kCleo);
   EXPECT_EQ(over[0].epoch, epoch + 1);
-  EXPECT_TRUE(table.members(0).sites.empty()) << "Ben is heard of no more";
+  EXPECT_TRUE(table.coHolders(0).sites.empty()) << "the pings of Ben stopped";
 }
 
-TEST_F(Engagement, AStrangerDoesNotGetThePartOfAnOwnerWhoIsGone) {
+TEST_F(CoHolders, AStrangerDoesNotGetThePartOfAnOwnerWhoIsGone) {
   const Epoch epoch = grab(kAnn);
   engage(kBen);
   const Micros later = rules.serverLease();
@@ -98,39 +98,39 @@ TEST_F(Engagement, AStrangerDoesNotGetThePartOfAnOwnerWhoIsGone) {
   EXPECT_EQ(decision.reply.part.epoch, epoch + 1);
 }
 
-TEST_F(Engagement, LeavingEndsIt) {
+TEST_F(CoHolders, LeavingEndsIt) {
   grab(kAnn);
   engage(kBen);
   table.leave(kBen);
-  EXPECT_TRUE(table.members(0).sites.empty());
+  EXPECT_TRUE(table.coHolders(0).sites.empty());
   engage(kCleo);
   EXPECT_EQ(table.leave(kAnn)[0].owner, kCleo);
 }
 
-TEST_F(Engagement, ARevocationEndsAllOfIt) {
+TEST_F(CoHolders, ARevocationEndsAllOfIt) {
   const Epoch epoch = grab(kAnn);
   engage(kBen);
   const auto record = table.revoke(0, 0);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->owner, kNoSite);
   EXPECT_EQ(record->epoch, epoch + 1);
-  EXPECT_TRUE(table.members(0).sites.empty());
+  EXPECT_TRUE(table.coHolders(0).sites.empty());
 }
 
-TEST_F(Engagement, ASiteTakesWhatIsNewer) {
+TEST_F(CoHolders, ASiteAppliesWhatIsNewer) {
   OwnershipView view(3, rules);
   view.setSelf(kBen);
   EXPECT_TRUE(view.apply(PartRecord{0, kAnn, 4, {}}));
-  EXPECT_TRUE(view.apply(MemberRecord{0, 4, 2, {kBen, kCleo}}));
-  EXPECT_FALSE(view.apply(MemberRecord{0, 4, 1, {}}));
-  EXPECT_TRUE(view.engaged(0));
+  EXPECT_TRUE(view.apply(CoHolderRecord{0, 4, 2, {kBen, kCleo}}));
+  EXPECT_FALSE(view.apply(CoHolderRecord{0, 4, 1, {}}));
+  EXPECT_TRUE(view.isCoHolder(0));
   EXPECT_EQ(view.simulators(0), 3u);
-  EXPECT_TRUE(view.apply(MemberRecord{0, 5, 1, {kCleo}}));
-  EXPECT_FALSE(view.engaged(0));
-  EXPECT_FALSE(view.apply(MemberRecord{7, 5, 1, {}}));
-  // A server that was started again counts from the start.
-  view.forgetMembers();
-  EXPECT_TRUE(view.apply(MemberRecord{0, 4, 1, {kBen}}));
+  EXPECT_TRUE(view.apply(CoHolderRecord{0, 5, 1, {kCleo}}));
+  EXPECT_FALSE(view.isCoHolder(0));
+  EXPECT_FALSE(view.apply(CoHolderRecord{7, 5, 1, {}}));
+  // A restarted server counts versions from the start.
+  view.forgetCoHolders();
+  EXPECT_TRUE(view.apply(CoHolderRecord{0, 4, 1, {kBen}}));
 }
 
 }  // namespace
