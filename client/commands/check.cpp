@@ -2,6 +2,7 @@
 #include <memory>
 #include <utility>
 
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "assets/mesh/fit_findings.h"
@@ -165,6 +166,7 @@ Json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
   json["surfaces"] = Json::array();
   for (const Feature& feature : features.surfaces)
     json["surfaces"].push(featureJson(feature, "part", "material"));
+  ASSERT(features.fields.size() == scene.fields.size());
   json["fields"] = Json::array();
   for (std::size_t i = 0; i < scene.fields.size(); ++i) {
     const assets::ForceField& f = scene.fields[i];
@@ -177,6 +179,7 @@ Json toJson(const assets::Scene& scene, const std::vector<StylusModel>& models,
                          {"effects", effectsJson(features.fields[i])},
                          {"remarks", remarksJson(features.fields[i])}});
   }
+  ASSERT(features.controls.size() == scene.controls.size());
   json["controls"] = Json::array();
   for (const Feature& feature : features.controls) {
     json["controls"].push(featureJson(feature, "name", "kind"));

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "assets/scene/near_names.h"
 #include "client/base/readable.h"
@@ -31,6 +32,7 @@ const char* wordFor(const Clash& clash) {
 Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
 Json toJson(const assets::Scene& scene, const Clash& clash) {
+  ASSERT(clash.a < scene.parts.size() && clash.b < scene.parts.size());
   return {{"a", scene.parts[clash.a].name},
           {"b", scene.parts[clash.b].name},
           {"kind", wordFor(clash)},
@@ -140,6 +142,7 @@ void print(const assets::Scene& scene, const Clash& clash) {
 /// The two parts that --distance names.
 Result<std::pair<PartId, PartId>> namedPair(const assets::Scene& scene,
                                             const std::vector<std::string>& names) {
+  ASSERT(names.size() == 2);
   PartId parts[2];
   for (std::size_t i = 0; i < 2; ++i) {
     parts[i] = assets::findPart(scene, names[i]);

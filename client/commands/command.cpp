@@ -10,12 +10,14 @@
 #include <filesystem>
 #include <fstream>
 
+#include "assets/base/assert.h"
 #include "haptics/scene/contact_scene.h"
 
 namespace tandem::client {
 
 int badInput(const Error& error) {
   // Messages quote files and arguments, which may hold line breaks and control codes of a terminal.
+  ASSERT(!error.message.empty());
   std::string line = error.message;
   std::replace_if(
       line.begin(), line.end(), [](unsigned char c) { return c < 32 || c == 127; }, '_');
@@ -80,6 +82,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(double done, const char* what) {
+  ASSERT(what != nullptr);
   constexpr std::chrono::milliseconds kLong(500);
   if (std::chrono::steady_clock::now() - start_ < kLong) return;
   const bool terminal = isatty(STDERR_FILENO) != 0, other = what_ != what;

@@ -11,6 +11,7 @@
 #include <thread>
 
 #include <glm/geometric.hpp>
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
@@ -327,6 +328,7 @@ class JoinRun {
   }
 
   void loop(haptics::VirtualStylus* stylus, haptics::SteeredHand* steered) {
+    ASSERT(end_.empty());
     const Clock::time_point start = Clock::now();
     if (!viewer_) lookAtAll();
     if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
@@ -401,6 +403,7 @@ class JoinRun {
 
   /// Draws frames until the search has ended and the camera shows the first clash.
   void frameClashes(Viewer& viewer) {
+    ASSERT(arguments_.clashes >= 0.0);
     viewer.openClashes({arguments_.clashes, false});
     for (int after = 0; after < 40 && !interrupted; after += model_.clashes.findings ? 1 : 0) {
       searchClashes(viewer.frame(model_));

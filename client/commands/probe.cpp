@@ -9,6 +9,7 @@
 
 #include <glm/geometric.hpp>
 #include "assets/base/allocation_counter.h"
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "assets/scene/near_names.h"
@@ -138,6 +139,7 @@ class Readings {
 
   /// The reading of a tick. Its velocity is taken from the last valid row, however long ago.
   haptics::DeviceSample at(std::size_t tick) {
+    ASSERT(!path_.empty() && (before_ == nullptr || tick > beforeIndex_));
     const PathRow& row = path_[std::min(tick, path_.size() - 1)];
     haptics::DeviceSample sample;
     sample.worldFromDevice = row.pose;
@@ -173,6 +175,7 @@ class Probe {
         log_(scene, parameters.dt, !arguments.contacts.empty()) {
     if (!arguments.ticks.empty() && tool.part != kNoPart)
       depth_ = std::make_unique<haptics::HeldPartDepthMeter>(contact, tool.part);
+    ASSERT(arguments.swept.empty() || tool.part != kNoPart);
     if (!arguments.swept.empty())
       swept_ = std::make_unique<SweptPath>(contact, tool.part, arguments.sweptStep);
     parameters_.toolRadius = tool.radius;
@@ -182,6 +185,7 @@ class Probe {
   /// Runs a tick for each row. `second`: the path of a second hand, which holds the part too; empty: none.
   void run(const std::vector<PathRow>& path, const std::vector<PathRow>& second,
            const std::vector<MovedPart>& moves) {
+    ASSERT(rows_.empty() && (second.empty() || tool_.part != kNoPart));
     std::vector<haptics::PartMotion> moved(moves.size());
     rows_.reserve(path.size());
     Readings first(path, parameters_.dt), other(second, parameters_.dt);
@@ -225,6 +229,7 @@ class Probe {
   /// Fills in commands that make this hand own the controls that it touches and the parts that it pushes, and
   /// release those at rest. In a session the server grants them; here no other site can have them.
   std::size_t ownTouched(const std::vector<MovedPart>& moves, Commands& commands) const {
+    ASSERT(!rows_.empty());
     using Kind = haptics::PartCommand::Kind;
     std::size_t count = 0;
     const haptics::TickOutput& last = rows_.back().tick;
@@ -301,6 +306,7 @@ Status writeTicks(const std::string& path, const std::vector<Row>& rows, const a
         touched == kNoPart ? "" : csvCell(scene.parts[touched].name.substr(0, 200)).c_str(), row.tick.flags,
         row.compute_ns);
     text.append(line, std::min(static_cast<std::size_t>(length), sizeof line - 1));
+    ASSERT(length > 0 && row.controls.size() == scene.controls.size());
     if (part) {
       const glm::dquat& q = row.proxy.orientation;
       length = std::snprintf(line, sizeof line, ",%.9g,%.9g,%.9g,%.9g,%.6g", q.w, q.x, q.y, q.z, row.depth);
@@ -335,6 +341,7 @@ Json flagCounts(const std::vector<Row>& rows, bool second = false) {
 
 /// The last, least and greatest value of each control, m or rad.
 Json controlValues(const std::vector<Row>& rows, const assets::Scene& scene) {
+  ASSERT(!rows.empty());
   Json values = Json::object();
   for (std::size_t i = 0; i < scene.controls.size(); ++i) {
     double least = rows.front().controls[i], largest = least;

@@ -1,10 +1,12 @@
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <memory>
 #include <optional>
 
 #include <glm/geometric.hpp>
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "client/base/readable.h"
 #include "client/commands/command.h"
@@ -65,11 +67,13 @@ class Playback {
   }
 
   void seek(double time) {
+    ASSERT(std::isfinite(time));
     if (time < model_.time) rewind();
     model_.time = std::min(std::max(time, 0.0), model_.duration);
     while (next_ < recording_.entries.size() &&
            sync::toSeconds(recording_.entries[next_].time - recording_.start) <= model_.time)
       apply(recording_.entries[next_++]);
+    ASSERT(next_ <= recording_.entries.size() && model_.time <= model_.duration);
   }
 
   ViewModel& model() { return model_; }

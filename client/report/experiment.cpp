@@ -55,8 +55,8 @@ double approach(int tick) {
 void strokeSphere(Experiment& e, double radius, double ball, const glm::dvec3& centre, int ticks) {
   const double reach = radius + ball, depth = 2.0 * kMillimetre, speed = 0.2;
   for (int i = 0; i < ticks; ++i) {
-    const double way = speed * kDt * i / radius;
-    const double polar = 0.5 * kPi + 0.6 * std::sin(0.37 * way + 0.3), azimuth = 0.9 * way + 0.1;
+    const double travelled = speed * kDt * i / radius;
+    const double polar = 0.5 * kPi + 0.6 * std::sin(0.37 * travelled + 0.3), azimuth = 0.9 * travelled + 0.1;
     const glm::dvec3 direction(std::sin(polar) * std::cos(azimuth), std::sin(polar) * std::sin(azimuth),
                                std::cos(polar));
     const double height = reach + kMillimetre - approach(i) * (kMillimetre + depth);
@@ -93,12 +93,12 @@ class InsetCurve {
     return best;
   }
 
-  glm::dvec2 at(double way, double depth) const {
+  glm::dvec2 at(double arc, double depth) const {
     const double span = kInset;
     glm::dvec2 middle(0.0), normal(0.0);
     constexpr int kSamples = 33;
     for (int i = 0; i < kSamples; ++i) {
-      const auto [point, outward] = sample(way + span * (2.0 * i / (kSamples - 1) - 1.0));
+      const auto [point, outward] = sample(arc + span * (2.0 * i / (kSamples - 1) - 1.0));
       middle += point / static_cast<double>(kSamples);
       normal += outward;
     }
@@ -108,12 +108,12 @@ class InsetCurve {
  private:
   glm::dvec2 corner(std::size_t i) const { return profile_[i % profile_.size()]; }
 
-  std::pair<glm::dvec2, glm::dvec2> sample(double way) const {
-    way -= length_ * std::floor(way / length_);
-    const auto after = std::upper_bound(starts_.begin(), starts_.end(), way);
+  std::pair<glm::dvec2, glm::dvec2> sample(double arc) const {
+    arc -= length_ * std::floor(arc / length_);
+    const auto after = std::upper_bound(starts_.begin(), starts_.end(), arc);
     const auto edge = static_cast<std::size_t>(after - starts_.begin() - 1);
     const glm::dvec2 along = glm::normalize(corner(edge + 1) - corner(edge));
-    return {corner(edge) + along * (way - starts_[edge]), {along.y, -along.x}};
+    return {corner(edge) + along * (arc - starts_[edge]), {along.y, -along.x}};
   }
 
   const std::vector<glm::dvec2>& profile_;
@@ -141,10 +141,11 @@ Experiment gear(int triangles, double ball, int ticks) {
   return e;
 }
 
-/// A point on a circle that meets no vertex of the sheet, `way` m along it, and down to 2 mm under z = 0.
-glm::dvec3 circleAt(double way, int tick) {
+/// A point on a circle that meets no vertex of the sheet, `travelled` m along it, and down to 2 mm under z =
+/// 0.
+glm::dvec3 circleAt(double travelled, int tick) {
   constexpr double kCircle = 0.04;  // m
-  const double angle = way / kCircle;
+  const double angle = travelled / kCircle;
   return {kCircle * std::cos(angle) + 0.0013, kCircle * std::sin(angle) + 0.0007,
           kMillimetre - approach(tick) * 3.0 * kMillimetre};
 }
@@ -152,10 +153,10 @@ glm::dvec3 circleAt(double way, int tick) {
 /// Circles on the plane z = 0, 2 mm deep, from 0.02 to 0.5 m/s.
 Experiment plane(int ticks) {
   Experiment e = onePart(generate::flatSheet(0.2, 100));
-  double way = 0.0;
+  double travelled = 0.0;
   for (int i = 0; i < ticks; ++i) {
-    way += kDt * (0.02 + 0.48 * i / ticks);
-    const glm::dvec3 goal = circleAt(way, i);
+    travelled += kDt * (0.02 + 0.48 * i / ticks);
+    const glm::dvec3 goal = circleAt(travelled, i);
     e.path.push_back({goal, abovePlane(goal, 0.0), 0.0});
   }
   return e;
@@ -166,12 +167,12 @@ Experiment plane(int ticks) {
 Experiment roughPlane(double friction, int ticks) {
   Experiment e = onePart(generate::flatSheet(0.2, 100));
   for (assets::Material& m : e.scene.materials) m.staticFriction = m.dynamicFriction = friction;
-  double way = 0.0;
+  double travelled = 0.0;
   glm::dvec3 last(0.0), proxy(0.0);
   bool touches = false;
   for (int i = 0; i < ticks; ++i) {
-    way += kDt * (0.005 + 0.195 * i / ticks);
-    const glm::dvec3 goal = circleAt(way, i);
+    travelled += kDt * (0.005 + 0.195 * i / ticks);
+    const glm::dvec3 goal = circleAt(travelled, i);
     if (goal.z >= 0.0) {
       proxy = goal;
     } else {

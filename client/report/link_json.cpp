@@ -24,7 +24,7 @@ const char* nameOf(Architecture architecture) {
   return "";
 }
 
-/// What was measured on the way to a divergence is no figure.
+/// A figure as JSON; null if the run diverged, because its values are meaningless.
 Json figure(const LinkMeasurement& m, double value) {
   return number(m.diverged ? std::numeric_limits<double>::quiet_NaN() : value);
 }

@@ -207,8 +207,8 @@ PartExperiment plateOnPlate(int ticks) {
   return e;
 }
 
-/// A cube of 5 mm, 20 mm from the middle of a block of 60 mm when it is taken: the nearest way out is along
-/// +x.
+/// A cube of 5 mm is grasped inside a block of 60 mm, 20 mm from its middle. The shortest displacement out of
+/// the block is along +x.
 PartExperiment cubeInBlock() {
   constexpr double kSide = 5.0 * kMillimetre, kBlock = 60.0 * kMillimetre;
   constexpr int kOut = 1700, kTicks = 2000;  // by then it is out
