@@ -3,8 +3,8 @@
 //   bench_clash [ASSEMBLY.glb] [--json OUT.json]
 //
 // The yardstick is FCL 0.7 in the same run: distance() between trees of OBBRSS over the same triangles at the
-// same poses, in double. With a file (numbers in millimetres) all pairs of its parts that come within 5 mm are
-// measured by both, and then `tandem check --clash` is run on it, in all and without loading.
+// same poses, in double. With a file (numbers in millimetres) all pairs of its parts that come within 5 mm
+// are measured by both, and then `tandem check --clash` is run on it, in all and without loading.
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>

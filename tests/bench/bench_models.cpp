@@ -1,9 +1,9 @@
 // bench_models [--threads N] [--json OUT] [FILE UNIT | assembly]
 //
-// The models by which parts in the hand collide: seconds to make them, from nothing and from the cache, of the
-// clock and of all cores together, and their memory. `assembly`: 95 parts, each with a mesh of its own, of about
-// 650,000 triangles in all. Without a file: the two-cylinder engine in $TANDEM_DATA. Every part is taken for
-// movable.
+// The models by which parts in the hand collide: seconds to make them, from nothing and from the cache, of
+// the clock and of all cores together, and their memory. `assembly`: 95 parts, each with a mesh of its own,
+// of about 650,000 triangles in all. Without a file: the two-cylinder engine in $TANDEM_DATA. Every part is
+// taken for movable.
 
 #include <cstdio>
 #include <cstdlib>

@@ -3,8 +3,8 @@
 // The experiments of `tandem report` with what other libraries offer for contact: the nearest point of a
 // mesh. The force is a spring to that point while the tool is inside, which the nearest triangle's normal
 // decides. Embree 3 answers with rtcPointQuery, FCL with distance() between the mesh and a sphere of no size.
-// Where the hand holds a part, FCL, and Bullet and ODE where they are installed, are asked for the contacts of two
-// meshes (part_peers/).
+// Where the hand holds a part, FCL, and Bullet and ODE where they are installed, are asked for the contacts
+// of two meshes (part_peers/).
 
 #include <fcl/geometry/bvh/BVH_model.h>
 #include <fcl/math/bv/OBBRSS.h>

@@ -1,7 +1,7 @@
 #pragma once
 
-// A hand that holds one part of a scene and leads it along a path, tick by tick, with all that judges the contact:
-// exact depth, forces, steps of forces, energy at the hand, processor time.
+// A hand that holds one part of a scene and leads it along a path, tick by tick, with all that judges the
+// contact: exact depth, forces, steps of forces, energy at the hand, processor time.
 
 #include <time.h>
 
@@ -58,7 +58,8 @@ class HeldPartRig {
         parameters_(settings) {}
   HeldPartRig(const HeldPartRig&) = delete;
 
-  /// Takes the part and leads it to the end of the path. Measures the depth every `depthEvery` ticks; 0 = never.
+  /// Takes the part and leads it to the end of the path. Measures the depth every `depthEvery` ticks; 0 =
+  /// never.
   const HeldPartRig& run(int depthEvery = 10) {
     const int count = static_cast<int>(case_.duration / parameters_.dt + 0.5);
     for (int i = 0; i < count; ++i) step(i, depthEvery);

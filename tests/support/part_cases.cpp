@@ -188,7 +188,8 @@ PartCase cubeInBlockCase(const glm::dvec3& where) {
 PartCase pegAlongRimCase() {
   const Facets fine{kRimSegments, 1};
   const double lean = 20.0 * kPi / 180.0, radius = 0.003, bore = 0.010;
-  // The peg's axis leans out; its side would touch the rim with the axis `clear` from it, and is led 0.5 mm further.
+  // The peg's axis leans out; its side would touch the rim with the axis `clear` from it, and is led 0.5 mm
+  // further.
   const double clear = radius / std::cos(lean), below = 0.015;
   const double tip = bore - clear - below * std::tan(lean) + 0.0005;
   const auto path = [=](double time) {

@@ -1,9 +1,10 @@
 #pragma once
 
-// The hard cases of contact between a held part and its neighbours: scene, device path, and what must come out.
-// Tests run them through HeldPartRig; make_part_cases writes them as files for the command line.
+// The hard cases of contact between a held part and its neighbours: scene, device path, and what must come
+// out. Tests run them through HeldPartRig; make_part_cases writes them as files for the command line.
 //
-// The path says where the held part's frame would be if nothing were in the way, world; the part starts there.
+// The path says where the held part's frame would be if nothing were in the way, world; the part starts
+// there.
 
 #include <cstdint>
 #include <functional>
@@ -54,7 +55,8 @@ class Tremor {
   double frequency_[6], phase_[6];
 };
 
-/// A 20 mm peg of 40 mm with a 1 mm chamfer over its bore, tilted and offset, brought down at 20 mm/s to 38 mm.
+/// A 20 mm peg of 40 mm with a 1 mm chamfer over its bore, tilted and offset, brought down at 20 mm/s to 38
+/// mm.
 struct PegCase {
   double diametralClearance = 0.1e-3;  // m
   int triangles = 1'500;               // of the peg
@@ -76,12 +78,12 @@ PartCase pegCase(const PegCase& peg);
 /// Straight above the top, beyond what its chamfer allows: it must come to rest with its tip in z = 0.
 PartCase pegOnTopCase();
 
-/// Let down straight into its bore, `engaged` deep, and then held askew with a moment of `moment` N m about its tip
-/// (at 4 N m/rad), the peg is pushed down further and further, 5 mm/s from start() + 0.3 s until start() + `pushed` s.
-/// It touches with the upper end of its chamfer and at the rim, a height l = engaged - 1 mm apart, and slides when the
-/// push exceeds 2 mu moment / l (Whitney 1982, "Quasi-static assembly of compliantly supported rigid parts": the line
-/// |M / (r Fz)| = l / (2 r mu) of the jamming diagram at Fx = 0). Where l is less than mu times its diameter it may
-/// wedge.
+/// Let down straight into its bore, `engaged` deep, and then held askew with a moment of `moment` N m about
+/// its tip (at 4 N m/rad), the peg is pushed down further and further, 5 mm/s from start() + 0.3 s until
+/// start() + `pushed` s. It touches with the upper end of its chamfer and at the rim, a height l = engaged -
+/// 1 mm apart, and slides when the push exceeds 2 mu moment / l (Whitney 1982, "Quasi-static assembly of
+/// compliantly supported rigid parts": the line |M / (r Fz)| = l / (2 r mu) of the jamming diagram at Fx =
+/// 0). Where l is less than mu times its diameter it may wedge.
 struct JamCase {
   double engaged = 0.020;
   double moment = 0.3;
@@ -95,20 +97,23 @@ struct JamCase {
 PartCase jamCase(const JamCase& jam);
 inline constexpr double kJamPushSpeed = 0.005;  // m/s
 
-/// A plate of 0.5 mm that comes down on another at `speed` m/s, somewhat askew, and goes on to 20 mm below it.
+/// A plate of 0.5 mm that comes down on another at `speed` m/s, somewhat askew, and goes on to 20 mm below
+/// it.
 PartCase plateOnPlateCase(double speed, std::uint32_t seed);
 
 /// A cube of 5 mm that is taken within a block of 60 mm around the origin, and held still.
 PartCase cubeInBlockCase(const glm::dvec3& where);
 
-/// A peg of 6 mm, leaning outwards by 20 degrees, is pressed against the rim of a 20 mm bore and led round it in 2 s.
+/// A peg of 6 mm, leaning outwards by 20 degrees, is pressed against the rim of a 20 mm bore and led round it
+/// in 2 s.
 inline constexpr int kRimSegments = 240;
 PartCase pegAlongRimCase();
 
 /// A cube of 10 mm pressed by 1 mm onto the top of a block, led across it at `speed` from 0.2 s on.
 PartCase coplanarSlideCase(double speed);
 
-/// A cube of 10 mm pushed by `push` m into a gap between two blocks in a slot that is 0.2 mm too narrow for it.
+/// A cube of 10 mm pushed by `push` m into a gap between two blocks in a slot that is 0.2 mm too narrow for
+/// it.
 PartCase threeBlocksCase(double push);
 
 /// A cube of 10 mm pressed by 1 mm onto a block whose file is dirty.

@@ -5,9 +5,9 @@
 // 1. Each function gives triangles that form one closed solid, oriented outwards, unless it says otherwise;
 //    meshOf() welds them.
 // 2. Round things are polygons of `segments` sides. A shaft's corners lie on its radius, so that it lies
-// within the true
-//    cylinder by chordSag(); a bore's side middles do (Fit::around), so that the gap between a shaft and a bore
-//    is exactly the difference of radii where a corner meets a side's middle, and nowhere less.
+//    within the true cylinder by chordSag(); a bore's side middles do (Fit::around), so that the gap between
+//    a shaft and a bore is exactly the difference of radii where a corner meets a side's middle, and nowhere
+//    less.
 // 3. Deterministic: the same arguments give the same bits.
 
 #include <cstdint>
@@ -75,8 +75,8 @@ assets::TriangleSoup prismSoup(const std::vector<glm::dvec2>& outline, double he
 /// origin, its brims in z = depth, 2 depth tan(halfAngle) + 2 land wide, from y = -length/2.
 assets::TriangleSoup vGrooveSoup(double depth, double halfAngle, double land, double length);
 
-/// A block with a slot of rectangular section along y: floor in z = 0, walls at x = -width/2 and width/2 up to
-/// z = depth.
+/// A block with a slot of rectangular section along y: floor in z = 0, walls at x = -width/2 and width/2 up
+/// to z = depth.
 assets::TriangleSoup slotSoup(double width, double depth, double wall, double length);
 
 /// `steps` stairs up along +x, each `run` wide and `rise` high, from the origin, `length` along y from
@@ -99,7 +99,8 @@ std::vector<glm::dvec2> spurGearOutline(const SpurGear& gear);
 assets::TriangleSoup spurGearSoup(const SpurGear& gear);
 
 /// A thread of the ISO basic profile (ISO 68-1): 60 degrees between flanks, flats of pitch / 8 at the major
-/// and pitch / 4 at the minor diameter, right-handed; at angle 0 the middle of the major flat is in z = k pitch.
+/// and pitch / 4 at the minor diameter, right-handed; at angle 0 the middle of the major flat is in z = k
+/// pitch.
 struct Thread {
   double majorRadius = 0.008;
   double pitch = 0.002;

@@ -100,7 +100,8 @@ TEST(PartMeshes, BoxBallAndPrismsHaveTheirVolumes) {
 TEST(PartMeshes, GearFlanksAreInvolutes) {
   const SpurGear gear;
   const double pitch = 0.02, base = pitch * std::cos(gear.pressureAngle);
-  // The arc of a tooth at the pitch circle is half the circular pitch, and the involute's angle there is known.
+  // The arc of a tooth at the pitch circle is half the circular pitch, and the involute's angle there is
+  // known.
   double tip = 0.0, root = 1.0;
   for (const glm::dvec2& p : spurGearOutline(gear)) {
     tip = std::max(tip, glm::length(p));

@@ -1,7 +1,8 @@
 #pragma once
 
-// A haptic device that drives six axes, as a model: a mass and an inertia with viscous damping in all axes, a wrench
-// that is held over a period, a reading that may be quantised. Pushed by whatever wrench the hand gives.
+// A haptic device that drives six axes, as a model: a mass and an inertia with viscous damping in all axes, a
+// wrench that is held over a period, a reading that may be quantised. Pushed by whatever wrench the hand
+// gives.
 
 #include <cmath>
 
@@ -38,8 +39,9 @@ class SixAxisDevice {
   SixAxisDevice(const SixAxisParameters& parameters, const Pose& start)
       : p_(parameters), pose_(start), start_(start), read_(start) {}
 
-  /// Advances by `period` s under the held command and the hand's own wrench. The midpoint rule in both ways of a
-  /// step: force times way is then exactly what is stored and lost, so that the account is the sampling's alone.
+  /// Advances by `period` s under the held command and the hand's own wrench. The midpoint rule in both ways
+  /// of a step: force times way is then exactly what is stored and lost, so that the account is the
+  /// sampling's alone.
   void step(const Wrench& command, const Wrench& hand, double period) {
     constexpr int kSteps = 20;
     const double h = period / kSteps;
@@ -78,8 +80,8 @@ class SixAxisDevice {
 
   const Pose& pose() const { return pose_; }
   void setTwist(const Twist& twist) { twist_ = twist; }
-  /// What command and damping together have given out, J: below zero for ever where the coupling is passive on this
-  /// device, whatever the hand does. The most of it so far, at least 0.
+  /// What command and damping together have given out, J: below zero for ever where the coupling is passive
+  /// on this device, whatever the hand does. The most of it so far, at least 0.
   double given() const { return given_; }
   double mostGiven() const { return mostGiven_; }
 

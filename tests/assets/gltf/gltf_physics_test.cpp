@@ -336,7 +336,8 @@ TEST(GltfPhysics, ReadsThreadsAndDetentsOfJointsInFileUnits) {
   EXPECT_FALSE(refused({{"pitch", -2.0}}));
 }
 
-/// Whole turns are counted about the first axis only: about another one a target beyond half a turn is never reached.
+/// Whole turns are counted about the first axis only: about another one a target beyond half a turn is never
+/// reached.
 TEST(GltfPhysics, RefusesADriveThatCannotArrive) {
   GltfBuilder b = door(kBodies);
   nlohmann::json& drive = b.json["extensions"][kBodies]["physicsJoints"][0]["drives"][0];

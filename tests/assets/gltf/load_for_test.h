@@ -1,6 +1,7 @@
 #pragma once
 
-// Loads a built glTF as tests want it: whole and checked, or refused for a reason that names a part of the message.
+// Loads a built glTF as tests want it: whole and checked, or refused for a reason that names a part of the
+// message.
 
 #include <string>
 #include <utility>

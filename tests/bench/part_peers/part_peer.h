@@ -1,7 +1,7 @@
 #pragma once
 
-// What other libraries offer for the contact of two meshes, behind one face. Each stands in a file of its own, which
-// is built where the library is installed.
+// What other libraries offer for the contact of two meshes, behind one face. Each stands in a file of its
+// own, which is built where the library is installed.
 
 #include <memory>
 #include <string>
@@ -29,8 +29,8 @@ class PartPeer {
   virtual PeerContacts contacts(const Pose& worldFromHeld) = 0;
 };
 
-/// Each builds what the library searches; null where the library was not there when this was built. The meshes
-/// must outlive the result.
+/// Each builds what the library searches; null where the library was not there when this was built. The
+/// meshes must outlive the result.
 std::unique_ptr<PartPeer> fclPartPeer(const assets::Mesh& held, const assets::Mesh& other);
 std::unique_ptr<PartPeer> bulletPartPeer(const assets::Mesh& held, const assets::Mesh& other);
 std::unique_ptr<PartPeer> odePartPeer(const assets::Mesh& held, const assets::Mesh& other);

@@ -1,5 +1,5 @@
-// Two parts of the same size, flush with each other, pressed together again and again: every edge of one lies on an edge of
-// the other, so that of each sample the nearest face may be one at its side.
+// Two parts of the same size, flush with each other, pressed together again and again: every edge of one lies
+// on an edge of the other, so that of each sample the nearest face may be one at its side.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,8 @@ Solid rodShape(double top, double bottom) {
   return {top == bottom ? "cylinder" : "cone", {shape}, {}};
 }
 Solid boxMesh() { return {"mesh of a box", {}, boxSoup({0.06, 2.0 * kHalf, 0.03}, 2)}; }
-/// Wider below, or above where it is upside down: where the wide ends meet, the sides of both lean away from each other.
+/// Wider below, or above where it is upside down: where the wide ends meet, the sides of both lean away from
+/// each other.
 Solid wedgeMesh(double wider) {
   Solid solid = boxMesh();
   solid.name = "mesh of a frustum";
@@ -97,8 +98,8 @@ Askew drawn(std::uint32_t seed) {
   return askew;
 }
 
-/// m, how deep the upper part comes into the lower one: pressed by 0.5 N, let up until it barely rests, and so on. `frees`:
-/// the lower one is moved here too, and gives way.
+/// m, how deep the upper part comes into the lower one: pressed by 0.5 N, let up until it barely rests, and
+/// so on. `frees`: the lower one is moved here too, and gives way.
 double deepestOf(const Solid& upper, const Solid& lower, const Askew& askew, bool frees = false) {
   assets::Scene scene = stackOf(upper, lower);
   scene.parts[0].worldFromPart.position += askew.aside;

@@ -8,7 +8,8 @@ namespace {
 constexpr int kAcross = 14;
 constexpr double kTiny = 0.0004, kLength = 0.02;  // m, of a tiny cube and of the held bar
 
-/// A bed of tiny cubes whose tops lie in z = 0, `pitch` m apart, and a bar across it, led 2 mm down into it at y.
+/// A bed of tiny cubes whose tops lie in z = 0, `pitch` m apart, and a bar across it, led 2 mm down into it
+/// at y.
 PartCase barOnABed(double pitch, double y, double thickness) {
   std::vector<CasePart> parts;
   const glm::dquat straight(1.0, 0.0, 0.0, 0.0);

@@ -51,8 +51,8 @@ TEST(CoplanarSlide, HasNoBuzzAndNoSnagAtSeams) {
   EXPECT_LT(quantile(torqueSteps, 1.0), 20e-6);  // N m a tick
 }
 
-/// A cube on its edge, askew over a blade of 30 degrees, let down onto it: where that edge crosses the blade between two of
-/// its samples, both of those are beside the blade.
+/// A cube on its edge, askew over a blade of 30 degrees, let down onto it: where that edge crosses the blade
+/// between two of its samples, both of those are beside the blade.
 TEST(SharpEdge, CrossesABladeWithoutSinkingIn) {
   const glm::dquat lying = fromRotationVector({0.5 * std::numbers::pi, 0.0, 0.0}),
                    onEdge = fromRotationVector({0.25 * std::numbers::pi, 0.0, 0.0});

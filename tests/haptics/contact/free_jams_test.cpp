@@ -57,8 +57,8 @@ double deepest(const MovingRig& rig) {
   return most;
 }
 
-/// The first cube in the hand, the others before it, all 0.3 mm apart, driven to the end of the slot and 30 mm
-/// beyond: 30 N.
+/// The first cube in the hand, the others before it, all 0.3 mm apart, driven to the end of the slot and 30
+/// mm beyond: 30 N.
 struct Pushed {
   Pushed(int cubes, double wide, double friction, double lastMass = 0.0)
       : rig(slot(cubes, wide, friction, lastMass), kGravity) {

@@ -19,7 +19,8 @@ JointLimit angular(std::uint8_t axes, double min = 0.0, double max = 0.0) {
   return {true, axes, min, max, 0.0, 0.0};
 }
 
-/// A lever of 60 x 10 x 10 mm whose joint to the world stands at its left end, the joint's X axis along `axis`.
+/// A lever of 60 x 10 x 10 mm whose joint to the world stands at its left end, the joint's X axis along
+/// `axis`.
 assets::Scene lever(std::vector<JointLimit> limits,
                     const glm::dquat& worldFromJoint = glm::dquat(1, 0, 0, 0)) {
   assets::Scene scene =

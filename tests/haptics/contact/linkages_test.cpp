@@ -9,7 +9,8 @@ namespace {
 constexpr double kLink = 0.02;  // m
 const glm::dquat kStraight(1, 0, 0, 0);
 
-/// Links end to end along X, joined by balls; the first one to the world at its left end too, if it is to hang there.
+/// Links end to end along X, joined by balls; the first one to the world at its left end too, if it is to
+/// hang there.
 assets::Scene chain(int links, bool hangs) {
   std::vector<CasePart> parts;
   for (int i = 0; i < links; ++i)

@@ -1,5 +1,5 @@
-// make_part_cases OUT_DIR [NAME]: writes the hard cases of part contact, or those whose names begin with NAME, as
-// OUT_DIR/CASE.glb and OUT_DIR/CASE.csv, and prints the command that runs each.
+// make_part_cases OUT_DIR [NAME]: writes the hard cases of part contact, or those whose names begin with
+// NAME, as OUT_DIR/CASE.glb and OUT_DIR/CASE.csv, and prints the command that runs each.
 
 #include <cstdio>
 #include <filesystem>

@@ -7,8 +7,8 @@ namespace {
 
 constexpr double kSunk = 0.2e-3;  // m
 
-/// A bar of 80 mm over two towers of one part: sunk `kSunk` into the top of the left one (z = 0), `gap` above the right
-/// one. The hand presses it 1 mm down, at the middle.
+/// A bar of 80 mm over two towers of one part: sunk `kSunk` into the top of the left one (z = 0), `gap` above
+/// the right one. The hand presses it 1 mm down, at the middle.
 PartCase barOverTowers(double gap) {
   const glm::dquat straight(1.0, 0.0, 0.0, 0.0);
   const double low = -kSunk - gap;

@@ -1,5 +1,6 @@
-// Parts in the hand that are known by formula: where they rest, against what a ruler says and not the code's own
-// distances. At scales 1e-3, 1 and 20 of one motion: stiffness and mass are the same, forces grow with the lengths.
+// Parts in the hand that are known by formula: where they rest, against what a ruler says and not the code's
+// own distances. At scales 1e-3, 1 and 20 of one motion: stiffness and mass are the same, forces grow with
+// the lengths.
 
 #include <gtest/gtest.h>
 
@@ -104,8 +105,8 @@ struct Met {
   std::uint32_t flags = 0;
 };
 
-/// `path`: of the part's frame, from its pose at 0 to the end at 1, taken in `duration` s and held for 0.2 s more.
-/// `gap`: m between the part at a pose and what is around it.
+/// `path`: of the part's frame, from its pose at 0 to the end at 1, taken in `duration` s and held for 0.2 s
+/// more. `gap`: m between the part at a pose and what is around it.
 Met lead(assets::Scene scene, double scale, const std::function<Pose(double)>& path, double duration,
          const std::function<double(const Pose&)>& gap) {
   MovingRig rig(std::move(scene));
@@ -264,8 +265,8 @@ TEST(PrimitiveContact, ABallRestsInAGrooveOfTriangles) {
     }
 }
 
-/// How far a circle about p, across `axis`, may still grow before it meets the sides of the bore's polygon, m. A ball
-/// is a circle across any axis: zero.
+/// How far a circle about p, across `axis`, may still grow before it meets the sides of the bore's polygon,
+/// m. A ball is a circle across any axis: zero.
 double roomInBore(const glm::dvec3& p, const glm::dvec3& axis, double radius, double boreRadius,
                   int segments) {
   double least = 1.0;
@@ -332,7 +333,8 @@ TEST(PrimitiveContact, APinGoesIntoABoreOfTrianglesTwentyMicronsWider) {
   }
 }
 
-/// A cylinder and its chamfer, a frustum: the faces on which they meet are seen by nobody, and hold nothing up.
+/// A cylinder and its chamfer, a frustum: the faces on which they meet are seen by nobody, and hold nothing
+/// up.
 TEST(PrimitiveContact, APinOfTwoShapesGoesIntoABoreWithASharpRim) {
   const double r = kRadius, bore = r + 0.01e-3, height = 0.039, chamfer = 0.001;
   Given block;

@@ -86,12 +86,14 @@ TEST(RandomPresses, GoNoDeeperThanTheirBounds) {
   for (unsigned seed = 0; seed < 24; ++seed) expectWithinBounds(seed);
 }
 
-/// A corner lies askew to the edge of a blade: of the directions across the edge few are normal to the corner too.
+/// A corner lies askew to the edge of a blade: of the directions across the edge few are normal to the corner
+/// too.
 TEST(RandomPresses, AnEdgeDoesNotCutACornerThatLiesAskewToIt) {
   for (const unsigned seed : {46u, 128u}) expectWithinBounds(seed);
 }
 
-/// The tip of a blade slides down a notch: the further flank holds it too, however little it is behind that one.
+/// The tip of a blade slides down a notch: the further flank holds it too, however little it is behind that
+/// one.
 TEST(RandomPresses, ATipStaysInItsNotch) {
   for (const unsigned seed : {445u, 690u, 975u}) expectWithinBounds(seed);
 }

@@ -22,7 +22,8 @@ class Vice {
     rig.grasp(kCube);
     rig.tick();
   }
-  /// Brings the jaws together until `bite` m of the cube are in each, and lets them stand there for `seconds`.
+  /// Brings the jaws together until `bite` m of the cube are in each, and lets them stand there for
+  /// `seconds`.
   void close(double bite, double seconds) {
     const int ticks = static_cast<int>((kAway + bite) / (kSpeed * rig.parameters.dt));
     for (int i = 1; i <= ticks; ++i) put((kAway + bite) * i / ticks - kAway, kSpeed);

@@ -50,7 +50,8 @@ double turnedBy(const Pose& from, const Pose& to) {
   return 2.0 * std::atan2(turn.z, turn.w);
 }
 
-/// The most by which the nut strays from a helix of its pitch from a time on (s), m, looked at every `stride` ticks.
+/// The most by which the nut strays from a helix of its pitch from a time on (s), m, looked at every `stride`
+/// ticks.
 double strayed(const HeldPartRig& rig, double pitch, std::size_t stride = 1, double from = kSettle + 0.1) {
   const auto& ticks = rig.ticks();
   const auto first = static_cast<std::size_t>(1e3 * from);
@@ -79,7 +80,8 @@ TEST(Threads, ANutGoesItsPitchATurn) {
   report(rig);
   expectSound(rig);
   EXPECT_NEAR(rig.last().part.position.z, kEngaged - kTurns * 0.002, 0.15e-3);  // within its play
-  // From facet to facet; within one it rises by what flats are lower than the round thread, 25 um of radius at 30 degrees.
+  // From facet to facet; within one it rises by what flats are lower than the round thread, 25 um of radius
+  // at 30 degrees.
   EXPECT_LT(strayed(rig, 0.002, 1000 / kSegments), 5e-6);
   EXPECT_LT(strayed(rig, 0.002), 20e-6);
   EXPECT_LT(furthestAside(rig), 0.05e-3);

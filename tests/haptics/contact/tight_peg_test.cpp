@@ -79,8 +79,8 @@ double depthOfCoarsePeg(Fit fit, double segmentsTurned) {
 }
 
 TEST(TightPeg, OfFortySegmentsDoesWhatItsFlatsDo) {
-  // A bore as a CAD program cuts it: corners go into corners only. Between them the chamfer, at 45 degrees from
-  // 1 mm within the radius on, stops where its corners meet the flats.
+  // A bore as a CAD program cuts it: corners go into corners only. Between them the chamfer, at 45 degrees
+  // from 1 mm within the radius on, stops where its corners meet the flats.
   const double flats = (kPegRadius + 0.01e-3) * std::cos(std::numbers::pi / kCoarse);
   EXPECT_NEAR(depthOfCoarsePeg(Fit::within, 0.5), flats - (kPegRadius - 0.001), 10e-6);
   if (!atFullSize()) return;

@@ -65,7 +65,8 @@ TEST(MeshEdges, StandAloneInABoxAndNearEachOtherInAThread) {
 }
 
 TEST(TouchingFeature, OutOfReachOutsideIsHeldOffByItsDistanceAlone) {
-  // Beside the top of a box and above it, in front of no face: the planes of its edges say less than the distance.
+  // Beside the top of a box and above it, in front of no face: the planes of its edges say less than the
+  // distance.
   const Ground ground(boxMesh(glm::dvec3(0.02)));
   SampleAtMesh sample = corner({0.014, 0.0, 0.013}, {1e-5, 0.0, -2e-4}, kDownCorner);
   EXPECT_LT(ground.at(sample).planes[0].gap, 0.00499) << "what is asked for a way out of the box";
@@ -77,7 +78,8 @@ TEST(TouchingFeature, OutOfReachOutsideIsHeldOffByItsDistanceAlone) {
 }
 
 TEST(TouchingFeature, APlaneThatEndsBeforeTheSampleIsNone) {
-  // A low wall that leans over a wide floor: far out on the floor a sample is behind its plane, and touches nothing.
+  // A low wall that leans over a wide floor: far out on the floor a sample is behind its plane, and touches
+  // nothing.
   ShapeBuilder b;
   const auto quad = [&](std::array<glm::dvec3, 4> c) {
     std::array<std::uint32_t, 4> v{};

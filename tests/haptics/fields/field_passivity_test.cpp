@@ -1,4 +1,5 @@
-// Sources among a scene's fields under the passivity controller: what they give is theirs, not the sampling's.
+// Sources among a scene's fields under the passivity controller: what they give is theirs, not the
+// sampling's.
 
 #include <cmath>
 #include <numbers>

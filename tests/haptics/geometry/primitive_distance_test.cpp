@@ -1,5 +1,5 @@
-// Distances of implicit shapes by formula: against fine points of the surface, against what a ruler says, and against
-// what makes contact by them exact, convexity and slope.
+// Distances of implicit shapes by formula: against fine points of the surface, against what a ruler says, and
+// against what makes contact by them exact, convexity and slope.
 
 #include <gtest/gtest.h>
 
@@ -97,7 +97,8 @@ TEST(PrimitiveDistance, AgreesWithTheTrianglesThatStandForIt) {
     const haptics::TriangleBvh tree(mesh);
     std::mt19937 random(7);
     std::uniform_real_distribution<double> within(-0.05, 0.05);
-    // A chord lies 1e-4 of the radius under its arc (implicit_mesh.h), the middle of a patch curved both ways 2e-4.
+    // A chord lies 1e-4 of the radius under its arc (implicit_mesh.h), the middle of a patch curved both ways
+    // 2e-4.
     const double sag = given.shape.kind == Kind::box || given.shape.kind == Kind::plane ? 1e-12 : 4e-6;
     int inside = 0;
     for (int i = 0; i < 3000; ++i) {
@@ -221,7 +222,8 @@ TEST(PrimitiveDistance, EdgesAreWhereTwoFacesMeet) {
       if (!shape.edgeNear(p, {}, 0.01, edge)) continue;
       ++found;
       const glm::dvec3 along = glm::normalize(edge.b - edge.a);
-      // As EdgePlane in touching_feature.cpp unrolls it: from the first normal over the outside to the second.
+      // As EdgePlane in touching_feature.cpp unrolls it: from the first normal over the outside to the
+      // second.
       const glm::dvec3 second =
           std::cos(edge.angle) * edge.normals[0] + std::sin(edge.angle) * glm::cross(along, edge.normals[0]);
       EXPECT_LT(glm::length(second - edge.normals[1]), 1e-9) << given.name;
@@ -336,8 +338,8 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
             }
             least = std::min(least, shape.at(patch.pointAt(place)).distance);
           }
-        // Where the deepest place of the whole sphere or side lies on another patch, any place will do: its plane
-        // holds all the same. Else nothing of the patch is deeper.
+        // Where the deepest place of the whole sphere or side lies on another patch, any place will do: its
+        // plane holds all the same. Else nothing of the patch is deeper.
         const glm::dvec3 up = found.read.gradient;
         std::array<glm::dvec3, 2> normals;
         const int count = patch.normalsAt(found.place, normals);

@@ -1,7 +1,7 @@
-// A held part on a device of six axes, closed through the tick: pressed into a corner, in a bore, on an edge far from
-// the grip, free. How stiff may the coupling be? Pushed by a steady wrench, so that nothing but the device takes
-// energy. What is summed up is all that coupling and device have given out at the hand's port, so that the energy that
-// the hand put in stays in.
+// A held part on a device of six axes, closed through the tick: pressed into a corner, in a bore, on an edge
+// far from the grip, free. How stiff may the coupling be? Pushed by a steady wrench, so that nothing but the
+// device takes energy. What is summed up is all that coupling and device have given out at the hand's port,
+// so that the energy that the hand put in stays in.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,8 @@ struct Hold {
   Twist start{};  // of the device
 };
 
-// The hand's own spring, too soft to matter and without damping: it only keeps the device about where it started.
+// The hand's own spring, too soft to matter and without damping: it only keeps the device about where it
+// started.
 constexpr double kHandStiffness = 100.0;   // N/m
 constexpr double kHandRotStiffness = 0.2;  // N m/rad
 
@@ -224,8 +225,9 @@ TEST(GraspClosedLoop, APartOnALeverRestsUpToNineTenthsOfTheLimits) { expectRests
 TEST(GraspClosedLoop, AFreePartRestsUpToNineTenthsOfTheLimits) { expectRestsUpToTheLimits(nothing()); }
 
 TEST(GraspClosedLoop, WithoutTorqueAPartRestsUpToNineTenthsOfTheLimit) {
-  // A hand turns the device, or nothing does: what it then feels of turning comes through the lever. Turning winds a
-  // spring that it does not feel, so the forces alone may give out what the torque would have taken, and no more.
+  // A hand turns the device, or nothing does: what it then feels of turning comes through the lever. Turning
+  // winds a spring that it does not feel, so the forces alone may give out what the torque would have taken,
+  // and no more.
   for (Hold (*const make)() : {corner, lever}) {
     Hold hold = make();
     hold.push.torque = {0.01, -0.02, 0.01};
@@ -239,7 +241,8 @@ TEST(GraspClosedLoop, WithoutTorqueAPartRestsUpToNineTenthsOfTheLimit) {
 }
 
 TEST(GraspClosedLoop, TheDefaultsOfADeviceComeToRest) {
-  // With the coupling's own damping, which the limits do not count on, quantised readings and the passivity control.
+  // With the coupling's own damping, which the limits do not count on, quantised readings and the passivity
+  // control.
   for (Hold (*const make)() : {corner, bore}) {
     const Hold hold = make();
     for (const int delay : {0, 5}) {
@@ -312,7 +315,8 @@ TEST(GraspClosedLoop, ALeverPutsTheTurningSpringInSeries) {
   const double felt = 1.0 / (1.0 / p.graspStiffness + kLever * kLever / p.graspRotStiffness);
   EXPECT_NEAR(out.hands[0].toHand.force.z, felt * down, 0.01 * felt * down);
   EXPECT_LT(felt, 0.6 * p.graspStiffness);
-  // A device that is not turned, as a mouse is not: contact turns the part against the spring, and lets it turn back.
+  // A device that is not turned, as a mouse is not: contact turns the part against the spring, and lets it
+  // turn back.
   const glm::dvec3 turn = rotationVector(state.worldFromPart(0).orientation);
   EXPECT_NEAR(turn.y, felt * down * kLever / p.graspRotStiffness, 0.02 * turn.y);
   for (int i = 400; i < 800; ++i) {

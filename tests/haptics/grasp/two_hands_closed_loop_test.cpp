@@ -1,6 +1,6 @@
-// One part in two hands, each on a device of six axes of its own, closed through one tick. How stiff may the two couplings
-// be? What is summed up is what couplings and devices of both hands have given out together: energy may go from one hand
-// to the other, but none may come from nowhere.
+// One part in two hands, each on a device of six axes of its own, closed through one tick. How stiff may the
+// two couplings be? What is summed up is what couplings and devices of both hands have given out together:
+// energy may go from one hand to the other, but none may come from nowhere.
 
 #include <gtest/gtest.h>
 
@@ -44,7 +44,8 @@ struct Hold {
   Hand hands[2];
 };
 
-// As in grasp_closed_loop_test: the hand's own spring, without damping, only keeps the device about where it started.
+// As in grasp_closed_loop_test: the hand's own spring, without damping, only keeps the device about where it
+// started.
 constexpr double kHandStiffness = 100.0;   // N/m
 constexpr double kHandRotStiffness = 0.2;  // N m/rad
 
@@ -76,7 +77,8 @@ Hold againstAWall() {
   return hold;
 }
 
-/// A cube pushed into the corner of three blocks by both: each device swings against a part that does not give way.
+/// A cube pushed into the corner of three blocks by both: each device swings against a part that does not
+/// give way.
 Hold inACorner() {
   Hold hold("corner",
             sceneOfParts({{"cube", meshOf(boxSoup(glm::dvec3(0.02), 2)), {}, true},

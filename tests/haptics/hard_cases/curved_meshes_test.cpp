@@ -247,8 +247,9 @@ TEST(HardPushes, ASpikyStarIsNeitherEnteredNorACauseOfUnrest) {
   }
 }
 
-/// How much a free straight step from p shortens the way to the goal at best, as a share of the step: 0 where p
-/// is the nearest place there is nearby. Tries steps of 1e-5 to 1e-1 of the way, along what touches the ball there.
+/// How much a free straight step from p shortens the way to the goal at best, as a share of the step: 0 where
+/// p is the nearest place there is nearby. Tries steps of 1e-5 to 1e-1 of the way, along what touches the
+/// ball there.
 double bestStep(const assets::Mesh& mesh, double skin, const glm::dvec3& p, const glm::dvec3& goal,
                 double radius) {
   std::vector<haptics::Triangle> near;
@@ -289,8 +290,8 @@ double bestStep(const assets::Mesh& mesh, double skin, const glm::dvec3& p, cons
   return best;
 }
 
-// A point in a corner where a rising face ends at a ridge, and a ball that lies in the valley between two spikes
-// that are far thinner than it, were held where the way on was free.
+// A point in a corner where a rising face ends at a ridge, and a ball that lies in the valley between two
+// spikes that are far thinner than it, were held where the way on was free.
 TEST(HardPushes, OnASpikyStarNoFreeStepLeadsOn) {
   const int stars = atFullSize() ? 2000 : 60;
   for (const double ball : {0.0, 0.2}) {

@@ -1,5 +1,5 @@
-// Two parts of different owners, each held at its own site, pressed together. Contact is local at both sites: each
-// holds a replica of the other's part, which a link ties to it before the two touch.
+// Two parts of different owners, each held at its own site, pressed together. Contact is local at both sites:
+// each holds a replica of the other's part, which a link ties to it before the two touch.
 
 #include <gtest/gtest.h>
 
@@ -27,8 +27,8 @@ constexpr glm::dvec3 kSize{0.04, 0.06, 0.05};           // m
 constexpr double kStiffness = 5000.0, kDamping = 20.0;  // of a contact
 constexpr haptics::CouplingGains kGrasp{1000.0, 2.0, 2.5, 5e-3};
 
-/// What a replica of the other's part is: tied to it; that, and led by a plain spring to where the other one has it until
-/// the link carries it; or put there.
+/// What a replica of the other's part is: tied to it; that, and led by a plain spring to where the other one
+/// has it until the link carries it; or put there.
 enum class CoHolder { linked, sprung, kinematic };
 constexpr double kCutAt = 4.4, kSettled = 4.2;  // s: of an outage; from when on the parts stand
 
@@ -195,7 +195,8 @@ class Collision {
       r.mass.advance(r.body, target, kTick);
   }
 
-  /// A step under its load, a coupling and, if it is tied, its link. Returns what the coupling puts on a hand.
+  /// A step under its load, a coupling and, if it is tied, its link. Returns what the coupling puts on a
+  /// hand.
   Wrench advance(Replica& r, const haptics::Coupling* coupling, bool tied) {
     haptics::LinkPull pull;
     if (tied) pull = r.link.pull(now(), r.body.worldFromBody, r.twist());

@@ -1,4 +1,5 @@
-// A link through losses, jitter, blackouts, steps of delay, and hands that let go. Beside each what must fail.
+// A link through losses, jitter, blackouts, steps of delay, and hands that let go. Beside each what must
+// fail.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-// What a link carries at each delay: stiffness of walls and from hand to hand, how far replicas are apart, the leader's
-// load. Bounds are those of the project's table; the figures are printed with TANDEM_FULL_SIZE.
+// What a link carries at each delay: stiffness of walls and from hand to hand, how far replicas are apart,
+// the leader's load. Bounds are those of the project's table; the figures are printed with TANDEM_FULL_SIZE.
 
 #include <gtest/gtest.h>
 

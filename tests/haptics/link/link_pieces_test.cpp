@@ -124,8 +124,8 @@ TEST(LinkRegime, WorseAtOnceBetterAfterHalfASecond) {
   EXPECT_LT(ticks, 1200);
 }
 
-/// How often the regime changes in a minute in which the age swings about `mean` (s) by a quarter of it, as where queues on
-/// the way fill and empty.
+/// How often the regime changes in a minute in which the age swings about `mean` (s) by a quarter of it, as
+/// where queues on the way fill and empty.
 int changesAbout(double mean, double period) {
   haptics::RegimeByAge regime;
   regime.restart(0.052);

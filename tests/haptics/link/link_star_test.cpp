@@ -1,5 +1,5 @@
-// Three and eight sites that hold one part: a star of links from the first. Lines share a weight, so that whoever leads
-// carries no more of them than of one.
+// Three and eight sites that hold one part: a star of links from the first. Lines share a weight, so that
+// whoever leads carries no more of them than of one.
 
 #include <gtest/gtest.h>
 

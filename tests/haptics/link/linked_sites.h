@@ -1,7 +1,7 @@
 #pragma once
 
-// Sites whose whole ticks simulate one part of a scene with contact, linked across a modelled network: the arms of the link
-// bench, virtual time.
+// Sites whose whole ticks simulate one part of a scene with contact, linked across a modelled network: the
+// arms of the link bench, virtual time.
 
 #include <array>
 #include <functional>
@@ -80,7 +80,8 @@ class LinkedSites {
   long ticks_ = 0;
 };
 
-/// The block of the link bench, its centre of mass in the origin. A fixed block stands `wall` m before it along x.
+/// The block of the link bench, its centre of mass in the origin. A fixed block stands `wall` m before it
+/// along x.
 assets::Scene benchScene(double wall = 0.5);
 
 }  // namespace tandem::test

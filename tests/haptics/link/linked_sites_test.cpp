@@ -1,5 +1,5 @@
-// Parts that two or three sites simulate with whole ticks, tied by links: what their hands feel of each other and of
-// walls, and what a change of owner or the end of a link does to them.
+// Parts that two or three sites simulate with whole ticks, tied by links: what their hands feel of each other
+// and of walls, and what a change of owner or the end of a link does to them.
 
 #include <gtest/gtest.h>
 
@@ -249,7 +249,8 @@ TEST(LinkedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
 
 enum class End { runsOut, atOnce };
 
-/// In tension the link ends at both sites, as where the owner is lost and the co-holder owns the part from there on.
+/// In tension the link ends at both sites, as where the owner is lost and the co-holder owns the part from
+/// there on.
 Change endLinkInTension(double delay, End how) {
   constexpr double kAt = 5.0;
   LinkedSites sites(setupOf(delay, benchScene(), twoHands(firmArm(), firmArm())));
@@ -360,8 +361,8 @@ TEST(LinkedSites, ReplicasWeighTogetherWhatThePartWeighs) {
 }
 
 TEST(LinkedSites, WhatALinkSaysItGaveThePartHasGot) {
-  // In free air the momentum of a replica changes by what the hand and the link put on it. A step without the link's
-  // damping, or with it at another place, breaks this.
+  // In free air the momentum of a replica changes by what the hand and the link put on it. A step without the
+  // link's damping, or with it at another place, breaks this.
   LinkedSites sites(setupOf(0.025, benchScene(), twoHands(firmArm(), lightArm())));
   sites.linkAll();
   const auto intent = [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; };

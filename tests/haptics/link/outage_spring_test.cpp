@@ -1,4 +1,5 @@
-// What leads a replica while its link does not carry it. What two hands feel of it is in link_collision_test.cpp.
+// What leads a replica while its link does not carry it. What two hands feel of it is in
+// link_collision_test.cpp.
 
 #include "haptics/link/outage_spring.h"
 

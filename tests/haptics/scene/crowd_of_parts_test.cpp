@@ -38,8 +38,9 @@ bool outsideAllTouchable(const ContactWorld& world, const glm::dvec3& p) {
   return true;
 }
 
-/// All parts of the crowd move in this tick: the two larger ones to around the origin, ten small ones to where
-/// the region ends up that the way out of the first one widens, in the list of parts before the larger ones.
+/// All parts of the crowd move in this tick: the two larger ones to around the origin, ten small ones to
+/// where the region ends up that the way out of the first one widens, in the list of parts before the larger
+/// ones.
 void moveAround(const assets::Scene& scene, ContactWorld& world) {
   world.beginMotions({glm::dvec3(-0.001), glm::dvec3(0.001)});
   for (PartId i = 0; world.has(i); ++i) {
@@ -52,8 +53,8 @@ void moveAround(const assets::Scene& scene, ContactWorld& world) {
 }
 
 // The way out of the first part leads beyond the region in which parts are known to be near, and asking about
-// it draws up their list anew, with other places. Who asks from within a visit of that list comes to the first
-// part again; that is why followMeshes() lists the parts before it leaves any.
+// it draws up their list anew, with other places. Who asks from within a visit of that list comes to the
+// first part again; that is why followMeshes() lists the parts before it leaves any.
 TEST(MeshFollowing, AVisitOfNearPartsThatAsksBeyondTheRegionComesToAPartTwice) {
   const assets::Scene scene = crowd();
   const ContactScene contact(scene, 1);

@@ -1,4 +1,5 @@
-// The cells that a field needs are known before it is made: from how the surface curves, and what may be wrong.
+// The cells that a field needs are known before it is made: from how the surface curves, and what may be
+// wrong.
 
 #include "haptics/scene/field_resolution.h"
 
@@ -22,8 +23,8 @@ assets::Mesh disc(double scale = 1.0) {
   return meshOf(pegSoup({scale * kRadius, scale * kRadius, 0.0, {1024, 2}}));
 }
 
-/// Of a ball of this radius about a cell, a cylinder bulges r^2 / 2R out of its tangent plane, half of that to
-/// either side of the best one: r^2 / 4R.
+/// Of a ball of this radius about a cell, a cylinder bulges r^2 / 2R out of its tangent plane, half of that
+/// to either side of the best one: r^2 / 4R.
 double cellOfCylinder(double radius, double tolerance) {
   return 2.0 / std::sqrt(3.0) * std::sqrt(4.0 * tolerance * radius);
 }

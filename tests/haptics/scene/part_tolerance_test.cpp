@@ -1,4 +1,5 @@
-// How exact contact of a part has to be follows from the clearance in which it stands, unless the file says so.
+// How exact contact of a part has to be follows from the clearance in which it stands, unless the file says
+// so.
 
 #include "haptics/scene/part_tolerance.h"
 
