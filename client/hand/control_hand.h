@@ -24,9 +24,9 @@ class ControlHand {
   /// control's, or for a ninth at once.
   void set(PartId part, double value);
 
-  /// What to ask the server for now, one part a call: one that the last tick pressed on or that is to be set,
-  /// that is neither owned here nor asked for. One that was denied is asked for again when the tool comes
-  /// back to it. `owned(part)` tells whether this site owns it.
+  /// The part to ask the server for now, one a call: the last tick pressed on it, or it is to be set, and it
+  /// is neither owned here nor asked for. A denied part is asked for again when the tool comes back to it.
+  /// `owned(part)`: whether this site owns the part.
   template <typename Owned>
   PartId wanted(const haptics::TickOutput& last, const Owned& owned) {
     if (scene_.controls.empty() && last.pushedCount == 0 && !any()) return kNoPart;

@@ -42,12 +42,12 @@ void FollowedParts::forgetRequests() {
 }
 
 void FollowedParts::playOut(sync::Micros sessionNow, sync::Micros playOutDelay, DisplayPoses& display) {
-  movedCount_ = 0;
+  moved_.clear();
   for (FollowedPart& slot : slots_) {
     if (slot.part == kNoPart) continue;
     sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, playOutDelay);
     if (slot.control != nullptr) keepToStops(*slot.control, shown);
-    moved_[movedCount_++] = {slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist};
+    moved_.push_back({slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist});
     const Pose drawn = slot.control != nullptr ? shown.worldFromPart : slot.display.at(sessionNow);
     // The last display pose stays on the screen, so it must be where the part is.
     const bool over = !slot.owned && shown.still && sync::PosePrediction::near(drawn, shown.worldFromPart);

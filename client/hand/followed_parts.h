@@ -9,6 +9,7 @@
 
 #include "assets/scene/scene.h"
 #include "client/hand/display_poses.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/tick_types.h"
 #include "sync/replica/play_out.h"
 #include "sync/replica/pose_prediction.h"
@@ -41,13 +42,12 @@ class FollowedParts {
   /// Plays all parts out for a tick: moved() for the hand, `display` for the window. A part that nobody owns
   /// and that has come to rest is dropped.
   void playOut(sync::Micros sessionNow, sync::Micros playOutDelay, DisplayPoses& display);
-  std::span<const haptics::PartMotion> moved() const { return {moved_.data(), movedCount_}; }
+  std::span<const haptics::PartMotion> moved() const { return {moved_.data(), moved_.size()}; }
 
  private:
   const assets::Scene& scene_;
   std::array<FollowedPart, kMax> slots_;  // a part keeps its slot
-  std::array<haptics::PartMotion, kMax> moved_;
-  std::size_t movedCount_ = 0;
+  haptics::FixedVector<haptics::PartMotion, kMax> moved_;
 };
 
 }  // namespace tandem::client

@@ -268,7 +268,7 @@ SurfacePoint nearestSurfacePoint(const assets::Scene& scene, PartId partId, cons
   }
   const double length = glm::length(result.normal);
   result.normal = length > 0.0 ? result.normal / length : glm::dvec3(0.0, 1.0, 0.0);
-  // Seen from outside the closest feature may be an edge: the way to the hand is then the better normal.
+  // From outside, the closest feature may be an edge; the direction to the hand is then the better normal.
   const double distance = std::sqrt(best);
   if (distance > 1e-9 && glm::dot(p - result.point, result.normal) > 0.0)
     result.normal = (p - result.point) / distance;

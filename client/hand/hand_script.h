@@ -50,8 +50,7 @@ struct HandScript {
 /// Reads the JSON text of a script. An error names `source`, the step and the reason.
 Result<HandScript> parseHandScript(const std::string& json, const std::string& source,
                                    const assets::Scene& scene);
-/// All that can be said of a script before its scene is known: everything but whether its parts and controls
-/// are there.
+/// Checks a script before its scene is known: everything but whether its parts and controls exist.
 Status checkHandScript(const std::string& path);
 Result<HandScript> loadHandScript(const std::string& path, const assets::Scene& scene);
 
@@ -86,7 +85,7 @@ class ScriptedPerson {
     return evaluate(t);
   }
 
-  /// No step is left, and no motion under way at time t.
+  /// Whether no step is left and no motion goes on at time t.
   bool finished(double t) const { return next_ == script_.steps.size() && t >= motionStart_ + motionLength_; }
 
  private:
@@ -99,7 +98,7 @@ class ScriptedPerson {
   HandScript script_;
   std::size_t next_ = 0;
   Motion motion_ = Motion::still;
-  Pose from_, to_;  // of the motion under way
+  Pose from_, to_;  // of the present motion
   glm::dvec3 axis_{0.0, 0.0, 0.0};
   double motionStart_ = 0.0, motionLength_ = 0.0, amount_ = 0.0, hz_ = 0.0;
   bool holdsStylus_ = true, button_ = false;
