@@ -1,6 +1,6 @@
 #pragma once
 
-// Kept apart from pose.h, so that <cmath> is not in every file that names a pose.
+// Separate from pose.h, so that not every source with a pose includes <cmath>.
 
 #include <cmath>
 

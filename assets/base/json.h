@@ -24,7 +24,7 @@
 
 namespace tandem {
 
-/// A value is not what its reader asked for: a missing member, another kind. The message names it.
+/// A member is missing or a value is of another kind than its reader needs. The message names it.
 class JsonError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

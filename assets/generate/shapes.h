@@ -45,14 +45,14 @@ enum class Facing { up, down };
 /// A surface under construction.
 class Solid {
  public:
-  /// The material slot of what is added from now on.
+  /// Sets the material slot of all surfaces added from now on.
   void paint(std::uint16_t slot) { slot_ = slot; }
 
-  /// Joins two loops of as many corners. Seen along the way from a to b, the outside of a counter-clockwise
-  /// loop is on the right: going up makes an outer wall, going down the wall of a hole.
+  /// Joins two loops with equal numbers of corners. Seen in the direction from a to b, the outside of a
+  /// counter-clockwise loop is on the right: upwards it is an outer wall, downwards the wall of a hole.
   void band(const Loop& a, double za, const Loop& b, double zb);
 
-  /// Revolves an open profile about the z axis through `centre`; same rule of sides as band().
+  /// Revolves an open profile about the z axis through `centre`, with the sides of band().
   void revolve(const std::vector<ProfilePoint>& profile, int segments,
                const glm::dvec2& centre = glm::dvec2(0.0));
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The shortest rotation that takes X to a unit direction.
+/// The shortest rotation from X to a unit direction.
 glm::dquat fromX(const glm::dvec3& direction) {
   const glm::dvec3 x(1.0, 0.0, 0.0);
   const double cosine = glm::dot(x, direction);

@@ -27,7 +27,8 @@ constexpr double kEvenScale = 1e-5;
 /// Reads one field object, each property by its kind, in the node's units.
 class FieldReader {
  public:
-  /// Lengths become m with `scale`; `mirror`, 1 or -1, takes the file's directions to the field's frame.
+  /// Lengths become m with `scale`; directions of the file times `mirror`, 1 or -1, are directions of the
+  /// field.
   FieldReader(const JsonObject& object, double scale, double mirror)
       : json_(object), scale_(scale), mirror_(mirror) {}
 

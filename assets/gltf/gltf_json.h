@@ -48,7 +48,7 @@ class JsonObject {
   }
   /// Elements of a property that is an array; 0 if it is absent or null, 1 if it is a plain value.
   std::size_t count(const char* key) const;
-  /// An index below `size`; a message says "of `what`".
+  /// An index below `size`; a message names the list as `what`.
   std::optional<std::size_t> index(const char* key, std::size_t size, const char* what) const;
   std::size_t requiredIndex(const char* key, std::size_t size, const char* what) const;
 

@@ -32,7 +32,7 @@ class UniqueNames {
   std::map<std::string, std::size_t> nextSuffix_;
 };
 
-/// A colour component, held to 0..1.
+/// A colour component, clamped to 0..1.
 float unit(double value) {
   return static_cast<float>(std::isfinite(value) ? std::clamp(value, 0.0, 1.0) : 0.0);
 }

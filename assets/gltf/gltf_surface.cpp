@@ -186,7 +186,7 @@ std::optional<Bytes> imageBytes(const GltfDocument& document, const Json& image)
   return uri.isText() ? decodeDataUri(uri.text()) : std::nullopt;
 }
 
-/// The `source` of a texture, if both are what the specification says.
+/// The `source` of a texture; absent unless both have the types of the specification.
 const Json& sourceImage(const Json& document, std::size_t texture) {
   const Json& source = document.member("textures").at(texture).member("source");
   const Json& images = document.member("images");

@@ -37,13 +37,13 @@ Result<Scene> loadGltf(const std::string& path, const LoadOptions& options);
 Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsigned char>& bytes,
                                  const LoadOptions& options);
 
-/// loadGltf() through a cache: the prepared scene is kept under `cacheDirectory` by the content hash of the
-/// file, its buffers and the options, and a damaged cache file is ignored and written anew. Empty directory:
-/// no cache.
+/// loadGltf() through a cache: `cacheDirectory` holds the prepared scene under the content hash of the file,
+/// its buffers and the options. A damaged cache file is ignored and written anew. An empty directory name
+/// turns the cache off.
 Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
                         const std::string& cacheDirectory);
 
-/// Where caches belong for this user: $XDG_CACHE_HOME/tandem or ~/.cache/tandem; empty if neither is known.
+/// The user's cache directory: $XDG_CACHE_HOME/tandem or ~/.cache/tandem; empty if neither is known.
 std::string defaultCacheDirectory();
 
 }  // namespace tandem::assets

@@ -19,7 +19,7 @@ constexpr double kMaxTurn = 0.251 * kPi;  // rad
 constexpr double kParallel = 5e-3;        // rad
 constexpr double kAlike = 0.25;           // turns that differ by this share belong to one cylinder
 constexpr double kAround = 0.9 * kPi;     // rad that a cylinder must go around
-constexpr double kFull = 0.7;             // of the length of the edges if all were as long as the cylinder
+constexpr double kFull = 0.7;             // least total length of the edges, relative to edges of full length
 constexpr double kOffCircle = 0.05;       // of the sag, by which edges may be off the circle
 constexpr double kRounding = 1e-5;        // of the radius, the same: coordinates are single precision
 
@@ -81,7 +81,7 @@ class CylinderFinder {
         if (turn < kFlat || turn > kMaxTurn) continue;
         Roll roll{corner(t, e), corner(t, e + 1), {}, turn};
         roll.direction = glm::normalize(roll.b - roll.a);
-        // The neighbour's normal leans away from this triangle over a ridge, towards it in a hollow.
+        // Over a ridge the neighbour's normal leans away from this triangle, in a hollow towards it.
         if (glm::dot(normals_[other], corner(t, e + 2) - roll.a) > 0.0) roll.turn = -turn;
         const auto index = static_cast<std::uint32_t>(rolls_.size());
         rolls_.push_back(roll);
@@ -98,7 +98,7 @@ class CylinderFinder {
     return roll;
   }
 
-  /// Both sides of a facet: edges of a triangle and of those that lie in its plane.
+  /// Joins the edges on both sides of a facet: those of a triangle and of the triangles in its plane.
   void joinRolls() {
     for (std::uint32_t t = 0; t < normals_.size(); ++t) {
       std::array<std::uint32_t, 9> near{};
@@ -185,7 +185,7 @@ class CylinderFinder {
     }
     cylinder.middle += cylinder.axis * (0.5 * (low + high));
     cylinder.halfLength = 0.5 * (high - low);
-    // A lune of a ball is nearly one too, but for its edges, which grow shorter.
+    // A lune of a sphere is similar to a cylinder, except that its edges become shorter.
     return around >= kAround && length * turn > kFull * around * (high - low);
   }
 

@@ -5,7 +5,7 @@
 namespace tandem::assets {
 namespace {
 
-/// Things with a key of two vertices, put into one bucket per first vertex by a counting sort.
+/// Entries with a key of two vertices, in one bucket per first vertex by a counting sort.
 struct Bucketed {
   std::uint32_t second = 0;
   std::uint32_t third = 0;
@@ -133,8 +133,8 @@ enum class Turn : std::uint8_t { unseen, keep, flip };
 
 Turn opposite(Turn turn) { return turn == Turn::keep ? Turn::flip : Turn::keep; }
 
-/// Walks the shell of `seed`, deciding for each face whether it must be turned for all to agree with the
-/// seed. Appends the faces to `shell`; returns whether the shell is orientable.
+/// Visits the shell of `seed` and decides for each face whether it must be reversed to agree with the seed.
+/// Appends the faces to `shell`; returns whether the shell is orientable.
 bool walkShell(const std::vector<TriangleIndices>& triangles, const EdgePairs& pairs, std::uint32_t seed,
                std::vector<Turn>& turns, std::vector<std::uint32_t>& shell) {
   bool orientable = true;

@@ -46,9 +46,9 @@ struct Orientation {
   std::uint64_t nonOrientableShells = 0;
 };
 
-/// Turns triangles so that every two that share a two-faced edge agree on the outside; in each connected
-/// shell the way that most of its faces had wins. A shell that cannot be oriented (Möbius) keeps edges whose
-/// two faces disagree.
+/// Reverses triangles so that every two that share a two-faced edge agree on the outside. In each connected
+/// shell the orientation of the majority of its faces remains. A shell that cannot be oriented (Möbius) keeps
+/// edges whose two faces disagree.
 Orientation orientAlike(std::vector<TriangleIndices>& triangles, EdgePairs& pairs);
 
 /// The same triangle seen from its other side.

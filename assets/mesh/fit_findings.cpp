@@ -36,13 +36,14 @@ bool inLine(const Cylinder& shaft, const Cylinder& bore) {
   if (glm::length(glm::cross(shaft.axis, bore.axis)) > kAskew) return false;
   const glm::dvec3 between = shaft.middle - bore.middle;
   const double along = glm::dot(between, bore.axis);
-  // Plugged in, or with less than both lengths between them.
+  // The shaft is in the bore, or the gap between them is less than both lengths.
   return glm::length(between - bore.axis * along) < kAside * bore.radius &&
          std::abs(along) < 3.0 * (shaft.halfLength + bore.halfLength);
 }
 
-/// Corners of a shaft's facets lie on its circle. Those of a bore do too, as CAD programs write it; or its
-/// facets' middles do, which is likely where a shaft of any angle still passes them.
+/// The corners of a shaft's facets lie on its circle. Those of a bore usually do too, as CAD programs write
+/// it. The middles of a bore's facets may lie on the circle instead, which is likely where a shaft of any
+/// angle still passes them.
 double clearanceOf(const Cylinder& shaft, const Cylinder& bore) {
   const double corners = bore.radius - shaft.radius, middles = corners - bore.sag();
   return middles > kAround * corners ? middles : corners;
@@ -101,7 +102,7 @@ std::vector<Finding> fitFindings(const Scene& scene) {
       const Placed& bore = **at;
       const Part &a = scene.parts[shaft.part], &b = scene.parts[bore.part];
       const double sag = std::max(shaft.cylinder.sag(), bore.cylinder.sag());
-      // Judged by the corners' circles: with enough segments there is no doubt which circle is meant.
+      // Uses the circles through the corners: with enough segments the two readings agree.
       if (shaft.part == bore.part || !(a.movable || b.movable) ||
           sag <= 0.5 * (bore.cylinder.radius - radius) || bore.cylinder.radius - radius < kNoPlay * radius ||
           !inLine(shaft.cylinder, bore.cylinder))

@@ -9,8 +9,8 @@
 
 namespace tandem::assets {
 
-/// A warning "coarse-fit" for each pair of meshes of which a shaft and a bore stand in one line, one of the
-/// two can be moved, and facets lie off the round by more than half of their radial clearance. Of diametral
+/// A warning "coarse-fit" for each pair of meshes in which a shaft and a bore are coaxial, one of the
+/// two is movable, and facets deviate from the circle by more than half of the radial clearance. Of diametral
 /// clearance c and radius r that takes at least pi / sqrt(c / 2r) segments. O(triangles), and the pairs of
 /// shafts and bores of about the same radius.
 std::vector<Finding> fitFindings(const Scene& scene);

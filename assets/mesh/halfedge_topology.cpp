@@ -168,7 +168,7 @@ void findNeighbours(const HalfedgeMesh& mesh, const std::vector<int>& handles, c
     } else if (pairs.across[h] == kManyFacedEdge) {
       flags = kEdgeNonManifold;
     } else {
-      // A seam of a non-orientable shell: its faces are neighbours with opposite normals.
+      // The faces at a seam of a non-orientable shell are neighbours with opposite normals.
       neighbour = pairs.across[h] / 3;
       flags = kEdgeSharp;
       topology.shells[topology.triangleShell[t]].closed = false;
@@ -189,7 +189,7 @@ void sumVolumes(const HalfedgeMesh& mesh, const glm::dvec3& reference, HalfedgeT
   }
 }
 
-/// A shell that runs through an edge of many faces unequally often each way is open there.
+/// A shell whose faces pass an edge of many faces unequally often in the two directions is open there.
 void openUnbalancedShells(const std::vector<TriangleIndices>& triangles, const EdgePairs& pairs,
                           HalfedgeTopology& topology) {
   std::vector<std::int64_t> balance(topology.shells.size(), 0);

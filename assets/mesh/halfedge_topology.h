@@ -15,8 +15,8 @@ namespace tandem::assets {
 /// A connected set of faces. Faces are connected across edges that have exactly two of them.
 struct Shell {
   bool hasBoundary = false;
-  /// Every edge is run through equally often each way, so the shell bounds a volume. True also where some of
-  /// its edges have four faces, such as two boxes that touch along an edge.
+  /// Whether its faces pass every edge equally often in both directions, so that the shell bounds a volume.
+  /// Two boxes that touch along an edge are closed too, although that edge has four faces.
   bool closed = true;
   double signedVolume = 0.0;  // m^3; negative if inside out; meaningful if closed
   std::uint32_t firstFace = 0;

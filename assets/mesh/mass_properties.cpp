@@ -42,7 +42,7 @@ Integrals integrate(const Mesh& mesh, const glm::dvec3& origin) {
   return total;
 }
 
-/// Sylvester: all leading minors positive, by a share that rounding cannot give.
+/// Sylvester's criterion: all leading minors are positive by more than rounding.
 bool isPositiveDefinite(const glm::dmat3& m) {
   const double scale = (m[0][0] + m[1][1] + m[2][2]) / 3.0;
   const double minor = m[0][0] * m[1][1] - m[0][1] * m[1][0];
@@ -50,7 +50,7 @@ bool isPositiveDefinite(const glm::dmat3& m) {
          glm::determinant(m) > 1e-12 * scale * scale * scale;
 }
 
-/// Whether every edge is run through equally often each way, as it is around a solid.
+/// Whether the faces pass every edge equally often in both directions, as those of a solid do.
 bool boundsVolume(const Mesh& mesh) {
   std::vector<std::array<std::uint32_t, 3>> manyFaced;  // low, high, direction
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -87,7 +87,7 @@ MassProperties boxOfBounds(const Mesh& mesh, double density, double signedVolume
   size = glm::max(size, glm::dvec3(kThinnest * longest));
   const double box = size.x * size.y * size.z;
   MassProperties result;
-  // The faces that are there still measure most of a solid that lacks a few.
+  // If only a few faces are missing, the others still measure nearly the whole volume.
   result.mass = density * std::clamp(std::abs(signedVolume), kOpenFillShare * box, box);
   result.centreOfMass = 0.5 * (mesh.bounds.min + mesh.bounds.max);
   const glm::dvec3 s = size * size;
@@ -112,7 +112,7 @@ MassProperties massProperties(const Mesh& mesh, double density) {
   result.centreOfMass = origin + centre;
   const glm::dmat3 second = density * integrals.second - result.mass * glm::outerProduct(centre, centre);
   result.inertia = glm::dmat3(second[0][0] + second[1][1] + second[2][2]) - second;
-  // Shells that overlap with opposite signs can leave a volume but no inertia.
+  // Overlapping shells with opposite signs can have a volume without a positive inertia.
   return isPositiveDefinite(result.inertia) ? result : boxOfBounds(mesh, density, integrals.volume);
 }
 

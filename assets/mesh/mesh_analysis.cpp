@@ -15,7 +15,7 @@ namespace tandem::assets {
 namespace {
 
 /// Whether three points lie on a line, up to the rounding of double coordinates (of which the welding
-/// tolerance is 2^30 units). Slivers are faces: what a file can tell apart stays.
+/// tolerance is 2^30 units). Slivers remain faces, because the file distinguishes their corners.
 bool isDegenerate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, double weldTolerance) {
   const double longest = std::max({glm::distance(a, b), glm::distance(b, c), glm::distance(c, a)});
   return glm::length(glm::cross(b - a, c - a)) <= std::ldexp(weldTolerance, -24) * longest;
@@ -52,7 +52,7 @@ std::uint64_t dropDuplicateFaces(TriangleSoup& soup) {
   const std::vector<TriangleIndices> before = soup.triangles;
   const std::uint64_t dropped = dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
   std::size_t count = 0;
-  // The first of several equal faces stays, so that the first match is the one.
+  // The first of several equal faces stays, so the first match is the right one.
   for (std::size_t t = 0; t < before.size() && count < soup.triangles.size(); ++t)
     if (before[t] == soup.triangles[count]) soup.triangleUv[count++] = soup.triangleUv[t];
   soup.triangleUv.resize(soup.triangles.size());
@@ -70,7 +70,7 @@ void turnUv(const std::vector<TriangleIndices>& before, const std::vector<Triang
   }
 }
 
-/// Drops the points that lost all their faces; those that stay keep their order.
+/// Drops the points without faces; the others keep their order.
 void dropUnused(TriangleSoup& soup, MeshDefects& defects) {
   std::vector<std::uint32_t> renamed(soup.positions.size(), kNone);
   for (const TriangleIndices& t : soup.triangles)

@@ -52,7 +52,7 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle);
 
 /// Volume, centre of mass and inertia of a closed mesh filled with `density` kg/m^3 (Mirtich 1996, "Fast and
 /// accurate computation of polyhedral mass properties"), also of one whose edges of many faces are balanced,
-/// such as two boxes that touch along an edge. Any other mesh is taken as a uniform box of its bounds, at
+/// such as two boxes that touch along an edge. Any other mesh counts as a uniform box of its bounds, at
 /// least 1 % of the longest extent thick, that holds the volume its faces measure but at least a quarter of
 /// the box. The inertia is positive definite for every mesh with a face; without one the mass is 0, unknown.
 MassProperties massProperties(const Mesh& mesh, double density);

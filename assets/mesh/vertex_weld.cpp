@@ -8,8 +8,8 @@
 namespace tandem::assets {
 namespace {
 
-// A cell of the hash grid is this many tolerances wide: wide enough that few points lie near a cell's wall
-// and need a look into the next cell, narrow enough that a cell cannot hold very many distinct points.
+// Width of a cell of the hash grid in tolerances. It is large enough that few points lie near a wall and
+// need a search of the next cell, and small enough that a cell cannot hold very many distinct points.
 constexpr double kCellWidth = 8.0;
 // The grid's origin in cells. CAD likes coordinates of exactly zero, which must not all lie on a wall.
 constexpr double kCellOffset = 0.37;
@@ -111,7 +111,7 @@ WeldedVertices weldVertices(const std::vector<glm::dvec3>& positions,
   for (const auto& triangle : triangles)
     for (const std::uint32_t vertex : triangle)
       largest = std::max(largest, maxDistance(positions[vertex], glm::dvec3(0.0)));
-  // All used vertices at the origin: any tolerance will do.
+  // All used vertices lie at the origin, so any tolerance is right.
   welded.tolerance = largest > 0.0 ? std::ldexp(largest, -22) : 1.0;
 
   PointGrid grid(welded.tolerance, positions.size() / 2);

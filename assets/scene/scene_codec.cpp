@@ -175,7 +175,8 @@ void getPositions(Reader& in, std::vector<glm::dvec3>& positions) {
 
 // --- one function a type, for both directions: the Writer visits const values, the Reader mutable ones ---
 
-/// The fewest bytes that an element of a list takes: a default one has no text and no lists of its own.
+/// The smallest size of an element of a list in bytes: that of a default element, whose texts and lists are
+/// empty.
 template <typename T, typename Each>
 std::size_t leastBytes(const Each& each) {
   Writer writer;

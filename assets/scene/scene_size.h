@@ -1,6 +1,6 @@
 #pragma once
 
-// How large a scene is, and whether that looks like the wrong unit.
+// Size of a scene, and whether it suggests a wrong unit.
 
 #include <string>
 

@@ -66,7 +66,7 @@ void HidWorker::State::work() {
     lastPresent = now;
     client.report(std::span<const std::uint8_t>(buffer).first(static_cast<std::size_t>(length)));
   } else if (now - lastPresent > kPresenceCheck) {
-    // Some buses report a removed device as silence: look whether its node is still there.
+    // Some buses report a removed device as silence, so the presence of its node is checked.
     lastPresent = now;
     if (!bus.present(path)) return lose();
   }

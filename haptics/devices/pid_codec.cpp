@@ -218,7 +218,7 @@ PidBytes encodeSetEffect(const PidLayout& layout, std::uint8_t blockIndex, PidEf
     writeHidField(*bit, dataOf(bytes), 1);
     return bytes;
   }
-  // Without axes of its own the effect is given a direction: 0 is away from the user, a quarter turn to the
+  // An effect without axes of its own has a direction: 0 is away from the user, a quarter turn is to the
   // right.
   put(layout.set, bytes, pid(0x56), 1);
   for (const HidField& field : layout.set.fields)

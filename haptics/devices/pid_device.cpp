@@ -29,7 +29,7 @@ Status send(HidConnection& connection, const PidBytes& report) {
   return report.empty() ? Status{} : connection.write(report);
 }
 
-/// Asks the device for an effect until it says that it is there.
+/// Requests an effect and waits until the device reports it as loaded.
 Result<std::uint8_t> createEffect(const PidLayout& layout, HidConnection& connection, PidEffect type) {
   const PidBytes request = encodeCreate(layout, type);
   if (request.empty()) return Error{"the device does not offer this effect"};

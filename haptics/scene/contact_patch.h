@@ -11,7 +11,7 @@
 //   straight  a piece of a straight edge: `centre + t axis`, |t| <= along
 //
 // Among the points of a patch that are equally deep to within the `slack` that a caller allows, the one
-// nearest to the sample is taken, so that a part that lies flat does not rock between the ends of its
+// nearest to the sample is chosen, so that a part that lies flat does not rock between the ends of its
 // patches.
 
 #include <array>

@@ -40,8 +40,8 @@ struct ContactScene::Data {
   /// One a tree, or none at all; null for a mesh that was exchanged or refitted.
   std::vector<std::shared_ptr<const PartModel>> models;
   std::vector<Collider> colliders;         // one a part
-  std::vector<PartTolerance> tolerances;   // one a part once models were asked for, else none
-  std::unique_ptr<SurfaceScene> surfaces;  // null: no material asks for more than stiffness and friction
+  std::vector<PartTolerance> tolerances;   // one a part once models exist, else none
+  std::unique_ptr<SurfaceScene> surfaces;  // null: no material has surface effects
 };
 
 }  // namespace tandem::haptics

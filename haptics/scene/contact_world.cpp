@@ -159,7 +159,7 @@ bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double r
   bool found = false;
   forEachNear(box, [&](PartId part) {
     if (part == except || !touchable(part)) return;
-    // Of two simultaneous hits the one met more squarely is kept, as within a part.
+    // Of two simultaneous hits the one with the steeper incidence counts, as within a part.
     WorldHit candidate;
     candidate.t = hit.t;
     if (!sweepPart(part, p, motion, radius, candidate)) return;

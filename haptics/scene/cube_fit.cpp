@@ -17,7 +17,7 @@ constexpr int kSteps = 4;  // iterations of Frank & Wolfe
 /// the surface.
 constexpr double kWindow = 3.0;
 
-/// Cosine of the angle beyond which the mean of the faces says nothing about a plane through them.
+/// Cosine of the angle beyond which the mean of the faces' normals is no plane through them.
 constexpr double kLeastTurn = 0.5;
 
 /// Relative magnitude below which the sign of an edge function is unreliable.

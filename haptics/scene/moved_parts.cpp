@@ -21,7 +21,7 @@ bool MovedParts::isUsable(const ContactWorld& world, const PartMotion& motion) {
 }
 
 void MovedParts::begin() {
-  // The twists of the last tick are kept until each part has moved: they tell a motion from a jump.
+  // The twists of the last tick stay until each part has moved: they distinguish a motion from a jump.
   std::swap(moving_, movedBefore_);
   moving_.clear();
   ++tickNumber_;

@@ -58,7 +58,7 @@ class MovedParts {
   std::vector<PartId> moving_;          // parts with a twist from this tick; capacity for all
   std::vector<PartId> movedBefore_;     // those of the last tick
   std::vector<std::uint32_t> movedAt_;  // per part: the last tick in which others moved it
-  std::uint32_t tickNumber_ = 0;        // wraps: only equality with movedAt_ is asked
+  std::uint32_t tickNumber_ = 0;        // wraps: it is only compared with movedAt_ for equality
 };
 
 template <typename IsOwned, typename Moved>

@@ -170,7 +170,7 @@ TEST(DualSense, AForceTightensTheTriggersAndSilenceLetsThemGo) {
   ASSERT_TRUE(device.open().ok());
   bus.send(usbReport());
   double now = 0.0;
-  const auto told = [&](const DualSenseOutput& output) {
+  const auto wrote = [&](const DualSenseOutput& output) {
     for (const Bytes& report : bus.written())
       if (report == encodeDualSense(output, false, 0)) return true;
     return false;
@@ -178,9 +178,9 @@ TEST(DualSense, AForceTightensTheTriggersAndSilenceLetsThemGo) {
   until([&] {
     device.poll(now += 1e-3);
     device.apply({{3.3, 0.0, 0.0}, {}});
-    return told({0, 0, 255, 255});  // the rumble of the contact has died away
+    return wrote({0, 0, 255, 255});  // the rumble of the contact has died away
   });
-  until([&] { return told({}); });  // nobody calls apply() any more
+  until([&] { return wrote({}); });  // nobody calls apply() any more
   const std::vector<DeviceReport> reports = listDevices(bus);
   EXPECT_EQ(std::ranges::count(reports, "dualsense", &DeviceReport::driver), 1);
   bus.plug(false);

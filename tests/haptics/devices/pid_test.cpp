@@ -203,7 +203,7 @@ class PidDriver : public ::testing::Test {
   static void until(Condition condition) {
     while (!condition()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  /// Applies a force over and over until the device was told these bytes.
+  /// Applies a force over and over until the device was sent these bytes.
   void applyUntilTold(PidDevice& device, const glm::dvec3& force, const Bytes& bytes) {
     until([&] {
       device.apply({force, {}});

@@ -284,9 +284,9 @@ TEST(SpaceMouse, PluggedInAgainWithoutPermissionItSaysSoOnceAndGoesOnTrying) {
   bus.plug(true, "/dev/hidraw5");
   EXPECT_TRUE(pollUntil(device, 0.02, [](const DeviceSample& s) { return s.valid; }).valid);
   device.close();
-  const std::string told = ::testing::internal::GetCapturedStderr();
-  EXPECT_EQ(std::ranges::count(told, '\n'), 1) << told;
-  EXPECT_NE(told.find("/dev/hidraw5: Permission denied"), std::string::npos) << told;
+  const std::string printed = ::testing::internal::GetCapturedStderr();
+  EXPECT_EQ(std::ranges::count(printed, '\n'), 1) << printed;
+  EXPECT_NE(printed.find("/dev/hidraw5: Permission denied"), std::string::npos) << printed;
 }
 
 TEST(SpaceMouse, IsListedOnceByItsMotionInterface) {

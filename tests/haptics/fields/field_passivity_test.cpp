@@ -80,27 +80,27 @@ TEST(FieldPassivity, ADeviceThatFollowsAtALimitedRateCutsAWaveformAboveIt) {
 }
 
 /// The largest force on a device of 45 g that a controller answers a source of 1 N with.
-double mostUnder(bool told) {
+double maxUnder(bool announced) {
   PassivityController controller;
   SimulatedDeviceParameters device;
   SimulatedHand hand({}, device, {});
-  double most = 0.0, before = 0.0;
+  double largest = 0.0, before = 0.0;
   for (int i = 0; i < 1500; ++i) {
     const double force = std::sin(2.0 * std::numbers::pi * 200.0 * 1e-3 * i + 0.3);
-    const glm::dvec3 felt(force, 0.0, 0.0), byTime(told ? force - before : 0.0, 0.0, 0.0);
+    const glm::dvec3 felt(force, 0.0, 0.0), byTime(announced ? force - before : 0.0, 0.0, 0.0);
     const glm::dvec3 sent = felt + controller.step(hand.sample(1e-3 * i).worldFromDevice.position, felt,
                                                    byTime, 0.5 * device.damping, 1e-3);
     controller.sent(sent);
-    most = std::max(most, glm::length(sent));
+    largest = std::max(largest, glm::length(sent));
     before = force;
     hand.step({}, sent, 1e-3);
   }
-  return most;
+  return largest;
 }
 
 TEST(FieldPassivity, AControllerThatIsNotToldOfTheSourceAddsToIt) {
-  EXPECT_LE(mostUnder(true), 1.0 + 1e-9);
-  EXPECT_GT(mostUnder(false), 1.8);  // the control: 1.92 N
+  EXPECT_LE(maxUnder(true), 1.0 + 1e-9);
+  EXPECT_GT(maxUnder(false), 1.8);  // the control: 1.92 N
 }
 
 /// Peak to peak of the last second of a free device in a spring beyond what it bears, with a waveform, m.

@@ -216,13 +216,13 @@ TEST_F(Hidapi, AForceFeedbackJoystickIsFoundByItsDescriptorSetUpAndPushed) {
   EXPECT_TRUE(eventually([&] { return tick(device, 1).buttons == 1; }));
   EXPECT_NEAR(device.poll(now_).worldFromDevice.position.x, 0.05, 1e-6);
 
-  Bytes told;
+  Bytes written;
   EXPECT_TRUE(eventually([&] {
     device.apply({{-1.5, 0.0, 0.0}, {}});
     const Bytes more = bus_.written(1);
-    told.insert(told.end(), more.begin(), more.end());
+    written.insert(written.end(), more.begin(), more.end());
     const Bytes push{0x05, 7, 0x00, 0xC0};
-    return std::search(told.begin(), told.end(), push.begin(), push.end()) != told.end();
+    return std::search(written.begin(), written.end(), push.begin(), push.end()) != written.end();
   }));
   device.close();
 }
@@ -255,12 +255,12 @@ TEST_F(Hidapi, ADualSenseSteersAndItsTriggersResist) {
   EXPECT_GT(tick(device, 200).worldFromDevice.position.x, 0.01);
 
   const Bytes resist = encodeDualSense({0, 0, 255, 255}, false, 0);
-  Bytes told;
+  Bytes written;
   EXPECT_TRUE(eventually([&] {
     for (int i = 0; i < 20; ++i) device.poll(now_ += 0.001), device.apply({{3.3, 0.0, 0.0}, {}});
     const Bytes more = bus_.written(1);
-    told.insert(told.end(), more.begin(), more.end());
-    return std::search(told.begin(), told.end(), resist.begin(), resist.end()) != told.end();
+    written.insert(written.end(), more.begin(), more.end());
+    return std::search(written.begin(), written.end(), resist.begin(), resist.end()) != written.end();
   }));
   device.close();
 }
