@@ -13,6 +13,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/scene/ranges.h"
 #include "haptics/geometry/triangle_math.h"
 
 namespace tandem::client {
@@ -51,7 +52,6 @@ std::string imageText(const assets::Scene& scene, const SurfaceTexture& texture)
 }
 
 void addTexture(const assets::Scene& scene, const SurfaceTexture& texture, Feature& feature) {
-  static const char* const kNames[] = {"", "", "sine", "grid", "bumps", "noise"};
   if (texture.pattern == SurfaceTexture::Pattern::none) return;
   const bool isImage = texture.pattern == SurfaceTexture::Pattern::image;
   add(feature, "texture",
@@ -59,7 +59,7 @@ void addTexture(const assets::Scene& scene, const SurfaceTexture& texture, Featu
        {"amplitude", texture.amplitudeForce, "N"},
        {"wavelength", texture.wavelength, "m"},
        {"frictionScale", texture.frictionScale == 1.0 ? 0.0 : texture.frictionScale, ""}},
-      isImage ? imageText(scene, texture) : kNames[static_cast<std::size_t>(texture.pattern)]);
+      isImage ? imageText(scene, texture) : assets::kPatternNames[static_cast<std::size_t>(texture.pattern)]);
 }
 
 void addEffects(const assets::Scene& scene, const Surface& s, Feature& feature) {
