@@ -63,7 +63,7 @@ class Watch {
       force.push_back(state.force);
       block.push_back(part != nullptr ? part->worldFromPart.position : glm::dvec3(NAN));
       links.push_back(part != nullptr ? part->links : haptics::LinkReport{});
-      held.push_back(state.tick->held);
+      held.push_back(state.tick->hands[0].held);
     }
   };
   static std::size_t at(double t) { return static_cast<std::size_t>(std::lround(t * 1e3)); }
