@@ -17,7 +17,7 @@
 
 namespace tandem::server {
 
-/// A site that was admitted; it may come back with its ticket unless it said goodbye. Its number is never
+/// A site that was admitted; it may come back with its ticket unless it sent a Goodbye. Its number is never
 /// used again.
 struct SiteRecord {
   sync::SiteInfo info;

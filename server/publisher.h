@@ -34,7 +34,7 @@ class Publisher {
 
   /// Queues a message to one connection.
   void sendTo(const Peer& peer, sync::ControlMessage message);
-  /// Queues a message to everybody who has said hello, and to the recording.
+  /// Queues a message to every connection past the hello stage, and to the recording.
   void publish(sync::ControlMessage message);
   /// Sends at once, past the queue: for what depends on no record.
   void sendNow(sync::ConnectionId connection, const sync::ControlMessage& message);

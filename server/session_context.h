@@ -26,7 +26,7 @@ struct SessionCounters {
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
 };
 
-/// A line for the log. An error means that the session no longer does its whole work, so somebody must see
+/// A line for the log. An error means that the session no longer does its whole work, so a person must see
 /// it.
 struct LogLine {
   std::string text;

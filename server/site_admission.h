@@ -43,7 +43,7 @@ class SiteAdmission {
 
   void restore(const std::vector<UsedNonce>& nonces);
 
-  /// A connection is new; it is closed if too many have not said hello yet.
+  /// A connection is new; it is closed if too many have sent no Hello yet.
   void onConnected(sync::ConnectionId connection);
   /// Admits or refuses the site. `peer` is gone if it was refused.
   void onHello(Peer& peer, const sync::Hello& hello);

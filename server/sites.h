@@ -3,7 +3,7 @@
 // Every site that was ever admitted to the session, and the list of those that the others see.
 //
 // 1. A site's number is never used again.
-// 2. A site that lost its connection stays listed for a while; one that said goodbye does not.
+// 2. A site that lost its connection stays listed for a while; one that sent a Goodbye does not.
 
 #include <map>
 #include <span>
@@ -19,7 +19,7 @@ namespace tandem::server {
 
 struct KnownSite {
   sync::SiteInfo info;
-  bool left = false;    // said goodbye: its ticket is void
+  bool left = false;    // sent a Goodbye: its ticket is void
   bool listed = false;  // the others see it
   sync::Micros disconnectedAt = 0;
 };

@@ -30,8 +30,8 @@ class Connection : public TlsStream::Listener {
   std::unique_ptr<StateChannel> channel;  // once the algorithm is agreed
   ConnectionId id = 0;
   UdpAddress peer;              // server: where the newest authentic datagram came from
-  std::string farewell;         // what the peer said before it closed
-  std::string refusal;          // what this side said before it closed
+  std::string farewell;         // the reason that the peer sent before it closed
+  std::string refusal;          // the reason that this side sent before it closed
   std::size_t undelivered = 0;  // bytes of events not yet polled
   Micros deadline = 0;          // for the handshake, or for the end of close()
   bool announced = false;       // `connected` is in the queue or was polled

@@ -4,7 +4,7 @@
 //
 //   connection id (8) | kind (2) counter (6) | ciphertext | tag (16)          all integers big-endian
 //
-// 1. The first 16 bytes are associated data: whoever changes them breaks the tag.
+// 1. The first 16 bytes are associated data: a change of them breaks the tag.
 // 2. The nonce is the direction's initial vector XOR the counter. The counter starts at 1 and never repeats;
 //    a key is used up before 2^48 packets (the owner closes the connection).
 // 3. A counter is marked as seen only after the tag has verified, so a forged packet cannot push genuine ones

@@ -1,7 +1,7 @@
 #pragma once
 
-// Datagrams in batches, straight from the system calls: no allocation and no copy per packet. Used with a
-// socket that somebody else owns and watches.
+// Datagrams in batches, straight from the system calls: no allocation and no copy per packet. The caller owns
+// and watches the socket.
 
 #include <netinet/in.h>
 
