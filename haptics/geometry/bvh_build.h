@@ -1,6 +1,6 @@
 #pragma once
 
-// Construction of a TriangleBvh; only bvh_fit.cpp and bvh_build.cpp include this.
+// Construction of a TriangleBvh; only triangle_bvh.cpp and bvh_build.cpp include this.
 
 #include <bit>
 #include <cstdint>

@@ -9,8 +9,7 @@
 //    soon excludes the rest. The order depends on the meshes and poses alone.
 // 3. The walk allocates a stack.
 
-#include <array>
-#include <cmath>
+#include <utility>
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
@@ -18,82 +17,11 @@
 
 #include "assets/base/pose.h"
 #include "haptics/base/simd4.h"
+#include "haptics/geometry/box_frame.h"
 #include "haptics/geometry/outward.h"
 #include "haptics/geometry/triangle_bvh.h"
 
 namespace tandem::haptics {
-
-/// An axis-aligned box as centre and half extents, m, with the slab of what it holds (0: none).
-struct CentredBox {
-  glm::vec3 centre, half;
-  std::uint32_t slab = 0;
-
-  glm::vec3 slabNormal() const {
-    return {static_cast<std::int8_t>(slab), static_cast<std::int8_t>(slab >> 8),
-            static_cast<std::int8_t>(slab >> 16)};
-  }
-  /// How far the content reaches from the centre along the slab's normal, times the length of that normal.
-  float slabOffset() const {
-    return static_cast<float>(static_cast<std::int8_t>(slab >> 24)) * 0x1p-7f *
-           glm::dot(glm::abs(slabNormal()), half);
-  }
-  /// An upper bound of how far the content reaches along `v`, times the length of v. The slab bounds the
-  /// component of v along its normal, the box bounds the rest.
-  float reachAlong(const glm::vec3& v) const {
-    if (slab == 0) return glm::dot(glm::abs(v), half);
-    const glm::vec3 normal = slabNormal();
-    const float along = std::max(0.0f, glm::dot(v, normal)) / glm::dot(normal, normal);
-    return along * slabOffset() + glm::dot(glm::abs(v - normal * along), half);
-  }
-};
-
-/// Transforms boxes of one frame into boxes of another.
-class BoxFrame {
- public:
-  BoxFrame(const glm::dmat3& rotation, const glm::dvec3& shift) {
-    for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) {
-        turn_[row][column] = static_cast<float>(rotation[column][row]);
-        size_[row][column] = std::abs(turn_[row][column]);
-      }
-      shift_[row] = static_cast<float>(shift[row]);
-    }
-  }
-  CentredBox apply(const CentredBox& box) const {
-    CentredBox out;
-    for (int row = 0; row < 3; ++row) {
-      out.centre[row] = shift_[row];
-      out.half[row] = 0.0f;
-      for (int column = 0; column < 3; ++column) {
-        out.centre[row] += turn_[row][column] * box.centre[column];
-        out.half[row] += size_[row][column] * box.half[column];
-      }
-    }
-    return out;
-  }
-  glm::vec3 point(const glm::vec3& p) const { return vector(p) + glm::vec3(shift_[0], shift_[1], shift_[2]); }
-  glm::vec3 vector(const glm::vec3& v) const {
-    glm::vec3 out;
-    for (int row = 0; row < 3; ++row) {
-      out[row] = turn_[row][0] * v.x + turn_[row][1] * v.y + turn_[row][2] * v.z;
-    }
-    return out;
-  }
-  /// apply() for four boxes.
-  void apply(const Float4 centre[3], const Float4 half[3], Float4 turned[3], Float4 grown[3]) const {
-    for (int row = 0; row < 3; ++row) {
-      turned[row] = Float4(shift_[row]);
-      grown[row] = Float4();
-      for (int column = 0; column < 3; ++column) {
-        turned[row] = turned[row] + Float4(turn_[row][column]) * centre[column];
-        grown[row] = grown[row] + Float4(size_[row][column]) * half[column];
-      }
-    }
-  }
-
- private:
-  float turn_[3][3], size_[3][3], shift_[3];
-};
 
 /// See the head of this file.
 class BvhPairs {

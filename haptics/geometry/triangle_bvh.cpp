@@ -4,139 +4,19 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
+#include "assets/base/assert.h"
 #include "haptics/base/simd4.h"
-#include "haptics/geometry/leaf_slab.h"
+#include "haptics/geometry/bvh_build.h"
+#include "haptics/geometry/bvh_fit.h"
+#include "haptics/geometry/bvh_stack.h"
 #include "haptics/geometry/outward.h"
+#include "haptics/geometry/swept_boxes.h"
 #include "haptics/geometry/triangle_filter.h"
 
 namespace tandem::haptics {
 namespace {
-
-constexpr int kStackSize = 3 * TriangleBvh::kMaxDepth + 4;
-
-/// A node (or leaf) still to be visited, with a lower bound of its result.
-struct Pending {
-  std::uint32_t child;
-  float bound;
-};
-
-class Stack {
- public:
-  bool pop(Pending& next) {
-    if (size_ == 0) return false;
-    next = entries_[--size_];
-    return true;
-  }
-  /// Pushes the children of `mask`, the one with the least bound last, so that it is popped first.
-  void pushOrdered(const std::uint32_t* child, const float* bound, int mask) {
-    const int first = size_;
-    for (int i = 0; i < 4; ++i) {
-      if ((mask & (1 << i)) == 0 || child[i] == TriangleBvh::kEmptyChild) continue;
-      int at = size_++;
-      for (; at > first && entries_[at - 1].bound < bound[i]; --at) entries_[at] = entries_[at - 1];
-      entries_[at] = {child[i], bound[i]};
-    }
-  }
-
- private:
-  std::array<Pending, kStackSize> entries_;
-  int size_ = 0;
-};
-
-/// A motion in the form of four-wide slab tests.
-class Slabs {
- public:
-  /// Boxes are inflated by `radius` plus an allowance for float rounding: of the origin, of the differences
-  /// and of t, each a few units in the last place of `largest`, the largest length involved.
-  Slabs(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest) {
-    const Float4 inflate(roundUp(radius + largest * 0x1p-20));
-    for (int axis = 0; axis < 3; ++axis) {
-      const Float4 start(static_cast<float>(origin[axis]));
-      above_[axis] = start + inflate;
-      below_[axis] = start - inflate;
-      const double least = largest * 0x1p-60;
-      const double step = std::abs(motion[axis]) > least ? motion[axis] : std::copysign(least, motion[axis]);
-      inverse_[axis] = Float4(static_cast<float>(std::clamp(1.0 / step, -1e30, 1e30)));
-    }
-  }
-
-  /// Which children the motion meets before `latest` (a fraction of the motion), with lower bounds of the
-  /// times.
-  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
-    Float4 enter, leave(latest);
-    for (int axis = 0; axis < 3; ++axis) {
-      const Float4 t0 = (Float4::load(node.low[axis]) - above_[axis]) * inverse_[axis];
-      const Float4 t1 = (Float4::load(node.high[axis]) - below_[axis]) * inverse_[axis];
-      enter = max(enter, min(t0, t1));
-      leave = min(leave, max(t0, t1));
-    }
-    enter = enter * Float4(1.0f - 0x1p-20f);
-    enter.store(bounds);
-    return lessEqualMask(enter, leave);
-  }
-
- private:
-  Float4 above_[3], below_[3], inverse_[3];  // inflated start; 1 / motion
-};
-
-/// A moving ball in the form of four-wide tests against boxes. Slabs of the inflated box are tight for a ball
-/// smaller than the box. For a larger ball, the distance to the content of a box is at least
-///     u . (x - c) - max over the contents of u . (y - c)
-/// for every unit vector u; u points from roughly the nearest point to the ball's centre. The box bounds the
-/// maximum, and for a leaf of nearly flat triangles so does its slab: u = a N + w, a >= 0.
-class MovingBall {
- public:
-  MovingBall(const glm::dvec3& origin, const glm::dvec3& motion, double radius, double largest)
-      : slabs_(origin, motion, radius, largest),
-        reach_(roundUp(radius + largest * 0x1p-19)),
-        far_(glm::length(motion) > radius) {
-    const auto four = [](const glm::dvec3& v) {
-      return Vec4{Float4(static_cast<float>(v.x)), Float4(static_cast<float>(v.y)),
-                  Float4(static_cast<float>(v.z))};
-    };
-    origin_ = four(origin);
-    motion_ = four(motion);
-  }
-
-  /// Which children the ball may meet before `latest`, with lower bounds of the times as the visiting order.
-  /// A bound is negative where the start is within reach already. The deepest such child comes first, because
-  /// it most likely holds an early hit that excludes the others.
-  int enter(const TriangleBvh::Node& node, float latest, float* bounds) const {
-    int mask = 15;
-    if (far_) {
-      mask = slabs_.enter(node, latest, bounds);
-      if (mask == 0) return 0;
-    } else {
-      Float4().store(bounds);
-    }
-    const Vec4 low = node.lows(), high = node.highs();
-    const Float4 half(0.5f);
-    const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
-    const Slab4 slab = unpackSlabs(node.slab, extent);
-    // Roughly the nearest point: the foot on the slab's face, within the box.
-    const Float4 least(1e-37f), inverse = roughReciprocal(max(dot(slab.normal, slab.normal), least));
-    const Float4 height = max(dot(slab.normal, d) - slab.offset, Float4()) * inverse;
-    const Vec4 foot = d - slab.normal * height;
-    const Vec4 u = d - min(max(foot, Vec4{} - extent), extent);
-    const Float4 along = max(dot(u, slab.normal), Float4()) * inverse;
-    const Vec4 rest = u - slab.normal * along;
-    const Float4 length = sqrt(dot(u, u));
-    // All lengths are times |u|: the ball's gap at the start, and the approach over the whole motion.
-    const Float4 gap = dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length;
-    const Float4 nearing = Float4() - dot(u, motion_);
-    const Float4 t = gap * roughReciprocal(max(nearing, least)) * Float4(1.0f - 0x1p-10f);
-    const int met = lessEqualMask(gap, Float4()) | lessEqualMask(t, Float4(latest));
-    selectLessEqual(gap, Float4(), gap, max(t, Float4::load(bounds))).store(bounds);
-    return mask & met;
-  }
-
- private:
-  Slabs slabs_;
-  Vec4 origin_, motion_;
-  Float4 reach_;
-  bool far_;  // the slabs add nothing for a motion shorter than the ball
-};
 
 /// Four vectors one by one.
 class Directions {
@@ -187,14 +67,26 @@ int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle
 
 }  // namespace
 
-Triangles4 TriangleBvh::gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const {
-  const glm::dvec3* corners[3][4];
-  for (std::uint32_t i = 0; i < 4; ++i) {
-    const auto& t = mesh_->triangles[order_[first + std::min(i, count - 1)]];
-    for (std::size_t k = 0; k < 3; ++k) corners[k][i] = &mesh_->positions[t[k]];
-  }
-  return {gatherRelative(corners[0], origin), gatherRelative(corners[1], origin),
-          gatherRelative(corners[2], origin)};
+TriangleBvh::TriangleBvh(const assets::Mesh& mesh, int threads) : mesh_(&mesh) {
+  const std::size_t count = mesh.triangles.size();
+  ASSERT(count <= kLeafFirstMask);
+  if (count == 0) return;
+  const int workers = workersFor(count, threads);
+  extent_ = extentOf(mesh, workers);
+  BuiltTree built = buildTree(mesh, extent_.centre, workers);
+  nodes_ = std::move(built.nodes);
+  nodeCount_ = built.nodeCount;
+  order_ = std::move(built.order);
+
+  ASSERT(nodeCount_ > 0 && order_.size() == count);
+  ASSERT(depth() <= kMaxDepth);
+  BvhFit(mesh, {nodes_.get(), nodeCount_}, order_, extent_).fitSlabs(workers);
+}
+
+void TriangleBvh::refit(int threads) {
+  ASSERT(mesh_->triangles.size() == order_.size());
+  if (empty()) return;
+  BvhFit(*mesh_, {nodes_.get(), nodeCount_}, order_, extent_).refit(workersFor(order_.size(), threads));
 }
 
 bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
@@ -203,7 +95,7 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
   // overestimated. The factor covers the rounding of the sum of squares.
   constexpr float kBelow = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
   Float4 pointLow[3], pointHigh[3];
-  const glm::dvec3 q = p - centre_;
+  const glm::dvec3 q = p - extent_.centre;
   for (int axis = 0; axis < 3; ++axis) {
     pointLow[axis] = Float4(roundDown(q[axis]));
     pointHigh[axis] = Float4(roundUp(q[axis]));
@@ -212,8 +104,8 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
   float bound = roundUp(bestSquare), distanceBound = roundUp(maxDistance);
   const Float4 rounding(roundUp(coordinateRounding(p)));
   bool found = false;
-  Stack stack;
-  Pending next{0, 0.0f};
+  BvhStack stack;
+  PendingNode next{0, 0.0f};
   do {
     if (next.bound > bound) continue;
     if ((next.child & kLeafBit) == 0) {
@@ -232,7 +124,7 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const Triangles4 corners = gather4(first, count, p);
+    const Triangles4 corners = leafTriangles(*mesh_, order_.data() + first, count, p);
     const DistanceBound4 least = boundDistance(corners, awayFrom(corners), Vec4{});
     const int far = lessMask(Float4(distanceBound) + rounding, least.distance - least.error);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -259,16 +151,16 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
 bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                             MeshBallHit& hit) const {
   if (empty()) return false;
-  const glm::dvec3 origin = from - centre_;
-  const double largest = extent_ + radius + glm::length(origin) + glm::length(motion);
-  const MovingBall ball(origin, motion, radius + tolerance, largest);
+  const glm::dvec3 origin = from - extent_.centre;
+  const double largest = extent_.largest + radius + glm::length(origin) + glm::length(motion);
+  const SweptBall ball(origin, motion, radius + tolerance, largest);
   const Vec4 motion4{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
                      Float4(static_cast<float>(motion.z))};
   const double closest = radius + tolerance + coordinateRounding(from);
   const Float4 reach(roundUp(closest));
   bool found = false;
-  Stack stack;
-  Pending next{0, 0.0f};
+  BvhStack stack;
+  PendingNode next{0, 0.0f};
   float latest = roundUp(hit.t * (1.0 + 0x1p-20));
   do {
     if (next.bound > latest) continue;
@@ -280,7 +172,7 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const Triangles4 corners = gather4(first, count, from);
+    const Triangles4 corners = leafTriangles(*mesh_, order_.data() + first, count, from);
     const Vec4 away = awayFrom(corners);
     const DistanceBound4 bound = boundDistance(corners, away, motion4);
     const Float4 least = bound.distance + min(bound.slope * Float4(latest), Float4());
@@ -314,11 +206,11 @@ void TriangleBvh::forEachInBox(const assets::Bounds& box, Visit&& visit) const {
   if (empty()) return;
   Float4 low[3], high[3];
   for (int axis = 0; axis < 3; ++axis) {
-    low[axis] = Float4(roundDown(box.min[axis] - centre_[axis]));
-    high[axis] = Float4(roundUp(box.max[axis] - centre_[axis]));
+    low[axis] = Float4(roundDown(box.min[axis] - extent_.centre[axis]));
+    high[axis] = Float4(roundUp(box.max[axis] - extent_.centre[axis]));
   }
-  Stack stack;
-  Pending next{0, 0.0f};
+  BvhStack stack;
+  PendingNode next{0, 0.0f};
   do {
     if ((next.child & kLeafBit) == 0) {
       const Node& node = nodes_[next.child];
@@ -338,11 +230,12 @@ void TriangleBvh::forEachInBox(const assets::Bounds& box, Visit&& visit) const {
 
 int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const {
   if (empty()) return 0;
-  const glm::dvec3 direction = to - from, origin = from - centre_;
-  const Slabs slabs(origin, direction, 0.0, extent_ + glm::length(origin) + glm::length(direction));
+  const glm::dvec3 direction = to - from, origin = from - extent_.centre;
+  const SweptPoint slabs(origin, direction, 0.0,
+                         extent_.largest + glm::length(origin) + glm::length(direction));
   int crossings = 0;
-  Stack stack;
-  Pending next{0, 0.0f};
+  BvhStack stack;
+  PendingNode next{0, 0.0f};
   do {
     if ((next.child & kLeafBit) == 0) {
       const Node& node = nodes_[next.child];

@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "assets/scene/scene.h"
-#include "haptics/geometry/triangle_filter.h"
+#include "haptics/base/simd4.h"
 #include "haptics/geometry/triangle_math.h"
 
 namespace tandem::haptics {
@@ -35,6 +35,13 @@ struct MeshPoint {
 /// First contact of a moving ball with a mesh.
 struct MeshBallHit : BallHit {
   std::uint32_t triangle = kNoTriangle;
+};
+
+/// Where the points of a mesh lie.
+struct MeshExtent {
+  glm::dvec3 centre{0.0, 0.0, 0.0};  // m, mesh frame: the origin of the tree's boxes
+  assets::Bounds bounds;             // exact
+  float largest = 0.0f;              // m, largest coordinate relative to the centre
 };
 
 class TriangleBvh {
@@ -73,7 +80,7 @@ class TriangleBvh {
     return {mesh_->positions[corners[0]], mesh_->positions[corners[1]], mesh_->positions[corners[2]]};
   }
   const assets::Mesh& mesh() const { return *mesh_; }
-  const assets::Bounds& bounds() const { return bounds_; }  // exact, of the points of the mesh
+  const assets::Bounds& bounds() const { return extent_.bounds; }  // exact, of the points of the mesh
   bool empty() const { return order_.empty(); }
   std::size_t memory() const { return nodeCount_ * sizeof(Node) + order_.size() * sizeof(std::uint32_t); }
   /// Levels of nodes; for tests.
@@ -104,37 +111,19 @@ class TriangleBvh {
   /// For walks over two trees at once. nodes()[0] is the root (absent where empty()); boxes are relative to
   /// centre(); leafTriangle(i) is the triangle at place i of the leaf order.
   std::span<const Node> nodes() const { return {nodes_.get(), nodeCount_}; }
-  const glm::dvec3& centre() const { return centre_; }  // m, mesh frame
+  const glm::dvec3& centre() const { return extent_.centre; }  // m, mesh frame
   std::uint32_t leafTriangle(std::uint32_t place) const { return order_[place]; }
 
  private:
   template <typename Visit>
   void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
-  /// The triangles of a leaf relative to `origin`; the last one is repeated where there are fewer than four.
-  Triangles4 gather4(std::uint32_t first, std::uint32_t count, const glm::dvec3& origin) const;
-  // bvh_fit.cpp
-  /// Fits the slabs of all children, and first their boxes if the triangles have moved.
-  void fit(int workers, bool haveMoved);
-  /// Fits the slabs of the leaves of nodes [begin, end), and their boxes if the triangles have moved; other
-  /// children get slab 0.
-  void fitLeaves(std::size_t begin, std::size_t end, bool haveMoved);
-  /// Exact bounds of points [begin, end) of the mesh; none is unused (assets/mesh/mesh_analysis.h).
-  assets::Bounds boundsOf(std::size_t begin, std::size_t end) const;
-  /// Fits the boxes of all children that are nodes.
-  void fitInner();
-  /// Fits the slabs of children that are nodes of [begin, end), last one first.
-  void fitInnerSlabs(std::size_t begin, std::size_t end);
-  /// Sets the bounds of all from those of shares, the extent, and before there are nodes the centre.
-  void setBounds(std::span<const assets::Bounds> shares);
   /// Rounding of a difference of coordinates near p, m; float filters add it to their own error.
   double coordinateRounding(const glm::dvec3& p) const {
-    return 0x1p-48 * (glm::length(centre_) + extent_ + glm::length(p));
+    return 0x1p-48 * (glm::length(extent_.centre) + extent_.largest + glm::length(p));
   }
 
   const assets::Mesh* mesh_;
-  glm::dvec3 centre_{0.0, 0.0, 0.0};
-  assets::Bounds bounds_;
-  float extent_ = 0.0f;            // m, largest coordinate relative to the centre
+  MeshExtent extent_;
   std::unique_ptr<Node[]> nodes_;  // nodes_[0] is the root
   std::size_t nodeCount_ = 0;
   std::vector<std::uint32_t> order_;  // triangles in leaf order
