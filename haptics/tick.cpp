@@ -157,7 +157,7 @@ class Tick {
   void beginContact(PartId part) {
     if (data_.partContact == nullptr) return;
     for (const SimulatedPart& entry : data_.held.parts()) {
-      if (entry.part == part) data_.partContact->take(part, entry.body.centreOfMass);
+      if (entry.part == part) data_.partContact->own(part, entry.body.centreOfMass);
     }
   }
 

@@ -42,7 +42,7 @@ bool TickState::beginLink(const LinkTerms& terms) {
   for (const SimulatedPart& entry : data_->held.parts()) {
     const bool moves = entry.held() || data_->held.links().has(entry.part);
     if (entry.part != terms.id.part || moves || data_->partContact == nullptr) continue;
-    data_->partContact->take(entry.part, entry.body.centreOfMass);  // it moves here from now on
+    data_->partContact->own(entry.part, entry.body.centreOfMass);  // it moves here from now on
   }
   return data_->held.beginLink(terms);
 }

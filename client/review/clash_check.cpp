@@ -121,7 +121,7 @@ double gapOf(const assets::Bounds& a, const assets::Bounds& b) {
 /// Whether a point of one surface is inside the other mesh.
 bool oneHolds(const PlacedMesh& outer, const PlacedMesh& inner) {
   const glm::dvec3 p = transformPoint(inner.worldFromMesh, inner.tree->triangle(0).a);
-  return haptics::holds(*outer.tree, transformPoint(inverse(outer.worldFromMesh), p));
+  return haptics::containsPoint(*outer.tree, transformPoint(inverse(outer.worldFromMesh), p));
 }
 
 void setWitness(const haptics::MeshOverlap& overlap, Clash& clash) {
@@ -130,7 +130,7 @@ void setWitness(const haptics::MeshOverlap& overlap, Clash& clash) {
   clash.contained = overlap.meeting == Meeting::contained;
   clash.sheets = overlap.sheets;
   clash.onA = clash.onB = overlap.deepest;
-  (overlap.inA ? clash.onA : clash.onB) += overlap.wayOut;
+  (overlap.inA ? clash.onA : clash.onB) += overlap.exitPath;
 }
 
 /// The sag of the facets of both meshes at the witness points.

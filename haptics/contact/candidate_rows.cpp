@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::uint32_t kFreshSteps = 8;  // for which the planes of an answer are believed at least
+constexpr std::uint32_t kFreshSteps = 8;  // for which the planes of an answer are trusted at least
 
 }  // namespace
 
@@ -58,7 +58,7 @@ void CandidateRows::addShapeRows(std::uint32_t i) {
     }
     deepen(static_cast<float>(-read.distance));
     if (query_.contained || read.distance + allowed > limit) continue;
-    if (!shape.solid()) turnAgainst(outward, query_.to->field.tolerance(), read.gradient, read.distance);
+    if (!shape.solid()) orientAgainst(outward, query_.to->field.tolerance(), read.gradient, read.distance);
     rows_.addPlane(query_.world(glm::vec3(read.gradient)), query_.arm(point),
                    static_cast<float>(read.distance + allowed), query_.source(i));
   }
@@ -99,14 +99,14 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   float gap = read.distance + read.error;
   if (read.error > query_.smooth) {
     gap = read.distance - read.error;
-    turnToFace(i, read, normal, gap);
+    alignToFace(i, read, normal, gap);
   }
   rows_.addPlane(query_.world(normal), query_.armOf(place), gap + allowed_, query_.source(i));
 }
 
-bool CandidateRows::believes(const SampleAnswer& answer, std::uint32_t sample, float length) const {
+bool CandidateRows::trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const {
   // The age differs from sample to sample, so that they are not all queried in the same step.
-  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps && length <= query_.believed;
+  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps && length <= query_.trusted;
 }
 
 void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch,
@@ -115,7 +115,7 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
   if (const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target)) {
     const glm::vec3 path = place - answer->place;
     const float length = glm::length(path);
-    if (believes(*answer, i, length)) {
+    if (trusts(*answer, i, length)) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(answer->planes); ++k) {
         const glm::vec3& normal = answer->normals[k];
         glm::vec3 at = arm;
@@ -151,7 +151,7 @@ bool CandidateRows::crossesBlade(const ContactSample& sample, const glm::vec3& p
   return least - read.error <= query_.limit && std::min(read.distance, next.distance) - least > query_.smooth;
 }
 
-void CandidateRows::turnToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {
+void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {
   const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target);
   if (answer == nullptr) return;
   const Triangle face = query_.to->tree->triangle(answer->triangle);

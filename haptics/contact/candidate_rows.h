@@ -35,19 +35,19 @@ class CandidateRows {
   void addPatchRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// Of a point or a piece of an edge.
   void addSampleRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
-  /// The planes of the last answer, of the sample or of its patch, while they are believed; else a ball of
+  /// The planes of the last answer, of the sample or of its patch, while they are trusted; else a ball of
   /// `room` m, or of what the answer leaves where that is more.
   void addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch, float room);
 
   /// Whether the answer's planes still hold for a sample that has moved `length` m since.
-  bool believes(const SampleAnswer& answer, std::uint32_t sample, float length) const;
+  bool trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const;
   /// Whether a piece of edge may come nearer to the target between its sample and the next one than at both:
   /// where it crosses a thin blade or rib that both samples have beside them. Where the target is convex, the
   /// distance is a convex function along the edge and lies above its tangents.
   bool crossesBlade(const ContactSample& sample, const glm::vec3& place, const Reading& read) const;
   /// Where the field's error is between smooth and rough, the face of the last answer tells more while the
   /// sample is still before that face: its normal and gap replace the field's.
-  void turnToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
+  void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
 
   const SideQuery& query_;
   const SampleMemory& memory_;

@@ -32,7 +32,7 @@ double ContactHistory::lastMotion(PartId part) const {
 }
 
 void ContactHistory::noteMotion(PartId part, double motion) {
-  if (!TICK_ASSERT(fault_, now_->motionCount < kMostBodies)) return;
+  if (!TICK_ASSERT(fault_, now_->motionCount < kMaxBodies)) return;
   now_->motions[static_cast<std::size_t>(now_->motionCount++)] = {part, motion};
 }
 
@@ -95,7 +95,7 @@ void ContactHistory::noteContacts(const ContactIsland& island, const ContactRows
     slot(first, pair.other, source) = {first, pair.other, source, 0};
   }
   const auto end = std::remove_if(contacts_.begin(), contacts_.begin() + contactCount_,
-                                  [](const Contact& contact) { return contact.unused > kKeptFor; });
+                                  [](const Contact& contact) { return contact.unused > kCachedSteps; });
   contactCount_ = static_cast<int>(end - contacts_.begin());
 }
 

@@ -50,12 +50,12 @@ class ContactHistory {
       }
     }
   }
-  /// Remembers the samples of the active rows of a step. Those that have been inactive for kKeptFor steps are
+  /// Remembers the samples of the active rows of a step. Those that have been inactive for kCachedSteps steps are
   /// forgotten.
   void noteContacts(const ContactIsland& island, const ContactRows& rows, const ContactSolver& solver);
 
  private:
-  static constexpr int kMaxContacts = 48, kKeptFor = 16;
+  static constexpr int kMaxContacts = 48, kCachedSteps = 16;
   static constexpr int kMaxFrictions = 2 * ActiveSet::kMaxRows;
 
   struct Contact {
@@ -73,7 +73,7 @@ class ContactHistory {
   };
   struct Tick {
     std::array<Friction, kMaxFrictions> frictions;
-    std::array<Motion, kMostBodies> motions;
+    std::array<Motion, kMaxBodies> motions;
     int frictionCount = 0, motionCount = 0;
   };
 

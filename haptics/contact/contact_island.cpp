@@ -9,7 +9,7 @@
 
 namespace tandem::haptics {
 
-static_assert(kMostPairs <= std::numeric_limits<decltype(RowSource::pair)>::max());
+static_assert(kMaxPairs <= std::numeric_limits<decltype(RowSource::pair)>::max());
 
 namespace {
 
@@ -27,7 +27,7 @@ void ContactIsland::clear() {
 }
 
 ContactBody& ContactIsland::addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose) {
-  if (!TICK_ASSERT(fault_, bodyCount_ < kMostBodies)) return bodies_.back();
+  if (!TICK_ASSERT(fault_, bodyCount_ < kMaxBodies)) return bodies_.back();
   ContactBody& body = bodies_[static_cast<std::size_t>(bodyCount_++)];
   body = ContactBody{};
   body.part = part;
@@ -64,7 +64,7 @@ void ContactIsland::clearPairs() {
 void ContactIsland::addPair(const ContactPair& pair) {
   if (!TICK_ASSERT(fault_, pair.first < bodyCount_ && pair.second < bodyCount_)) return;
   int at = pairCount_;
-  if (at == (pair.isJoint() ? kMostPairs : kMostPairs - kForJoints)) {
+  if (at == (pair.isJoint() ? kMaxPairs : kMaxPairs - kForJoints)) {
     overflowed_ = true;
     if (pair.isJoint()) return;
     const auto nearer = [](const ContactPair& a, const ContactPair& b) { return a.gap < b.gap; };
@@ -80,11 +80,11 @@ void ContactIsland::addPair(const ContactPair& pair) {
 
 void ContactIsland::raisePush(double distance) { push_ = std::max(push_, distance); }
 
-double ContactIsland::aim() {
+double ContactIsland::updateGoals() {
   double longest = 0.0;
   for (int i = 0; i < bodyCount_; ++i) {
     StepGoal& goal = goals_[static_cast<std::size_t>(i)];
-    goal.free = left(i);
+    goal.free = remaining(i);
     longest = std::max(longest, body(i).motion(goal.free));
   }
   return longest;
@@ -109,8 +109,8 @@ void ContactIsland::moveBody(int i, const Displacement& u) {
   ContactBody& body = bodies_[static_cast<std::size_t>(i)];
   body.pose.orientation = glm::normalize(fromRotationVector(u.angular) * body.pose.orientation);
   body.pose.position = body.centre + u.linear - body.pose.orientation * body.centreOfMass;
-  Displacement& moved = goals_[static_cast<std::size_t>(i)].applied;
-  moved = {moved.linear + u.linear, moved.angular + u.angular};
+  Displacement& applied = goals_[static_cast<std::size_t>(i)].applied;
+  applied = {applied.linear + u.linear, applied.angular + u.angular};
 }
 
 int ContactIsland::bodyOf(PartId part) const {
@@ -126,23 +126,23 @@ const Pose& ContactIsland::otherPose(const ContactPair& pair) const {
   return pair.other != kNoPart ? world_.pose(pair.other) : kWorld;
 }
 
-Displacement ContactIsland::left(int i) const {
-  const Displacement &goal = body(i).goal, &gone = moved(i);
-  return {goal.linear - gone.linear, goal.angular - gone.angular};
+Displacement ContactIsland::remaining(int i) const {
+  const Displacement &goal = body(i).goal, &applied = this->applied(i);
+  return {goal.linear - applied.linear, goal.angular - applied.angular};
 }
 
 Displacement ContactIsland::relative(int index, const Displacement& first, const Displacement& second) const {
   return relativeDisplacement(first, second, rowPairs_[static_cast<std::size_t>(index)].offset);
 }
 
-Displacement ContactIsland::relativeMoved(int index) const {
+Displacement ContactIsland::relativeApplied(int index) const {
   const ContactPair& of = pair(index);
-  return of.second < 0 ? moved(of.first) : relative(index, moved(of.first), moved(of.second));
+  return of.second < 0 ? applied(of.first) : relative(index, applied(of.first), applied(of.second));
 }
 
-Displacement ContactIsland::relativeLeft(int index) const {
+Displacement ContactIsland::relativeRemaining(int index) const {
   const ContactPair& of = pair(index);
-  return of.second < 0 ? left(of.first) : relative(index, left(of.first), left(of.second));
+  return of.second < 0 ? remaining(of.first) : relative(index, remaining(of.first), remaining(of.second));
 }
 
 }  // namespace tandem::haptics

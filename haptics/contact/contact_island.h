@@ -56,7 +56,7 @@ class ContactIsland {
   // Filling: clear(), addBody() for each body, then clearPairs() and addPair().
 
   void clear();
-  /// There must be fewer than kMostBodies.
+  /// There must be fewer than kMaxBodies.
   ContactBody& addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose);
   /// Adds a part with its goal of a tick of dt seconds.
   const ContactBody& addMoving(const MovingPart& part, double dt);
@@ -69,7 +69,7 @@ class ContactIsland {
   // Moving.
 
   /// Sets the free displacement of each body to what is left of its goal; returns the longest motion, m.
-  double aim();
+  double updateGoals();
   /// Brings centres of mass and relative poses of all pairs up to date with the bodies' poses.
   void place();
   /// Moves a body by u, from where place() has last seen it.
@@ -88,12 +88,12 @@ class ContactIsland {
   /// The pose of a pair's other part, or of the world.
   const Pose& otherPose(const ContactPair& pair) const;
   /// What a body has moved in this tick so far.
-  const Displacement& moved(int body) const { return goals_[static_cast<std::size_t>(body)].applied; }
+  const Displacement& applied(int body) const { return goals_[static_cast<std::size_t>(body)].applied; }
   /// What is left of a body's goal.
-  Displacement left(int body) const;
+  Displacement remaining(int body) const;
   /// What a pair's first body has moved, or has left to move, as seen from the other one.
-  Displacement relativeMoved(int pair) const;
-  Displacement relativeLeft(int pair) const;
+  Displacement relativeApplied(int pair) const;
+  Displacement relativeRemaining(int pair) const;
   std::span<const StepGoal> goals() const { return {goals_.data(), static_cast<std::size_t>(bodyCount_)}; }
   std::span<const RowPair> rowPairs() const {
     return {rowPairs_.data(), static_cast<std::size_t>(pairCount_)};
@@ -112,11 +112,11 @@ class ContactIsland {
 
   const ContactWorld& world_;
   FaultLatch& fault_;
-  std::array<ContactBody, kMostBodies> bodies_;
-  std::array<StepGoal, kMostBodies> goals_;
+  std::array<ContactBody, kMaxBodies> bodies_;
+  std::array<StepGoal, kMaxBodies> goals_;
   int bodyCount_ = 0;
-  std::array<ContactPair, kMostPairs> pairs_;
-  std::array<RowPair, kMostPairs> rowPairs_;
+  std::array<ContactPair, kMaxPairs> pairs_;
+  std::array<RowPair, kMaxPairs> rowPairs_;
   int pairCount_ = 0;
   double tolerance_ = 0.0;
   double push_ = 0.0;

@@ -20,21 +20,21 @@ float* aligned(float* p) {
 }  // namespace
 
 ContactRows::ContactRows()
-    : storage_(new float[7 * kMostPlanes + kAlignment]),
-      source_(new RowSource[kMostPlanes]),
-      ball_(new Ball[kMostBalls]),
-      rows_(new ExactRow[kMostExact]) {
+    : storage_(new float[7 * kMaxPlanes + kAlignment]),
+      source_(new RowSource[kMaxPlanes]),
+      ball_(new Ball[kMaxBalls]),
+      rows_(new ExactRow[kMaxExact]) {
   float* next = aligned(storage_.get());
   for (float*& column : wrench_) {
     column = next;
-    next += kMostPlanes;
+    next += kMaxPlanes;
   }
   gap_ = next;
-  ASSERT(next + kMostPlanes <= storage_.get() + 7 * kMostPlanes + kAlignment);
+  ASSERT(next + kMaxPlanes <= storage_.get() + 7 * kMaxPlanes + kAlignment);
 }
 
 void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
-  if (planes_ == kMostPlanes) {
+  if (planes_ == kMaxPlanes) {
     ++dropped_;
     return;
   }
@@ -48,7 +48,7 @@ void ContactRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float 
 }
 
 void ContactRows::addBall(const glm::vec3& arm, float room, RowSource source) {
-  if (balls_ == kMostBalls) {
+  if (balls_ == kMaxBalls) {
     ++dropped_;
     return;
   }
@@ -56,25 +56,25 @@ void ContactRows::addBall(const glm::vec3& arm, float room, RowSource source) {
 }
 
 int ContactRows::addExact(const ExactRow& row) {
-  if (exact_ == kMostExact) {
+  if (exact_ == kMaxExact) {
     ++dropped_;
     return -1;
   }
   rows_[exact_] = row;
-  if (row.asksOut() && holds(row.source.pair)) rows_[exact_].gap = 0.0;
-  anySoft_ = anySoft_ || row.give > 0.0;
+  if (row.pushesOut() && isSqueezed(row.source.pair)) rows_[exact_].gap = 0.0;
+  anySoft_ = anySoft_ || row.compliance > 0.0;
   return exact_++;
 }
 
-void ContactRows::hold(int pair) {
-  held_.set(static_cast<std::size_t>(pair));
+void ContactRows::squeeze(int pair) {
+  squeezed_.set(static_cast<std::size_t>(pair));
   for (int i = 0; i < exact_; ++i) {
-    if (rows_[i].source.pair == pair && rows_[i].asksOut()) rows_[i].gap = 0.0;
+    if (rows_[i].source.pair == pair && rows_[i].pushesOut()) rows_[i].gap = 0.0;
   }
 }
 
 bool ContactRows::beginPair() {
-  if (pairs_ == kMostPairs) return false;
+  if (pairs_ == kMaxPairs) return false;
   // Four planes are read at once, so the planes of a pair begin at a multiple of four.
   while (planes_ % 4 != 0) {
     for (float* const column : wrench_) column[planes_] = 0.0f;
@@ -143,9 +143,9 @@ int ContactRows::nextBall(PairMotions u, int from) const {
       t = glm::vec3(of.linear);
       w = glm::vec3(of.angular);
     }
-    const glm::vec3 way = t + glm::cross(w, ball_[i].arm);
+    const glm::vec3 displacement = t + glm::cross(w, ball_[i].arm);
     const float room = ball_[i].room > 0.0f ? ball_[i].room : 0.0f;
-    if (glm::dot(way, way) > room * room) return i;
+    if (glm::dot(displacement, displacement) > room * room) return i;
   }
   return -1;
 }
@@ -154,30 +154,30 @@ double ContactRows::safeShare(PairMotions u) const {
   double share = 1.0;
   for (int i = 0; i < balls_; ++i) {
     const Displacement& of = u[ball_[i].source.pair];
-    const float way = glm::length(glm::vec3(of.linear) + glm::cross(glm::vec3(of.angular), ball_[i].arm));
-    if (way > ball_[i].room)
-      share = std::min(share, static_cast<double>(std::max(ball_[i].room, 0.0f) / way));
+    const float length = glm::length(glm::vec3(of.linear) + glm::cross(glm::vec3(of.angular), ball_[i].arm));
+    if (length > ball_[i].room)
+      share = std::min(share, static_cast<double>(std::max(ball_[i].room, 0.0f) / length));
   }
   for (int pair = 0; pair < pairs_; ++pair) {
     const auto at = static_cast<std::size_t>(pair);
     const glm::vec3 t(u[at].linear), w(u[at].angular);
     for (int i = firstPlane_[at]; i < endOf(pair); ++i) {
-      const float way = -(glm::dot(glm::vec3(wrench_[0][i], wrench_[1][i], wrench_[2][i]), t) +
-                          glm::dot(glm::vec3(wrench_[3][i], wrench_[4][i], wrench_[5][i]), w));
-      if (way > 0.0f && way > gap_[i])
-        share = std::min(share, static_cast<double>(std::max(gap_[i], 0.0f) / way));
+      const float approach = -(glm::dot(glm::vec3(wrench_[0][i], wrench_[1][i], wrench_[2][i]), t) +
+                               glm::dot(glm::vec3(wrench_[3][i], wrench_[4][i], wrench_[5][i]), w));
+      if (approach > 0.0f && approach > gap_[i])
+        share = std::min(share, static_cast<double>(std::max(gap_[i], 0.0f) / approach));
     }
   }
   return share;
 }
 
 int ContactRows::worstExact(PairMotions u, double limit, int from) const {
-  double most = limit;
+  double worst = limit;
   int found = -1;
   for (int i = from; i < exact_; ++i) {
     const double violation = rows_[i].violation(u[rows_[i].source.pair]);
-    if (violation <= most || rows_[i].give > 0.0) continue;
-    most = violation;
+    if (violation <= worst || rows_[i].compliance > 0.0) continue;
+    worst = violation;
     found = i;
   }
   return found;

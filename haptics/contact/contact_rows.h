@@ -35,7 +35,7 @@ struct Displacement {
 };
 
 /// Pairs that a step may have.
-inline constexpr int kMostPairs = 96;
+inline constexpr int kMaxPairs = 96;
 
 /// Which sample of which pair of parts a row comes from.
 struct RowSource {
@@ -52,18 +52,18 @@ struct ExactRow {
   double gap = 0.0;                                    // m
   double staticFriction = 0.0, dynamicFriction = 0.0;  // Coulomb coefficients of the pair
   RowSource source;
-  glm::dvec3 turn{0.0, 0.0, 0.0};  // the coefficient m: m a rad of rotation
-  double give = 0.0;               // compliance: m that a unit of multiplier bends it; 0 = rigid
-  double most = std::numeric_limits<double>::infinity();  // multiplier that it gives way at
-  bool bothWays = false;                                  // an equation, not a half-space
+  glm::dvec3 angular{0.0, 0.0, 0.0};  // the coefficient m: m a rad of rotation
+  double compliance = 0.0;            // compliance: m that a unit of multiplier bends it; 0 = rigid
+  double maxMultiplier = std::numeric_limits<double>::infinity();  // multiplier that it gives way at
+  bool isEquality = false;                                         // an equation, not a half-space
 
   double along(const Displacement& u) const {
-    return glm::dot(normal, u.at(arm)) + glm::dot(turn, u.angular);
+    return glm::dot(normal, u.at(arm)) + glm::dot(angular, u.angular);
   }
   /// How far the displacement leaves the half-space, m; at most 0 if it does not.
   double violation(const Displacement& u) const { return -gap - along(u); }
   /// Whether it is a rigid half-space that asks the part to come out of a penetration.
-  bool asksOut() const { return gap < 0.0 && give == 0.0 && !bothWays; }
+  bool pushesOut() const { return gap < 0.0 && compliance == 0.0 && !isEquality; }
 };
 
 /// Displacements of the pairs' first parts seen from the other ones.
@@ -71,14 +71,14 @@ using PairMotions = std::span<const Displacement>;
 
 class ContactRows {
  public:
-  static constexpr int kMostPlanes = 32768, kMostBalls = 4096, kMostExact = 512;
+  static constexpr int kMaxPlanes = 32768, kMaxBalls = 4096, kMaxExact = 512;
 
   ContactRows();
 
   void clear() {
     planes_ = balls_ = exact_ = dropped_ = pairs_ = 0;
     anySoft_ = false;
-    held_.reset();
+    squeezed_.reset();
   }
   /// Planes and balls from here on belong to the next pair: 0, 1, ... False if there is no room for it.
   bool beginPair();
@@ -89,8 +89,8 @@ class ContactRows {
 
   /// From here on no half-space of the pair asks for a way out: what is behind one may stay as deep as it is
   /// and go no deeper.
-  void hold(int pair);
-  bool holds(int pair) const { return held_[static_cast<std::size_t>(pair)]; }
+  void squeeze(int pair);
+  bool isSqueezed(int pair) const { return squeezed_[static_cast<std::size_t>(pair)]; }
 
   /// The plane that u violates most, by more than `limit` m; -1 if none.
   int worstPlane(PairMotions u, double limit) const;
@@ -107,7 +107,7 @@ class ContactRows {
   void dropBall(int i) { ball_[i].room = 1e30f; }
   void dropExact(int i) {
     rows_[i].gap = 1e30;
-    rows_[i].bothWays = false;
+    rows_[i].isEquality = false;
   }
 
   RowSource planeSource(int i) const { return source_[i]; }
@@ -139,10 +139,10 @@ class ContactRows {
   std::unique_ptr<RowSource[]> source_;
   std::unique_ptr<Ball[]> ball_;
   std::unique_ptr<ExactRow[]> rows_;
-  std::array<int, kMostPairs> firstPlane_{};  // of a pair; a multiple of four
+  std::array<int, kMaxPairs> firstPlane_{};  // of a pair; a multiple of four
   int planes_ = 0, balls_ = 0, exact_ = 0, dropped_ = 0, pairs_ = 0;
   bool anySoft_ = false;
-  std::bitset<kMostPairs> held_;
+  std::bitset<kMaxPairs> squeezed_;
 };
 
 }  // namespace tandem::haptics

@@ -18,8 +18,8 @@ bool squeeze(const ActiveSet::Conflict& conflict, ContactRows& rows) {
   bool any = false;
   for (const int index : conflict) {
     const ExactRow& row = rows.exact(index);
-    if (!row.asksOut()) continue;
-    rows.hold(row.source.pair);
+    if (!row.pushesOut()) continue;
+    rows.squeeze(row.source.pair);
     any = true;
   }
   return any;
@@ -31,10 +31,10 @@ ActiveSet::Row ContactSolver::activeRowOf(const ExactRow& row, int index) const 
   const RowPair& pair = space_.pair(row.source.pair);
   ActiveSet::Row result;
   result.row = index;
-  result.direction = space_.direction(pair, row.normal, glm::cross(row.arm, row.normal) + row.turn);
+  result.direction = space_.direction(pair, row.normal, glm::cross(row.arm, row.normal) + row.angular);
   result.bound = row.violation(space_.freeMotion(pair));
-  result.compliance = row.give;
-  result.isEquality = row.bothWays;
+  result.compliance = row.compliance;
+  result.isEquality = row.isEquality;
   return result;
 }
 
@@ -62,12 +62,12 @@ void ContactSolver::restoreActive(ContactRows& rows) {
   for (const ActiveSet::Row& active : active_.rows()) before[known++] = active.row;
   active_.clear();
   for (int i = 0; i < rows.exactRows() && !squeezed_; ++i) {
-    if (rows.exact(i).bothWays) enforce(i, rows);
+    if (rows.exact(i).isEquality) enforce(i, rows);
   }
   const PairMotions u = space_.pairMotions();
   for (std::size_t i = 0; i < known && !squeezed_; ++i) {
     const ExactRow& row = rows.exact(before[i]);
-    if (!row.bothWays && row.violation(u[row.source.pair]) > tolerance_) enforce(before[i], rows);
+    if (!row.isEquality && row.violation(u[row.source.pair]) > tolerance_) enforce(before[i], rows);
   }
 }
 
@@ -78,7 +78,7 @@ int ContactSolver::nextExact(const ContactRows& rows) const {
   // A compliant row stays violated while it acts, so it counts only until it is active.
   for (int i = 0; i < rows.exactRows(); ++i) {
     const ExactRow& row = rows.exact(i);
-    if (row.give == 0.0 || row.bothWays || row.violation(u[row.source.pair]) <= tolerance_) continue;
+    if (row.compliance == 0.0 || row.isEquality || row.violation(u[row.source.pair]) <= tolerance_) continue;
     const auto acts = [&](const ActiveSet::Row& active) { return active.row == i; };
     if (std::none_of(active().begin(), active().end(), acts)) return i;
   }
@@ -132,9 +132,9 @@ bool ContactSolver::refineViolated(ContactRows& rows, RowRefiner& refiner) {
 bool ContactSolver::saturate(ContactRows& rows, BodyVectors& saturated) {
   bool any = false;
   for (const ActiveSet::Row& active : active_.rows()) {
-    const double most = rows.exact(active.row).most;
-    if (!(std::abs(active.multiplier) > most)) continue;
-    active.direction.addTo(saturated, std::copysign(most, active.multiplier));
+    const double greatest = rows.exact(active.row).maxMultiplier;
+    if (!(std::abs(active.multiplier) > greatest)) continue;
+    active.direction.addTo(saturated, std::copysign(greatest, active.multiplier));
     rows.dropExact(active.row);
     any = true;
   }

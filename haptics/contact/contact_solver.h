@@ -33,7 +33,7 @@ namespace tandem::haptics {
 
 class ContactSolver {
  public:
-  /// A goal a body, at most kMostBodies. `tolerance`: m, by how much a row may be violated; at most
+  /// A goal a body, at most kMaxBodies. `tolerance`: m, by how much a row may be violated; at most
   /// `maxIterations` rows are refined or made active. Friction starts from what the last call found.
   void solve(std::span<const StepGoal> goals, std::span<const RowPair> pairs, double tolerance,
              int maxIterations, ContactRows& rows, RowRefiner& refiner);

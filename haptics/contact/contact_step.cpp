@@ -24,17 +24,17 @@ ContactStep::ContactStep(const ContactWorld& world, ContactIsland& island, Overl
       fault_(fault),
       refiner_(world, island, overlaps, fault) {}
 
-void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, int maxPicks) {
+void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations) {
   if (!TICK_ASSERT(fault_, moving.size() == static_cast<std::size_t>(island_.bodyCount()))) return;
   TICK_ASSERT(fault_, tick.dt > 0.0 && tick.work != nullptr && tick.touches != nullptr);
   lastMotion_ = 0.0;
   for (const MovingPart* part : moving) lastMotion_ = std::max(lastMotion_, history_.lastMotion(part->part));
   history_.recallFriction(island_, solver_);
-  const int maxSteps = std::clamp(tick.effort.steps, 1, kMaxSteps), picksBefore = tick.work->picks;
+  const int maxSteps = std::clamp(tick.effort.steps, 1, kMaxSteps), iterationsBefore = tick.work->iterations;
   const double tolerance = island_.tolerance();
   int steps = 0;
   while (steps < maxSteps) {
-    const double longest = island_.aim();
+    const double longest = island_.updateGoals();
     if (longest + island_.push() < kStill * tolerance) break;
     island_.place();
     reach_ = std::min(longest + island_.push(), kShortReach * tolerance + kGrowth * lastMotion_);
@@ -42,8 +42,8 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     gather(reach_, tick.dt);
     joints_.addRows(island_, tick.dt, rows_);
     overlaps_.endStep();
-    refineKnown();
-    solve(tick, maxPicks - (tick.work->picks - picksBefore));
+    refineCached();
+    solve(tick, maxIterations - (tick.work->iterations - iterationsBefore));
     ++steps;
     if (advance(steps == 1, *tick.work)) break;
   }
@@ -73,21 +73,22 @@ void ContactStep::gather(double reach, double dt) {
   }
 }
 
-void ContactStep::refineKnown() {
+void ContactStep::refineCached() {
   history_.forEachContact(island_, [&](const RowSource& source) {
-    refiner_.refine(source, island_.relativeLeft(source.pair), rows_);
+    refiner_.refine(source, island_.relativeRemaining(source.pair), rows_);
   });
 }
 
-void ContactStep::solve(const Tick& tick, int maxPicks) {
-  TICK_ASSERT(fault_, rows_.exactRows() <= ContactRows::kMostExact);
+void ContactStep::solve(const Tick& tick, int maxIterations) {
+  TICK_ASSERT(fault_, rows_.exactRows() <= ContactRows::kMaxExact);
   ContactWork& work = *tick.work;
   work.planes += rows_.planes();
   work.balls += rows_.balls();
-  solver_.solve(island_.goals(), island_.rowPairs(), kStill * island_.tolerance(), maxPicks, rows_, refiner_);
+  solver_.solve(island_.goals(), island_.rowPairs(), kStill * island_.tolerance(), maxIterations, rows_,
+                refiner_);
   work.exact += refiner_.queries();
   work.overflow = work.overflow || rows_.dropped() > 0;
-  work.picks += solver_.iterations();
+  work.iterations += solver_.iterations();
   work.infeasible += solver_.infeasible();
 }
 
@@ -120,14 +121,14 @@ void ContactStep::finish(MovingPart& part, int index, bool moved, double dt) con
   if (!moved) {
     // Slower than contact can tell, it stands still and keeps its momentum until its motion is long enough to
     // check.
-    part.way = body.goal;
+    part.displacement = body.goal;
     setVelocity(*part.body, part.step.freeVelocity, part.step.freeSpin);
     return;
   }
-  const Displacement& gone = island_.moved(index);
+  const Displacement& applied = island_.applied(index);
   part.body->worldFromBody = body.pose;
-  setVelocity(*part.body, gone.linear / dt, gone.angular / dt);
-  part.way = gone;
+  setVelocity(*part.body, applied.linear / dt, applied.angular / dt);
+  part.displacement = applied;
 }
 
 void ContactStep::noteTouches(const Tick& tick) const {

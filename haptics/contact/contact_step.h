@@ -26,7 +26,7 @@ namespace tandem::haptics {
 
 /// What a tick has spent on contact between parts, for reports.
 struct ContactWork {
-  int steps = 0, planes = 0, balls = 0, exact = 0, picks = 0, infeasible = 0, neighbours = 0;
+  int steps = 0, planes = 0, balls = 0, exact = 0, iterations = 0, infeasible = 0, neighbours = 0;
   bool overflow = false;   // rows or neighbours were dropped
   bool exhausted = false;  // the step was cut short because there was more to look at than a tick allows
 };
@@ -47,16 +47,16 @@ class ContactStep {
               ContactHistory& history, FaultLatch& fault);
 
   /// Moves the bodies of the island as far as contacts and joints let them, and gives the parts, which stand
-  /// in the same order, their poses and velocities. At most `maxPicks` rows are looked at.
-  void move(std::span<MovingPart* const> moving, const Tick& tick, int maxPicks);
+  /// in the same order, their poses and velocities. At most `maxIterations` rows are looked at.
+  void move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations);
 
  private:
   /// Rows of all pairs that could touch within `reach` m.
   void gather(double reach, double dt);
   /// Exact rows of the last steps' contacts from the start, so that what rests stays at rest. They are aimed
   /// at where the bodies are expected to go.
-  void refineKnown();
-  void solve(const Tick& tick, int maxPicks);
+  void refineCached();
+  void solve(const Tick& tick, int maxIterations);
   /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
   bool advance(bool isFirst, ContactWork& work);
   void finish(MovingPart& part, int body, bool moved, double dt) const;

@@ -20,18 +20,18 @@ class Arc {
   void addOpposite(const glm::dvec3& v) {
     if (plane_.length(v) < 1e-6) return;
     const double a = plane_.angle(-v);
-    least_ = std::min(least_, a);
-    most_ = std::max(most_, a);
+    low_ = std::min(low_, a);
+    high_ = std::max(high_, a);
   }
   /// An arc of half a turn or more constrains nothing.
-  bool known() const { return least_ <= most_ && most_ - least_ < kPi; }
+  bool known() const { return low_ <= high_ && high_ - low_ < kPi; }
   /// Of the edge's own directions.
-  Directions ofEdge() const { return {std::max(0.0, least_), std::min(plane_.end(), most_)}; }
-  bool beyondEnd() const { return least_ > plane_.end(); }
+  Directions ofEdge() const { return {std::max(0.0, low_), std::min(plane_.end(), high_)}; }
+  bool beyondEnd() const { return low_ > plane_.end(); }
 
  private:
   const EdgePlane& plane_;
-  double least_ = 1e300, most_ = -1e300;
+  double low_ = 1e300, high_ = -1e300;
 };
 
 }  // namespace

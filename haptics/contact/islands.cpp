@@ -8,7 +8,7 @@ Islands::Islands(const ContactIsland& all, std::span<MovingPart*> moving, FaultL
     : moving_(moving) {
   const auto count = static_cast<std::size_t>(all.bodyCount());
   if (!TICK_ASSERT(fault, count == moving.size())) return;
-  std::array<int, kMostBodies> island;  // of each body: the lowest body of its island
+  std::array<int, kMaxBodies> island;  // of each body: the lowest body of its island
   for (std::size_t i = 0; i < count; ++i) island[i] = static_cast<int>(i);
   for (const ContactPair& pair : all.pairs()) {
     if (pair.second < 0) continue;
@@ -16,7 +16,7 @@ Islands::Islands(const ContactIsland& all, std::span<MovingPart*> moving, FaultL
               b = island[static_cast<std::size_t>(pair.second)];
     std::replace(island.begin(), island.begin() + all.bodyCount(), std::max(a, b), std::min(a, b));
   }
-  std::array<MovingPart*, kMostBodies> before;
+  std::array<MovingPart*, kMaxBodies> before;
   std::copy(moving.begin(), moving.end(), before.begin());
   std::size_t next = 0;
   for (int i = 0; i < all.bodyCount(); ++i) {

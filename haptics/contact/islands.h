@@ -27,7 +27,7 @@ class Islands {
 
  private:
   std::span<MovingPart* const> moving_;
-  std::array<std::size_t, kMostBodies> ends_{};  // where each island ends in moving_
+  std::array<std::size_t, kMaxBodies> ends_{};  // where each island ends in moving_
   int count_ = 0;
 };
 

@@ -21,32 +21,36 @@ struct Limits {
 /// rotation, both of the pair. Angles are given in m at the lever.
 struct Coordinate {
   double value = 0.0;
-  glm::dvec3 normal{0.0, 0.0, 0.0}, turn{0.0, 0.0, 0.0};
+  glm::dvec3 normal{0.0, 0.0, 0.0}, angular{0.0, 0.0, 0.0};
 };
 
 class Rows {
  public:
-  Rows(const PlacedJoint& placed, double most, double dt, ContactRows& rows)
-      : placed_(placed), most_(most), dt_(dt), rows_(rows), sign_(placed.firstIsB ? 1.0 : -1.0) {
+  Rows(const PlacedJoint& placed, double maxCorrection, double dt, ContactRows& rows)
+      : placed_(placed),
+        maxCorrection_(maxCorrection),
+        dt_(dt),
+        rows_(rows),
+        sign_(placed.firstIsB ? 1.0 : -1.0) {
     arm_ = placed.worldFromB.position - placed.centre;
     for (int i = 0; i < 3; ++i) {
       glm::dvec3 unit(0.0);
       unit[i] = 1.0;
       axis_[i] = placed.worldFromA.orientation * unit;
     }
-    apart_ = placed.worldFromB.position - placed.worldFromA.position;
+    offset_ = placed.worldFromB.position - placed.worldFromA.position;
   }
 
-  Coordinate along(const glm::dvec3& way, double value) const {
-    return {value, sign_ * way, glm::dvec3(0.0)};
+  Coordinate along(const glm::dvec3& axis, double value) const {
+    return {value, sign_ * axis, glm::dvec3(0.0)};
   }
   Coordinate about(const glm::dvec3& axis, double angle) const {
     return {placed_.lever * angle, glm::dvec3(0.0), sign_ * placed_.lever * axis};
   }
 
-  void limit(const assets::JointLimit& limit, double turnOfX) {
+  void limit(const assets::JointLimit& limit, double angleAboutX) {
     if (limit.angular)
-      angular(limit, turnOfX);
+      angular(limit, angleAboutX);
     else
       linear(limit);
   }
@@ -54,8 +58,8 @@ class Rows {
   /// Adds the equation q = value.
   void lock(const Coordinate& q, double value) {
     ExactRow row = rowOf(q);
-    row.gap = std::clamp(q.value - value, -most_, most_);
-    row.bothWays = true;
+    row.gap = std::clamp(q.value - value, -maxCorrection_, maxCorrection_);
+    row.isEquality = true;
     rows_.addExact(row);
   }
 
@@ -65,15 +69,15 @@ class Rows {
     const double drag = dt_ * dt_ * k + dt_ * b;
     if (!(drag > 0.0)) return;
     ExactRow row = rowOf(q);
-    row.give = 1.0 / drag;
-    row.gap = row.give * dt_ * dt_ * (k * (q.value - target) - b * rate);
-    row.bothWays = true;
-    row.most = force * dt_ * dt_;
+    row.compliance = 1.0 / drag;
+    row.gap = row.compliance * dt_ * dt_ * (k * (q.value - target) - b * rate);
+    row.isEquality = true;
+    row.maxMultiplier = force * dt_ * dt_;
     rows_.addExact(row);
   }
 
   const glm::dvec3& axis(int i) const { return axis_[i]; }
-  const glm::dvec3& apart() const { return apart_; }
+  const glm::dvec3& offset() const { return offset_; }
   double lever() const { return placed_.lever; }
 
  private:
@@ -81,7 +85,7 @@ class Rows {
     ExactRow row;
     row.normal = q.normal;
     row.arm = arm_;
-    row.turn = q.turn;
+    row.angular = q.angular;
     row.source = {placed_.pair, 0, assets::kNone};
     return row;
   }
@@ -103,11 +107,11 @@ class Rows {
   /// Adds the half-space side q >= side at.
   void bound(const Coordinate& q, double side, double at, const Limits& limit) {
     const double gap = side * (q.value - at);
-    ExactRow row = rowOf({0.0, side * q.normal, side * q.turn});
-    row.gap = std::max(gap, -most_);
+    ExactRow row = rowOf({0.0, side * q.normal, side * q.angular});
+    row.gap = std::max(gap, -maxCorrection_);
     if (limit.stiffness > 0.0) {
       const double drag = dt_ * dt_ * limit.stiffness + dt_ * limit.damping;
-      row.give = 1.0 / drag;
+      row.compliance = 1.0 / drag;
       // The spring acts behind the limit only.
       row.gap = gap < 0.0 ? gap * dt_ * dt_ * limit.stiffness / drag : gap;
     }
@@ -120,25 +124,25 @@ class Rows {
     int count = 0, last = 0;
     for (int i = 0; i < 3; ++i) {
       if ((limit.axes >> i & 1) == 0) continue;
-      off += glm::dot(axis_[i], apart_) * axis_[i];
+      off += glm::dot(axis_[i], offset_) * axis_[i];
       last = i;
       ++count;
     }
-    if (count == 1) return within(along(axis_[last], glm::dot(axis_[last], apart_)), range);
+    if (count == 1) return within(along(axis_[last], glm::dot(axis_[last], offset_)), range);
     if (limit.max <= 0.0) {  // a maximum distance of 0 locks each axis by itself
       const Limits none{0.0, 0.0, limit.stiffness, limit.damping};
       for (int i = 0; i < 3; ++i) {
-        if ((limit.axes >> i & 1) != 0) within(along(axis_[i], glm::dot(axis_[i], apart_)), none);
+        if ((limit.axes >> i & 1) != 0) within(along(axis_[i], glm::dot(axis_[i], offset_)), none);
       }
       return;
     }
     const double distance = glm::length(off);
-    const glm::dvec3 way = distance > 0.0 ? off / distance : axis_[last];
-    within(along(way, distance),
+    const glm::dvec3 direction = distance > 0.0 ? off / distance : axis_[last];
+    within(along(direction, distance),
            {std::max(limit.min, 0.0) > 0.0 ? limit.min : -1e300, limit.max, limit.stiffness, limit.damping});
   }
 
-  void angular(const assets::JointLimit& limit, double turnOfX) {
+  void angular(const assets::JointLimit& limit, double angleAboutX) {
     const double l = placed_.lever, scale = 1.0 / (l * l);
     const auto bounded = [&](double at) { return std::abs(at) < 1e299 ? l * at : at; };
     const Limits range{bounded(limit.min), bounded(limit.max), scale * limit.stiffness,
@@ -147,20 +151,21 @@ class Rows {
     const glm::dquat q = glm::conjugate(placed_.worldFromA.orientation) * placed_.worldFromB.orientation;
     switch (limit.axes) {
       case 1:
-        return within(about(axis_[0], turnOfX), range);
+        return within(about(axis_[0], angleAboutX), range);
       case 2:
         return within(about(axis_[1], twist(q.y, q.w)), range);
       case 4:
         return within(about(axis_[2], twist(q.z, q.w)), range);
       case 7: {
-        const glm::dvec3 turn = rotationVector(q);
+        const glm::dvec3 rotation = rotationVector(q);
         if (limit.max <= 0.0) {
-          for (int i = 0; i < 3; ++i) within(about(axis_[i], turn[i]), none);
+          for (int i = 0; i < 3; ++i) within(about(axis_[i], rotation[i]), none);
           return;
         }
-        const double angle = glm::length(turn);
-        const glm::dvec3 way = angle > 0.0 ? placed_.worldFromA.orientation * (turn / angle) : axis_[0];
-        return within(about(way, angle), {-1e300, range.max, range.stiffness, range.damping});
+        const double angle = glm::length(rotation);
+        const glm::dvec3 direction =
+            angle > 0.0 ? placed_.worldFromA.orientation * (rotation / angle) : axis_[0];
+        return within(about(direction, angle), {-1e300, range.max, range.stiffness, range.damping});
       }
       default:
         break;
@@ -180,8 +185,8 @@ class Rows {
       return;
     }
     const double sine = glm::length(cross), angle = std::atan2(sine, glm::dot(axis_[third], ofB));
-    const glm::dvec3 way = sine > 0.0 ? cross / sine : axis_[(third + 1) % 3];
-    within(about(way, angle),
+    const glm::dvec3 direction = sine > 0.0 ? cross / sine : axis_[(third + 1) % 3];
+    within(about(direction, angle),
            {limit.min > 0.0 ? range.min : -1e300, range.max, range.stiffness, range.damping});
   }
 
@@ -190,10 +195,10 @@ class Rows {
   }
 
   const PlacedJoint& placed_;
-  double most_, dt_;
+  double maxCorrection_, dt_;
   ContactRows& rows_;
   double sign_;  // of B's motion relative to A, in terms of the pair's
-  glm::dvec3 arm_, apart_, axis_[3];
+  glm::dvec3 arm_, offset_, axis_[3];
 };
 
 /// Twist of B about A's X axis, -pi..pi.
@@ -207,16 +212,16 @@ double placeAlongX(const PlacedJoint& placed) {
   return glm::dot(x, placed.worldFromB.position - placed.worldFromA.position);
 }
 
-void addDrive(const assets::JointDrive& drive, const PlacedJoint& placed, double turnOfX, Rows& rows) {
+void addDrive(const assets::JointDrive& drive, const PlacedJoint& placed, double angleAboutX, Rows& rows) {
   const glm::dvec3& axis = rows.axis(drive.axis);
   const double l = rows.lever(),
                weight = drive.acceleration ? (drive.angular ? placed.inertia : placed.mass) : 1.0;
   if (!drive.angular) {
-    rows.spring(rows.along(axis, glm::dot(axis, rows.apart())), weight * drive.stiffness,
+    rows.spring(rows.along(axis, glm::dot(axis, rows.offset())), weight * drive.stiffness,
                 weight * drive.damping, drive.positionTarget, drive.velocityTarget, drive.maxForce);
     return;
   }
-  double angle = turnOfX;
+  double angle = angleAboutX;
   if (drive.axis != 0) {
     const glm::dquat q = glm::conjugate(placed.worldFromA.orientation) * placed.worldFromB.orientation;
     angle = rotationVector(q)[drive.axis];
@@ -229,32 +234,32 @@ void addDrive(const assets::JointDrive& drive, const PlacedJoint& placed, double
 
 JointState startJoint(const PlacedJoint& placed) {
   JointState state;
-  state.turn = twistAboutX(placed);
+  state.angle = twistAboutX(placed);
   state.steepestDetent = steepestDetent(placed.joint->detents);
-  state.thread = placeAlongX(placed) - placed.joint->pitch / kTurn * state.turn;
+  state.thread = placeAlongX(placed) - placed.joint->pitch / kTurn * state.angle;
   return state;
 }
 
-void followTurn(const PlacedJoint& placed, JointState& state) {
-  const double turn = twistAboutX(placed);
-  state.turn = turn + kTurn * std::round((state.turn - turn) / kTurn);
+void followAngle(const PlacedJoint& placed, JointState& state) {
+  const double angle = twistAboutX(placed);
+  state.angle = angle + kTurn * std::round((state.angle - angle) / kTurn);
 }
 
 double jointValue(const PlacedJoint& placed, const JointState& state, bool angular) {
-  return angular ? state.turn : placeAlongX(placed);
+  return angular ? state.angle : placeAlongX(placed);
 }
 
-void addJointRows(const PlacedJoint& placed, const JointState& state, double most, double dt,
+void addJointRows(const PlacedJoint& placed, const JointState& state, double maxCorrection, double dt,
                   ContactRows& rows) {
   const assets::Joint& joint = *placed.joint;
-  Rows made(placed, most, dt, rows);
-  for (const assets::JointLimit& limit : joint.limits) made.limit(limit, state.turn);
+  Rows made(placed, maxCorrection, dt, rows);
+  for (const assets::JointLimit& limit : joint.limits) made.limit(limit, state.angle);
   if (joint.pitch != 0.0) {
-    Coordinate q = made.along(made.axis(0), placeAlongX(placed) - joint.pitch / kTurn * state.turn);
-    q.turn = -joint.pitch / kTurn * q.normal;
+    Coordinate q = made.along(made.axis(0), placeAlongX(placed) - joint.pitch / kTurn * state.angle);
+    q.angular = -joint.pitch / kTurn * q.normal;
     made.lock(q, state.thread);
   }
-  for (const assets::JointDrive& drive : joint.drives) addDrive(drive, placed, state.turn, made);
+  for (const assets::JointDrive& drive : joint.drives) addDrive(drive, placed, state.angle, made);
   if (!(state.steepestDetent > 0.0)) return;
   // A spring of the detents' steepest slope that gives their force here gains no energy (control_dynamics.h).
   const double value = jointValue(placed, state, joint.detentsTurn);

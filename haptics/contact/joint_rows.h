@@ -18,7 +18,7 @@ namespace tandem::haptics {
 
 /// What a joint remembers from tick to tick.
 struct JointState {
-  double turn = 0.0;            // rad of B about the X axis, whole turns counted
+  double angle = 0.0;           // rad of B about the X axis, whole turns counted
   double steepestDetent = 0.0;  // N/m or N·m/rad
   double thread = 0.0;          // m that B stood off the pitch's line when the joint was made
 };
@@ -39,13 +39,13 @@ struct PlacedJoint {
 JointState startJoint(const PlacedJoint& placed);
 
 /// Counts the turn of a joint on to where it now is.
-void followTurn(const PlacedJoint& placed, JointState& state);
+void followAngle(const PlacedJoint& placed, JointState& state);
 
 /// Where the joint stands along (m) or about (rad) its X axis.
 double jointValue(const PlacedJoint& placed, const JointState& state, bool angular);
 
-/// Adds the rows of one joint. `most`: m, by how much a step may draw together what does not fit; dt in s.
-void addJointRows(const PlacedJoint& placed, const JointState& state, double most, double dt,
+/// Adds the rows of one joint. `maxCorrection`: m, by how much a step may draw together what does not fit; dt in s.
+void addJointRows(const PlacedJoint& placed, const JointState& state, double maxCorrection, double dt,
                   ContactRows& rows);
 
 }  // namespace tandem::haptics

@@ -19,7 +19,7 @@ struct MovingPart {
   PartId part = kNoPart;
   CoupledStep step;
   RigidBody* body = nullptr;
-  Displacement way;  // of its centre of mass, and its rotation: the answer
+  Displacement displacement;  // of its centre of mass, and its rotation: the answer
 };
 
 /// A place where a moving part rests on another.

@@ -22,9 +22,9 @@ static_assert(ContactSamples::kMaxInLeaf <= DistanceField::kMaxAtOnce);
 /// A rigid motion for many points, in float: relative to the origin of the field that is asked.
 struct FloatMotion {
   FloatMotion(const Pose& toFromSamples, const glm::dvec3& origin)
-      : turn(glm::mat3_cast(toFromSamples.orientation)), shift(toFromSamples.position - origin) {}
-  glm::vec3 operator()(const glm::vec3& p) const { return turn * p + shift; }
-  glm::mat3 turn;
+      : rotation(glm::mat3_cast(toFromSamples.orientation)), shift(toFromSamples.position - origin) {}
+  glm::vec3 operator()(const glm::vec3& p) const { return rotation * p + shift; }
+  glm::mat3 rotation;
   glm::vec3 shift;
 };
 
@@ -48,17 +48,17 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
   std::size_t top = 0;
   stack[top++] = 0;
   while (top > 0) {
-    const auto taken = static_cast<std::uint32_t>(std::min<std::size_t>(top, kAtOnce));
-    top -= taken;
+    const auto batchSize = static_cast<std::uint32_t>(std::min<std::size_t>(top, kAtOnce));
+    top -= batchSize;
     std::array<std::uint32_t, kAtOnce> batch;
-    for (std::uint32_t k = 0; k < taken; ++k) {
+    for (std::uint32_t k = 0; k < batchSize; ++k) {
       batch[k] = stack[top + k];
       const ContactSamples::Node& node = nodes[batch[k]];
       at[k] = motion({node.centre[0], node.centre[1], node.centre[2]});
     }
-    field.read(at.data(), taken, readings.data());
+    field.read(at.data(), batchSize, readings.data());
     std::uint32_t leafCount = 0;
-    for (std::uint32_t k = 0; k < taken; ++k) {
+    for (std::uint32_t k = 0; k < batchSize; ++k) {
       const ContactSamples::Node& node = nodes[batch[k]];
       const float least = readings[k].distance - readings[k].error - node.radius;
       if (least > reach) {

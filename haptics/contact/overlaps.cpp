@@ -75,8 +75,8 @@ ExactRow Overlaps::exitRow(int index, double dt) const {
   const ContactBody& first = island_.first(pair);
   const bool firstInside = overlap.a == first.part;
   const Pose& container = firstInside ? island_.otherPose(pair) : first.pose;
-  row.normal = container.orientation * overlap.wayOut * (firstInside ? 1.0 : -1.0);
-  row.gap = glm::dot(row.normal, island_.relativeMoved(index).linear) - first.escapeDistance(dt);
+  row.normal = container.orientation * overlap.exit * (firstInside ? 1.0 : -1.0);
+  row.gap = glm::dot(row.normal, island_.relativeApplied(index).linear) - first.escapeDistance(dt);
   row.source = {static_cast<std::uint16_t>(index), 0, assets::kNone};
   return row;
 }
@@ -108,7 +108,7 @@ void Overlaps::noteDepth(int pair, double depth) {
 void Overlaps::endStep() {
   if (count_ == 0) return;
   std::array<int, kMaxOverlaps> now;
-  int kept = 0;
+  int remaining = 0;
   for (int k = 0; k < count_; ++k) {
     Overlap overlap = overlaps_[static_cast<std::size_t>(k)];
     // Where neither part moves here, nothing has changed.
@@ -119,11 +119,11 @@ void Overlaps::endStep() {
       near = deepest > 0.0;
       overlap.allowed = std::min(overlap.allowed, deepest);
     }
-    now[static_cast<std::size_t>(k)] = near ? kept : -1;
-    if (near) overlaps_[static_cast<std::size_t>(kept++)] = overlap;
+    now[static_cast<std::size_t>(k)] = near ? remaining : -1;
+    if (near) overlaps_[static_cast<std::size_t>(remaining++)] = overlap;
   }
-  TICK_ASSERT(fault_, kept <= count_);
-  count_ = kept;
+  TICK_ASSERT(fault_, remaining <= count_);
+  count_ = remaining;
   for (int i = 0; i < island_.pairCount(); ++i) {
     int& index = of_[static_cast<std::size_t>(i)];
     if (index >= 0) index = now[static_cast<std::size_t>(index)];
@@ -169,11 +169,11 @@ void Overlaps::measurePair(const ContactPair& pair) {
   }
   overlap.margin = 0.25 * sizeOf(overlap.inA);
   overlap.contained = ofFirst.allInside;
-  if (overlap.contained) overlap.wayOut = wayOut(pair, body.part);
-  TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.wayOut));
+  if (overlap.contained) overlap.exit = exitDirection(pair, body.part);
+  TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.exit));
 }
 
-glm::dvec3 Overlaps::wayOut(const ContactPair& pair, PartId part) const {
+glm::dvec3 Overlaps::exitDirection(const ContactPair& pair, PartId part) const {
   const glm::dvec3 centre = transformPoint(pair.otherFromFirst, world_.collider(part).centre);
   MeshPoint nearest;
   pair.model->tree->closestPoint(centre, 1e300, nearest);
@@ -211,20 +211,20 @@ void Overlaps::measureSample(const SampledModels& models, const ContactSample& s
     return;
   }
   const bool round = models.from->samples.isRound(sample);
-  const double most = static_cast<double>(read.error) - static_cast<double>(read.distance) +
-                      (round ? static_cast<double>(sample.along) : 0.0);
-  if (most <= side.depth && point == glm::clamp(point, side.inSampled.min, side.inSampled.max)) return;
+  const double maxDepth = static_cast<double>(read.error) - static_cast<double>(read.distance) +
+                          (round ? static_cast<double>(sample.along) : 0.0);
+  if (maxDepth <= side.depth && point == glm::clamp(point, side.inSampled.min, side.inSampled.max)) return;
   if (round) depthOf(models, sample, p);
   const bool surelyInside = read.distance < -read.error;
-  double depth = surelyInside ? most : 0.0;
+  double depth = surelyInside ? maxDepth : 0.0;
   bool inside = surelyInside;
-  if (most > side.depth || !surelyInside) {
+  if (maxDepth > side.depth || !surelyInside) {
     if (++queries_ > kMaxQueries) {
       inside = true;
     } else {
       // Inside, the surface is at most this far; with no surface within it the sample is outside.
       MeshPoint nearest;
-      if (!to.tree->closestPoint(p, 1.001 * most, nearest)) return;
+      if (!to.tree->closestPoint(p, 1.001 * maxDepth, nearest)) return;
       inside = surelyInside || isBehind(to.edges, nearest, p);
       depth = nearest.distance;
     }

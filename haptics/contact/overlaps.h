@@ -59,11 +59,11 @@ class Overlaps {
   /// Two parts that were in each other when one was taken.
   struct Overlap {
     PartId a = kNoPart, b = kNoPart;
-    double allowed = 0.0;              // m, how deep it may be; shrinks as they come out
-    assets::Bounds inA, inB;           // m, part frames: where samples were inside
-    double margin = 0.0;               // m beside the bounds, over which the allowed depth falls to 0
-    bool contained = false;            // a is wholly inside b
-    glm::dvec3 wayOut{0.0, 0.0, 0.0};  // unit, in the frame of b
+    double allowed = 0.0;            // m, how deep it may be; shrinks as they come out
+    assets::Bounds inA, inB;         // m, part frames: where samples were inside
+    double margin = 0.0;             // m beside the bounds, over which the allowed depth falls to 0
+    bool contained = false;          // a is wholly inside b
+    glm::dvec3 exit{0.0, 0.0, 0.0};  // unit, in the frame of b
   };
   /// What the samples of one part tell of an overlap.
   struct Side {
@@ -77,7 +77,7 @@ class Overlaps {
   void measureSample(const SampledModels& models, const ContactSample& sample,
                      const DistanceField::Reading& read, Side& side);
   /// Unit, frame of the other part: the shortest way out for a part that lies in it.
-  glm::dvec3 wayOut(const ContactPair& pair, PartId part) const;
+  glm::dvec3 exitDirection(const ContactPair& pair, PartId part) const;
 
   const ContactWorld& world_;
   const ContactIsland& island_;
@@ -86,8 +86,8 @@ class Overlaps {
   int count_ = 0;
   int queries_ = 0;  // of the present measure()
   // Of the present step, one a pair of the island.
-  std::array<int, kMostPairs> of_{};          // into overlaps_; -1: none
-  std::array<double, kMostPairs> deepest_{};  // m, an upper bound
+  std::array<int, kMaxPairs> of_{};          // into overlaps_; -1: none
+  std::array<double, kMaxPairs> deepest_{};  // m, an upper bound
 };
 
 }  // namespace tandem::haptics

@@ -10,7 +10,7 @@
 
 namespace tandem::haptics {
 
-static_assert(kMaxOwnedParts <= kMostBodies);
+static_assert(kMaxOwnedParts <= kMaxBodies);
 
 PartContact::PartContact(const ContactWorld& world, FaultLatch& fault)
     : world_(world),
@@ -22,7 +22,7 @@ PartContact::PartContact(const ContactWorld& world, FaultLatch& fault)
       history_(fault),
       step_(world, island_, overlaps_, joints_, history_, fault) {}
 
-void PartContact::take(PartId part, const glm::dvec3& centreOfMass) {
+void PartContact::own(PartId part, const glm::dvec3& centreOfMass) {
   if (!TICK_ASSERT(fault_, world_.has(part))) return;
   overlaps_.forget(part);
   history_.forget(part);
@@ -41,9 +41,9 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   work_ = Work{};
   touches_.clear();
   dt_ = dt;
-  TICK_ASSERT(fault_, dt > 0.0 && moving.size() <= kMostBodies);
-  std::array<MovingPart*, kMostBodies> parts;
-  const std::size_t count = std::min<std::size_t>(moving.size(), kMostBodies);
+  TICK_ASSERT(fault_, dt > 0.0 && moving.size() <= kMaxBodies);
+  std::array<MovingPart*, kMaxBodies> parts;
+  const std::size_t count = std::min<std::size_t>(moving.size(), kMaxBodies);
   for (std::size_t i = 0; i < count; ++i) {
     if (!TICK_ASSERT(fault_, world_.has(moving[i].part) && moving[i].body != nullptr)) return;
     parts[i] = &moving[i];
@@ -56,7 +56,7 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   for (int i = 0; i < islands.count(); ++i) {
     if (islands.count() > 1) gather(islands[i]);
     // What one island does not spend is left to those after it.
-    step_.move(islands[i], tick, (effort.sampleQueries - work_.picks) / (islands.count() - i));
+    step_.move(islands[i], tick, (effort.sampleQueries - work_.iterations) / (islands.count() - i));
   }
   history_.endTick();
   touches_.sortStrongestFirst();

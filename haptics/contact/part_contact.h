@@ -51,10 +51,10 @@ class PartContact {
 
   /// A part is moved here from now on, from where the world has it. Overlaps that it has with its neighbours
   /// are remembered (overlaps.h).
-  void take(PartId part, const glm::dvec3& centreOfMass);
+  void own(PartId part, const glm::dvec3& centreOfMass);
 
   /// Moves all parts that move here by one tick of dt seconds as far as their neighbours and joints let them,
-  /// and gives each body the velocity of its motion. At most kMostBodies, each of which has its own part and
+  /// and gives each body the velocity of its motion. At most kMaxBodies, each of which has its own part and
   /// body.
   void move(std::span<MovingPart> moving, double dt, const ContactEffort& effort = {});
 

@@ -19,9 +19,9 @@ PartJoints::PartJoints(const assets::Scene& scene, FaultLatch& fault) : fault_(f
   if (scene.joints.empty()) return;
   jointsOf_.resize(scene.parts.size());
   for (const assets::Joint& joint : scene.joints) {
-    HeldJoint& held = joints_.emplace_back();
-    held.joint = &joint;
-    held.sprung = movesByItself(joint);
+    JointRecord& record = joints_.emplace_back();
+    record.joint = &joint;
+    record.sprung = movesByItself(joint);
     const auto index = static_cast<std::uint32_t>(joints_.size() - 1);
     for (const PartId part : {joint.partA, joint.partB}) {
       if (part == kNoPart) continue;
@@ -41,9 +41,9 @@ bool PartJoints::letTouch(PartId a, PartId b) const {
 }
 
 void PartJoints::restart(PartId part) {
-  for (HeldJoint& held : joints_) {
-    if (held.joint->partA == part || held.joint->partB == part)
-      held.started = held.started && held.joint->pitch != 0.0;
+  for (JointRecord& record : joints_) {
+    if (record.joint->partA == part || record.joint->partB == part)
+      record.started = record.started && record.joint->pitch != 0.0;
   }
 }
 
@@ -52,29 +52,30 @@ void PartJoints::addRows(const ContactIsland& island, double dt, ContactRows& ro
     const ContactPair& pair = island.pair(i);
     if (!pair.isJoint()) continue;
     const ContactBody& first = island.first(pair);
-    HeldJoint& held = joints_[static_cast<std::size_t>(pair.joint)];
-    if (!TICK_ASSERT(fault_, held.joint->partA == first.part || held.joint->partB == first.part)) continue;
-    PlacedJoint& placed = held.placed;
-    placed.joint = held.joint;
-    placed.firstIsB = held.joint->partB == first.part;
-    placed.worldFromA = (placed.firstIsB ? island.otherPose(pair) : first.pose) * held.joint->aFromJoint;
-    placed.worldFromB = (placed.firstIsB ? first.pose : island.otherPose(pair)) * held.joint->bFromJoint;
+    JointRecord& record = joints_[static_cast<std::size_t>(pair.joint)];
+    if (!TICK_ASSERT(fault_, record.joint->partA == first.part || record.joint->partB == first.part))
+      continue;
+    PlacedJoint& placed = record.placed;
+    placed.joint = record.joint;
+    placed.firstIsB = record.joint->partB == first.part;
+    placed.worldFromA = (placed.firstIsB ? island.otherPose(pair) : first.pose) * record.joint->aFromJoint;
+    placed.worldFromB = (placed.firstIsB ? first.pose : island.otherPose(pair)) * record.joint->bFromJoint;
     placed.centre = first.centre;
     placed.lever = first.radius;
     placed.mass = first.mass;
     placed.inertia = 0.4 * first.mass * first.radius * first.radius;  // of a solid ball
     placed.pair = static_cast<std::uint16_t>(i);
-    if (!held.started) held.state = startJoint(placed);
-    held.started = true;
-    followTurn(placed, held.state);
-    addJointRows(placed, held.state, island.push() + first.escapeDistance(dt), dt, rows);
+    if (!record.started) record.state = startJoint(placed);
+    record.started = true;
+    followAngle(placed, record.state);
+    addJointRows(placed, record.state, island.push() + first.escapeDistance(dt), dt, rows);
   }
 }
 
 double PartJoints::value(std::uint32_t joint, bool angular) const {
   if (!TICK_ASSERT(fault_, joint < joints_.size())) return 0.0;
-  const HeldJoint& held = joints_[joint];
-  return held.started ? jointValue(held.placed, held.state, angular) : 0.0;
+  const JointRecord& record = joints_[joint];
+  return record.started ? jointValue(record.placed, record.state, angular) : 0.0;
 }
 
 }  // namespace tandem::haptics

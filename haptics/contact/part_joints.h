@@ -27,8 +27,8 @@ class PartJoints {
   }
   /// The part that a joint ties to this one; kNoPart is the world.
   PartId otherPart(std::uint32_t joint, PartId part) const {
-    const assets::Joint& tie = *joints_[joint].joint;
-    return tie.partA == part ? tie.partB : tie.partA;
+    const assets::Joint& ends = *joints_[joint].joint;
+    return ends.partA == part ? ends.partB : ends.partA;
   }
   /// Whether the joint may move parts by itself: by a drive, a detent or a soft limit.
   bool sprung(std::uint32_t joint) const { return joints_[joint].sprung; }
@@ -45,7 +45,7 @@ class PartJoints {
   double value(std::uint32_t joint, bool angular) const;
 
  private:
-  struct HeldJoint {
+  struct JointRecord {
     const assets::Joint* joint = nullptr;
     JointState state;
     bool started = false;
@@ -54,7 +54,7 @@ class PartJoints {
   };
 
   FaultLatch& fault_;
-  std::vector<HeldJoint> joints_;                     // one a joint of the scene
+  std::vector<JointRecord> joints_;                   // one a joint of the scene
   std::vector<std::vector<std::uint32_t>> jointsOf_;  // one list a part; empty where the scene has no joint
 };
 

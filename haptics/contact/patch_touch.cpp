@@ -35,13 +35,13 @@ double whereLeast(double half, double enough, Slope&& slope) {
 glm::dvec3 tangentOf(const ContactPatch& patch, const glm::dvec3& out) { return glm::cross(patch.axis, out); }
 
 /// The piece of edge that a sample at `place` lies on, for the rules of crossing edges.
-void setEdge(const ContactPatch& patch, const ContactPatch::Place& place, SampleAtMesh& asked) {
+void setEdge(const ContactPatch& patch, const ContactPatch::Place& place, SampleQuery& sampleQuery) {
   if (patch.kind == Kind::straight) {
-    asked.edge = patch.axis;
-    asked.along = patch.along;
+    sampleQuery.edge = patch.axis;
+    sampleQuery.along = patch.along;
   } else if (patch.kind == Kind::rim) {
-    asked.edge = tangentOf(patch, place.out);
-    asked.along = patch.radius * patch.angle;
+    sampleQuery.edge = tangentOf(patch, place.out);
+    sampleQuery.along = patch.radius * patch.angle;
   }
 }
 
@@ -132,12 +132,13 @@ glm::dvec3 unitOr(const glm::dvec3& v, const glm::dvec3& other) {
 }
 
 /// The edge as it is exposed where other shapes lie on its faces. False where other shapes cover all of it.
-bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleAtMesh& asked,
+bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleQuery& sampleQuery,
              MeshEdge& edge) {
   if (shapes.size() == 1) return true;
   const glm::dvec3 along = edge.b - edge.a;
-  const double square = glm::dot(along, along), size = 2.0 * asked.slack;
-  const double t = square > 0.0 ? std::clamp(glm::dot(asked.point - edge.a, along) / square, 0.0, 1.0) : 0.0;
+  const double square = glm::dot(along, along), size = 2.0 * sampleQuery.slack;
+  const double t =
+      square > 0.0 ? std::clamp(glm::dot(sampleQuery.point - edge.a, along) / square, 0.0, 1.0) : 0.0;
   const glm::dvec3 p = edge.a + t * along, n0 = edge.normals[0], n1 = edge.normals[1];
   const glm::dvec3 outward = unitOr(n0 + n1, n0);
   const double cosine = glm::dot(n0, n1);
@@ -148,8 +149,8 @@ bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleA
   if (first && second) return false;
   if (!first && !second) return true;
   // Two faces in one plane make no edge, and two that make a hollow both hold as planes.
-  const glm::dvec3 turn = glm::cross(edge.normals[0], edge.normals[1]);
-  if (glm::dot(turn, along) <= 1e-6 * std::sqrt(square))
+  const glm::dvec3 crossed = glm::cross(edge.normals[0], edge.normals[1]);
+  if (glm::dot(crossed, along) <= 1e-6 * std::sqrt(square))
     edge.normals[first ? 0 : 1] = edge.normals[first ? 1 : 0];
   edge.angle = std::acos(std::clamp(glm::dot(edge.normals[0], edge.normals[1]), -1.0, 1.0));
   return true;
@@ -186,15 +187,15 @@ ContactPatch::Place deepestPlace(const Primitive& shape, const ContactPatch& pat
       break;
     case Kind::rim: {
       const glm::dvec3 aside = tangentOf(patch, patch.out);
-      const double evenTurn = slack / (patch.angle * patch.angle);
-      const auto outAt = [&](double turn) { return std::cos(turn) * patch.out + std::sin(turn) * aside; };
-      const double turn = whereLeast(patch.angle, enough, [&](double a) {
+      const double evenAngle = slack / (patch.angle * patch.angle);
+      const auto outAt = [&](double angle) { return std::cos(angle) * patch.out + std::sin(angle) * aside; };
+      const double angle = whereLeast(patch.angle, enough, [&](double a) {
         const glm::dvec3 out = outAt(a);
         return patch.radius *
                    glm::dot(tangentOf(patch, out), shape.at(patch.centre + patch.radius * out).gradient) +
-               evenTurn * a;
+               evenAngle * a;
       });
-      place.out = outAt(turn);
+      place.out = outAt(angle);
       break;
     }
   }
@@ -235,42 +236,43 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
 }
 
 TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
-                              SampleAtMesh asked) {
+                              SampleQuery sampleQuery) {
   const Primitive& shape = shapes[which];
   std::array<glm::dvec3, 2> own;
-  glm::dvec3 outward = outwardOf(asked.normals);
+  glm::dvec3 outward = outwardOf(sampleQuery.normals);
   if (patch != nullptr) {
-    const ContactPatch::Place place = deepestPlace(shape, *patch, 0.1 * asked.slack);
-    asked.point = patch->pointAt(place);
-    setEdge(*patch, place, asked);
+    const ContactPatch::Place place = deepestPlace(shape, *patch, 0.1 * sampleQuery.slack);
+    sampleQuery.point = patch->pointAt(place);
+    setEdge(*patch, place, sampleQuery);
     if (const int count = patch->normalsAt(place, own); count > 0)
-      asked.normals = {own.data(), static_cast<std::size_t>(count)};
-    outward = outwardAt(*patch, place, outwardOf(asked.normals));
+      sampleQuery.normals = {own.data(), static_cast<std::size_t>(count)};
+    outward = outwardAt(*patch, place, outwardOf(sampleQuery.normals));
   }
-  const SurfaceDistance read = shape.against(asked.point, outward);
+  const SurfaceDistance read = shape.against(sampleQuery.point, outward);
   TouchingFeature found;
   found.count = 1;
   found.distance = std::abs(read.distance);
   found.triangle = shape.triangle();
-  found.planes[0] = {asked.point, read.gradient, read.distance};
-  const double way = std::max(glm::length(asked.motion), 10.0 * asked.slack);
-  if (read.distance > 2.0 * (way + asked.along + asked.range)) return found;
+  found.planes[0] = {sampleQuery.point, read.gradient, read.distance};
+  const double path = std::max(glm::length(sampleQuery.motion), 10.0 * sampleQuery.slack);
+  if (read.distance > 2.0 * (path + sampleQuery.along + sampleQuery.range)) return found;
   MeshEdge edge;
-  if (!shape.edgeNear(asked.point, outward, std::max(way, 1.001 * found.distance), edge)) return found;
-  if (!uncover(shapes, which, asked, edge)) {
+  if (!shape.edgeNear(sampleQuery.point, outward, std::max(path, 1.001 * found.distance), edge)) return found;
+  if (!uncover(shapes, which, sampleQuery, edge)) {
     found.count = 0;
   } else if (edge.angle > 0.0) {
-    found.planes[0] = touchingEdge(edge, asked);
+    found.planes[0] = touchingEdge(edge, sampleQuery);
   } else {
-    found.planes[0] = {asked.point, edge.normals[0], glm::dot(edge.normals[0], asked.point - edge.a)};
+    found.planes[0] = {sampleQuery.point, edge.normals[0],
+                       glm::dot(edge.normals[0], sampleQuery.point - edge.a)};
   }
   return found;
 }
 
 bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
-                   const ContactPatch::Place& start, SampleAtMesh asked, std::uint32_t hint,
+                   const ContactPatch::Place& start, SampleQuery sampleQuery, std::uint32_t hint,
                    TouchingFeature& found) {
-  const double slack = 0.1 * asked.slack;
+  const double slack = 0.1 * sampleQuery.slack;
   ContactPatch::Place place = start;
   double height = 1e300;
   for (int k = 0; k < 4; ++k) {
@@ -290,14 +292,14 @@ bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const Contac
   // An edge of the mesh beyond the end of a patch is not parted from it by the patch's normals.
   if (endsAt(patch, place)) return false;
   for (int k = 0; k < 2; ++k) {
-    asked.point = patch.pointAt(place);
+    sampleQuery.point = patch.pointAt(place);
     std::array<glm::dvec3, 2> own;
     if (const int count = patch.normalsAt(place, own); count > 0)
-      asked.normals = {own.data(), static_cast<std::size_t>(count)};
-    setEdge(patch, place, asked);
-    if (!touchingFeature(tree, edges, asked, 1e300, hint, found)) return false;
+      sampleQuery.normals = {own.data(), static_cast<std::size_t>(count)};
+    setEdge(patch, place, sampleQuery);
+    if (!touchingFeature(tree, edges, sampleQuery, 1e300, hint, found)) return false;
     // Two edges cross beside that place, on the rim.
-    if (patch.kind != Kind::rim || found.planes[0].point == asked.point) break;
+    if (patch.kind != Kind::rim || found.planes[0].point == sampleQuery.point) break;
     place = patch.nearestTo(found.planes[0].point);
   }
   return true;

@@ -39,11 +39,11 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
 /// A face that other shapes cover holds nothing off: where two boxes make one floor, nothing catches at the
 /// seam. No plane where all do.
 TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
-                              SampleAtMesh asked);
+                              SampleQuery sampleQuery);
 
 /// As touchingFeature(), of the deepest place of a patch; `start`: from which to look for it.
 bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
-                   const ContactPatch::Place& start, SampleAtMesh asked, std::uint32_t hint,
+                   const ContactPatch::Place& start, SampleQuery sampleQuery, std::uint32_t hint,
                    TouchingFeature& found);
 
 }  // namespace tandem::haptics

@@ -16,7 +16,7 @@ constexpr double kTolerancesOut = 8.0;  // by which a step brings out what is in
 
 /// A sheet has no inside: it holds a sample off on the side on which the sample is, or was in its last
 /// answer.
-void turnToSample(TouchingFeature& found, const SampleAnswer* last, double tolerance) {
+void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tolerance) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
     TouchingPlane& plane = found.planes[k];
     bool behind = plane.gap < 0.0;
@@ -50,14 +50,14 @@ void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows&
   for (const glm::dvec3& normal : query.from->samples.normals(sample)) {
     if (count < normals.size()) normals[count++] = query.toFromSamples.orientation * normal;
   }
-  SampleAtMesh asked = sampleAtMesh(query, sample, u);
-  asked.normals = {normals.data(), count};
+  SampleQuery sampleQuery = sampleQueryFor(query, sample, u);
+  sampleQuery.normals = {normals.data(), count};
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   TouchingFeature found;
-  if (!touch(query, sample, asked, last, found)) return;
+  if (!touch(query, sample, sampleQuery, last, found)) return;
   if (!query.to->byFormula() && !query.to->field.solid())
-    turnToSample(found, last, query.to->field.tolerance());
-  remember(query, source.sample, asked, found);
+    orientToSample(found, last, query.to->field.tolerance());
+  remember(query, source.sample, sampleQuery, found);
   addRows(query, sample, found, source, rows);
 }
 
@@ -68,44 +68,44 @@ glm::dvec3 SampleRefiner::surfaceMotion(const ExactRow& row) const {
   return dt_ * velocityAt(world_.pose(pair.other), world_.twist(pair.other), point);
 }
 
-SampleAtMesh SampleRefiner::sampleAtMesh(const SideQuery& query, const ContactSample& sample,
-                                         const Displacement& u) const {
+SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactSample& sample,
+                                          const Displacement& u) const {
   const ContactBody& first = query.first();
   const double length = first.motion(u), share = length > reach_ ? reach_ / length : 1.0;
   const PartModel &from = *query.from, &to = *query.to;
-  SampleAtMesh asked;
-  asked.point = transformPoint(query.toFromSamples, sample.point);
-  const glm::dvec3 motion = share * u.at(transformPoint(query.worldFromTo, asked.point) - first.centre);
-  asked.motion = glm::conjugate(query.worldFromTo.orientation) * (query.ofFirst() ? motion : -motion);
-  asked.slack = 0.5 * to.field.tolerance();
-  asked.range =
-      SideQuery::kBelieved * from.samples.spacing() + (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
-  if (to.byFormula() || from.samples.isRound(sample)) return asked;
-  const DistanceField::Reading around = to.field.read(glm::vec3(asked.point - to.field.origin()));
+  SampleQuery sampleQuery;
+  sampleQuery.point = transformPoint(query.toFromSamples, sample.point);
+  const glm::dvec3 motion = share * u.at(transformPoint(query.worldFromTo, sampleQuery.point) - first.centre);
+  sampleQuery.motion = glm::conjugate(query.worldFromTo.orientation) * (query.ofFirst() ? motion : -motion);
+  sampleQuery.slack = 0.5 * to.field.tolerance();
+  sampleQuery.range = SideQuery::kTrustedShare * from.samples.spacing() +
+                      (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
+  if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
+  const DistanceField::Reading around = to.field.read(glm::vec3(sampleQuery.point - to.field.origin()));
   // Where the field cannot tell the side, the sample is on the outside, from where it came.
-  asked.outside =
+  sampleQuery.outside =
       around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
   if (ContactPatch edge; from.patchOf(sample, edge)) {
-    asked.edge = query.toFromSamples.orientation * edge.axis;
-    asked.along = edge.along;
+    sampleQuery.edge = query.toFromSamples.orientation * edge.axis;
+    sampleQuery.along = edge.along;
   }
-  return asked;
+  return sampleQuery;
 }
 
-bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, const SampleAtMesh& asked,
+bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
                           const SampleAnswer* last, TouchingFeature& found) const {
   const PartModel& to = *query.to;
   const std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
-  if (to.byFormula()) return touchShapes(query, sample, asked, found);
-  if (query.from->samples.isRound(sample)) return touchPatch(query, sample, asked, hint, exact_, found);
-  return exact_ ? touchingFeature(*to.tree, to.edges, asked, 1e300, hint, found)
-                : fieldFeature(to, asked, found);
+  if (to.byFormula()) return touchShapes(query, sample, sampleQuery, found);
+  if (query.from->samples.isRound(sample)) return touchPatch(query, sample, sampleQuery, hint, exact_, found);
+  return exact_ ? touchingFeature(*to.tree, to.edges, sampleQuery, 1e300, hint, found)
+                : fieldFeature(to, sampleQuery, found);
 }
 
-void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const SampleAtMesh& asked,
+void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                              const TouchingFeature& found) {
   SampleAnswer& answer = memory_.slot(query.sampled, sample, query.target);
-  answer.place = glm::vec3(asked.point - query.to->field.origin());
+  answer.place = glm::vec3(sampleQuery.point - query.to->field.origin());
   answer.room = static_cast<float>(std::min(found.distance, found.planes[0].gap));
   answer.planes = found.count;
   const bool round = query.from->samples.isRound(query.from->samples.samples()[sample]);
@@ -113,7 +113,7 @@ void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const
     const TouchingPlane& plane = found.planes[k];
     answer.normals[k] = glm::vec3(plane.normal);
     // The gap of a patch is stored at its sample, from which that of any of its places follows.
-    const double above = round ? glm::dot(plane.normal, asked.point - plane.point) : 0.0;
+    const double above = round ? glm::dot(plane.normal, sampleQuery.point - plane.point) : 0.0;
     answer.gaps[k] = static_cast<float>(plane.gap + above);
   }
   answer.triangle = found.triangle;

@@ -24,7 +24,7 @@ class SampleRefiner final : public RowRefiner {
       : world_(world), island_(island), overlaps_(overlaps), fault_(fault), memory_(world) {}
 
   /// A step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact` false fields
-  /// are believed where the mesh would be asked.
+  /// are trusted where the mesh would be asked.
   void beginStep(double dt, double reach, bool exact);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
@@ -37,11 +37,12 @@ class SampleRefiner final : public RowRefiner {
  private:
   /// The sample as the target sees it, without its normals. `u` is the displacement expected of the pair's
   /// first part.
-  SampleAtMesh sampleAtMesh(const SideQuery& query, const ContactSample& sample, const Displacement& u) const;
+  SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample,
+                             const Displacement& u) const;
   /// False if nothing constrains the sample.
-  bool touch(const SideQuery& query, const ContactSample& sample, const SampleAtMesh& asked,
+  bool touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
              const SampleAnswer* last, TouchingFeature& found) const;
-  void remember(const SideQuery& query, std::uint32_t sample, const SampleAtMesh& asked,
+  void remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                 const TouchingFeature& found);
   void addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
                RowSource source, ContactRows& rows) const;

@@ -31,13 +31,13 @@ glm::dvec3 outwardBefore(const SampledModels& models, const ContactSample& sampl
   return models.toFromSamples.orientation * outwardOf(models.from->samples.normals(sample));
 }
 
-void turnAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap) {
+void orientAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap) {
   if (gap > static_cast<double>(kHair) * tolerance || glm::dot(outward, normal) <= 0.05) return;
   normal = -normal;
   gap = -gap;
 }
 
-bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleAtMesh& asked,
+bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleQuery& sampleQuery,
                  TouchingFeature& found) {
   ContactPatch patch;
   const bool patched = patchBefore(models, sample, patch);
@@ -46,12 +46,12 @@ bool touchShapes(const SampledModels& models, const ContactSample& sample, const
   found.distance = 0.0;
   const std::span<const Primitive> shapes = models.to->field.shapes();
   for (std::size_t i = 0; i < shapes.size(); ++i) {
-    TouchingFeature one = touchingShape(shapes, i, patched ? &patch : nullptr, asked);
+    TouchingFeature one = touchingShape(shapes, i, patched ? &patch : nullptr, sampleQuery);
     if (one.count == 0) continue;
     TouchingPlane& plane = one.planes[0];
     if (!shapes[i].solid())
-      turnAgainst(outwardBefore(models, sample), models.to->field.tolerance(), plane.normal, plane.gap);
-    const double gap = plane.gap + glm::dot(plane.normal, asked.motion);
+      orientAgainst(outwardBefore(models, sample), models.to->field.tolerance(), plane.normal, plane.gap);
+    const double gap = plane.gap + glm::dot(plane.normal, sampleQuery.motion);
     if (gap < predicted[0]) {
       predicted[1] = predicted[0];
       found.planes[1] = found.planes[0];
@@ -70,24 +70,24 @@ bool touchShapes(const SampledModels& models, const ContactSample& sample, const
   return found.count > 0;
 }
 
-bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleAtMesh asked,
+bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleQuery sampleQuery,
                 std::uint32_t hint, bool exact, TouchingFeature& found) {
   const PartModel& to = *models.to;
   const ContactPatch patch = models.from->samples.patches()[sample.patch].moved(models.toFromSamples);
   float error = 0.0f;
   const PatchTouch start = deepestIn(to.field, patch, evenness(to), error);
-  asked.outside = start.read.distance > static_cast<double>(error);
-  if (exact) return touchingPatch(*to.tree, to.edges, patch, start.place, asked, hint, found);
-  asked.point = start.point;
-  return fieldFeature(to, asked, found);
+  sampleQuery.outside = start.read.distance > static_cast<double>(error);
+  if (exact) return touchingPatch(*to.tree, to.edges, patch, start.place, sampleQuery, hint, found);
+  sampleQuery.point = start.point;
+  return fieldFeature(to, sampleQuery, found);
 }
 
-bool fieldFeature(const PartModel& target, const SampleAtMesh& asked, TouchingFeature& found) {
-  const DistanceField::Reading read = target.field.read(glm::vec3(asked.point - target.field.origin()));
+bool fieldFeature(const PartModel& target, const SampleQuery& sampleQuery, TouchingFeature& found) {
+  const DistanceField::Reading read = target.field.read(glm::vec3(sampleQuery.point - target.field.origin()));
   const glm::dvec3 up(read.gradient);
   const double slope = glm::length(up), distance = static_cast<double>(read.distance);
   if (!(slope > 0.1)) return false;
-  found.planes[0] = {asked.point, up / slope, distance};
+  found.planes[0] = {sampleQuery.point, up / slope, distance};
   found.distance = std::abs(distance);
   found.triangle = 0;
   found.count = 1;

@@ -31,21 +31,21 @@ glm::dvec3 outwardBefore(const SampledModels& models, const ContactSample& sampl
 
 /// Turns a plane of a sheet to the side from which a sample that looks along `outward` comes. Far from the
 /// sheet the plane stays as it is.
-void turnAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap);
+void orientAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap);
 
 /// The half-spaces of the two shapes of a target into which the sample is predicted to go furthest: a nook
 /// has two sides. False if no shape constrains the sample.
-bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleAtMesh& asked,
+bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleQuery& sampleQuery,
                  TouchingFeature& found);
 
 /// The half-space at the deepest place of a round sample's patch. `hint` is a triangle that may be near.
 /// Without `exact` the field alone tells it.
-bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleAtMesh asked,
+bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleQuery sampleQuery,
                 std::uint32_t hint, bool exact, TouchingFeature& found);
 
 /// The half-space as the field of the target alone tells it, good to within its error. False where its
 /// gradient is too small to be a direction.
-bool fieldFeature(const PartModel& target, const SampleAtMesh& asked, TouchingFeature& found);
+bool fieldFeature(const PartModel& target, const SampleQuery& sampleQuery, TouchingFeature& found);
 
 /// m, depth of a sample with its patch in a target that is known by formula; 0 in any other target, where
 /// `deepestPoint` (m, frame of the target) is the place to measure.

@@ -19,7 +19,7 @@ SideQuery::SideQuery(const ContactIsland& on, const Overlaps& known, std::uint16
   limit = static_cast<float>(reach);
   smooth = 2.0f * static_cast<float>(to->field.tolerance());
   rough = std::max(smooth, 0.12f * static_cast<float>(to->field.smallestCell()));
-  believed = static_cast<float>(kBelieved * from->samples.spacing());
+  trusted = static_cast<float>(kTrustedShare * from->samples.spacing());
   contained = known.contained(pair);
   sampled = ofFirst() ? body.part : of.other;
   target = ofFirst() ? of.other : body.part;

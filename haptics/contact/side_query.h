@@ -15,9 +15,9 @@
 namespace tandem::haptics {
 
 struct SideQuery : SampledModels {
-  /// What a touching sample told earlier is believed while the sample has not moved further than this share
+  /// What a touching sample told earlier is trusted while the sample has not moved further than this share
   /// of the spacing of its part's samples.
-  static constexpr double kBelieved = 0x1p-4;
+  static constexpr double kTrustedShare = 0x1p-4;
 
   /// `sampledSide` is 0 where the pair's first part is sampled and 1 where the other is; `reach` in m.
   SideQuery(const ContactIsland& island, const Overlaps& overlaps, std::uint16_t pairIndex,
@@ -46,9 +46,9 @@ struct SideQuery : SampledModels {
       0.0f};  // m, world axes, from the first body's centre of mass to the origin of the target's field
   float sign = 1.0f;       // -1 where a normal of the target points towards the first part's own outside
   float limit = 0.0f;      // m, reach of the step
-  float smooth = 0.0f;     // m, error of the field up to which its reading is believed
+  float smooth = 0.0f;     // m, error of the field up to which its reading is trusted
   float rough = 0.0f;      // m, error of the field above which its gradient is no direction
-  float believed = 0.0f;   // m that a sample may move before it is queried again
+  float trusted = 0.0f;    // m that a sample may move before it is queried again
   bool contained = false;  // one of the parts is inside the other and is brought out
   std::uint16_t pair = 0, side = 0;
   PartId sampled = kNoPart, target = kNoPart;

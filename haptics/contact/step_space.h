@@ -19,7 +19,7 @@
 
 namespace tandem::haptics {
 
-inline constexpr int kMostBodies = 8;
+inline constexpr int kMaxBodies = 8;
 
 /// A quadratic bowl over the displacements of a body: its minimum, and A = L L^T as the lower triangle L, row
 /// by row.
@@ -44,7 +44,7 @@ inline Displacement relativeDisplacement(const Displacement& first, const Displa
 
 using Vector6 = std::array<double, 6>;
 /// A vector of the whole space: six coordinates y_b for each body.
-using BodyVectors = std::array<Vector6, kMostBodies>;
+using BodyVectors = std::array<Vector6, kMaxBodies>;
 
 inline double dot(const Vector6& a, const Vector6& b) {
   double sum = 0.0;
@@ -83,7 +83,7 @@ struct RowDirection {
 
 class StepSpace {
  public:
-  /// At most kMostBodies goals and kMostPairs pairs.
+  /// At most kMaxBodies goals and kMaxPairs pairs.
   void begin(std::span<const StepGoal> goals, std::span<const RowPair> pairs);
 
   std::size_t bodyCount() const { return goals_.size(); }
@@ -109,8 +109,8 @@ class StepSpace {
  private:
   std::span<const StepGoal> goals_;
   std::span<const RowPair> pairs_;
-  std::array<Displacement, kMostBodies> u_;
-  std::array<Displacement, kMostPairs> motion_;
+  std::array<Displacement, kMaxBodies> u_;
+  std::array<Displacement, kMaxPairs> motion_;
 };
 
 }  // namespace tandem::haptics

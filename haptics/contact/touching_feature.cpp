@@ -16,7 +16,7 @@ constexpr double kCrossing = 0.05;
 
 /// Whether the edge passes through the region behind all faces of the sample, within `reach` (m) of the
 /// sample.
-bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) {
+bool cutsSample(const MeshEdge& edge, const SampleQuery& sample, double reach) {
   const double length = glm::length(edge.b - edge.a);
   const glm::dvec3 along = (edge.b - edge.a) / length, from = edge.a - sample.point;
   const double foot = -glm::dot(from, along);
@@ -35,7 +35,7 @@ bool cutsSample(const MeshEdge& edge, const SampleAtMesh& sample, double reach) 
 }
 
 /// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.
-bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleAtMesh& sample,
+bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQuery& sample,
                    TouchingPlane& found) {
   const double length = glm::length(edge.b - edge.a);
   const glm::dvec3 along = (edge.b - edge.a) / length;
@@ -62,7 +62,7 @@ bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleAtM
 }
 
 /// The least gap to a convex edge of the list that crosses the sample's; false if none does within `reach`.
-bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleAtMesh& sample, double reach,
+bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleQuery& sample, double reach,
                   TouchingPlane& least) {
   bool any = false;
   for (const std::uint32_t i : edges.around(triangle)) {
@@ -101,7 +101,7 @@ const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, co
 /// within `reach`: a plane that ends further away constrains nothing here. A sample in front of the mesh also
 /// ignores a plane that it is less far behind than it is from the mesh, for that plane ends before the
 /// sample.
-void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample, double reach,
+void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
                     TouchingFeature& feature) {
   const glm::dvec3& p = sample.point;
   const glm::dvec3& known = edges.normal(feature.triangle);
@@ -127,7 +127,7 @@ void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const Sampl
 }
 
 /// m by which a gap may be below zero.
-double slackOf(const SampleAtMesh& sample, double reach) { return std::max(sample.slack, 1e-9 * reach); }
+double slackOf(const SampleQuery& sample, double reach) { return std::max(sample.slack, 1e-9 * reach); }
 
 /// m^2, the square of the distance up to which two points are the same.
 double same(double reach) { return 1e-18 * reach * reach + 1e-24; }
@@ -151,7 +151,7 @@ bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEd
 /// The plane of an edge whose point nearest to the sample is `foot`, in the direction across it that parts
 /// them best.
 TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, const glm::dvec3& foot,
-                           const SampleAtMesh& sample, double reach) {
+                           const SampleQuery& sample, double reach) {
   const glm::dvec3 offset = sample.point - foot;
   const glm::dvec3 normal =
       partingDirection(plane, shared, offset, offset + sample.motion, slackOf(sample, reach));
@@ -161,7 +161,7 @@ TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, con
 /// The same in a direction that is normal to both. False if there is none, or if none parts them although
 /// they are apart: the two bodies are then nearest to each other elsewhere.
 bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3& foot,
-                 const SampleAtMesh& sample, double reach, TouchingPlane& found) {
+                 const SampleQuery& sample, double reach, TouchingPlane& found) {
   const Directions shared = commonDirections(plane, sample.normals);
   if (shared.none()) return false;
   found = partingPlane(plane, shared, foot, sample, reach);
@@ -170,7 +170,7 @@ bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3&
 
 /// The same for a corner. Two edges that run along each other touch beyond the sample as well, where a
 /// direction that is nearly normal to both parts them.
-TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleAtMesh& sample,
+TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleQuery& sample,
                           double reach) {
   const EdgePlane plane(edge);
   TouchingPlane found;
@@ -181,8 +181,8 @@ TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const Sa
 /// The plane that parts best among those of all convex edges that meet in the corner `foot`; false if none is
 /// normal to both.
 bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& foot,
-                   const SampleAtMesh& sample, double reach, TouchingPlane& found) {
-  double most = -1e300;
+                   const SampleQuery& sample, double reach, TouchingPlane& found) {
+  double furthest = -1e300;
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     TouchingPlane plane;
@@ -190,17 +190,17 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
         !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
       continue;
     const double predicted = plane.gap + glm::dot(plane.normal, sample.motion);
-    if (predicted <= most) continue;
-    most = predicted;
+    if (predicted <= furthest) continue;
+    furthest = predicted;
     found = plane;
   }
-  return most > -1e300;
+  return furthest > -1e300;
 }
 
 /// The plane of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that
 /// is as near, any plane that parts the two is enough, unless the corner is hollow too.
 TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
-                           const SampleAtMesh& sample, double reach) {
+                           const SampleQuery& sample, double reach) {
   const glm::dvec3& p = sample.point;
   TouchingPlane crossing;
   if (sample.along > 0.0 && crossingNear(edges, triangle, sample, reach + sample.along, crossing))
@@ -220,15 +220,15 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
 
 }  // namespace
 
-TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample) {
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
   TouchingPlane found;
   if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, found)) return found;
   return planeOfEdge(edge, closestPointOnSegment(sample.point, edge.a, edge.b), sample,
                      std::max(glm::length(sample.motion), 10.0 * sample.slack));
 }
 
-bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
-                     double reach, std::uint32_t hint, TouchingFeature& found) {
+bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
+                     std::uint32_t hint, TouchingFeature& found) {
   const glm::dvec3& p = sample.point;
   double limit = reach;
   if (hint < tree.mesh().triangles.size()) {
@@ -238,14 +238,14 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
   if (!tree.closestPoint(p, limit * (1.0 + 1e-12), nearest)) return false;
   found.triangle = nearest.triangle;
   found.distance = nearest.distance;
-  const double way = std::max(glm::length(sample.motion), 10.0 * sample.slack);
+  const double path = std::max(glm::length(sample.motion), 10.0 * sample.slack);
   if (sample.outside && nearest.distance > sample.along + sample.range) {
     // Out of reach the distance alone holds the sample off, for a feature's planes hold only near it.
     found.planes[0] = {p, (p - nearest.point) / nearest.distance, nearest.distance};
     found.count = 1;
     return true;
   }
-  const double near = std::max(way, 1.001 * nearest.distance);
+  const double near = std::max(path, 1.001 * nearest.distance);
   found.planes[0] = nearestPlane(tree, edges, nearest.triangle, sample, near);
   found.count = 1;
   addPlaneBeyond(tree, edges, sample, near, found);

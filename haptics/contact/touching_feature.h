@@ -20,7 +20,7 @@
 namespace tandem::haptics {
 
 /// A sample of the other part, in the frame of the mesh that is asked; m.
-struct SampleAtMesh {
+struct SampleQuery {
   glm::dvec3 point{0.0, 0.0, 0.0};
   glm::dvec3 motion{0.0, 0.0, 0.0};     // where it is predicted to go in this step
   std::span<const glm::dvec3> normals;  // unit, outward from its own part
@@ -47,10 +47,10 @@ struct TouchingFeature {
 };
 
 /// False if the mesh is further than `reach` away. `hint`: a triangle that may be near, or any other number.
-bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleAtMesh& sample,
-                     double reach, std::uint32_t hint, TouchingFeature& found);
+bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
+                     std::uint32_t hint, TouchingFeature& found);
 
 /// The plane of one convex edge, which is near the sample.
-TouchingPlane touchingEdge(const MeshEdge& edge, const SampleAtMesh& sample);
+TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample);
 
 }  // namespace tandem::haptics

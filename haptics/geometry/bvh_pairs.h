@@ -105,15 +105,15 @@ class BvhPairs {
     const CentredBox& other = kFirst ? pair.boxB : pair.boxA;
     const BoxFrame& nodeFromOther = kFirst ? aFromB_ : bFromA_;
     const BoxFrame& otherFromNode = kFirst ? bFromA_ : aFromB_;
-    Float4 centre[3], half[3], turned[3], grown[3];
+    Float4 centre[3], half[3], rotated[3], grown[3];
     for (int axis = 0; axis < 3; ++axis) {
       const Float4 low = Float4::load(node.low[axis]), high = Float4::load(node.high[axis]);
       centre[axis] = (low + high) * Float4(0.5f);
       half[axis] = (high - low) * Float4(0.5f);
     }
-    otherFromNode.apply(centre, half, turned, grown);
+    otherFromNode.apply(centre, half, rotated, grown);
     const Float4 square =
-        max(squaredGap(centre, half, nodeFromOther.apply(other)), squaredGap(turned, grown, other));
+        max(squaredGap(centre, half, nodeFromOther.apply(other)), squaredGap(rotated, grown, other));
     alignas(16) float bound[4], centres[3][4], halves[3][4];
     (sqrt(square) - Float4(rounding_)).store(bound);
     for (int axis = 0; axis < 3; ++axis) {

@@ -13,7 +13,7 @@ namespace {
 class Search {
  public:
   Search(const TriangleBvh& a, const TriangleBvh& b, const Pose& aFromB, double reach)
-      : a_(a), b_(b), turn_(glm::mat3_cast(aFromB.orientation)), shift_(aFromB.position), reach_(reach) {
+      : a_(a), b_(b), rotation_(glm::mat3_cast(aFromB.orientation)), shift_(aFromB.position), reach_(reach) {
     const auto farthest = [](const assets::Bounds& box) {
       return glm::length(glm::max(glm::abs(box.min), glm::abs(box.max)));
     };
@@ -28,7 +28,7 @@ class Search {
     Facet others[TriangleBvh::kMaxLeaf];
     for (std::uint32_t j = 0; j < countB; ++j) {
       const Triangle t = b_.triangle(b_.leafTriangle(firstB + j));
-      others[j] = facetOf({shift_ + turn_ * t.a, shift_ + turn_ * t.b, shift_ + turn_ * t.c});
+      others[j] = facetOf({shift_ + rotation_ * t.a, shift_ + rotation_ * t.b, shift_ + rotation_ * t.c});
     }
     for (std::uint32_t i = 0; i < countA; ++i) {
       const Facet facet = facetOf(a_.triangle(a_.leafTriangle(firstA + i)));
@@ -53,7 +53,7 @@ class Search {
   }
 
   const TriangleBvh &a_, &b_;
-  glm::dmat3 turn_;
+  glm::dmat3 rotation_;
   glm::dvec3 shift_;
   double reach_;     // m; negative once the surfaces are known to meet
   double rounding_;  // m, of coordinates in A's frame

@@ -18,7 +18,7 @@ namespace {
 // Faces that turn by less count as one plane; a cylinder of 60,000 segments turns by more.
 constexpr double kFlat = 1e-4;  // rad
 constexpr double kSharp = 0.5;  // rad
-constexpr std::size_t kMostAround = 16;
+constexpr std::size_t kMaxAround = 16;
 
 std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t e = 0; e < 3; ++e) {
@@ -97,7 +97,7 @@ void MeshEdges::listAround(const assets::Mesh& mesh,
     const std::size_t begin = around_.size();
     for (std::size_t i = 0; i < known; ++i) {
       for (const std::uint32_t edge : edgeOf[plane[i]]) {
-        if (edge != assets::kNone && around_.size() - begin < kMostAround) around_.push_back(edge);
+        if (edge != assets::kNone && around_.size() - begin < kMaxAround) around_.push_back(edge);
       }
     }
     first_.push_back(static_cast<std::uint32_t>(around_.size()));

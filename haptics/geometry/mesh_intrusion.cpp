@@ -86,8 +86,8 @@ class Intruder {
     }
   };
 
-  int mostSamples(const Deepest& best) const {
-    return cross_ || best.depth > tolerance_ ? kMostSamples : kFewSamples;
+  int maxSamples(const Deepest& best) const {
+    return cross_ || best.depth > tolerance_ ? kMaxSamples : kFewSamples;
   }
   /// The bound from which a piece is searched.
   double enough(const Deepest& best) const { return std::max(kBetter * best.depth, tolerance_); }
@@ -127,11 +127,12 @@ class Intruder {
     // The root of a group is its lowest vertex, so it is tested before the others.
     for (const std::uint32_t v : vertices_) {
       const std::uint32_t root = groups.find(v);
-      inside_[v] = root == v ? static_cast<std::uint8_t>(holds(solid_, corner(v)) ? 1 : 0) : inside_[root];
+      inside_[v] =
+          root == v ? static_cast<std::uint8_t>(containsPoint(solid_, corner(v)) ? 1 : 0) : inside_[root];
     }
   }
 
-  void take(const glm::dvec3& p, const MeshPoint& nearest, Deepest& best) const {
+  void keepDeepest(const glm::dvec3& p, const MeshPoint& nearest, Deepest& best) const {
     if (nearest.distance <= best.depth) return;
     best = {nearest.distance, p, nearest.point - p, true};
   }
@@ -142,7 +143,7 @@ class Intruder {
       const glm::dvec3 p = corner(v);
       MeshPoint nearest;
       if (best.depth > 0.0 && solid_.closestPoint(p, best.depth, nearest)) continue;
-      if (solid_.closestPoint(p, kEverywhere, nearest)) take(p, nearest, best);
+      if (solid_.closestPoint(p, kEverywhere, nearest)) keepDeepest(p, nearest, best);
     }
   }
 
@@ -164,7 +165,7 @@ class Intruder {
       }
     }
     pushCutEdges(cuts, best);
-    for (int samples = 0; samples < mostSamples(best) && !pieces_.empty(); ++samples) {
+    for (int samples = 0; samples < maxSamples(best) && !pieces_.empty(); ++samples) {
       const Piece piece = pieces_.top();
       pieces_.pop();
       if (piece.bound <= enough(best)) break;
@@ -201,8 +202,8 @@ class Intruder {
     MeshPoint nearest;
     if (!solid_.closestPoint(p, kEverywhere, nearest)) return 0.0;
     if (nearest.distance <= tolerance_) return nearest.distance;
-    if (!holds(solid_, p)) return -nearest.distance;
-    take(p, nearest, best);
+    if (!containsPoint(solid_, p)) return -nearest.distance;
+    keepDeepest(p, nearest, best);
     return nearest.distance;
   }
 
@@ -236,7 +237,7 @@ class Intruder {
         patches.push({bound, t, order++});
       }
     }
-    for (int samples = 0; samples < mostSamples(best) && !patches.empty(); ++samples) {
+    for (int samples = 0; samples < maxSamples(best) && !patches.empty(); ++samples) {
       const Patch patch = patches.top();
       patches.pop();
       if (patch.bound <= enough(best)) break;
@@ -255,7 +256,7 @@ class Intruder {
 
 }  // namespace
 
-bool holds(const TriangleBvh& tree, const glm::dvec3& p) {
+bool containsPoint(const TriangleBvh& tree, const glm::dvec3& p) {
   const assets::Bounds& box = tree.bounds();
   if (tree.empty() || glm::any(glm::lessThan(p, box.min)) || glm::any(glm::greaterThan(p, box.max))) {
     return false;
@@ -267,8 +268,8 @@ bool holds(const TriangleBvh& tree, const glm::dvec3& p) {
   int inside = 0, outside = 0;
   for (const auto& ray : kRays) {
     for (const double side : {length, -length}) {
-      const glm::dvec3 way = glm::dvec3(ray[0], ray[1], ray[2]) * side;
-      ++(tree.signedCrossings(p, p + way) != 0 ? inside : outside);
+      const glm::dvec3 path = glm::dvec3(ray[0], ray[1], ray[2]) * side;
+      ++(tree.signedCrossings(p, p + path) != 0 ? inside : outside);
       if (outside > 1) return false;
     }
   }

@@ -80,7 +80,7 @@ bool boundsSolid(const TriangleBvh& tree, std::uint32_t triangle, double toleran
   const double length = glm::length(normal);
   if (!(length > 0.0)) return true;  // no information; its neighbours decide
   const glm::dvec3 step = normal * (4.0 * tolerance / length);
-  return holds(tree, middle + step) != holds(tree, middle - step);
+  return containsPoint(tree, middle + step) != containsPoint(tree, middle - step);
 }
 
 /// For surfaces without an inside: the greatest length by which a facet stands through another.
@@ -94,24 +94,24 @@ void measureSheets(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB,
     if (boundsSolid(*a.tree, pair.a, tolerance) || boundsSolid(*b.tree, pair.b, tolerance)) continue;
     overlap.depth = pair.through;
     overlap.deepest = transformPoint(a.worldFromMesh, gap.onA);
-    overlap.wayOut = glm::dvec3(0.0);
+    overlap.exitPath = glm::dvec3(0.0);
     overlap.sheets = true;
   }
 }
 
 /// The largest touched triangles of A.
 std::vector<std::uint32_t> largestTouched(const TriangleBvh& a, const std::vector<NearPair>& pairs,
-                                          std::size_t most) {
+                                          std::size_t maxCount) {
   std::vector<std::uint32_t> touched;
   for (const NearPair& pair : pairs) touched.push_back(pair.a);
   std::sort(touched.begin(), touched.end());
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   const auto area = [&](std::uint32_t t) { return glm::length(areaVector(a.triangle(t))); };
-  most = std::min(most, touched.size());
+  maxCount = std::min(maxCount, touched.size());
   std::partial_sort(
-      touched.begin(), touched.begin() + static_cast<std::ptrdiff_t>(most), touched.end(),
+      touched.begin(), touched.begin() + static_cast<std::ptrdiff_t>(maxCount), touched.end(),
       [&](std::uint32_t l, std::uint32_t r) { return area(l) != area(r) ? area(l) > area(r) : l < r; });
-  touched.resize(most);
+  touched.resize(maxCount);
   return touched;
 }
 
@@ -128,7 +128,7 @@ void measureCoincidence(const PlacedMesh& a, const PlacedMesh& b, const Pose& aF
       for (double step = 4.0 * tolerance;; step *= 2.0) {
         const glm::dvec3 p = middle + facet.normal * (side * step);
         MeshPoint onA, onB;
-        if (!holds(*a.tree, p) || !holds(*b.tree, transformPoint(bFromA, p))) break;
+        if (!containsPoint(*a.tree, p) || !containsPoint(*b.tree, transformPoint(bFromA, p))) break;
         const double everywhere = std::numeric_limits<double>::max();
         if (!a.tree->closestPoint(p, everywhere, onA) ||
             !b.tree->closestPoint(transformPoint(bFromA, p), everywhere, onB)) {
@@ -139,7 +139,7 @@ void measureCoincidence(const PlacedMesh& a, const PlacedMesh& b, const Pose& aF
         overlap.depth = depth;
         overlap.deepest = transformPoint(a.worldFromMesh, p);
         const glm::dvec3 out = onA.distance <= onB.distance ? onA.point : transformPoint(aFromB, onB.point);
-        overlap.wayOut = transformVector(a.worldFromMesh, out - p);
+        overlap.exitPath = transformVector(a.worldFromMesh, out - p);
         overlap.inA = onA.distance <= onB.distance;
       }
     }
@@ -153,8 +153,8 @@ double farthest(const assets::Bounds& box) {
 /// Whether both are the same mesh at the same place.
 bool isSame(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB, double tolerance) {
   if (a.tree != b.tree) return false;
-  const double turn = glm::length(rotationVector(aFromB.orientation));
-  return glm::length(aFromB.position) + turn * farthest(a.tree->bounds()) <= 0.5 * tolerance;
+  const double angle = glm::length(rotationVector(aFromB.orientation));
+  return glm::length(aFromB.position) + angle * farthest(a.tree->bounds()) <= 0.5 * tolerance;
 }
 
 }  // namespace
@@ -192,7 +192,7 @@ MeshOverlap overlapOf(const PlacedMesh& a, const PlacedMesh& b) {
     const Pose& world = overlap.inA ? a.worldFromMesh : b.worldFromMesh;
     overlap.depth = deepest.depth;
     overlap.deepest = transformPoint(world, deepest.point);
-    overlap.wayOut = transformVector(world, deepest.way);
+    overlap.exitPath = transformVector(world, deepest.exitPath);
   }
   if (overlap.depth <= tolerance && cross) measureSheets(a, b, aFromB, pairs, tolerance, overlap);
   if (overlap.depth <= tolerance) measureCoincidence(a, b, aFromB, pairs, tolerance, overlap);

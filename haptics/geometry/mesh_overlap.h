@@ -3,7 +3,7 @@
 // Whether two triangle meshes overlap, and how deep: hard clashes of an assembly. For reviews, never in a
 // tick: it allocates.
 //
-// 1. The orientation of triangles does not matter, and open sheets have no inside: holds() of
+// 1. The orientation of triangles does not matter, and open sheets have no inside: containsPoint() of
 //    mesh_intrusion.h.
 // 2. Safe in every thread: the trees are only read.
 
@@ -21,11 +21,11 @@ enum class Meeting : std::uint8_t {
 /// Result of overlapOf(), world frame.
 struct MeshOverlap {
   Meeting meeting = Meeting::apart;
-  double depth = 0.0;                 // m; see overlapOf()
-  glm::dvec3 deepest{0.0, 0.0, 0.0};  // m, where the depth occurs
-  glm::dvec3 wayOut{0.0, 0.0, 0.0};   // m, from there to the nearest point of the other's surface
-  bool inA = false;                   // `deepest` is a point of B inside A; else of A inside B
-  bool sheets = false;                // no surface has an inside: `depth` is the length by which facets cross
+  double depth = 0.0;                  // m; see overlapOf()
+  glm::dvec3 deepest{0.0, 0.0, 0.0};   // m, where the depth occurs
+  glm::dvec3 exitPath{0.0, 0.0, 0.0};  // m, from there to the nearest point of the other's surface
+  bool inA = false;                    // `deepest` is a point of B inside A; else of A inside B
+  bool sheets = false;  // no surface has an inside: `depth` is the length by which facets cross
 };
 
 /// Depth up to which an overlap counts as a touch, m: 2^-20 of the larger diagonal (a millionth), plus 2^-22

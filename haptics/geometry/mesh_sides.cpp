@@ -124,11 +124,11 @@ int MeshSides::crossingsFrom(const glm::dvec3& p) const {
   const double reach = kFar * glm::distance(mesh_.bounds.min, mesh_.bounds.max);
   const TriangleBvh& closed = closedTree_ != nullptr ? *closedTree_ : tree_;
   std::array<int, 3> counts;
-  const std::array<glm::dvec3, 3> ways = {glm::dvec3(0.5377, 0.2913, 0.7912),
-                                          glm::dvec3(-0.6121, 0.7413, -0.2757),
-                                          glm::dvec3(0.1733, -0.8347, -0.5227)};
+  const std::array<glm::dvec3, 3> directions = {glm::dvec3(0.5377, 0.2913, 0.7912),
+                                                glm::dvec3(-0.6121, 0.7413, -0.2757),
+                                                glm::dvec3(0.1733, -0.8347, -0.5227)};
   for (std::size_t i = 0; i < 3; ++i) {
-    counts[i] = closed.signedCrossings(p, p + reach * ways[i]);
+    counts[i] = closed.signedCrossings(p, p + reach * directions[i]);
     if (i == 1 && counts[0] == counts[1]) return counts[0];
   }
   std::sort(counts.begin(), counts.end());
@@ -233,10 +233,10 @@ MeshSides::Side MeshSides::sideAt(const glm::dvec3& p, double reach) const {
 
 MeshSides::Side MeshSides::sideOf(const glm::dvec3& p, const MeshPoint& nearest, double reach) const {
   if (!solid_ || kind_ != Kind::clean) return sideAt(p, reach);
-  const double looked = kNearly * std::max(nearest.distance, reach);
+  const double searched = kNearly * std::max(nearest.distance, reach);
   MeshPoint cap;
   double hole = std::numeric_limits<double>::max();
-  if (holeTree_ != nullptr && holeTree_->closestPoint(p, looked, cap)) hole = cap.distance;
+  if (holeTree_ != nullptr && holeTree_->closestPoint(p, searched, cap)) hole = cap.distance;
   const bool certain = hole > kNearly * reach;
   // Caps may fold where the rim of a hole does, so the nearest feature of a cap says nothing.
   if (hole <= kNearly * nearest.distance || isBesideSlit(nearest))

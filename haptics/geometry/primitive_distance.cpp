@@ -33,9 +33,9 @@ bool restsOn(const glm::dvec3& outward, const glm::dvec3& normal) {
 
 /// The three faces of a box on these sides, each with whether such a surface can rest on it.
 std::array<bool, 3> facesToRestOn(const glm::dvec3& outward, const glm::dvec3& sign) {
-  const glm::dvec3 looks = sign * outward;
-  const double most = kAgainst * glm::length(outward);
-  return {looks.x <= most, looks.y <= most, looks.z <= most};
+  const glm::dvec3 facing = sign * outward;
+  const double limit = kAgainst * glm::length(outward);
+  return {facing.x <= limit, facing.y <= limit, facing.z <= limit};
 }
 
 double signOf(double x) { return x < 0.0 ? -1.0 : 1.0; }
@@ -136,11 +136,11 @@ SurfaceDistance Primitive::ofBox(const glm::dvec3& p, const glm::dvec3& outward)
     const double length = std::sqrt(square);
     return {length, sign * out / length};
   }
-  const std::array<bool, 3> holds = facesToRestOn(outward, sign);
-  const bool any = holds[0] || holds[1] || holds[2];
+  const std::array<bool, 3> supports = facesToRestOn(outward, sign);
+  const bool any = supports[0] || supports[1] || supports[2];
   int axis = -1;
   for (int k = 0; k < 3; ++k)
-    if ((holds[static_cast<std::size_t>(k)] || !any) && (axis < 0 || beyond[k] > beyond[axis])) axis = k;
+    if ((supports[static_cast<std::size_t>(k)] || !any) && (axis < 0 || beyond[k] > beyond[axis])) axis = k;
   glm::dvec3 gradient(0.0);
   gradient[axis] = sign[axis];
   return {beyond[axis], gradient};
@@ -215,14 +215,14 @@ bool Primitive::edgeNear(const glm::dvec3& inPart, const glm::dvec3& outward, do
 
 bool Primitive::boxEdge(const glm::dvec3& p, const glm::dvec3& outward, double reach, MeshEdge& edge) const {
   const glm::dvec3 sign(signOf(p.x), signOf(p.y), signOf(p.z)), beyond = glm::abs(p) - half_;
-  const std::array<bool, 3> holds = facesToRestOn(outward, sign);
+  const std::array<bool, 3> supports = facesToRestOn(outward, sign);
   double least = reach * reach;
   int along = -1;
   for (int k = 0; k < 3; ++k) {
     const double i = beyond[(k + 1) % 3], j = beyond[(k + 2) % 3], end = std::max(0.0, beyond[k]);
     const double square = i * i + j * j + end * end;
     const auto axis = static_cast<std::size_t>(k);
-    if (square > least || (!holds[(axis + 1) % 3] && !holds[(axis + 2) % 3])) continue;
+    if (square > least || (!supports[(axis + 1) % 3] && !supports[(axis + 2) % 3])) continue;
     least = square;
     along = k;
   }

@@ -23,9 +23,9 @@ bool meets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from
   return enter <= leave + 1e-12;
 }
 
-glm::dvec3 inverseOf(const glm::dvec3& way) {
+glm::dvec3 inverseOf(const glm::dvec3& path) {
   glm::dvec3 inverse;
-  for (int i = 0; i < 3; ++i) inverse[i] = std::abs(way[i]) > 1e-300 ? 1.0 / way[i] : 1e300;
+  for (int i = 0; i < 3; ++i) inverse[i] = std::abs(path[i]) > 1e-300 ? 1.0 / path[i] : 1e300;
   return inverse;
 }
 
@@ -46,10 +46,10 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
   node.low = glm::dvec3(1e300);
   node.high = glm::dvec3(-1e300);
   glm::dvec3 least = node.low,
-             most = node.high;  // bounds of the centres, so that long parallel triangles separate
+             greatest = node.high;  // bounds of the centres, so that long parallel triangles separate
   for (std::uint32_t i = begin; i < end; ++i) {
     least = glm::min(least, centres_[order_[i]]);
-    most = glm::max(most, centres_[order_[i]]);
+    greatest = glm::max(greatest, centres_[order_[i]]);
     for (const std::uint32_t corner : mesh_->triangles[order_[i]]) {
       node.low = glm::min(node.low, mesh_->positions[corner]);
       node.high = glm::max(node.high, mesh_->positions[corner]);
@@ -67,7 +67,7 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
     nodes_.push_back(node);
     return index;
   }
-  const glm::dvec3 extent = most - least;
+  const glm::dvec3 extent = greatest - least;
   const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
   const std::uint32_t middle = begin + (end - begin) / 2;
   std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
@@ -81,19 +81,19 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
   return index;
 }
 
-void SegmentTree::cross(std::uint32_t triangle, const glm::dvec3& from, const glm::dvec3& way,
+void SegmentTree::cross(std::uint32_t triangle, const glm::dvec3& from, const glm::dvec3& path,
                         std::vector<SegmentCrossing>& found) const {
   const auto& t = mesh_->triangles[triangle];
   const glm::dvec3 a = mesh_->positions[t[0]] - from, b = mesh_->positions[t[1]] - from;
   const glm::dvec3 c = mesh_->positions[t[2]] - from;
   // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
   // triangle.
-  const double u = glm::dot(way, glm::cross(b, a)), v = glm::dot(way, glm::cross(c, b));
-  const double w = glm::dot(way, glm::cross(a, c));
+  const double u = glm::dot(path, glm::cross(b, a)), v = glm::dot(path, glm::cross(c, b));
+  const double w = glm::dot(path, glm::cross(a, c));
   const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
   if (negative == positive) return;
   const glm::dvec3 normal = glm::cross(b - a, c - a);
-  const double height = glm::dot(normal, a), slope = glm::dot(normal, way);
+  const double height = glm::dot(normal, a), slope = glm::dot(normal, path);
   if (slope == 0.0) return;
   const double share = height / slope;
   if (!(share >= 0.0 && share <= 1.0)) return;
@@ -103,7 +103,7 @@ void SegmentTree::cross(std::uint32_t triangle, const glm::dvec3& from, const gl
 void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
                             std::vector<SegmentCrossing>& found) const {
   if (nodes_.empty()) return;
-  const glm::dvec3 way = to - from, inverse = inverseOf(way);
+  const glm::dvec3 path = to - from, inverse = inverseOf(path);
   std::array<std::uint32_t, kMaxDepth> stack;
   int size = 0;
   stack[static_cast<std::size_t>(size++)] = 0;
@@ -112,7 +112,7 @@ void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
     const Node& node = nodes_[index];
     if (!meets(node.low, node.high, from, inverse)) continue;
     if (node.count > 0) {
-      for (std::uint32_t i = 0; i < node.count; ++i) cross(order_[node.first + i], from, way, found);
+      for (std::uint32_t i = 0; i < node.count; ++i) cross(order_[node.first + i], from, path, found);
       continue;
     }
     ASSERT(size + 2 <= kMaxDepth);

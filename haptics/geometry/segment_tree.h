@@ -34,7 +34,7 @@ class SegmentTree {
     std::uint32_t count = 0;  // of triangles; 0: not a leaf
   };
   std::uint32_t build(std::uint32_t begin, std::uint32_t end);
-  void cross(std::uint32_t triangle, const glm::dvec3& from, const glm::dvec3& way,
+  void cross(std::uint32_t triangle, const glm::dvec3& from, const glm::dvec3& path,
              std::vector<SegmentCrossing>& found) const;
 
   const assets::Mesh* mesh_;

@@ -53,29 +53,29 @@ std::vector<std::vector<std::uint32_t>> simpleLoops(const std::vector<Missing>& 
   std::unordered_map<std::uint32_t, std::size_t> place;  // along the current path
   std::vector<std::vector<std::uint32_t>> loops;
   for (const Missing& edge : edges) {
-    std::vector<std::uint32_t> way = {edge.from};
+    std::vector<std::uint32_t> path = {edge.from};
     place.clear();
     place[edge.from] = 0;
-    while (!way.empty()) {
-      auto& next = leaving[way.back()];
+    while (!path.empty()) {
+      auto& next = leaving[path.back()];
       if (next.empty()) {
-        place.erase(way.back());
-        way.pop_back();
+        place.erase(path.back());
+        path.pop_back();
         continue;
       }
       const std::uint32_t to = next.back();
       next.pop_back();
       const auto met = place.find(to);
       if (met == place.end()) {
-        place[to] = way.size();
-        way.push_back(to);
+        place[to] = path.size();
+        path.push_back(to);
         continue;
       }
       const std::size_t first = met->second;
-      loops.emplace_back(way.begin() + static_cast<std::ptrdiff_t>(first), way.end());
-      while (way.size() > first + 1) {
-        place.erase(way.back());
-        way.pop_back();
+      loops.emplace_back(path.begin() + static_cast<std::ptrdiff_t>(first), path.end());
+      while (path.size() > first + 1) {
+        place.erase(path.back());
+        path.pop_back();
       }
     }
   }

@@ -34,19 +34,19 @@ class Directions {
 
 /// Whether a point that moves from `from` by `way` certainly stays further than `reach` from a triangle: the
 /// bound of triangle_filter.h in double along `away`, which need not be a unit vector.
-bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& way, double reach,
+bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& path, double reach,
               const Triangle& t) {
   const double least =
       std::min({glm::dot(away, from - t.a), glm::dot(away, from - t.b), glm::dot(away, from - t.c)}) +
-      std::min(0.0, glm::dot(away, way));
+      std::min(0.0, glm::dot(away, path));
   return least > 0.0 && least * least > reach * reach * glm::dot(away, away);
 }
 
 /// passesBy() along the triangle's normal, which excludes the neighbours in a plane along which a point
 /// glides.
-bool passesAbove(const glm::dvec3& from, const glm::dvec3& way, double reach, const Triangle& t) {
+bool passesAbove(const glm::dvec3& from, const glm::dvec3& path, double reach, const Triangle& t) {
   const glm::dvec3 normal = areaVector(t);
-  return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, way, reach, t);
+  return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, path, reach, t);
 }
 
 /// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
@@ -183,8 +183,8 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
       if ((missed >> i & 1) != 0) continue;
       const std::uint32_t index = order_[first + i];
       const Triangle t = triangle(index);
-      const glm::dvec3 way = motion * double{latest};
-      if (passesBy(passing[i], from, way, closest, t) || passesAbove(from, way, closest, t)) continue;
+      const glm::dvec3 path = motion * double{latest};
+      if (passesBy(passing[i], from, path, closest, t) || passesAbove(from, path, closest, t)) continue;
       BallHit candidate;
       candidate.t = hit.t;
       if (!haptics::sweepBall(from, motion, radius, tolerance, t, candidate)) continue;

@@ -10,24 +10,24 @@ namespace tandem::haptics {
 namespace {
 
 /// Keeps the nearest pair of points seen.
-void take(const glm::dvec3& onA, const glm::dvec3& onB, TrianglePairGap& best) {
-  const glm::dvec3 way = onA - onB;
-  const double square = glm::dot(way, way);
+void keepNearest(const glm::dvec3& onA, const glm::dvec3& onB, TrianglePairGap& best) {
+  const glm::dvec3 path = onA - onB;
+  const double square = glm::dot(path, path);
   if (square < best.square) best = {square, onA, onB};
 }
 
 /// Takes the nearest points of the edges p + s u and q + t v where both lie within the edges. Elsewhere an
 /// end is nearest, which the tests of corners cover. Any s and t in range name true points of both, so the
 /// rounding of nearly parallel edges costs only second-order tightness.
-void takeEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, const glm::dvec3& v,
-               TrianglePairGap& best) {
+void keepNearestOfEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, const glm::dvec3& v,
+                        TrianglePairGap& best) {
   const glm::dvec3 r = p - q;
   const double uu = glm::dot(u, u), vv = glm::dot(v, v), uv = glm::dot(u, v);
   const double determinant = uu * vv - uv * uv;
   if (!(determinant > 0x1p-50 * uu * vv)) return;
   const double ur = glm::dot(u, r), vr = glm::dot(v, r);
   const double s = (uv * vr - vv * ur) / determinant, t = (uu * vr - uv * ur) / determinant;
-  if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) take(p + u * s, q + v * t, best);
+  if (s > 0.0 && s < 1.0 && t > 0.0 && t < 1.0) keepNearest(p + u * s, q + v * t, best);
 }
 
 /// Flatter than about 1e-3: the nearest point of the face is known only to 1e-5 of its length.
@@ -37,15 +37,15 @@ bool isSliver(const Triangle& t) {
 }
 
 /// Tests the corners of one against the edges of another that is a sliver, which are known exactly.
-template <typename Take>
-void takeCornersAndEdges(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& sliver,
-                         Take&& taken) {
+template <typename Pair>
+void pairCornersWithEdges(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& sliver,
+                          Pair&& pair) {
   for (std::size_t i = 0; i < 3; ++i) {
-    const glm::dvec3 &from = sliver[i], way = sliver[(i + 1) % 3] - from;
-    const double square = glm::dot(way, way);
+    const glm::dvec3 &from = sliver[i], path = sliver[(i + 1) % 3] - from;
+    const double square = glm::dot(path, path);
     for (const glm::dvec3& corner : corners) {
-      const double share = square > 0.0 ? std::clamp(glm::dot(corner - from, way) / square, 0.0, 1.0) : 0.0;
-      taken(corner, from + way * share);
+      const double share = square > 0.0 ? std::clamp(glm::dot(corner - from, path) / square, 0.0, 1.0) : 0.0;
+      pair(corner, from + path * share);
     }
   }
 }
@@ -76,19 +76,21 @@ TrianglePairGap search(const Triangle& a, const Triangle& b, double enough) {
   const std::array<glm::dvec3, 3> p{a.a, a.b, a.c}, q{b.a, b.b, b.c};
   TrianglePairGap best;
   best.square = HUGE_VAL;
-  for (const glm::dvec3& corner : p) take(corner, closestPointOnTriangle(corner, b).point, best);
-  for (const glm::dvec3& corner : q) take(closestPointOnTriangle(corner, a).point, corner, best);
+  for (const glm::dvec3& corner : p) keepNearest(corner, closestPointOnTriangle(corner, b).point, best);
+  for (const glm::dvec3& corner : q) keepNearest(closestPointOnTriangle(corner, a).point, corner, best);
   if (best.square <= enough) return best;
   for (std::size_t i = 0; i < 3; ++i) {
     for (std::size_t j = 0; j < 3; ++j) {
-      takeEdges(p[i], p[(i + 1) % 3] - p[i], q[j], q[(j + 1) % 3] - q[j], best);
+      keepNearestOfEdges(p[i], p[(i + 1) % 3] - p[i], q[j], q[(j + 1) % 3] - q[j], best);
     }
   }
   if (isSliver(b)) {
-    takeCornersAndEdges(p, q, [&](const glm::dvec3& onA, const glm::dvec3& onB) { take(onA, onB, best); });
+    pairCornersWithEdges(p, q,
+                         [&](const glm::dvec3& onA, const glm::dvec3& onB) { keepNearest(onA, onB, best); });
   }
   if (isSliver(a)) {
-    takeCornersAndEdges(q, p, [&](const glm::dvec3& onB, const glm::dvec3& onA) { take(onA, onB, best); });
+    pairCornersWithEdges(q, p,
+                         [&](const glm::dvec3& onB, const glm::dvec3& onA) { keepNearest(onA, onB, best); });
   }
   if (furtherThan(0.0, facetOf(a), facetOf(b))) return best;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -120,9 +122,9 @@ double pierceShare(const glm::dvec3& from, const glm::dvec3& to, const Triangle&
   if (start == end) return kMissed;
   // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
   // triangle.
-  const glm::dvec3 way = to - from, a = t.a - from, b = t.b - from, c = t.c - from;
-  const double u = glm::dot(way, glm::cross(b, a)), v = glm::dot(way, glm::cross(c, b)),
-               w = glm::dot(way, glm::cross(a, c));
+  const glm::dvec3 path = to - from, a = t.a - from, b = t.b - from, c = t.c - from;
+  const double u = glm::dot(path, glm::cross(b, a)), v = glm::dot(path, glm::cross(c, b)),
+               w = glm::dot(path, glm::cross(a, c));
   const bool negative = u <= 0.0 && v <= 0.0 && w <= 0.0, positive = u >= 0.0 && v >= 0.0 && w >= 0.0;
   if (!negative && !positive) return kMissed;
   return std::clamp(start / (start - end), 0.0, 1.0);

@@ -287,7 +287,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
   if (moving.empty()) return onHands;
   contact->move({moving.data(), moving.size()}, dt, parameters.effort);
   for (std::size_t i = 0; i < moving.size(); ++i) {
-    const Displacement& displacement = moving[i].way;
+    const Displacement& displacement = moving[i].displacement;
     SimulatedPart& entry = *entries[i];
     react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, onHands);
     if (!entry.held() && !links_.has(entry.part) &&

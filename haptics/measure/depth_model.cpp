@@ -157,19 +157,19 @@ class DepthModelBuilder {
   /// Convex edges and borders; every edge of a surface without an inside.
   bool isRidge(const Border& border) const {
     if (!model_.solid_ || border.other == kNone) return true;
-    const glm::dvec3 turn = glm::cross(patchNormals_[border.patch], patchNormals_[border.other]);
-    return glm::dot(turn, at(border.b) - at(border.a)) > 0.0;
+    const glm::dvec3 crossed = glm::cross(patchNormals_[border.patch], patchNormals_[border.other]);
+    return glm::dot(crossed, at(border.b) - at(border.a)) > 0.0;
   }
 
   /// Splits a chain until each line represents its points within the tolerance (Douglas & Peucker 1973).
   void addLines(const std::vector<std::uint32_t>& chain, std::size_t first, std::size_t last,
                 std::uint32_t edge) {
     std::size_t worst = first;
-    double most = tolerance_;
+    double furthest = tolerance_;
     for (std::size_t i = first + 1; i < last; ++i) {
       const double off = distanceToSegment(at(chain[i]), at(chain[first]), at(chain[last]));
-      if (off > most) {
-        most = off;
+      if (off > furthest) {
+        furthest = off;
         worst = i;
       }
     }

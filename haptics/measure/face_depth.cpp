@@ -29,7 +29,7 @@ DeepestPoint FaceDepth::depthAt(const glm::dvec3& inBody, std::uint32_t& facet) 
   return {body_.inside(inBody, nearest) ? nearest.distance : -nearest.distance, inBody, nearest.point, true};
 }
 
-void FaceDepth::lookBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& deepest) const {
+void FaceDepth::searchBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& deepest) const {
   if (!body_.solid()) return;
   std::sort(crossed.begin(), crossed.end(),
             [](const CrossedFacet& x, const CrossedFacet& y) { return x.facet < y.facet; });

@@ -15,7 +15,7 @@ class FaceDepth {
 
   /// Tests the middle of the places where ridges of the body cross a facet for a point deeper than `deepest`.
   /// Sorts `crossed`, whose points are in the faces' frame.
-  void lookBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& deepest) const;
+  void searchBetween(std::vector<CrossedFacet>& crossed, DeepestPoint& deepest) const;
 
   /// Searches all faces for a deeper point, within 1 % of the depth, or until 4000 pieces are used up.
   void search(DeepestPoint& deepest) const;

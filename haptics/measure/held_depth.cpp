@@ -38,8 +38,8 @@ struct HeldPartDepthMeter::Data {
     for (PartId part = 0; part < meters.size(); ++part) {
       if (!mayTouch(part)) continue;
       const Pose pose = poseOf(part);
-      const double apart = glm::length(transformPoint(pose, collider(part).centre) - centre);
-      if (apart > collider(held).radius + collider(part).radius) continue;
+      const double distance = glm::length(transformPoint(pose, collider(part).centre) - centre);
+      if (distance > collider(held).radius + collider(part).radius) continue;
       if (!meters[part]) meters[part].emplace(modelOf(held), modelOf(part));
       const PenetrationDepth found = meters[part]->measure(mine, pose);
       if (found.depth > deepest.depth) deepest = {found, part};

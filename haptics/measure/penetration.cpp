@@ -20,7 +20,7 @@ struct PenetrationMeter::Data {
   Data(std::shared_ptr<const DepthModel> first, std::shared_ptr<const DepthModel> second)
       : a(std::move(first)), b(std::move(second)), aInB(*a, *b), bInA(*b, *a) {}
 
-  bool apart(const Pose& bFromA) const {
+  bool areApart(const Pose& bFromA) const {
     const glm::dvec3 centreA = 0.5 * (a->bounds().min + a->bounds().max);
     const glm::dvec3 centreB = 0.5 * (b->bounds().min + b->bounds().max);
     return a->facetCount() == 0 || b->facetCount() == 0 ||
@@ -42,7 +42,7 @@ PenetrationDepth PenetrationMeter::measure(const Pose& worldFromA, const Pose& w
   Data& d = *data_;
   const Pose bFromA = inverse(worldFromB) * worldFromA, aFromB = inverse(bFromA);
   PenetrationDepth result;
-  if (d.apart(bFromA)) return result;
+  if (d.areApart(bFromA)) return result;
   d.facetsOfA.clear();
   d.facetsOfB.clear();
   DeepestPoint ofA, ofB;
@@ -50,16 +50,16 @@ PenetrationDepth PenetrationMeter::measure(const Pose& worldFromA, const Pose& w
   ofB.depth = ofA.depth;  // only a deeper point matters
   d.bInA.measure(aFromB, ofB, d.facetsOfA);
   // From here on each search looks for a point deeper than all before.
-  const auto better = [](DeepestPoint& mine, DeepestPoint& other, auto&& look) {
+  const auto better = [](DeepestPoint& mine, DeepestPoint& other, auto&& search) {
     mine.depth = std::max(mine.depth, other.depth);
     const double before = mine.depth;
-    look(mine);
+    search(mine);
     if (mine.depth > before) other.found = false;
   };
   const FaceDepth facesOfA(*d.a, *d.b, bFromA), facesOfB(*d.b, *d.a, aFromB);
   if (ofB.found) ofA.found = false;
-  better(ofA, ofB, [&](DeepestPoint& deepest) { facesOfA.lookBetween(d.facetsOfA, deepest); });
-  better(ofB, ofA, [&](DeepestPoint& deepest) { facesOfB.lookBetween(d.facetsOfB, deepest); });
+  better(ofA, ofB, [&](DeepestPoint& deepest) { facesOfA.searchBetween(d.facetsOfA, deepest); });
+  better(ofB, ofA, [&](DeepestPoint& deepest) { facesOfB.searchBetween(d.facetsOfB, deepest); });
   if (std::max(ofA.depth, ofB.depth) > kDeep * std::min(d.a->size(), d.b->size())) {
     better(ofA, ofB, [&](DeepestPoint& deepest) { facesOfA.search(deepest); });
     better(ofB, ofA, [&](DeepestPoint& deepest) { facesOfB.search(deepest); });

@@ -86,10 +86,10 @@ void RidgeDepth::makeClusters() {
 
 void RidgeDepth::travel(const Pose& bodyFromProbe) {
   if (posed_) {
-    const glm::dquat turn = bodyFromProbe.orientation * glm::conjugate(pose_.orientation);
-    const double sine = std::min(1.0, glm::length(glm::dvec3(turn.x, turn.y, turn.z)));
-    const glm::dvec3 way = transformPoint(bodyFromProbe, centre_) - transformPoint(pose_, centre_);
-    travelled_ += glm::length(way) + 2.0 * std::asin(sine) * radius_;
+    const glm::dquat rotation = bodyFromProbe.orientation * glm::conjugate(pose_.orientation);
+    const double sine = std::min(1.0, glm::length(glm::dvec3(rotation.x, rotation.y, rotation.z)));
+    const glm::dvec3 displacement = transformPoint(bodyFromProbe, centre_) - transformPoint(pose_, centre_);
+    travelled_ += glm::length(displacement) + 2.0 * std::asin(sine) * radius_;
   }
   pose_ = bodyFromProbe;
   posed_ = true;
@@ -242,7 +242,8 @@ void RidgeDepth::measureOpen(const glm::dvec3& from, const glm::dvec3& to, Deepe
 /// distance to a single facet is a convex function, which is largest at a piece's ends.
 double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoint& place) const {
   std::vector<Stretch> open{{interval, 0.0, 0.0, 0.0}};
-  const auto look = [&](const glm::dvec3& p, const Interval& within, double& distance, std::uint32_t& facet) {
+  const auto evaluate = [&](const glm::dvec3& p, const Interval& within, double& distance,
+                            std::uint32_t& facet) {
     const MeshPoint under = nearest(p, within);
     distance = under.distance;
     facet = body_.facetOf(under.triangle);
@@ -255,8 +256,8 @@ double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoin
   // An interval that begins or ends at a crossing is on the surface there.
   Stretch& whole = open.front();
   Interval& ends = whole.interval;
-  if (ends.fromFacet == kNoFacet) look(ends.from, interval, whole.fromDistance, ends.fromFacet);
-  if (ends.toFacet == kNoFacet) look(ends.to, interval, whole.toDistance, ends.toFacet);
+  if (ends.fromFacet == kNoFacet) evaluate(ends.from, interval, whole.fromDistance, ends.fromFacet);
+  if (ends.toFacet == kNoFacet) evaluate(ends.to, interval, whole.toDistance, ends.toFacet);
   limit(whole);
   for (int split = 0; split < kMaxSplits && !open.empty(); ++split) {
     std::pop_heap(open.begin(), open.end());
@@ -265,7 +266,7 @@ double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoin
     if (worst.bound <= std::max(place.depth, enough) + tolerance_) break;
     Stretch first = worst, second = worst;
     first.interval.to = second.interval.from = 0.5 * (worst.interval.from + worst.interval.to);
-    look(first.interval.to, worst.interval, first.toDistance, first.interval.toFacet);
+    evaluate(first.interval.to, worst.interval, first.toDistance, first.interval.toFacet);
     second.fromDistance = first.toDistance;
     second.interval.fromFacet = first.interval.toFacet;
     for (Stretch* half : {&first, &second}) {

@@ -112,8 +112,8 @@ class Clearances {
     const double resolvable = kFinest * 2.0 * std::max(colliders_[pair.a].radius, colliders_[pair.b].radius);
     if (gap.distance <= std::max(resolvable, touchTolerance(a, b))) return 0.0;
     // Where surfaces are nearest, one part may be inside the other.
-    const bool overlap = holds(*b.tree, transformPoint(inverse(b.worldFromMesh), gap.onA)) ||
-                         holds(*a.tree, transformPoint(inverse(a.worldFromMesh), gap.onB));
+    const bool overlap = containsPoint(*b.tree, transformPoint(inverse(b.worldFromMesh), gap.onA)) ||
+                         containsPoint(*a.tree, transformPoint(inverse(a.worldFromMesh), gap.onB));
     return overlap ? 0.0 : gap.distance;
   }
 

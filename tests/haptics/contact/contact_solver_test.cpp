@@ -246,8 +246,8 @@ TEST(ContactSolver, AmongRandomRowsASqueezedBodyGoesInDeeperNowhere) {
 
 TEST(ContactRows, DropsWhatDoesNotFitAndSaysSo) {
   ContactRows rows;
-  for (int i = 0; i < ContactRows::kMostExact + 5; ++i) rows.addExact({});
-  EXPECT_EQ(rows.exactRows(), ContactRows::kMostExact);
+  for (int i = 0; i < ContactRows::kMaxExact + 5; ++i) rows.addExact({});
+  EXPECT_EQ(rows.exactRows(), ContactRows::kMaxExact);
   EXPECT_EQ(rows.dropped(), 5);
   rows.clear();
   EXPECT_EQ(rows.dropped(), 0);

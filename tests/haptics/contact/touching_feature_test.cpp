@@ -10,13 +10,13 @@ namespace tandem::test {
 namespace {
 
 using haptics::MeshEdges;
-using haptics::SampleAtMesh;
+using haptics::SampleQuery;
 using haptics::TouchingFeature;
 using haptics::TriangleBvh;
 
 struct Ground {
   explicit Ground(assets::Mesh m) : mesh(std::move(m)), tree(mesh), edges(mesh) {}
-  TouchingFeature at(const SampleAtMesh& sample) const {
+  TouchingFeature at(const SampleQuery& sample) const {
     TouchingFeature found;
     EXPECT_TRUE(touchingFeature(tree, edges, sample, 1.0, haptics::kNoTriangle, found));
     return found;
@@ -26,8 +26,8 @@ struct Ground {
   MeshEdges edges;
 };
 
-SampleAtMesh corner(const glm::dvec3& point, const glm::dvec3& motion, std::span<const glm::dvec3> normals) {
-  SampleAtMesh sample;
+SampleQuery corner(const glm::dvec3& point, const glm::dvec3& motion, std::span<const glm::dvec3> normals) {
+  SampleQuery sample;
   sample.point = point;
   sample.motion = motion;
   sample.normals = normals;
@@ -68,7 +68,7 @@ TEST(TouchingFeature, OutOfReachOutsideIsHeldOffByItsDistanceAlone) {
   // Beside the top of a box and above it, in front of no face: the planes of its edges say less than the
   // distance.
   const Ground ground(boxMesh(glm::dvec3(0.02)));
-  SampleAtMesh sample = corner({0.014, 0.0, 0.013}, {1e-5, 0.0, -2e-4}, kDownCorner);
+  SampleQuery sample = corner({0.014, 0.0, 0.013}, {1e-5, 0.0, -2e-4}, kDownCorner);
   EXPECT_LT(ground.at(sample).planes[0].gap, 0.00499) << "what is asked for a way out of the box";
   sample.outside = true;
   const TouchingFeature found = ground.at(sample);
@@ -140,7 +140,7 @@ TEST(TouchingFeature, OfCrossingEdgesIsNormalToBoth) {
                                           glm::normalize(glm::dvec3(-1.0, -1.0, -1.0))};
   const glm::dvec3 crossing =
       glm::dvec3(0.01, 0.001, 0.01) + 3e-6 * glm::normalize(glm::dvec3(1.0, 0.0, 1.0));
-  SampleAtMesh sample = corner(crossing + 2e-4 * along, {0.0, 0.0, -1e-4}, normals);
+  SampleQuery sample = corner(crossing + 2e-4 * along, {0.0, 0.0, -1e-4}, normals);
   sample.edge = along;
   sample.along = 3e-4;
   const auto found = ground.at(sample);

@@ -43,7 +43,7 @@ TEST(MeshOverlap, IsAsDeepAsABoxStandsInAnother) {
           boxes(glm::dvec3(2.0, 3.0, 3.0) * s, glm::dvec3(1.0) * s, {(1.5 - depth) * s, 0.1 * s, 0.2 * s});
       EXPECT_EQ(found.meeting, Meeting::crossing);
       EXPECT_NEAR(found.depth, depth * s, 1e-13 * s);
-      EXPECT_NEAR(glm::length(found.wayOut), depth * s, 1e-13 * s);
+      EXPECT_NEAR(glm::length(found.exitPath), depth * s, 1e-13 * s);
     }
   }
 }
