@@ -11,7 +11,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::uint32_t kFreshSteps = 8;  // for which the planes of an answer are trusted at least
+constexpr std::uint32_t kFreshSteps = 8;  // steps for which the planes of an answer are trusted at least
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   const float least = read.distance - read.error + allowed_;
   if (read.error > query_.rough || (sample.along > 0.0f && crossesBlade(sample, place, read)))
     return addAnsweredRows(i, place, nullptr, least - sample.along);
-  // Along the rest of a piece of edge before a smooth surface the least gap is that of an end, where the next
+  // Before a smooth surface the least gap along the rest of a piece of edge is at its end, where the next
   // sample stands.
   if (least > query_.limit) return;
   glm::vec3 normal = read.gradient;
@@ -121,7 +121,7 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
         glm::vec3 at = arm;
         float gap = answer->gaps[k] + glm::dot(normal, path) + allowed_;
         if (patch != nullptr) {
-          // The place of the patch that is lowest over the plane now.
+          // The gap is that of the place of the patch that is lowest over the plane now.
           const glm::dvec3 up(normal), lowest = patch->pointAt(patch->lowest(up, evenness(*query_.to)));
           at = query_.arm(lowest);
           gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
@@ -145,7 +145,7 @@ bool CandidateRows::crossesBlade(const ContactSample& sample, const glm::vec3& p
   const float towards = slope > 0.0f ? -1.0f : 1.0f;
   const Reading next = query_.to->field.read(place + towards * along);
   const float down = std::abs(slope), up = towards * glm::dot(next.gradient, along);
-  // Where the surface turns by less than some 40 degrees between them, it is round rather than a blade.
+  // A surface whose normal changes by less than some 40 degrees between them is round rather than a blade.
   if (up <= 0.0f || down + up < 0.7f * sample.along) return false;
   const float least = read.distance - down * (read.distance - next.distance + up) / (down + up);
   return least - read.error <= query_.limit && std::min(read.distance, next.distance) - least > query_.smooth;

@@ -1,7 +1,8 @@
 #pragma once
 
-// Rows for all samples of one side of a pair that could touch within a step: planes where a field or a
-// formula tells a direction, or the last exact query does; balls elsewhere (contact_rows.h).
+// Makes the candidate rows of one side of a pair: one for each sample that could touch within the step. A
+// sample becomes a plane where a field, a formula or its last exact query gives a direction, and a ball
+// elsewhere (contact_rows.h).
 //
 // 1. Reads the samples' memory and writes nothing but rows. Free of allocation.
 
@@ -27,26 +28,26 @@ class CandidateRows {
   const ContactSample& sampleAt(std::uint32_t i) const { return query_.from->samples.samples()[i]; }
   void deepen(float depth) { deepest_ = depth > deepest_ ? depth : deepest_; }
 
-  // Each adds the row of sample `i`, at `place` (m, relative to the origin of the target's field).
+  // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
 
-  /// Of any sample before a target of implicit shapes.
+  /// Adds a plane for each implicit shape of the target.
   void addShapeRows(std::uint32_t i);
-  /// Of a sample that stands for a piece of a round surface.
+  /// Adds the row of a sample that stands for a piece of a round surface.
   void addPatchRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
-  /// Of a point or a piece of an edge.
+  /// Adds the row of a point or of a piece of an edge.
   void addSampleRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
-  /// The planes of the last answer, of the sample or of its patch, while they are trusted; else a ball of
-  /// `room` m, or of what the answer leaves where that is more.
+  /// Adds the planes of the last answer while they are trusted. Otherwise adds a ball of `room` m, or of
+  /// the room that the answer leaves where that is more. `patch` is null for a sample that is a point.
   void addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch, float room);
 
-  /// Whether the answer's planes still hold for a sample that has moved `length` m since.
+  /// Whether the planes of an answer are trusted for a sample that has moved `length` m since.
   bool trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const;
-  /// Whether a piece of edge may come nearer to the target between its sample and the next one than at both:
-  /// where it crosses a thin blade or rib that both samples have beside them. Where the target is convex, the
-  /// distance is a convex function along the edge and lies above its tangents.
+  /// Whether a piece of edge may come nearer to the target between its sample and the next one than at
+  /// both, because it crosses a thin blade or rib there. Where the target is convex, the distance is a
+  /// convex function along the edge and lies above its tangents.
   bool crossesBlade(const ContactSample& sample, const glm::vec3& place, const Reading& read) const;
-  /// Where the field's error is between smooth and rough, the face of the last answer tells more while the
-  /// sample is still before that face: its normal and gap replace the field's.
+  /// Replaces the normal and gap of a field whose error is between smooth and rough by those of the face of
+  /// the last answer, while the sample is still before that face.
   void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
 
   const SideQuery& query_;

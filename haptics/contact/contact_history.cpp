@@ -16,7 +16,7 @@ void ContactHistory::beginTick(const ContactIsland& all) {
   now_->frictionCount = now_->motionCount = 0;
   for (int k = 0; k < contactCount_; ++k) {
     Contact& contact = contacts_[static_cast<std::size_t>(k)];
-    if (all.bodyOf(contact.first) < 0) ++contact.unused;  // asleep, or let go of
+    if (all.bodyOf(contact.first) < 0) ++contact.unused;  // asleep, or no longer moved here
   }
 }
 
@@ -87,7 +87,7 @@ void ContactHistory::noteContacts(const ContactIsland& island, const ContactRows
   for (const ActiveSet::Row& active : solver.active()) {
     if (!TICK_ASSERT(fault_, active.row >= 0 && active.row < rows.exactRows())) continue;
     RowSource source = rows.exact(active.row).source;
-    if (source.sample == assets::kNone) continue;  // of a joint, or of a way out
+    if (source.sample == assets::kNone) continue;  // of a joint, or of an exit
     if (!TICK_ASSERT(fault_, source.pair < island.pairCount())) continue;
     source.side &= 1;
     const ContactPair& pair = island.pair(source.pair);

@@ -1,7 +1,7 @@
 #pragma once
 
-// What the last ticks tell the next one: which samples held a part, the friction between two parts, and how
-// far a part moved in its last step. It keeps resting contacts at rest.
+// Warm start: what one tick caches for the next, so that resting contacts stay at rest. These are the
+// samples of active rows, the friction between two parts, and how far a part moved in its last step.
 //
 // 1. Entries are known by their parts: the numbers of bodies and pairs differ from tick to tick.
 // 2. Free of allocation.
@@ -23,7 +23,8 @@ class ContactHistory {
   ContactHistory(const ContactHistory&) = delete;
   ContactHistory& operator=(const ContactHistory&) = delete;
 
-  /// A part is taken: its contacts, and the friction and motion of all parts, are not known any more.
+  /// Forgets the contacts of a part, and the friction and motion of all parts, when the part begins to move
+  /// here.
   void forget(PartId part);
 
   // A tick: beginTick() with all bodies, then for each island the calls below, then endTick().
@@ -34,10 +35,11 @@ class ContactHistory {
   /// m, the last step of the island in which the part was; 0 if that is not known.
   double lastMotion(PartId part) const;
   void noteMotion(PartId part, double motion);
-  /// Lets the solver start from the friction of the last tick.
+  /// Gives the solver the friction of the last tick to start from.
   void recallFriction(const ContactIsland& island, ContactSolver& solver) const;
   void noteFriction(const ContactIsland& island, const ContactSolver& solver);
-  /// Calls f(source) with each sample that held a part of one of the island's pairs in one of the last steps.
+  /// Calls f(source) with each cached sample of the island's pairs: those that had active rows in the last
+  /// steps.
   template <typename F>
   void forEachContact(const ContactIsland& island, const F& f) const {
     for (int k = 0; k < contactCount_; ++k) {
@@ -61,7 +63,7 @@ class ContactHistory {
   struct Contact {
     PartId first = kNoPart, other = kNoPart;
     RowSource source;
-    int unused = 0;  // steps since it last held the part
+    int unused = 0;  // steps since its row was last active
   };
   struct Friction {
     PartId first = kNoPart, other = kNoPart;
@@ -79,7 +81,7 @@ class ContactHistory {
 
   /// Whether two parts are those of a pair that may touch.
   static bool isOf(PartId first, PartId other, const ContactIsland& island, int pair);
-  /// The place of a contact that is known, or else a free one, or else the one that has been unused for
+  /// The entry of a contact that is known, else a free entry, else the entry that has been unused for
   /// longest.
   Contact& slot(PartId first, PartId other, const RowSource& source);
 

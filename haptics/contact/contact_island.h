@@ -26,23 +26,23 @@ struct ContactBody {
   double radius = 0.0;               // m, about the centre of mass
   Pose pose;                         // world, now
   glm::dvec3 centre{0.0};            // of mass, m, world, as of the last place()
-  Displacement goal;                 // where it would go in this tick if nothing stood in its way
+  Displacement goal;                 // where it would go in this tick without contacts and joints
   double mass = 1.0;                 // kg
 
   /// m, an upper bound of how far a displacement moves any point of the body.
   double motion(const Displacement& u) const;
-  /// m that an escape may cover in a tick: the part's own radius takes half a second, which the hand feels as
-  /// a growing pull and not as a blow.
+  /// m that an exit from another part may cover in a tick. The part's own radius takes half a second, so
+  /// that the hand feels a growing pull and no blow.
   double escapeDistance(double dt) const { return 2.0 * radius * dt; }
 };
 
-/// Two parts that may touch, or that a joint holds together. The first one moves here.
+/// Two parts that may touch, or that a joint connects. The first one moves here.
 struct ContactPair {
   int first = 0, second = -1;  // bodies of the island; second is -1 where the other part does not move here
   PartId other = kNoPart;      // kNoPart: the world, of a joint
   const PartModel* model = nullptr;  // of the other part
   Pose otherFromFirst;               // part frames, as of the last place()
-  double push = 0.0;                 // m that the other part may come closer in this tick by itself
+  double push = 0.0;                 // m by which the other part's own motion may close the gap in this tick
   double gap = 0.0;                  // m, a lower bound when the tick began
   std::int32_t joint = -1;           // index of the scene's joint; -1: a pair that may touch
 
@@ -72,7 +72,7 @@ class ContactIsland {
   double updateGoals();
   /// Brings centres of mass and relative poses of all pairs up to date with the bodies' poses.
   void place();
-  /// Moves a body by u, from where place() has last seen it.
+  /// Moves a body by u, from its pose at the last place().
   void moveBody(int body, const Displacement& u);
 
   // Reading.
@@ -87,11 +87,11 @@ class ContactIsland {
   int bodyOf(PartId part) const;
   /// The pose of a pair's other part, or of the world.
   const Pose& otherPose(const ContactPair& pair) const;
-  /// What a body has moved in this tick so far.
+  /// The displacement of a body in this tick so far.
   const Displacement& applied(int body) const { return goals_[static_cast<std::size_t>(body)].applied; }
   /// What is left of a body's goal.
   Displacement remaining(int body) const;
-  /// What a pair's first body has moved, or has left to move, as seen from the other one.
+  /// The same of a pair's first body relative to the other part.
   Displacement relativeApplied(int pair) const;
   Displacement relativeRemaining(int pair) const;
   std::span<const StepGoal> goals() const { return {goals_.data(), static_cast<std::size_t>(bodyCount_)}; }
@@ -100,7 +100,7 @@ class ContactIsland {
   }
   /// m, the finest tolerance of the bodies' models.
   double tolerance() const { return tolerance_; }
-  /// m, the most that other parts may push a body in this tick.
+  /// m, an upper bound of how far other parts may push a body in this tick.
   double push() const { return push_; }
   /// Whether addPair() has dropped a pair since clearPairs().
   bool overflowed() const { return overflowed_; }

@@ -1,14 +1,15 @@
 #pragma once
 
-// The constraints of one step of the parts that move: half-spaces that points of them must not leave.
+// The constraints of one step of the parts that move: non-penetration of contacts and equations of joints,
+// linearised as half-spaces that points of the parts must not leave.
 //
-// Rows come in pairs of parts. With u = (t, w) the displacement in the step of the pair's first part, seen
-// from the other (m, and rad about the first one's reference point), row i asks
+// Each row belongs to a pair of parts. With u = (t, w) the displacement of the pair's first part in the
+// step relative to the other part (m, and rad about the first part's reference point), row i demands
 //     n_i . (t + w x r_i) >= -gap_i        r_i from the reference point, m
-// A row is of one of three kinds, by what is known of its point: planes from a field, good to within its
-// error; balls near edges, where a field has no direction and the point may go `room` m any way before it
-// must be queried; and exact rows, which replace either once the point has been queried, or which a joint
-// asks for.
+// What is known of its point makes a row one of three kinds. A plane comes from a field and is good to
+// within the field's error. A ball stands near edges, where a field has no direction: the point may go
+// `room` m in any direction before it must be queried. An exact row replaces either once the point has been
+// queried; joints make exact rows from the start.
 //
 // 1. Fixed capacity; what does not fit is dropped and counted. Nothing allocates after construction.
 // 2. Planes are floats side by side, for four-wide sums: u is a fraction of a millimetre, so that their
@@ -45,28 +46,30 @@ struct RowSource {
   bool operator==(const RowSource&) const = default;
 };
 
-/// The general row asks n . (t + w x r) + m . w >= -gap; m is 0 for a contact, n for a lock of a turn.
+/// A row with known Jacobian, n . (t + w x r) + m . w >= -gap: n is its linear part, r x n + m its angular
+/// part. m is 0 for a contact; n is 0 for a limit of a rotation.
 struct ExactRow {
   glm::dvec3 normal{0.0, 0.0, 0.0};                    // unit, world, the direction that opens the gap
   glm::dvec3 arm{0.0, 0.0, 0.0};                       // m, world axes, from the reference point
   double gap = 0.0;                                    // m
   double staticFriction = 0.0, dynamicFriction = 0.0;  // Coulomb coefficients of the pair
   RowSource source;
-  glm::dvec3 angular{0.0, 0.0, 0.0};  // the coefficient m: m a rad of rotation
-  double compliance = 0.0;            // compliance: m that a unit of multiplier bends it; 0 = rigid
-  double maxMultiplier = std::numeric_limits<double>::infinity();  // multiplier that it gives way at
-  bool isEquality = false;                                         // an equation, not a half-space
+  glm::dvec3 angular{0.0, 0.0, 0.0};  // the angular Jacobian m beside that of the arm: m a rad of rotation
+  double compliance = 0.0;            // soft constraint: m that a unit of multiplier bends it; 0 = rigid
+  double maxMultiplier =
+      std::numeric_limits<double>::infinity();  // greatest multiplier; beyond it the row yields
+  bool isEquality = false;                      // an equation, not a half-space
 
   double along(const Displacement& u) const {
     return glm::dot(normal, u.at(arm)) + glm::dot(angular, u.angular);
   }
   /// How far the displacement leaves the half-space, m; at most 0 if it does not.
   double violation(const Displacement& u) const { return -gap - along(u); }
-  /// Whether it is a rigid half-space that asks the part to come out of a penetration.
+  /// Whether it is a rigid half-space that pushes the part out of a penetration.
   bool pushesOut() const { return gap < 0.0 && compliance == 0.0 && !isEquality; }
 };
 
-/// Displacements of the pairs' first parts seen from the other ones.
+/// Displacements of the pairs' first parts relative to the other ones.
 using PairMotions = std::span<const Displacement>;
 
 class ContactRows {
@@ -87,8 +90,8 @@ class ContactRows {
   /// Returns its index, or -1 if there is no room.
   int addExact(const ExactRow& row);
 
-  /// From here on no half-space of the pair asks for a way out: what is behind one may stay as deep as it is
-  /// and go no deeper.
+  /// From now on no half-space of the pair pushes out: a point behind one may stay as deep as it is and go
+  /// no deeper.
   void squeeze(int pair);
   bool isSqueezed(int pair) const { return squeezed_[static_cast<std::size_t>(pair)]; }
 

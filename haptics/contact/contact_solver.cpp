@@ -12,8 +12,8 @@ namespace {
 constexpr int kMaxSaturations = 3;
 constexpr double kAgreed = 1e-3;  // change of friction, in largest normal forces, that ends the rounds
 
-/// From here on no pair of these rows asks for a way out of a penetration, which all of them can obey. False
-/// if none asked.
+/// Squeezes the pairs of all conflicting rows that push out of a penetration: without that push all rows
+/// can be obeyed. False if no row pushes out.
 bool squeeze(const ActiveSet::Conflict& conflict, ContactRows& rows) {
   bool any = false;
   for (const int index : conflict) {

@@ -14,9 +14,10 @@
 // Normal and friction forces are solved for in turn until they agree (contact_friction.h). The normals are
 // solved for last, so that friction never pushes anything into a surface.
 //
-// A part that is squeezed between others which come nearer than it is wide cannot be outside of all of them.
-// Rows that contradict each other then ask only that nothing goes in deeper, which standing still obeys: a
-// displacement out of one part that leads into the other would be reversed in the next step, for ever.
+// A part that is squeezed between others which come nearer to each other than it is wide cannot be outside
+// of all of them. Rows that contradict each other then demand only that nothing goes in deeper, which
+// standing still obeys. A displacement out of one part and into the other would be reversed in the next
+// step, for ever.
 //
 // 1. Bounded work: at most as many rows as the caller allows are refined or made active.
 // 2. No allocation.
@@ -83,7 +84,7 @@ class ContactSolver {
   double tolerance_ = 0.0;  // m
   int maxIterations_ = 0;
   int iterations_ = 0, rounds_ = 0, infeasible_ = 0;
-  bool squeezed_ = false;  // rows were changed: what has been solved so far is not what they ask
+  bool squeezed_ = false;  // rows have changed, and the solution so far is not theirs
 };
 
 }  // namespace tandem::haptics

@@ -7,10 +7,10 @@
 namespace tandem::haptics {
 namespace {
 
-// In tolerances: what is left of a motion below kStill is no motion; a step is good to within the same. A
+// In tolerances: a remaining motion below kStill is no motion, and a step is solved to within the same. A
 // reach of kShortReach finds resting contacts, and a first step below kOneStep needs no second one.
 constexpr double kStill = 0.02, kShortReach = 30.0, kOneStep = 20.0;
-// A reach is at most this many times the motion of the last step longer than that.
+// The reach beyond kShortReach, in motions of the last step.
 constexpr double kGrowth = 3.0;
 
 }  // namespace
@@ -63,7 +63,7 @@ void ContactStep::gather(double reach, double dt) {
     if (!TICK_ASSERT(fault_, rows_.beginPair())) return;
     const ContactPair& pair = island_.pair(i);
     if (pair.isJoint()) continue;
-    // Two bodies may come towards each other.
+    // Two moving bodies may approach each other.
     const double closing = pair.second >= 0 ? 2.0 * reach : reach;
     for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
       const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, closing);
@@ -119,8 +119,8 @@ void ContactStep::finish(MovingPart& part, int index, bool moved, double dt) con
   const ContactBody& body = island_.body(index);
   if (!TICK_ASSERT(fault_, part.part == body.part)) return;
   if (!moved) {
-    // Slower than contact can tell, it stands still and keeps its momentum until its motion is long enough to
-    // check.
+    // A body that is slower than contact resolves stands still and keeps its momentum until its motion is
+    // long enough to check.
     part.displacement = body.goal;
     setVelocity(*part.body, part.step.freeVelocity, part.step.freeSpin);
     return;

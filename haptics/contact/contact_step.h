@@ -24,18 +24,18 @@
 
 namespace tandem::haptics {
 
-/// What a tick has spent on contact between parts, for reports.
+/// What a tick spends on contact between parts, for reports.
 struct ContactWork {
   int steps = 0, planes = 0, balls = 0, exact = 0, iterations = 0, infeasible = 0, neighbours = 0;
   bool overflow = false;   // rows or neighbours were dropped
-  bool exhausted = false;  // the step was cut short because there was more to look at than a tick allows
+  bool exhausted = false;  // the step was cut short because the iterations ran out
 };
 
 class ContactStep {
  public:
   static constexpr int kMaxSteps = 4;  // of one island in a tick
 
-  /// What a tick gives every island.
+  /// The parameters that all islands of a tick share.
   struct Tick {
     double dt = 0.0;  // s
     ContactEffort effort;
@@ -46,18 +46,19 @@ class ContactStep {
   ContactStep(const ContactWorld& world, ContactIsland& island, Overlaps& overlaps, PartJoints& joints,
               ContactHistory& history, FaultLatch& fault);
 
-  /// Moves the bodies of the island as far as contacts and joints let them, and gives the parts, which stand
-  /// in the same order, their poses and velocities. At most `maxIterations` rows are looked at.
+  /// Moves the bodies of the island as far as contacts and joints let them, and sets poses and velocities
+  /// of the parts, which stand in the same order. At most `maxIterations` rows are refined or made active.
   void move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations);
 
  private:
-  /// Rows of all pairs that could touch within `reach` m.
+  /// Adds the candidate rows of all pairs that could touch within `reach` m.
   void gather(double reach, double dt);
-  /// Exact rows of the last steps' contacts from the start, so that what rests stays at rest. They are aimed
-  /// at where the bodies are expected to go.
+  /// Adds the exact rows of the cached contacts, so that what rests stays at rest. They are queried for the
+  /// remaining displacement of the bodies.
   void refineCached();
   void solve(const Tick& tick, int maxIterations);
-  /// Moves the bodies as far as the solver said and the reach allows; true if nothing is left to do.
+  /// Moves the bodies by the solver's displacements, at most by the reach; true if no further step is
+  /// needed.
   bool advance(bool isFirst, ContactWork& work);
   void finish(MovingPart& part, int body, bool moved, double dt) const;
   void noteTouches(const Tick& tick) const;

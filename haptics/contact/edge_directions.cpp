@@ -12,7 +12,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr double kAcross = 1e-3;  // cosine to the edge up to which a normal lies across it
 
-/// The smallest arc that holds all directions added.
+/// The smallest arc that contains all directions added.
 class Arc {
  public:
   explicit Arc(const EdgePlane& plane) : plane_(plane) {}

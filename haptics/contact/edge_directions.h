@@ -1,7 +1,7 @@
 #pragma once
 
-// In which directions an edge of one body and a corner or edge of another can hold each other apart: across
-// the edge, within its own normals, and opposite to a normal of the other.
+// The separating directions of an edge of one body and a corner or edge of another: they lie across the
+// edge, between its own normals, and opposite to a normal of the other body.
 
 #include <span>
 
@@ -36,12 +36,12 @@ struct Directions {
   bool none() const { return high < low; }
 };
 
-/// The directions of the edge that are opposite to a normal of the other body there: the section of the cone
-/// that its `normals` (unit) span with the plane across the edge.
+/// The directions of the edge that are opposite to a normal of the other body. They are the section of that
+/// body's normal cone, which its `normals` (unit) span, with the plane across the edge.
 Directions commonDirections(const EdgePlane& plane, std::span<const glm::dvec3> normals);
 
-/// The directions that are nearly opposite: the shadow of the cone on that plane, or the end of the edge's
-/// own directions that is nearest to it.
+/// The directions that are nearly opposite: the projection of the normal cone onto that plane, or the end
+/// of the edge's own directions that is nearest to it.
 Directions nearestDirections(const EdgePlane& plane, std::span<const glm::dvec3> normals);
 
 /// The direction of `shared` in which the predicted offset from the edge is longest, with the present offset

@@ -1,7 +1,7 @@
 #pragma once
 
-// The moving parts of a tick in groups that cannot influence each other: each is solved by itself, so that a
-// fast or jammed part does not slow the others.
+// Divides the moving parts of a tick into islands, which cannot influence each other. Each island is solved
+// by itself, so that a fast or jammed part does not slow the others.
 
 #include <array>
 #include <cstddef>

@@ -17,7 +17,7 @@ struct Limits {
   double min, max, stiffness, damping;
 };
 
-/// One coordinate q of a joint and its rate of change: dq = normal . (displacement at `arm`) + turn .
+/// One coordinate q of a joint and its Jacobian: dq = normal . (displacement at `arm`) + angular .
 /// rotation, both of the pair. Angles are given in m at the lever.
 struct Coordinate {
   double value = 0.0;
@@ -64,7 +64,9 @@ class Rows {
   }
 
   /// Adds a spring and damper F = -k (q - target) - b (q' - rate), implicit in the step, of at most `force`
-  /// (N).
+  /// (N). A soft constraint: with the multiplier l = F dt^2 and q' = J u / dt the implicit step is J u + l
+  /// / (k dt^2 + b dt) = -(k (q - target) - b rate) dt^2 / (k dt^2 + b dt), a row of compliance 1 / (k dt^2
+  /// + b dt).
   void spring(const Coordinate& q, double k, double b, double target, double rate, double force) {
     const double drag = dt_ * dt_ * k + dt_ * b;
     if (!(drag > 0.0)) return;
@@ -129,7 +131,7 @@ class Rows {
       ++count;
     }
     if (count == 1) return within(along(axis_[last], glm::dot(axis_[last], offset_)), range);
-    if (limit.max <= 0.0) {  // a maximum distance of 0 locks each axis by itself
+    if (limit.max <= 0.0) {  // a maximum distance of 0 locks each axis
       const Limits none{0.0, 0.0, limit.stiffness, limit.damping};
       for (int i = 0; i < 3; ++i) {
         if ((limit.axes >> i & 1) != 0) within(along(axis_[i], glm::dot(axis_[i], offset_)), none);
@@ -176,8 +178,8 @@ class Rows {
     unit[third] = 1.0;
     const glm::dvec3 ofB = placed_.worldFromB.orientation * unit, cross = glm::cross(axis_[third], ofB);
     if (limit.max <= 0.0) {
-      // Where the axes are opposite, every rotation is as short: |cross| is small, and the cosine tells it
-      // from 0.
+      // Where the axes are opposite, |cross| is as small as where they agree; the sign of the cosine tells
+      // which it is.
       const double size = glm::dot(axis_[third], ofB) >= 0.0 ? 1.0 : 1.0 / std::max(glm::length(cross), 1e-6);
       for (int i = 0; i < 3; ++i) {
         if (i != third) within(about(axis_[i], size * glm::dot(axis_[i], cross)), none);
@@ -261,7 +263,7 @@ void addJointRows(const PlacedJoint& placed, const JointState& state, double max
   }
   for (const assets::JointDrive& drive : joint.drives) addDrive(drive, placed, state.angle, made);
   if (!(state.steepestDetent > 0.0)) return;
-  // A spring of the detents' steepest slope that gives their force here gains no energy (control_dynamics.h).
+  // A spring of the detents' steepest slope and of their force here gains no energy (control_dynamics.h).
   const double value = jointValue(placed, state, joint.detentsTurn);
   const double lever = joint.detentsTurn ? made.lever() : 1.0;
   const Coordinate q = joint.detentsTurn ? made.about(made.axis(0), value) : made.along(made.axis(0), value);

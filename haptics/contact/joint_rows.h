@@ -3,11 +3,12 @@
 // The constraints of joints as rows of a step (contact_rows.h): locks are equations, limits are half-spaces,
 // and springs, drives and detents are compliant rows.
 //
-// Coordinates as KHR_physics_rigid_bodies has them: linear[i] is e_i . (t_B - t_A) along the axes e of the
-// frame in A; angular[i] the twist of q_A* q_B about e_i; of two linear axes the distance from the third, of
-// three from the point; of two turns the angle between the third axes.
+// Coordinates are those of KHR_physics_rigid_bodies. One linear axis is e_i . (t_B - t_A) along the axes e
+// of the frame in A, two are the distance from the third axis, three the distance from the point. One
+// angular axis is the twist of q_A* q_B about e_i, two are the angle between the third axes of the two
+// frames.
 //
-// 1. Turns about the X axis are counted: a screw may go on for as many as it likes. 2. No allocation.
+// 1. Full turns about the X axis are counted, so a screw may turn without limit. 2. No allocation.
 
 #include <cstdint>
 
@@ -18,9 +19,9 @@ namespace tandem::haptics {
 
 /// What a joint remembers from tick to tick.
 struct JointState {
-  double angle = 0.0;           // rad of B about the X axis, whole turns counted
+  double angle = 0.0;           // rad of B about the X axis, full turns counted
   double steepestDetent = 0.0;  // N/m or N·m/rad
-  double thread = 0.0;          // m that B stood off the pitch's line when the joint was made
+  double thread = 0.0;          // m by which B is off the line of the pitch since the joint was made
 };
 
 /// A joint's frames and the moving part that is the first of its pair.
@@ -38,13 +39,14 @@ struct PlacedJoint {
 /// The state of a joint as it stands.
 JointState startJoint(const PlacedJoint& placed);
 
-/// Counts the turn of a joint on to where it now is.
+/// Updates the angle about the X axis with the full turns since the last update.
 void followAngle(const PlacedJoint& placed, JointState& state);
 
 /// Where the joint stands along (m) or about (rad) its X axis.
 double jointValue(const PlacedJoint& placed, const JointState& state, bool angular);
 
-/// Adds the rows of one joint. `maxCorrection`: m, by how much a step may draw together what does not fit; dt in s.
+/// Adds the rows of one joint. `maxCorrection`: m, by how much one step corrects an error of position at
+/// most; dt in s.
 void addJointRows(const PlacedJoint& placed, const JointState& state, double maxCorrection, double dt,
                   ContactRows& rows);
 

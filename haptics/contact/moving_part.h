@@ -1,6 +1,6 @@
 #pragma once
 
-// What the caller of a contact tick hands in and gets back: the parts that move, and where they rest.
+// Input and output of a contact tick: the parts that move, and where they rest.
 
 #include <algorithm>
 #include <array>
@@ -14,12 +14,12 @@
 
 namespace tandem::haptics {
 
-/// A part that moves in this tick, and where it would go.
+/// A part that moves in this tick, with the step that it would take without contacts and joints.
 struct MovingPart {
   PartId part = kNoPart;
   CoupledStep step;
   RigidBody* body = nullptr;
-  Displacement displacement;  // of its centre of mass, and its rotation: the answer
+  Displacement displacement;  // output: of its centre of mass, and its rotation
 };
 
 /// A place where a moving part rests on another.

@@ -19,7 +19,7 @@ namespace tandem::haptics {
 
 static_assert(ContactSamples::kMaxInLeaf <= DistanceField::kMaxAtOnce);
 
-/// A rigid motion for many points, in float: relative to the origin of the field that is asked.
+/// A rigid transform of many points in float, relative to the origin of the field that is read.
 struct FloatMotion {
   FloatMotion(const Pose& toFromSamples, const glm::dvec3& origin)
       : rotation(glm::mat3_cast(toFromSamples.orientation)), shift(toFromSamples.position - origin) {}
@@ -28,9 +28,9 @@ struct FloatMotion {
   glm::vec3 shift;
 };
 
-/// Calls visit(sample, where it is in the field, reading) for the samples that may be within `reach` of a
-/// field's surface or behind it, with what the field says there. `allInside` becomes false where a sample may
-/// be outside; `passedBy` at least the depth (m) that any other sample may have, below 0 outside.
+/// Calls visit(sample, place in the field, reading there) for the samples that may be within `reach` m of a
+/// field's surface or behind it. `allInside` becomes false if a sample may be outside. `passedBy` rises to
+/// an upper bound of the depth (m) of all samples that are not visited, below 0 outside.
 template <typename Visit>
 void forEachNear(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
                  float reach, bool& allInside, float& passedBy, Visit&& visit) {
@@ -41,8 +41,8 @@ void forEachNear(const ContactSamples& samples, const DistanceField& field, cons
   constexpr std::uint32_t kAtOnce = DistanceField::kMaxAtOnce;
   std::array<glm::vec3, kAtOnce> at;
   std::array<DistanceField::Reading, kAtOnce> readings;
-  // Several nodes are taken at a time, so that their readings wait for memory together. A tree of 2^32
-  // samples is 28 levels deep, and each level leaves at most kAtOnce nodes behind.
+  // Several nodes are read at a time, so that their memory latencies overlap. A tree of 2^32 samples is 28
+  // levels deep, and each level leaves at most kAtOnce nodes behind.
   std::array<std::uint32_t, 40 * kAtOnce> stack;
   std::array<std::uint32_t, kAtOnce> leaves;
   std::size_t top = 0;

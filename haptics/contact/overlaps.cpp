@@ -18,14 +18,15 @@ void include(assets::Bounds& bounds, const glm::dvec3& p) {
 
 double sizeOf(const assets::Bounds& bounds) { return glm::length(bounds.max - bounds.min); }
 
-/// 1 within the bounds, falling to 0 at `margin` (m) beside them: a jump would be felt.
+/// A share of 1 within the bounds that falls to 0 at `margin` (m) beside them, because a jump would be
+/// felt.
 double shareBeside(const assets::Bounds& bounds, double margin, const glm::dvec3& p) {
   const double off = glm::length(p - glm::clamp(p, bounds.min, bounds.max));
   return off < margin ? 1.0 - off / margin : 0.0;
 }
 
-/// Whether p is behind the surface at the point of it that is nearest. On an edge or in a corner every face
-/// that meets there has to say so: before a sharp edge one face alone may be wrong.
+/// Whether p is behind the surface at the surface's nearest point. On an edge or in a corner p must be
+/// behind every face that meets there, because before a sharp edge one face alone may be wrong.
 bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3& p) {
   const glm::dvec3 off = p - nearest.point;
   if (glm::dot(edges.normal(nearest.triangle), off) >= 0.0) return false;
@@ -81,8 +82,6 @@ ExactRow Overlaps::exitRow(int index, double dt) const {
   return row;
 }
 
-// --- a step
-
 void Overlaps::beginStep() {
   for (int i = 0; i < island_.pairCount(); ++i) {
     const ContactPair& pair = island_.pair(i);
@@ -130,8 +129,6 @@ void Overlaps::endStep() {
   }
 }
 
-// --- when a part is taken
-
 void Overlaps::forget(PartId part) {
   const auto end = std::remove_if(overlaps_.begin(), overlaps_.begin() + count_,
                                   [&](const Overlap& o) { return o.a == part || o.b == part; });
@@ -161,7 +158,7 @@ void Overlaps::measurePair(const ContactPair& pair) {
   }
   Overlap& overlap = overlaps_[static_cast<std::size_t>(count_++)];
   overlap = {body.part, pair.other, depth, ofFirst.inSampled, ofFirst.inTarget};
-  // Samples stand this far apart, and the overlap may reach that much further than they do.
+  // The overlap may reach further than its samples by as much as they stand apart.
   const glm::dvec3 grow(body.model->samples.smoothSpacing() + pair.model->samples.smoothSpacing());
   for (assets::Bounds* bounds : {&overlap.inA, &overlap.inB}) {
     bounds->min -= grow;
@@ -222,7 +219,7 @@ void Overlaps::measureSample(const SampledModels& models, const ContactSample& s
     if (++queries_ > kMaxQueries) {
       inside = true;
     } else {
-      // Inside, the surface is at most this far; with no surface within it the sample is outside.
+      // An inner sample has the surface within maxDepth, so a sample without a surface there is outside.
       MeshPoint nearest;
       if (!to.tree->closestPoint(p, 1.001 * maxDepth, nearest)) return;
       inside = surelyInside || isBehind(to.edges, nearest, p);

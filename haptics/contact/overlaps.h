@@ -1,10 +1,10 @@
 #pragma once
 
-// Overlaps that parts have when they are taken: the file has them at rest, and they are never ejected. Each
-// may stay as deep as it is, no deeper, and shrinks as the parts come out of each other. A part that lies
-// wholly inside another is brought out the nearest way.
+// Overlaps that parts have when they begin to move here: the file has them at rest, and parts are never
+// ejected. Each overlap may stay as deep as it is and no deeper, and shrinks as the parts come out of each
+// other. A part that lies wholly inside another is moved out along the shortest path.
 //
-// 1. The only owner of what is known of an overlap, and of how deep each pair of the present step is.
+// 1. Alone owns the overlaps, and the depth of each pair in the present step.
 // 2. Free of allocation.
 
 #include <array>
@@ -23,7 +23,7 @@ class Overlaps {
   Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
       : world_(world), island_(island), fault_(fault) {}
 
-  // When a part is taken.
+  // When a part begins to move here.
 
   void forget(PartId part);
   /// Measures and remembers the overlap of each pair of the island, which is placed. The oldest overlaps are
@@ -39,24 +39,25 @@ class Overlaps {
   /// Lets overlaps shrink to what they are now, and forgets those that have ended.
   void endStep();
 
-  /// Whether the parts of a pair were in each other when one was taken.
+  /// Whether the parts of a pair were in each other when one began to move here.
   bool has(int pair) const { return of_[static_cast<std::size_t>(pair)] >= 0; }
-  /// Whether one part of the pair was wholly inside the other: contact does not hold them apart, it comes
-  /// out.
+  /// Whether one part of the pair was wholly inside the other: instead of contact rows the pair has an exit
+  /// row.
   bool contained(int pair) const;
-  /// m that a sample of either part may be deep in the other, at a place that is given in both part frames:
-  /// the whole overlap where either part was in the other, nothing far from there.
+  /// m by which a sample of either part may be deep in the other, at a place that is given in both part
+  /// frames. It is the whole depth where either part was in the other, and falls to 0 beside that.
   double allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const;
-  /// The row that brings out the contained part of a pair, in a tick of dt seconds.
+  /// The row that moves the contained part of a pair out, in a tick of dt seconds.
   ExactRow exitRow(int pair, double dt) const;
-  /// m, the furthest that any contained body of the island is brought in a tick of dt seconds; 0 if none is.
+  /// m, the longest exit of any contained body of the island in a tick of dt seconds; 0 if none is
+  /// contained.
   double longestExit(double dt) const;
 
  private:
   static constexpr int kMaxOverlaps = 64;
-  static constexpr int kMaxQueries = 400;  // exact distances to meshes, when a part is taken
+  static constexpr int kMaxQueries = 400;  // exact distances to meshes in one measure()
 
-  /// Two parts that were in each other when one was taken.
+  /// Two parts that were in each other when one began to move here.
   struct Overlap {
     PartId a = kNoPart, b = kNoPart;
     double allowed = 0.0;            // m, how deep it may be; shrinks as they come out
@@ -65,7 +66,7 @@ class Overlaps {
     bool contained = false;          // a is wholly inside b
     glm::dvec3 exit{0.0, 0.0, 0.0};  // unit, in the frame of b
   };
-  /// What the samples of one part tell of an overlap.
+  /// The overlap as the samples of one part measure it.
   struct Side {
     double depth = 0.0;  // m
     bool allInside = true;
@@ -76,7 +77,8 @@ class Overlaps {
   void measureSide(const SampledModels& models, Side& side);
   void measureSample(const SampledModels& models, const ContactSample& sample,
                      const DistanceField::Reading& read, Side& side);
-  /// Unit, frame of the other part: the shortest way out for a part that lies in it.
+  /// The direction of the shortest path out of the other part for a part that lies in it; unit, other
+  /// part's frame.
   glm::dvec3 exitDirection(const ContactPair& pair, PartId part) const;
 
   const ContactWorld& world_;

@@ -17,13 +17,15 @@ class PairFinder {
   /// Adds the pairs of each body of the island with the parts that come within `reach` m of it in a tick of
   /// dt seconds.
   void findTouching(double reach, double dt, ContactIsland& island) const;
-  /// Adds the pairs that joints hold together.
+  /// Adds the pairs that joints connect.
   void findJoined(double dt, ContactIsland& island) const;
 
  private:
-  /// m that any point of a part moves in a tick of dt seconds by the part's own velocity, at most.
+  /// An upper bound of how far any point of a part moves in a tick of dt seconds by the part's own
+  /// velocity, m.
   double push(PartId part, double dt) const;
-  /// m, at least, between the box of a body and the ball around another part; below 0 where they meet.
+  /// A lower bound of the gap of two parts: from the box of a body to the ball around the other, m; below 0
+  /// where they meet.
   double leastGap(const ContactBody& body, const Pose& bodyFromWorld, PartId other) const;
 
   const ContactWorld& world_;

@@ -55,7 +55,7 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   const ContactStep::Tick tick{dt, effort, &work_, &touches_};
   for (int i = 0; i < islands.count(); ++i) {
     if (islands.count() > 1) gather(islands[i]);
-    // What one island does not spend is left to those after it.
+    // Iterations that one island does not use are left to those after it.
     step_.move(islands[i], tick, (effort.sampleQueries - work_.iterations) / (islands.count() - i));
   }
   history_.endTick();
@@ -70,7 +70,7 @@ void PartContact::gather(Moving moving) {
     const ContactBody& body = island_.addMoving(*part, dt_);
     longest = std::max(longest, body.motion(body.goal));
   }
-  // Two of them may come towards each other.
+  // Two moving parts may approach each other.
   finder_.findTouching(island_.bodyCount() > 1 ? 2.0 * longest : longest, dt_, island_);
   island_.raisePush(overlaps_.longestExit(dt_));
   finder_.findJoined(dt_, island_);

@@ -2,9 +2,9 @@
 
 // The parts that a site moves among their neighbours: where each may go in one tick.
 //
-// A moving part is a god object with mass: it goes where its momentum, the hand's spring, gravity, joints and
-// contacts together take it, and never into a neighbour. PairFinder tells which parts may meet, Islands which
-// of them are solved together, and ContactStep moves one island.
+// A moving part is a god object with mass: it goes where its momentum, the hand's spring, gravity, joints
+// and contacts together take it, and never into a neighbour. PairFinder finds the parts that may meet,
+// Islands groups those that are solved together, and ContactStep moves one island.
 //
 // 1. Free of allocation after construction. One a TickState; only where a scene has part models or joints.
 // 2. Called by the thread that ticks, and by nobody else. The world and the fault latch must outlive it.
@@ -40,7 +40,7 @@ class PartContact {
   bool constrains(PartId part) const { return collides(part) || joined(part); }
   bool collides(PartId part) const { return world_.model(part) != nullptr; }
   bool joined(PartId part) const { return joints_.joined(part); }
-  /// Calls f(other) with each part that a joint ties to this one.
+  /// Calls f(other) with each part that a joint connects to this one.
   template <typename F>
   void forEachJoined(PartId part, const F& f) const {
     for (const std::uint32_t joint : joints_.of(part)) {
@@ -49,13 +49,13 @@ class PartContact {
     }
   }
 
-  /// A part is moved here from now on, from where the world has it. Overlaps that it has with its neighbours
-  /// are remembered (overlaps.h).
+  /// Moves a part here from now on, from its pose in the world. Overlaps that it has with its neighbours
+  /// are measured (overlaps.h).
   void own(PartId part, const glm::dvec3& centreOfMass);
 
-  /// Moves all parts that move here by one tick of dt seconds as far as their neighbours and joints let them,
-  /// and gives each body the velocity of its motion. At most kMaxBodies, each of which has its own part and
-  /// body.
+  /// Moves all parts that move here by one tick of dt seconds as far as their neighbours and joints let
+  /// them, and gives each body the velocity of its motion. `moving` has at most kMaxBodies entries, each
+  /// with a part and a body of its own.
   void move(std::span<MovingPart> moving, double dt, const ContactEffort& effort = {});
 
   /// Whether something moves beside a part that is at rest here, or a part that it is joined to.

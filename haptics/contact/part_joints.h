@@ -1,6 +1,6 @@
 #pragma once
 
-// The joints of a scene that hold moving parts, with what each remembers from tick to tick.
+// The joints of a scene that constrain moving parts, with their state from tick to tick.
 //
 // 1. The joints of a control are left out: a control has its own mechanics (controls.h).
 // 2. Only the constructor allocates.
@@ -25,7 +25,7 @@ class PartJoints {
     return part < jointsOf_.size() ? std::span<const std::uint32_t>(jointsOf_[part])
                                    : std::span<const std::uint32_t>();
   }
-  /// The part that a joint ties to this one; kNoPart is the world.
+  /// The part that a joint connects to this one; kNoPart is the world.
   PartId otherPart(std::uint32_t joint, PartId part) const {
     const assets::Joint& ends = *joints_[joint].joint;
     return ends.partA == part ? ends.partB : ends.partA;
@@ -35,12 +35,12 @@ class PartJoints {
   /// False where a joint between two parts keeps them from colliding.
   bool letTouch(PartId a, PartId b) const;
 
-  /// A part that another site may have moved is moved here again: its joints are measured anew, except that
-  /// screws keep their whole turns.
+  /// Measures the joints of a part anew, which another site may have moved meanwhile. Screws keep their
+  /// full turns.
   void restart(PartId part);
   /// Adds the rows of the island's joints for a step within a tick of dt seconds.
   void addRows(const ContactIsland& island, double dt, ContactRows& rows);
-  /// The position of a joint in m along its X axis, or in rad about it with whole turns counted, as of the
+  /// The position of a joint in m along its X axis, or in rad about it with full turns counted, as of the
   /// last tick in which one of its parts moved here.
   double value(std::uint32_t joint, bool angular) const;
 

@@ -9,8 +9,8 @@ namespace {
 
 using Kind = ContactPatch::Kind;
 
-/// The place in [-half, half] where `slope`, which does not fall, passes zero; an end where it does not. The
-/// least value of the function is found to within `enough`.
+/// The minimum of a convex function on [-half, half] by the root of its derivative `slope`, which does not
+/// fall, or an end where there is no root. The least value is found to within `enough`.
 template <typename Slope>
 double whereLeast(double half, double enough, Slope&& slope) {
   double a = 0.0, fa = slope(0.0);
@@ -18,7 +18,7 @@ double whereLeast(double half, double enough, Slope&& slope) {
   double b = fa > 0.0 ? -half : half, fb = slope(b);
   if (fa * fb > 0.0) return b;
   for (int k = 0; k < 24; ++k) {
-    // Regula falsi with a halving in between, for slopes that jump at an edge.
+    // Regula falsi; every third step bisects, for slopes that jump at an edge.
     const double c = k % 3 == 2 ? 0.5 * (a + b) : (a * fb - b * fa) / (fb - fa);
     const double fc = slope(c);
     if (std::abs(fc) * std::abs(b - a) <= enough) return c;
@@ -81,7 +81,8 @@ Candidate over(const TriangleBvh& tree, const MeshEdges& edges, const ContactPat
   const glm::dvec3& normal = edges.normal(triangle);
   if (!(glm::dot(normal, normal) > 0.5)) return found;
   found.place = patch.lowest(normal, slack);
-  // A second face matters only if the patch can rest on it: a shared edge is known from the nearest face.
+  // A further face matters only if the patch can rest on it: the edge that it shares with the nearest face
+  // is known.
   if (!nearest && !faces(patch, found.place, normal)) return found;
   const Triangle corners = tree.triangle(triangle);
   const glm::dvec3 p = patch.pointAt(found.place);
@@ -119,8 +120,8 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   return best;
 }
 
-/// The direction of a place of a patch whose middle looks along `outward`. Near an end it turns past the end,
-/// for what touches the end may lie on the surface beyond it.
+/// The outward direction at a place of a patch, given that of its middle. Near an end it tilts past the
+/// end, because what touches the end may lie on the surface beyond it.
 glm::dvec3 outwardAt(const ContactPatch& patch, const ContactPatch::Place& place, const glm::dvec3& outward) {
   if (!(patch.along > 0.0) || outward == glm::dvec3(0.0)) return outward;
   return outward + (place.t / patch.along) * patch.axis;
@@ -148,7 +149,7 @@ bool uncover(std::span<const Primitive> shapes, std::size_t which, const SampleQ
       coveredFace(shapes, which, p, -unitOr(n0 - cosine * n1, n0), outward, size, edge.normals[1]);
   if (first && second) return false;
   if (!first && !second) return true;
-  // Two faces in one plane make no edge, and two that make a hollow both hold as planes.
+  // Two faces in one plane make no edge, and in a hollow the planes of both faces are contacts.
   const glm::dvec3 crossed = glm::cross(edge.normals[0], edge.normals[1]);
   if (glm::dot(crossed, along) <= 1e-6 * std::sqrt(square))
     edge.normals[first ? 0 : 1] = edge.normals[first ? 1 : 0];
@@ -228,7 +229,7 @@ PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, doub
     }
     if (!(slope > 0.1)) break;
     const ContactPatch::Place next = patch.lowest(up / slope, slack);
-    // The depth that this gradient promises there.
+    // The depth there by this gradient must exceed the present one.
     if (glm::dot(up, patch.pointAt(next) - point) > -slack) break;
     place = next;
   }

@@ -1,7 +1,7 @@
 #pragma once
 
-// Where a sample of one part that stands for a piece of its surface meets another part: the deepest place of
-// the piece, and the half-space that holds it off there. For the files of this room only.
+// Contact of a sample that stands for a patch, a piece of its part's surface: the deepest place of the
+// patch in the other part, and the separating half-space there. For the files of this room only.
 
 #include <cstdint>
 #include <span>
@@ -23,25 +23,26 @@ struct PatchTouch {
 /// The mean direction of a place that has these normals; of any length, 0 on a sheet.
 glm::dvec3 outwardOf(std::span<const glm::dvec3> normals);
 
-/// Where a patch is deepest in a convex shape, in one frame: the least distance to within `slack` m (a rim's
-/// patch, whose distance is not convex, where it has only one least one).
+/// The place where a patch is deepest in a convex shape, both in one frame. Its distance is the least one
+/// to within `slack` m. The distance along a rim is not convex, and the place is the least one only if
+/// there is no other minimum.
 ContactPatch::Place deepestPlace(const Primitive& shape, const ContactPatch& patch, double slack);
 
-/// That place, and what holds it off, read for a surface whose middle looks along `outward`.
+/// That place with the distance there. `outward` is the outward direction of the middle of the patch.
 PatchTouch deepestIn(const Primitive& shape, const ContactPatch& patch, double slack,
                      const glm::dvec3& outward = glm::dvec3(0.0));
 
-/// In a field, by its gradients: nearer with each reading, as far as the field's cells tell.
+/// The deepest place of a patch in a field, by descent along the field's gradients.
 PatchTouch deepestIn(const DistanceField& field, const ContactPatch& patch, double slack, float& error);
 
-/// As touchingFeature(), of one of the convex shapes of a part: `patch` null for a sample that is a point.
-/// What it is near to on the shape is found from `asked` and the patch; asked.edge and along are set from it.
-/// A face that other shapes cover holds nothing off: where two boxes make one floor, nothing catches at the
-/// seam. No plane where all do.
+/// The touching feature of one convex shape of a part. `patch` is null for a sample that is a point;
+/// otherwise its deepest place replaces the query's point, normals and edge. A face that other shapes cover
+/// has no contact, so that nothing catches at the seam of two boxes that make one floor. Without an
+/// uncovered face the result has no plane.
 TouchingFeature touchingShape(std::span<const Primitive> shapes, std::size_t which, const ContactPatch* patch,
                               SampleQuery sampleQuery);
 
-/// As touchingFeature(), of the deepest place of a patch; `start`: from which to look for it.
+/// The touching feature of the deepest place of a patch on a mesh; the search for it begins at `start`.
 bool touchingPatch(const TriangleBvh& tree, const MeshEdges& edges, const ContactPatch& patch,
                    const ContactPatch::Place& start, SampleQuery sampleQuery, std::uint32_t hint,
                    TouchingFeature& found);

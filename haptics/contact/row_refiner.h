@@ -1,6 +1,6 @@
 #pragma once
 
-// What the solver asks of the surfaces while it iterates.
+// The solver's view of the surfaces while it iterates: exact rows on demand.
 
 #include "haptics/contact/contact_rows.h"
 
@@ -11,7 +11,8 @@ class RowRefiner {
  public:
   /// Adds the exact rows of a sample.
   virtual void refine(RowSource source, const Displacement& u, ContactRows& rows) = 0;
-  /// m, world axes: how far the surface under a row of a pair without a second body has gone in this tick.
+  /// The displacement in this tick of the surface under a row of a pair without a second body, m, world
+  /// axes.
   virtual glm::dvec3 surfaceMotion(const ExactRow& row) const = 0;
 
  protected:

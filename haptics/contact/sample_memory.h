@@ -1,9 +1,9 @@
 #pragma once
 
-// What the last exact query of each sample found, so that a resting contact costs no query in the next step.
+// Cache of the last exact query of each sample, so that a resting contact costs no query in the next step.
 //
-// 1. A sample is known before kTargets other parts at a time: an edge often stands on two. The oldest gives
-// way.
+// 1. It has room for kTargets other parts a sample, because an edge often stands on two. The oldest answer
+//    is replaced.
 // 2. Only the constructor allocates.
 
 #include <array>
@@ -19,8 +19,8 @@ namespace tandem::haptics {
 /// The answer of one exact query.
 struct SampleAnswer {
   glm::vec3 place{0.0f, 0.0f, 0.0f};  // m, where the sample was, relative to the origin of the target's field
-  float room = 0.0f;                  // m that it could move from there without touching; below 0 inside
-  std::array<glm::vec3, 2> normals{};  // of the planes that held it, frame of the target
+  float room = 0.0f;                  // m that it can move from there without touching; below 0 inside
+  std::array<glm::vec3, 2> normals{};  // of the planes of its contact, frame of the target
   std::array<float, 2> gaps{};         // m, over those planes
   int planes = 0;
   std::uint32_t triangle = kNoTriangle;  // of the target, the nearest one
@@ -41,7 +41,7 @@ class SampleMemory {
 
   /// The last answer of a sample before a target; null if there is none.
   const SampleAnswer* find(PartId part, std::uint32_t sample, PartId target) const;
-  /// Where the next answer of the sample before this target belongs.
+  /// The entry for the next answer of the sample before this target.
   SampleAnswer& slot(PartId part, std::uint32_t sample, PartId target);
 
  private:

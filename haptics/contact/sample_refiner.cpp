@@ -12,10 +12,11 @@ namespace {
 constexpr std::size_t kMaxNormals = 16;  // of one sample
 constexpr double kToleranceAcross =
     8.0;  // tolerances that a sample may be across a sheet and still on its old side
-constexpr double kTolerancesOut = 8.0;  // by which a step brings out what is inside, beyond what pushes it in
+constexpr double kTolerancesOut =
+    8.0;  // by which a step moves out what is inside, beyond the speed of what pushes it in
 
-/// A sheet has no inside: it holds a sample off on the side on which the sample is, or was in its last
-/// answer.
+/// Orients the planes of a sheet, which has no inside, to the side on which the sample is, or was in its
+/// last answer.
 void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tolerance) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
     TouchingPlane& plane = found.planes[k];
@@ -82,7 +83,7 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
                       (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
   if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
   const DistanceField::Reading around = to.field.read(glm::vec3(sampleQuery.point - to.field.origin()));
-  // Where the field cannot tell the side, the sample is on the outside, from where it came.
+  // Where the field's error leaves the side open, the sample is outside, for it came from there.
   sampleQuery.outside =
       around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
   if (ContactPatch edge; from.patchOf(sample, edge)) {
@@ -132,8 +133,9 @@ void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample,
     ExactRow row;
     row.normal = query.worldFromTo.orientation * plane.normal * (query.ofFirst() ? 1.0 : -1.0);
     row.arm = transformPoint(query.worldFromTo, plane.point) - query.first().centre;
-    // The way out is no longer than the path to the surface. It is covered at the speed of what pushes the
-    // part in, and beyond that by a few tolerances a step; the last tolerance gently.
+    // Position correction: the part moves out at most by the distance to the surface, at the speed of what
+    // pushes it in and beyond that by a few tolerances a step. Of a penetration all but one tolerance is
+    // corrected in a step, of a small one a fifth a step (a Baumgarte stabilisation).
     const double gap = std::max(plane.gap, -found.distance) + allowed;
     row.gap =
         std::max(gap + std::clamp(-0.8 * gap, 0.0, tolerance), -island_.push() - kTolerancesOut * tolerance);

@@ -1,7 +1,7 @@
 #pragma once
 
-// Exact queries of single samples: the half-spaces of the mesh or the shapes that hold a sample off, as exact
-// rows, at the displacement that the solver has reached.
+// Exact queries of single samples: the separating half-spaces between a sample and the mesh or shapes of
+// the target, as exact rows, at the displacement that the solver has reached.
 //
 // 1. Alone writes the samples' memory. 2. Free of allocation.
 
@@ -23,8 +23,8 @@ class SampleRefiner final : public RowRefiner {
                 FaultLatch& fault)
       : world_(world), island_(island), overlaps_(overlaps), fault_(fault), memory_(world) {}
 
-  /// A step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact` false fields
-  /// are trusted where the mesh would be asked.
+  /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact`
+  /// false fields are read where meshes would be queried.
   void beginStep(double dt, double reach, bool exact);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;

@@ -14,7 +14,7 @@ namespace {
 
 // Share of a field's tolerance by which a place on a patch may be less deep than the deepest one.
 constexpr double kEven = 0.05;
-// Number of tolerances from a sheet within which a sample's place does not tell on which side it is.
+// Tolerances from a sheet within which the place of a sample does not decide its side.
 constexpr float kHair = 8.0f;
 
 }  // namespace

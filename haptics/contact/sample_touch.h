@@ -1,8 +1,7 @@
 #pragma once
 
-// Where one sample of a part, with the piece of surface that it stands for, meets another part: by formula
-// where the other part is made of implicit shapes, by its field and mesh elsewhere. For the files of this
-// room only.
+// Contact of one sample, with the patch that it stands for, against the target: by formula where the target
+// is made of implicit shapes, by its field and mesh elsewhere. For the files of this room only.
 //
 // 1. Free of state and of allocation.
 
@@ -20,7 +19,7 @@ struct SampledModels {
   Pose toFromSamples;               // part frames
 };
 
-/// m, by which a place on a patch may be less deep in the target than the deepest place.
+/// m, by how much a place on a patch may be less deep in the target than the deepest place.
 double evenness(const PartModel& target);
 
 /// The patch that a sample stands for, in the frame of the target; false where the sample is a point.
@@ -29,21 +28,21 @@ bool patchBefore(const SampledModels& models, const ContactSample& sample, Conta
 /// The outward direction of a sample's surface, in the frame of the target; of any length, 0 on a sheet.
 glm::dvec3 outwardBefore(const SampledModels& models, const ContactSample& sample);
 
-/// Turns a plane of a sheet to the side from which a sample that looks along `outward` comes. Far from the
-/// sheet the plane stays as it is.
+/// Orients a plane of a sheet against a sample whose surface has this outward direction. Far from the sheet
+/// the plane stays as it is.
 void orientAgainst(const glm::dvec3& outward, double tolerance, glm::dvec3& normal, double& gap);
 
-/// The half-spaces of the two shapes of a target into which the sample is predicted to go furthest: a nook
-/// has two sides. False if no shape constrains the sample.
+/// The half-spaces of the two shapes of a target into which the sample is predicted to go furthest, because
+/// a nook has two sides. False if no shape constrains the sample.
 bool touchShapes(const SampledModels& models, const ContactSample& sample, const SampleQuery& sampleQuery,
                  TouchingFeature& found);
 
 /// The half-space at the deepest place of a round sample's patch. `hint` is a triangle that may be near.
-/// Without `exact` the field alone tells it.
+/// Without `exact` the field alone gives it.
 bool touchPatch(const SampledModels& models, const ContactSample& sample, SampleQuery sampleQuery,
                 std::uint32_t hint, bool exact, TouchingFeature& found);
 
-/// The half-space as the field of the target alone tells it, good to within its error. False where its
+/// The half-space by the field of the target alone, good to within the field's error. False where its
 /// gradient is too small to be a direction.
 bool fieldFeature(const PartModel& target, const SampleQuery& sampleQuery, TouchingFeature& found);
 

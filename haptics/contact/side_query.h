@@ -1,6 +1,7 @@
 #pragma once
 
-// The samples of one side of a pair before the other part: what a step needs to know to turn them into rows.
+// One side of a pair: the samples of one part before the other part, the target, with all that turns them
+// into rows.
 //
 // 1. Made for one step; the island and the overlaps that it is made from must outlive it unchanged.
 
@@ -15,8 +16,8 @@
 namespace tandem::haptics {
 
 struct SideQuery : SampledModels {
-  /// What a touching sample told earlier is trusted while the sample has not moved further than this share
-  /// of the spacing of its part's samples.
+  /// The last answer of a sample is trusted while the sample has not moved further than this share of the
+  /// spacing of its part's samples.
   static constexpr double kTrustedShare = 0x1p-4;
 
   /// `sampledSide` is 0 where the pair's first part is sampled and 1 where the other is; `reach` in m.
@@ -25,14 +26,15 @@ struct SideQuery : SampledModels {
 
   bool ofFirst() const { return side == 0; }
   RowSource source(std::uint32_t sample) const { return {pair, side, sample}; }
-  /// World direction of a normal of the target, as the pair's first part feels it.
+  /// World direction of a normal of the target, signed such that it opens the gap for the pair's first
+  /// part.
   glm::vec3 world(const glm::vec3& normal) const { return sign * (rotation * normal); }
   /// m, world axes, from the first body's centre of mass to a place relative to the origin of the target's
   /// field.
   glm::vec3 armOf(const glm::vec3& place) const { return rotation * place + shift; }
   /// The same of a point in the frame of the target.
   glm::vec3 arm(const glm::dvec3& point) const { return armOf(glm::vec3(point - to->field.origin())); }
-  /// m that the sample may be deep in the target because it was when the part was taken.
+  /// m by which the sample may be deep in the target because it was when its part began to move here.
   double allowed(const ContactSample& sample) const;
 
   const ContactPair& contactPair() const { return island->pair(pair); }

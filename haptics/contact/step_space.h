@@ -5,8 +5,8 @@
 //
 // With A_b = L_b L_b^T (Cholesky) and y_b = L_b^T (u_b - u0_b),
 //     sum_b 1/2 (u_b - u0_b)^T A_b (u_b - u0_b) = 1/2 |y|^2
-// and a row with the Jacobian J asks d . y >= -gap - J u0 with the direction d = L^-1 J^T. Goldfarb & Idnani
-// 1983 work in the same coordinates.
+// and a row with the Jacobian J demands d . y >= -gap - J u0 with the direction d = L^-1 J^T. Goldfarb &
+// Idnani 1983 work in the same coordinates.
 //
 // 1. Holds no row. Goals and pairs must outlive their use. 2. Free of allocation.
 

@@ -148,8 +148,8 @@ bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEd
   });
 }
 
-/// The plane of an edge whose point nearest to the sample is `foot`, in the direction across it that parts
-/// them best.
+/// The plane of an edge whose point nearest to the sample is `foot`, along the separating direction of the
+/// largest predicted gap.
 TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, const glm::dvec3& foot,
                            const SampleQuery& sample, double reach) {
   const glm::dvec3 offset = sample.point - foot;
@@ -158,8 +158,8 @@ TouchingPlane partingPlane(const EdgePlane& plane, const Directions& shared, con
   return {sample.point, normal, glm::dot(normal, offset)};
 }
 
-/// The same in a direction that is normal to both. False if there is none, or if none parts them although
-/// they are apart: the two bodies are then nearest to each other elsewhere.
+/// The same along a direction that is normal to both. False if there is none, or if none separates them
+/// although they do not meet: the two bodies are then nearest to each other elsewhere.
 bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3& foot,
                  const SampleQuery& sample, double reach, TouchingPlane& found) {
   const Directions shared = commonDirections(plane, sample.normals);
@@ -168,8 +168,8 @@ bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3&
   return found.gap >= -slackOf(sample, reach) || cutsSample(edge, sample, 4.0 * reach);
 }
 
-/// The same for a corner. Two edges that run along each other touch beyond the sample as well, where a
-/// direction that is nearly normal to both parts them.
+/// The plane of an edge for any sample. Two edges that run along each other also touch beyond the sample,
+/// where a direction that is nearly normal to both separates them.
 TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleQuery& sample,
                           double reach) {
   const EdgePlane plane(edge);
@@ -178,8 +178,8 @@ TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const Sa
   return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
 }
 
-/// The plane that parts best among those of all convex edges that meet in the corner `foot`; false if none is
-/// normal to both.
+/// The plane of the largest predicted gap among those of all convex edges that meet in the corner `foot`;
+/// false if none is normal to both.
 bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& foot,
                    const SampleQuery& sample, double reach, TouchingPlane& found) {
   double furthest = -1e300;
@@ -197,8 +197,8 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
   return furthest > -1e300;
 }
 
-/// The plane of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner that
-/// is as near, any plane that parts the two is enough, unless the corner is hollow too.
+/// The plane of the convex edge near the sample, or of the triangle itself. Where edges meet in a corner
+/// that is as near, any separating plane is enough, unless the corner is hollow too.
 TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std::uint32_t triangle,
                            const SampleQuery& sample, double reach) {
   const glm::dvec3& p = sample.point;
@@ -240,7 +240,8 @@ bool touchingFeature(const TriangleBvh& tree, const MeshEdges& edges, const Samp
   found.distance = nearest.distance;
   const double path = std::max(glm::length(sample.motion), 10.0 * sample.slack);
   if (sample.outside && nearest.distance > sample.along + sample.range) {
-    // Out of reach the distance alone holds the sample off, for a feature's planes hold only near it.
+    // Out of reach the distance alone makes the plane, because the planes of a feature are valid only near
+    // it.
     found.planes[0] = {p, (p - nearest.point) / nearest.distance, nearest.distance};
     found.count = 1;
     return true;

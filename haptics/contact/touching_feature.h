@@ -1,12 +1,12 @@
 #pragma once
 
-// The exact contact between one sample of a part and the surface of another: which way it holds them apart,
-// and how far they are from each other that way.
+// The narrow phase: the exact contact between one sample of a part and the surface of another, which is the
+// contact normal and the gap along it.
 //
-// Where two convex features meet, any one direction that parts them is enough: of those that are normal to
-// both (the edge's normals and the negated normals of the sample), the one is taken in which the predicted
-// positions are furthest apart. In a hollow all planes of the surface hold. A normal from the closest points
-// alone makes a peg jam at the rim of its bore.
+// Where two convex features meet, one separating axis is enough. The candidates are the directions that are
+// normal to both, the edge's normals and the negated normals of the sample; the normal is the one along
+// which the predicted positions are furthest apart. In a hollow all planes of the surface are contacts. A
+// normal from the closest points alone makes a peg jam at the rim of its bore.
 
 #include <array>
 #include <cstdint>
@@ -19,16 +19,16 @@
 
 namespace tandem::haptics {
 
-/// A sample of the other part, in the frame of the mesh that is asked; m.
+/// A sample of the other part, in the frame of the mesh that is queried; m.
 struct SampleQuery {
   glm::dvec3 point{0.0, 0.0, 0.0};
-  glm::dvec3 motion{0.0, 0.0, 0.0};     // where it is predicted to go in this step
+  glm::dvec3 motion{0.0, 0.0, 0.0};     // its predicted displacement in this step
   std::span<const glm::dvec3> normals;  // unit, outward from its own part
   glm::dvec3 edge{0.0, 0.0, 0.0};       // unit; zero where the sample is not on an edge
-  double along = 0.0;                   // it stands for the edge this far to both sides
-  double slack = 0.0;                   // by which a gap may be below zero if the prediction then passes
-  bool outside = false;                 // it is known not to be inside the mesh
-  double range = 0.0;                   // m that it may go before it asks again
+  double along = 0.0;                   // it stands for the edge up to this far on both sides
+  double slack = 0.0;                   // by which a gap may be below zero where the predicted gap is not
+  bool outside = false;                 // it is not inside the mesh
+  double range = 0.0;                   // m that it may move before its next query
 };
 
 /// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.
@@ -38,7 +38,8 @@ struct TouchingPlane {
   double gap = 0.0;                  // m, of the point now; below 0 inside
 };
 
-/// What holds a sample off a mesh: the feature nearest to it, and beside a hollow edge the plane beyond that.
+/// The contact planes of a sample: that of the nearest feature, and beside a hollow edge the plane beyond
+/// it.
 struct TouchingFeature {
   std::array<TouchingPlane, 2> planes;
   int count = 0;

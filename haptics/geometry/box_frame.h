@@ -18,7 +18,7 @@
 
 namespace tandem::haptics {
 
-/// An axis-aligned box as centre and half extents, m, with the slab of what it holds (0: none).
+/// An axis-aligned box as centre and half extents, m, with the slab of its content (0: none).
 struct CentredBox {
   glm::vec3 centre, half;
   std::uint32_t slab = 0;

@@ -15,7 +15,8 @@
 namespace tandem::haptics {
 namespace {
 
-// Faces that turn by less count as one plane; a cylinder of 60,000 segments turns by more.
+// Faces whose normals differ by less count as one plane; those of a cylinder of 60,000 segments differ by
+// more.
 constexpr double kFlat = 1e-4;  // rad
 constexpr double kSharp = 0.5;  // rad
 constexpr std::size_t kMaxAround = 16;

@@ -67,6 +67,7 @@ class Search {
   }
 
   bool tryTwo(int i, int j) {
+    // Multipliers solve m_i + c m_j = d_i and c m_i + m_j = d_j.
     const double c = glm::dot(normal(i), normal(j));
     const double determinant = 1.0 - c * c;
     if (!(determinant > kSingular)) return false;

@@ -37,6 +37,7 @@ TrianglePoint closestOnSliver(const glm::dvec3& p, const Triangle& t, const glm:
 }  // namespace
 
 TrianglePoint closestPointOnTriangle(const glm::dvec3& p, const Triangle& t) {
+  // The Voronoi regions of corners and edges in turn; what remains is that of the face.
   const glm::dvec3 ab = t.b - t.a, ac = t.c - t.a, ap = p - t.a;
   const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
   if (d1 <= 0.0 && d2 <= 0.0) return {t.a, false};
@@ -151,7 +152,7 @@ bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, 
   const Passage passage{from, motion, radius, glm::length(motion), triangle};
   Tangent left = passage.tangentAt(0.0), right;
   double step = 0.0;
-  bool looked = false;     // at the end of the motion
+  bool endKnown = false;   // `right` is the tangent at the end of the motion or before
   bool bracketed = false;  // the gap is open at `right` and grows there, but may have closed before
   for (int round = 0;; ++round) {
     if (!(left.slope < left.noise)) return false;
@@ -170,8 +171,8 @@ bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, 
       return true;
     }
     if (left.next() > hit.t) return false;
-    if (!looked) {
-      looked = true;
+    if (!endKnown) {
+      endKnown = true;
       right = passage.tangentAt(1.0);
       bracketed = right.gap > clear;
       if (bracketed && right.slope <= 0.0) return false;

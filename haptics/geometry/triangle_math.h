@@ -7,7 +7,7 @@
 
 namespace tandem::haptics {
 
-/// Three corners, counter-clockwise seen from outside.
+/// Three corners, counter-clockwise from outside.
 struct Triangle {
   glm::dvec3 a, b, c;
 };
@@ -37,10 +37,11 @@ struct BallHit {
 /// from the closest point elsewhere.
 glm::dvec3 contactNormal(const glm::dvec3& p, const Triangle& triangle, const TrianglePoint& closest);
 
-/// First t in [0, hit.t] at which the distance of from + t * motion to the triangle falls to `radius`, found
-/// within `tolerance` above it and never below. False if there is none or the ball does not approach. Both
-/// sides are solid. The distance to a convex set is a convex function of t, so Newton's iteration from t = 0
-/// approaches its first root from below and never passes it.
+/// Continuous collision detection of a ball: the first t in [0, hit.t] at which the distance of from + t *
+/// motion to the triangle falls to `radius`, found within `tolerance` above it and never below. False if
+/// there is none or the ball does not approach. Both sides are solid. The distance to a convex set is a
+/// convex function of t, so Newton's iteration from t = 0 approaches its first root from below and never
+/// passes it.
 bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
                const Triangle& triangle, BallHit& hit);
 

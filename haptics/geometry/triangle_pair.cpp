@@ -9,16 +9,17 @@
 namespace tandem::haptics {
 namespace {
 
-/// Keeps the nearest pair of points seen.
+/// Keeps a pair of points if it is the nearest so far.
 void keepNearest(const glm::dvec3& onA, const glm::dvec3& onB, TrianglePairGap& best) {
   const glm::dvec3 path = onA - onB;
   const double square = glm::dot(path, path);
   if (square < best.square) best = {square, onA, onB};
 }
 
-/// Takes the nearest points of the edges p + s u and q + t v where both lie within the edges. Elsewhere an
-/// end is nearest, which the tests of corners cover. Any s and t in range name true points of both, so the
-/// rounding of nearly parallel edges costs only second-order tightness.
+/// Keeps the nearest points of the edges p + s u and q + t v where both lie within the edges (Ericson,
+/// Real-Time Collision Detection, 5.1.9). Elsewhere an end is nearest, which the tests of corners cover.
+/// Any s and t in range name true points of both, so the rounding of nearly parallel edges costs only
+/// second-order tightness.
 void keepNearestOfEdges(const glm::dvec3& p, const glm::dvec3& u, const glm::dvec3& q, const glm::dvec3& v,
                         TrianglePairGap& best) {
   const glm::dvec3 r = p - q;
@@ -36,7 +37,8 @@ bool isSliver(const Triangle& t) {
   return glm::dot(n, n) < 1e-6 * glm::dot(ab, ab) * glm::dot(ac, ac);
 }
 
-/// Tests the corners of one against the edges of another that is a sliver, which are known exactly.
+/// Calls pair(corner, nearest point) for the corners of one triangle and the edges of another that is a
+/// sliver: its edges are known exactly.
 template <typename Pair>
 void pairCornersWithEdges(const std::array<glm::dvec3, 3>& corners, const std::array<glm::dvec3, 3>& sliver,
                           Pair&& pair) {

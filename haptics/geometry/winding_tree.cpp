@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kMaxLeaf = 8;
 /// A node counts as a dipole from this many radii on.
 constexpr double kFar = 2.5;
-/// Halving the count at each level, 32 levels hold every mesh; two children wait at each.
+/// Halving the count at each level, 32 levels suffice for every mesh; two children wait at each.
 constexpr std::size_t kStackSize = 72;
 
 }  // namespace
@@ -24,6 +24,7 @@ constexpr std::size_t kStackSize = 72;
 double windingOfTriangle(const glm::dvec3& p, const Triangle& triangle) {
   const glm::dvec3 a = triangle.a - p, b = triangle.b - p, c = triangle.c - p;
   const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
+  // tan(omega / 2) = a . (b x c) / (|a||b||c| + (a . b)|c| + (b . c)|a| + (c . a)|b|), omega the solid angle
   const double volume = glm::dot(a, glm::cross(b, c));
   const double share = la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb;
   if (volume == 0.0 && share == 0.0) return 0.0;
@@ -108,6 +109,8 @@ double WindingTree::at(const glm::dvec3& p) const {
     const glm::dvec3 r = node.centre - p;
     const double square = glm::dot(r, r);
     if (square > kFar * kFar * node.radius * node.radius && node.count > 1) {
+      // The dipole and its first derivative, with the area vector a and the moment M about the centre:
+      // (a . r + tr M - 3 r^T M r / r^2) / (4 pi r^3)
       const double inverse = 1.0 / std::sqrt(square), cube = inverse * inverse * inverse;
       const double trace = node.moment[0][0] + node.moment[1][1] + node.moment[2][2];
       const double twist = glm::dot(r, node.moment * r) * inverse * inverse;

@@ -20,7 +20,7 @@ using assets::kNone;
 constexpr double kSharp = 0.5;          // rad, for the welding only: the flags are not read here
 constexpr std::size_t kMaxBorder = 64;  // corners of a facet; a larger facet keeps its triangles
 constexpr std::array<glm::dvec3, 3> kRays{
-    // A direction that faces and edges of a part are unlikely to have.
+    // Faces and edges of a part are unlikely to have these directions.
     glm::dvec3{0.4827134, 0.6193018, 0.6194272}, glm::dvec3{-0.7071823, 0.1293711, -0.6950937},
     glm::dvec3{0.2313971, -0.8811737, 0.4123391}};
 
@@ -265,7 +265,7 @@ class DepthModelBuilder {
   double tolerance_;
   std::vector<std::uint32_t> patchOf_;  // of a triangle
   std::vector<glm::dvec3> patchNormals_;
-  std::vector<Border> borders_;        // of every patch, each seen from within
+  std::vector<Border> borders_;        // of every patch, each counter-clockwise in its own patch
   std::vector<std::uint32_t> edges_;   // into borders_: each edge once
   std::vector<std::uint32_t> degree_;  // of a vertex: border edges there
   std::vector<std::array<std::uint32_t, 2>> edgesOf_;

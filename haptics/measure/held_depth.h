@@ -1,7 +1,7 @@
 #pragma once
 
-// Exact depth of one part in the other parts of a scene. For tests and measurements, never within a tick: it
-// allocates, takes milliseconds, and makes the models of neighbours when they first come near.
+// Exact depth of one part in the other parts of a scene. For tests and measurements, never within a tick:
+// it allocates, takes milliseconds, and builds the models of neighbours when they first come near.
 
 #include <memory>
 #include <vector>

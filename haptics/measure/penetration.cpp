@@ -49,7 +49,7 @@ PenetrationDepth PenetrationMeter::measure(const Pose& worldFromA, const Pose& w
   d.aInB.measure(bFromA, ofA, d.facetsOfB);
   ofB.depth = ofA.depth;  // only a deeper point matters
   d.bInA.measure(aFromB, ofB, d.facetsOfA);
-  // From here on each search looks for a point deeper than all before.
+  // From here on each search finds only points deeper than all before.
   const auto better = [](DeepestPoint& mine, DeepestPoint& other, auto&& search) {
     mine.depth = std::max(mine.depth, other.depth);
     const double before = mine.depth;

@@ -206,7 +206,7 @@ void RidgeDepth::findSides() {
       if (side_[representative] != kUnknown) continue;
       MeshPoint under;
       body_.tree().closestPoint(placed_[corner], 1e300, under);
-      // A corner that touches does not tell the side, unless all of them touch.
+      // A corner that touches leaves the side open, unless all corners touch.
       if (under.distance <= tolerance_ && !last) continue;
       side_[representative] = body_.inside(placed_[corner], under) ? kInside : kOutside;
     }
@@ -223,7 +223,8 @@ void RidgeDepth::measureInside(const Interval& interval, DeepestPoint& deepest) 
   deepest = place;
 }
 
-/// An edge through a surface without an inside: at each crossing, the shorter way out counts.
+/// Measures an edge through a surface without an inside: at each crossing the end that reaches less far
+/// counts.
 void RidgeDepth::measureOpen(const glm::dvec3& from, const glm::dvec3& to, DeepestPoint& deepest) const {
   DeepestPoint before;
   for (std::size_t i = 1; i < cuts_.size(); ++i) {
