@@ -1,21 +1,17 @@
 #include "haptics/contact/contact_history.h"
 
-#include <algorithm>
 #include <utility>
 
 namespace tandem::haptics {
 
 void ContactHistory::forget(PartId part) {
-  const auto end = std::remove_if(contacts_.begin(), contacts_.begin() + contactCount_,
-                                  [&](const Contact& k) { return k.first == part || k.other == part; });
-  contactCount_ = static_cast<int>(end - contacts_.begin());
-  last_->frictionCount = last_->motionCount = 0;
+  forgetIf([&](const Contact& k) { return k.first == part || k.other == part; });
+  last_->clear();
 }
 
 void ContactHistory::beginTick(const ContactIsland& all) {
-  now_->frictionCount = now_->motionCount = 0;
-  for (int k = 0; k < contactCount_; ++k) {
-    Contact& contact = contacts_[static_cast<std::size_t>(k)];
+  now_->clear();
+  for (Contact& contact : contacts_) {
     if (all.bodyOf(contact.first) < 0) ++contact.unused;  // asleep, or no longer moved here
   }
 }
@@ -24,16 +20,15 @@ void ContactHistory::endTick() { std::swap(now_, last_); }
 
 double ContactHistory::lastMotion(PartId part) const {
   double length = 0.0;
-  for (int i = 0; i < last_->motionCount; ++i) {
-    const Motion& motion = last_->motions[static_cast<std::size_t>(i)];
+  for (const Motion& motion : last_->motions) {
     if (motion.part == part) length = motion.length;
   }
   return length;
 }
 
 void ContactHistory::noteMotion(PartId part, double motion) {
-  if (!TICK_ASSERT(fault_, now_->motionCount < kMaxBodies)) return;
-  now_->motions[static_cast<std::size_t>(now_->motionCount++)] = {part, motion};
+  if (!TICK_ASSERT(fault_, !now_->motions.full())) return;
+  now_->motions.push_back({part, motion});
 }
 
 bool ContactHistory::isOf(PartId first, PartId other, const ContactIsland& island, int index) {
@@ -42,46 +37,41 @@ bool ContactHistory::isOf(PartId first, PartId other, const ContactIsland& islan
 }
 
 void ContactHistory::recallFriction(const ContactIsland& island, ContactSolver& solver) const {
-  std::array<FrictionForce, ActiveSet::kMaxRows> known;
-  std::size_t count = 0;
-  for (int i = 0; i < last_->frictionCount && count < known.size(); ++i) {
-    const Friction& last = last_->frictions[static_cast<std::size_t>(i)];
+  FixedVector<FrictionForce, ActiveSet::kMaxRows> known;
+  for (const Friction& last : last_->frictions) {
+    if (known.full()) break;
     for (int k = 0; k < island.pairCount(); ++k) {
       if (!isOf(last.first, last.other, island, k)) continue;
-      known[count] = last.friction;
-      known[count++].source.pair = static_cast<std::uint16_t>(k);
+      known.push_back(last.friction).source.pair = static_cast<std::uint16_t>(k);
       break;
     }
   }
-  solver.recallFriction({known.data(), count});
+  solver.recallFriction({known.data(), known.size()});
 }
 
 void ContactHistory::noteFriction(const ContactIsland& island, const ContactSolver& solver) {
   for (const FrictionForce& friction : solver.friction()) {
     if (!TICK_ASSERT(fault_, friction.source.pair < island.pairCount())) return;
-    if (now_->frictionCount == kMaxFrictions) return;
+    if (now_->frictions.full()) return;
     const ContactPair& pair = island.pair(friction.source.pair);
-    now_->frictions[static_cast<std::size_t>(now_->frictionCount++)] = {island.first(pair).part, pair.other,
-                                                                        friction};
+    now_->frictions.push_back({island.first(pair).part, pair.other, friction});
   }
 }
 
 ContactHistory::Contact& ContactHistory::slot(PartId first, PartId other, const RowSource& source) {
-  int oldest = 0;
-  for (int k = 0; k < contactCount_; ++k) {
-    Contact& contact = contacts_[static_cast<std::size_t>(k)];
+  Contact* oldest = contacts_.data();
+  for (Contact& contact : contacts_) {
     if (contact.first == first && contact.other == other && contact.source.side == source.side &&
         contact.source.sample == source.sample)
       return contact;
-    if (contact.unused > contacts_[static_cast<std::size_t>(oldest)].unused) oldest = k;
+    if (contact.unused > oldest->unused) oldest = &contact;
   }
-  return contacts_[static_cast<std::size_t>(contactCount_ < kMaxContacts ? contactCount_++ : oldest)];
+  return contacts_.full() ? *oldest : contacts_.push_back({});
 }
 
 void ContactHistory::noteContacts(const ContactIsland& island, const ContactRows& rows,
                                   const ContactSolver& solver) {
-  for (int k = 0; k < contactCount_; ++k) {
-    Contact& contact = contacts_[static_cast<std::size_t>(k)];
+  for (Contact& contact : contacts_) {
     if (island.bodyOf(contact.first) >= 0) ++contact.unused;
   }
   for (const ActiveSet::Row& active : solver.active()) {
@@ -94,9 +84,7 @@ void ContactHistory::noteContacts(const ContactIsland& island, const ContactRows
     const PartId first = island.first(pair).part;
     slot(first, pair.other, source) = {first, pair.other, source, 0};
   }
-  const auto end = std::remove_if(contacts_.begin(), contacts_.begin() + contactCount_,
-                                  [](const Contact& contact) { return contact.unused > kCachedSteps; });
-  contactCount_ = static_cast<int>(end - contacts_.begin());
+  forgetIf([](const Contact& contact) { return contact.unused > kCachedSteps; });
 }
 
 }  // namespace tandem::haptics

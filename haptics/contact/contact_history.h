@@ -6,11 +6,14 @@
 // 1. Entries are known by their parts: the numbers of bodies and pairs differ from tick to tick.
 // 2. Free of allocation.
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_rows.h"
 #include "haptics/contact/contact_solver.h"
@@ -42,8 +45,7 @@ class ContactHistory {
   /// steps.
   template <typename F>
   void forEachContact(const ContactIsland& island, const F& f) const {
-    for (int k = 0; k < contactCount_; ++k) {
-      const Contact& contact = contacts_[static_cast<std::size_t>(k)];
+    for (const Contact& contact : contacts_) {
       for (int i = 0; i < island.pairCount(); ++i) {
         if (!isOf(contact.first, contact.other, island, i)) continue;
         RowSource source = contact.source;
@@ -57,8 +59,9 @@ class ContactHistory {
   void noteContacts(const ContactIsland& island, const ContactRows& rows, const ContactSolver& solver);
 
  private:
-  static constexpr int kMaxContacts = 48, kCachedSteps = 16;
-  static constexpr int kMaxFrictions = 2 * ActiveSet::kMaxRows;
+  static constexpr std::size_t kMaxContacts = 48;
+  static constexpr int kCachedSteps = 16;
+  static constexpr std::size_t kMaxFrictions = 2 * ActiveSet::kMaxRows;
 
   struct Contact {
     PartId first = kNoPart, other = kNoPart;
@@ -74,20 +77,29 @@ class ContactHistory {
     double length = 0.0;  // m
   };
   struct Tick {
-    std::array<Friction, kMaxFrictions> frictions;
-    std::array<Motion, kMaxBodies> motions;
-    int frictionCount = 0, motionCount = 0;
+    FixedVector<Friction, kMaxFrictions> frictions;
+    FixedVector<Motion, kMaxBodies> motions;
+
+    void clear() {
+      frictions.clear();
+      motions.clear();
+    }
   };
 
   /// Whether two parts are those of a pair that may touch.
   static bool isOf(PartId first, PartId other, const ContactIsland& island, int pair);
+  /// Forgets the contacts for which `ended` is true; the others keep their order.
+  template <typename Ended>
+  void forgetIf(const Ended& ended) {
+    const auto end = std::remove_if(contacts_.begin(), contacts_.end(), ended);
+    for (auto left = contacts_.end() - end; left > 0; --left) contacts_.pop_back();
+  }
   /// The entry of a contact that is known, else a free entry, else the entry that has been unused for
   /// longest.
   Contact& slot(PartId first, PartId other, const RowSource& source);
 
   FaultLatch& fault_;
-  std::array<Contact, kMaxContacts> contacts_;
-  int contactCount_ = 0;
+  FixedVector<Contact, kMaxContacts> contacts_;
   std::array<Tick, 2> ticks_;
   Tick* now_ = &ticks_[0];
   Tick* last_ = &ticks_[1];

@@ -22,14 +22,15 @@ double ContactBody::motion(const Displacement& u) const {
 }
 
 void ContactIsland::clear() {
-  bodyCount_ = 0;
+  bodies_.clear();
+  goals_.clear();
   clearPairs();
 }
 
 ContactBody& ContactIsland::addBody(PartId part, const glm::dvec3& centreOfMass, const Pose& pose) {
-  if (!TICK_ASSERT(fault_, bodyCount_ < kMaxBodies)) return bodies_.back();
-  ContactBody& body = bodies_[static_cast<std::size_t>(bodyCount_++)];
-  body = ContactBody{};
+  if (!TICK_ASSERT(fault_, !bodies_.full())) return bodies_.back();
+  goals_.push_back({});
+  ContactBody& body = bodies_.push_back({});
   body.part = part;
   body.model = world_.model(part);
   body.centreOfMass = centreOfMass;
@@ -38,43 +39,45 @@ ContactBody& ContactIsland::addBody(PartId part, const glm::dvec3& centreOfMass,
   body.radius = glm::length(collider.centre - centreOfMass) + radius;
   body.pose = pose;
   const double tolerance = body.model != nullptr ? body.model->field.tolerance() : 1e-5 * body.radius;
-  tolerance_ = bodyCount_ == 1 ? tolerance : std::min(tolerance_, tolerance);
+  tolerance_ = bodies_.size() == 1 ? tolerance : std::min(tolerance_, tolerance);
   return body;
 }
 
 const ContactBody& ContactIsland::addMoving(const MovingPart& part, double dt) {
   TICK_ASSERT(fault_, dt > 0.0 && part.body->mass > 0.0);
-  const int at = bodyCount_;
+  const std::size_t at = bodies_.size();
   ContactBody& body = addBody(part.part, part.body->centreOfMass, part.body->worldFromBody);
-  if (at == bodyCount_) return body;
+  if (at == bodies_.size()) return body;
   body.goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
   body.mass = part.body->mass;
-  StepGoal& goal = goals_[static_cast<std::size_t>(at)];
+  StepGoal& goal = goals_[at];
   goal.applied = Displacement{};
   goal.root = part.step.root;
   return body;
 }
 
 void ContactIsland::clearPairs() {
-  pairCount_ = 0;
+  pairs_.clear();
+  rowPairs_.clear();
   push_ = 0.0;
   overflowed_ = false;
 }
 
 void ContactIsland::addPair(const ContactPair& pair) {
-  if (!TICK_ASSERT(fault_, pair.first < bodyCount_ && pair.second < bodyCount_)) return;
-  int at = pairCount_;
-  if (at == (pair.isJoint() ? kMaxPairs : kMaxPairs - kForJoints)) {
+  if (!TICK_ASSERT(fault_, pair.first < bodyCount() && pair.second < bodyCount())) return;
+  const RowPair rowPair{pair.first, pair.second, glm::dvec3(0.0)};
+  if (pairs_.size() < static_cast<std::size_t>(pair.isJoint() ? kMaxPairs : kMaxPairs - kForJoints)) {
+    pairs_.push_back(pair);
+    rowPairs_.push_back(rowPair);
+  } else {
     overflowed_ = true;
     if (pair.isJoint()) return;
     const auto nearer = [](const ContactPair& a, const ContactPair& b) { return a.gap < b.gap; };
-    at = static_cast<int>(std::max_element(pairs_.begin(), pairs_.begin() + at, nearer) - pairs_.begin());
-    if (pairs_[static_cast<std::size_t>(at)].gap <= pair.gap) return;
-  } else {
-    ++pairCount_;
+    const auto furthest = std::max_element(pairs_.begin(), pairs_.end(), nearer);
+    if (furthest->gap <= pair.gap) return;
+    *furthest = pair;
+    rowPairs_[static_cast<std::size_t>(furthest - pairs_.begin())] = rowPair;
   }
-  rowPairs_[static_cast<std::size_t>(at)] = {pair.first, pair.second, glm::dvec3(0.0)};
-  pairs_[static_cast<std::size_t>(at)] = pair;
   raisePush(pair.push);
 }
 
@@ -82,7 +85,7 @@ void ContactIsland::raisePush(double distance) { push_ = std::max(push_, distanc
 
 double ContactIsland::updateGoals() {
   double longest = 0.0;
-  for (int i = 0; i < bodyCount_; ++i) {
+  for (int i = 0; i < bodyCount(); ++i) {
     StepGoal& goal = goals_[static_cast<std::size_t>(i)];
     goal.free = remaining(i);
     longest = std::max(longest, body(i).motion(goal.free));
@@ -91,11 +94,11 @@ double ContactIsland::updateGoals() {
 }
 
 void ContactIsland::place() {
-  for (int i = 0; i < bodyCount_; ++i) {
+  for (int i = 0; i < bodyCount(); ++i) {
     ContactBody& body = bodies_[static_cast<std::size_t>(i)];
     body.centre = transformPoint(body.pose, body.centreOfMass);
   }
-  for (int i = 0; i < pairCount_; ++i) {
+  for (int i = 0; i < pairCount(); ++i) {
     ContactPair& pair = pairs_[static_cast<std::size_t>(i)];
     const ContactBody& one = first(pair);
     pair.otherFromFirst = inverse(otherPose(pair)) * one.pose;
@@ -105,7 +108,7 @@ void ContactIsland::place() {
 }
 
 void ContactIsland::moveBody(int i, const Displacement& u) {
-  if (!TICK_ASSERT(fault_, i < bodyCount_ && isFinite(u.linear) && isFinite(u.angular))) return;
+  if (!TICK_ASSERT(fault_, i < bodyCount() && isFinite(u.linear) && isFinite(u.angular))) return;
   ContactBody& body = bodies_[static_cast<std::size_t>(i)];
   body.pose.orientation = glm::normalize(fromRotationVector(u.angular) * body.pose.orientation);
   body.pose.position = body.centre + u.linear - body.pose.orientation * body.centreOfMass;
@@ -114,7 +117,7 @@ void ContactIsland::moveBody(int i, const Displacement& u) {
 }
 
 int ContactIsland::bodyOf(PartId part) const {
-  for (int i = 0; i < bodyCount_; ++i) {
+  for (int i = 0; i < bodyCount(); ++i) {
     if (body(i).part == part) return i;
   }
   return -1;

@@ -5,12 +5,12 @@
 // 1. The island alone writes the poses, goals and pairs of its bodies; everyone else reads them.
 // 2. Filling it and moving it is free of allocation.
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/contact/moving_part.h"
 #include "haptics/contact/step_space.h"
 #include "haptics/scene/contact_world.h"
@@ -77,11 +77,11 @@ class ContactIsland {
 
   // Reading.
 
-  int bodyCount() const { return bodyCount_; }
-  int pairCount() const { return pairCount_; }
+  int bodyCount() const { return static_cast<int>(bodies_.size()); }
+  int pairCount() const { return static_cast<int>(pairs_.size()); }
   const ContactBody& body(int i) const { return bodies_[static_cast<std::size_t>(i)]; }
   const ContactPair& pair(int i) const { return pairs_[static_cast<std::size_t>(i)]; }
-  std::span<const ContactPair> pairs() const { return {pairs_.data(), static_cast<std::size_t>(pairCount_)}; }
+  std::span<const ContactPair> pairs() const { return {pairs_.data(), pairs_.size()}; }
   const ContactBody& first(const ContactPair& pair) const { return body(pair.first); }
   /// The index of the body of a part; -1 if the part does not move here.
   int bodyOf(PartId part) const;
@@ -94,10 +94,8 @@ class ContactIsland {
   /// The same of a pair's first body relative to the other part.
   Displacement relativeApplied(int pair) const;
   Displacement relativeRemaining(int pair) const;
-  std::span<const StepGoal> goals() const { return {goals_.data(), static_cast<std::size_t>(bodyCount_)}; }
-  std::span<const RowPair> rowPairs() const {
-    return {rowPairs_.data(), static_cast<std::size_t>(pairCount_)};
-  }
+  std::span<const StepGoal> goals() const { return {goals_.data(), goals_.size()}; }
+  std::span<const RowPair> rowPairs() const { return {rowPairs_.data(), rowPairs_.size()}; }
   /// m, the finest tolerance of the bodies' models.
   double tolerance() const { return tolerance_; }
   /// m, an upper bound of how far other parts may push a body in this tick.
@@ -112,12 +110,10 @@ class ContactIsland {
 
   const ContactWorld& world_;
   FaultLatch& fault_;
-  std::array<ContactBody, kMaxBodies> bodies_;
-  std::array<StepGoal, kMaxBodies> goals_;
-  int bodyCount_ = 0;
-  std::array<ContactPair, kMaxPairs> pairs_;
-  std::array<RowPair, kMaxPairs> rowPairs_;
-  int pairCount_ = 0;
+  FixedVector<ContactBody, kMaxBodies> bodies_;
+  FixedVector<StepGoal, kMaxBodies> goals_;  // one a body
+  FixedVector<ContactPair, kMaxPairs> pairs_;
+  FixedVector<RowPair, kMaxPairs> rowPairs_;  // one a pair
   double tolerance_ = 0.0;
   double push_ = 0.0;
   bool overflowed_ = false;

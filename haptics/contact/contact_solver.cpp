@@ -1,7 +1,6 @@
 #include "haptics/contact/contact_solver.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -57,15 +56,14 @@ void ContactSolver::enforce(int index, ContactRows& rows) {
 }
 
 void ContactSolver::restoreActive(ContactRows& rows) {
-  std::array<int, ActiveSet::kMaxRows> before;
-  std::size_t known = 0;
-  for (const ActiveSet::Row& active : active_.rows()) before[known++] = active.row;
+  FixedVector<int, ActiveSet::kMaxRows> before;
+  for (const ActiveSet::Row& active : active_.rows()) before.push_back(active.row);
   active_.clear();
   for (int i = 0; i < rows.exactRows() && !squeezed_; ++i) {
     if (rows.exact(i).isEquality) enforce(i, rows);
   }
   const PairMotions u = space_.pairMotions();
-  for (std::size_t i = 0; i < known && !squeezed_; ++i) {
+  for (std::size_t i = 0; i < before.size() && !squeezed_; ++i) {
     const ExactRow& row = rows.exact(before[i]);
     if (!row.isEquality && row.violation(u[row.source.pair]) > tolerance_) enforce(before[i], rows);
   }

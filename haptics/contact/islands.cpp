@@ -1,6 +1,7 @@
 #include "haptics/contact/islands.h"
 
 #include <algorithm>
+#include <array>
 
 namespace tandem::haptics {
 
@@ -24,7 +25,7 @@ Islands::Islands(const ContactIsland& all, std::span<MovingPart*> moving, FaultL
     for (std::size_t k = 0; k < count; ++k) {
       if (island[k] == i) moving[next++] = before[k];
     }
-    ends_[static_cast<std::size_t>(count_++)] = next;
+    ends_.push_back(next);
   }
   TICK_ASSERT(fault, next == count);
 }

@@ -3,11 +3,11 @@
 // Input and output of a contact tick: the parts that move, and where they rest.
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 #include <span>
 
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/body/virtual_coupling.h"
 #include "haptics/contact/contact_rows.h"
 #include "haptics/scene/contact_world.h"
@@ -34,24 +34,23 @@ struct PartTouch {
 /// The touches of one tick. Those that do not fit are left out.
 class PartTouches {
  public:
-  static constexpr int kMax = 24;
+  static constexpr std::size_t kMax = 24;
 
-  void clear() { count_ = 0; }
-  bool full() const { return count_ == kMax; }
+  void clear() { touches_.clear(); }
+  bool full() const { return touches_.full(); }
   /// The list must not be full.
   void add(const PartTouch& touch, FaultLatch& fault) {
     if (!TICK_ASSERT(fault, !full())) return;
-    touches_[static_cast<std::size_t>(count_++)] = touch;
+    touches_.push_back(touch);
   }
   void sortStrongestFirst() {
-    std::sort(touches_.begin(), touches_.begin() + count_,
+    std::sort(touches_.begin(), touches_.end(),
               [](const PartTouch& a, const PartTouch& b) { return a.force > b.force; });
   }
-  std::span<const PartTouch> all() const { return {touches_.data(), static_cast<std::size_t>(count_)}; }
+  std::span<const PartTouch> all() const { return {touches_.data(), touches_.size()}; }
 
  private:
-  std::array<PartTouch, kMax> touches_;
-  int count_ = 0;
+  FixedVector<PartTouch, kMax> touches_;
 };
 
 }  // namespace tandem::haptics

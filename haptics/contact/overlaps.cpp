@@ -60,8 +60,7 @@ double Overlaps::allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3
 
 double Overlaps::longestExit(double dt) const {
   double longest = 0.0;
-  for (int k = 0; k < count_; ++k) {
-    const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+  for (const Overlap& overlap : overlaps_) {
     const int body = island_.bodyOf(overlap.a);
     if (overlap.contained && body >= 0) longest = std::max(longest, island_.body(body).escapeDistance(dt));
   }
@@ -90,10 +89,10 @@ void Overlaps::beginStep() {
     deepest_[static_cast<std::size_t>(i)] = 0.0;
     if (pair.isJoint()) continue;
     const PartId part = island_.first(pair).part;
-    for (int k = 0; k < count_; ++k) {
-      const Overlap& overlap = overlaps_[static_cast<std::size_t>(k)];
+    for (std::size_t k = 0; k < overlaps_.size(); ++k) {
+      const Overlap& overlap = overlaps_[k];
       if ((overlap.a == part && overlap.b == pair.other) || (overlap.b == part && overlap.a == pair.other))
-        of = k;
+        of = static_cast<int>(k);
     }
   }
 }
@@ -105,24 +104,23 @@ void Overlaps::noteDepth(int pair, double depth) {
 }
 
 void Overlaps::endStep() {
-  if (count_ == 0) return;
+  if (overlaps_.empty()) return;
   std::array<int, kMaxOverlaps> now;
-  int remaining = 0;
-  for (int k = 0; k < count_; ++k) {
-    Overlap overlap = overlaps_[static_cast<std::size_t>(k)];
+  std::size_t remaining = 0;
+  for (std::size_t k = 0; k < overlaps_.size(); ++k) {
+    Overlap overlap = overlaps_[k];
     // Where neither part moves here, nothing has changed.
     bool near = island_.bodyOf(overlap.a) < 0 && island_.bodyOf(overlap.b) < 0;
     for (int i = 0; i < island_.pairCount(); ++i) {
-      if (of_[static_cast<std::size_t>(i)] != k) continue;
+      if (of_[static_cast<std::size_t>(i)] != static_cast<int>(k)) continue;
       const double deepest = deepest_[static_cast<std::size_t>(i)];
       near = deepest > 0.0;
       overlap.allowed = std::min(overlap.allowed, deepest);
     }
-    now[static_cast<std::size_t>(k)] = near ? remaining : -1;
-    if (near) overlaps_[static_cast<std::size_t>(remaining++)] = overlap;
+    now[k] = near ? static_cast<int>(remaining) : -1;
+    if (near) overlaps_[remaining++] = overlap;
   }
-  TICK_ASSERT(fault_, remaining <= count_);
-  count_ = remaining;
+  while (overlaps_.size() > remaining) overlaps_.pop_back();
   for (int i = 0; i < island_.pairCount(); ++i) {
     int& index = of_[static_cast<std::size_t>(i)];
     if (index >= 0) index = now[static_cast<std::size_t>(index)];
@@ -130,9 +128,9 @@ void Overlaps::endStep() {
 }
 
 void Overlaps::forget(PartId part) {
-  const auto end = std::remove_if(overlaps_.begin(), overlaps_.begin() + count_,
+  const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(),
                                   [&](const Overlap& o) { return o.a == part || o.b == part; });
-  count_ = static_cast<int>(end - overlaps_.begin());
+  for (auto left = overlaps_.end() - end; left > 0; --left) overlaps_.pop_back();
 }
 
 void Overlaps::measure() {
@@ -152,11 +150,11 @@ void Overlaps::measurePair(const ContactPair& pair) {
   measureSide({body.model, pair.model, pair.otherFromFirst}, ofFirst);
   const double depth = std::max(ofFirst.depth, ofOther.depth);
   if (!(depth > 0.0)) return;
-  if (count_ == kMaxOverlaps) {
+  if (overlaps_.full()) {
     std::copy(overlaps_.begin() + 1, overlaps_.end(), overlaps_.begin());
-    --count_;
+    overlaps_.pop_back();
   }
-  Overlap& overlap = overlaps_[static_cast<std::size_t>(count_++)];
+  Overlap& overlap = overlaps_.push_back({});
   overlap = {body.part, pair.other, depth, ofFirst.inSampled, ofFirst.inTarget};
   // The overlap may reach further than its samples by as much as they stand apart.
   const glm::dvec3 grow(body.model->samples.smoothSpacing() + pair.model->samples.smoothSpacing());

@@ -8,10 +8,12 @@
 // 2. Free of allocation.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "assets/scene/scene.h"
 #include "haptics/base/fault.h"
+#include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_rows.h"
 #include "haptics/contact/sample_touch.h"
@@ -54,7 +56,7 @@ class Overlaps {
   double longestExit(double dt) const;
 
  private:
-  static constexpr int kMaxOverlaps = 64;
+  static constexpr std::size_t kMaxOverlaps = 64;
   static constexpr int kMaxQueries = 400;  // exact distances to meshes in one measure()
 
   /// Two parts that were in each other when one began to move here.
@@ -84,8 +86,7 @@ class Overlaps {
   const ContactWorld& world_;
   const ContactIsland& island_;
   FaultLatch& fault_;
-  std::array<Overlap, kMaxOverlaps> overlaps_;
-  int count_ = 0;
+  FixedVector<Overlap, kMaxOverlaps> overlaps_;
   int queries_ = 0;  // of the present measure()
   // Of the present step, one a pair of the island.
   std::array<int, kMaxPairs> of_{};          // into overlaps_; -1: none

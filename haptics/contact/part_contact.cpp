@@ -1,10 +1,10 @@
 #include "haptics/contact/part_contact.h"
 
 #include <algorithm>
-#include <array>
 
 #include <glm/geometric.hpp>
 
+#include "haptics/base/fixed_vector.h"
 #include "haptics/base/tick_types.h"
 #include "haptics/contact/islands.h"
 
@@ -42,16 +42,15 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   touches_.clear();
   dt_ = dt;
   TICK_ASSERT(fault_, dt > 0.0 && moving.size() <= kMaxBodies);
-  std::array<MovingPart*, kMaxBodies> parts;
-  const std::size_t count = std::min<std::size_t>(moving.size(), kMaxBodies);
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!TICK_ASSERT(fault_, world_.has(moving[i].part) && moving[i].body != nullptr)) return;
-    parts[i] = &moving[i];
+  FixedVector<MovingPart*, kMaxBodies> parts;
+  for (MovingPart& part : moving.first(std::min<std::size_t>(moving.size(), kMaxBodies))) {
+    if (!TICK_ASSERT(fault_, world_.has(part.part) && part.body != nullptr)) return;
+    parts.push_back(&part);
   }
-  gather({parts.data(), count});
+  gather({parts.data(), parts.size()});
   work_.neighbours = island_.pairCount();
   history_.beginTick(island_);
-  const Islands islands(island_, {parts.data(), count}, fault_);
+  const Islands islands(island_, {parts.data(), parts.size()}, fault_);
   const ContactStep::Tick tick{dt, effort, &work_, &touches_};
   for (int i = 0; i < islands.count(); ++i) {
     if (islands.count() > 1) gather(islands[i]);
@@ -60,7 +59,7 @@ void PartContact::move(std::span<MovingPart> moving, double dt, const ContactEff
   }
   history_.endTick();
   touches_.sortStrongestFirst();
-  for (std::size_t i = 0; i < count; ++i) TICK_ASSERT(fault_, isValid(parts[i]->body->worldFromBody));
+  for (const MovingPart* part : parts) TICK_ASSERT(fault_, isValid(part->body->worldFromBody));
 }
 
 void PartContact::gather(Moving moving) {

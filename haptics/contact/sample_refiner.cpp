@@ -1,10 +1,11 @@
 #include "haptics/contact/sample_refiner.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
+
+#include "haptics/base/fixed_vector.h"
 
 namespace tandem::haptics {
 namespace {
@@ -46,13 +47,12 @@ void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows&
   const SideQuery query(island_, overlaps_, source.pair, source.side, reach_);
   if (!TICK_ASSERT(fault_, source.sample < query.from->samples.samples().size())) return;
   const ContactSample& sample = query.from->samples.samples()[source.sample];
-  std::array<glm::dvec3, kMaxNormals> normals;
-  std::size_t count = 0;
+  FixedVector<glm::dvec3, kMaxNormals> normals;
   for (const glm::dvec3& normal : query.from->samples.normals(sample)) {
-    if (count < normals.size()) normals[count++] = query.toFromSamples.orientation * normal;
+    if (!normals.full()) normals.push_back(query.toFromSamples.orientation * normal);
   }
   SampleQuery sampleQuery = sampleQueryFor(query, sample, u);
-  sampleQuery.normals = {normals.data(), count};
+  sampleQuery.normals = {normals.data(), normals.size()};
   const SampleAnswer* const last = memory_.find(query.sampled, source.sample, query.target);
   TouchingFeature found;
   if (!touch(query, sample, sampleQuery, last, found)) return;

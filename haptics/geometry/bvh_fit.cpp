@@ -82,6 +82,7 @@ MeshExtent extentOf(const assets::Mesh& mesh, int workers) {
 }
 
 void BvhFit::fit(int workers, bool haveMoved) {
+  ASSERT(workers > 0 && workers <= kMaxWorkers && !nodes_.empty());
   std::barrier ready(workers);
   // The blocks do not depend on the number of threads, so the slabs do not either.
   const std::size_t blocks = (nodes_.size() + kSlabBlock - 1) / kSlabBlock;

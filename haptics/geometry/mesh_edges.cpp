@@ -31,6 +31,7 @@ std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uin
 }  // namespace
 
 MeshEdges::MeshEdges(const assets::Mesh& mesh) {
+  ASSERT(mesh.neighbours.size() == mesh.triangles.size());
   normals_.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& c = mesh.triangles[t];

@@ -10,6 +10,7 @@
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/geometry/placed_bounds.h"
 
 namespace tandem::haptics {
@@ -279,6 +280,9 @@ bool containsPoint(const TriangleBvh& tree, const glm::dvec3& p) {
 Deepest deepestInside(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh,
                       const std::vector<std::uint32_t>& touched, std::vector<EdgeCut> cuts, double tolerance,
                       bool cross) {
+  ASSERT(tolerance >= 0.0);
+  for (const std::uint32_t t : touched) ASSERT(t < mesh.mesh().triangles.size());
+  for (const EdgeCut& cut : cuts) ASSERT(cut.from <= cut.to && cut.to < mesh.mesh().positions.size());
   Deepest best;
   Intruder(mesh, solid, solidFromMesh, tolerance, cross).search(touched, cuts, best);
   return best;

@@ -182,6 +182,7 @@ void MeshSides::judge() {
           : alike >= (anyOpen_ ? kAlikeShare : 1.0) * all ? Kind::clean
                                                           : Kind::crossings;
   if (kind_ != Kind::winding) winding_.reset();
+  ASSERT((kind_ == Kind::winding) == (winding_ != nullptr) && (closed || kind_ == Kind::winding));
 }
 
 void MeshSides::buildOpenEdges() {
@@ -199,6 +200,7 @@ void MeshSides::buildOpenEdges() {
 }
 
 glm::dvec3 MeshSides::outwards(const MeshPoint& at) const {
+  ASSERT(at.triangle < edge_.size());
   const auto& t = mesh_.triangles[at.triangle];
   const std::array<glm::dvec3, 3> corners = {mesh_.positions[t[0]], mesh_.positions[t[1]],
                                              mesh_.positions[t[2]]};

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -266,6 +268,7 @@ bool Primitive::rim(const glm::dvec3& p, double reach, MeshEdge& edge) const {
 
 bool coveredFace(std::span<const Primitive> shapes, std::size_t which, const glm::dvec3& p,
                  const glm::dvec3& inward, const glm::dvec3& outward, double size, glm::dvec3& normal) {
+  ASSERT(which < shapes.size());
   // Samples a point beside the edge and slightly above the face, to test whether the face is exposed there.
   const glm::dvec3 above = p + size * inward + 0.1 * size * normal;
   for (std::size_t i = 0; i < shapes.size(); ++i) {

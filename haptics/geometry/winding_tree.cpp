@@ -52,6 +52,7 @@ Triangle WindingTree::triangle(std::uint32_t index) const {
 void WindingTree::split(std::uint32_t node, std::vector<glm::dvec3>& middles) {
   measure(nodes_[node]);
   const std::uint32_t first = nodes_[node].first, count = nodes_[node].count;
+  ASSERT(first + count <= order_.size());
   if (count <= kMaxLeaf) return;
   assets::Bounds box;
   for (std::uint32_t i = first; i < first + count; ++i) {
@@ -116,6 +117,7 @@ double WindingTree::at(const glm::dvec3& p) const {
       const double twist = glm::dot(r, node.moment * r) * inverse * inverse;
       sum += cube * (glm::dot(node.area, r) + trace - 3.0 * twist) / (4.0 * std::numbers::pi);
     } else if (node.children != 0) {
+      ASSERT(size + 2 <= kStackSize);
       stack[size++] = node.children;
       stack[size++] = node.children + 1;
     } else {

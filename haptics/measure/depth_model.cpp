@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "assets/mesh/mesh_analysis.h"
 #include "haptics/geometry/segment.h"
 
@@ -43,6 +44,7 @@ class DepthModelBuilder {
       : mesh_(mesh), model_(model), tolerance_(model.tolerance()) {}
 
   void run() {
+    ASSERT(mesh_.neighbours.size() == mesh_.triangles.size());
     growPatches();
     findBorders();
     chainBorders();
@@ -287,6 +289,8 @@ DepthModel::DepthModel(const assets::Mesh& mesh) {
     surface_.bounds.min = glm::min(surface_.bounds.min, p);
     surface_.bounds.max = glm::max(surface_.bounds.max, p);
   }
+  ASSERT(facetOf_.size() == surface_.triangles.size() && facets_.size() == normals_.size() + 1);
+  ASSERT(facets_.back() == border_.size());
   tree_ = std::make_unique<TriangleBvh>(surface_, 1);
   segments_ = std::make_unique<SegmentTree>(surface_);
 }
@@ -306,6 +310,7 @@ double DepthModel::distanceToFacet(std::uint32_t facet, const glm::dvec3& p) con
 bool DepthModel::withinFacet(std::uint32_t facet, const glm::dvec3& p) const {
   const glm::dvec3& normal = normals_[facet];
   if (normal == glm::dvec3(0.0)) return false;
+  ASSERT(facet + 1 < facets_.size());
   const std::uint32_t begin = facets_[facet], end = facets_[facet + 1];
   for (std::uint32_t i = begin; i < end; ++i) {
     const glm::dvec3 a = corners()[border_[i]], b = corners()[border_[i + 1 == end ? begin : i + 1]];

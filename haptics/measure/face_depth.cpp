@@ -6,6 +6,8 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -24,7 +26,8 @@ struct FaceDepth::Piece {
 
 DeepestPoint FaceDepth::depthAt(const glm::dvec3& inBody, std::uint32_t& facet) const {
   MeshPoint nearest;
-  body_.tree().closestPoint(inBody, 1e300, nearest);
+  const bool found = body_.tree().closestPoint(inBody, 1e300, nearest);
+  ASSERT(found);
   facet = body_.facetOf(nearest.triangle);
   return {body_.inside(inBody, nearest) ? nearest.distance : -nearest.distance, inBody, nearest.point, true};
 }

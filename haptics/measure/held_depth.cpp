@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
 
@@ -63,6 +64,7 @@ HeldPartDepth HeldPartDepthMeter::measure(const TickState& state) {
 }
 
 HeldPartDepth HeldPartDepthMeter::measure(const std::vector<Pose>& worldFromPart) {
+  ASSERT(worldFromPart.size() >= data_->meters.size());
   return data_->measure([&](PartId part) { return worldFromPart[part]; });
 }
 

@@ -5,6 +5,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
 #include "haptics/measure/face_depth.h"
 #include "haptics/measure/ridge_depth.h"
 
@@ -32,8 +33,10 @@ struct PenetrationMeter::Data {
   std::vector<CrossedFacet> facetsOfA, facetsOfB;
 };
 
-PenetrationMeter::PenetrationMeter(std::shared_ptr<const DepthModel> a, std::shared_ptr<const DepthModel> b)
-    : data_(std::make_unique<Data>(std::move(a), std::move(b))) {}
+PenetrationMeter::PenetrationMeter(std::shared_ptr<const DepthModel> a, std::shared_ptr<const DepthModel> b) {
+  ASSERT(a != nullptr && b != nullptr);
+  data_ = std::make_unique<Data>(std::move(a), std::move(b));
+}
 PenetrationMeter::~PenetrationMeter() = default;
 PenetrationMeter::PenetrationMeter(PenetrationMeter&&) noexcept = default;
 PenetrationMeter& PenetrationMeter::operator=(PenetrationMeter&&) noexcept = default;
@@ -71,6 +74,7 @@ PenetrationDepth PenetrationMeter::measure(const Pose& worldFromA, const Pose& w
   result.depth = place.depth;
   result.point = transformPoint(worldFromBody, place.point);
   const glm::dvec3 out = transformVector(worldFromBody, place.surface - place.point);
+  ASSERT(result.depth > 0.0);
   result.normal = (result.ofA ? out : -out) / result.depth;
   return result;
 }

@@ -7,6 +7,8 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/assert.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -108,6 +110,7 @@ bool RidgeDepth::mayMatter(Cluster& cluster, double depth) {
 
 void RidgeDepth::measure(const Pose& bodyFromProbe, DeepestPoint& deepest,
                          std::vector<CrossedFacet>& crossed) {
+  ASSERT(order_.size() == probe_.ridges().size() && placed_.size() == probe_.corners().size());
   travel(bodyFromProbe);
   near_.clear();
   whole_.clear();

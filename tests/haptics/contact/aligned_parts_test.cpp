@@ -208,5 +208,46 @@ TEST(AlignedParts, BlockOnTableBesideAnotherStaysDown) {
   EXPECT_LT(liftedFrom(beside, boxShape(), {0.061, 0.0, 0.0}, {-0.0015, -0.0003, 0.0}), kLift);
 }
 
+/// N, the largest force across the normal that a hand feels which leads a box over a plane of the box's size, by 5 mm along
+/// `direction` and back, and holds it `down` m under where it rests.
+double sideForceOverPlane(double down, const glm::dvec3& direction) {
+  ImplicitShape plane;
+  plane.kind = ImplicitShape::Kind::plane;
+  plane.size = {0.06, 0.0, 0.03};
+  assets::Scene scene = stackOf(boxShape(), {"plane", {plane}, {}});
+  scene.parts[0].worldFromPart.position = {0.0, kHalf, 0.0};
+  const Pose from = scene.parts[0].worldFromPart;
+  MovingRig rig(std::move(scene));
+  const auto path = [&](double t) {
+    Pose pose = from;
+    pose.position.y -= down * std::min(t / 0.1, 1.0);
+    pose.position += 0.005 * 0.5 * (1.0 - std::cos(2.0 * kPi * std::max(0.0, t - 0.1))) * direction;
+    return pose;
+  };
+  rig.at(path(0.0));
+  rig.tick();
+  rig.own(0);
+  rig.grasp(0);
+  double most = 0.0;
+  rig.each = [&] {
+    const glm::dvec3& force = rig.out.toHand.force;
+    most = std::max(most, std::hypot(force.x, force.z));
+  };
+  rig.lead(path, 1.1);
+  EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
+  return most;
+}
+
+// A known limit (haptics/contact/README.md): without friction nothing should be felt along the plane.
+TEST(AlignedParts, ABoxLedOverThePlaneOfItsSizeCatchesAtTheEdgesByNoMoreThanMeasured) {
+  for (const double down : {0.0001, 0.0005, 0.001, 0.002}) {
+    for (const glm::dvec3& direction : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8)}) {
+      const double force = sideForceOverPlane(down, direction);
+      EXPECT_LT(force, 1e4 * down) << down;
+      std::printf("%.4f mm down along (%.1f, %.1f): %.3f N\n", 1e3 * down, direction.x, direction.z, force);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tandem::test
