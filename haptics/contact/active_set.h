@@ -6,8 +6,8 @@
 // The point y minimises 1/2 |y - start|^2 subject to d_i . y >= bound_i for the active rows, with multipliers
 // l_i >= 0 (Karush-Kuhn-Tucker):
 //     y = start + sum_i l_i d_i,    d_i . y + c_i l_i = bound_i
-// A row of compliance c_i > 0 is a spring: it has one more unknown of its own, s = sqrt(c_i) l_i, in which the
-// method is the same.
+// A row of compliance c_i > 0 is a spring: it has one more unknown of its own, s = sqrt(c_i) l_i, in which
+// the method is the same.
 //
 // 1. Each add() keeps the conditions for the rows that are active; rows that begin to pull leave the set.
 // 2. Free of allocation. It knows no contact: rows are known by a number of the caller's.

@@ -3,11 +3,11 @@
 // Coulomb friction at the active rows of a step, for given normal forces.
 //
 // The point of each active row is to stay where it was when the tick began, by a force f across the normal
-// with |f| <= mu_s l, or mu_d l once it slides: Coulomb's disc, the section of the friction cone at the normal
-// multiplier l. Projected Gauss-Seidel: contact after contact, f takes the value that stops the slip, and is
-// projected onto its disc. The solver alternates this with the normal forces until they agree: staggered
-// projections (Kaufman, Sueda, James & Pai 2008, "Staggered projections for frictional contact in multibody
-// systems").
+// with |f| <= mu_s l, or mu_d l once it slides: Coulomb's disc, the section of the friction cone at the
+// normal multiplier l. Projected Gauss-Seidel: contact after contact, f takes the value that stops the slip,
+// and is projected onto its disc. The solver alternates this with the normal forces until they agree:
+// staggered projections (Kaufman, Sueda, James & Pai 2008, "Staggered projections for frictional contact in
+// multibody systems").
 //
 // 1. Starts from the forces of the last call, matched by the rows' sources. 2. Free of allocation.
 

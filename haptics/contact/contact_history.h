@@ -54,8 +54,8 @@ class ContactHistory {
       }
     }
   }
-  /// Remembers the samples of the active rows of a step. Those that have been inactive for kCachedSteps steps are
-  /// forgotten.
+  /// Remembers the samples of the active rows of a step. Those that have been inactive for kCachedSteps steps
+  /// are forgotten.
   void noteContacts(const ContactIsland& island, const ContactRows& rows, const ContactSolver& solver);
 
  private:

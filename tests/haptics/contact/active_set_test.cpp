@@ -102,10 +102,10 @@ TEST(ActiveSet, KeepsTheOptimalityConditionsOfRandomRows) {
     ActiveSet::Conflict conflict;
     for (int guard = 0; guard < 100; ++guard) {
       std::size_t worst = rows.size();
-      double most = 1e-12;
+      double greatest = 1e-12;
       for (std::size_t i = 0; i < rows.size(); ++i) {
         const double missing = rows[i].bound - rows[i].direction.dot(set.point());
-        if (missing > most) most = missing, worst = i;
+        if (missing > greatest) greatest = missing, worst = i;
       }
       if (worst == rows.size()) break;
       ASSERT_TRUE(set.add(rows[worst], conflict));

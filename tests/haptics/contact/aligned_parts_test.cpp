@@ -80,8 +80,8 @@ assets::Scene stackOf(const Solid& upper, const Solid& lower) {
 
 /// Where the upper part is flush but for rounding.
 struct Askew {
-  glm::dvec3 aside{0.0, 0.0, 0.0};  // m
-  glm::dvec3 turn{0.0, 0.0, 0.0};   // rad
+  glm::dvec3 aside{0.0, 0.0, 0.0};     // m
+  glm::dvec3 rotation{0.0, 0.0, 0.0};  // rad
 };
 
 /// From 1e-12 to 1e-6 of either.
@@ -94,16 +94,16 @@ Askew drawn(std::uint32_t seed) {
   };
   Askew askew;
   askew.aside = {tiny(), 0.0, tiny()};
-  askew.turn = {tiny(), tiny(), tiny()};
+  askew.rotation = {tiny(), tiny(), tiny()};
   return askew;
 }
 
 /// m, how deep the upper part comes into the lower one: pressed by 0.5 N, let up until it barely rests, and
-/// so on. `frees`: the lower one is moved here too, and gives way.
+/// so on. `frees`: the lower part is moved here too and yields.
 double deepestOf(const Solid& upper, const Solid& lower, const Askew& askew, bool frees = false) {
   assets::Scene scene = stackOf(upper, lower);
   scene.parts[0].worldFromPart.position += askew.aside;
-  scene.parts[0].worldFromPart.orientation = fromRotationVector(askew.turn);
+  scene.parts[0].worldFromPart.orientation = fromRotationVector(askew.rotation);
   const Pose start = scene.parts[0].worldFromPart;
   MovingRig rig(std::move(scene));
   const auto path = [&](double t) {
@@ -118,9 +118,10 @@ double deepestOf(const Solid& upper, const Solid& lower, const Askew& askew, boo
   rig.grasp(0);
   double deepest = 0.0;
   rig.each = [&] {
-    const glm::dvec3 turn = rotationVector(glm::conjugate(rig.pose(1).orientation) * rig.pose(0).orientation);
-    const glm::dvec3 way = rig.pose(0).position - rig.pose(1).position;
-    deepest = std::max(deepest, 2.0 * kHalf - way.y - 0.04 * glm::length(turn));
+    const glm::dvec3 rotation =
+        rotationVector(glm::conjugate(rig.pose(1).orientation) * rig.pose(0).orientation);
+    const glm::dvec3 offset = rig.pose(0).position - rig.pose(1).position;
+    deepest = std::max(deepest, 2.0 * kHalf - offset.y - 0.04 * glm::length(rotation));
   };
   rig.lead(path, frees ? 0.6 : 1.5);
   EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
@@ -140,15 +141,15 @@ TEST(AlignedParts, OfTheSameSizeDoNotComeIntoEachOther) {
     Solid below = solid;
     upsideDown(below);
     EXPECT_LT(deepestOf(solid, below, {}), kDeep) << solid.name;
-    double most = 0.0;
+    double greatest = 0.0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
       for (const bool frees : {false, true}) {
         const double deepest = deepestOf(solid, below, drawn(seed), frees);
         EXPECT_LT(deepest, kDeep) << solid.name << ", seed " << seed << (frees ? ", that gives way" : "");
-        most = std::max(most, deepest);
+        greatest = std::max(greatest, deepest);
       }
     }
-    if (atFullSize()) std::printf("%s: %.4f um deep\n", solid.name, 1e6 * most);
+    if (atFullSize()) std::printf("%s: %.4f um deep\n", solid.name, 1e6 * greatest);
   }
 }
 
@@ -167,7 +168,7 @@ ImplicitShape boxAt(const glm::dvec3& size, const glm::dvec3& at) {
   return shape;
 }
 
-/// m, how far a block is at most lifted off what it slides on along z, led `down` under that all the way.
+/// m, how far a block is at most lifted off what it slides on along z while it is led `down` below that.
 double liftedFrom(const Solid& ground, const Solid& block, const glm::dvec3& start, const glm::dvec3& down) {
   assets::Scene scene = stackOf(block, ground);
   scene.parts[0].worldFromPart.position = start;
@@ -190,7 +191,8 @@ double liftedFrom(const Solid& ground, const Solid& block, const glm::dvec3& sta
   return lifted;
 }
 
-// An edge that stands on a face touches it with its end, where it looks past that as well.
+// An edge that stands on a face touches it with its end, whose outward directions include those past the
+// end.
 TEST(AlignedParts, BlockInSlotOfItsWidthIsNotDrivenOut) {
   const glm::dvec3 wall(0.02, 0.04, 0.1);
   const Solid slot{"slot",
@@ -208,8 +210,8 @@ TEST(AlignedParts, BlockOnTableBesideAnotherStaysDown) {
   EXPECT_LT(liftedFrom(beside, boxShape(), {0.061, 0.0, 0.0}, {-0.0015, -0.0003, 0.0}), kLift);
 }
 
-/// N, the largest force across the normal that a hand feels which leads a box over a plane of the box's size, by 5 mm along
-/// `direction` and back, and holds it `down` m under where it rests.
+/// N, the largest force across the normal that a hand feels which leads a box over a plane of the box's size,
+/// by 5 mm along `direction` and back, and holds it `down` m under where it rests.
 double sideForceOverPlane(double down, const glm::dvec3& direction) {
   ImplicitShape plane;
   plane.kind = ImplicitShape::Kind::plane;
@@ -228,23 +230,24 @@ double sideForceOverPlane(double down, const glm::dvec3& direction) {
   rig.tick();
   rig.own(0);
   rig.grasp(0);
-  double most = 0.0;
+  double greatest = 0.0;
   rig.each = [&] {
-    const glm::dvec3& force = rig.out.toHand.force;
-    most = std::max(most, std::hypot(force.x, force.z));
+    const glm::dvec3& force = rig.out.hands[0].toHand.force;
+    greatest = std::max(greatest, std::hypot(force.x, force.z));
   };
   rig.lead(path, 1.1);
   EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
-  return most;
+  return greatest;
 }
 
-// A known limit (haptics/contact/README.md): without friction nothing should be felt along the plane.
+// A known limit (haptics/contact/README.md): without friction no force should act along the plane.
 TEST(AlignedParts, ABoxLedOverThePlaneOfItsSizeCatchesAtTheEdgesByNoMoreThanMeasured) {
   for (const double down : {0.0001, 0.0005, 0.001, 0.002}) {
     for (const glm::dvec3& direction : {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 1), glm::dvec3(0.6, 0, 0.8)}) {
       const double force = sideForceOverPlane(down, direction);
-      EXPECT_LT(force, 1e4 * down) << down;
-      std::printf("%.4f mm down along (%.1f, %.1f): %.3f N\n", 1e3 * down, direction.x, direction.z, force);
+      EXPECT_LT(force, 5.0) << down;
+      if (!atFullSize()) continue;
+      std::printf("%.1f mm down along (%.1f, %.1f): %.2f N\n", 1e3 * down, direction.x, direction.z, force);
     }
   }
 }

@@ -41,34 +41,34 @@ Vector6 pull(const StepGoal& goal, const Displacement& u) {
   return result;
 }
 
-/// Shows the rows that it was given when it is asked for them.
-class Shelf final : public haptics::RowRefiner {
+/// Refines samples into rows that are known beforehand.
+class KnownRows final : public haptics::RowRefiner {
  public:
   void refine(RowSource source, const Displacement&, ContactRows& rows) override {
-    ++looks;
+    ++queries;
     rows.addExact(exact[source.sample]);
   }
   glm::dvec3 surfaceMotion(const ExactRow&) const override { return ground; }
 
   std::vector<ExactRow> exact;
   glm::dvec3 ground{0.0, 0.0, 0.0};
-  int looks = 0;
+  int queries = 0;
 };
 
 constexpr double kTolerance = 1e-10;
 
 /// One body, and one pair of it with something that does not give way.
 Displacement solveOne(ContactSolver& solver, const StepGoal& goal, double tolerance, ContactRows& rows,
-                      Shelf& shelf) {
+                      KnownRows& known) {
   const haptics::RowPair pair;
-  solver.solve({&goal, 1}, {&pair, 1}, tolerance, 400, rows, shelf);
+  solver.solve({&goal, 1}, {&pair, 1}, tolerance, 400, rows, known);
   return solver.displacement(0);
 }
 
 /// Feasible, every multiplier at least zero, nothing pulls but active rows.
-void expectOptimal(const StepGoal& goal, const Shelf& shelf, const ContactSolver& solver,
+void expectOptimal(const StepGoal& goal, const KnownRows& known, const ContactSolver& solver,
                    const ContactRows& rows, const Displacement& u) {
-  for (const ExactRow& row : shelf.exact) EXPECT_LT(row.violation(u), 2.0 * kTolerance);
+  for (const ExactRow& row : known.exact) EXPECT_LT(row.violation(u), 2.0 * kTolerance);
   Vector6 left = pull(goal, u);
   double size = 0.0;
   for (const double x : left) size = std::max(size, std::abs(x));
@@ -85,63 +85,63 @@ TEST(ContactSolver, GoesWhereItWouldWithoutRows) {
   Numbers number(1);
   const StepGoal goal = randomGoal(number);
   ContactRows rows;
-  Shelf shelf;
+  KnownRows known;
   ContactSolver solver;
-  const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+  const Displacement u = solveOne(solver, goal, kTolerance, rows, known);
   EXPECT_EQ(u.linear, goal.free.linear);
   EXPECT_EQ(u.angular, goal.free.angular);
 }
 
 TEST(ContactSolver, FindsTheOneOptimumOfRandomRowsHoweverMuchIsKnownOfThem) {
   Numbers number(2);
-  std::size_t most = 0;
+  std::size_t greatest = 0;
   for (int run = 0; run < 300; ++run) {
     const StepGoal goal = randomGoal(number);
-    Shelf shelf;
-    for (std::uint32_t i = 0; i < 40; ++i) shelf.exact.push_back(randomRow(number, i));
+    KnownRows known;
+    for (std::uint32_t i = 0; i < 40; ++i) known.exact.push_back(randomRow(number, i));
     Displacement answers[3];
     for (int kind = 0; kind < 3; ++kind) {
       ContactRows rows;
       rows.beginPair();
-      for (std::uint32_t i = 0; i < shelf.exact.size(); ++i) {
-        const ExactRow& row = shelf.exact[i];
+      for (std::uint32_t i = 0; i < known.exact.size(); ++i) {
+        const ExactRow& row = known.exact[i];
         const RowSource source{0, 0, i};
-        // A field that is off by up to a micrometre and says so; a ball of the room that is left.
+        // A plane is rounded to float, and a ball has slightly less room than the gap.
         if (kind == 0) rows.addExact(row);
         if (kind == 1)
           rows.addPlane(glm::vec3(row.normal), glm::vec3(row.arm), static_cast<float>(row.gap), source);
         if (kind == 2) rows.addBall(glm::vec3(row.arm), static_cast<float>(0.999 * row.gap), source);
       }
       ContactSolver solver;
-      answers[kind] = solveOne(solver, goal, kTolerance, rows, shelf);
-      most = std::max(most, solver.active().size());
+      answers[kind] = solveOne(solver, goal, kTolerance, rows, known);
+      greatest = std::max(greatest, solver.active().size());
       EXPECT_EQ(solver.infeasible(), 0);
-      expectOptimal(goal, shelf, solver, rows, answers[kind]);
+      expectOptimal(goal, known, solver, rows, answers[kind]);
     }
     for (int kind = 1; kind < 3; ++kind) {
       EXPECT_LT(glm::length(answers[kind].linear - answers[0].linear), 1e-8);
       EXPECT_LT(glm::length(answers[kind].angular - answers[0].angular), 1e-6);
     }
   }
-  EXPECT_EQ(most, 6u);
+  EXPECT_EQ(greatest, 6u);
 }
 
-TEST(ContactSolver, LooksCloselyOnlyAtWhatIsViolated) {
+TEST(ContactSolver, QueriesOnlyWhatIsViolated) {
   Numbers number(3);
   StepGoal goal = randomGoal(number);
   goal.free = {{0.0, 0.0, -1e-4}, {0.0, 0.0, 0.0}};
-  Shelf shelf;
+  KnownRows known;
   ContactRows rows;
   rows.beginPair();
   for (std::uint32_t i = 0; i < 1000; ++i) {
     const glm::dvec3 arm(0.02 * number(), 0.02 * number(), -0.01);
-    shelf.exact.push_back({{0.0, 0.0, 1.0}, arm, i < 3 ? 1e-5 : 1e-3, 0.0, 0.0, {0, 0, i}});
-    rows.addPlane({0.0f, 0.0f, 1.0f}, glm::vec3(arm), static_cast<float>(shelf.exact.back().gap), {0, 0, i});
+    known.exact.push_back({{0.0, 0.0, 1.0}, arm, i < 3 ? 1e-5 : 1e-3, 0.0, 0.0, {0, 0, i}});
+    rows.addPlane({0.0f, 0.0f, 1.0f}, glm::vec3(arm), static_cast<float>(known.exact.back().gap), {0, 0, i});
   }
   ContactSolver solver;
-  solveOne(solver, goal, kTolerance, rows, shelf);
-  EXPECT_LE(shelf.looks, 3);
-  EXPECT_GE(shelf.looks, 1);
+  solveOne(solver, goal, kTolerance, rows, known);
+  EXPECT_LE(known.queries, 3);
+  EXPECT_GE(known.queries, 1);
 }
 
 /// A block of 1 kg with its centre 1 cm above the ground, on four feet.
@@ -150,17 +150,17 @@ struct Block {
     for (std::size_t i = 0; i < 6; ++i) goal.root[i][i] = i < 3 ? 1.0 : 0.01;
     for (std::uint32_t i = 0; i < 4; ++i) {
       const glm::dvec3 arm((i & 1) != 0 ? 0.01 : -0.01, (i & 2) != 0 ? 0.01 : -0.01, -0.01);
-      shelf.exact.push_back({{0.0, 0.0, 1.0}, arm, 0.0, friction, friction, {0, 0, i}});
+      known.exact.push_back({{0.0, 0.0, 1.0}, arm, 0.0, friction, friction, {0, 0, i}});
     }
   }
   Displacement solve(const glm::dvec3& push) {
     goal.free = {push, {0.0, 0.0, 0.0}};
     rows.clear();
-    for (const ExactRow& row : shelf.exact) rows.addExact(row);
-    return solveOne(solver, goal, 1e-12, rows, shelf);
+    for (const ExactRow& row : known.exact) rows.addExact(row);
+    return solveOne(solver, goal, 1e-12, rows, known);
   }
   StepGoal goal;
-  Shelf shelf;
+  KnownRows known;
   ContactRows rows;
   ContactSolver solver;
 };
@@ -168,13 +168,13 @@ struct Block {
 TEST(ContactSolver, FrictionHoldsInsideTheConeAndDragsOnItsBorder) {
   Block block(0.3);
   for (const double angle : {0.0, 0.7, 2.0}) {
-    const glm::dvec3 way(std::cos(angle), std::sin(angle), 0.0);
-    Displacement u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * way);
+    const glm::dvec3 direction(std::cos(angle), std::sin(angle), 0.0);
+    Displacement u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * direction);
     EXPECT_LT(glm::length(u.linear), 1e-7);
-    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * way);
+    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 0.299e-4 * direction);
     EXPECT_LT(glm::length(u.linear), 2e-8);
-    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 1e-4 * way);
-    EXPECT_NEAR(glm::dot(u.linear, way), 0.7e-4, 1e-7);
+    for (int i = 0; i < 3; ++i) u = block.solve(glm::dvec3(0.0, 0.0, -1e-4) + 1e-4 * direction);
+    EXPECT_NEAR(glm::dot(u.linear, direction), 0.7e-4, 1e-7);
     EXPECT_LT(std::abs(u.linear.z), 1e-8);
   }
 }
@@ -186,7 +186,7 @@ TEST(ContactSolver, WithoutFrictionNothingHolds) {
 
 TEST(ContactSolver, FrictionCarriesThePartAlongWithTheGround) {
   Block block(0.5);
-  block.shelf.ground = {2e-5, 0.0, 0.0};
+  block.known.ground = {2e-5, 0.0, 0.0};
   Displacement u;
   for (int i = 0; i < 4; ++i) u = block.solve({0.0, 0.0, -1e-4});
   EXPECT_NEAR(u.linear.x, 2e-5, 1e-7);
@@ -194,13 +194,13 @@ TEST(ContactSolver, FrictionCarriesThePartAlongWithTheGround) {
 
 TEST(ContactSolver, RowsThatContradictEachOtherAreCountedAndLetNothingInDeeper) {
   ContactRows rows;
-  Shelf shelf;
+  KnownRows known;
   ContactSolver solver;
   Numbers number(4);
   const StepGoal goal = randomGoal(number);
   rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
   rows.addExact({{0.0, 0.0, -1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
-  const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+  const Displacement u = solveOne(solver, goal, kTolerance, rows, known);
   EXPECT_GT(solver.infeasible(), 0);
   EXPECT_LT(std::abs(u.linear.z), 2.0 * kTolerance);
   EXPECT_LT(glm::length(u.linear), 1e-3);
@@ -209,11 +209,11 @@ TEST(ContactSolver, RowsThatContradictEachOtherAreCountedAndLetNothingInDeeper) 
 
 TEST(ContactSolver, ARowThatCanBeObeyedAloneIsObeyed) {
   ContactRows rows;
-  Shelf shelf;
+  KnownRows known;
   ContactSolver solver;
   Numbers number(4);
   rows.addExact({{0.0, 0.0, 1.0}, {0.0, 0.0, 0.0}, -1e-4, 0.0, 0.0, {}});
-  EXPECT_NEAR(solveOne(solver, randomGoal(number), kTolerance, rows, shelf).linear.z, 1e-4, 2.0 * kTolerance);
+  EXPECT_NEAR(solveOne(solver, randomGoal(number), kTolerance, rows, known).linear.z, 1e-4, 2.0 * kTolerance);
   EXPECT_EQ(solver.infeasible(), 0);
 }
 
@@ -221,26 +221,26 @@ TEST(ContactSolver, AmongRandomRowsASqueezedBodyGoesInDeeperNowhere) {
   Numbers number(6);
   for (int run = 0; run < 300; ++run) {
     const StepGoal goal = randomGoal(number);
-    Shelf shelf;
+    KnownRows known;
     for (std::uint32_t i = 0; i < 30; ++i) {
-      shelf.exact.push_back(randomRow(number, i));
-      if (i % 3 == 0) shelf.exact.back().gap *= -10.0;
+      known.exact.push_back(randomRow(number, i));
+      if (i % 3 == 0) known.exact.back().gap *= -10.0;
     }
     // Two jaws nearer to each other than the body is wide, whatever it does.
     ExactRow jaw = randomRow(number, 30);
     jaw.gap = -1e-4;
-    shelf.exact.push_back(jaw);
+    known.exact.push_back(jaw);
     jaw.normal = -jaw.normal;
     jaw.source.sample = 31;
-    shelf.exact.push_back(jaw);
+    known.exact.push_back(jaw);
     ContactRows rows;
     rows.beginPair();
-    for (const ExactRow& row : shelf.exact) rows.addBall(glm::vec3(row.arm), 0.0f, row.source);
+    for (const ExactRow& row : known.exact) rows.addBall(glm::vec3(row.arm), 0.0f, row.source);
     ContactSolver solver;
-    const Displacement u = solveOne(solver, goal, kTolerance, rows, shelf);
+    const Displacement u = solveOne(solver, goal, kTolerance, rows, known);
     EXPECT_GT(solver.infeasible(), 0);
-    for (ExactRow& row : shelf.exact) row.gap = std::max(row.gap, 0.0);
-    expectOptimal(goal, shelf, solver, rows, u);
+    for (ExactRow& row : known.exact) row.gap = std::max(row.gap, 0.0);
+    expectOptimal(goal, known, solver, rows, u);
   }
 }
 
@@ -266,13 +266,13 @@ TEST(ContactRows, TellsTheWorstOfAnyNumberOfPlanes) {
     }
     const Displacement u{1e-3 * number.vector(), 1e-2 * number.vector()};
     int worst = -1;
-    double most = 0.0;
+    double greatest = 0.0;
     for (int i = 0; i < count; ++i) {
       const double violation = list[static_cast<std::size_t>(i)].violation(u);
-      if (violation > most) most = violation, worst = i;
+      if (violation > greatest) greatest = violation, worst = i;
     }
     EXPECT_EQ(rows.worstPlane({&u, 1}, 0.0), worst) << count;
-    EXPECT_EQ(rows.worstPlane({&u, 1}, 2.0 * most + 1e-3), -1) << count;
+    EXPECT_EQ(rows.worstPlane({&u, 1}, 2.0 * greatest + 1e-3), -1) << count;
   }
 }
 

@@ -1,4 +1,4 @@
-// A cube that is wholly inside a block when it is taken.
+// A cube that is wholly inside a block when it begins to move.
 
 #include "tests/haptics/contact/part_contact_case.h"
 

@@ -16,11 +16,11 @@ TEST(SharpEdge, PegLedRoundARimTurnsTheForceSmoothly) {
   expectSound(rig);
   EXPECT_LE(rig.deepest(), kSteadyDepth);
   // A whole turn in 2 s is 0.18 degrees a tick; of two polyhedra the normal turns by a facet at once.
-  const std::vector<double> turns = rig.directionSteps(0.1, 0.3);
+  const std::vector<double> changes = rig.directionSteps(0.1, 0.3);
   const double facet = 360.0 / kRimSegments * kDegree;
-  ASSERT_GT(turns.size(), 1500u);
-  EXPECT_LT(quantile(turns, 0.99), facet);
-  EXPECT_LT(quantile(turns, 1.0), 2.0 * facet);
+  ASSERT_GT(changes.size(), 1500u);
+  EXPECT_LT(quantile(changes, 0.99), facet);
+  EXPECT_LT(quantile(changes, 1.0), 2.0 * facet);
   EXPECT_LE(quantile(rig.forceSteps(0.3), 0.99), 0.05);
   // No snag: nowhere along the rim much more force than elsewhere.
   std::vector<double> forces;

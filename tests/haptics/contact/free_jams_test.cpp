@@ -1,4 +1,4 @@
-// Several free parts between a hand and something that does not give way: hard systems of contacts.
+// Several free parts between a hand and a rigid obstacle: hard systems of contacts.
 
 #include "tests/haptics/contact/moving_rig.h"
 #include "tests/haptics/contact/part_contact_case.h"
@@ -41,7 +41,7 @@ assets::Scene slot(int cubes, double wide, double friction, double lastMass) {
 
 /// How deep the corners of any box are in any other, m.
 double deepest(const MovingRig& rig) {
-  double most = 0.0;
+  double greatest = 0.0;
   const assets::Scene& scene = rig.scene();
   for (PartId a = 0; a < scene.parts.size(); ++a) {
     for (PartId b = 0; b < scene.parts.size(); ++b) {
@@ -50,11 +50,11 @@ double deepest(const MovingRig& rig) {
       for (const glm::dvec3& corner : scene.meshes[scene.parts[a].mesh].positions) {
         const glm::dvec3 inside =
             half - glm::abs(transformPoint(inverse(rig.pose(b)), transformPoint(rig.pose(a), corner)));
-        most = std::max(most, std::min({inside.x, inside.y, inside.z}));
+        greatest = std::max(greatest, std::min({inside.x, inside.y, inside.z}));
       }
     }
   }
-  return most;
+  return greatest;
 }
 
 /// The first cube in the hand, the others before it, all 0.3 mm apart, driven to the end of the slot and 30
@@ -68,11 +68,11 @@ struct Pushed {
     for (int i = 0; i < cubes; ++i) rig.own(static_cast<PartId>(4 + i));
     rig.grasp(4);
     rig.tick(50);
-    const double way = 0.0003 * cubes + 0.03;
+    const double path = 0.0003 * cubes + 0.03;
     rig.each = [&] { deep = std::max(deep, deepest(rig)); };
     rig.lead(
         [&](double t) {
-          return Pose{grip.position + glm::dvec3(2.0 * way * t, 0.0, 0.0), kStraight};
+          return Pose{grip.position + glm::dvec3(2.0 * path * t, 0.0, 0.0), kStraight};
         },
         0.5);
     rig.tick(250);
@@ -94,7 +94,7 @@ TEST(FreeJams, CubesPushedHardToTheEndOfASlotStandStill) {
     EXPECT_NEAR(slot.rig.pose(7).position.x, 0.095, 1e-5) << friction;
     for (std::size_t i = 0; i < slot.before.size(); ++i) {
       const glm::dvec3 drift = slot.rig.pose(static_cast<PartId>(4 + i)).position - slot.before[i].position;
-      // Without friction a row of cubes under pressure may give way sideways, as far as the slot is wide.
+      // Without friction a row of cubes under pressure may buckle sideways, as far as the slot is wide.
       EXPECT_LT(friction > 0.0 ? glm::length(drift) : std::abs(drift.x), 2e-6) << friction;
       EXPECT_LT(glm::length(drift), 2e-4) << friction;
     }

@@ -132,12 +132,12 @@ TEST(FreeParts, StayOnASlopeBelowTheAngleOfFrictionAndSlideAboveIt) {
     rig.own(1);
     const glm::dvec3 start = rig.pose(1).position;
     rig.tick(300);
-    const double way = glm::length(rig.pose(1).position - start);
+    const double displacement = glm::length(rig.pose(1).position - start);
     const double a = 9.81 * (std::sin(share * angle) - friction * std::cos(share * angle));
     if (share < 1.0)
-      EXPECT_LT(way, 2e-6);
+      EXPECT_LT(displacement, 2e-6);
     else
-      EXPECT_NEAR(way, 0.5 * a * 0.09, 0.02 * 0.5 * a * 0.09);
+      EXPECT_NEAR(displacement, 0.5 * a * 0.09, 0.02 * 0.5 * a * 0.09);
   }
 }
 
@@ -170,10 +170,10 @@ TEST(FreeParts, APinOfTenGramsMovesABlockOfTenKilogramsAsItsForceSays) {
   rig.grasp(1);
   rig.tick(400);  // the block settles
   const double before = rig.pose(0).position.x;
-  double impulse = 0.0, way = 0.0, fastest = 0.0;
+  double impulse = 0.0, displacement = 0.0, fastest = 0.0;
   rig.each = [&] {
     impulse -= rig.out.hands[0].toHand.force.x * rig.parameters.dt;
-    way += impulse / 10.01 * rig.parameters.dt;
+    displacement += impulse / 10.01 * rig.parameters.dt;
     fastest = std::max(fastest, std::abs(rig.owned(1).twist.linear.x));
   };
   rig.lead([&](double t) { return Pose{grip.position + glm::dvec3(0.02 * t, 0.0, 0.0), kStraight}; }, 0.3);
@@ -181,13 +181,13 @@ TEST(FreeParts, APinOfTenGramsMovesABlockOfTenKilogramsAsItsForceSays) {
   const double speed = rig.owned(0).twist.linear.x;
   EXPECT_GT(impulse, 0.1);
   EXPECT_NEAR(10.01 * speed, impulse, 0.02 * impulse);
-  EXPECT_NEAR(rig.pose(0).position.x - before, way, 0.02 * way);
+  EXPECT_NEAR(rig.pose(0).position.x - before, displacement, 0.02 * displacement);
   EXPECT_LT(std::abs(rig.pose(0).position.z - 0.03), 5e-6);
   EXPECT_LT(fastest, 0.1);
   EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
 }
 
-/// The mass of the block told to be a thousandth of it: the check above must notice.
+/// The block's stated mass is a thousandth of the true one: the check above must fail.
 TEST(FreeParts, ALightBlockIsPushedFarAway) {
   assets::Scene scene = sceneOfParts(blockAndPin(0.01));
   scene.joints.emplace_back();
@@ -267,12 +267,12 @@ TEST(FreeParts, AHeavyPartIsLedAsSlowlyAsTheHandLikes) {
   rig.grasp(0);
   rig.tick();
   const double speed = 1e-5;  // m/s
-  double most = 0.0;
+  double greatest = 0.0;
   rig.lead([&](double t) { return Pose{{speed * t, 0.0, 0.0}, kStraight}; }, 2.0);
-  rig.each = [&] { most = std::max(most, std::abs(rig.out.hands[0].toHand.force.x)); };
+  rig.each = [&] { greatest = std::max(greatest, std::abs(rig.out.hands[0].toHand.force.x)); };
   rig.lead([&](double t) { return Pose{{speed * (2.0 + t), 0.0, 0.0}, kStraight}; }, 2.0);
   // Its momentum swings on the hand's spring: 0.1 m/s kg at 10 rad/s and 4 N s/m is 1 mN.
-  EXPECT_LT(most, 4e-3);
+  EXPECT_LT(greatest, 4e-3);
   EXPECT_NEAR(rig.pose(0).position.x, 4e-5, 5e-6);
 }
 
@@ -285,14 +285,14 @@ struct Gears {
     small.width = large.width = 0.004;
     small.flankPoints = large.flankPoints = 6;
     small.backlash = large.backlash = 0.5 * backlash;
-    const double apart = 0.5 * small.module * (small.teeth + large.teeth);
+    const double distance = 0.5 * small.module * (small.teeth + large.teeth);
     // A tooth of the first one in a gap of the second.
     const glm::dquat half = fromRotationVector({0.0, 0.0, kPi + kPi / large.teeth});
     assets::Scene scene =
         sceneOfParts({{.name = "small", .mesh = meshOf(spurGearSoup(small)), .movable = true},
                       {.name = "large",
                        .mesh = meshOf(spurGearSoup(large)),
-                       .worldFromPart = {{apart, 0.0, 0.0}, half},
+                       .worldFromPart = {{distance, 0.0, 0.0}, half},
                        .movable = true}});
     for (PartId gear = 0; gear < 2; ++gear) {
       assets::Joint joint;
@@ -320,15 +320,15 @@ TEST(FreeParts, GearsTurnEachOtherInTheRatioOfTheirTeeth) {
   rig.tick(20);
   // The play of the driven gear, in rad.
   const double play = backlash / (0.001 * 3 * teeth);
-  double most = -1e9, least = 1e9;
+  double greatest = -1e9, least = 1e9;
   bool driven = false;
   const double begin = rig.jointValue(1, true);
   rig.each = [&] {
-    const double turn = rig.jointValue(0, true), answer = rig.jointValue(1, true) - begin;
-    const double error = answer + turn * 2.0 / 3.0;
-    driven = driven || std::abs(turn) > 0.3;
+    const double angle = rig.jointValue(0, true), answer = rig.jointValue(1, true) - begin;
+    const double error = answer + angle * 2.0 / 3.0;
+    driven = driven || std::abs(angle) > 0.3;
     if (!driven) return;
-    most = std::max(most, error);
+    greatest = std::max(greatest, error);
     least = std::min(least, error);
   };
   rig.lead(
@@ -337,8 +337,8 @@ TEST(FreeParts, GearsTurnEachOtherInTheRatioOfTheirTeeth) {
       },
       seconds);
   EXPECT_NEAR(rig.jointValue(0, true), 2.0 * kPi * turns, 0.1);
-  EXPECT_LT(most - least, 1.2 * play);
-  EXPECT_LT(std::max(std::abs(most), std::abs(least)), 1.2 * play);
+  EXPECT_LT(greatest - least, 1.2 * play);
+  EXPECT_LT(std::max(std::abs(greatest), std::abs(least)), 1.2 * play);
   EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
 }
 

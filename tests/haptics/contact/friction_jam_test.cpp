@@ -1,16 +1,16 @@
-// A peg that is held askew in its bore with friction: when it slides, and that it comes out again.
+// A peg that is pressed askew into its bore with friction: when it slides, and that it comes out again.
 
 #include "tests/haptics/contact/part_contact_case.h"
 
 namespace tandem::test {
 namespace {
 
-/// The first tick at which the part has gone `way` m from where it was at `since` s; null if it never does.
-const RigTick* firstMoved(const HeldPartRig& rig, double since, double way) {
+/// The first tick at which the part is `distance` m from where it was at `since` s; null if there is none.
+const RigTick* firstMoved(const HeldPartRig& rig, double since, double distance) {
   const RigTick* start = nullptr;
   for (const RigTick& t : rig.ticks()) {
     if (start == nullptr && t.time >= since) start = &t;
-    if (start != nullptr && std::abs(t.part.position.z - start->part.position.z) > way) return &t;
+    if (start != nullptr && std::abs(t.part.position.z - start->part.position.z) > distance) return &t;
   }
   return nullptr;
 }
@@ -39,8 +39,8 @@ TEST(FrictionJam, SlidesWhereWhitneysDiagramSaysEverywhere) {
   for (const double engaged : {0.007, 0.01, 0.02, 0.03}) {
     for (const double friction : {0.1, 0.15, 0.2}) {
       // What leaning by its play takes, and as much as is to hold it: 2.4 N at mu 0.1.
-      const double apart = engaged - 0.001, play = 0.1e-3 / apart;
-      expectThreshold({.engaged = engaged, .moment = 4.0 * play + 12.0 * apart, .friction = friction});
+      const double span = engaged - 0.001, play = 0.1e-3 / span;
+      expectThreshold({.engaged = engaged, .moment = 4.0 * play + 12.0 * span, .friction = friction});
     }
   }
 }

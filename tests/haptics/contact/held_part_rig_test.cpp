@@ -40,14 +40,14 @@ TEST(HeldPartRig, PartFollowsItsPathWhereNothingIsInTheWay) {
 }
 
 TEST(HeldPartRig, MeasuresDepthWhereTheTickLeftThePart) {
-  // Taken 1 mm deep in the floor: the first measurement is of the tick that takes it.
+  // Grasped 1 mm deep in the floor: the first measurement is of the tick of the grasp.
   HeldPartRig rig(alone([](double) { return Pose{{0.003, 0.002, 0.004}, {1.0, 0.0, 0.0, 0.0}}; }, 0.002));
   rig.run(1);
   EXPECT_NEAR(rig.ticks()[0].depth, 0.005 - rig.ticks()[0].part.position.z, 1e-8);
 }
 
 TEST(HeldPartRig, CountsWhatTheHandIsGiven) {
-  // Down against the weightless part's inertia and back: a coupling with damping gives nothing away.
+  // Down against the weightless part's inertia and back: a coupling with damping creates no energy.
   HeldPartRig rig(alone(
       [](double t) {
         return Pose{{0.0, 0.0, 0.03 + 0.002 * std::sin(20.0 * t)}, {1.0, 0.0, 0.0, 0.0}};

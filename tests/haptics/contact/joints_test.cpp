@@ -48,12 +48,12 @@ struct Lever {
     rig.grasp(0);
     rig.tick();
   }
-  /// Leads the hand on a straight way and a turn, over 0.5 s.
-  void to(const glm::dvec3& by, const glm::dvec3& turn = glm::dvec3(0.0), double seconds = 0.5) {
+  /// Leads the hand along a straight path and through a rotation, over 0.5 s.
+  void to(const glm::dvec3& by, const glm::dvec3& rotation = glm::dvec3(0.0), double seconds = 0.5) {
     const Pose from = grip;
     const auto path = [&](double t) {
       const double s = t / seconds, ease = s * s * s * (10.0 - 15.0 * s + 6.0 * s * s);
-      return Pose{from.position + ease * by, fromRotationVector(ease * turn) * from.orientation};
+      return Pose{from.position + ease * by, fromRotationVector(ease * rotation) * from.orientation};
     };
     rig.lead(path, seconds);
     grip = path(seconds);
@@ -87,7 +87,7 @@ TEST(Joints, AHingeTurnsAboutItsAxisOnly) {
   const glm::dvec3 end = transformPoint(lever_.rig.pose(0), {0.03, 0.0, 0.0});
   EXPECT_LT(glm::length(end - glm::dvec3(-0.03, 0.06, 0.0)), 1e-4);
   EXPECT_LT(glm::length(lever_.off().position), 1e-7);
-  // What the hinge does not give the hand feels: 20 mm beyond the circle, and 20 mm up.
+  // The hand feels what the hinge locks: 20 mm beyond the circle, and 20 mm up.
   EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.y, -20.0, 0.3);
   EXPECT_NEAR(lever_.rig.out.hands[0].toHand.force.z, -20.0, 0.3);
 }
@@ -162,15 +162,15 @@ TEST(Joints, AScrewGoesItsPitchATurnForManyTurns) {
     Lever lever_{std::move(scene)};
     double worst = 0.0;
     lever_.rig.each = [&] {
-      const double turn = lever_.rig.jointValue(0, true), way = lever_.rig.jointValue(0, false);
-      worst = std::max(worst, std::abs(way - pitch * turn / (2.0 * kPi)));
+      const double rotation = lever_.rig.jointValue(0, true), displacement = lever_.rig.jointValue(0, false);
+      worst = std::max(worst, std::abs(displacement - pitch * rotation / (2.0 * kPi)));
     };
     const Pose grip = lever_.grip;
     lever_.rig.lead(
         [&](double t) {
-          const double turn = 20.0 * kPi * t / 5.0;
-          return Pose{grip.position + glm::dvec3(pitch * turn / (2.0 * kPi), 0.0, 0.0),
-                      fromRotationVector({turn, 0.0, 0.0}) * grip.orientation};
+          const double rotation = 20.0 * kPi * t / 5.0;
+          return Pose{grip.position + glm::dvec3(pitch * rotation / (2.0 * kPi), 0.0, 0.0),
+                      fromRotationVector({rotation, 0.0, 0.0}) * grip.orientation};
         },
         5.0);
     lever_.rig.tick(1000);

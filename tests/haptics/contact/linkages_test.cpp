@@ -1,4 +1,4 @@
-// A part in the hand that joints tie to others that give way: the whole linkage follows the hand.
+// A part in the hand that joints connect to other moving parts: the whole linkage follows the hand.
 
 #include "tests/haptics/contact/moving_rig.h"
 #include "tests/support/part_meshes.h"
@@ -33,23 +33,24 @@ assets::Scene chain(int links, bool hangs) {
   return scene;
 }
 
-/// The last link in the hand. `asks`: what is joined to it is given to the hand as a session gives it.
+/// The last link is in the hand. `answers`: the hand gets the parts that it pushes, as a session gives
+/// them.
 struct Chain {
-  Chain(int links, bool hangs, bool asks, const glm::dvec3& gravity = glm::dvec3(0.0))
+  Chain(int links, bool hangs, bool answers, const glm::dvec3& gravity = glm::dvec3(0.0))
       : rig(chain(links, hangs), gravity), last(static_cast<PartId>(links - 1)), grip(rig.pose(last)) {
     rig.at(grip);
     rig.tick();
     rig.own(last);
     rig.grasp(last);
-    if (asks) {
+    if (answers) {
       rig.each = [this] {
-        asked += rig.out.pushedCount;
+        pushed += rig.out.pushedCount;
         rig.answer();
       };
     }
     rig.tick();
   }
-  /// Leads the hand on a straight way and waits.
+  /// Leads the hand along a straight path and waits.
   void to(const glm::dvec3& by) {
     const Pose from = grip;
     const auto path = [&](double t) {
@@ -61,22 +62,22 @@ struct Chain {
     rig.at(grip);
     rig.tick(1000);
   }
-  /// By how much the ends of two links that are joined are apart, m: the most of all.
+  /// The largest distance of the ends of two joined links, m.
   double gap() const {
-    double most = 0.0;
+    double greatest = 0.0;
     for (const assets::Joint& joint : rig.scene().joints) {
       const glm::dvec3 b = transformPoint(rig.pose(joint.partB), joint.bFromJoint.position);
       const glm::dvec3 a = joint.partA == kNoPart
                                ? joint.aFromJoint.position
                                : transformPoint(rig.pose(joint.partA), joint.aFromJoint.position);
-      most = std::max(most, glm::length(a - b));
+      greatest = std::max(greatest, glm::length(a - b));
     }
-    return most;
+    return greatest;
   }
   MovingRig rig;
   PartId last;
   Pose grip;
-  int asked = 0;
+  int pushed = 0;
 };
 
 TEST(Linkages, AChainFollowsTheHandThatPullsItsEnd) {
@@ -110,7 +111,7 @@ TEST(Linkages, EachLinkIsAskedForOnceWhileTheHandHoldsOne) {
   chain.to({-0.01, 0.0, 0.005});
   chain.rig.tick(2000);  // the hand holds still
   EXPECT_EQ(chain.rig.out.ownedCount, 5);
-  EXPECT_EQ(chain.asked, 4);
+  EXPECT_EQ(chain.pushed, 4);
 }
 
 TEST(Linkages, AllAreGivenBackOnceTheyRest) {
@@ -119,7 +120,7 @@ TEST(Linkages, AllAreGivenBackOnceTheyRest) {
   chain.rig.letGo(chain.last);
   chain.rig.tick(2000);
   EXPECT_EQ(chain.rig.out.ownedCount, 0);
-  EXPECT_EQ(chain.asked, 4);
+  EXPECT_EQ(chain.pushed, 4);
   EXPECT_LT(chain.gap(), 1e-6);
 }
 

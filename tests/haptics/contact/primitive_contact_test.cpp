@@ -1,6 +1,6 @@
-// Parts in the hand that are known by formula: where they rest, against what a ruler says and not the code's
-// own distances. At scales 1e-3, 1 and 20 of one motion: stiffness and mass are the same, forces grow with
-// the lengths.
+// Parts in the hand that are known by formula: where they rest, by geometry and not by the code's own
+// distances. At scales 1e-3, 1 and 20 of one motion: stiffness and mass are the same, forces grow with the
+// lengths.
 
 #include <gtest/gtest.h>
 
@@ -95,7 +95,7 @@ assets::Scene sceneOf(const std::vector<Given>& parts) {
   return scene;
 }
 
-/// What a hand that leads part 0 along a path met on the way.
+/// The result of leading part 0 along a path by hand.
 struct Met {
   double deepest = 0.0;  // m
   double last = 0.0;     // m, the gap at the end
@@ -149,7 +149,7 @@ void expectExact(const Met& met, double scale, const std::string& what, double p
   EXPECT_EQ(met.flags & haptics::kFlagFault, 0u) << what << " at " << scale;
 }
 
-/// Down along -z by `down` and aside by `aside`, without a turn.
+/// Down along -z by `down` and aside by `aside`, without rotation.
 std::function<Pose(double)> straight(const Pose& from, const glm::dvec3& by) {
   return [from, by](double t) {
     return Pose{from.position + std::clamp(t, 0.0, 1.0) * by, from.orientation};
@@ -435,14 +435,14 @@ TEST(PrimitiveContact, ABoxRestsOnASphere) {
     const double r = 0.015 * s;
     const glm::dvec3 size = glm::dvec3(0.03, 0.02, 0.02) * s;
     for (const glm::dvec3& lean : {glm::dvec3(0.0), glm::dvec3(0.5, 0.0, 0.0), glm::dvec3(0.7, 0.6, 0.0)}) {
-      const glm::dquat turn = fromRotationVector(lean);
+      const glm::dquat orientation = fromRotationVector(lean);
       // Down along -z from where it is just above.
       double z = 0.05 * s;
       const auto gap = [=](const Pose& p) {
         return fromBox(glm::conjugate(p.orientation) * -p.position, size) - r;
       };
-      while (gap({{0.0, 0.001 * s, z}, turn}) > 0.0006 * s) z -= 0.0001 * s;
-      const Pose start{{0.0, 0.001 * s, z}, turn};
+      while (gap({{0.0, 0.001 * s, z}, orientation}) > 0.0006 * s) z -= 0.0001 * s;
+      const Pose start{{0.0, 0.001 * s, z}, orientation};
       const Met met = lead(sceneOf({held({box(size)}, start, s), {{ball(r)}, {}, {}}}), s,
                            straight(start, glm::dvec3(0.001, 0.001, -0.002) * s), 0.4, gap);
       expectExact(met, s, "box on sphere");

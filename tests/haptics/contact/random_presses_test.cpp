@@ -60,18 +60,18 @@ Pressed press(unsigned seed) {
     return size * glm::dvec3{share(random), share(random), share(random)};
   };
   const glm::dquat lying = fromRotationVector(vector(3.0)), above = fromRotationVector(vector(3.0));
-  const glm::dvec3 aside = vector(0.004), turn = vector(0.3);
+  const glm::dvec3 aside = vector(0.004), rotation = vector(0.3);
   const Pose start{{aside.x, aside.y, 0.04}, above};
-  const double way = 0.038, speed = seed % 3 == 0 ? 0.2 : 0.05;
+  const double pathLength = 0.038, speed = seed % 3 == 0 ? 0.2 : 0.05;
   const DevicePath path = [=](double time) {
-    const double gone = std::min(speed * time, way);
-    return Pose{start.position + glm::dvec3(0.002 * std::sin(3.0 * time), 0.0, -gone),
-                fromRotationVector(turn * (gone / way)) * start.orientation};
+    const double travelled = std::min(speed * time, pathLength);
+    return Pose{start.position + glm::dvec3(0.002 * std::sin(3.0 * time), 0.0, -travelled),
+                fromRotationVector(rotation * (travelled / pathLength)) * start.orientation};
   };
   assets::Scene scene = sceneOfParts(
       {{.name = "under", .mesh = meshOf(shape(under)), .worldFromPart = {{0.0, 0.0, 0.0}, lying}},
        {.name = "held", .mesh = meshOf(shape(held)), .worldFromPart = start, .movable = true, .mass = 0.05}});
-  HeldPartRig rig({"press", std::move(scene), 1, path, way / speed + 0.3, {}});
+  HeldPartRig rig({"press", std::move(scene), 1, path, pathLength / speed + 0.3, {}});
   rig.run(5);
   return {rig.deepest(), rig.deepest(rig.last().time - 0.05)};
 }

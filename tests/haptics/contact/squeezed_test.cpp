@@ -65,17 +65,17 @@ TEST(Squeezed, APartStaysWhereTheJawsMetIt) {
   for (const double bite : {5e-6, 2e-4, 2e-3}) {
     Vice vice(true);
     vice.close(bite, 0.2);
-    double most = 0.0, drift = 0.0;
+    double greatest = 0.0, drift = 0.0;
     const Pose before = vice.rig.pose(kCube);
     vice.rig.each = [&] {
-      most = std::max(most, glm::length(vice.rig.out.hands[0].toHand.force));
+      greatest = std::max(greatest, glm::length(vice.rig.out.hands[0].toHand.force));
       drift = std::max(drift, glm::length(vice.rig.pose(kCube).position - before.position));
     };
     vice.rig.tick(500);
     EXPECT_NE(vice.rig.flags & haptics::kFlagSqueezed, 0u);
     EXPECT_LT(vice.depth(), bite + 2e-6);
     EXPECT_LT(drift, 1e-6);
-    EXPECT_LT(most, 0.05);
+    EXPECT_LT(greatest, 0.05);
   }
 }
 
@@ -83,19 +83,19 @@ TEST(Squeezed, AHandThatDragsAtItFeelsTheJawsAndNothingElse) {
   Vice vice(true);
   vice.close(1e-4, 0.2);
   // Up and aside by 4 mm and back: 4 N of 1 N/mm into the upper jaw, none along it.
-  double most = 0.0, aside = 0.0, deepest = 0.0;
+  double greatest = 0.0, aside = 0.0, deepest = 0.0;
   vice.rig.each = [&] {
-    most = std::max(most, std::abs(vice.rig.out.hands[0].toHand.force.y));
+    greatest = std::max(greatest, std::abs(vice.rig.out.hands[0].toHand.force.y));
     aside = std::max(aside, std::abs(vice.rig.out.hands[0].toHand.force.x));
     deepest = std::max(deepest, vice.depth());
   };
   vice.rig.lead(
       [](double t) {
-        const double way = 0.002 * (1.0 - std::cos(3.14159265 * t));
-        return Pose{{way, way, 0.0}, glm::dquat(1, 0, 0, 0)};
+        const double displacement = 0.002 * (1.0 - std::cos(3.14159265 * t));
+        return Pose{{displacement, displacement, 0.0}, glm::dquat(1, 0, 0, 0)};
       },
       2.0);
-  EXPECT_NEAR(most, 4.0, 0.1);
+  EXPECT_NEAR(greatest, 4.0, 0.1);
   EXPECT_LT(aside, 0.2);
   EXPECT_LT(deepest, 1e-4 + 2e-6);
 }

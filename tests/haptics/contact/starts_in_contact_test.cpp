@@ -1,4 +1,4 @@
-// Parts that touch their neighbours when they are taken: nothing is felt and nothing moves.
+// Parts that touch their neighbours when they begin to move: nothing is felt and nothing moves.
 
 #include <cstdlib>
 

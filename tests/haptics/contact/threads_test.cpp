@@ -1,4 +1,4 @@
-// A nut on its bolt: nothing but the two threads tells it to advance by their pitch a turn.
+// A nut on its bolt: only contact between the two threads makes it advance by their pitch a turn.
 
 #include <cstdlib>
 #include <numbers>
@@ -46,31 +46,31 @@ PartCase madeThread(double turns) {
 }
 
 double turnedBy(const Pose& from, const Pose& to) {
-  const glm::dquat turn = to.orientation * glm::conjugate(from.orientation);
-  return 2.0 * std::atan2(turn.z, turn.w);
+  const glm::dquat rotation = to.orientation * glm::conjugate(from.orientation);
+  return 2.0 * std::atan2(rotation.z, rotation.w);
 }
 
-/// The most by which the nut strays from a helix of its pitch from a time on (s), m, looked at every `stride`
+/// The largest deviation of the nut from a helix of its pitch from a time on (s), m, sampled every `stride`
 /// ticks.
 double strayed(const HeldPartRig& rig, double pitch, std::size_t stride = 1, double from = kSettle + 0.1) {
   const auto& ticks = rig.ticks();
   const auto first = static_cast<std::size_t>(1e3 * from);
-  double turned = 0.0, least = 1e300, most = -1e300;
+  double turned = 0.0, least = 1e300, greatest = -1e300;
   for (std::size_t i = first; i < ticks.size(); ++i) {
     turned += std::remainder(turnedBy(ticks[i - 1].part, ticks[i].part), 2.0 * std::numbers::pi);
     if ((i - first) % stride != 0) continue;
     const double off = ticks[i].part.position.z - pitch * turned / (2.0 * std::numbers::pi);
     least = std::min(least, off);
-    most = std::max(most, off);
+    greatest = std::max(greatest, off);
   }
-  return most - least;
+  return greatest - least;
 }
 
 double furthestAside(const HeldPartRig& rig) {
-  double most = 0.0;
+  double greatest = 0.0;
   for (const RigTick& tick : rig.ticks())
-    most = std::max(most, std::hypot(tick.part.position.x, tick.part.position.y));
-  return most;
+    greatest = std::max(greatest, std::hypot(tick.part.position.x, tick.part.position.y));
+  return greatest;
 }
 
 TEST(Threads, ANutGoesItsPitchATurn) {
@@ -88,7 +88,7 @@ TEST(Threads, ANutGoesItsPitchATurn) {
 }
 
 TEST(Threads, WithoutATurnItIsHeldByThem) {
-  // The control: the same push, and no way down but the play.
+  // The control: the same push without a thread moves it by no more than the play.
   PartCase pushed = madeThread(0.0);
   pushed.duration = 0.3;
   const DevicePath path = pushed.path;

@@ -65,11 +65,11 @@ TEST(MeshEdges, StandAloneInABoxAndNearEachOtherInAThread) {
 }
 
 TEST(TouchingFeature, OutOfReachOutsideIsHeldOffByItsDistanceAlone) {
-  // Beside the top of a box and above it, in front of no face: the planes of its edges say less than the
-  // distance.
+  // Beside the top of a box and above it, in front of no face, the planes of its edges have smaller gaps
+  // than the distance.
   const Ground ground(boxMesh(glm::dvec3(0.02)));
   SampleQuery sample = corner({0.014, 0.0, 0.013}, {1e-5, 0.0, -2e-4}, kDownCorner);
-  EXPECT_LT(ground.at(sample).planes[0].gap, 0.00499) << "what is asked for a way out of the box";
+  EXPECT_LT(ground.at(sample).planes[0].gap, 0.00499) << "the gap of a plane through the box";
   sample.outside = true;
   const TouchingFeature found = ground.at(sample);
   ASSERT_EQ(found.count, 1);
@@ -127,7 +127,7 @@ TEST(TouchingFeature, BesideARimItTakesThePlaneThatLetsTheMotionPass) {
   const auto found = ground.at(corner({0.01 + 2e-6, 0.0, 0.01 + 1e-6}, {0.0, 0.0, -1e-4}, normals));
   EXPECT_NEAR(found.planes[0].normal.x, 1.0, 1e-3);
   EXPECT_GE(found.planes[0].gap, 0.0);
-  // The same corner going inwards over the top is held by the top.
+  // The same corner that moves inwards over the top has the top's normal.
   const auto above = ground.at(corner({0.01 + 2e-6, 0.0, 0.01 + 1e-6}, {-1e-4, 0.0, -1e-7}, normals));
   EXPECT_GT(above.planes[0].normal.z, 0.9);
 }

@@ -132,8 +132,8 @@ TEST(TriangleBvhExact, SweptBallIsThatOfEveryTriangleTestedAlone) {
                                                     : 0.4) +
                             0.5 * skin;
       glm::dvec3 from = c.offset + c.scale * 1.5 * glm::dvec3(u(random), u(random), u(random));
-      const glm::dvec3 way(u(random), u(random), i % 7 == 0 ? 0.0 : u(random));
-      glm::dvec3 motion = c.scale * (i % 3 == 0 ? 0.02 : 1.0) * way;
+      const glm::dvec3 direction(u(random), u(random), i % 7 == 0 ? 0.0 : u(random));
+      glm::dvec3 motion = c.scale * (i % 3 == 0 ? 0.02 : 1.0) * direction;
       if (i % 2 == 0) {
         // Resting on the surface, as a tool in contact does, and sliding along it or a little into it.
         MeshPoint near;
@@ -185,9 +185,9 @@ TEST(TriangleMath, SweptBallNeverPassesTheFirstTouchOfACloseGraze) {
     const glm::dvec3 q = t.a + (0.5 + 0.6 * u(random)) * (t.b - t.a) + (0.3 + 0.5 * u(random)) * (t.c - t.a);
     const glm::dvec3 p = q + glm::dvec3(u(random), u(random), u(random));
     const glm::dvec3 nearest = haptics::closestPointOnTriangle(p, t).point, n = glm::normalize(p - nearest);
-    const glm::dvec3 way = glm::cross(n, glm::dvec3(u(random), u(random), u(random)));
+    const glm::dvec3 direction = glm::cross(n, glm::dvec3(u(random), u(random), u(random)));
     const glm::dvec3 middle = nearest + n * radius * (1.0 + 1e-6 * u(random));
-    const glm::dvec3 from = middle - way, motion = 2.0 * way;
+    const glm::dvec3 from = middle - direction, motion = 2.0 * direction;
     const auto gapAt = [&](double s) {
       const glm::dvec3 x = from + motion * s;
       return glm::length(x - haptics::closestPointOnTriangle(x, t).point) - radius;

@@ -191,9 +191,9 @@ TEST(TriangleBvh, EmptyMeshFindsNothing) {
 TEST(TriangleBvh, CrossingsTellInsideFromOutside) {
   const assets::Mesh mesh = sphereMesh(1.0, 20);
   const TriangleBvh tree(mesh, 1);
-  const glm::dvec3 way(3.0, 0.41, 0.73);
-  EXPECT_EQ(tree.signedCrossings({0.1, 0.2, -0.3}, glm::dvec3(0.1, 0.2, -0.3) + way), 1);
-  EXPECT_EQ(tree.signedCrossings({-1.5, -0.1, -0.2}, glm::dvec3(-1.5, -0.1, -0.2) + way), 0);
+  const glm::dvec3 path(3.0, 0.41, 0.73);
+  EXPECT_EQ(tree.signedCrossings({0.1, 0.2, -0.3}, glm::dvec3(0.1, 0.2, -0.3) + path), 1);
+  EXPECT_EQ(tree.signedCrossings({-1.5, -0.1, -0.2}, glm::dvec3(-1.5, -0.1, -0.2) + path), 0);
 }
 
 TEST(SceneBvh, AgreesWithBruteForceAfterPartsHaveMoved) {

@@ -14,7 +14,7 @@ namespace {
 
 using haptics::TriangleBvh;
 
-/// A cloud of triangles that spans `span` along each axis; flat along z if so told.
+/// A cloud of triangles that spans `span` along each axis; flat along z if `flat`.
 assets::Mesh cloudAcross(double span, bool flat) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> u(-0.5, 0.5);
@@ -42,10 +42,10 @@ TEST(ExtremeMesh, OfDenormalSizeIsBuiltAndAnswersAsBruteForce) {
       const assets::Mesh mesh = cloudAcross(span, flat);
       TriangleBvh tree(mesh, 1);
       for (int pass = 0; pass < 2; ++pass) {
-        for (const glm::dvec3& way : {glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.3, -0.2, 0.1)}) {
+        for (const glm::dvec3& direction : {glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.3, -0.2, 0.1)}) {
           haptics::MeshPoint found;
-          ASSERT_TRUE(tree.closestPoint(span * way, 10.0 * span, found)) << span;
-          EXPECT_EQ(found.distance, bruteDistance(tree, span * way)) << span;
+          ASSERT_TRUE(tree.closestPoint(span * direction, 10.0 * span, found)) << span;
+          EXPECT_EQ(found.distance, bruteDistance(tree, span * direction)) << span;
         }
         tree.refit(1);
       }

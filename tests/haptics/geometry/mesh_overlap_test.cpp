@@ -28,7 +28,7 @@ Pose turned(const glm::dvec3& position, const glm::dvec3& rotation) {
   return {position, fromRotationVector(rotation)};
 }
 
-/// Two boxes with the same turn, the second off by `offset` in their axes.
+/// Two boxes of the same orientation, the second offset by `offset` in their axes.
 MeshOverlap boxes(const glm::dvec3& sizeA, const glm::dvec3& sizeB, const glm::dvec3& offset) {
   const assets::Mesh a = boxMesh(sizeA), b = boxMesh(sizeB);
   const TriangleBvh treeA(a, 1), treeB(b, 1);
@@ -248,14 +248,15 @@ TEST(MeshOverlap, OfRandomPlacesIsTheDeepestOfManyPointsTestedAlone) {
     double deepest = 0.0;
     for (int side = 0; side < 2; ++side) {
       const TriangleBvh &mesh = side == 0 ? treeA : treeB, &solid = side == 0 ? treeB : treeA;
-      const Pose aFromB = inverse(worldFromA) * worldFromB, way = side == 0 ? inverse(aFromB) : aFromB;
+      const Pose aFromB = inverse(worldFromA) * worldFromB,
+                 otherFromOwn = side == 0 ? inverse(aFromB) : aFromB;
       for (std::uint32_t t = 0; t < mesh.mesh().triangles.size(); ++t) {
         const haptics::Triangle triangle = mesh.triangle(t);
         for (int k = 0; k < 4; ++k) {
           double v = 0.5 + 0.5 * u(random), w = 0.5 + 0.5 * u(random);
           if (v + w > 1.0) v = 1.0 - v, w = 1.0 - w;
           const glm::dvec3 p = triangle.a + (triangle.b - triangle.a) * v + (triangle.c - triangle.a) * w;
-          deepest = std::max(deepest, bruteDepth(solid, transformPoint(way, p)));
+          deepest = std::max(deepest, bruteDepth(solid, transformPoint(otherFromOwn, p)));
         }
       }
     }
@@ -265,7 +266,7 @@ TEST(MeshOverlap, OfRandomPlacesIsTheDeepestOfManyPointsTestedAlone) {
     ASSERT_NEAR(found.depth, other, 0.015 * other + 1e-8) << i;
     if (found.meeting != Meeting::crossing) continue;
     ++crossing;
-    // What it names is as deep as it says.
+    // The deepest point is as deep as the reported depth.
     const PlacedMesh in = found.inA ? PlacedMesh{&treeA, worldFromA} : PlacedMesh{&treeB, worldFromB};
     const glm::dvec3 p = transformPoint(inverse(in.worldFromMesh), found.deepest);
     EXPECT_NEAR(bruteDepth(*in.tree, p), found.depth, 1e-12) << i;

@@ -1,5 +1,5 @@
-// Distances of implicit shapes by formula: against fine points of the surface, against what a ruler says, and
-// against what makes contact by them exact, convexity and slope.
+// Distances of implicit shapes by formula: against fine points of the surface, against distances by hand,
+// and against what makes contact by them exact, convexity and slope.
 
 #include <gtest/gtest.h>
 
@@ -294,8 +294,8 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
     if (of.shape.kind == Kind::plane) continue;
     const assets::Mesh mesh = tessellated(of.shape);
     const haptics::ContactSamples samples({&of.shape, 1}, mesh, {});
-    for (const Named& asked : allShapes()) {
-      const Primitive shape(asked.shape);
+    for (const Named& target : allShapes()) {
+      const Primitive shape(target.shape);
       std::mt19937 random(23);
       std::uniform_real_distribution<double> within(-1.0, 1.0);
       for (int trial = 0; trial < 25; ++trial) {
@@ -304,11 +304,12 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
         Pose pose;
         pose.orientation =
             fromRotationVector(3.0 * glm::dvec3(within(random), within(random), within(random)));
-        const glm::dvec3 way = glm::normalize(glm::dvec3(within(random), within(random), within(random)));
+        const glm::dvec3 direction =
+            glm::normalize(glm::dvec3(within(random), within(random), within(random)));
         // So that the sample lies a little outside of the shape.
         const double reach = 0.08;
-        pose.position = way * reach - pose.orientation * own.sample();
-        pose.position -= way * (shape.at(way * reach).distance - 1e-3);
+        pose.position = direction * reach - pose.orientation * own.sample();
+        pose.position -= direction * (shape.at(direction * reach).distance - 1e-3);
         const ContactPatch patch = own.moved(pose);
         const haptics::PatchTouch found = haptics::deepestIn(shape, patch, slack);
         double least = 1.0;
@@ -323,15 +324,15 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
             if (patch.kind == ContactPatch::Kind::cap) {
               const glm::dvec3 a = glm::normalize(glm::cross(patch.out, glm::dvec3(0.3, 0.5, 0.81))),
                                b = glm::cross(patch.out, a);
-              const double turn = patch.angle * i / 60.0, about = 2.0 * 3.14159265358979 * k / 60.0;
+              const double angle = patch.angle * i / 60.0, about = 2.0 * 3.14159265358979 * k / 60.0;
               place.out =
-                  std::cos(turn) * patch.out + std::sin(turn) * (std::cos(about) * a + std::sin(about) * b);
+                  std::cos(angle) * patch.out + std::sin(angle) * (std::cos(about) * a + std::sin(about) * b);
             }
             if (patch.kind == ContactPatch::Kind::side) {
               for (int t = 0; t <= 60; ++t) {
-                const double turn = share * patch.angle;
+                const double angle = share * patch.angle;
                 place.t = (t / 30.0 - 1.0) * patch.along;
-                place.out = std::cos(turn) * patch.out + std::sin(turn) * glm::cross(patch.axis, patch.out);
+                place.out = std::cos(angle) * patch.out + std::sin(angle) * glm::cross(patch.axis, patch.out);
                 least = std::min(least, shape.at(patch.pointAt(place)).distance);
               }
               continue;
@@ -345,7 +346,7 @@ TEST(PrimitiveSamples, TheDeepestPlaceOfAPatchIsFound) {
         const int count = patch.normalsAt(found.place, normals);
         const bool its = count == 0 || count == 2 || glm::dot(normals[0], up) < -1.0 + 1e-9;
         if (its) {
-          EXPECT_LE(found.read.distance, least + 5.0 * slack) << of.name << " on " << asked.name;
+          EXPECT_LE(found.read.distance, least + 5.0 * slack) << of.name << " on " << target.name;
         }
       }
     }

@@ -12,13 +12,13 @@ TEST(SweepBall, APointBesideACornerMeetsTheFaceThatItsWayLeadsThrough) {
                    {0.37054560053553165, -0.053045290731319528, 0.05962364210012764},
                    {0.66629331434973116, -0.25289000278167739, 0.53267241313327962}};
   const glm::dvec3 from(0.37054560007301907, -0.05304529835073752, 0.059623642355343294);
-  const glm::dvec3 way(-0.035688990091429396, -0.12695860713085505, 0.035018047200041653);
+  const glm::dvec3 motion(-0.035688990091429396, -0.12695860713085505, 0.035018047200041653);
   const glm::dvec3 normal = glm::normalize(glm::cross(t.b - t.a, t.c - t.a));
   ASSERT_GT(glm::dot(normal, from - t.a), 0.0);
-  ASSERT_LT(glm::dot(normal, from + way - t.a), 0.0);
+  ASSERT_LT(glm::dot(normal, from + motion - t.a), 0.0);
   const double skin = 2.88365e-9;
   BallHit hit;
-  EXPECT_TRUE(sweepBall(from, way, 0.5 * skin, 0.125 * skin, t, hit));
+  EXPECT_TRUE(sweepBall(from, motion, 0.5 * skin, 0.125 * skin, t, hit));
 }
 
 TEST(SweepBall, NoWayFromBesideAnEdgeLeadsThroughTheFace) {

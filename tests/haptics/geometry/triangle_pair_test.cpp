@@ -61,13 +61,13 @@ TEST(TrianglePair, TakesTrianglesWithoutAreaForEdgesAndPoints) {
   EXPECT_NEAR(haptics::nearestPoints(needle, point).square, 0.0, 1e-30);
 }
 
-/// Nearest points of convex sets: nothing of either lies beyond the planes through them, across the way.
-/// Returns by how much this fails, m.
+/// Nearest points of convex sets: nothing of either lies beyond the planes through them, across their
+/// offset. Returns by how much this fails, m.
 double beyond(const Triangle& a, const Triangle& b, const TrianglePairGap& gap) {
-  const glm::dvec3 way = (gap.onA - gap.onB) / std::sqrt(gap.square);
+  const glm::dvec3 direction = (gap.onA - gap.onB) / std::sqrt(gap.square);
   double worst = 0.0;
-  for (const glm::dvec3& p : {a.a, a.b, a.c}) worst = std::max(worst, glm::dot(way, gap.onA - p));
-  for (const glm::dvec3& p : {b.a, b.b, b.c}) worst = std::max(worst, glm::dot(way, p - gap.onB));
+  for (const glm::dvec3& p : {a.a, a.b, a.c}) worst = std::max(worst, glm::dot(direction, gap.onA - p));
+  for (const glm::dvec3& p : {b.a, b.b, b.c}) worst = std::max(worst, glm::dot(direction, p - gap.onB));
   return worst;
 }
 
@@ -86,7 +86,7 @@ TEST(TrianglePair, PassesTheCertificateOfNearestPointsForRandomTriangles) {
     const Triangle a = triangle(), b = triangle();
     const TrianglePairGap gap = haptics::nearestPoints(a, b);
     const double distance = std::sqrt(gap.square);
-    // What is asked here knows the face of a sliver to 1e-5 of its length only.
+    // The reference knows the face of a sliver to 1e-5 of its length only.
     const double off = (i % 4 == 0 ? 1e-5 : 1e-12) * scale;
     ASSERT_FALSE(haptics::furtherThan(distance + 1e-14 * scale, haptics::facetOf(a), haptics::facetOf(b)))
         << i;

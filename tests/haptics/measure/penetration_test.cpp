@@ -20,8 +20,8 @@ using haptics::PenetrationMeter;
 
 constexpr double kPi = std::numbers::pi;
 
-Pose at(double x, double y, double z, const glm::dvec3& turn = glm::dvec3(0.0)) {
-  return {{x, y, z}, fromRotationVector(turn)};
+Pose at(double x, double y, double z, const glm::dvec3& rotation = glm::dvec3(0.0)) {
+  return {{x, y, z}, fromRotationVector(rotation)};
 }
 
 double depthOf(const assets::Mesh& a, const Pose& poseA, const assets::Mesh& b, const Pose& poseB = {}) {
@@ -50,8 +50,8 @@ TEST(Penetration, OfABoxInABlockIsItsDepth) {
   const assets::Mesh box = meshOf(boxSoup({0.01, 0.01, 0.01}, 3));
   const assets::Mesh block = meshOf(boxSoup({0.06, 0.06, 0.06}, 5));
   for (const double depth : {1e-3, 1e-5, 1e-7}) {
-    for (const double turn : {0.0, 0.3, kPi / 4}) {
-      const Pose pose = at(0.003, -0.001, 0.035 - depth, {0.0, 0.0, turn});
+    for (const double rotation : {0.0, 0.3, kPi / 4}) {
+      const Pose pose = at(0.003, -0.001, 0.035 - depth, {0.0, 0.0, rotation});
       EXPECT_NEAR(depthOf(box, pose, block), depth, 1e-9);
       EXPECT_NEAR(depthOf(box, kElsewhere * pose, block, kElsewhere), depth, 1e-8);
     }
@@ -81,10 +81,11 @@ TEST(Penetration, IsZeroApartAndTouching) {
   // Faces in one plane, also with edges in one line and corners on corners.
   for (const glm::dvec2& offset :
        {glm::dvec2(0.0), glm::dvec2(0.025), glm::dvec2(0.0123, 0.025), glm::dvec2(0.03, 0.0)}) {
-    for (const double turn : {0.0, 0.2}) {
-      const Pose pose = at(offset.x, offset.y, 0.035, {0.0, 0.0, turn});
-      EXPECT_LE(depthOf(box, pose, block), 1e-9 * 0.06) << offset.x << ' ' << turn;
-      EXPECT_LE(depthOf(box, kElsewhere * pose, block, kElsewhere), 1e-9 * 0.06) << offset.x << ' ' << turn;
+    for (const double rotation : {0.0, 0.2}) {
+      const Pose pose = at(offset.x, offset.y, 0.035, {0.0, 0.0, rotation});
+      EXPECT_LE(depthOf(box, pose, block), 1e-9 * 0.06) << offset.x << ' ' << rotation;
+      EXPECT_LE(depthOf(box, kElsewhere * pose, block, kElsewhere), 1e-9 * 0.06)
+          << offset.x << ' ' << rotation;
     }
   }
   // Side by side, of the same size.
@@ -179,7 +180,7 @@ TEST(Penetration, TakesMeshesAsTheyAre) {
   EXPECT_EQ(depthOf(assets::Mesh(), {}, block), 0.0);
 }
 
-/// The largest distance among many points of a's surface that lie in b, by another way: every triangle asked.
+/// The largest distance among many points of a's surface that lie in b, by brute force over all triangles.
 double sampledDepth(const assets::Mesh& a, const Pose& bFromA, const assets::Mesh& b, int samples) {
   const auto solidAngle = [&](const glm::dvec3& p) {
     double sum = 0.0;  // van Oosterom & Strackee 1983
@@ -231,7 +232,7 @@ TEST(Penetration, AgreesWithManyPointsInAnyPose) {
     EXPECT_NEAR(swapped, found, 0.01 * found) << trial;
     const double sampled = std::max(sampledDepth(a, pose, b, 8), sampledDepth(b, inverse(pose), a, 8));
     EXPECT_GE(found, 0.99 * sampled) << trial;    // deep: faces are searched to 1 %
-    EXPECT_LE(found, sampled + 1.8e-3) << trial;  // half the way between samples
+    EXPECT_LE(found, sampled + 1.8e-3) << trial;  // half the distance of samples
     if (found > 1e-3) ++deep;
   }
   EXPECT_GT(deep, 4);
