@@ -1,11 +1,11 @@
 #pragma once
 
-// Programmer's errors. ASSERT is on in every build: a broken invariant ends the program with its place,
-// except inside a haptic tick, which uses TICK_ASSERT (haptics/base/fault.h) to latch a fault and let go of the hand.
+// Programmer's errors. ASSERT is on in every build: a broken invariant ends the program with its place, or
+// throws inside an AssertionScope (assertion_scope.h), so that a tick latches a fault and lets go of the hand.
 
 namespace tandem {
 
-/// Prints the place and the condition on stderr and aborts.
+/// Throws inside an AssertionScope; otherwise prints the place and the condition on stderr and aborts.
 [[noreturn]] void assertFailed(const char* condition, const char* file, int line);
 
 }  // namespace tandem
