@@ -29,9 +29,8 @@ def violations(root):
         allowed[room] = {room}
         for other in below:
             if other not in allowed or other == room:
-                found.append(
-                             f"CMakeLists.txt: {room} names {other}, which does not stand above it in the "
-                             "table")
+                found.append(f"CMakeLists.txt: {room} names {other}, which does not stand above it in "
+                             "the table")
             else:
                 allowed[room] |= allowed[other]
     included = {room: set() for room in rooms}

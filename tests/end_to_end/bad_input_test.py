@@ -111,8 +111,8 @@ def main():
             if run.returncode != 2 or len(lines) != 1 or word not in lines[0]:
                 failures += 1
                 print(
-                      f"{command}: exit code {run.returncode}, wanted 2 and one line with {word!r}; got "
-                      f"{lines[:3]}")
+                    f"{command}: exit code {run.returncode}, wanted 2 and one line with {word!r}; got "
+                    f"{lines[:3]}")
     return 1 if failures else 0
 
 
