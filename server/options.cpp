@@ -21,12 +21,13 @@ constexpr const char* kExamples = R"(Examples:
   tandem-server assets/scenes/pump.glb
       A session on port 7480 (TCP and UDP); prints one join link a role.
   tandem-server engine.glb --units mm --movable all --invite participant=3
-      A plain CAD file in millimetres, in which every part can be picked up; three open links for participants.
+      A plain CAD file in millimetres; every part can be picked up; three open links for participants.
   tandem-server pump.glb --listen 127.0.0.1:0 --data /tmp/trial --duration 60
       On this machine only, on any free port, for a minute.
 
-Each line on standard output is a role and a link; a link works once, and when it has been used a new one is printed.
-The session lives in the data directory: start the server again with the same --data and port, and everybody comes back.
+Each line on standard output is a role and a link; a link works once, and then a new one is printed.
+The session lives in the data directory: start the server again with the same --data and port, and everybody
+comes back.
 Send a link over a channel that you trust: it carries the right to enter and the pin of the server's key.
 Open both TCP and UDP of the port in the firewall; where UDP does not pass, state travels over TCP.)";
 
@@ -125,7 +126,7 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .numberFrom(200.0, 600000.0)
       .showDefault();
   app.option("--record", options.record, "records the session, for tandem replay").typeName("FILE");
-  app.option("--duration", options.duration_s, "stops after this time, s; 0: runs until it is told to stop")
+  app.option("--duration", options.duration_s, "stops after this time, s; 0: runs until SIGINT or SIGTERM")
       .typeName("S")
       .numberFrom(0.0, 1e9);
   app.flag("--no-cache", raw.noCache, "prepares the scene anew");

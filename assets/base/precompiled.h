@@ -1,6 +1,7 @@
 #pragma once
 
-// What most sources include, compiled once for all of them. No source relies on it: each includes what it uses.
+// What most sources include, compiled once for all of them. No source relies on it: each includes what it
+// uses.
 
 #include <algorithm>
 #include <array>

@@ -55,7 +55,7 @@ LinkMeasurement measureLink(const LinkSetting& setting, double delay, int seeds,
 double loadWithoutNetwork();
 
 /// Times a tick of one end, in multiples of the implicit step of a held part in the same run (coupleBody with
-/// one grip): receive, pull, settle and packet, as they come in the drag; of the server its own step.
+/// one grip): receive, pull, account and packet, as they come in the drag; of the server its own step.
 double tickCost(const LinkSetting& setting, double delay);
 
 }  // namespace tandem::client::report

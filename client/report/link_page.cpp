@@ -258,7 +258,7 @@ std::string delayFigure(const SweepResult& result) {
          panelsSvg({panel("Sites apart in the shared drag", kApartLabel, kLeastApart, kApart),
                     panel("Leader's hand off the part that it sees", "rms, mm", kLeastApart, kOffGrip),
                     panel("Stiffness from hand to hand", kHandToHandLabel, kLeastStiffness, kHandToHand),
-                    panel("Wall felt by the guest", "N/m", kLeastStiffness, kWall),
+                    panel("Wall felt by the co-holder", "N/m", kLeastStiffness, kWall),
                     panel("What the leader has to push", kLoadLabel, kLeastLoad, kLoad),
                     panel("Roughness", kChangeLabel, kLeastChange, kChange)}) +
          "</figure>\n";
@@ -325,7 +325,7 @@ const char* const kMeasures =
     "20 ms before, in the steady middle of that drag.</li>\n"
     "<li><b>Hand to hand</b> is the force on a firm hand that holds still, over the way between the "
     "two devices, while the other firm hand pulls 15 mm away.</li>\n"
-    "<li><b>Wall</b> is the least-squares slope of force against travel that the guest feels who "
+    "<li><b>Wall</b> is the least-squares slope of force against travel that the co-holder feels who "
     "presses the part with 2 N against a wall of 5 N/mm (in series with the grasp of 1 N/mm: 833 "
     "N/m).</li>\n"
     "<li><b>kB/s</b> counts the sealed messages of one direction, without UDP and IP: those of the "
@@ -377,7 +377,7 @@ times its delay, which the leader carries. <b>Left is lighter, up is stiffer.</b
 
 const char* const kAboutMargin = R"(<h3>Margin and load</h3>
 <p>How much later than what a link finds enough the peer is played out: -10, -5, 0, +10 ms, at 250 packets a
-second. Sooner, the wave runs dry oftener, and what the reserve cannot lend is lost; later costs distance
+second. Sooner, the wave starves more often, and what the reserve cannot lend is lost; later costs distance
 and stiffness. Last: what a tick of one end costs.</p>
 )";
 
@@ -400,7 +400,7 @@ void linkBounds(const LinkExperimentResult& e, std::vector<Bound>& bounds) {
     const std::string where = delayInWords(e) + ": ";
     for (const LinkTarget& target : kLinkTargets) {
       if (std::abs(target.delay_ms - 1e3 * e.delay) > 0.5) continue;
-      bounds.push_back({where + "wall felt by the guest", "N/m", m.wall, target.wall, true});
+      bounds.push_back({where + "wall felt by the co-holder", "N/m", m.wall, target.wall, true});
       if (target.handToHand > 0.0)
         bounds.push_back({where + "hand to hand", "N/m", m.handToHand, target.handToHand, true});
       if (target.apart_mm > 0.0)

@@ -25,11 +25,11 @@ class RecordedEnd : public bench::LinkEnd {
     tick.received = recording_->received.size();
     return end_->pull(now, worldFromCentre, twist);
   }
-  void settle(const Pose& worldFromCentre, const Twist& twist) override {
+  void account(const Pose& worldFromCentre, const Twist& twist) override {
     ASSERT(!recording_->ticks.empty());  // pull() begins a tick
     recording_->ticks.back().after = worldFromCentre;
     recording_->ticks.back().twistAfter = twist;
-    end_->settle(worldFromCentre, twist);
+    end_->account(worldFromCentre, twist);
     recording_->ticks.back().off = end_->apart();
   }
   haptics::LinkPacket packet(double now) override {
@@ -70,7 +70,7 @@ void replay(const LinkRecording& recording, bench::LinkEnd& end) {
     ASSERT(tick.received <= recording.received.size());
     for (; received < tick.received; ++received) end.receive(recording.received[received]);
     end.pull(tick.now, tick.before, tick.twistBefore);
-    end.settle(tick.after, tick.twistAfter);
+    end.account(tick.after, tick.twistAfter);
     if (tick.sends) end.packet(tick.now);
   }
 }

@@ -54,7 +54,7 @@ haptics::LinkPull TankEnd::pull(double, const Pose& worldFromCentre, const Twist
   return {haptics::wrenchOf(gains_.stiffness * stretch, lever_), implicit, implicit * lever_ * lever_};
 }
 
-void TankEnd::settle(const Pose& worldFromCentre, const Twist& twist) {
+void TankEnd::account(const Pose& worldFromCentre, const Twist& twist) {
   const SixAxes v = haptics::axesOf(twist, lever_);
   tank_ += period_ * damping_ * haptics::dot(v, v);
   own_.energy += std::max(0.0, tank_ - kLevel);

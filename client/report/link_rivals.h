@@ -34,7 +34,7 @@ class TankEnd : public bench::LinkEnd {
 
   void receive(const haptics::LinkPacket& packet) override;
   haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override;
-  void settle(const Pose& worldFromCentre, const Twist& twist) override;
+  void account(const Pose& worldFromCentre, const Twist& twist) override;
   haptics::LinkPacket packet(double now) override;
 
  private:

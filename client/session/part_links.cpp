@@ -20,10 +20,10 @@ constexpr std::uint32_t kEpochsAhead = 1000;  // by which another site's clock m
 /// Half the diagonal of a block with these mass properties, m: the arm by which a rotation is compared with a
 /// displacement.
 double leverOf(const assets::MassProperties& part) {
-  constexpr double kLeast = 0.01, kMost = 0.15, kUnknown = 0.05;
+  constexpr double kMin = 0.01, kMax = 0.15, kUnknown = 0.05;
   const double trace = part.inertia[0][0] + part.inertia[1][1] + part.inertia[2][2];
   const double lever = std::sqrt(1.5 * trace / part.mass);
-  return std::isfinite(lever) ? std::clamp(lever, kLeast, kMost) : kUnknown;
+  return std::isfinite(lever) ? std::clamp(lever, kMin, kMax) : kUnknown;
 }
 
 double rounded(double value, double quantum) {

@@ -253,7 +253,7 @@ void HeldParts::react(SimulatedPart& entry, const HandPulls& hands, const Couple
   if (!links_.has(entry.part)) return;
   const Wrench back =
       step.couplings[coupling + 1].onHand(velocity, spin);  // of what leads it: after the links'
-  links_.settle(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
+  links_.account(entry.part, entry.body, velocity, spin, {-back.force, -back.torque});
 }
 
 std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickParameters& parameters,

@@ -209,7 +209,7 @@ void CoordinationLink::pay(const PlayedWave& peer, const LinkGoal& goal) {
   }
 }
 
-Wrench CoordinationLink::settle(const Pose& worldFromCentre, const Twist& twist) {
+Wrench CoordinationLink::account(const Pose& worldFromCentre, const Twist& twist) {
   const SixAxes v = axesOf(twist, p_.lever);
   const SixAxes drawn =  // v_d
       (1.0 / (b_ + damper())) * (std::sqrt(2.0 * b_) * wave_ - p_.spring * stretch_ + damper() * v);

@@ -13,7 +13,7 @@
 // u^2 / 2; the other end plays them out a fixed time D_p later. Passivity: w may spend no more energy than
 // has arrived of E plus a small reserve of what this end itself has dissipated.
 //
-// 1. The thread that ticks calls pull() before the replica moves and settle() after it, each tick, and
+// 1. The thread that ticks calls pull() before the replica moves and account() after it, each tick, and
 //    receive() and packet() between ticks. Nothing allocates or locks; the same calls give the same bits.
 // 2. The link never waits: its force decays while play-out starves, and fades in when packets return.
 // 3. Poses are never set. A gap between replicas is closed slowly.
@@ -69,7 +69,7 @@ class CoordinationLink {
   void setOn(bool on) { on_ = on; }
 
   bool on() const { return on_; }
-  /// Replaces pull() and settle() while the end is off: another holder moves the replica, or the link has no
+  /// Replaces pull() and account() while the end is off: another holder moves the replica, or the link has no
   /// force left on it. `asks` requests that the owner begins.
   void follow(double now, const Pose& worldFromCentre, const Twist& twist, bool asks);
   /// The packet made last among those received, or null.
@@ -83,7 +83,7 @@ class CoordinationLink {
   LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist);
   /// Ends the tick, given the replica's new pose and the twist that it took. Returns the wrench that acted on
   /// it.
-  Wrench settle(const Pose& worldFromCentre, const Twist& twist);
+  Wrench account(const Pose& worldFromCentre, const Twist& twist);
 
   /// The packet to send now, about every packetPeriod.
   LinkPacket packet(double now);

@@ -22,8 +22,8 @@ class LinkReserve {
   /// Fills the reserve with a share of the energy that damping has dissipated, J.
   void fill(double lost) { energy_ = std::max(energy_, std::min(energy_ + kKept * lost, kMax)); }
 
-  /// Settles a tick that may leave a surplus for later ones. Returns the share of `arrived` (J) that is used
-  /// up: `cost`, and what the reserve takes back, first what it has borrowed.
+  /// Accounts for a tick that may leave a surplus for later ones. Returns the share of `arrived` (J) that is
+  /// used up: `cost`, and what the reserve takes back, first what it has borrowed.
   double account(double arrived, double cost) {
     const double left = arrived - cost;
     if (left < 0.0) return energy_ += left, arrived;
@@ -35,8 +35,8 @@ class LinkReserve {
     return cost + back;
   }
 
-  /// Settles a tick that uses all of `arrived` (J). With `borrows`, spending beyond that is to be paid back
-  /// later.
+  /// Accounts for a tick that uses all of `arrived` (J). With `borrows`, spending beyond that is to be paid
+  /// back later.
   void accountAll(double arrived, double cost, bool borrows) {
     const double left = arrived - cost;
     borrowed_ = borrows ? borrowed_ + std::max(0.0, -left) : 0.0;

@@ -180,13 +180,13 @@ const OutageSpring* ReplicaLinks::outageSpring(PartId part) const {
   return nullptr;
 }
 
-void ReplicaLinks::settle(PartId part, const RigidBody& body, const glm::dvec3& velocity,
-                          const glm::dvec3& spin, const Wrench& outagePull) {
+void ReplicaLinks::account(PartId part, const RigidBody& body, const glm::dvec3& velocity,
+                           const glm::dvec3& spin, const Wrench& outagePull) {
   const Pose centre = centreOf(body);
   bool isLinked = false;
   for (std::optional<LinkEnd>& end : ends_) {
     if (!end || end->terms.id.part != part) continue;
-    end->acting = end->link.settle(centre, {velocity, spin});
+    end->acting = end->link.account(centre, {velocity, spin});
     const double torque = glm::length(end->acting.torque) / end->terms.parameters.lever;
     const bool left =
         end->outageSpring.share() > 0.0 || std::max(glm::length(end->acting.force), torque) > kForceLeft;

@@ -9,7 +9,7 @@
 //
 // 1. The room is fixed and nothing allocates. A part without links is unknown here and costs one comparison.
 // 2. Nothing jumps: the force of a link that ends decays before the link is dropped, and masses ramp.
-// 3. The thread that ticks calls pull() before a part moves and settle() after it, and everything else
+// 3. The thread that ticks calls pull() before a part moves and account() after it, and everything else
 //    between ticks.
 
 #include <algorithm>
@@ -69,8 +69,8 @@ class ReplicaLinks {
   const OutageSpring* outageSpring(PartId part) const;
   /// Ends the step with the velocity of the centre of mass and the spin that the body took, and the wrench of
   /// the outage spring.
-  void settle(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
-              const Wrench& outagePull);
+  void account(PartId part, const RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin,
+               const Wrench& outagePull);
   LinkReport report(PartId part) const;
 
  private:

@@ -65,7 +65,7 @@ void LinkBench::move(std::size_t index) {
   const haptics::Coupling grip = site.grip(kGrasp);
   const Twist twist = stepHeld(site.body, {&grip, 1}, load, {&site.onHand, 1});
   for (End& end : ends_)
-    if (end.site == index) end.link->settle(site.centre(), twist);
+    if (end.site == index) end.link->account(site.centre(), twist);
 }
 
 void LinkBench::tick() {

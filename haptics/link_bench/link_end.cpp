@@ -21,7 +21,7 @@ haptics::LinkPull PlainSpringEnd::pull(double, const Pose& worldFromCentre, cons
   return {haptics::wrenchOf(force, lever_), damping, damping * lever_ * lever_};
 }
 
-void PlainSpringEnd::settle(const Pose& worldFromCentre, const Twist& twist) {
+void PlainSpringEnd::account(const Pose& worldFromCentre, const Twist& twist) {
   own_.worldFromDrawn = worldFromCentre;
   own_.twist = twist;
 }

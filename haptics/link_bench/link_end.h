@@ -13,9 +13,9 @@ class LinkEnd {
  public:
   virtual ~LinkEnd() = default;
   virtual void receive(const haptics::LinkPacket& packet) = 0;
-  /// pull() and settle() begin and end a tick, like those of CoordinationLink.
+  /// pull() and account() begin and end a tick, like those of CoordinationLink.
   virtual haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) = 0;
-  virtual void settle(const Pose& worldFromCentre, const Twist& twist) = 0;
+  virtual void account(const Pose& worldFromCentre, const Twist& twist) = 0;
   virtual haptics::LinkPacket packet(double now) = 0;
 
   /// Mass that the link itself adds to the part, kg.
@@ -41,8 +41,8 @@ class CoordinationLinkEnd : public LinkEnd {
   haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override {
     return link_.pull(now, worldFromCentre, twist);
   }
-  void settle(const Pose& worldFromCentre, const Twist& twist) override {
-    link_.settle(worldFromCentre, twist);
+  void account(const Pose& worldFromCentre, const Twist& twist) override {
+    link_.account(worldFromCentre, twist);
   }
   haptics::LinkPacket packet(double now) override { return link_.packet(now); }
   double addedMass() const override { return link_.addedMass(); }
@@ -66,7 +66,7 @@ class PlainSpringEnd : public LinkEnd {
 
   void receive(const haptics::LinkPacket& packet) override;
   haptics::LinkPull pull(double now, const Pose& worldFromCentre, const Twist& twist) override;
-  void settle(const Pose& worldFromCentre, const Twist& twist) override;
+  void account(const Pose& worldFromCentre, const Twist& twist) override;
   haptics::LinkPacket packet(double now) override;
 
  private:

@@ -331,7 +331,8 @@ def test_shared_grasp(binaries, folder, figures):
         session.wait_until_said(PEG, "granted", '"ada"')
         ben = session.join("ben", [grasp(3.0), move(5.0, [0.04, 0.0, 0.0], 0.5), release(8.0), grasp(10.0)])
         session.wait_until_said(PEG, '"ben"', "lets part")
-        wait_for(lambda: session.server.count(PEG, '"ben"', "is a co-holder") == 2, "ben holds it again", 60.0)
+        wait_for(lambda: session.server.count(PEG, '"ben"', "is a co-holder") == 2,
+                 "ben holds it again", 60.0)
         time.sleep(1.0)
         results = session.leave(ada)
         session.wait_until_said(PEG, "is with", '"ben"')

@@ -54,7 +54,7 @@ class OdeMesh {
 class OdePartPeer final : public PartPeer {
  public:
   OdePartPeer(const assets::Mesh& held, const assets::Mesh& other)
-      : held_(held), other_(other), found_(kMost) {}
+      : held_(held), other_(other), found_(kMaxContacts) {}
 
   std::string id() const override { return "ode"; }
   std::string name() const override { return "ODE dCollide"; }
@@ -67,7 +67,7 @@ class OdePartPeer final : public PartPeer {
     dGeomSetPosition(held_.geometry(), p.x, p.y, p.z);
     dGeomSetQuaternion(held_.geometry(), turn);
     const int count =
-        dCollide(held_.geometry(), other_.geometry(), kMost, found_.data(), sizeof(dContactGeom));
+        dCollide(held_.geometry(), other_.geometry(), kMaxContacts, found_.data(), sizeof(dContactGeom));
     PeerContacts all;
     all.count = count;
     for (int i = 0; i < count; ++i) {
@@ -81,7 +81,7 @@ class OdePartPeer final : public PartPeer {
   }
 
  private:
-  static constexpr int kMost = 0xffff;  // what fits its flags
+  static constexpr int kMaxContacts = 0xffff;  // what fits its flags
 
   Ode ode_;
   OdeMesh held_, other_;

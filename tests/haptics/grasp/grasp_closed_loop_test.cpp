@@ -22,7 +22,7 @@ namespace tandem::test {
 namespace {
 
 constexpr double kPeriod = 1e-3;  // s
-constexpr int kMostDelay = 8;     // ticks
+constexpr int kMaxDelay = 8;      // ticks
 
 /// A part, where it is taken and how the hand pushes.
 struct Hold {
@@ -142,7 +142,7 @@ Outcome run(const Hold& hold, const Loop& loop) {
   const haptics::TickParameters parameters = parametersOf(loop);
   SixAxisDevice device(loop.device, hold.worldFromGrip);
   device.setTwist(hold.start);
-  std::array<Wrench, kMostDelay> sent{};
+  std::array<Wrench, kMaxDelay> sent{};
   const int ticks = static_cast<int>(loop.seconds / kPeriod), eighth = ticks / 8;
   Extent place[2], turn[2];
   Outcome outcome;
@@ -153,9 +153,9 @@ Outcome run(const Hold& hold, const Loop& loop) {
                                           {Kind::grasp, 0, {}}};
     if (i == 0) input.commands = take;
     const haptics::TickOutput out = haptics::tick(input, hold.contact, parameters, state);
-    sent[static_cast<std::size_t>(i % kMostDelay)] = out.hands[0].toHand;
+    sent[static_cast<std::size_t>(i % kMaxDelay)] = out.hands[0].toHand;
     const Wrench command =
-        i < loop.delay ? Wrench{} : sent[static_cast<std::size_t>((i - loop.delay) % kMostDelay)];
+        i < loop.delay ? Wrench{} : sent[static_cast<std::size_t>((i - loop.delay) % kMaxDelay)];
     Wrench push = handOf(hold, device.pose());
     if (!loop.turns) push.torque = glm::dvec3(0.0);
     // A torque that is not shown moves nothing; the account has it all the same.

@@ -207,7 +207,7 @@ class Collision {
         *coupling};
     const haptics::CoupledStep step = haptics::coupleBody(r.body, couplings, r.load, {}, kTick);
     haptics::moveBody(r.body, step.freeVelocity, step.freeSpin, kTick);
-    if (tied) r.acted = glm::length(r.link.settle(r.body.worldFromBody, r.twist()).force);
+    if (tied) r.acted = glm::length(r.link.account(r.body.worldFromBody, r.twist()).force);
     return step.couplings[1].onHand(step.freeVelocity, step.freeSpin);
   }
 

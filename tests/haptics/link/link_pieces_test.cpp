@@ -201,7 +201,7 @@ struct Lone {
                     fromRotationVector({0.0, 0.3 * std::sin(2.0 * now), 0.0})};
     const Twist twist{{0.15 * std::cos(3.0 * now), 0.0, 0.0}, {0.0, 0.6 * std::cos(2.0 * now), 0.0}};
     link.pull(now, pose, twist);
-    force = link.settle(pose, twist);
+    force = link.account(pose, twist);
   }
   double now() const { return 1e-3 * ticks; }
   haptics::CoordinationLink link;
