@@ -1,7 +1,8 @@
 #pragma once
 
 // Programmer's errors. ASSERT is on in every build: a broken invariant ends the program with its place, or
-// throws inside an AssertionScope (assertion_scope.h), so that a tick latches a fault and lets go of the hand.
+// throws inside an AssertionScope (assertion_scope.h), so that a tick latches a fault and lets go of the
+// hand.
 
 namespace tandem {
 
