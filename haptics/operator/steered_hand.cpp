@@ -38,9 +38,9 @@ HandTarget SteeredHand::nextTarget(double dt) {
   // not wind up.
   const glm::dvec3 here = hand().devicePose().position;
   const glm::dvec3 ahead = target_.position - here;
-  const double leash = HandDevice::limits().maxForce / kArm.stiffness;
-  if (glm::length(ahead) <= leash) return {target_, twist_.linear, change / dt, true};
-  target_.position = here + limited(ahead, leash);
+  const double reach = HandDevice::limits().maxForce / kArm.stiffness;
+  if (glm::length(ahead) <= reach) return {target_, twist_.linear, change / dt, true};
+  target_.position = here + limited(ahead, reach);
   return {target_, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, true};
 }
 
