@@ -49,13 +49,24 @@ class Tick {
   }
 
   /// The end of a tick in which an ASSERT failed: latches the fault, so that the force ramps to zero.
+  /// Whoever gave the commands believes that they ran, so those that have not begun still run.
   TickOutput abandon(const FailedAssertion& broken) {
     data_.fault.raise(broken.condition, broken.file, broken.line);
+    runRemainingCommands();
     out_.contactCount = out_.ownedCount = out_.pushedCount = 0;
     out_.touched = kNoPart;
     report();
     send();
     return out_;
+  }
+
+  /// The end of a tick whose end failed too: no force at all, and the next one grows from zero.
+  TickOutput silence() {
+    for (Hand& hand : data_.hands) hand.sendNothing();
+    TickOutput nothing;
+    nothing.flags = kFlagFault;
+    for (HandFeedback& hand : nothing.hands) hand.flags = kFlagFault;
+    return nothing;
   }
 
  private:
@@ -83,13 +94,23 @@ class Tick {
   }
 
   void runCommands() {
-    int done = 0;
-    for (const PartCommand& command : input_.commands) {
-      if (done++ == kMaxPartCommands) {
+    while (commandsBegun_ < input_.commands.size()) {
+      if (commandsBegun_ == static_cast<std::size_t>(kMaxPartCommands)) {
         out_.flags |= kFlagOverflow;
         return;
       }
+      const PartCommand& command = input_.commands[commandsBegun_++];
       if (TICK_ASSERT(data_.fault, data_.world.has(command.part))) runCommand(command);
+    }
+  }
+
+  void runRemainingCommands() {
+    for (bool done = false; !done;) {
+      try {
+        runCommands();
+        done = true;
+      } catch (const FailedAssertion&) {  // the fault is latched already; the next command has its turn
+      }
     }
   }
 
@@ -367,7 +388,8 @@ class Tick {
     cause_.byHand = !foreign.any;
     if (foreign.any && !data_.fault.raised())  // under a fault the cause does not count
       cause_.explained = stiffnessInPlay() * (glm::length(first_.displacement()) + foreign.expected);
-    for (int h = 0; h < count_; ++h) {
+    for (; handsSent_ < count_; ++handsSent_) {
+      const int h = handsSent_;
       Hand& hand = handOf(h);
       HandFeedback& out = out_.hands[static_cast<std::size_t>(h)];
       out.toHand = h == 0 ? hand.send(&touches, cause_, data_.fault)
@@ -385,6 +407,8 @@ class Tick {
   const int count_ = std::clamp(input_.handCount, 1, kHands);
   Hand& first_ = data_.hands[0];  // the one whose bare tool is part of the tick
   ForceCause cause_;
+  std::size_t commandsBegun_ = 0;
+  int handsSent_ = 0;  // a hand's limits and fade advance once a tick
   TickOutput out_;
 };
 
@@ -393,9 +417,7 @@ TickOutput endAfter(const FailedAssertion& broken, Tick& current) {
   try {
     return current.abandon(broken);
   } catch (const FailedAssertion&) {
-    TickOutput nothing;
-    nothing.flags = kFlagFault;
-    return nothing;
+    return current.silence();
   }
 }
 

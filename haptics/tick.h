@@ -77,7 +77,7 @@ class TickState {
 
   /// The ticks have stood still for so long that the device's own watchdog let go of the hand. If the next
   /// reading that counts shows it elsewhere, it has not gone there in contact: the proxy is put onto it, and
-  /// it holds its part where both now are. By the thread that ticks, between ticks.
+  /// it holds its part where both now are. Concerns the first hand. By the thread that ticks, between ticks.
   void noteStall();
 
   /// Clears a latched fault.

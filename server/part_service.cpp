@@ -165,7 +165,7 @@ void PartService::publishCoHolders() {
 
 bool PartService::revoke(PartId part, SiteId by) {
   ASSERT(part < count());
-  const auto record = table_.revoke(part, context_.now());
+  const auto record = table_.revoke(part);
   if (!record) return false;
   ASSERT(record->owner == kNoSite);
   change(*record);
@@ -176,7 +176,7 @@ bool PartService::revoke(PartId part, SiteId by) {
 void PartService::putBack(PartId part) {
   ASSERT(part < count());
   if (table_.part(part).owner != kNoSite) return;
-  if (const auto record = table_.reset(part, context_.now())) change(*record);
+  if (const auto record = table_.reset(part)) change(*record);
 }
 
 void PartService::leave(SiteId site) {

@@ -1,7 +1,6 @@
 #include "assets/base/json.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 #include <map>
-#include <memory>
 
 #include "assets/base/affine.h"
 #include "assets/base/parallel.h"

@@ -253,6 +253,10 @@ void JoinedSite::updateHand(ViewModel& model) {
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();
+  if (!servo.fault.empty()) {
+    hand.fault = servo.fault;
+    hand.force = glm::dvec3(0.0);
+  }
   model.loop.compute_us_p50 = servo.compute_us_p50;
   model.loop.compute_us_p99 = servo.compute_us_p99;
   model.loop.compute_us_max = servo.compute_us_max;

@@ -54,8 +54,8 @@ class JoinedSite {
   void update(ViewModel& model);
   /// Moves the proxy back onto the device where it is caught behind a surface.
   void reseat();
-  /// Clears a fault, so that force returns, for a site without a window; ViewActions::resetFault does the
-  /// same.
+  /// Clears a fault of the tick, so that force returns, for a site without a window; ViewActions::resetFault
+  /// does the same. A fault of the servo loop (ServoStatistics::fault) lasts until the site is started again.
   void clearFault();
   /// Passes the person's actions to both threads.
   void act(const ViewActions& actions);

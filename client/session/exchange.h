@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstdint>
-#include <vector>
 
 #include "haptics/base/spsc_ring.h"
 #include "haptics/base/triple_buffer.h"

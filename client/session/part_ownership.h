@@ -8,8 +8,6 @@
 //
 // Network thread.
 
-#include <optional>
-
 #include "client/session/connection_observer.h"
 #include "client/session/hand_events.h"
 #include "client/session/message_sender.h"

@@ -18,7 +18,7 @@ constexpr int kMaxDrops = 16;
 
 void ActiveSet::begin(std::size_t bodies, const BodyVectors& start) {
   ASSERT(bodies <= start.size());
-  bodies_ = std::min(bodies, start.size());
+  bodies_ = bodies;
   moveTo(start);
   clear();
 }
@@ -74,7 +74,6 @@ ActiveSet::Step ActiveSet::stepTowards(const Row& row) {
 
 void ActiveSet::drop(std::size_t i) {
   ASSERT(i < rows_.size());
-  if (i >= rows_.size()) return;
   factored_ = std::min(factored_, i);
   std::copy(rows_.begin() + static_cast<std::ptrdiff_t>(i) + 1, rows_.end(),
             rows_.begin() + static_cast<std::ptrdiff_t>(i));

@@ -34,8 +34,7 @@ glm::dvec3 freeSlip(const StepSpace& space, const ExactRow& row, const RowRefine
 void ContactFriction::recall(std::span<const FrictionForce> known) {
   ASSERT(known.size() <= forces_.capacity());
   forces_.clear();
-  for (const FrictionForce& force : known.first(std::min(known.size(), forces_.capacity())))
-    forces_.push_back(force);
+  for (const FrictionForce& force : known) forces_.push_back(force);
 }
 
 const FrictionForce* ContactFriction::lastAt(const RowSource& source) const {

@@ -11,7 +11,6 @@
 //
 // 1. Starts from the forces of the last call, matched by the rows' sources. 2. Free of allocation.
 
-#include <array>
 #include <span>
 
 #include "haptics/base/fixed_vector.h"

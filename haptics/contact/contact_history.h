@@ -10,7 +10,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"

@@ -39,7 +39,6 @@ ActiveSet::Row ContactSolver::activeRowOf(const ExactRow& row, int index) const 
 
 void ContactSolver::enforce(int index, ContactRows& rows) {
   ASSERT(index >= 0 && index < rows.exactRows());
-  if (index < 0 || index >= rows.exactRows()) return;
   ActiveSet::Row row = activeRowOf(rows.exact(index), index);
   const double missing = row.bound - row.direction.dot(active_.point());
   if (row.isEquality && missing < 0.0) {

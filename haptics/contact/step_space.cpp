@@ -32,8 +32,8 @@ Displacement displacementOf(const StepGoal& goal, Vector6 y) {
 
 void StepSpace::begin(std::span<const StepGoal> goals, std::span<const RowPair> pairs) {
   ASSERT(goals.size() <= u_.size() && pairs.size() <= motion_.size());
-  goals_ = goals.first(std::min(goals.size(), u_.size()));
-  pairs_ = pairs.first(std::min(pairs.size(), motion_.size()));
+  goals_ = goals;
+  pairs_ = pairs;
 }
 
 RowDirection StepSpace::direction(const RowPair& pair, const glm::dvec3& force,

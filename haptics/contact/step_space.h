@@ -11,7 +11,6 @@
 // 1. Holds no row. Goals and pairs must outlive their use. 2. Free of allocation.
 
 #include <array>
-#include <cmath>
 #include <cstddef>
 #include <span>
 

@@ -1,7 +1,6 @@
 #include "haptics/geometry/triangle_bvh.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <utility>

@@ -57,13 +57,18 @@ class Hand {
   void fadeOut(const Wrench& ended, const Fade::Stiffness& stiffness);
   /// The coupling ends; its wrench fades as that of a spring of `springs` times its stiffness.
   void endCoupling(double springs);
-  /// HandInput::tool ends with the last tick, for the hand takes a part.
+  /// The hand takes a part: the wrench of its bare tool in the last tick fades from now on.
   void endTool() { fadeOut(lastTool_, {parameters_.stiffness, 0.0}); }
   Fade& fade() { return fade_; }
 
   /// Ends a tick: what the wrenches of coupling and fade, and that of what the tool `touches` if not null,
   /// become on the device. `cause` explains the change of the sum. Adds to flags().
   Wrench send(const Wrench* touches, const ForceCause& cause, FaultLatch& fault);
+  /// No wrench was sent in this tick: the next one grows from zero.
+  void sendNothing() {
+    limits_ = OutputLimits{};
+    sentShare_ = 0.0;
+  }
   /// What the bare tool feels in a tick of its own, if it counts now: the hand is read, and `holds` nothing.
   const Wrench* tool(bool holds) const { return valid_ && !holds ? &tool_ : nullptr; }
   /// How much of the wanted force the limits let through in the last send(), 0..1, along it: what fields do

@@ -18,7 +18,6 @@
 // 2. The link never waits: its force decays while play-out starves, and fades in when packets return.
 // 3. Poses are never set. A gap between replicas is closed slowly.
 
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
 

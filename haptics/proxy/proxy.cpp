@@ -252,12 +252,6 @@ void descend(const ContactWorld& world, const glm::dvec3& goal, double radius, P
 
 }  // namespace
 
-void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
-  proxy.sweeps = 0;
-  refreshPlanes(world, radius, proxy);
-  descendAhead(world, goal, radius, proxy);
-}
-
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy) {
   proxy.sweeps = 0;
   refreshPlanes(world, radius, proxy);

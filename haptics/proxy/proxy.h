@@ -45,16 +45,13 @@ struct Proxy {
   std::uint32_t lastTriangle = kNoTriangle;
 };
 
-/// Moves the proxy as near to the goal as the parts allow, without friction: constrained minimisation of the
-/// distance to the goal (god object). Work is bounded by 24 rounds of at most four sweeps. Sliding on costs
-/// one sweep and resting none; a face that holds the proxy beyond its own edge costs a few, because that edge
-/// is tried again each tick.
-void slideProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
-
-/// slideProxy() with Coulomb friction of the touched materials by the friction cone (Harwin & Melder 2002).
-/// The proxy stays while the goal lies in the cone of the static coefficient; otherwise it is dragged along
-/// on the cone of the dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a proxy
-/// dragged over a curved surface may take up to four such moves.
+/// Moves the proxy as near to the goal as the parts allow: constrained minimisation of the distance to the
+/// goal (god object). Work is bounded by 24 rounds of at most four sweeps. Sliding on costs one sweep and
+/// resting none; a face that holds the proxy beyond its own edge costs a few, because that edge is tried
+/// again each tick. The Coulomb friction of the touched materials holds by the friction cone (Harwin & Melder
+/// 2002). The proxy stays while the goal lies in the cone of the static coefficient; otherwise it is dragged
+/// along on the cone of the dynamic one. A sticking proxy keeps its position to the bit and costs no sweep; a
+/// proxy dragged over a curved surface may take up to four such moves.
 void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy);
 
 /// Moves the proxy along with a part that has moved from `before` to its present pose. The part carries the

@@ -244,9 +244,10 @@ ServoStatistics ServoLoop::statistics() const {
          "): allow it with '@realtime - memlock unlimited' in the same file");
   if (out.zeroed > 0) note("force was held at zero because ticks took longer than their period too often");
   if (out.exceptions > 0) note("the tick's callback threw; those ticks gave zero force");
-  if (s.faulty.load(std::memory_order_acquire))
-    note(std::string("broken invariant, force held at zero: ") + s.fault.file + ":" +
-         std::to_string(s.fault.line) + ": " + s.fault.condition);
+  if (s.faulty.load(std::memory_order_acquire)) {
+    out.fault = std::string(s.fault.file) + ":" + std::to_string(s.fault.line) + ": " + s.fault.condition;
+    note("broken invariant, force held at zero: " + out.fault);
+  }
   return out;
 }
 

@@ -23,7 +23,7 @@
 
 namespace tandem::haptics {
 
-/// Statistics of the loop so far; readable from any thread.
+/// Statistics of the loop so far; readable from any thread, but not during start().
 struct ServoStatistics {
   std::uint64_t ticks = 0;
   std::uint64_t late = 0;        // woken more than half a period late
@@ -34,7 +34,8 @@ struct ServoStatistics {
   double period_us_p99 = 0.0, period_us_max = 0.0;
   bool realtime = false;  // SCHED_FIFO granted
   bool memoryLocked = false;
-  std::string note;  // why not, and what went wrong, as text
+  std::string note;   // why not, and what went wrong, as text
+  std::string fault;  // the broken invariant that holds the force at zero; empty: none
 };
 
 class ServoLoop {

@@ -274,7 +274,7 @@ std::vector<CoHolderRecord> OwnershipTable::drainChangedCoHolders() {
   return changed;
 }
 
-std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
+std::optional<PartRecord> OwnershipTable::revoke(PartId id) {
   if (id >= state_->parts.size()) return std::nullopt;
   PartEntry& part = state_->parts[id];
   if (part.record.owner == kNoSite || part.record.epoch == std::numeric_limits<Epoch>::max())
@@ -285,7 +285,7 @@ std::optional<PartRecord> OwnershipTable::revoke(PartId id, Micros /*now*/) {
   return part.record;
 }
 
-std::optional<PartRecord> OwnershipTable::reset(PartId id, Micros /*now*/) {
+std::optional<PartRecord> OwnershipTable::reset(PartId id) {
   if (id >= state_->parts.size()) return std::nullopt;
   PartEntry& part = state_->parts[id];
   const bool exhausted = part.record.epoch == std::numeric_limits<Epoch>::max();

@@ -75,10 +75,10 @@ class OwnershipTable {
 
   /// Ends an ownership at an instructor's command, with a new epoch, and removes all co-holders. Returns the
   /// part's record, or nothing if nobody owned it.
-  std::optional<PartRecord> revoke(PartId part, Micros now);
+  std::optional<PartRecord> revoke(PartId part);
   /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or
   /// was never granted.
-  std::optional<PartRecord> reset(PartId part, Micros now);
+  std::optional<PartRecord> reset(PartId part);
 
   /// A site's ping arrived, which renews all its leases.
   void renew(SiteId site, Micros now);

@@ -303,11 +303,6 @@ void VirtualNetwork::advanceTo(Micros now) {
   impl_->now = now;
 }
 
-std::optional<Micros> VirtualNetwork::nextDelivery() const {
-  if (impl_->deliveries.empty()) return std::nullopt;
-  return impl_->deliveries.top().at;
-}
-
 std::unique_ptr<Transport> VirtualNetwork::listen() {
   ASSERT(impl_->server == nullptr);
   auto transport = std::make_unique<VirtualTransport>(impl_, kServerSide, 0);

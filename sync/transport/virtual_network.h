@@ -11,7 +11,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <string>
 
 #include "sync/transport/transport.h"
@@ -35,8 +34,6 @@ class VirtualNetwork {
 
   /// Moves virtual time; messages whose time has come can be polled.
   void advanceTo(Micros now);
-  /// When the next delivery is due; nothing if none is under way.
-  std::optional<Micros> nextDelivery() const;
 
   /// The server's end. At most one at a time: destroying it is a crash of the server (its sites see
   /// `closed`).

@@ -1,6 +1,7 @@
 /* Who owns a part, as a protocol: a server that crashes and comes back, three sites that ask, publish, let go, pause and
  * are engaged beside an owner, leases that run out, records in order, state datagrams lost, doubled and in any order.
- * sync/ownership.h says the rules; ownership_model_test.cpp runs the code itself through random histories.
+ * sync/replica/ownership_table.h and ownership_view.h state the rules;
+ * ownership_model_test.cpp runs the code itself through random histories.
  *
  * Time goes in ticks that all clocks take together; a site ends its lease a tick before the server does. Every event is
  * one step, so that a search of N steps is one of histories of N events, in any order. check_protocol.py searches all

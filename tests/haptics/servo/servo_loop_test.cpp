@@ -256,6 +256,7 @@ TEST(ServoLoop, HoldsZeroForceAfterABrokenInvariantInTheCallback) {
   const std::string note = loop.statistics().note;
   EXPECT_NE(note.find("broken invariant"), std::string::npos) << note;
   EXPECT_NE(note.find("servo_loop_test.cpp"), std::string::npos) << note;
+  EXPECT_NE(loop.statistics().fault.find("servo_loop_test.cpp"), std::string::npos);
   EXPECT_GE(calls.load(), 6);
   EXPECT_EQ(device.largest, 1.0);
   device.largest = 0.0;
@@ -267,6 +268,7 @@ TEST(ServoLoop, HoldsZeroForceAfterABrokenInvariantInTheCallback) {
   loop.stop();
   EXPECT_EQ(device.largest, 1.0);
   EXPECT_EQ(loop.statistics().note.find("broken invariant"), std::string::npos);
+  EXPECT_EQ(loop.statistics().fault, "");
 }
 
 TEST(ServoLoop, LetsGoWhenADriversInvariantBreaks) {

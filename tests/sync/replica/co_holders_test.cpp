@@ -110,7 +110,7 @@ TEST_F(CoHolders, LeavingEndsIt) {
 TEST_F(CoHolders, ARevocationEndsAllOfIt) {
   const Epoch epoch = grab(kAnn);
   engage(kBen);
-  const auto record = table.revoke(0, 0);
+  const auto record = table.revoke(0);
   ASSERT_TRUE(record);
   EXPECT_EQ(record->owner, kNoSite);
   EXPECT_EQ(record->epoch, epoch + 1);

@@ -96,14 +96,14 @@ TEST_F(Ownership, AcceptsOnlyNewStatesOfTheOwnersEpoch) {
 
 TEST_F(Ownership, RevokeAndResetBeginNewEpochs) {
   table.grab(kAnn, kRole, {1, 0}, 0);
-  EXPECT_FALSE(table.reset(0, 0).has_value()) << "owned";
-  EXPECT_FALSE(table.revoke(1, 0).has_value()) << "nobody owns it";
+  EXPECT_FALSE(table.reset(0).has_value()) << "owned";
+  EXPECT_FALSE(table.revoke(1).has_value()) << "nobody owns it";
   table.accept(kAnn, state(0, 1, 1, 0.7));
-  const auto revoked = table.revoke(0, 1);
+  const auto revoked = table.revoke(0);
   ASSERT_TRUE(revoked.has_value());
   EXPECT_EQ(revoked->epoch, 2u);
   EXPECT_EQ(revoked->worldFromPart.position.x, 0.7);
-  const auto reset = table.reset(0, 2);
+  const auto reset = table.reset(0);
   ASSERT_TRUE(reset.has_value());
   EXPECT_EQ(reset->epoch, 3u);
   EXPECT_EQ(reset->worldFromPart.position.x, 0.0);
