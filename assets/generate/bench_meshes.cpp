@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <random>
 #include <string>
 #include <utility>
 
@@ -261,9 +262,7 @@ void addPart(assets::Scene& scene, const glm::dvec3& position) {
   scene.parts.push_back(std::move(part));
 }
 
-}  // namespace
-
-assets::Mesh sphereMesh(double radius, int triangles, Topology topology) {
+assets::TriangleSoup sphereSoup(double radius, int triangles) {
   const int f = std::max(1, static_cast<int>(std::ceil(std::sqrt(triangles / 8.0))));
   assets::TriangleSoup soup;
   // Ring k from the north pole has 4 k vertices, as on an octahedron cut f times; rings are equally spaced.
@@ -298,6 +297,31 @@ assets::Mesh sphereMesh(double radius, int triangles, Topology topology) {
         soup.triangles.push_back(t);
       }
     }
+  }
+  return soup;
+}
+
+}  // namespace
+
+assets::Mesh sphereMesh(double radius, int triangles, Topology topology) {
+  return finish(sphereSoup(radius, triangles), topology);
+}
+
+double scanWave(double radius, const glm::dvec3& n) {
+  return 0.04 * radius * (std::sin(5.0 * n.x + 1.0) * std::sin(7.0 * n.y) + 0.5 * std::sin(11.0 * n.z + n.x));
+}
+
+assets::Mesh scanMesh(double radius, int triangles, double noise, unsigned seed, Topology topology) {
+  assets::TriangleSoup soup = sphereSoup(radius, triangles);
+  const double triangle = 4.0 * kPi * radius * radius / static_cast<double>(soup.triangles.size());
+  const double edge = std::sqrt(triangle * 4.0 / std::sqrt(3.0));  // of equilateral triangles
+  std::mt19937 random(seed);
+  // The standard's distributions differ from library to library; the engine does not.
+  const auto draw = [&] { return 2.0 * (static_cast<double>(random()) / 4294967295.0) - 1.0; };
+  for (glm::dvec3& p : soup.positions) {
+    const glm::dvec3 n = p / radius;
+    const glm::dvec3 displaced{draw(), draw(), draw()};
+    p += n * scanWave(radius, n) + displaced * (noise * edge);
   }
   return finish(std::move(soup), topology);
 }

@@ -22,6 +22,13 @@ inline constexpr int kAnalysedTriangles = 2'000'000;
 /// nearly equal size (edges within 1 : 1.6).
 assets::Mesh sphereMesh(double radius, int triangles, Topology topology = Topology::whenCheap);
 
+/// A scan of a body of about `radius` m: the vertices of sphereMesh() under waves of 4 % of the radius, each
+/// then displaced at random by up to `noise` of a mean edge, along the sphere's normal and across it.
+assets::Mesh scanMesh(double radius, int triangles, double noise, unsigned seed,
+                      Topology topology = Topology::whenCheap);
+/// The height of its waves over the sphere in a direction, m.
+double scanWave(double radius, const glm::dvec3& direction);
+
 inline constexpr int kGearTeeth = 12;
 inline constexpr double kGearPitchRadius = 0.020;  // m
 inline constexpr double kGearHeight = 0.010;       // m, from z = 0

@@ -260,6 +260,19 @@ void checkDracoHeader(ByteView bytes, const std::string& place) {
   if (a > limit || b > limit) throw GltfError(place, "claims more faces than its bytes can hold");
 }
 
+/// One vector a point; false where one cannot be read.
+bool readDraco(const draco::Mesh& mesh, const draco::PointAttribute& attribute,
+               std::vector<glm::dvec3>& out) {
+  out.resize(mesh.num_points());
+  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
+    const draco::AttributeValueIndex value = attribute.mapped_index(draco::PointIndex(i));
+    double numbers[3];
+    if (value.value() >= attribute.size() || !attribute.ConvertValue<double, 3>(value, numbers)) return false;
+    out[i] = {numbers[0], numbers[1], numbers[2]};
+  }
+  return true;
+}
+
 }  // namespace
 
 ByteView viewBytes(const GltfDocument& document, std::size_t index) {
@@ -328,6 +341,24 @@ std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t 
   return positions;
 }
 
+std::vector<glm::dvec3> readNormals(const GltfDocument& document, std::size_t index, std::size_t count) {
+  const GltfAccessor& accessor = document.model.accessors[index];
+  const bool integers = accessor.componentType == kComponentByte || accessor.componentType == kComponentShort;
+  if (accessor.type != GltfAccessor::Type::vec3 || accessor.count != count ||
+      !(accessor.componentType == kComponentFloat || (integers && accessor.normalized)))
+    return {};
+  const Elements elements = accessorElements(document, index, GltfAccessor::Type::vec3, 3);
+  std::vector<glm::dvec3> normals;
+  normals.reserve(elements.count);
+  if (accessor.componentType == kComponentFloat)
+    convertPositions<float>(elements, 1.0, normals);
+  else if (accessor.componentType == kComponentByte)
+    convertIntegers<std::int8_t>(elements, true, normals);
+  else
+    convertIntegers<std::int16_t>(elements, true, normals);
+  return normals;
+}
+
 std::vector<glm::vec2> readTexCoords(const GltfDocument& document, std::size_t accessor) {
   const Elements elements = accessorElements(document, accessor, GltfAccessor::Type::vec2, 2);
   const bool normalized = document.model.accessors[accessor].normalized;
@@ -387,15 +418,15 @@ DracoMesh decodeDraco(const GltfDocument& document, const Json& extension, const
     throw GltfError(place, "has no positions of three components");
 
   DracoMesh out;
-  out.positions.resize(mesh.num_points());
-  for (std::uint32_t i = 0; i < mesh.num_points(); ++i) {
-    const draco::AttributeValueIndex value = position->mapped_index(draco::PointIndex(i));
-    double numbers[3];
-    if (value.value() >= position->size() || !position->ConvertValue<double, 3>(value, numbers))
-      throw GltfError(place, "has a position that cannot be read");
-    out.positions[i] = {numbers[0], numbers[1], numbers[2]};
-  }
+  if (!readDraco(mesh, *position, out.positions))
+    throw GltfError(place, "has a position that cannot be read");
   requireFinite(out.positions, place);
+  if (!attributes.member("NORMAL").isAbsent()) {
+    const std::size_t normalId = wholeIn(attributes, "NORMAL", place + ".attributes", false, kMax);
+    const draco::PointAttribute* normal = mesh.GetAttributeByUniqueId(static_cast<std::uint32_t>(normalId));
+    if (normal == nullptr || normal->num_components() != 3 || !readDraco(mesh, *normal, out.normals))
+      out.normals.clear();
+  }
   out.indices.reserve(std::size_t(mesh.num_faces()) * 3);
   for (std::uint32_t f = 0; f < mesh.num_faces(); ++f)
     for (const draco::PointIndex& corner : mesh.face(draco::FaceIndex(f))) {

@@ -25,6 +25,10 @@ std::size_t elementCount(const GltfDocument& document, std::size_t accessor);
 /// A VEC3 accessor as finite positions in file units: floats, or integers as KHR_mesh_quantization allows.
 std::vector<glm::dvec3> readPositions(const GltfDocument& document, std::size_t accessor);
 
+/// A VEC3 accessor of `count` normals in the mesh's frame, not of length 1 and possibly not finite; empty if
+/// the accessor is not one that glTF allows for normals.
+std::vector<glm::dvec3> readNormals(const GltfDocument& document, std::size_t accessor, std::size_t count);
+
 /// The bytes of a buffer view after decompression, within a checked range.
 ByteView viewBytes(const GltfDocument& document, std::size_t view);
 
@@ -36,6 +40,7 @@ std::vector<std::uint32_t> readIndices(const GltfDocument& document, std::size_t
 
 struct DracoMesh {
   std::vector<glm::dvec3> positions;   // file units, all finite
+  std::vector<glm::dvec3> normals;     // one a position, or empty where there are none
   std::vector<std::uint32_t> indices;  // a triangle list, all in range
 };
 

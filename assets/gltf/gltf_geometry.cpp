@@ -1,9 +1,12 @@
 #include "assets/gltf/gltf_geometry.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <optional>
 
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
@@ -35,7 +38,11 @@ void forEachTriangle(int mode, std::size_t count, const Emit& emit) {
 /// Reads one mesh piece after the other into one soup.
 class SoupBuilder {
  public:
-  SoupBuilder(const GltfDocument& document, GeometryNotes& notes) : document_(document), notes_(notes) {}
+  SoupBuilder(const GltfDocument& document, const std::vector<MeshPiece>& pieces, GeometryNotes& notes)
+      : document_(document),
+        notes_(notes),
+        several_(pieces.size() > 1),
+        moved_(std::any_of(pieces.begin(), pieces.end(), isMoved)) {}
 
   void addPiece(const MeshPiece& piece) {
     const double determinant = glm::determinant(glm::dmat3(piece.partFromMesh));
@@ -44,16 +51,25 @@ class SoupBuilder {
       return;
     }
     bases_.clear();
+    const std::size_t first = soup_.triangles.size();
     const std::size_t primitives = document_.model.meshes[piece.mesh].primitives.size();
     for (std::size_t i = 0; i < primitives; ++i) addPrimitive(piece, i, determinant < 0.0);
+    if (moved_) noteRounding(piece.partFromMesh, first);
   }
 
   TriangleSoup finish() {
     if (!soup_.triangleUv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
+    if (!soup_.triangleNormal.empty()) soup_.triangleNormal.resize(soup_.triangles.size());
     return std::move(soup_);
   }
 
  private:
+  /// Of the vertices of a primitive; empty where it has none.
+  struct CornerAttributes {
+    std::vector<glm::vec2> uv;
+    std::vector<glm::vec3> normals;
+  };
+
   void addPrimitive(const MeshPiece& piece, std::size_t index, bool mirrored) {
     const GltfPrimitive& primitive = document_.model.meshes[piece.mesh].primitives[index];
     const std::string place = primitivePlace(piece.mesh, index);
@@ -65,11 +81,13 @@ class SoupBuilder {
     }
     std::size_t base = 0, vertices = 0;
     std::optional<std::vector<std::uint32_t>> indices;
+    CornerAttributes corners;
     if (primitive.draco != nullptr) {
       DracoMesh decoded = decodeDraco(document_, *primitive.draco, place + ".KHR_draco_mesh_compression");
       base = addPositions(decoded.positions, piece.partFromMesh, place);
       vertices = decoded.positions.size();
       indices = std::move(decoded.indices);
+      if (piece.normals) corners.normals = inPart(decoded.normals, piece.partFromMesh);
       mode = kTriangles;  // Draco converts strips to triangles
     } else {
       if (primitive.positions < 0) return;  // legal, and without geometry
@@ -78,11 +96,54 @@ class SoupBuilder {
       vertices = elementCount(document_, positions);
       if (primitive.indices >= 0)
         indices = readIndices(document_, static_cast<std::size_t>(primitive.indices));
+      if (piece.normals && primitive.normals >= 0)
+        corners.normals =
+            inPart(readNormals(document_, static_cast<std::size_t>(primitive.normals), vertices),
+                   piece.partFromMesh);
     }
-    const std::vector<glm::vec2> uv =
-        piece.textured ? texCoords(primitive, vertices, place) : std::vector<glm::vec2>();
+    if (piece.textured) corners.uv = texCoords(primitive, vertices, place);
     addTriangles(place, mode, base, vertices, indices ? &*indices : nullptr, mirrored, piece.materials[index],
-                 uv);
+                 corners);
+  }
+
+  /// Normals of length 1 in the part's frame, by the inverse transpose; zero where there is none.
+  static std::vector<glm::vec3> inPart(const std::vector<glm::dvec3>& normals,
+                                       const glm::dmat4& partFromMesh) {
+    const glm::dmat3 turn = glm::transpose(glm::inverse(glm::dmat3(partFromMesh)));
+    std::vector<glm::vec3> out;
+    out.reserve(normals.size());
+    for (const glm::dvec3& normal : normals) {
+      const glm::dvec3 n = turn * normal;
+      const double length = glm::length(n);
+      const bool usable = std::isfinite(length) && length > 0.0;
+      out.push_back(usable ? glm::vec3(n / length) : glm::vec3(0.0f));
+    }
+    return out;
+  }
+
+  /// Whether a piece's coordinates in the part have another size than the scaled ones of its mesh.
+  static bool isMoved(const MeshPiece& piece) {
+    const glm::dmat4& m = piece.partFromMesh;
+    for (int column = 0; column < 4; ++column)
+      for (int row = 0; row < 3; ++row)
+        if (row != column && m[column][row] != 0.0) return true;
+    return false;
+  }
+
+  /// Raises the rounding of the soup to that of a piece: of the floats that its triangles, from `first` on,
+  /// had in their mesh, and of its place where there are others beside it.
+  void noteRounding(const glm::dmat4& partFromMesh, std::size_t first) {
+    const glm::dmat3 linear(partFromMesh), back = glm::inverse(linear);
+    const glm::dvec3 offset(partFromMesh[3]);
+    glm::dvec3 size(0.0);
+    for (std::size_t t = first; t < soup_.triangles.size(); ++t)
+      for (const std::uint32_t v : soup_.triangles[t])
+        size = glm::max(size, glm::abs(back * (soup_.positions[v] - offset)));
+    for (int row = 0; row < 3; ++row) {
+      double sum = several_ ? std::abs(offset[row]) : 0.0;
+      for (int column = 0; column < 3; ++column) sum += std::abs(linear[column][row]) * size[column];
+      if (std::isfinite(sum)) soup_.rounding = std::max(soup_.rounding, std::ldexp(sum, -24));
+    }
   }
 
   /// The first set of texture coordinates; Draco's are not read.
@@ -125,7 +186,7 @@ class SoupBuilder {
 
   void addTriangles(const std::string& place, int mode, std::size_t base, std::size_t vertices,
                     const std::vector<std::uint32_t>* indices, bool mirrored, std::uint16_t material,
-                    const std::vector<glm::vec2>& uv) {
+                    const CornerAttributes& corners) {
     const std::size_t count = indices != nullptr ? indices->size() : vertices;
     if (indices != nullptr)
       for (std::size_t i = 0; i < count; ++i)
@@ -136,17 +197,23 @@ class SoupBuilder {
     if (mode == kTriangles && count % 3 != 0) ++notes_.incompleteTriangles;
     const auto own = [&](std::size_t i) { return indices != nullptr ? std::size_t{(*indices)[i]} : i; };
     const auto vertex = [&](std::size_t i) { return static_cast<std::uint32_t>(base + own(i)); };
+    const auto& [uv, normals] = corners;
     if (!uv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
+    if (!normals.empty()) soup_.triangleNormal.resize(soup_.triangles.size());
     forEachTriangle(mode, count, [&](std::size_t a, std::size_t b, std::size_t c) {
       if (mirrored) std::swap(b, c);
       soup_.triangles.push_back({vertex(a), vertex(b), vertex(c)});
       if (!uv.empty()) soup_.triangleUv.push_back({uv[own(a)], uv[own(b)], uv[own(c)]});
+      if (!normals.empty())
+        soup_.triangleNormal.push_back({normals[own(a)], normals[own(b)], normals[own(c)]});
     });
     soup_.triangleMaterial.resize(soup_.triangles.size(), material);
   }
 
   const GltfDocument& document_;
   GeometryNotes& notes_;
+  const bool several_;  // pieces
+  const bool moved_;    // any of them
   TriangleSoup soup_;
   std::map<std::size_t, std::size_t> bases_;  // of the mesh being read: accessor to first vertex
 };
@@ -172,7 +239,7 @@ std::size_t triangleBound(const GltfDocument& document, std::size_t mesh) {
 
 TriangleSoup readGeometry(const GltfDocument& document, const std::vector<MeshPiece>& pieces,
                           GeometryNotes& notes) {
-  SoupBuilder builder(document, notes);
+  SoupBuilder builder(document, pieces, notes);
   for (const MeshPiece& piece : pieces) builder.addPiece(piece);
   return builder.finish();
 }

@@ -19,6 +19,7 @@ struct MeshPiece {
   std::int64_t surface = -1;             // its physics surface, which distinguishes pieces; -1 = none
   std::vector<std::uint16_t> materials;  // one a primitive, into Scene::materials
   bool textured = false;                 // its surface has an image, so that texture coordinates are read
+  bool normals = true;                   // felt, unless its surface says how smooth it is
 };
 
 /// Counts of what was left out of a mesh.

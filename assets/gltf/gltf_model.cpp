@@ -101,7 +101,7 @@ GltfMesh mesh(const tinygltf::Mesh& from, const Json& stated) {
     const Json& indices = statedPrimitive.member("indices");
     const Json& draco = findExtension(statedPrimitive, "KHR_draco_mesh_compression");
     to.primitives.push_back({primitive.mode < 0 ? 4 : primitive.mode, attribute(primitive, "POSITION"),
-                             attribute(primitive, "TEXCOORD_0"),
+                             attribute(primitive, "NORMAL"), attribute(primitive, "TEXCOORD_0"),
                              indices.isAbsent() ? -1 : static_cast<int>(indices.integer()),
                              primitive.material, draco.isAbsent() ? nullptr : &draco});
   }

@@ -50,7 +50,7 @@ struct GltfAccessor {
 /// Accessors and the material are -1 where the primitive has none.
 struct GltfPrimitive {
   int mode = 4;
-  int positions = -1, texCoords = -1, indices = -1, material = -1;
+  int positions = -1, normals = -1, texCoords = -1, indices = -1, material = -1;
   const Json* draco = nullptr;  // KHR_draco_mesh_compression in the document, if it is there
 };
 

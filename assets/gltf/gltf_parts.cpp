@@ -55,6 +55,11 @@ class MaterialTable {
                                SurfaceTexture::Pattern::image;
   }
 
+  /// Whether the surface itself says how smooth it is.
+  bool saysHowSmooth(std::int64_t surface) const {
+    return surface >= 0 && surfaces_[static_cast<std::size_t>(surface)].saysHowSmooth;
+  }
+
   std::uint16_t index(int visual, std::int64_t surface) {
     const auto [it, isNew] = indices_.emplace(std::make_pair(visual, surface), out_.size());
     if (isNew) {
@@ -220,7 +225,10 @@ class Planner {
     if (!surface) return haptic;
     if (surface->stiffness == 0.0) surface->stiffness = haptic.stiffness;
     if (surface->damping == 0.0) surface->damping = haptic.damping;
-    if (surface->feel == Surface{}) surface->feel = haptic.feel;
+    if (surface->feel == Surface{} && !surface->saysHowSmooth) {
+      surface->feel = haptic.feel;
+      surface->saysHowSmooth = haptic.saysHowSmooth;
+    }
     return surface;
   }
 
@@ -252,6 +260,7 @@ class Planner {
     for (const auto& primitive : document_.model.meshes[mesh].primitives)
       piece.materials.push_back(table_.index(primitive.material, surface));
     piece.textured = table_.textured(surface);
+    piece.normals = !table_.saysHowSmooth(surface);
     part.pieces.push_back(std::move(piece));
   }
 

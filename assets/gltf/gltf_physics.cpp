@@ -128,6 +128,7 @@ class PhysicsReader {
     // gltf_fields.cpp and gltf_controls.cpp read "field" and "control".
     checkContact(surface, haptic.place());
     readSurface(haptic, json_, surface.feel, unusedHaptics_);
+    surface.saysHowSmooth = haptic.has("creaseAngle");
     if (!ofNode && haptic.has("tolerance")) unusedHaptics_.add("tolerance");
     return true;
   }

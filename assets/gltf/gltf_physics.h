@@ -23,6 +23,7 @@ struct PhysicsSurface {
   double staticFriction = 0.0, dynamicFriction = 0.0, restitution = 0.0;
   double stiffness = 0.0, damping = 0.0;  // N/m, N·s/m
   Surface feel;                           // texture.image is a glTF texture here
+  bool saysHowSmooth = false;             // states creaseAngle; else the normals of the file say it
 
   auto operator<=>(const PhysicsSurface&) const = default;
 };

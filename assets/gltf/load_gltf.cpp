@@ -105,6 +105,7 @@ class SceneBuilder {
       const std::size_t g = order[i];
       TriangleSoup soup = readGeometry(document_, plan_.geometries[g], meshes_[g].notes);
       if (soup.triangles.empty()) return;
+      if (!options_.normals) soup.triangleNormal.clear();
       meshes_[g].analysis = analyseMesh(std::move(soup), options_.creaseAngle);
       meshes_[g].hasTriangles = !meshes_[g].analysis.mesh.triangles.empty();
       if (needsMass[g] && meshes_[g].hasTriangles)
@@ -318,6 +319,8 @@ class SceneBuilder {
                "Primitives with a haptic image have no texture coordinates and are smooth.");
     addFinding(Severity::note, "duplicate-vertices", where, d.duplicateVertices,
                "Vertices at one place are welded.");
+    addFinding(Severity::note, "t-junctions", where, d.tJunctions,
+               "Vertices on an edge of another triangle are welded into it.");
     addFinding(Severity::note, "unused-vertices", where, d.unusedVertices,
                "Vertices of no triangle are dropped.");
     addFinding(Severity::warning, "degenerate-faces", where, d.degenerateFaces,

@@ -18,6 +18,7 @@ struct LoadOptions {
   std::vector<std::string> movable;         // parts that become movable, by name
   double density = 2700.0;                  // kg/m^3, for the mass of parts that state none
   double creaseAngle = 0.5235987755982988;  // rad; sharper edges are kEdgeSharp
+  bool normals = true;                      // the file's normals are read, and felt
   glm::dvec3 gravity{0.0, 0.0, 0.0};        // m/s^2; zero leaves it to the file, which by default has none
   std::size_t maxTriangles = 20'000'000;    // of all distinct meshes; a file with more is refused
   /// Called from the loading thread with the share done, 0..1, and what is being done.

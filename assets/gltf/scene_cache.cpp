@@ -10,7 +10,7 @@ namespace tandem::assets {
 namespace {
 
 // Raised whenever the loader's result for the same file changes.
-constexpr std::uint32_t kLoaderVersion = 5;
+constexpr std::uint32_t kLoaderVersion = 7;
 
 /// Hash of everything that the scene depends on.
 class KeyBuilder {
@@ -45,6 +45,7 @@ std::string cacheKey(const std::string& name, const GltfDocument& document, cons
   for (const std::string& part : options.movable) key.text(part);
   key.number(options.density);
   key.number(options.creaseAngle);
+  key.number(options.normals);
   key.number(options.gravity.x);
   key.number(options.gravity.y);
   key.number(options.gravity.z);

@@ -9,10 +9,17 @@
 #include "assets/mesh/edge_pairs.h"
 #include "assets/mesh/halfedge_topology.h"
 #include "assets/mesh/shell_nesting.h"
+#include "assets/mesh/t_junctions.h"
 #include "assets/mesh/vertex_weld.h"
+#include "assets/scene/smooth_normals.h"
 
 namespace tandem::assets {
 namespace {
+
+/// Distance of a vertex from an edge in welding tolerances. The tolerance is along each axis; a distance
+/// within it along all three is at most sqrt(3) of it.
+constexpr double kJunctionReach = 1.7320508075688772;
+constexpr int kJunctionRounds = 8;
 
 /// Whether three points lie on a line, up to the rounding of double coordinates (of which the welding
 /// tolerance is 2^30 units). Slivers remain faces, because the file distinguishes their corners.
@@ -21,52 +28,112 @@ bool isDegenerate(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
   return glm::length(glm::cross(b - a, c - a)) <= std::ldexp(weldTolerance, -24) * longest;
 }
 
-/// Replaces vertices by points and drops the faces that have no area.
-void weld(TriangleSoup& soup, MeshDefects& defects) {
-  WeldedVertices welded = weldVertices(soup.positions, soup.triangles);
+/// Drops the faces that have no area; the others keep their order. Returns how many were dropped.
+std::uint64_t dropDegenerate(TriangleSoup& soup, double weldTolerance) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
+    const TriangleIndices& t = soup.triangles[i];
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] ||
+        isDegenerate(soup.positions[t[0]], soup.positions[t[1]], soup.positions[t[2]], weldTolerance))
+      continue;
+    soup.triangles[count] = t;
+    if (!soup.triangleUv.empty()) soup.triangleUv[count] = soup.triangleUv[i];
+    if (!soup.triangleNormal.empty()) soup.triangleNormal[count] = soup.triangleNormal[i];
+    soup.triangleMaterial[count++] = soup.triangleMaterial[i];
+  }
+  const std::uint64_t dropped = soup.triangles.size() - count;
+  soup.triangles.resize(count);
+  soup.triangleMaterial.resize(count);
+  if (!soup.triangleUv.empty()) soup.triangleUv.resize(count);
+  if (!soup.triangleNormal.empty()) soup.triangleNormal.resize(count);
+  return dropped;
+}
+
+/// Replaces vertices by points and drops the faces that have no area. Returns the tolerance, m.
+double weld(TriangleSoup& soup, MeshDefects& defects) {
+  WeldedVertices welded = weldVertices(soup.positions, soup.triangles, soup.rounding);
   const auto unused = std::count(welded.pointOf.begin(), welded.pointOf.end(), kNone);
   defects.unusedVertices += static_cast<std::uint64_t>(unused);
   defects.duplicateVertices = soup.positions.size() - static_cast<std::size_t>(unused) - welded.points.size();
   soup.positions = std::move(welded.points);
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < soup.triangles.size(); ++i) {
-    TriangleIndices t = soup.triangles[i];
+  for (TriangleIndices& t : soup.triangles)
     for (std::uint32_t& vertex : t) vertex = welded.pointOf[vertex];
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0] ||
-        isDegenerate(soup.positions[t[0]], soup.positions[t[1]], soup.positions[t[2]], welded.tolerance))
-      continue;
-    soup.triangles[count] = t;
-    if (!soup.triangleUv.empty()) soup.triangleUv[count] = soup.triangleUv[i];
-    soup.triangleMaterial[count++] = soup.triangleMaterial[i];
-  }
-  defects.degenerateFaces = soup.triangles.size() - count;
-  soup.triangles.resize(count);
-  soup.triangleMaterial.resize(count);
-  if (!soup.triangleUv.empty()) soup.triangleUv.resize(count);
+  defects.degenerateFaces = dropDegenerate(soup, welded.tolerance);
+  return welded.tolerance;
 }
 
-/// dropDuplicates() for the whole soup. Texture coordinates follow by the order of what stays.
+/// dropDuplicates() for the whole soup. What the corners have follows by the order of what stays.
 std::uint64_t dropDuplicateFaces(TriangleSoup& soup) {
-  if (soup.triangleUv.empty())
+  if (soup.triangleUv.empty() && soup.triangleNormal.empty())
     return dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
   const std::vector<TriangleIndices> before = soup.triangles;
   const std::uint64_t dropped = dropDuplicates(soup.triangles, soup.triangleMaterial, soup.positions.size());
   std::size_t count = 0;
   // The first of several equal faces stays, so the first match is the right one.
-  for (std::size_t t = 0; t < before.size() && count < soup.triangles.size(); ++t)
-    if (before[t] == soup.triangles[count]) soup.triangleUv[count++] = soup.triangleUv[t];
-  soup.triangleUv.resize(soup.triangles.size());
+  for (std::size_t t = 0; t < before.size() && count < soup.triangles.size(); ++t) {
+    if (before[t] != soup.triangles[count]) continue;
+    if (!soup.triangleUv.empty()) soup.triangleUv[count] = soup.triangleUv[t];
+    if (!soup.triangleNormal.empty()) soup.triangleNormal[count] = soup.triangleNormal[t];
+    ++count;
+  }
+  if (!soup.triangleUv.empty()) soup.triangleUv.resize(count);
+  if (!soup.triangleNormal.empty()) soup.triangleNormal.resize(count);
   return dropped;
 }
 
-/// Texture coordinates in the order of the corners `after`, where the triangles may have been turned.
-void turnUv(const std::vector<TriangleIndices>& before, const std::vector<TriangleIndices>& after,
-            std::vector<std::array<glm::vec2, 3>>& uv) {
-  for (std::size_t t = 0; t < uv.size(); ++t) {
-    const std::array<glm::vec2, 3> old = uv[t];
+/// What the corners of the pieces have of what those of their parents had, interpolated.
+template <typename Value>
+void cutCorners(const std::vector<SplitTriangle>& pieces, std::vector<std::array<Value, 3>>& values) {
+  if (values.empty()) return;
+  std::vector<std::array<Value, 3>> cut(pieces.size());
+  for (std::size_t t = 0; t < pieces.size(); ++t)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const std::array<Value, 3>& of = values[pieces[t].parent];
+      const glm::vec3 w(pieces[t].weights[c]);
+      cut[t][c] = w.x * of[0] + w.y * of[1] + w.z * of[2];
+    }
+  values = std::move(cut);
+}
+
+/// Replaces the triangles by what they were cut into.
+void takePieces(TriangleSoup& soup, const std::vector<SplitTriangle>& pieces) {
+  const std::vector<std::uint16_t> material = std::move(soup.triangleMaterial);
+  soup.triangles.clear();
+  soup.triangleMaterial.clear();
+  for (const SplitTriangle& piece : pieces) {
+    soup.triangles.push_back(piece.corners);
+    soup.triangleMaterial.push_back(material[piece.parent]);
+  }
+  cutCorners(pieces, soup.triangleUv);
+  cutCorners(pieces, soup.triangleNormal);
+}
+
+/// Joins vertices to the open edges that they lie on, and pairs the edges anew. Where a piece has no area and
+/// is dropped, the edges beside it may overlap again.
+void weldJunctions(TriangleSoup& soup, double weldTolerance, EdgePairs& pairs, MeshDefects& defects) {
+  for (int round = 0; round < kJunctionRounds; ++round) {
+    const std::size_t before = soup.triangles.size();
+    const EdgeSplits splits =
+        splitAtJunctions(soup.positions, soup.triangles, pairs, kJunctionReach * weldTolerance);
+    if (splits.junctions == 0) return;
+    defects.tJunctions += splits.junctions;
+    defects.degenerateFaces += before + splits.junctions - splits.triangles.size();
+    takePieces(soup, splits.triangles);
+    defects.degenerateFaces += dropDegenerate(soup, weldTolerance);
+    defects.duplicateFaces += dropDuplicateFaces(soup);
+    pairs = pairEdges(soup.triangles, soup.positions.size());
+  }
+}
+
+/// What corners have in the order of the corners `after`, where the triangles may have been turned.
+template <typename Value>
+void turnCorners(const std::vector<TriangleIndices>& before, const std::vector<TriangleIndices>& after,
+                 std::vector<std::array<Value, 3>>& values) {
+  for (std::size_t t = 0; t < values.size(); ++t) {
+    const std::array<Value, 3> old = values[t];
     for (std::size_t c = 0; c < 3; ++c)
       for (std::size_t o = 0; o < 3; ++o)
-        if (after[t][c] == before[t][o]) uv[t][c] = old[o];
+        if (after[t][c] == before[t][o]) values[t][c] = old[o];
   }
 }
 
@@ -112,13 +179,15 @@ void invertShells(Mesh& mesh, const std::vector<bool>& invert) {
 MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   MeshAnalysis result;
   MeshDefects& defects = result.defects;
-  weld(soup, defects);
+  const double weldTolerance = weld(soup, defects);
   defects.duplicateFaces = dropDuplicateFaces(soup);
+  EdgePairs pairs = pairEdges(soup.triangles, soup.positions.size());
+  weldJunctions(soup, weldTolerance, pairs, defects);
   dropUnused(soup, defects);
 
-  const std::vector<TriangleIndices> asRead =
-      soup.triangleUv.empty() ? std::vector<TriangleIndices>() : soup.triangles;
-  EdgePairs pairs = pairEdges(soup.triangles, soup.positions.size());
+  const std::vector<TriangleIndices> asRead = soup.triangleUv.empty() && soup.triangleNormal.empty()
+                                                  ? std::vector<TriangleIndices>()
+                                                  : soup.triangles;
   defects.boundaryEdges = pairs.openEdges;
   defects.nonManifoldEdges = pairs.manyFaced.size();
   const Orientation orientation = orientAlike(soup.triangles, pairs);
@@ -136,6 +205,7 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   mesh.triangles = std::move(soup.triangles);
   mesh.triangleMaterial = std::move(soup.triangleMaterial);
   mesh.triangleUv = std::move(soup.triangleUv);
+  mesh.triangleNormal = std::move(soup.triangleNormal);
   mesh.neighbours = std::move(topology.neighbours);
   mesh.edgeFlags = std::move(topology.edgeFlags);
   mesh.triangleShell = std::move(topology.triangleShell);
@@ -152,7 +222,9 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   }
   if (!mesh.closed) mesh.volume = 0.0;
   invertShells(mesh, invert);
-  turnUv(asRead, mesh.triangles, mesh.triangleUv);
+  turnCorners(asRead, mesh.triangles, mesh.triangleUv);
+  turnCorners(asRead, mesh.triangles, mesh.triangleNormal);
+  settleNormals(mesh);
   return result;
 }
 

@@ -16,7 +16,11 @@ struct TriangleSoup {
   std::vector<glm::dvec3> positions;
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::vector<std::uint16_t> triangleMaterial;
-  std::vector<std::array<glm::vec2, 3>> triangleUv;  // T texture coordinates of the corners, or empty
+  std::vector<std::array<glm::vec2, 3>> triangleUv;      // T texture coordinates of the corners, or empty
+  std::vector<std::array<glm::vec3, 3>> triangleNormal;  // T normals of the corners, 0 = none, or empty
+  /// m, by how much a coordinate may be off because the file rounds it; 0: half a unit in the last place of a
+  /// float as large as the largest coordinate here.
+  double rounding = 0.0;
 };
 
 /// Counts of what analyseMesh() found and changed.
@@ -25,6 +29,7 @@ struct MeshDefects {
   std::uint64_t degenerateFaces = 0;    // zero area after welding; dropped
   std::uint64_t duplicateFaces = 0;     // same three vertices, either orientation; all but one dropped
   std::uint64_t flippedFaces = 0;       // turned so that their shell is oriented alike
+  std::uint64_t tJunctions = 0;         // vertices on an edge of another face; welded into it
   std::uint64_t invertedShells = 0;     // closed shells with negative volume; turned inside out
   std::uint64_t openShells = 0;         // shells with a boundary
   std::uint64_t boundaryEdges = 0;
@@ -39,11 +44,11 @@ struct MeshAnalysis {
   MeshDefects defects;
 };
 
-/// Welds, drops degenerate and duplicate faces, orients shells, finds neighbours, sharp edges, shells and
-/// volume. Positions must be finite. Triangles keep the file's order; points stand in the order of first use.
-/// Scale-free: the welding distance is a share of the mesh's coordinates (vertices equal in the file's float
-/// precision), so a scene scaled by 1e-3 or 20 gives the same topology. O(T log T), deterministic, one
-/// thread.
+/// Welds vertices to each other and to the edges that they lie on, drops degenerate and duplicate faces,
+/// orients shells, finds neighbours, sharp edges, shells and volume. Positions must be finite. Triangles keep
+/// the file's order, points stand in the order of first use. Scale-free: the welding distance is a share of
+/// the mesh's coordinates (equal in the file's float precision), so a scene scaled by 1e-3 or 20 gives the
+/// same topology. O(T log T), deterministic, one thread.
 ///
 /// A shell is connected across edges of exactly two faces; edges of more (kEdgeNonManifold) have no
 /// neighbours and separate shells. Which side of nested closed shells is solid: see shellsToInvert(). A

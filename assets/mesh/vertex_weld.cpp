@@ -13,7 +13,8 @@ namespace {
 constexpr double kCellWidth = 8.0;
 // The grid's origin in cells. CAD likes coordinates of exactly zero, which must not all lie on a wall.
 constexpr double kCellOffset = 0.37;
-constexpr std::int64_t kCellBias = std::int64_t{1} << 20;  // makes a cell index positive, in 21 bits
+// A key has 21 bits of each index. Where the tolerance is small for the coordinates, far cells share keys.
+constexpr std::int64_t kCellMask = (std::int64_t{1} << 21) - 1;
 
 double maxDistance(const glm::dvec3& a, const glm::dvec3& b) {
   return std::max({std::abs(a.x - b.x), std::abs(a.y - b.y), std::abs(a.z - b.z)});
@@ -35,7 +36,7 @@ class PointGrid {
       const double scaled = position[axis] / (kCellWidth * tolerance_) + kCellOffset;
       const double floor = std::floor(scaled);
       const double inCell = (scaled - floor) * kCellWidth;
-      home[axis] = static_cast<std::int64_t>(floor) + kCellBias;
+      home[axis] = static_cast<std::int64_t>(floor);
       low[axis] = home[axis] - (inCell <= 1.0 ? 1 : 0);
       high[axis] = home[axis] + (inCell >= kCellWidth - 1.0 ? 1 : 0);
     }
@@ -61,8 +62,8 @@ class PointGrid {
   };
 
   static std::uint64_t key(std::int64_t x, std::int64_t y, std::int64_t z) {
-    return static_cast<std::uint64_t>(x) << 42 | static_cast<std::uint64_t>(y) << 21 |
-           static_cast<std::uint64_t>(z);
+    return static_cast<std::uint64_t>(x & kCellMask) << 42 | static_cast<std::uint64_t>(y & kCellMask) << 21 |
+           static_cast<std::uint64_t>(z & kCellMask);
   }
 
   std::size_t slotOf(std::uint64_t cell) const {
@@ -104,15 +105,17 @@ class PointGrid {
 }  // namespace
 
 WeldedVertices weldVertices(const std::vector<glm::dvec3>& positions,
-                            const std::vector<std::array<std::uint32_t, 3>>& triangles) {
+                            const std::vector<std::array<std::uint32_t, 3>>& triangles, double rounding) {
   WeldedVertices welded;
   welded.pointOf.assign(positions.size(), kNone);
   double largest = 0.0;
   for (const auto& triangle : triangles)
     for (const std::uint32_t vertex : triangle)
       largest = std::max(largest, maxDistance(positions[vertex], glm::dvec3(0.0)));
-  // All used vertices lie at the origin, so any tolerance is right.
-  welded.tolerance = largest > 0.0 ? std::ldexp(largest, -22) : 1.0;
+  // The coordinates themselves are rounded to doubles.
+  rounding = rounding > 0.0 ? std::max(rounding, std::ldexp(largest, -50)) : std::ldexp(largest, -24);
+  // Where all used vertices lie at the origin, any tolerance is right.
+  welded.tolerance = rounding > 0.0 ? 4.0 * rounding : 1.0;
 
   PointGrid grid(welded.tolerance, positions.size() / 2);
   for (const auto& triangle : triangles)

@@ -17,10 +17,12 @@ struct WeldedVertices {
   double tolerance = 0.0;              // m, largest coordinate difference of two welded vertices
 };
 
-/// Joins vertices that lie within about two units in the last place of the largest single-precision
-/// coordinate, which a file of floats cannot distinguish. The tolerance is a share of the coordinates, so a
-/// scaled mesh is welded alike. Positions must be finite. O(V) expected, deterministic.
+/// Joins vertices that lie within four times `rounding` (m, along each axis), by which two points may differ
+/// that are one before each was rounded twice. A rounding of 0 stands for half a unit in the last place of a
+/// single-precision number as large as the largest coordinate: the tolerance then is a share of the
+/// coordinates, so a scaled mesh is welded alike. Positions must be finite. O(V) expected, deterministic.
 WeldedVertices weldVertices(const std::vector<glm::dvec3>& positions,
-                            const std::vector<std::array<std::uint32_t, 3>>& triangles);
+                            const std::vector<std::array<std::uint32_t, 3>>& triangles,
+                            double rounding = 0.0);
 
 }  // namespace tandem::assets

@@ -66,6 +66,8 @@ struct Mesh {
   std::vector<std::uint32_t> triangleShell;              // T, index of the connected shell
   std::vector<std::array<glm::vec2, 3>> triangleUv;  // T, texture coordinates of the corners; empty unless a
                                                      // surface of the mesh has an image
+  std::vector<std::array<glm::vec3, 3>> triangleNormal;  // T, unit, of the corners, as the file has them;
+                                                         // empty unless they say more than the facets
   std::uint32_t shellCount = 0;
   bool closed = false;  // every edge has exactly two triangles, oriented alike
   double volume = 0.0;  // m^3; 0 unless closed

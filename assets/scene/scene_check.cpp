@@ -5,6 +5,8 @@
 #include <initializer_list>
 #include <set>
 
+#include <glm/geometric.hpp>
+
 #include "assets/scene/field_check.h"
 #include "assets/scene/value_ranges.h"
 
@@ -100,11 +102,16 @@ Status checkMesh(const Mesh& mesh, std::size_t materials, const std::string& pla
       mesh.edgeFlags.size() != count || mesh.triangleShell.size() != count)
     return broken(place, "the arrays of its triangles differ in length");
   if (mesh.shellCount > count) return broken(place, "more shells than triangles");
-  if (!mesh.triangleUv.empty() && mesh.triangleUv.size() != count)
+  if ((!mesh.triangleUv.empty() && mesh.triangleUv.size() != count) ||
+      (!mesh.triangleNormal.empty() && mesh.triangleNormal.size() != count))
     return broken(place, "the arrays of its triangles differ in length");
   for (const std::array<glm::vec2, 3>& corners : mesh.triangleUv)
     for (const glm::vec2& uv : corners)
       if (!finite({uv.x, uv.y})) return broken(place, "a texture coordinate is not finite");
+  for (const std::array<glm::vec3, 3>& corners : mesh.triangleNormal)
+    for (const glm::vec3& normal : corners)
+      if (!(std::abs(glm::dot(normal, normal) - 1.0f) < 1e-3f))
+        return broken(place, "a normal has not length 1");
   for (const glm::dvec3& p : mesh.positions)
     if (!nearOrigin(p)) return broken(place, "a position lies farther than 1e9 m from its part's origin");
   if (!finite(mesh.bounds) || !std::isfinite(mesh.volume))

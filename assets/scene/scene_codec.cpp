@@ -327,6 +327,22 @@ void meshHead(Archive& a, Mesh_& m) {
   a.number(m.bounds.max);
 }
 
+/// Attributes of the corners of all triangles, `Floats` floats a triangle, or none.
+template <std::size_t Floats, typename Corners>
+void putCorners(Writer& out, const std::vector<Corners>& corners) {
+  static_assert(sizeof(Corners) == Floats * sizeof(float));
+  out.count(corners, sizeof(Corners));
+  const float* numbers = reinterpret_cast<const float*>(corners.data());
+  toPlanes(numbers, corners.size() * Floats, out.room(corners.size() * sizeof(Corners)));
+}
+
+template <std::size_t Floats, typename Corners>
+void getCorners(Reader& in, std::vector<Corners>& corners) {
+  in.count(corners, sizeof(Corners));
+  float* numbers = reinterpret_cast<float*>(corners.data());
+  fromPlanes(in.next(corners.size() * sizeof(Corners)), corners.size() * Floats, numbers);
+}
+
 void mesh(Writer& out, const Mesh& mesh) {
   meshHead(out, mesh);
   const bool asFloat = fitsFloat(mesh.positions);
@@ -346,9 +362,8 @@ void mesh(Writer& out, const Mesh& mesh) {
   toPlanes(shells.data(), count, out.room(count * 4));
   toPlanes(mesh.triangleMaterial.data(), count, out.room(count * 2));
   if (count > 0) std::memcpy(out.room(count * 3), mesh.edgeFlags.data(), count * 3);
-  out.count(mesh.triangleUv, 24);
-  const float* uv = reinterpret_cast<const float*>(mesh.triangleUv.data());
-  toPlanes(uv, mesh.triangleUv.size() * 6, out.room(mesh.triangleUv.size() * 24));
+  putCorners<6>(out, mesh.triangleUv);
+  putCorners<9>(out, mesh.triangleNormal);
 }
 
 void mesh(Reader& in, Mesh& mesh) {
@@ -373,9 +388,8 @@ void mesh(Reader& in, Mesh& mesh) {
   mesh.edgeFlags.resize(count);
   const std::byte* flags = in.next(count * 3);
   if (count > 0) std::memcpy(mesh.edgeFlags.data(), flags, count * 3);
-  in.count(mesh.triangleUv, 24);
-  float* uv = reinterpret_cast<float*>(mesh.triangleUv.data());
-  fromPlanes(in.next(mesh.triangleUv.size() * 24), mesh.triangleUv.size() * 6, uv);
+  getCorners<6>(in, mesh.triangleUv);
+  getCorners<9>(in, mesh.triangleNormal);
 }
 
 template <typename Archive, typename Finding_>

@@ -12,7 +12,7 @@ namespace tandem::assets {
 namespace {
 
 constexpr char kMagic[8] = {'T', 'A', 'N', 'D', 'E', 'M', 'S', 'C'};
-constexpr std::uint32_t kVersion = 6;  // of the package; raised whenever encodeScene() changes
+constexpr std::uint32_t kVersion = 7;  // of the package; raised whenever encodeScene() changes
 // A package may unpack to so many times its length; one that compresses better is stored as it is, so that
 // the bound never hits an honest scene.
 constexpr std::uint64_t kMaxRatio = 1000;

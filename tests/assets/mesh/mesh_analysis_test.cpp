@@ -213,15 +213,17 @@ TEST(MeshAnalysis, TurnsAnInsideOutShellOutward) {
   EXPECT_EQ(a.defects.sharpEdges, upright.defects.sharpEdges);
 }
 
-TEST(MeshAnalysis, ATJunctionIsAnOpenBoundary) {
+TEST(MeshAnalysis, ATJunctionIsWeldedIntoItsEdge) {
   TriangleSoup soup;
   addTriangle(soup, glm::dvec3(0.0), glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.5, 1.0, 0.0));
   addTriangle(soup, glm::dvec3(0.5, 0.0, 0.0), glm::dvec3(0.0), glm::dvec3(0.25, -1.0, 0.0));
   addTriangle(soup, glm::dvec3(1.0, 0.0, 0.0), glm::dvec3(0.5, 0.0, 0.0), glm::dvec3(0.75, -1.0, 0.0));
   const MeshAnalysis a = analyse(soup);
   expectConsistent(a.mesh);
-  EXPECT_EQ(a.defects.boundaryEdges, 9u);
-  EXPECT_EQ(a.defects.openShells, 3u);
+  EXPECT_EQ(a.defects.tJunctions, 1u);
+  EXPECT_EQ(a.mesh.triangles.size(), 4u);
+  EXPECT_EQ(a.defects.boundaryEdges, 6u);
+  EXPECT_EQ(a.defects.openShells, 1u);
   EXPECT_FALSE(a.mesh.closed);
 }
 
@@ -383,7 +385,8 @@ TEST(MeshAnalysis, RandomSoupsStayConsistentAndLoseOnlyWhatIsCounted) {
     }
     const MeshAnalysis a = analyse(soup);
     expectConsistent(a.mesh);
-    EXPECT_EQ(a.mesh.triangles.size() + a.defects.degenerateFaces + a.defects.duplicateFaces, 40u);
+    EXPECT_EQ(a.mesh.triangles.size() + a.defects.degenerateFaces + a.defects.duplicateFaces,
+              40u + a.defects.tJunctions);
   }
 }
 
