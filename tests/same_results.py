@@ -33,6 +33,9 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent
 SCENARIOS = sorted((ROOT / "tests/simulation/scenarios").glob("*.json"))
 SCENES = sorted((ROOT / "assets/scenes").glob("*.glb"))
 TIMES = re.compile(r"(^|_)(us|ns|ms)$|^p50$|^p99$|^p999$|^max$|seconds|^bake_s$")
+# What was measured, two blanks or more, its figures. A row indented further belongs to the one above it.
+BENCH_ROW = re.compile(r"(  +)(\S.*?)  +(?=\S*\d|p50)(.*)")
+NUMBER = re.compile(r"(?<![\w.])\d+\.?\d*(?:e[-+]?\d+)?(?![\w.])")
 TICKS_S, STROKES_MM = 1.5, (25.0, 8.0)  # how long a path is; how far a tool and a part are led
 
 
@@ -194,13 +197,17 @@ def benches(options):
     for _ in range(options.runs):
         for side, folder in (("a", options.a), ("b", options.b)):
             for bench, arguments in (("bench_tick", engine), ("bench_contact", []), ("bench_load", engine)):
+                above = ""
                 for line in run([pathlib.Path(folder) / bench, *arguments]).splitlines():
-                    # A line of a bench is what was measured, then its figures.
-                    numbers = re.findall(r"(?<![\w.])\d+\.?\d*(?:e-?\d+)?(?![\w.])", line.split(":", 1)[-1])
-                    if ":" in line and numbers:
-                        figures.setdefault((bench, line.split(":", 1)[0].strip()),
-                                           {"a": [], "b": []})[side].append(
-                            [float(n) for n in numbers])
+                    row = BENCH_ROW.match(line)
+                    numbers = NUMBER.findall(row.group(3)) if row else []
+                    if not numbers:
+                        continue
+                    if len(row.group(1)) == 2:
+                        above = row.group(2)
+                    what = row.group(2) if len(row.group(1)) == 2 else f"{above}, {row.group(2)}"
+                    figures.setdefault((bench, what), {"a": [], "b": []})[side].append(
+                        [float(n) for n in numbers])
     for (bench, what), sides in figures.items():
         columns = zip(zip(*sides["a"]), zip(*sides["b"]))
         cells = []

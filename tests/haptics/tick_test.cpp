@@ -134,6 +134,26 @@ TEST(Tick, FeelsAgainOnceABrokenInvariantHoldsAndItsFaultIsReset) {
   EXPECT_NEAR(hand.out.hands[0].toHand.force.z, 1.6, 1e-6);
 }
 
+TEST(Tick, RunsTheCommandsBehindOneThatBreaksAnInvariant) {
+  SceneBuilder b;
+  b.addPart(boxMesh({0.1, 0.1, 0.02}));
+  const PartId taken = b.addPart(boxMesh({0.01, 0.01, 0.01}), {{0.0, 0.0, 0.1}, {1.0, 0.0, 0.0, 0.0}}, 0.1);
+  const PartId next = b.addPart(boxMesh({0.01, 0.01, 0.01}), {{0.05, 0.0, 0.1}, {1.0, 0.0, 0.0, 0.0}}, 0.1);
+  b.scene.joints.emplace_back();
+  b.scene.joints[0].partB = taken;  // with a joint it moves by contact, so it takes the tool along
+  HandProbe hand(b.scene, rampedSpring());
+  pressAndBreakTheProxy(hand);
+  hand.state.data().tool.proxy().planes[0].surface.part = 99;
+  using Kind = haptics::PartCommand::Kind;
+  hand.command(Kind::own, taken);
+  hand.command(Kind::grasp, taken);  // asks how stiff the contacts are that end, those of the broken proxy
+  hand.command(Kind::own, next);
+  hand.tick();
+  EXPECT_NE(std::string(hand.state.fault().condition).find("has(part)"), std::string::npos);
+  EXPECT_TRUE(hand.state.data().held.owns(taken));
+  EXPECT_TRUE(hand.state.data().held.owns(next));
+}
+
 TEST(Tick, AbortsOnABrokenInvariantBetweenTicks) {
   HandProbe hand(boxScene());
   hand.tick();
