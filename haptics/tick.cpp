@@ -340,7 +340,9 @@ class Tick {
   }
 
   double sessionTime() const {
-    return std::isfinite(input_.sessionTime) ? input_.sessionTime : input_.hands[0].device.time;
+    const double own = input_.hands[0].device.time;
+    if (std::isfinite(input_.sessionTime)) return input_.sessionTime;
+    return std::isfinite(own) ? own : data_.time + parameters_.dt;
   }
 
   /// Time for links, which run on without a valid reading.
@@ -354,7 +356,7 @@ class Tick {
     data_.fieldWrench = Wrench{};
     if (!first_.valid()) return data_.fields.forgetHand();
     const FieldForces felt = data_.fields.step(
-        data_.world, input_.hands[0].device, sessionTime(),
+        data_.world, input_.hands[0].device, data_.time,
         {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
     data_.fieldWrench.force = felt.force;
     cause_.byTime = felt.sourceChange;
@@ -364,7 +366,8 @@ class Tick {
 
   void report() {
     TICK_ASSERT(data_.fault, isFinite(data_.tool.proxy().position));
-    out_.worldFromProxy = {data_.tool.proxy().position, first_.device().worldFromDevice.orientation};
+    out_.worldFromProxy = {feltPosition(data_.tool.proxy(), parameters_.toolRadius),
+                           first_.device().worldFromDevice.orientation};
     for (int h = 0; h < count_; ++h) reportHand(h);
     for (const SimulatedPart& entry : data_.held.parts()) {
       out_.owned[static_cast<std::size_t>(out_.ownedCount++)] = {

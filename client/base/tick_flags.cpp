@@ -18,7 +18,8 @@ constexpr TickFlagName kNames[] = {{haptics::kFlagInvalidSample, "invalid_sample
                                    {haptics::kFlagPassivity, "passivity_control"},
                                    {haptics::kFlagPopThrough, "pop_through"},
                                    {haptics::kFlagFieldLimited, "field_limited"},
-                                   {haptics::kFlagLessEffort, "less_effort"}};
+                                   {haptics::kFlagLessEffort, "less_effort"},
+                                   {haptics::kFlagInside, "inside_part"}};
 
 }  // namespace
 

@@ -217,6 +217,7 @@ void print(const assets::Scene& scene, const std::vector<StylusModel>& models,
   std::size_t width = 8;
   for (const StylusModel& m : models) width = std::max(width, std::min<std::size_t>(m.name.size(), 40));
   const int w = static_cast<int>(width);
+  printTooCostly(scene, contact);
   std::printf("%-*s %-9s %9s %10s %15s %9s %s\n", w, "part", "model", "triangles", "error", "tick us p50/p99",
               "memory", "movable");
   for (const StylusModel& m : models) {

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <span>
+#include <string>
 
 #include "assets/base/assert.h"
 #include "assets/base/json.h"
@@ -36,8 +38,11 @@ Json toJson(const assets::Scene& scene, const Clash& clash) {
   return {{"a", scene.parts[clash.a].name},
           {"b", scene.parts[clash.b].name},
           {"kind", wordFor(clash)},
-          {"depth_m", clash.depth},
+          {"depth_m", clash.open ? Json(nullptr) : Json(clash.depth)},
+          {"open", clash.open},
+          {"at_least_m", clash.depth},
           {"distance_m", clash.distance},
+          {"deepest_m", clash.kind == ClashKind::hard ? pointJson(clash.deepest) : Json(nullptr)},
           {"point_a_m", pointJson(clash.onA)},
           {"point_b_m", pointJson(clash.onB)},
           {"facet_sag_m", clash.facetSag},
@@ -47,11 +52,11 @@ Json toJson(const assets::Scene& scene, const Clash& clash) {
 
 /// Whether the facets of curved surfaces alone may explain an overlap.
 bool withinFacets(const Clash& clash) {
-  return clash.kind == ClashKind::hard && clash.depth <= clash.facetSag;
+  return clash.kind == ClashKind::hard && !clash.open && clash.depth <= clash.facetSag;
 }
 
 struct Counts {
-  std::size_t hard = 0, withinFacets = 0, touches = 0, clearance = 0, mayNot = 0;
+  std::size_t hard = 0, open = 0, withinFacets = 0, touches = 0, clearance = 0, mayNot = 0;
 };
 Counts countOf(const ClashReport& report) {
   Counts counts;
@@ -60,6 +65,7 @@ Counts countOf(const ClashReport& report) {
       ++counts.mayNot;
     } else if (clash.kind == ClashKind::hard) {
       ++counts.hard;
+      counts.open += clash.open ? 1 : 0;
       counts.withinFacets += withinFacets(clash) ? 1 : 0;
     } else {
       ++(clash.kind == ClashKind::touch ? counts.touches : counts.clearance);
@@ -68,50 +74,73 @@ Counts countOf(const ClashReport& report) {
   return counts;
 }
 
+/// The deepest hard clashes, then those of unknown depth; ten at most.
+std::span<const Clash> worstOf(const ClashReport& report) {
+  constexpr std::size_t kMost = 10;
+  std::size_t count = 0;
+  while (count < std::min(kMost, report.clashes.size()) && report.clashes[count].mayCollide &&
+         report.clashes[count].kind == ClashKind::hard)
+    ++count;
+  return {report.clashes.data(), count};
+}
+
 Json toJson(const assets::Scene& scene, const ClashReport& report, double clearance) {
   const Counts counts = countOf(report);
   Json json = {{"clearance_m", clearance},
                {"pairs", report.pairs},
                {"hard", counts.hard},
+               {"open", counts.open},
                {"within_facets", counts.withinFacets},
                {"touches", counts.touches},
                {"clearance", counts.clearance},
                {"may_not_collide", counts.mayNot}};
+  json["worst"] = Json::array();
+  for (const Clash& clash : worstOf(report))
+    json["worst"].push({{"a", scene.parts[clash.a].name},
+                        {"b", scene.parts[clash.b].name},
+                        {"depth_m", clash.open ? Json(nullptr) : Json(clash.depth)}});
   json["found"] = Json::array();
   for (const Clash& clash : report.clashes) json["found"].push(toJson(scene, clash));
   return json;
 }
 
-void printTable(const assets::Scene& scene, const ClashReport& report) {
+/// What there is to say of a clash beside its depth.
+std::string noteOn(const Clash& clash) {
+  if (clash.sheets) return "  (open surfaces that cross)";
+  if (clash.open && clash.depth > 0.0)
+    return "  (a shell is open; at least " + readableLength(clash.depth) + ')';
+  if (clash.open) return "  (a shell is open)";
+  return withinFacets(clash) ? "  (within the facets' sag)" : "";
+}
+
+void printTable(const assets::Scene& scene, std::span<const Clash> clashes) {
   std::size_t width = 4;
-  for (const Clash& clash : report.clashes) {
+  for (const Clash& clash : clashes) {
     for (const PartId part : {clash.a, clash.b}) width = std::max(width, scene.parts[part].name.size());
   }
   const int w = static_cast<int>(std::min<std::size_t>(width, 32));
   std::printf("%-8s %9s  %-*s %-*s %s\n", "", "by", w, "part", w, "part", "at x y z in m");
-  for (std::size_t i = 0; i < report.clashes.size(); ++i) {
-    const Clash& clash = report.clashes[i];
-    if (!clash.mayCollide && (i == 0 || report.clashes[i - 1].mayCollide))
+  for (std::size_t i = 0; i < clashes.size(); ++i) {
+    const Clash& clash = clashes[i];
+    if (!clash.mayCollide && (i == 0 || clashes[i - 1].mayCollide))
       std::printf("may not collide, by collision filter or joint:\n");
-    const glm::dvec3 at = 0.5 * (clash.onA + clash.onB);
-    std::printf("%-8s %9s  %-*.32s %-*.32s %.4g %.4g %.4g%s\n", wordFor(clash),
-                readableLength(std::max(clash.depth, clash.distance)).c_str(), w,
+    const glm::dvec3 at = clash.kind == ClashKind::hard ? clash.deepest : 0.5 * (clash.onA + clash.onB);
+    const std::string by = clash.open ? "unknown" : readableLength(std::max(clash.depth, clash.distance));
+    std::printf("%-8s %9s  %-*.32s %-*.32s %.4g %.4g %.4g%s\n", wordFor(clash), by.c_str(), w,
                 scene.parts[clash.a].name.c_str(), w, scene.parts[clash.b].name.c_str(), at.x, at.y, at.z,
-                clash.sheets          ? "  (open surfaces that cross)"
-                : withinFacets(clash) ? "  (within the facets' sag)"
-                                      : "");
+                noteOn(clash).c_str());
   }
 }
 
-void print(const assets::Scene& scene, const ClashReport& report, double clearance) {
+/// The summary: how many there are of each kind.
+void printCounts(const assets::Scene& scene, const ClashReport& report, double clearance) {
   const Counts counts = countOf(report);
-  if (!report.clashes.empty()) {
-    printTable(scene, report);
-    std::printf("\n");
-  }
   std::printf("%zu hard clashes", counts.hard);
-  if (counts.withinFacets > 0)
-    std::printf(" (%zu no deeper than facets are off curved surfaces)", counts.withinFacets);
+  if (counts.withinFacets > 0 || counts.open > 0)
+    std::printf(" (%zu no deeper than facets are off curved surfaces", counts.withinFacets);
+  if (counts.open > 0)
+    std::printf("; of %zu the depth cannot be known, because a shell is open", counts.open);
+  if (counts.withinFacets > 0 || counts.open > 0) std::printf(")");
   std::printf(", %zu touches", counts.touches);
   if (clearance > 0.0)
     std::printf(", %zu pairs nearer than %s", counts.clearance, readableLength(clearance).c_str());
@@ -121,11 +150,26 @@ void print(const assets::Scene& scene, const ClashReport& report, double clearan
     std::printf("Parts stand in each other like this in the file: who takes one is not pushed out of it.\n");
 }
 
+void print(const assets::Scene& scene, const ClashReport& report, double clearance) {
+  printCounts(scene, report, clearance);
+  const std::span<const Clash> worst = worstOf(report);
+  if (!worst.empty() && worst.size() < report.clashes.size()) {
+    std::printf("\nthe worst\n");
+    printTable(scene, worst);
+  }
+  if (report.clashes.empty()) return;
+  std::printf("\nall\n");
+  printTable(scene, report.clashes);
+}
+
 void print(const assets::Scene& scene, const Clash& clash) {
   const char *a = scene.parts[clash.a].name.c_str(), *b = scene.parts[clash.b].name.c_str();
-  if (clash.kind == ClashKind::hard)
-    std::printf("%s and %s %s, %s deep\n", a, b, clash.contained ? "stand inside each other" : "overlap",
+  const char* how = clash.contained ? "stand inside each other" : "overlap";
+  if (clash.open)
+    std::printf("%s and %s %s, how deep cannot be known because a shell is open; at least %s\n", a, b, how,
                 readableLength(clash.depth).c_str());
+  else if (clash.kind == ClashKind::hard)
+    std::printf("%s and %s %s, %s deep\n", a, b, how, readableLength(clash.depth).c_str());
   else if (clash.kind == ClashKind::touch)
     std::printf("%s and %s touch\n", a, b);
   else
@@ -135,7 +179,7 @@ void print(const assets::Scene& scene, const Clash& clash) {
   if (withinFacets(clash))
     std::printf("  no deeper than the facets there may be off curved surfaces: %s\n",
                 readableLength(clash.facetSag).c_str());
-  if (clash.sheets) std::printf("  open surfaces that cross: the depth is how far facets stand through\n");
+  if (clash.sheets) std::printf("  open surfaces that cross: by so much facets stand through each other\n");
   if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
 }
 
@@ -182,8 +226,10 @@ int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
   const haptics::ContactScene contact(scene);
   Json json;
   if (pair.first != kNoPart) {
-    const std::optional<Clash> clash = measurePair(contact, pair.first, scene.parts[pair.first].worldFromPart,
-                                                   pair.second, scene.parts[pair.second].worldFromPart);
+    const PartClosings closings(contact);
+    const std::optional<Clash> clash =
+        measurePair(closings, pair.first, scene.parts[pair.first].worldFromPart, pair.second,
+                    scene.parts[pair.second].worldFromPart);
     if (!clash) return badInput(Error{"--distance: one of the parts has nothing that could be touched"});
     if (arguments.json)
       json["distance"] = toJson(scene, *clash);

@@ -59,18 +59,24 @@ void printModel(const assets::Scene& scene, const ContactModel& m) {
   std::printf("%9s %-14s %.90s\n", readableBytes(m.bytes).c_str(), made, originOf(scene, m).c_str());
 }
 
-/// Remarks on held parts whose predicted tick takes more than a tick's period.
-void printCostly(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+/// A held part and its predicted tick.
+struct HeldCost {
+  PartId part = kNoPart;
+  Percentiles tick_us;
+};
+
+/// Held parts whose predicted tick takes longer than a tick's period, once in a hundred: the worst first.
+std::vector<HeldCost> tooCostly(const std::vector<ContactModel>& models) {
   constexpr double kTick = 1000.0;  // us
-  std::size_t count = 0;
-  PartId first = kNoPart;
-  for (const ContactModel& m : models)
-    if (!m.trial_us.empty() && percentiles(m.trial_us).p50 > kTick && count++ == 0) first = m.part;
-  if (count == 0) return;
-  const std::string more = count > 1 ? " and " + std::to_string(count - 1) + " more" : "";
-  std::printf(
-      "remark          held %s%s: predicted tick above 1 ms; a running site spends less effort on %s\n",
-      scene.parts[first].name.c_str(), more.c_str(), count > 1 ? "them" : "it");
+  std::vector<HeldCost> costly;
+  for (const ContactModel& m : models) {
+    if (m.trial_us.empty()) continue;
+    const HeldCost cost{m.part, percentiles(m.trial_us)};
+    if (cost.tick_us.p99 > kTick) costly.push_back(cost);
+  }
+  std::stable_sort(costly.begin(), costly.end(),
+                   [](const HeldCost& l, const HeldCost& r) { return l.tick_us.p99 > r.tick_us.p99; });
+  return costly;
 }
 
 }  // namespace
@@ -110,7 +116,31 @@ Json contactJson(const assets::Scene& scene, const std::vector<ContactModel>& mo
     }
     list.push(std::move(entry));
   }
-  return {{"models", std::move(list)}, {"missing", missing(models)}};
+  Json json = Json::object();
+  if (!models.empty()) {
+    json["too_costly"] = Json::array();
+    for (const HeldCost& cost : tooCostly(models)) json["too_costly"].push(scene.parts[cost.part].name);
+  }
+  json["models"] = std::move(list);
+  json["missing"] = missing(models);
+  return json;
+}
+
+void printTooCostly(const assets::Scene& scene, const std::vector<ContactModel>& models) {
+  constexpr std::size_t kShown = 10;
+  const auto tried =
+      std::count_if(models.begin(), models.end(), [](const ContactModel& m) { return !m.trial_us.empty(); });
+  if (tried == 0) return;
+  const std::vector<HeldCost> costly = tooCostly(models);
+  std::printf("too costly to hold: %zu of %td parts that can be held", costly.size(), tried);
+  if (!costly.empty())
+    std::printf(" have a predicted tick above 1 ms (p99); a running site spends less effort on them");
+  std::printf("\n");
+  for (std::size_t i = 0; i < std::min(kShown, costly.size()); ++i)
+    std::printf("%3zu  %-40.40s tick us p50/p99 %s/%s\n", i + 1, scene.parts[costly[i].part].name.c_str(),
+                threeDigits(costly[i].tick_us.p50).c_str(), threeDigits(costly[i].tick_us.p99).c_str());
+  if (costly.size() > kShown) std::printf("     and %zu more\n", costly.size() - kShown);
+  std::printf("\n");
 }
 
 void printContact(const assets::Scene& scene, const std::vector<ContactModel>& models) {
@@ -141,7 +171,6 @@ void printContact(const assets::Scene& scene, const std::vector<ContactModel>& m
       "sag: facets under the curve that they stand for. tick: predicted, processor time of 180 ticks of a\n"
       "  trial where the part stands (--models).\n"
       "  *: the error is above the tolerance; no defect: contact that near is looked up on the triangles.\n");
-  printCostly(scene, models);
 }
 
 }  // namespace tandem::client

@@ -33,6 +33,8 @@ void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments) {
       "--movable", arguments.movable,
       "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable [none]");
   command.flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
+  command.flag("--facets", arguments.facets,
+               "Feel flat facets also where the file's normals say that the surface is curved");
 }
 
 Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments) {
@@ -40,6 +42,7 @@ Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments) {
   Result<double> scale = assets::parseUnits(arguments.units);
   if (!scale) return Error{"--units " + arguments.units + ": " + scale.error().message};
   options.unitScale = *scale;
+  options.normals = !arguments.facets;
   for (const std::string& name : arguments.movable) {
     if (name == "all")
       options.allMovable = true;

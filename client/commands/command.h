@@ -35,6 +35,7 @@ struct SceneArguments {
   std::string units = "m";
   std::vector<std::string> movable;
   bool noCache = false;
+  bool facets = false;  // the file's normals are not felt
 };
 void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments);
 Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments);

@@ -16,6 +16,7 @@
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
 #include "client/commands/command.h"
+#include "client/commands/tool_option.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
 #include "client/review/clash_search.h"
@@ -31,8 +32,8 @@ namespace {
 
 struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
-      record, json, trace, name, colour, cache;
-  bool headless = false, tcp = false, quiet = false, noPartContact = false;
+      record, json, trace, name, colour, cache, tool;
+  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false;
   double duration = 0.0, clashes = -1.0;  // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900;
   double deadband = PublishRates{}.deadband;
@@ -94,6 +95,7 @@ Result<std::unique_ptr<haptics::Device>> openNamed(const std::string& name, cons
 Result<Hand> scriptedHand(const std::string& path, JoinedSite& site, const Pose& start) {
   Result<HandScript> script = loadHandScript(path, site.scene());
   if (!script) return script.error();
+  script->toolRadius = site.toolRadius();
   Hand hand;
   auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
                                                  haptics::SimulatedDeviceParameters{}, start,
@@ -211,6 +213,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["fault"] = nullptr;
   if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
   json["fault_clears"] = report.faultClears;
+  json["tool_radius_m"] = model.hand.toolRadius;
   json["stiffest_contact_n_per_m"] = model.hand.stiffest;
   json["models_s"] = report.modelSeconds;
   if (const SecondHandView& second = model.hand.second; !second.deviceName.empty()) {
@@ -495,6 +498,9 @@ int run(Arguments& arguments) {
   if (Status second = checkSecondHand(arguments); !second) return badInput(second.error());
   JoinOptions options;
   options.link = *link;
+  const Result<std::optional<double>> tip = parseTip(arguments.tool);
+  if (!tip) return badInput(tip.error());
+  options.toolRadius = *tip;
   if (arguments.name.empty()) arguments.name = defaultName(*link);
   if (arguments.name.size() > sync::kMaxNameLength)
     return badInput(Error{"--name: at most " + std::to_string(sync::kMaxNameLength) + " bytes"});
@@ -512,6 +518,7 @@ int run(Arguments& arguments) {
       arguments.hand.empty() && !hasSecondHand(arguments) &&
       (arguments.device.empty() ? arguments.headless || !displayPresent() : arguments.device == "none");
   options.partContact = !arguments.noPartContact && !watches;
+  options.facets = arguments.facets;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
@@ -542,6 +549,8 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
               "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
       .needs("--device");
   command.option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
+  command.option("--tool", arguments->tool,
+                 "What your hands touch with: point, or ball:RADIUS_M [the tip that is drawn, a ball]");
   const assets::CommandLineOption second =
       command.option("--second-device", arguments->secondDevice,
                      "Device in your other hand: both hold parts together, the "
@@ -562,10 +571,9 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
   command.option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
   command.option("--json", arguments->json, "Write what happened to this file");
   command.option("--trace", arguments->trace,
-                 "Write every pose of moving parts, as this site had it, to this CSV file");
-  command.option(
-      "--cache", arguments->cache,
-      "Folder for fetched scenes and what was made of them [" + assets::defaultCacheDirectory() + "]");
+                 "Write each pose of moving parts, as had here, to this CSV file");
+  command.option("--cache", arguments->cache,
+                 "Folder for scenes and what is made of them [" + assets::defaultCacheDirectory() + "]");
   command.option("--width", arguments->width, "Of window and picture, pixels")
       .integerFrom(200, 7680)
       .showDefault();
@@ -576,8 +584,8 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
               "its way (Weber fraction); 0: always at the full rate")
       .numberFrom(0.0, 1.0)
       .showDefault();
-  command.flag("--tcp", arguments->tcp,
-               "State over TLS, not UDP (which falls back to TLS by itself where UDP does not pass)");
+  command.flag("--tcp", arguments->tcp, "State over TLS, not UDP (which falls back to TLS by itself)");
+  command.flag("--facets", arguments->facets, "Feel flat facets where normals say that a surface is curved");
   command.flag("--no-part-contact", arguments->noPartContact,
                "A part in the hand passes through others: nothing is made ready for it to collide, which "
                "can take minutes at the first visit to a large scene");

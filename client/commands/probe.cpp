@@ -15,6 +15,7 @@
 #include "assets/scene/near_names.h"
 #include "client/base/tick_flags.h"
 #include "client/commands/command.h"
+#include "client/commands/tool_option.h"
 #include "client/review/contact_log.h"
 #include "client/review/device_class.h"
 #include "client/review/device_path.h"
@@ -39,8 +40,6 @@ struct Arguments {
   double stiffness = 0.0, damping = -1.0, forceLimit = 0.0, slewLimit = 0.0;
 };
 
-constexpr double kLargestRadius = 1e4;  // m
-
 struct Tool {
   double radius = 0.0;
   PartId part = kNoPart;
@@ -63,14 +62,6 @@ struct Row {
 
 Result<Tool> parseTool(const std::string& text, const assets::Scene& scene) {
   Tool tool;
-  if (text == "point") return tool;
-  if (text.rfind("ball:", 0) == 0) {
-    char* end = nullptr;
-    tool.radius = std::strtod(text.c_str() + 5, &end);
-    if (*end != '\0' || !(tool.radius >= 1e-9 && tool.radius <= kLargestRadius))
-      return Error{"--tool " + text + ": the radius must be a number of metres from 1e-9 to 1e4"};
-    return tool;
-  }
   if (text.rfind("part:", 0) == 0) {
     tool.part = assets::findPart(scene, text.substr(5));
     if (tool.part == kNoPart)
@@ -79,7 +70,10 @@ Result<Tool> parseTool(const std::string& text, const assets::Scene& scene) {
       return Error{"--tool " + text + ": the part is not movable (see --movable)"};
     return tool;
   }
-  return Error{"--tool " + text + ": must be point, ball:RADIUS_M or part:NAME"};
+  const Result<std::optional<double>> radius = parseTip(text, "point, ball:RADIUS_M or part:NAME");
+  if (!radius) return radius.error();
+  tool.radius = radius->value_or(0.0);
+  return tool;
 }
 
 Result<std::vector<MovedPart>> loadMoves(const std::vector<std::string>& moves, const assets::Scene& scene) {

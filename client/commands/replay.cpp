@@ -252,7 +252,7 @@ void print(const Recording& recording, const Summary& summary) {
 
 Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recording) {
   if (!arguments.scenePath.empty()) {
-    SceneArguments scene{arguments.scenePath, arguments.units, arguments.movable, false};
+    SceneArguments scene{arguments.scenePath, arguments.units, arguments.movable, false, false};
     return loadScene(scene);
   }
   const SceneStore store(arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache);

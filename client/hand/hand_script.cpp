@@ -295,7 +295,7 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
       const SurfacePoint surface =
           nearestSurfacePoint(scene_, step.part, worldFromPart, worldFromHand.position);
       const bool press = step.verb == ScriptStep::Verb::press;
-      goal.position = press ? surface.point - surface.normal * step.amount : surface.point;
+      goal.position = surface.point + surface.normal * (script_.toolRadius - (press ? step.amount : 0.0));
       const double path = glm::length(goal.position - present.position);
       const double over = step.over >= 0.0 ? step.over : std::max(kApproachShortest, path / kApproachSpeed);
       moveTo(goal, step.at, over);

@@ -45,6 +45,7 @@ struct ScriptStep {
 
 struct HandScript {
   std::vector<ScriptStep> steps;  // in the order of their times
+  double toolRadius = 0.0;        // m, of the ball that the person touches surfaces with
 };
 
 /// Reads the JSON text of a script. An error names `source`, the step and the reason.

@@ -2,6 +2,7 @@
 
 // The options with which a site joins a session.
 
+#include <optional>
 #include <string>
 
 #include "client/session/state_publisher.h"
@@ -17,9 +18,11 @@ struct JoinOptions {
   bool udp = true;
   double deadband = PublishRates{}.deadband;  // Weber fraction of what it publishes
   std::string cacheDirectory;
-  std::string recordPath;        // empty: no recording
-  bool partContact = true;       // a part in the hand collides with others, where the role may take one
-  double enterTimeout_s = 10.0;  // to enter the session, the scene transfer not counted
+  std::string recordPath;            // empty: no recording
+  std::optional<double> toolRadius;  // m; 0: a point; none: the tip that suits the scene
+  bool partContact = true;           // a part in the hand collides with others, where the role may take one
+  bool facets = false;               // the file's normals are not felt
+  double enterTimeout_s = 10.0;      // to enter the session, the scene transfer not counted
 };
 
 }  // namespace tandem::client

@@ -5,8 +5,10 @@
 #include <future>
 
 #include "assets/base/assert.h"
+#include "assets/scene/smooth_normals.h"
 #include "client/join/local_time.h"
 #include "haptics/safety/device_defaults.h"
+#include "haptics/tool/tip_radius.h"
 #include "sync/transport/socket_transport.h"
 
 namespace tandem::client {
@@ -81,6 +83,7 @@ Status JoinedSite::prepareScene(const Progress& progress) {
   Result<assets::Scene> scene = assets::unpackScene(package);
   if (!scene) return Error{"the server's scene cannot be used: " + scene.error().message};
   scene_ = std::move(*scene);
+  if (options_.facets) assets::dropNormals(scene_);
   contact_ = std::make_unique<haptics::ContactScene>(scene_);
   exchange_ = std::make_unique<Exchange>();
   if (!options_.recordPath.empty()) {
@@ -126,12 +129,18 @@ Status JoinedSite::modelParts(const Progress& progress) {
   return ended ? Error{"the session ended: " + connection_->reason()} : Error{"interrupted"};
 }
 
+double JoinedSite::toolRadius() const {
+  ASSERT(contact_ != nullptr);
+  return options_.toolRadius ? *options_.toolRadius : haptics::tipRadius(*contact_);
+}
+
 void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<void(HandLoop&)> prepare,
                        std::unique_ptr<haptics::Device> second) {
   ASSERT(device != nullptr && contact_ != nullptr && exchange_ != nullptr && servo_ == nullptr);
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   device_ = std::move(device);
   secondDevice_ = std::move(second);
+  settings_.parameters[0].toolRadius = toolRadius();
   settings_.parameters[1] = settings_.parameters[0];
   stiffest_ = haptics::fitToDevice(device_->limits(), 0.0, settings_.parameters[0]);
   if (secondDevice_) {

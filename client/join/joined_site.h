@@ -37,6 +37,8 @@ class JoinedSite {
   const haptics::ContactScene& contact() const { return *contact_; }
   sync::Role role() const { return connection_->welcome().role; }
   SiteId id() const { return connection_->welcome().site; }
+  /// Radius of the ball that the hands touch with, m; 0: a point.
+  double toolRadius() const;
   /// Servo thread, once started.
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
 

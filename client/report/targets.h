@@ -12,6 +12,9 @@ struct TargetCost {
 inline constexpr TargetCost kGearTarget{2.0, 6.0};          // a point on a million triangles
 inline constexpr TargetCost kGearBallTarget{8.0, 25.0};     // a ball of 1 mm on the same mesh
 inline constexpr TargetCost kFineSphereTarget{0.0, 30.0};   // balls up to 3 mm over edges of 40 um
+inline constexpr TargetCost kScanTarget{15.0, 40.0};        // a point on a rough scan of a million triangles
+inline constexpr TargetCost kScanBallTarget{30.0, 60.0};    // a ball of 1 mm on it
+inline constexpr TargetCost kTenMillionTarget{0.0, 20.0};   // a point on ten million triangles
 inline constexpr TargetCost kStillPartsTarget{0.0, 5.0};    // ten thousand parts
 inline constexpr TargetCost kMovingPartsTarget{0.0, 20.0};  // ten thousand parts, all moving
 inline constexpr TargetCost kHeldPartTarget{250.0, 500.0};  // a held part among its neighbours

@@ -14,7 +14,6 @@
 #include "assets/scene/part_pairs.h"
 #include "client/review/facet_sag.h"
 #include "haptics/base/in_parallel.h"
-#include "haptics/geometry/mesh_intrusion.h"
 #include "haptics/geometry/mesh_overlap.h"
 #include "haptics/geometry/placed_bounds.h"
 #include "haptics/scene/contact_scene_data.h"
@@ -118,18 +117,30 @@ double gapOf(const assets::Bounds& a, const assets::Bounds& b) {
   return glm::length(glm::max(glm::max(a.min - b.max, b.min - a.max), glm::dvec3(0.0)));
 }
 
-/// Whether a point of one surface is inside the other mesh.
-bool oneHolds(const PlacedMesh& outer, const PlacedMesh& inner) {
-  const glm::dvec3 p = transformPoint(inner.worldFromMesh, inner.tree->triangle(0).a);
-  return haptics::containsPoint(*outer.tree, transformPoint(inverse(outer.worldFromMesh), p));
+/// A part where it stands, and what its mesh lacks to be closed.
+struct Standing {
+  PlacedMesh mesh;
+  const haptics::MeshClosing& closing;
+};
+
+Standing standing(const PartClosings& closings, PartId part, const Pose& worldFromPart) {
+  return {{treeOf(closings.contact(), part), worldFromPart}, closings.of(part)};
+}
+
+/// Whether a point of one surface is certainly inside the other mesh.
+bool oneHolds(const Standing& outer, const Standing& inner) {
+  const glm::dvec3 p = transformPoint(inner.mesh.worldFromMesh, inner.mesh.tree->triangle(0).a);
+  const glm::dvec3 local = transformPoint(inverse(outer.mesh.worldFromMesh), p);
+  return outer.closing.contains(local) && outer.closing.isCertain(local);
 }
 
 void setWitness(const haptics::MeshOverlap& overlap, Clash& clash) {
   clash.kind = ClashKind::hard;
   clash.depth = overlap.depth;
   clash.contained = overlap.meeting == Meeting::contained;
+  clash.open = overlap.open;
   clash.sheets = overlap.sheets;
-  clash.onA = clash.onB = overlap.deepest;
+  clash.onA = clash.onB = clash.deepest = overlap.deepest;
   (overlap.inA ? clash.onA : clash.onB) += overlap.exitPath;
 }
 
@@ -146,9 +157,10 @@ double sagOf(const PlacedMesh& a, const PlacedMesh& b, const Clash& clash) {
 }
 
 /// Nothing where the parts are further apart than `clearance`.
-std::optional<Clash> measure(const PlacedMesh& a, const PlacedMesh& b, double clearance) {
+std::optional<Clash> measure(const Standing& first, const Standing& second, double clearance) {
+  const PlacedMesh &a = first.mesh, &b = second.mesh;
   Clash clash;
-  const haptics::MeshOverlap overlap = haptics::overlapOf(a, b);
+  const haptics::MeshOverlap overlap = haptics::overlapOf(a, first.closing, b, second.closing);
   if (overlap.meeting == Meeting::crossing || overlap.meeting == Meeting::contained) {
     setWitness(overlap, clash);
     clash.facetSag = sagOf(a, b, clash);
@@ -171,6 +183,7 @@ std::optional<Clash> measure(const PlacedMesh& a, const PlacedMesh& b, double cl
 bool moreSevere(const Clash& l, const Clash& r) {
   if (l.mayCollide != r.mayCollide) return l.mayCollide;
   if (l.kind != r.kind) return l.kind < r.kind;
+  if (l.open != r.open) return r.open;
   if (l.depth != r.depth) return l.depth > r.depth;
   if (l.distance != r.distance) return l.distance < r.distance;
   return l.a != r.a ? l.a < r.a : l.b < r.b;
@@ -178,12 +191,12 @@ bool moreSevere(const Clash& l, const Clash& r) {
 
 }  // namespace
 
-std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a, const Pose& worldFromA,
-                                 PartId b, const Pose& worldFromB) {
-  const TriangleBvh *treeA = treeOf(contact, a), *treeB = treeOf(contact, b);
-  if (treeA == nullptr || treeB == nullptr) return {};
-  std::optional<Clash> clash =
-      measure({treeA, worldFromA}, {treeB, worldFromB}, std::numeric_limits<double>::max());
+std::optional<Clash> measurePair(const PartClosings& closings, PartId a, const Pose& worldFromA, PartId b,
+                                 const Pose& worldFromB) {
+  const haptics::ContactScene& contact = closings.contact();
+  if (treeOf(contact, a) == nullptr || treeOf(contact, b) == nullptr) return {};
+  std::optional<Clash> clash = measure(standing(closings, a, worldFromA), standing(closings, b, worldFromB),
+                                       std::numeric_limits<double>::max());
   if (!clash) return {};
   clash->a = a;
   clash->b = b;
@@ -191,13 +204,14 @@ std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a,
   return clash;
 }
 
-std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId part,
+std::optional<Clash> nearestPart(const PartClosings& closings, PartId part,
                                  std::span<const Pose> worldFromPart) {
+  const haptics::ContactScene& contact = closings.contact();
   ASSERT(worldFromPart.size() == contact.scene().parts.size());
   const TriangleBvh* own = treeOf(contact, part);
   if (own == nullptr) return {};
-  const PlacedMesh placed{own, worldFromPart[part]};
-  const assets::Bounds box = haptics::boundsAt(own->bounds(), placed.worldFromMesh);
+  const Standing placed = standing(closings, part, worldFromPart[part]);
+  const assets::Bounds box = haptics::boundsAt(own->bounds(), worldFromPart[part]);
   struct Candidate {
     double atLeast;  // m, from box to box
     PartId part;
@@ -215,10 +229,10 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
   double reach = std::numeric_limits<double>::max();
   for (const Candidate& candidate : candidates) {
     if (candidate.atLeast > reach) break;
-    const PlacedMesh other{treeOf(contact, candidate.part), worldFromPart[candidate.part]};
+    const Standing other = standing(closings, candidate.part, worldFromPart[candidate.part]);
     haptics::MeshGap gap;
-    const bool near = haptics::nearestPoints(placed, other, reach, gap);
-    const bool meets = near && gap.distance <= haptics::touchTolerance(placed, other);
+    const bool near = haptics::nearestPoints(placed.mesh, other.mesh, reach, gap);
+    const bool meets = near && gap.distance <= haptics::touchTolerance(placed.mesh, other.mesh);
     const bool mayHold = candidate.atLeast <= 0.0 && (oneHolds(placed, other) || oneHolds(other, placed));
     if (!near && !mayHold) continue;
     Clash clash{part, candidate.part};
@@ -239,6 +253,7 @@ std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId pa
 ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions& options) {
   ASSERT(options.clearance >= 0.0);
   const Poses worldFromPart(contact, options.worldFromPart);
+  const PartClosings closings(contact);
   const std::vector<Pair> pairs = nearPairs(contact, worldFromPart, options.clearance);
   const auto stopped = [&] { return options.stop != nullptr && options.stop->load(); };
   std::vector<std::optional<Clash>> found(pairs.size());
@@ -248,7 +263,7 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
   haptics::onThreads(std::max(1, cores), [&](int worker) {
     for (std::size_t i = next++; i < pairs.size() && !stopped(); i = next++) {
       const auto [a, b, triangles] = pairs[i];
-      found[i] = measure({treeOf(contact, a), worldFromPart[a]}, {treeOf(contact, b), worldFromPart[b]},
+      found[i] = measure(standing(closings, a, worldFromPart[a]), standing(closings, b, worldFromPart[b]),
                          options.clearance);
       ++done;
       if (worker == 0 && options.progress) options.progress(done, pairs.size());
@@ -264,7 +279,8 @@ ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions
     clash.a = pairs[i].a;
     clash.b = pairs[i].b;
     clash.mayCollide = assets::mayCollide(contact.scene(), pairs[i].a, pairs[i].b);
-    if (clash.kind == ClashKind::hard && clash.depth <= options.tolerance) clash.kind = ClashKind::touch;
+    if (clash.kind == ClashKind::hard && !clash.open && clash.depth <= options.tolerance)
+      clash.kind = ClashKind::touch;
   }
   std::sort(report.clashes.begin(), report.clashes.end(), moreSevere);
   return report;

@@ -1,10 +1,11 @@
 #pragma once
 
 // Finds the parts of an assembly that overlap, touch, or come nearer to each other than a clearance, at the
-// file's poses or at given ones. Exact on the triangles that contact uses; shapes of glTF are measured as the
-// triangles that represent them (haptics/scene/README.md).
+// file's poses or at given ones. Exact on the triangles that contact uses; shapes of glTF are measured as
+// the triangles that represent them (haptics/scene/README.md).
 //
-// 1. The answer does not depend on the number of threads.
+// 1. The answer does not depend on the number of threads, nor on how a mesh is split into vertices and
+//    pose.
 
 #include <atomic>
 #include <cstddef>
@@ -18,10 +19,7 @@
 
 #include "assets/base/ids.h"
 #include "assets/base/pose.h"
-
-namespace tandem::haptics {
-class ContactScene;
-}
+#include "client/review/part_closings.h"
 
 namespace tandem::client {
 
@@ -35,16 +33,21 @@ enum class ClashKind : std::uint8_t {
 struct Clash {
   PartId a = kNoPart, b = kNoPart;
   ClashKind kind = ClashKind::clearance;
-  double depth = 0.0;     // m, of a hard clash; its definition is haptics::overlapOf()'s
+  double depth =
+      0.0;  // m, of a hard clash; its definition is haptics::overlapOf()'s. Of an open one, at least
   double distance = 0.0;  // m, between the surfaces; 0 unless kind is clearance
   /// m, the witness points, one on each surface: the deepest point and the nearest one of the other surface;
   /// of sheets, one point where they cross.
   glm::dvec3 onA{0.0, 0.0, 0.0}, onB{0.0, 0.0, 0.0};
+  /// m: where a hard clash is deepest, on the surface of one part and in or on the other (where surfaces
+  /// coincide: in both); one of onA and onB, but there.
+  glm::dvec3 deepest{0.0, 0.0, 0.0};
   /// m: how far the facets at the witness points may be off the curved surfaces that they represent, both
   /// parts together. A shallower overlap may be an artefact of the facets.
   double facetSag = 0.0;
   bool contained = false;  // no surfaces cross: one part holds the other, or a shell of it
-  bool sheets = false;     // open surfaces: depth is how far a facet reaches through another
+  bool open = false;       // the depth cannot be known because a shell is open
+  bool sheets = false;     // open surfaces: depth is how far a facet reaches through another; open too
   bool mayCollide = true;  // false: a collision filter or a joint lets them pass through each other
 };
 
@@ -59,8 +62,8 @@ struct ClashOptions {
 };
 
 struct ClashReport {
-  /// a < b. Pairs that may collide first; of each: hard ones, deepest first, touches, then clearances,
-  /// nearest first.
+  /// a < b. Pairs that may collide first; of each: hard ones of known depth, deepest first, those of unknown
+  /// depth, touches, then clearances, nearest first.
   std::vector<Clash> clashes;
   std::size_t pairs = 0;  // pairs whose boxes come as near as the clearance; all others are further apart
   bool complete = true;   // false: stopped before all pairs were measured
@@ -70,13 +73,13 @@ struct ClashReport {
 ClashReport findClashes(const haptics::ContactScene& contact, const ClashOptions& options);
 
 /// Measures one pair at given poses, however far apart. Nothing if a part has no geometry.
-std::optional<Clash> measurePair(const haptics::ContactScene& contact, PartId a, const Pose& worldFromA,
-                                 PartId b, const Pose& worldFromB);
+std::optional<Clash> measurePair(const PartClosings& closings, PartId a, const Pose& worldFromA, PartId b,
+                                 const Pose& worldFromB);
 
 /// The nearest neighbour of a part (`a` of the result) at these poses (one a part), among parts that may
 /// collide with it. If it overlaps any, the first one found, with its depth. Nothing if the part has no
 /// geometry or is alone.
-std::optional<Clash> nearestPart(const haptics::ContactScene& contact, PartId part,
+std::optional<Clash> nearestPart(const PartClosings& closings, PartId part,
                                  std::span<const Pose> worldFromPart);
 
 }  // namespace tandem::client

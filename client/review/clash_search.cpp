@@ -21,10 +21,10 @@ std::vector<Pose> posesAtRest(const haptics::ContactScene& contact) {
   return poses;
 }
 
-bool overlapAtRest(const haptics::ContactScene& contact, const Clash& clash) {
-  const std::vector<assets::Part>& parts = contact.scene().parts;
+bool overlapAtRest(const PartClosings& closings, const Clash& clash) {
+  const std::vector<assets::Part>& parts = closings.contact().scene().parts;
   const std::optional<Clash> there =
-      measurePair(contact, clash.a, parts[clash.a].worldFromPart, clash.b, parts[clash.b].worldFromPart);
+      measurePair(closings, clash.a, parts[clash.a].worldFromPart, clash.b, parts[clash.b].worldFromPart);
   return there && there->kind == ClashKind::hard;
 }
 
@@ -51,13 +51,14 @@ ClashFindings searchClashes(const haptics::ContactScene& contact, const ClashQue
   const ClashReport report = findClashes(contact, options);
   findings.pairs = report.pairs;
   findings.complete = report.complete;
+  const PartClosings closings(contact);
   for (const Clash& clash : report.clashes) {
     FoundClash& found = findings.found.emplace_back(FoundClash{clash});
     if (stop != nullptr && *stop) findings.complete = false;
     if (clash.kind != ClashKind::hard || !findings.complete) continue;
     found.overlapsAtRest = (standsAtRest(contact, findings.worldFromPart, clash.a) &&
                             standsAtRest(contact, findings.worldFromPart, clash.b)) ||
-                           overlapAtRest(contact, clash);
+                           overlapAtRest(closings, clash);
   }
   std::stable_partition(findings.found.begin(), findings.found.end(), [](const FoundClash& f) {
     return f.clash.mayCollide && f.clash.kind == ClashKind::hard && !f.overlapsAtRest;

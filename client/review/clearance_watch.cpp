@@ -22,7 +22,7 @@ constexpr int kNiceness = 10;  // the hand's thread comes first
 
 class ClearanceWatch::Worker {
  public:
-  explicit Worker(const haptics::ContactScene& contact) : contact_(contact), thread_([this] { run(); }) {}
+  explicit Worker(const haptics::ContactScene& contact) : closings_(contact), thread_([this] { run(); }) {}
 
   ~Worker() {
     {
@@ -61,7 +61,7 @@ class ClearanceWatch::Worker {
       const std::vector<Pose> poses = std::move(poses_);
       lock.unlock();
       const Clock::time_point start = Clock::now();
-      const std::optional<Clash> found = nearestPart(contact_, part, poses);
+      const std::optional<Clash> found = nearestPart(closings_, part, poses);
       const Clock::time_point end = Clock::now();
       lock.lock();
       busy_ = false;
@@ -70,7 +70,7 @@ class ClearanceWatch::Worker {
     }
   }
 
-  const haptics::ContactScene& contact_;
+  const PartClosings closings_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool stop_ = false, requested_ = false, busy_ = false;

@@ -14,6 +14,7 @@
 
 #include "assets/base/assert.h"
 #include "assets/scene/ranges.h"
+#include "assets/scene/smooth_normals.h"
 #include "haptics/geometry/triangle_math.h"
 
 namespace tandem::client {
@@ -215,6 +216,15 @@ std::vector<std::uint16_t> materialsOf(const assets::Scene& scene, const assets:
   return used;
 }
 
+/// Says that the file's normals are felt. A surface that says how smooth it is has none.
+void addNormals(const assets::Scene& scene, const assets::Part& part, std::uint16_t material,
+                Feature& feature) {
+  if (!part.shapes.empty() || part.mesh == assets::kNone) return;
+  const std::uint64_t smooth = assets::smoothTriangles(scene.meshes[part.mesh], material);
+  if (smooth == 0) return;
+  add(feature, "shading", {{"triangles", static_cast<double>(smooth), ""}}, "by the normals of the file");
+}
+
 Feature materialFeature(const assets::Scene& scene, const assets::Part& part, std::uint16_t material,
                         const FeatureLimits& limits) {
   const assets::Material& m = scene.materials[material];
@@ -223,6 +233,7 @@ Feature materialFeature(const assets::Scene& scene, const assets::Part& part, st
   add(feature, "damping", {{"damping", m.damping, "N·s/m"}});
   add(feature, "friction", {{"static", m.staticFriction, ""}, {"dynamic", m.dynamicFriction, ""}});
   judgeMaterial(m, limits, feature);
+  addNormals(scene, part, material, feature);
   if (m.surface >= scene.surfaces.size()) return feature;
   addEffects(scene, scene.surfaces[m.surface], feature);
   judgeSurface(m, scene.surfaces[m.surface], limits, feature);

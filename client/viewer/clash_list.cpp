@@ -34,8 +34,12 @@ std::string noteOf(const FoundClash& found) {
   if (!clash.mayCollide) add("may pass through each other");
   if (found.overlapsAtRest) add("overlap at rest");
   if (clash.contained) add("one holds the other");
-  if (clash.sheets) add("open surfaces");
-  if (clash.kind == ClashKind::hard && clash.facetSag >= clash.depth) add("no deeper than facets may be off");
+  if (clash.sheets)
+    add("open surfaces");
+  else if (clash.open)
+    add("a shell is open: " + millimetres(clash.depth) + " at least");
+  if (clash.kind == ClashKind::hard && !clash.open && clash.facetSag >= clash.depth)
+    add("no deeper than facets may be off");
   return note;
 }
 
@@ -78,7 +82,7 @@ void colourPart(PartLook& look, const glm::vec3& srgbColour) {
 std::string measureOf(const Clash& clash) {
   switch (clash.kind) {
     case ClashKind::hard:
-      return millimetres(clash.depth) + " deep";
+      return clash.open ? "depth unknown" : millimetres(clash.depth) + " deep";
     case ClashKind::touch:
       return "touch";
     case ClashKind::clearance:

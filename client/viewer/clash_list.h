@@ -54,7 +54,7 @@ struct ClashWitness {
 ClashWitness witnessOf(const ClashFindings& findings, const FoundClash& found,
                        std::span<const Pose> worldFromPart);
 
-/// "0.412 mm deep", "touch" or "0.080 mm apart".
+/// "0.412 mm deep", "depth unknown", "touch" or "0.080 mm apart".
 std::string measureOf(const Clash& clash);
 
 /// A camera that looks across the line between the witness points, and shows enough of the smaller part (its

@@ -11,7 +11,8 @@ namespace {
 
 // Sizes in pixels: a hand must be visible whether the scene is a watch or a wing.
 constexpr double kStylusLength = 120.0;
-constexpr double kTipRadius = 3.2;
+constexpr double kTipRadius = 3.2;  // of a point
+constexpr double kLeastTip = 1.2;   // of a ball
 constexpr double kBarrelRadius = 5.0;
 constexpr double kArrowAtLimit = 130.0;  // length of the arrow of a force at the limit
 constexpr double kDiscRadius = 9.0;
@@ -39,11 +40,16 @@ GlyphColour withAlpha(const GlyphColour& colour, float alpha) {
   return {colour.x, colour.y, colour.z, alpha};
 }
 
+/// Radius with which a tip is drawn, m: that of the ball that it is, as long as that can be seen.
+double drawnTip(double toolRadius, double px) {
+  return toolRadius > 0.0 ? std::max(toolRadius, kLeastTip * px) : kTipRadius * px;
+}
+
 /// A pen whose tip is at the pose's position and whose barrel runs along its +z axis.
 void addStylus(GlyphBatch& batch, const Pose& worldFromTool, double toolRadius, const GlyphColour& colour,
                float alpha) {
   const double px = pixelAt(batch.view(), worldFromTool.position);
-  const double tip = std::max(toolRadius, kTipRadius * px), barrel = std::max(kBarrelRadius * px, 0.5 * tip);
+  const double tip = drawnTip(toolRadius, px), barrel = std::max(kBarrelRadius * px, 0.5 * tip);
   const auto along = [&](double pixels) { return transformPoint(worldFromTool, {0.0, 0.0, pixels * px}); };
   batch.sphere(worldFromTool.position, tip, withAlpha(colour, alpha));
   batch.cone(along(0.0), along(26.0), 0.45 * std::min(tip, barrel), barrel, withAlpha(kSteel, alpha));
@@ -114,7 +120,7 @@ void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& l
   const double px = pixelAt(batch.view(), proxy.position);
   if (hand.valid && apart > kGhostFrom * px) {
     batch.line(proxy.position, device.position, 2.0, withAlpha(colour, 0.8f));
-    batch.sphere(device.position, std::max(hand.toolRadius, kTipRadius * px), withAlpha(colour, 0.35f));
+    batch.sphere(device.position, drawnTip(hand.toolRadius, px), withAlpha(colour, 0.35f));
   }
   addContacts(hand, batch);
   addForce(model, batch, labels);

@@ -61,7 +61,7 @@ void StylusControl::moveTip(const Situation& now) {
   if (follows) {
     const double px = now.view.metresPerPixel(now.surface->depth);
     push_ = std::max(push_ + step, -60.0 * px);
-    const double goal = now.surface->depth - kClearance * px + push_;
+    const double goal = now.surface->depth - now.toolRadius - kClearance * px + push_;
     const double time = goal < depth_ ? kApproachTime : kRetreatTime;
     depth_ += (goal - depth_) * (1.0 - std::exp(-now.input.dt / time));
   } else {

@@ -28,6 +28,7 @@ class StylusControl {
     bool mayGrasp = true;
     bool holding = false;  // a part is held
     bool followSurface = true;
+    double toolRadius = 0.0;       // m
     std::optional<Hit> surface{};  // under the cursor
   };
 

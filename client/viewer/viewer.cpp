@@ -363,7 +363,7 @@ void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const V
                              ViewActions& actions) {
   if (!started_) {
     const auto middle = renderer_->pick(view, 0.5 * view.size, model.worldFromPart, looks_);
-    stylus_.place(view, middle ? middle->depth : camera_.distance);
+    stylus_.place(view, (middle ? middle->depth : camera_.distance) - model.hand.toolRadius);
     actions.stylusMoved = true;
   }
   StylusControl::Situation now{view, input};
@@ -374,6 +374,7 @@ void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const V
   now.mayGrasp = model.role != sync::Role::observer && !model.replay;
   now.holding = model.hand.held != kNoPart;
   now.followSurface = ui_.followSurface;
+  now.toolRadius = model.hand.toolRadius;
   now.surface = underCursor_;
   if (stylus_.update(now)) actions.stylusMoved = true;
   actions.worldFromStylus = stylus_.worldFromStylus();

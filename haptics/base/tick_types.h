@@ -118,6 +118,7 @@ enum TickFlag : std::uint32_t {
   kFlagPopThrough = 1u << 11,    // a surface was broken through: passed through until the tool has left it
   kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
   kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
+  kFlagInside = 1u << 14,  // a part is not felt: the tool is inside it, and passes through until it leaves
 };
 
 /// The coordination links of a part to other sites' replicas of it, as one.

@@ -2,8 +2,8 @@
 
 // Boxes and slabs of a TriangleBvh, fitted to its triangles in place.
 //
-// 1. Used by triangle_bvh.cpp alone. Starts threads for large meshes; the result does not depend on their
-//    number.
+// 1. Used by triangle_bvh.cpp, and leafTriangles() by sweep_front.cpp. Starts threads for large meshes; the
+//    result does not depend on their number.
 
 #include <algorithm>
 #include <cstddef>

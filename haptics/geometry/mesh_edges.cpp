@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/geometry/border_pairs.h"
 
 namespace tandem::haptics {
 namespace {
@@ -20,6 +21,10 @@ namespace {
 constexpr double kFlat = 1e-4;  // rad
 constexpr double kSharp = 0.5;  // rad
 constexpr std::size_t kMaxAround = 16;
+/// Cosine between two faces below which one is the back of the other.
+constexpr double kFolded = -0.9999;
+/// Borders up to this share of the diagonal apart belong to one slit.
+constexpr double kWidestSlit = 0x1p-14;
 
 std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uint32_t to) {
   for (std::uint32_t e = 0; e < 3; ++e) {
@@ -40,22 +45,30 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) {
     const double length = glm::length(area);
     normals_[t] = length > 0.0 ? area / length : glm::dvec3(0.0);
   }
+  Beyond beyond = mesh.neighbours;
+  const double widest = kWidestSlit * glm::distance(mesh.bounds.min, mesh.bounds.max);
+  const std::vector<std::uint32_t> faces = facesBeyondBorders(mesh, widest);
+  for (std::size_t i = 0; i < faces.size(); ++i)
+    if (faces[i] != assets::kNone) beyond[i / 3][i % 3] = faces[i];
   std::vector<std::array<std::uint32_t, 3>> edgeOf(mesh.triangles.size());
-  findEdges(mesh, edgeOf);
-  listAround(mesh, edgeOf);
+  findEdges(mesh, beyond, edgeOf);
+  listAround(beyond, edgeOf);
   ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
 }
 
 /// Fills edgeOf: each triangle's edge as an index into edges_, or kNone where it is flat.
-void MeshEdges::findEdges(const assets::Mesh& mesh, std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
+                          std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
   for (auto& edges : edgeOf) edges.fill(assets::kNone);
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
     for (std::uint32_t e = 0; e < 3; ++e) {
-      const std::uint32_t other = mesh.neighbours[t][e];
-      if (other != assets::kNone && other < t) continue;
+      const std::uint32_t other = beyond[t][e];
+      // Each side of a slit has an edge of its own.
+      const bool border = mesh.neighbours[t][e] == assets::kNone;
+      if (!border && other < t) continue;
       const std::uint32_t ia = mesh.triangles[t][e], ib = mesh.triangles[t][(e + 1) % 3];
-      MeshEdge edge{mesh.positions[ia], mesh.positions[ib], {}, {}, {ia, ib}, 0.0};
-      if (other == assets::kNone) {
+      MeshEdge edge{mesh.positions[ia], mesh.positions[ib], {}, {}, {ia, ib}, 0.0, border};
+      if (other == assets::kNone || (border && glm::dot(normals_[t], normals_[other]) < kFolded)) {
         edge.normals = {normals_[t], -normals_[t]};
         edge.triangles = {t, t};
         edge.angle = std::acos(-1.0);
@@ -70,24 +83,32 @@ void MeshEdges::findEdges(const assets::Mesh& mesh, std::vector<std::array<std::
       const auto index = static_cast<std::uint32_t>(edges_.size());
       edges_.push_back(edge);
       edgeOf[t][e] = index;
-      if (other != assets::kNone) edgeOf[other][edgeTowards(mesh, other, t)] = index;
+      if (!border) edgeOf[other][edgeTowards(mesh, other, t)] = index;
     }
   }
 }
 
-void MeshEdges::listAround(const assets::Mesh& mesh,
-                           const std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
-  first_.reserve(mesh.triangles.size() + 1);
+MeshEdges MeshEdges::ofSolid() && {
+  for (MeshEdge& edge : edges_) {
+    if (!edge.border || edge.triangles[0] != edge.triangles[1]) continue;
+    edge.normals[1] = glm::cross(glm::normalize(edge.b - edge.a), edge.normals[0]);
+    edge.angle = 0.5 * std::acos(-1.0);
+  }
+  return std::move(*this);
+}
+
+void MeshEdges::listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
+  first_.reserve(beyond.size() + 1);
   first_.push_back(0);
   std::array<std::uint32_t, 10> plane;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+  for (std::uint32_t t = 0; t < beyond.size(); ++t) {
     plane[0] = t;
     std::size_t known = 1, ring = 0;
     for (int hop = 0; hop < 2; ++hop) {
       const std::size_t end = known;
       for (; ring < end; ++ring) {
         for (std::uint32_t e = 0; e < 3; ++e) {
-          const std::uint32_t other = mesh.neighbours[plane[ring]][e];
+          const std::uint32_t other = beyond[plane[ring]][e];
           if (edgeOf[plane[ring]][e] != assets::kNone || other == assets::kNone) continue;
           if (std::find(plane.begin(), plane.begin() + static_cast<std::ptrdiff_t>(known), other) ==
                   plane.begin() + static_cast<std::ptrdiff_t>(known) &&
@@ -118,7 +139,7 @@ double MeshEdges::sharpSpacing(double cube) const {
   };
   std::unordered_map<std::uint64_t, Cell> cells;
   for (const MeshEdge& edge : edges_) {
-    if (std::abs(edge.angle) < kSharp || edge.triangles[0] == edge.triangles[1]) continue;
+    if (std::abs(edge.angle) < kSharp || edge.border) continue;
     const double length = glm::length(edge.b - edge.a);
     const int pieces = static_cast<int>(std::min(std::ceil(2.0 * length / cell), 1e4));
     for (int i = 0; i < pieces; ++i) {

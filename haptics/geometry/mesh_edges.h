@@ -3,7 +3,9 @@
 // Edges of a mesh: its convex and concave edges, and those around each triangle.
 //
 // 1. Immutable, in the part's frame. An edge between coplanar faces is left out.
-// 2. A face alone on an edge (an open border) forms a convex edge with its own back.
+// 2. An open border within a slit's width of another forms an edge with the face beyond the slit.
+// 3. Any other forms a convex edge with its own back, since a sheet has two sides. The back of a face of a
+//    solid cannot be touched: there the border forms a right edge with the plane in which the face ends.
 
 #include <array>
 #include <cstdint>
@@ -20,9 +22,10 @@ namespace tandem::haptics {
 struct MeshEdge {
   glm::dvec3 a{0.0, 0.0, 0.0}, b{0.0, 0.0, 0.0};  // m
   std::array<glm::dvec3, 2> normals{};            // unit, outward, of the faces
-  std::array<std::uint32_t, 2> triangles{};       // equal at a border
+  std::array<std::uint32_t, 2> triangles{};       // equal at a border without a slit
   std::array<std::uint32_t, 2> ends{};            // vertices of the mesh
-  double angle = 0.0;  // rad between the normals, below 0 where the edge is concave
+  double angle = 0.0;   // rad between the normals, below 0 where the edge is concave
+  bool border = false;  // the mesh has one face here
 };
 
 class MeshEdges {
@@ -30,6 +33,9 @@ class MeshEdges {
   explicit MeshEdges(const assets::Mesh& mesh);
   /// An empty set, for a part that is queried by formula.
   MeshEdges() = default;
+
+  /// The same edges as those of a solid (3).
+  MeshEdges ofSolid() &&;
 
   std::span<const MeshEdge> edges() const { return edges_; }
   /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
@@ -45,8 +51,11 @@ class MeshEdges {
   std::size_t memory() const;
 
  private:
-  void findEdges(const assets::Mesh& mesh, std::vector<std::array<std::uint32_t, 3>>& edgeOf);
-  void listAround(const assets::Mesh& mesh, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+  /// The triangle across an edge or across the slit there, or kNone.
+  using Beyond = std::vector<std::array<std::uint32_t, 3>>;
+  void findEdges(const assets::Mesh& mesh, const Beyond& beyond,
+                 std::vector<std::array<std::uint32_t, 3>>& edgeOf);
+  void listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
 
   std::vector<MeshEdge> edges_;
   std::vector<glm::dvec3> normals_;    // per triangle

@@ -5,27 +5,33 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <queue>
+#include <optional>
+#include <utility>
 
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include "assets/base/assert.h"
+#include "haptics/geometry/intrusion_piece.h"
+#include "haptics/geometry/peak_of_least.h"
 #include "haptics/geometry/placed_bounds.h"
 
 namespace tandem::haptics {
 namespace {
 
 constexpr double kEverywhere = std::numeric_limits<double>::max();
-constexpr double kBetter = 1.01;  // improvement that an edge or a face must promise to be searched
+constexpr std::uint32_t kLid = 0x80000000u;  // marks a facet that is a lid
+/// Pieces that touch the surface everywhere are halved so often before they count as flush.
+constexpr int kFlushHalvings = 2;
 
-/// A triangle cut across its longest edge.
-std::array<Triangle, 2> halves(const Triangle& t) {
-  const double ab = glm::length(t.b - t.a), bc = glm::length(t.c - t.b), ca = glm::length(t.a - t.c);
-  if (ab >= bc && ab >= ca) return {{{t.a, 0.5 * (t.a + t.b), t.c}, {0.5 * (t.a + t.b), t.b, t.c}}};
-  if (bc >= ca) return {{{t.a, t.b, 0.5 * (t.b + t.c)}, {t.a, 0.5 * (t.b + t.c), t.c}}};
-  return {{{t.a, t.b, 0.5 * (t.c + t.a)}, {t.b, t.c, 0.5 * (t.c + t.a)}}};
-}
+/// Of the tolerance: a lid nearer than the surface by less is that of a slit, and does not count.
+constexpr double kSlit = 0x1p-4;
+
+/// Pieces that are measured though the depth stays open.
+constexpr int kMaxRoughSamples = 1 << 10;
+
+/// What a triangle of the mesh is near.
+enum Near : std::uint8_t { kFar, kNearLids, kNearSurface };
 
 /// Union-find: sets of vertices that merge.
 class Groups {
@@ -44,215 +50,393 @@ class Groups {
   std::vector<std::uint32_t> parent_;
 };
 
-/// One mesh against the other, `solid`, in whose frame everything is measured.
-class Intruder {
+/// The facets of a solid: its surface, and its lids where they count.
+class Facets {
  public:
-  Intruder(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh, double tolerance,
-           bool cross)
-      : mesh_(mesh), solid_(solid), solidFromMesh_(solidFromMesh), tolerance_(tolerance), cross_(cross) {}
+  Facets(const Intrusion& in, bool countLids)
+      : solid_(in.solid), count_(countLids && in.solid.lids() != nullptr), slit_(kSlit * in.tolerance) {}
 
-  /// `touched` are the triangles of the mesh within the tolerance of the solid's surface, `cuts` the
-  /// crossings of their edges.
-  void search(const std::vector<std::uint32_t>& touched, std::vector<EdgeCut>& cuts, Deepest& best) {
-    const std::vector<std::uint32_t> nearby = trianglesInReach();
-    std::vector<std::uint8_t> isTouched(mesh_.mesh().triangles.size(), 0);
-    for (const std::uint32_t t : touched) isTouched[t] = 1;
-    findInside(nearby, isTouched);
-    searchCorners(best);
-    searchEdges(nearby, isTouched, cuts, best);
-    searchFaces(nearby, isTouched, best);
+  Triangle operator[](std::uint32_t index) const {
+    return (index & kLid) != 0 ? solid_.lids()->triangle(index & ~kLid) : solid_.tree().triangle(index);
   }
+
+  /// The nearest point of the solid's surface, in `exit`, and the nearest facet, lids included if they
+  /// count.
+  void locate(Place& place, glm::dvec3* exit = nullptr) const {
+    MeshPoint at, lid;
+    solid_.tree().closestPoint(place.point, kEverywhere, at);
+    place.distance = at.distance;
+    place.facet = at.triangle;
+    if (exit != nullptr) *exit = at.point;
+    if (!count_) return;
+    const double nearer = at.distance - slit_;
+    if (nearer <= 0.0 || !solid_.lids()->closestPoint(place.point, nearer, lid)) return;
+    lidsMatter_ = true;
+    place.distance = lid.distance;
+    place.facet = lid.triangle | kLid;
+  }
+
+  /// Distance from the surface and from lids, whether or not these count.
+  double clearance(const Place& place) const {
+    MeshPoint lid;
+    const bool lidIsNearer =
+        solid_.lids() != nullptr && solid_.lids()->closestPoint(place.point, place.distance, lid);
+    return lidIsNearer ? std::min(lid.distance, place.distance) : place.distance;
+  }
+
+  /// Whether a lid was nearer than the surface.
+  bool lidsMatter() const { return lidsMatter_; }
 
  private:
-  /// An interval of an edge, and an upper bound of its depth.
-  struct Piece {
-    double bound;
-    std::uint32_t from, to;
-    double begin, end;            // fractions of the edge
-    double depthBegin, depthEnd;  // m, signed, at least the true ones
-    bool operator<(const Piece& other) const {
-      if (bound != other.bound) return bound < other.bound;
-      if (from != other.from) return from > other.from;
-      return to != other.to ? to > other.to : begin > other.begin;
+  const MeshClosing& solid_;
+  bool count_;
+  double slit_;  // m
+  mutable bool lidsMatter_ = false;
+};
+
+/// One mesh against the other, the solid, in whose frame everything is measured.
+class Search {
+ public:
+  /// Whether lids count as surface, and only points that are certainly inside.
+  enum class Lids { count, ignored };
+
+  Search(const Intrusion& intrusion, Lids lids)
+      : in_(intrusion),
+        mesh_(intrusion.mesh.mesh()),
+        open_(intrusion.solid.lids() != nullptr),
+        lids_(lids),
+        facets_(intrusion, lids == Lids::count),
+        corners_(mesh_.positions.size()),
+        inside_(mesh_.positions.size(), 0) {}
+
+  void run(Deepest& best) {
+    const std::vector<std::uint32_t> nearby = trianglesInReach();
+    noteNear();
+    findInside(nearby);
+    measureCorners(best);
+    if (done(best)) return;
+    for (const std::uint32_t t : nearby) pushTriangle(t, best);
+    for (int samples = 0, rough = 0; samples < kMaxSamples && !pieces_.empty() && !done(best); ++samples) {
+      std::pop_heap(pieces_.begin(), pieces_.end());
+      Piece piece = std::move(pieces_.back());
+      pieces_.pop_back();
+      if (piece.bound <= enough(best) || (staysOpen(piece, best) && rough++ >= kMaxRoughSamples)) break;
+      if (piece.crossings.empty())
+        measure(piece, best);
+      else
+        cut(piece, best);
     }
-  };
-
-  /// A piece of a triangle, and an upper bound of the depth of its points.
-  struct Patch {
-    double bound;
-    Triangle t;
-    std::uint64_t order;  // breaks ties between equal bounds
-    bool operator<(const Patch& other) const {
-      return bound != other.bound ? bound < other.bound : order > other.order;
-    }
-  };
-
-  int maxSamples(const Deepest& best) const {
-    return cross_ || best.depth > tolerance_ ? kMaxSamples : kFewSamples;
-  }
-  /// The bound from which a piece is searched.
-  double enough(const Deepest& best) const { return std::max(kBetter * best.depth, tolerance_); }
-
-  glm::dvec3 corner(std::uint32_t vertex) const {
-    return transformPoint(solidFromMesh_, mesh_.mesh().positions[vertex]);
   }
 
+  /// Whether lids bounded the depth of any place, or made it uncertain.
+  bool lidsMatter() const { return facets_.lidsMatter() || droppedNearLids_ || uncertain_ > 0.0; }
+
+ private:
+  /// What a piece must promise to be measured.
+  double enough(const Deepest& best) const { return std::max(best.depth + in_.precision, in_.tolerance); }
+  /// Whether the depth stays open whatever a piece holds: deeper points were met that are not certainly
+  /// inside. What the depth is at least need not be exact.
+  bool staysOpen(const Piece& piece, const Deepest& best) const {
+    return uncertain_ > best.depth + in_.tolerance && piece.bound < uncertain_ - in_.tolerance;
+  }
+  bool done(const Deepest& best) const { return lids_ == Lids::ignored && best.found; }
+
+  Triangle placed(std::uint32_t triangle) const {
+    const auto& t = mesh_.triangles[triangle];
+    return {placedCorner(t[0]), placedCorner(t[1]), placedCorner(t[2])};
+  }
+  glm::dvec3 placedCorner(std::uint32_t vertex) const {
+    return transformPoint(in_.solidFromMesh, mesh_.positions[vertex]);
+  }
   std::vector<std::uint32_t> trianglesInReach() const {
-    const Pose meshFromSolid = inverse(solidFromMesh_);
-    assets::Bounds reach = boundsAt(solid_.bounds(), meshFromSolid);
-    reach.min -= tolerance_;
-    reach.max += tolerance_;
-    std::vector<std::uint32_t> found(mesh_.gather(reach, {}));
-    mesh_.gather(reach, found);
+    assets::Bounds reach = boundsAt(in_.solid.tree().bounds(), inverse(in_.solidFromMesh));
+    reach.min -= in_.tolerance;
+    reach.max += in_.tolerance;
+    std::vector<std::uint32_t> found(in_.mesh.gather(reach, {}));
+    in_.mesh.gather(reach, found);
     return found;
   }
 
-  /// Finds the vertices of the mesh that are inside. A triangle that is not touched is wholly inside or
-  /// outside, and so is each group connected by such triangles: one test per group.
-  void findInside(const std::vector<std::uint32_t>& nearby, const std::vector<std::uint8_t>& isTouched) {
-    const auto& triangles = mesh_.mesh().triangles;
-    Groups groups(mesh_.mesh().positions.size());
-    std::vector<std::uint8_t> isNear(mesh_.mesh().positions.size(), 0);
+  /// Sorts the near pairs by the mesh's triangles, and marks these.
+  void noteNear() {
+    near_ = in_.near;
+    std::sort(near_.begin(), near_.end(), [](const NearTriangles& l, const NearTriangles& r) {
+      if (l.own != r.own) return l.own < r.own;
+      return l.lid != r.lid ? r.lid : l.other < r.other;
+    });
+    isNear_.assign(mesh_.triangles.size(), kFar);
+    for (const NearTriangles& pair : near_)
+      isNear_[pair.own] = std::max(isNear_[pair.own], pair.lid ? kNearLids : kNearSurface);
+  }
+
+  /// Finds the vertices of the mesh that are inside. A triangle that is not near is wholly inside or
+  /// outside, and so is each group connected by such triangles: one test a group.
+  void findInside(const std::vector<std::uint32_t>& nearby) {
+    Groups groups(mesh_.positions.size());
+    std::vector<std::uint8_t> matters(mesh_.positions.size(), 0);
     for (const std::uint32_t t : nearby) {
-      const auto& corners = triangles[t];
-      for (const std::uint32_t v : corners) isNear[v] = 1;
-      if (isTouched[t] != 0) continue;
+      const auto& corners = mesh_.triangles[t];
+      for (const std::uint32_t v : corners) matters[v] = 1;
+      if (isNear_[t] != kFar) continue;
       groups.join(corners[0], corners[1]);
       groups.join(corners[1], corners[2]);
     }
-    vertices_.clear();
-    for (std::uint32_t v = 0; v < isNear.size(); ++v) {
-      if (isNear[v] != 0) vertices_.push_back(v);
-    }
-    inside_.assign(mesh_.mesh().positions.size(), 0);
     // The root of a group is its lowest vertex, so it is tested before the others.
-    for (const std::uint32_t v : vertices_) {
+    for (std::uint32_t v = 0; v < matters.size(); ++v) {
+      if (matters[v] == 0) continue;
       const std::uint32_t root = groups.find(v);
       inside_[v] =
-          root == v ? static_cast<std::uint8_t>(containsPoint(solid_, corner(v)) ? 1 : 0) : inside_[root];
+          root == v ? static_cast<std::uint8_t>(in_.solid.contains(placedCorner(v)) ? 1 : 0) : inside_[root];
+      if (inside_[v] != 0) vertices_.push_back(v);
     }
   }
 
-  void keepDeepest(const glm::dvec3& p, const MeshPoint& nearest, Deepest& best) const {
-    if (nearest.distance <= best.depth) return;
-    best = {nearest.distance, p, nearest.point - p, true};
+  const Place& cornerOf(std::uint32_t vertex) {
+    Place& place = corners_[vertex];
+    if (place.distance < 0.0) {
+      place.point = placedCorner(vertex);
+      facets_.locate(place);
+    }
+    return place;
   }
 
-  void searchCorners(Deepest& best) const {
+  /// Whether a point that is inside counts.
+  bool counts(const glm::dvec3& p) const {
+    return !open_ || lids_ == Lids::ignored || in_.solid.isCertain(p);
+  }
+
+  void keepDeepest(Place place, Deepest& best) const {
+    glm::dvec3 exit;
+    facets_.locate(place, &exit);
+    best = {place.distance, place.point, exit - place.point, true};
+  }
+
+  void measureCorners(Deepest& best) {
     for (const std::uint32_t v : vertices_) {
-      if (inside_[v] == 0) continue;
-      const glm::dvec3 p = corner(v);
-      MeshPoint nearest;
-      if (best.depth > 0.0 && solid_.closestPoint(p, best.depth, nearest)) continue;
-      if (solid_.closestPoint(p, kEverywhere, nearest)) keepDeepest(p, nearest, best);
+      const Place& place = cornerOf(v);
+      if (place.distance <= best.depth) continue;
+      if (counts(place.point))
+        keepDeepest(place, best);
+      else
+        uncertain_ = std::max(uncertain_, place.distance);
+      if (done(best)) return;
     }
   }
 
-  void push(Piece piece, const Deepest& best) {
-    const double length = (piece.end - piece.begin) * glm::length(corner(piece.to) - corner(piece.from));
-    piece.bound = 0.5 * (piece.depthBegin + piece.depthEnd + length);
-    if (piece.bound > enough(best)) pieces_.push(piece);
-  }
-
-  void searchEdges(const std::vector<std::uint32_t>& nearby, const std::vector<std::uint8_t>& isTouched,
-                   std::vector<EdgeCut>& cuts, Deepest& best) {
-    pieces_ = {};
-    for (const std::uint32_t t : nearby) {
-      const auto& corners = mesh_.mesh().triangles[t];
-      if (isTouched[t] != 0 || inside_[corners[0]] == 0) continue;
-      for (std::size_t e = 0; e < 3; ++e) {
-        const std::uint32_t from = corners[e], to = corners[(e + 1) % 3];
-        if (from < to) push({0.0, from, to, 0.0, 1.0, best.depth, best.depth}, best);
+  /// Bounds a piece; false if it promises nothing.
+  bool bound(Piece& piece, const Deepest& best) const {
+    const double least = enough(best);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const glm::dvec3& p = piece.corners[i].point;
+      const double reach = std::max(glm::length(piece.corners[(i + 1) % 3].point - p),
+                                    glm::length(piece.corners[(i + 2) % 3].point - p));
+      if (piece.corners[i].distance + reach <= least) return false;
+    }
+    std::array<std::uint32_t, 4> facets{piece.corners[0].facet, piece.corners[1].facet,
+                                        piece.corners[2].facet, piece.extra};
+    std::array<glm::dvec3, 4> distances;
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < facets.size(); ++f) {
+      if (facets[f] == kNoTriangle ||
+          std::find(facets.begin(), facets.begin() + f, facets[f]) != facets.begin() + f)
+        continue;
+      const Triangle t = facets_[facets[f]];
+      for (int i = 0; i < 3; ++i) {
+        const Place& corner = piece.corners[static_cast<std::size_t>(i)];
+        distances[count][i] = corner.facet == facets[f]
+                                  ? corner.distance
+                                  : glm::length(closestPointOnTriangle(corner.point, t).point - corner.point);
       }
+      ++count;
     }
-    pushCutEdges(cuts, best);
-    for (int samples = 0; samples < maxSamples(best) && !pieces_.empty(); ++samples) {
-      const Piece piece = pieces_.top();
-      pieces_.pop();
-      if (piece.bound <= enough(best)) break;
-      halve(piece, best);
+    const Peak peak = peakOfLeast({distances.data(), count});
+    piece.bound = std::min(piece.bound, peak.value);
+    piece.peak = peak.shares;
+    return piece.bound > least;
+  }
+
+  void push(Piece&& piece, const Deepest& best) {
+    if (!bound(piece, best)) return;
+    piece.order = order_++;
+    pieces_.push_back(std::move(piece));
+    std::push_heap(pieces_.begin(), pieces_.end());
+  }
+
+  void pushTriangle(std::uint32_t t, const Deepest& best) {
+    const auto& corners = mesh_.triangles[t];
+    const bool near = isNear_[t] != kFar;
+    if (!near && inside_[corners[0]] == 0) return;
+    const std::array<glm::dvec3, 3> p{placedCorner(corners[0]), placedCorner(corners[1]),
+                                      placedCorner(corners[2])};
+    const double longest =
+        std::max({glm::length(p[1] - p[0]), glm::length(p[2] - p[1]), glm::length(p[0] - p[2])});
+    Piece piece;
+    // Of a triangle that is near the surface, or a lid that counts, no point is farther from it than this.
+    piece.bound = near && lids_ == Lids::count ? in_.tolerance + longest : kEverywhere;
+    if (piece.bound <= enough(best)) return;
+    piece.inside = piece.untouched = !near;
+    for (std::size_t i = 0; i < 3; ++i) {
+      piece.corners[i] = cornerOf(corners[i]);
+      piece.corners[i].shares = {i == 1 ? 1.0 : 0.0, i == 2 ? 1.0 : 0.0};
+    }
+    if (near) findCrossings(t, piece);
+    push(std::move(piece), best);
+  }
+
+  void findCrossings(std::uint32_t t, Piece& piece) {
+    const Triangle own = placed(t);
+    const auto first =
+        std::lower_bound(near_.begin(), near_.end(), t,
+                         [](const NearTriangles& pair, std::uint32_t i) { return pair.own < i; });
+    for (auto pair = first; pair != near_.end() && pair->own == t; ++pair) {
+      if (!pair->crosses) continue;
+      const std::optional<Crossing> crossing =
+          crossingOf(own, facets_[pair->other | (pair->lid ? kLid : 0u)]);
+      if (!crossing || !(shareWithin(*crossing, piece) > 0.0)) continue;
+      piece.crossings.push_back(static_cast<std::uint32_t>(crossings_.size()));
+      crossings_.push_back(*crossing);
     }
   }
 
-  /// Pushes the pieces between the cuts of an edge; the ends of these pieces are on the surface.
-  void pushCutEdges(std::vector<EdgeCut>& cuts, const Deepest& best) {
-    std::sort(cuts.begin(), cuts.end(), [](const EdgeCut& a, const EdgeCut& b) {
-      if (a.from != b.from) return a.from < b.from;
-      return a.to != b.to ? a.to < b.to : a.share < b.share;
-    });
-    for (std::size_t i = 0; i < cuts.size(); ++i) {
-      const EdgeCut& cut = cuts[i];
-      const bool first = i == 0 || cuts[i - 1].from != cut.from || cuts[i - 1].to != cut.to;
-      const bool last = i + 1 == cuts.size() || cuts[i + 1].from != cut.from || cuts[i + 1].to != cut.to;
-      if (first) push({0.0, cut.from, cut.to, 0.0, cut.share, best.depth, 0.0}, best);
-      push({0.0, cut.from, cut.to, cut.share, last ? 1.0 : cuts[i + 1].share, 0.0, last ? best.depth : 0.0},
-           best);
+  Place between(const Place& from, const Place& to, double share) const {
+    Place place;
+    place.point = from.point + (to.point - from.point) * share;
+    place.shares = from.shares + (to.shares - from.shares) * share;
+    facets_.locate(place);
+    return place;
+  }
+
+  /// Cuts a piece along the line of the longest crossing.
+  void cut(Piece& piece, const Deepest& best) {
+    std::size_t chosen = 0;
+    double longest = -1.0;
+    for (std::size_t i = 0; i < piece.crossings.size(); ++i) {
+      const Crossing& crossing = crossings_[piece.crossings[i]];
+      const double length = glm::length(crossing.to - crossing.from) * shareWithin(crossing, piece);
+      if (length > longest) longest = length, chosen = i;
+    }
+    const Crossing line = crossings_[piece.crossings[chosen]];
+    piece.crossings.erase(piece.crossings.begin() + static_cast<std::ptrdiff_t>(chosen));
+    for (Piece& part : partsBeside(piece, heightsOver(line, piece))) {
+      for (const std::uint32_t crossing : piece.crossings)
+        if (shareWithin(crossings_[crossing], part) > 0.0) part.crossings.push_back(crossing);
+      push(std::move(part), best);
     }
   }
 
-  void halve(const Piece& piece, Deepest& best) {
-    const double middle = 0.5 * (piece.begin + piece.end);
-    const glm::dvec3 from = corner(piece.from);
-    const double depth = sample(from + (corner(piece.to) - from) * middle, best);
-    push({0.0, piece.from, piece.to, piece.begin, middle, piece.depthBegin, depth}, best);
-    push({0.0, piece.from, piece.to, middle, piece.end, depth, piece.depthEnd}, best);
-  }
-
-  /// The depth of a point, negative outside; its sign does not matter at the surface.
-  double sample(const glm::dvec3& p, Deepest& best) const {
-    MeshPoint nearest;
-    if (!solid_.closestPoint(p, kEverywhere, nearest)) return 0.0;
-    if (nearest.distance <= tolerance_) return nearest.distance;
-    if (!containsPoint(solid_, p)) return -nearest.distance;
-    keepDeepest(p, nearest, best);
-    return nearest.distance;
-  }
-
-  void searchFaces(const std::vector<std::uint32_t>& nearby, const std::vector<std::uint8_t>& isTouched,
-                   Deepest& best) const {
-    std::priority_queue<Patch> patches;
-    std::uint64_t order = 0;
-    const auto halve = [&](const Patch& patch) {
-      const glm::dvec3 centre = (patch.t.a + patch.t.b + patch.t.c) / 3.0;
-      const double depth = sample(centre, best);
-      for (const Triangle& half : halves(patch.t)) {
-        const double radius = std::max(
-            {glm::length(half.a - centre), glm::length(half.b - centre), glm::length(half.c - centre)});
-        const double bound = std::min(patch.bound, depth + radius);
-        if (bound > enough(best)) patches.push({bound, half, order++});
-      }
+  /// The parts of a piece on both sides of a line, given the signed heights of its corners over it.
+  std::vector<Piece> partsBeside(const Piece& piece, const Heights& above) const {
+    const auto& corners = piece.corners;
+    const auto where = [&](std::size_t i, std::size_t j) {
+      return between(corners[i], corners[j], above[i] / (above[i] - above[j]));
     };
-    for (const std::uint32_t i : nearby) {
-      const auto& corners = mesh_.mesh().triangles[i];
-      if (isTouched[i] == 0 && inside_[corners[0]] == 0) continue;
-      const Triangle t{corner(corners[0]), corner(corners[1]), corner(corners[2])};
-      // A piece with a point at the surface, or without a corner deeper than the best, is bounded by its
-      // longest side.
-      const double longest =
-          std::max({glm::length(t.b - t.a), glm::length(t.c - t.b), glm::length(t.a - t.c)});
-      const double bound = isTouched[i] != 0 ? tolerance_ + longest : best.depth + longest / std::sqrt(3.0);
-      if (bound <= enough(best)) continue;
-      if (isTouched[i] != 0) {
-        halve({bound, t, 0});
-      } else {
-        patches.push({bound, t, order++});
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::size_t j = (i + 1) % 3, k = (i + 2) % 3;
+      if (above[i] == 0.0 && above[j] * above[k] < 0.0) {
+        const Place middle = where(j, k);
+        return {piece.part(corners[i], corners[j], middle), piece.part(corners[i], middle, corners[k])};
+      }
+      if (above[i] * above[j] < 0.0 && above[i] * above[k] < 0.0) {
+        const Place left = where(i, j), right = where(i, k);
+        return {piece.part(corners[i], left, right), piece.part(left, corners[j], corners[k]),
+                piece.part(left, corners[k], right)};
       }
     }
-    for (int samples = 0; samples < maxSamples(best) && !patches.empty(); ++samples) {
-      const Patch patch = patches.top();
-      patches.pop();
-      if (patch.bound <= enough(best)) break;
-      halve(patch);
-    }
+    return {piece.part(corners[0], corners[1], corners[2])};
   }
 
-  const TriangleBvh &mesh_, &solid_;
-  Pose solidFromMesh_;
-  double tolerance_;
-  bool cross_;                           // the surfaces cross each other
-  std::vector<std::uint32_t> vertices_;  // of triangles in reach, ascending
-  std::vector<std::uint8_t> inside_;     // one per vertex of the mesh
-  std::priority_queue<Piece> pieces_;
+  /// Whether a piece that nothing crosses is seen outside at its centre and at its peak.
+  bool isOutside(const Piece& piece, const Place& peak) const {
+    return !piece.inside && !in_.solid.contains(piece.at(glm::dvec3(1.0 / 3.0)).point) &&
+           !in_.solid.contains(peak.point);
+  }
+
+  /// Whether the peak of a piece that counts as inside is not. Where surfaces nearly coincide, rounding may
+  /// hide where they cross. Tested just off the peak, which may be a place where a lid crosses.
+  bool isMistaken(const Piece& piece) const {
+    constexpr double kOff = 0x1p-10;
+    return !piece.untouched &&
+           !in_.solid.contains(piece.at((1.0 - kOff) * piece.peak + glm::dvec3(kOff / 3.0)).point);
+  }
+
+  /// Tells on which side a piece is that nothing crosses, from that of its two points that is farther from
+  /// the surface. False if it is outside, or flush with the surface.
+  bool isWorthwhile(Piece& piece, const Place& peak) const {
+    if (piece.inside) return true;
+    Place centre = piece.at(glm::dvec3(1.0 / 3.0));
+    facets_.locate(centre);
+    const double ofCentre = facets_.clearance(centre), ofPeak = facets_.clearance(peak);
+    if (std::max(ofCentre, ofPeak) <= in_.tolerance) return piece.flush++ < kFlushHalvings;
+    if (!in_.solid.contains(ofCentre > ofPeak ? centre.point : peak.point)) return false;
+    piece.inside = true;
+    return true;
+  }
+
+  /// Measures the peak of a piece that nothing crosses, and divides the piece if it still promises more.
+  void measure(Piece& piece, Deepest& best) {
+    Place peak = piece.at(piece.peak);
+    if (isOutside(piece, peak)) return;
+    if (peak.distance < 0.0) facets_.locate(peak);
+    if (!isWorthwhile(piece, peak)) return;
+    if (piece.inside && peak.distance > best.depth && isMistaken(piece)) {
+      piece.inside = false;
+      if (isOutside(piece, peak)) return;
+    }
+    if (piece.inside && peak.distance > best.depth) {
+      if (counts(peak.point)) {
+        keepDeepest(peak, best);
+        if (done(best)) return;
+      } else {
+        uncertain_ = std::max(uncertain_, peak.distance);
+        if (isUncertain(piece, peak)) return;
+      }
+    }
+    piece.extra = peak.facet;
+    if (!bound(piece, best)) return;
+    const std::optional<Heights> above = heightsOverSide(facets_[peak.facet], piece);
+    if (!above) return halve(piece, best);
+    for (Piece& part : partsBeside(piece, *above)) push(std::move(part), best);
+  }
+
+  /// Whether no point of a piece is certainly inside. The generalised winding number is harmonic off the
+  /// surface and takes values of a unit's width, so within r of a point whose distance to the surface is d
+  /// it changes by at most 3/2 r / (d - r).
+  bool isUncertain(const Piece& piece, const Place& peak) const {
+    double radius = 0.0;
+    for (const Place& corner : piece.corners)
+      radius = std::max(radius, glm::length(corner.point - peak.point));
+    if (!(radius < peak.distance)) return false;
+    const double needed = MeshClosing::kMostLid + 1.5 * radius / (peak.distance - radius);
+    const MeshClosing::RoughShare rough = in_.solid.roughLidShare(peak.point);
+    if (std::abs(std::abs(rough.value) - needed) > rough.error) return std::abs(rough.value) > needed;
+    return std::abs(in_.solid.lidShare(peak.point)) > needed;
+  }
+
+  void halve(const Piece& piece, const Deepest& best) {
+    std::size_t longest = 0;
+    for (std::size_t i = 1; i < 3; ++i) longest = piece.side(i) > piece.side(longest) ? i : longest;
+    const Place &a = piece.corners[longest], &b = piece.corners[(longest + 1) % 3],
+                &c = piece.corners[(longest + 2) % 3];
+    const Place middle = between(a, b, 0.5);
+    push(piece.part(a, middle, c), best);
+    push(piece.part(middle, b, c), best);
+  }
+
+  const Intrusion& in_;
+  const assets::Mesh& mesh_;
+  bool open_;  // the solid has lids
+  Lids lids_;
+  Facets facets_;
+  std::vector<NearTriangles> near_;      // by own
+  std::vector<Near> isNear_;             // one a triangle of the mesh: Near
+  std::vector<Place> corners_;           // one a vertex of the mesh
+  std::vector<std::uint8_t> inside_;     // one a vertex of the mesh
+  std::vector<std::uint32_t> vertices_;  // inside, ascending
+  std::vector<Crossing> crossings_;
+  std::vector<Piece> pieces_;  // a heap
+  std::uint64_t order_ = 0;
+  bool droppedNearLids_ = false;  // a triangle near lids alone was left out
+  double uncertain_ = 0.0;        // m, depth of the deepest point met that is not certainly inside
 };
 
 }  // namespace
@@ -262,8 +446,8 @@ bool containsPoint(const TriangleBvh& tree, const glm::dvec3& p) {
   if (tree.empty() || glm::any(glm::lessThan(p, box.min)) || glm::any(glm::greaterThan(p, box.max))) {
     return false;
   }
-  // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often at
-  // 45 degrees.
+  // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often
+  // at 45 degrees.
   static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
   const double length = 1.5 * glm::length(box.max - box.min);
   int inside = 0, outside = 0;
@@ -277,15 +461,20 @@ bool containsPoint(const TriangleBvh& tree, const glm::dvec3& p) {
   return inside >= 5;
 }
 
-Deepest deepestInside(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh,
-                      const std::vector<std::uint32_t>& touched, std::vector<EdgeCut> cuts, double tolerance,
-                      bool cross) {
-  ASSERT(tolerance >= 0.0);
-  for (const std::uint32_t t : touched) ASSERT(t < mesh.mesh().triangles.size());
-  for (const EdgeCut& cut : cuts) ASSERT(cut.from <= cut.to && cut.to < mesh.mesh().positions.size());
-  Deepest best;
-  Intruder(mesh, solid, solidFromMesh, tolerance, cross).search(touched, cuts, best);
-  return best;
+bool findDeepest(const Intrusion& intrusion, Deepest& best) {
+  ASSERT(intrusion.tolerance >= 0.0 && intrusion.precision > 0.0);
+  for (const NearTriangles& pair : intrusion.near) ASSERT(pair.own < intrusion.mesh.mesh().triangles.size());
+  Search search(intrusion, Search::Lids::count);
+  search.run(best);
+  return search.lidsMatter();
+}
+
+bool anyDeeperWithoutLids(const Intrusion& intrusion, double depth) {
+  if (intrusion.solid.lids() == nullptr) return false;
+  Deepest deeper;
+  deeper.depth = std::max(depth, intrusion.tolerance);
+  Search(intrusion, Search::Lids::ignored).run(deeper);
+  return deeper.found;
 }
 
 }  // namespace tandem::haptics

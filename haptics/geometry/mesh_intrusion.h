@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "assets/base/pose.h"
-#include "haptics/geometry/triangle_bvh.h"
+#include "haptics/geometry/mesh_closing.h"
 
 namespace tandem::haptics {
 
@@ -18,25 +18,43 @@ struct Deepest {
   bool found = false;
 };
 
-/// A crossing of a mesh edge with the surface of the other mesh.
-struct EdgeCut {
-  std::uint32_t from, to;  // vertices, from < to
-  double share;            // fraction of the edge
+/// A triangle of the mesh and one of the solid, or of its lids, that are within the tolerance of each other.
+struct NearTriangles {
+  std::uint32_t own = 0, other = 0;
+  bool lid = false;      // `other` is one of the lids
+  bool crosses = false;  // they stand through each other by more than rounding
 };
 
-/// The deepest point of one mesh inside the other, `solid`. `touched` are all triangles of the mesh within
-/// `tolerance` (m) of the solid's surface, `cuts` the crossings of their edges with it. The search tests
-/// corners and the centres of touched faces, then halves edges and faces that promise 1 % more than the best,
-/// most promising first; the depth of a point changes by at most a metre per metre. It halves at most
-/// kMaxSamples edges and as many faces, and only kFewSamples of each while nothing is deeper than the
-/// tolerance, unless `cross` says that the surfaces cross each other.
-Deepest deepestInside(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh,
-                      const std::vector<std::uint32_t>& touched, std::vector<EdgeCut> cuts, double tolerance,
-                      bool cross);
-inline constexpr int kMaxSamples = 1000, kFewSamples = 64;
+/// A mesh in a solid, and where they are near each other.
+struct Intrusion {
+  const TriangleBvh& mesh;
+  const MeshClosing& solid;
+  Pose solidFromMesh;
+  std::vector<NearTriangles> near;  // all pairs within the tolerance, lids included
+  double tolerance = 0.0;           // m, depths up to it do not matter
+  double precision = 0.0;           // m, by which the depth found may be too small
+};
+
+/// Replaces `best` by the deepest point of the mesh inside the solid if it is deeper. The points are those
+/// that are inside for certain (MeshClosing::isCertain), their depth the distance to the solid's surface
+/// and to its lids.
+///
+/// Branch and bound on the triangles of the mesh. A triangle is first cut along the lines where the solid's
+/// surface crosses it, so that each piece is on one side. The distance to a facet is a convex function and
+/// lies under the plane through its values at a piece's corners, so the peak of the least of such planes
+/// bounds the depth of the piece (peak_of_least.h). The most promising piece is measured at that peak, then
+/// halved, until no piece promises more than the precision, or kMaxSamples pieces were measured.
+///
+/// Returns whether the solid's lids had a part in it; else anyDeeperWithoutLids() is false for that depth.
+bool findDeepest(const Intrusion& intrusion, Deepest& best);
+inline constexpr int kMaxSamples = 1 << 15;
+
+/// Whether a point of the mesh inside mesh and lids of the solid, certain or not, is farther than `depth`
+/// from the solid's surface alone: then the depth depends on what the solid lacks.
+bool anyDeeperWithoutLids(const Intrusion& intrusion, double depth);
 
 /// Whether p (mesh frame) is inside: five of six rays count a winding number other than 0, so that inverted
-/// shells are solid too. Open sheets have no inside.
+/// shells are solid too. Open sheets have no inside. Beside holes the answer depends on the frame.
 bool containsPoint(const TriangleBvh& tree, const glm::dvec3& p);
 
 }  // namespace tandem::haptics

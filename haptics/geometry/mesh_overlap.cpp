@@ -15,6 +15,14 @@
 namespace tandem::haptics {
 namespace {
 
+/// Of the smaller part's size: by how much a depth may be too small.
+constexpr double kPrecision = 0x1p-23;
+/// Of the larger part's size: a depth that lids change by less is known.
+constexpr double kKnown = 0x1p-20;
+/// Of the larger part's size: triangles that stand through each other by less cross by rounding alone.
+constexpr double kCrosses = 0x1p-42;
+constexpr double kEverywhere = std::numeric_limits<double>::max();
+
 struct NearPair {
   std::uint32_t a, b;
   double through;  // m: standThrough() of the two
@@ -48,160 +56,231 @@ std::vector<NearPair> nearPairs(const TriangleBvh& a, const TriangleBvh& b, cons
   return pairs;
 }
 
-/// Adds the crossings of the edges of triangle `t` of `mesh` with `other`, which is in the mesh's frame.
-void addCuts(const TriangleBvh& mesh, std::uint32_t t, const Triangle& other, std::vector<EdgeCut>& cuts) {
-  const auto& corners = mesh.mesh().triangles[t];
-  for (std::size_t e = 0; e < 3; ++e) {
-    const std::uint32_t from = std::min(corners[e], corners[(e + 1) % 3]),
-                        to = std::max(corners[e], corners[(e + 1) % 3]);
-    const double share = pierceShare(mesh.mesh().positions[from], mesh.mesh().positions[to], other);
-    if (share >= 0.0) cuts.push_back({from, to, share});
+double diagonalOf(const TriangleBvh& tree) { return glm::length(tree.bounds().max - tree.bounds().min); }
+
+/// A pair of meshes, in A's frame where it is not said otherwise.
+class Overlapping {
+ public:
+  Overlapping(const PlacedMesh& a, const MeshClosing& closedA, const PlacedMesh& b,
+              const MeshClosing& closedB)
+      : a_(a),
+        b_(b),
+        closedA_(closedA),
+        closedB_(closedB),
+        aFromB_(inverse(a.worldFromMesh) * b.worldFromMesh),
+        bFromA_(inverse(aFromB_)),
+        tolerance_(touchTolerance(a, b)) {}
+
+  MeshOverlap measure() {
+    if (isSame()) {
+      for (std::uint32_t i = 0; i < a_.tree->mesh().triangles.size(); ++i) pairs_.push_back({i, i, 0.0});
+      measureCoincidence();
+      overlap_.meeting = overlap_.depth > tolerance_ ? Meeting::crossing : Meeting::touching;
+      return overlap_;
+    }
+    pairs_ = nearPairs(*a_.tree, *b_.tree, aFromB_, tolerance_);
+    const bool cross = std::any_of(pairs_.begin(), pairs_.end(),
+                                   [&](const NearPair& pair) { return pair.through > tolerance_; });
+    measureDepth(cross);
+    if (overlap_.depth <= tolerance_ && overlap_.open) overlap_.meeting = Meeting::crossing;
+    if (overlap_.depth <= tolerance_ && cross && !overlap_.open) measureSheets();
+    if (overlap_.depth <= tolerance_ && !overlap_.open) measureCoincidence();
+    if (overlap_.depth > tolerance_)
+      overlap_.meeting = pairs_.empty() ? Meeting::contained : Meeting::crossing;
+    else if (!overlap_.open && !pairs_.empty())
+      overlap_.meeting = Meeting::touching;
+    return overlap_;
   }
-}
 
-/// The deepest point of one mesh in the other.
-Deepest intrusion(const TriangleBvh& mesh, const TriangleBvh& solid, const Pose& solidFromMesh,
-                  const std::vector<NearPair>& pairs, std::uint32_t NearPair::*own,
-                  std::uint32_t NearPair::*others, double tolerance, bool cross) {
-  const Pose meshFromSolid = inverse(solidFromMesh);
-  std::vector<std::uint32_t> touched;
-  std::vector<EdgeCut> cuts;
-  for (const NearPair& pair : pairs) {
-    touched.push_back(pair.*own);
-    addCuts(mesh, pair.*own, transformed(meshFromSolid, solid.triangle(pair.*others)), cuts);
+ private:
+  double precision() const { return kPrecision * std::min(diagonalOf(*a_.tree), diagonalOf(*b_.tree)); }
+
+  /// One mesh in the other, with the pairs that are near: of surfaces, and of the one with the other's lids.
+  Intrusion intrusion(bool ofA) const {
+    const TriangleBvh& mesh = ofA ? *a_.tree : *b_.tree;
+    const MeshClosing& solid = ofA ? closedB_ : closedA_;
+    Intrusion in{mesh, solid, ofA ? bFromA_ : aFromB_, {}, tolerance_, precision()};
+    const double rounding = kCrosses * std::max(closedA_.size(), closedB_.size());
+    for (const NearPair& pair : pairs_)
+      in.near.push_back({ofA ? pair.a : pair.b, ofA ? pair.b : pair.a, false, pair.through > rounding});
+    if (solid.lids() == nullptr) return in;
+    for (const NearPair& pair : nearPairs(mesh, *solid.lids(), inverse(in.solidFromMesh), tolerance_))
+      in.near.push_back({pair.a, pair.b, true, pair.through > rounding});
+    return in;
   }
-  return deepestInside(mesh, solid, solidFromMesh, touched, std::move(cuts), tolerance, cross);
-}
 
-/// Whether one side of a triangle is inside a solid, that is, whether points close to its centre differ.
-bool boundsSolid(const TriangleBvh& tree, std::uint32_t triangle, double tolerance) {
-  const Triangle t = tree.triangle(triangle);
-  const glm::dvec3 normal = areaVector(t), middle = (t.a + t.b + t.c) / 3.0;
-  const double length = glm::length(normal);
-  if (!(length > 0.0)) return true;  // no information; its neighbours decide
-  const glm::dvec3 step = normal * (4.0 * tolerance / length);
-  return containsPoint(tree, middle + step) != containsPoint(tree, middle - step);
-}
-
-/// For surfaces without an inside: the greatest length by which a facet stands through another.
-void measureSheets(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB,
-                   const std::vector<NearPair>& pairs, double tolerance, MeshOverlap& overlap) {
-  for (const NearPair& pair : pairs) {
-    if (pair.through <= std::max(tolerance, overlap.depth)) continue;
-    const Triangle t = a.tree->triangle(pair.a), other = transformed(aFromB, b.tree->triangle(pair.b));
-    const TrianglePairGap gap = nearestPoints(t, other);
-    if (gap.square > 0.0) continue;
-    if (boundsSolid(*a.tree, pair.a, tolerance) || boundsSolid(*b.tree, pair.b, tolerance)) continue;
-    overlap.depth = pair.through;
-    overlap.deepest = transformPoint(a.worldFromMesh, gap.onA);
-    overlap.exitPath = glm::dvec3(0.0);
-    overlap.sheets = true;
+  void measureDepth(bool cross) {
+    const Intrusion ofA = intrusion(true), ofB = intrusion(false);
+    // The solid without lids first: what is found in it spares much of the search in the other.
+    const bool firstInA = closedA_.lids() == nullptr && closedB_.lids() != nullptr;
+    Deepest first, second;
+    const bool lidsFirst = findDeepest(firstInA ? ofB : ofA, first);
+    second.depth = first.depth;  // only a deeper point matters
+    const bool lidsSecond = findDeepest(firstInA ? ofA : ofB, second);
+    const Deepest& deepest = second.found ? second : first;
+    overlap_.inA = deepest.found && second.found != firstInA;
+    const Pose& world = overlap_.inA ? a_.worldFromMesh : b_.worldFromMesh;
+    if (deepest.found) {
+      overlap_.depth = deepest.depth;
+      overlap_.deepest = transformPoint(world, deepest.point);
+      overlap_.exitPath = transformVector(world, deepest.exitPath);
+    }
+    if (overlap_.depth <= tolerance_ && !cross) return;  // a thing before a hole is in nothing for certain
+    const double known = overlap_.depth + kKnown * std::max(closedA_.size(), closedB_.size());
+    overlap_.open = (lidsFirst && anyDeeperWithoutLids(firstInA ? ofB : ofA, known)) ||
+                    (lidsSecond && anyDeeperWithoutLids(firstInA ? ofA : ofB, known));
+    if (overlap_.depth <= tolerance_ && overlap_.open) witnessCrossing();
   }
-}
 
-/// The largest touched triangles of A.
-std::vector<std::uint32_t> largestTouched(const TriangleBvh& a, const std::vector<NearPair>& pairs,
-                                          std::size_t maxCount) {
-  std::vector<std::uint32_t> touched;
-  for (const NearPair& pair : pairs) touched.push_back(pair.a);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  const auto area = [&](std::uint32_t t) { return glm::length(areaVector(a.triangle(t))); };
-  maxCount = std::min(maxCount, touched.size());
-  std::partial_sort(
-      touched.begin(), touched.begin() + static_cast<std::ptrdiff_t>(maxCount), touched.end(),
-      [&](std::uint32_t l, std::uint32_t r) { return area(l) != area(r) ? area(l) > area(r) : l < r; });
-  touched.resize(maxCount);
-  return touched;
-}
+  /// Where the surfaces cross: the place of the pair that stands through each other furthest.
+  void witnessCrossing() {
+    const auto furthest =
+        std::max_element(pairs_.begin(), pairs_.end(),
+                         [](const NearPair& l, const NearPair& r) { return l.through < r.through; });
+    ASSERT(furthest != pairs_.end());
+    const TrianglePairGap gap =
+        nearestPoints(a_.tree->triangle(furthest->a), transformed(aFromB_, b_.tree->triangle(furthest->b)));
+    overlap_.depth = 0.0;
+    overlap_.deepest = transformPoint(a_.worldFromMesh, gap.onA);
+    overlap_.exitPath = glm::dvec3(0.0);
+  }
 
-/// For surfaces that coincide with both insides on the same side, such as a duplicated part, where no point
-/// of one is inside the other. Walks inwards from the centres of some facets in doubling steps.
-void measureCoincidence(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB,
-                        const std::vector<NearPair>& pairs, double tolerance, MeshOverlap& overlap) {
-  constexpr std::size_t kFacets = 8;
-  const Pose bFromA = inverse(aFromB);
-  for (const std::uint32_t index : largestTouched(*a.tree, pairs, kFacets)) {
-    const Facet facet = facetOf(a.tree->triangle(index));
-    const glm::dvec3 middle = (facet.t.a + facet.t.b + facet.t.c) / 3.0;
-    for (const double side : {-1.0, 1.0}) {
-      for (double step = 4.0 * tolerance;; step *= 2.0) {
-        const glm::dvec3 p = middle + facet.normal * (side * step);
-        MeshPoint onA, onB;
-        if (!containsPoint(*a.tree, p) || !containsPoint(*b.tree, transformPoint(bFromA, p))) break;
-        const double everywhere = std::numeric_limits<double>::max();
-        if (!a.tree->closestPoint(p, everywhere, onA) ||
-            !b.tree->closestPoint(transformPoint(bFromA, p), everywhere, onB)) {
-          break;
-        }
-        const double depth = std::min(onA.distance, onB.distance);
-        if (depth <= std::max(2.0 * tolerance, overlap.depth)) continue;
-        overlap.depth = depth;
-        overlap.deepest = transformPoint(a.worldFromMesh, p);
-        const glm::dvec3 out = onA.distance <= onB.distance ? onA.point : transformPoint(aFromB, onB.point);
-        overlap.exitPath = transformVector(a.worldFromMesh, out - p);
-        overlap.inA = onA.distance <= onB.distance;
+  /// Whether one side of a triangle is certainly inside a solid, that is, whether points close to its centre
+  /// differ.
+  bool boundsSolid(const MeshClosing& closed, std::uint32_t triangle) const {
+    const Triangle t = closed.tree().triangle(triangle);
+    const glm::dvec3 normal = areaVector(t), middle = (t.a + t.b + t.c) / 3.0;
+    const double length = glm::length(normal);
+    if (!(length > 0.0)) return true;  // no information; its neighbours decide
+    const glm::dvec3 step = normal * (4.0 * tolerance_ / length);
+    return isIn(closed, middle + step) != isIn(closed, middle - step);
+  }
+  static bool isIn(const MeshClosing& closed, const glm::dvec3& p) {
+    return closed.contains(p) && closed.isCertain(p);
+  }
+
+  /// For surfaces without an inside: the greatest length by which a facet stands through another.
+  void measureSheets() {
+    for (const NearPair& pair : pairs_) {
+      if (pair.through <= std::max(tolerance_, overlap_.depth)) continue;
+      const Triangle t = a_.tree->triangle(pair.a), other = transformed(aFromB_, b_.tree->triangle(pair.b));
+      const TrianglePairGap gap = nearestPoints(t, other);
+      if (gap.square > 0.0) continue;
+      if (boundsSolid(closedA_, pair.a) || boundsSolid(closedB_, pair.b)) continue;
+      overlap_.depth = pair.through;
+      overlap_.deepest = transformPoint(a_.worldFromMesh, gap.onA);
+      overlap_.exitPath = glm::dvec3(0.0);
+      overlap_.sheets = overlap_.open = true;
+    }
+  }
+
+  /// The triangles of A at which to look for coinciding surfaces: touched ones, evenly through the mesh.
+  std::vector<std::uint32_t> someTouched() const {
+    constexpr std::size_t kMost = 256;
+    const std::size_t count = a_.tree->mesh().triangles.size(),
+                      step = std::max<std::size_t>(1, count / kMost);
+    std::vector<std::uint32_t> touched;
+    for (const NearPair& pair : pairs_)
+      if (pair.a % step == 0) touched.push_back(pair.a);
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+    return touched;
+  }
+
+  /// The nearest point of both surfaces.
+  bool nearest(const glm::dvec3& p, MeshPoint& at, bool& isOfA) const {
+    MeshPoint ofB;
+    if (!a_.tree->closestPoint(p, kEverywhere, at) ||
+        !b_.tree->closestPoint(transformPoint(bFromA_, p), kEverywhere, ofB))
+      return false;
+    isOfA = at.distance <= ofB.distance;
+    if (isOfA) return true;
+    at = ofB;
+    at.point = transformPoint(aFromB_, ofB.point);
+    return true;
+  }
+
+  /// See overlapOf().
+  void measureCoincidence() {
+    for (const std::uint32_t index : someTouched()) {
+      const Facet facet = facetOf(a_.tree->triangle(index));
+      const glm::dvec3 middle = (facet.t.a + facet.t.b + facet.t.c) / 3.0;
+      for (const double side : {-1.0, 1.0}) {
+        const glm::dvec3 inwards = facet.normal * side, start = middle + inwards * (4.0 * tolerance_);
+        if (isIn(closedA_, start) && isIn(closedB_, transformPoint(bFromA_, start)))
+          shrinkBall(middle, inwards);
       }
     }
   }
-}
 
-double farthest(const assets::Bounds& box) {
-  return glm::length(glm::max(glm::abs(box.min), glm::abs(box.max)));
-}
+  /// Shrinks a ball that touches a facet's centre until no surface is in it (Ma, Bae & Choi 2012, "3D
+  /// medial axis point approximation using nearest neighbors and the normal field"). Surfaces within the
+  /// tolerance of the facet's plane, beside its centre, are the facet itself and the one that coincides
+  /// with it.
+  void shrinkBall(const glm::dvec3& middle, const glm::dvec3& inwards) {
+    constexpr int kMostSteps = 64;
+    double radius = 0.0;
+    for (const glm::dvec3& p : a_.tree->mesh().positions) radius = std::max(radius, glm::length(p - middle));
+    MeshPoint at;
+    bool isOfA = true;
+    for (int i = 0; i < kMostSteps && nearest(middle + inwards * radius, at, isOfA); ++i) {
+      const glm::dvec3 path = at.point - middle;
+      const double into = radius - at.distance, square = glm::dot(path, path);
+      if (into <= precision() || (into <= 2.0 * tolerance_ && square <= 8.0 * radius * tolerance_)) break;
+      radius = square / (2.0 * glm::dot(path, inwards));
+    }
+    keepBall(middle + inwards * radius, at, isOfA);
+  }
 
-/// Whether both are the same mesh at the same place.
-bool isSame(const PlacedMesh& a, const PlacedMesh& b, const Pose& aFromB, double tolerance) {
-  if (a.tree != b.tree) return false;
-  const double angle = glm::length(rotationVector(aFromB.orientation));
-  return glm::length(aFromB.position) + angle * farthest(a.tree->bounds()) <= 0.5 * tolerance;
-}
+  void keepBall(const glm::dvec3& centre, const MeshPoint& at, bool isOfA) {
+    if (at.distance <= std::max(4.0 * tolerance_, overlap_.depth)) return;
+    overlap_.depth = at.distance;
+    overlap_.deepest = transformPoint(a_.worldFromMesh, centre);
+    overlap_.exitPath = transformVector(a_.worldFromMesh, at.point - centre);
+    overlap_.inA = isOfA;
+  }
+
+  /// Whether both are the same mesh at the same place.
+  bool isSame() const {
+    if (a_.tree != b_.tree) return false;
+    const assets::Bounds& box = a_.tree->bounds();
+    const double farthest = glm::length(glm::max(glm::abs(box.min), glm::abs(box.max)));
+    const double angle = glm::length(rotationVector(aFromB_.orientation));
+    return glm::length(aFromB_.position) + angle * farthest <= 0.5 * tolerance_;
+  }
+
+  const PlacedMesh &a_, &b_;
+  const MeshClosing &closedA_, &closedB_;
+  Pose aFromB_, bFromA_;
+  double tolerance_;
+  std::vector<NearPair> pairs_;
+  MeshOverlap overlap_;
+};
 
 }  // namespace
 
 double touchTolerance(const PlacedMesh& a, const PlacedMesh& b) {
-  const assets::Bounds &boxA = a.tree->bounds(), &boxB = b.tree->bounds();
-  const double diagonal = std::max(glm::length(boxA.max - boxA.min), glm::length(boxB.max - boxB.min));
+  const auto farthest = [](const TriangleBvh& tree) {
+    return glm::length(glm::max(glm::abs(tree.bounds().min), glm::abs(tree.bounds().max)));
+  };
   const double places = glm::length(a.worldFromMesh.position) + glm::length(b.worldFromMesh.position);
-  return 0x1p-20 * diagonal + 0x1p-22 * std::max(farthest(boxA), farthest(boxB)) + 0x1p-48 * places;
+  return 0x1p-20 * std::max(diagonalOf(*a.tree), diagonalOf(*b.tree)) +
+         0x1p-22 * std::max(farthest(*a.tree), farthest(*b.tree)) + 0x1p-48 * places;
+}
+
+MeshOverlap overlapOf(const PlacedMesh& a, const MeshClosing& closedA, const PlacedMesh& b,
+                      const MeshClosing& closedB) {
+  ASSERT(a.tree != nullptr && b.tree != nullptr);
+  ASSERT(&closedA.tree() == a.tree && &closedB.tree() == b.tree);
+  if (a.tree->empty() || b.tree->empty()) return {};
+  return Overlapping(a, closedA, b, closedB).measure();
 }
 
 MeshOverlap overlapOf(const PlacedMesh& a, const PlacedMesh& b) {
   ASSERT(a.tree != nullptr && b.tree != nullptr);
-  MeshOverlap overlap;
-  if (a.tree->empty() || b.tree->empty()) return overlap;
-  const double tolerance = touchTolerance(a, b);
-  const Pose aFromB = inverse(a.worldFromMesh) * b.worldFromMesh, bFromA = inverse(aFromB);
-  if (isSame(a, b, aFromB, tolerance)) {
-    std::vector<NearPair> all;
-    for (std::uint32_t i = 0; i < a.tree->mesh().triangles.size(); ++i) all.push_back({i, i, 0.0});
-    measureCoincidence(a, b, aFromB, all, tolerance, overlap);
-    overlap.meeting = overlap.depth > tolerance ? Meeting::crossing : Meeting::touching;
-    return overlap;
-  }
-  const std::vector<NearPair> pairs = nearPairs(*a.tree, *b.tree, aFromB, tolerance);
-  const bool cross =
-      std::any_of(pairs.begin(), pairs.end(), [&](const NearPair& pair) { return pair.through > tolerance; });
-  const Deepest ofA =
-      intrusion(*a.tree, *b.tree, bFromA, pairs, &NearPair::a, &NearPair::b, tolerance, cross);
-  const Deepest ofB =
-      intrusion(*b.tree, *a.tree, aFromB, pairs, &NearPair::b, &NearPair::a, tolerance, cross);
-  overlap.inA = ofB.depth > ofA.depth;
-  const Deepest& deepest = overlap.inA ? ofB : ofA;
-  if (deepest.found) {
-    const Pose& world = overlap.inA ? a.worldFromMesh : b.worldFromMesh;
-    overlap.depth = deepest.depth;
-    overlap.deepest = transformPoint(world, deepest.point);
-    overlap.exitPath = transformVector(world, deepest.exitPath);
-  }
-  if (overlap.depth <= tolerance && cross) measureSheets(a, b, aFromB, pairs, tolerance, overlap);
-  if (overlap.depth <= tolerance) measureCoincidence(a, b, aFromB, pairs, tolerance, overlap);
-  if (overlap.depth > tolerance) {
-    overlap.meeting = pairs.empty() ? Meeting::contained : Meeting::crossing;
-  } else if (!pairs.empty()) {
-    overlap.meeting = Meeting::touching;
-  }
-  return overlap;
+  const MeshClosing closedA(*a.tree);
+  if (a.tree == b.tree) return overlapOf(a, closedA, b, closedA);
+  return overlapOf(a, closedA, b, MeshClosing(*b.tree));
 }
 
 }  // namespace tandem::haptics

@@ -3,10 +3,12 @@
 // Whether two triangle meshes overlap, and how deep: hard clashes of an assembly. For reviews, never in a
 // tick: it allocates.
 //
-// 1. The orientation of triangles does not matter, and open sheets have no inside: containsPoint() of
-//    mesh_intrusion.h.
-// 2. Safe in every thread: the trees are only read.
+// 1. The answer does not depend on the frames in which the meshes are given, but for rounding.
+// 2. The orientation of shells does not matter, open sheets have no inside, and what an open shell leaves
+//    open is said: mesh_closing.h.
+// 3. Safe in every thread: trees and closings are only read.
 
+#include "haptics/geometry/mesh_closing.h"
 #include "haptics/geometry/mesh_distance.h"
 
 namespace tandem::haptics {
@@ -22,10 +24,13 @@ enum class Meeting : std::uint8_t {
 struct MeshOverlap {
   Meeting meeting = Meeting::apart;
   double depth = 0.0;                  // m; see overlapOf()
-  glm::dvec3 deepest{0.0, 0.0, 0.0};   // m, where the depth occurs
+  glm::dvec3 deepest{0.0, 0.0, 0.0};   // m, where the depth occurs: on one surface, in or on the other part
   glm::dvec3 exitPath{0.0, 0.0, 0.0};  // m, from there to the nearest point of the other's surface
   bool inA = false;                    // `deepest` is a point of B inside A; else of A inside B
-  bool sheets = false;  // no surface has an inside: `depth` is the length by which facets cross
+  /// The depth cannot be known because a shell is open: `depth` is then what it is at least, 0 where nothing
+  /// is certainly inside.
+  bool open = false;
+  bool sheets = false;  // no surface has an inside: `depth` is the length by which facets cross; open too
 };
 
 /// Depth up to which an overlap counts as a touch, m: 2^-20 of the larger diagonal (a millionth), plus 2^-22
@@ -33,11 +38,20 @@ struct MeshOverlap {
 /// faces of a CAD assembly stay well below it. This bound alone separates them from a clash, at every scale.
 double touchTolerance(const PlacedMesh& a, const PlacedMesh& b);
 
-/// Depth: the largest distance from a point of either surface that is inside the other to that other surface,
-/// searched by deepestInside() of mesh_intrusion.h. It is never above the true depth, and at most 1 % below
-/// it unless the samples run out. Where surfaces coincide with both insides on one side (a duplicated part),
-/// no such point exists; the depth is then the radius of a ball inside both, below the centre of a facet.
-/// Where neither surface has an inside, see MeshOverlap::sheets.
+/// Depth: the largest distance from a point of either surface that is inside the other to that other
+/// surface, the one-sided Hausdorff distance of what overlaps (Tang, Lee & Kim 2009, "Interactive Hausdorff
+/// distance computation for general polygonal models", which measures penetration so). It is found within
+/// 2^-23 of the smaller diagonal by findDeepest() of mesh_intrusion.h.
+///
+/// Inside is meant with lids over the holes of a part (mesh_closing.h). The depth is known if it is the
+/// same, within the tolerance, whether or not lids count as surface, at a point that is inside for certain;
+/// else `open` is set. Where surfaces coincide with both insides on one side (a duplicated part), no point
+/// of one is inside the other; the depth is then the radius of the largest ball inside both that touches
+/// the centre of a facet. Where surfaces cross and neither has an inside, see MeshOverlap::sheets.
+MeshOverlap overlapOf(const PlacedMesh& a, const MeshClosing& closedA, const PlacedMesh& b,
+                      const MeshClosing& closedB);
+
+/// The same for meshes that are measured once.
 MeshOverlap overlapOf(const PlacedMesh& a, const PlacedMesh& b);
 
 }  // namespace tandem::haptics

@@ -27,6 +27,12 @@ constexpr double kAgreedShare = 0.99;
 /// Share from which a mesh with closed holes counts as free of overlaps; the rest is attributed to misplaced
 /// caps.
 constexpr double kAlikeShare = 0.998;
+/// Share of a mesh's surface from which a hole is a mouth, as that of a cup or tube, rather than a defect.
+constexpr double kMouthShare = 1.0 / 32.0;
+/// Places along each side of a cap of one triangle where its two sides are compared; how far from it, as a
+/// share of the surface's root.
+constexpr double kAcrossCap = 16.0;
+constexpr double kBesideCap = 0x1p-10;
 /// Margin of distance comparisons.
 constexpr double kNearly = 1.0 + 0x1p-30;
 
@@ -141,6 +147,7 @@ void MeshSides::closeHoles(int threads) {
   holeMesh_.positions = closedMesh_.positions = mesh_.positions;
   holeMesh_.bounds = closedMesh_.bounds = mesh_.bounds;
   holeMesh_.triangles = caps.triangles;
+  loopOfCap_ = caps.loop;
   closedMesh_.triangles = mesh_.triangles;
   closedMesh_.triangles.insert(closedMesh_.triangles.end(), caps.triangles.begin(), caps.triangles.end());
   holeTree_ = std::make_unique<TriangleBvh>(holeMesh_, threads);
@@ -181,8 +188,49 @@ void MeshSides::judge() {
   kind_ = !closed || agreed < kAgreedShare * all          ? Kind::winding
           : alike >= (anyOpen_ ? kAlikeShare : 1.0) * all ? Kind::clean
                                                           : Kind::crossings;
+  mouth_ = winding_ != nullptr && holeTree_ != nullptr && findMouth();
   if (kind_ != Kind::winding) winding_.reset();
   ASSERT((kind_ == Kind::winding) == (winding_ != nullptr) && (closed || kind_ == Kind::winding));
+}
+
+double MeshSides::enteredArea(const Triangle& cap, int across, double beside) const {
+  const glm::dvec3 normal = areaVector(cap);
+  const double size = glm::length(normal);
+  if (!(size > 0.0)) return 0.0;
+  const glm::dvec3 off = beside / size * normal;
+  int all = 0, entered = 0;
+  for (int i = 0; i < across; ++i) {
+    for (int j = 0; j < across - i; ++j) {
+      const glm::dvec3 place =
+          cap.a + (i + 1.0 / 3.0) / across * (cap.b - cap.a) + (j + 1.0 / 3.0) / across * (cap.c - cap.a);
+      ++all;
+      // Where a hole was closed rightly, the cap is half way between outside and inside.
+      if (std::abs(facing_ * winding_->at(place) - 0.5) <= kWhole &&
+          (crossingsFrom(place + off) == 0) != (crossingsFrom(place - off) == 0))
+        ++entered;
+    }
+  }
+  return 0.5 * size * entered / all;
+}
+
+bool MeshSides::findMouth() const {
+  double surface = 0.0;  // m^2
+  for (std::uint32_t t = 0; t < firstCap_; ++t) surface += 0.5 * glm::length(areaVector(tree_.triangle(t)));
+  const auto capAt = [this](std::size_t t) { return holeTree_->triangle(static_cast<std::uint32_t>(t)); };
+  const std::size_t count = holeMesh_.triangles.size();
+  for (std::size_t first = 0, last = 0; first < count; first = last) {
+    double area = 0.0, entered = 0.0;  // m^2, of the cap; where outside turns into inside
+    for (; last < count && loopOfCap_[last] == loopOfCap_[first]; ++last)
+      area += 0.5 * glm::length(areaVector(capAt(last)));
+    if (area < kMouthShare * surface) continue;
+    for (std::size_t t = first; t < last; ++t) {
+      const double share = 0.5 * glm::length(areaVector(capAt(t))) / area;
+      entered += enteredArea(capAt(t), static_cast<int>(std::ceil(kAcrossCap * std::sqrt(share))),
+                             kBesideCap * std::sqrt(surface));
+    }
+    if (entered >= kAgreedShare * area) return true;
+  }
+  return false;
 }
 
 void MeshSides::buildOpenEdges() {

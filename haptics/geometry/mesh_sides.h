@@ -25,6 +25,11 @@ class MeshSides {
 
   /// Whether there is a sensible inside. A single open sheet has none.
   bool solid() const { return solid_; }
+  /// Whether the inside can be entered through a mouth: a hole that is wide for the mesh, and on all of whose
+  /// cap outside turns into inside without a face. A missing face that has a hole is none.
+  bool hasMouth() const { return mouth_; }
+  /// Takes the mesh for a sheet, which has no inside.
+  void forgetInside() { solid_ = false; }
   /// How inside is told from outside.
   enum class Kind {
     clean,      /// nearest feature: closed, or closed by caps, with outside in front everywhere
@@ -62,6 +67,11 @@ class MeshSides {
   void findEdges();
   void findNormals();
   void closeHoles(int threads);
+  /// Whether one of the caps over holes is that of a mouth.
+  bool findMouth() const;
+  /// m^2 of a triangle of a cap on which outside turns into inside, by comparing `across` places along each
+  /// side at `beside` m on both sides of it.
+  double enteredArea(const Triangle& cap, int across, double beside) const;
   void judge();
   void buildOpenEdges();
   /// Winding number of the closed mesh, from two or three rays.
@@ -79,9 +89,10 @@ class MeshSides {
   std::vector<bool> besideSlit_;                    // V or empty: corners of caps of slits
   double facing_ = 1.0;
   Kind kind_ = Kind::clean;
-  bool solid_ = false, anyOpen_ = false;
+  bool solid_ = false, anyOpen_ = false, mouth_ = false;
   assets::Mesh closedMesh_, holeMesh_;                  // the mesh with caps over its holes; the caps alone
   std::unique_ptr<TriangleBvh> closedTree_, holeTree_;  // null unless all holes could be closed
+  std::vector<std::uint32_t> loopOfCap_;                // of each triangle of holeMesh_
   std::unique_ptr<WindingTree> winding_;                // for Kind::winding
   assets::Mesh openMesh_;                               // for Kind::winding: open edges as faces without area
   std::unique_ptr<TriangleBvh> openTree_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <unordered_map>
 
 #include <glm/geometric.hpp>
@@ -127,16 +128,33 @@ bool capLoop(const assets::Mesh& mesh, const std::vector<std::uint32_t>& loop, d
   }
   caps.triangles.insert(caps.triangles.end(), own.triangles.begin(), own.triangles.end());
   caps.width.insert(caps.width.end(), own.width.begin(), own.width.end());
+  caps.loop.resize(caps.triangles.size(), caps.loop.empty() ? 0 : caps.loop.back() + 1);
   return true;
 }
 
+/// Triangles from the first corner of a loop to all its edges. Their widths are not measured.
+void fanLoop(const std::vector<std::uint32_t>& loop, SlitCaps& caps) {
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+    caps.triangles.push_back({loop[0], loop[i], loop[i + 1]});
+    caps.width.push_back(std::numeric_limits<double>::max());
+  }
+}
+
 }  // namespace
+
+SlitCaps closeAllHoles(const assets::Mesh& mesh) {
+  SlitCaps caps;
+  for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
+    if (!capLoop(mesh, loop, std::numeric_limits<double>::max(), caps)) fanLoop(loop, caps);
+  ASSERT(caps.complete && caps.width.size() == caps.triangles.size());
+  return caps;
+}
 
 SlitCaps capSlits(const assets::Mesh& mesh, double widest) {
   SlitCaps caps;
   for (const std::vector<std::uint32_t>& loop : simpleLoops(missingEdges(mesh)))
     if (!capLoop(mesh, loop, widest, caps)) caps.complete = false;
-  ASSERT(caps.width.size() == caps.triangles.size());
+  ASSERT(caps.width.size() == caps.triangles.size() && caps.loop.size() == caps.triangles.size());
   return caps;
 }
 

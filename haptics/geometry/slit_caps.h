@@ -15,12 +15,18 @@ namespace tandem::haptics {
 /// Triangles that close slits, counter-clockwise seen from outside like those of the mesh.
 struct SlitCaps {
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::vector<double> width;  // m; greatest distance of any point of triangle i from the mesh
-  bool complete = true;       // with the caps the mesh has no open edge
+  std::vector<double> width;        // m; greatest distance of any point of triangle i from the mesh
+  std::vector<std::uint32_t> loop;  // the loop of open edges that triangle i helps to close, ascending
+  bool complete = true;             // with the caps the mesh has no open edge
 };
 
 /// Closes every loop of open edges that ear clipping can fill without deviating from its edges by more than
 /// `widest`. Wider holes and very long loops stay open.
 SlitCaps capSlits(const assets::Mesh& mesh, double widest);
+
+/// Closes every loop of open edges: by ears, or by a fan about the first corner of a loop that is too long
+/// for them. Always complete. The result depends on the order of vertices, not on the frame they are given
+/// in, but for ears of equal height.
+SlitCaps closeAllHoles(const assets::Mesh& mesh);
 
 }  // namespace tandem::haptics

@@ -83,6 +83,36 @@ class SweptBall {
     } else {
       Float4().store(bounds);
     }
+    const Separation at = separate(node);
+    const Float4 t = timeOf(at);
+    const int met = lessEqualMask(at.gap, Float4()) | lessEqualMask(t, Float4(latest));
+    selectLessEqual(at.gap, Float4(), at.gap, max(t, Float4::load(bounds))).store(bounds);
+    return mask & met;
+  }
+
+  /// The same without an order, with the bounds behind it: the distance from a point x to the content of a
+  /// child is at least distance + away . (x - origin), up to the rounding that reach_ allows for.
+  struct Proof {
+    Vec4 away;        // unit vectors, or 0
+    Float4 distance;  // m
+  };
+  int enter(const TriangleBvh::Node& node, float latest, Proof& proof) const {
+    const Separation at = separate(node);
+    const Float4 inverse = Float4(1.0f) / max(at.length, Float4(1e-18f));
+    proof = {at.u * inverse, (at.gap + reach_ * at.length) * inverse};
+    const int met = lessEqualMask(at.gap, Float4()) | lessEqualMask(timeOf(at), Float4(latest));
+    alignas(16) float bounds[4];
+    return far_ && met != 0 ? met & slabs_.enter(node, latest, bounds) : met;
+  }
+
+ private:
+  /// All lengths are times |u|: the ball's gap at the start.
+  struct Separation {
+    Vec4 u;
+    Float4 length, gap;
+  };
+
+  Separation separate(const TriangleBvh::Node& node) const {
     const Vec4 low = node.lows(), high = node.highs();
     const Float4 half(0.5f);
     const Vec4 centre = (low + high) * half, extent = (high - low) * half, d = origin_ - centre;
@@ -95,16 +125,15 @@ class SweptBall {
     const Float4 along = max(dot(u, slab.normal), Float4()) * inverse;
     const Vec4 rest = u - slab.normal * along;
     const Float4 length = sqrt(dot(u, u));
-    // All lengths are times |u|: the ball's gap at the start, and the approach over the whole motion.
-    const Float4 gap = dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length;
-    const Float4 nearing = Float4() - dot(u, motion_);
-    const Float4 t = gap * roughReciprocal(max(nearing, least)) * Float4(1.0f - 0x1p-10f);
-    const int met = lessEqualMask(gap, Float4()) | lessEqualMask(t, Float4(latest));
-    selectLessEqual(gap, Float4(), gap, max(t, Float4::load(bounds))).store(bounds);
-    return mask & met;
+    return {u, length, dot(u, d) - along * slab.offset - dot(abs(rest), extent) - reach_ * length};
   }
 
- private:
+  /// A lower bound of the time at which the gap is closed.
+  Float4 timeOf(const Separation& at) const {
+    const Float4 nearing = Float4() - dot(at.u, motion_);
+    return at.gap * roughReciprocal(max(nearing, Float4(1e-37f))) * Float4(1.0f - 0x1p-10f);
+  }
+
   SweptPoint slabs_;
   Vec4 origin_, motion_;
   Float4 reach_;

@@ -10,43 +10,15 @@
 #include "haptics/geometry/bvh_build.h"
 #include "haptics/geometry/bvh_fit.h"
 #include "haptics/geometry/bvh_stack.h"
+#include "haptics/geometry/near_boxes.h"
 #include "haptics/geometry/outward.h"
+#include "haptics/geometry/query_work.h"
 #include "haptics/geometry/swept_boxes.h"
 #include "haptics/geometry/triangle_filter.h"
+#include "haptics/geometry/triangle_sweep.h"
 
 namespace tandem::haptics {
 namespace {
-
-/// Four vectors one by one.
-class Directions {
- public:
-  explicit Directions(const Vec4& v) {
-    v.x.store(x_);
-    v.y.store(y_);
-    v.z.store(z_);
-  }
-  glm::dvec3 operator[](std::size_t i) const { return {x_[i], y_[i], z_[i]}; }
-
- private:
-  alignas(16) float x_[4], y_[4], z_[4];
-};
-
-/// Whether a point that moves from `from` by `way` certainly stays further than `reach` from a triangle: the
-/// bound of triangle_filter.h in double along `away`, which need not be a unit vector.
-bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& path, double reach,
-              const Triangle& t) {
-  const double least =
-      std::min({glm::dot(away, from - t.a), glm::dot(away, from - t.b), glm::dot(away, from - t.c)}) +
-      std::min(0.0, glm::dot(away, path));
-  return least > 0.0 && least * least > reach * reach * glm::dot(away, away);
-}
-
-/// passesBy() along the triangle's normal, which excludes the neighbours in a plane along which a point
-/// glides.
-bool passesAbove(const glm::dvec3& from, const glm::dvec3& path, double reach, const Triangle& t) {
-  const glm::dvec3 normal = areaVector(t);
-  return passesBy(glm::dot(normal, from - t.a) > 0.0 ? normal : -normal, from, path, reach, t);
-}
 
 /// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
 int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
@@ -62,6 +34,12 @@ int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle
   const double height = glm::dot(normal, a), slope = glm::dot(normal, direction);
   if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0) return 0;
   return slope > 0.0 ? 1 : -1;
+}
+
+void noteWork(std::uint64_t nodes, std::uint64_t triangles) {
+  ++queryWork.queries;
+  queryWork.nodes += nodes;
+  queryWork.triangles += triangles;
 }
 
 }  // namespace
@@ -90,44 +68,32 @@ void TriangleBvh::refit(int threads) {
 
 bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
   if (empty()) return false;
-  // The query point is an interval of two floats around the true one, so that the distance of a box is never
-  // overestimated. The factor covers the rounding of the sum of squares.
-  constexpr float kBelow = 1.0f - 16.0f * std::numeric_limits<float>::epsilon();
-  Float4 pointLow[3], pointHigh[3];
   const glm::dvec3 q = p - extent_.centre;
-  for (int axis = 0; axis < 3; ++axis) {
-    pointLow[axis] = Float4(roundDown(q[axis]));
-    pointHigh[axis] = Float4(roundUp(q[axis]));
-  }
+  const NearBoxes near(q, extent_.largest + glm::length(q));
   double bestSquare = maxDistance * maxDistance;
-  float bound = roundUp(bestSquare), distanceBound = roundUp(maxDistance);
+  float bound = roundUp(maxDistance);
   const Float4 rounding(roundUp(coordinateRounding(p)));
   bool found = false;
+  std::uint64_t nodes = 0, triangles = 0;
   BvhStack stack;
   PendingNode next{0, 0.0f};
   do {
     if (next.bound > bound) continue;
     if ((next.child & kLeafBit) == 0) {
+      ++nodes;
       const Node& node = nodes_[next.child];
-      Float4 square;
-      for (int axis = 0; axis < 3; ++axis) {
-        const Float4 below = Float4::load(node.low[axis]) - pointHigh[axis];
-        const Float4 above = pointLow[axis] - Float4::load(node.high[axis]);
-        const Float4 d = max(max(below, above), Float4());
-        square = square + d * d;
-      }
-      square = square * Float4(kBelow);
       alignas(16) float bounds[4];
-      square.store(bounds);
-      stack.pushOrdered(node.child, bounds, lessEqualMask(square, Float4(bound)));
+      const int mask = near.within(node, bound, bounds);
+      if (mask != 0) stack.pushOrdered(node.child, bounds, mask);
       continue;
     }
     const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const Triangles4 corners = leafTriangles(*mesh_, order_.data() + first, count, p);
+    const Triangles4 corners = haptics::leafTriangles(*mesh_, order_.data() + first, count, p);
     const DistanceBound4 least = boundDistance(corners, awayFrom(corners), Vec4{});
-    const int far = lessMask(Float4(distanceBound) + rounding, least.distance - least.error);
+    const int far = lessMask(Float4(bound) + rounding, least.distance - least.error);
     for (std::uint32_t i = 0; i < count; ++i) {
       if ((far >> i & 1) != 0) continue;
+      ++triangles;
       const std::uint32_t index = order_[first + i];
       const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
       const glm::dvec3 offset = p - closest.point;
@@ -136,15 +102,42 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       if (square > bestSquare || (square == bestSquare && found && index > nearest.triangle)) continue;
       found = true;
       bestSquare = square;
-      bound = roundUp(square);
-      distanceBound = roundUp(std::sqrt(square));
+      bound = roundUp(std::sqrt(square));
       nearest.triangle = index;
       nearest.point = closest.point;
       nearest.onFace = closest.onFace;
     }
   } while (stack.pop(next));
+  noteWork(nodes, triangles);
   if (found) nearest.distance = std::sqrt(bestSquare);
   return found;
+}
+
+NearLeaf TriangleBvh::nearestLeaf(const glm::dvec3& p, double reach) const {
+  if (empty()) return {reach, kNoTriangle};
+  const glm::dvec3 q = p - extent_.centre;
+  const NearBoxes near(q, extent_.largest + glm::length(q));
+  float bound = roundUp(reach);
+  std::uint32_t leaf = kEmptyChild;
+  std::uint64_t nodes = 0;
+  BvhStack stack;
+  PendingNode next{0, 0.0f};
+  do {
+    if (next.bound > bound) continue;
+    if ((next.child & kLeafBit) != 0) {
+      leaf = next.child;
+      bound = next.bound;
+      continue;
+    }
+    ++nodes;
+    const Node& node = nodes_[next.child];
+    alignas(16) float bounds[4];
+    const int mask = near.within(node, bound, bounds);
+    if (mask != 0) stack.pushOrdered(node.child, bounds, mask);
+  } while (stack.pop(next));
+  noteWork(nodes, 0);
+  if (leaf == kEmptyChild) return {reach, kNoTriangle};
+  return {std::max(0.0, static_cast<double>(bound) - coordinateRounding(p)), order_[leaf & kLeafFirstMask]};
 }
 
 bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
@@ -153,51 +146,26 @@ bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, do
   const glm::dvec3 origin = from - extent_.centre;
   const double largest = extent_.largest + radius + glm::length(origin) + glm::length(motion);
   const SweptBall ball(origin, motion, radius + tolerance, largest);
-  const Vec4 motion4{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
-                     Float4(static_cast<float>(motion.z))};
-  const double closest = radius + tolerance + coordinateRounding(from);
-  const Float4 reach(roundUp(closest));
-  bool found = false;
+  TriangleSweep sweep(*this, from, motion, radius, tolerance, coordinateRounding(from), hit);
+  std::uint64_t nodes = 0;
   BvhStack stack;
   PendingNode next{0, 0.0f};
-  float latest = roundUp(hit.t * (1.0 + 0x1p-20));
   do {
-    if (next.bound > latest) continue;
+    if (next.bound > sweep.latest()) continue;
     if ((next.child & kLeafBit) == 0) {
+      ++nodes;
       const Node& node = nodes_[next.child];
       alignas(16) float bounds[4];
-      const int mask = ball.enter(node, latest, bounds);
+      const int mask = ball.enter(node, sweep.latest(), bounds);
       stack.pushOrdered(node.child, bounds, mask);
       continue;
     }
-    const std::uint32_t first = next.child & kLeafFirstMask, count = leafCount(next.child);
-    const Triangles4 corners = leafTriangles(*mesh_, order_.data() + first, count, from);
-    const Vec4 away = awayFrom(corners);
-    const DistanceBound4 bound = boundDistance(corners, away, motion4);
-    const Float4 least = bound.distance + min(bound.slope * Float4(latest), Float4());
-    const int missed = lessMask(reach, least - bound.error);
-    if (missed == 15) continue;
-    const Directions passing(awayInPassing(corners, away, motion4, Float4(latest)));
-    for (std::uint32_t i = 0; i < count; ++i) {
-      if ((missed >> i & 1) != 0) continue;
-      const std::uint32_t index = order_[first + i];
-      const Triangle t = triangle(index);
-      const glm::dvec3 path = motion * double{latest};
-      if (passesBy(passing[i], from, path, closest, t) || passesAbove(from, path, closest, t)) continue;
-      BallHit candidate;
-      candidate.t = hit.t;
-      if (!haptics::sweepBall(from, motion, radius, tolerance, t, candidate)) continue;
-      if (found && candidate.t == hit.t) {
-        const double now = glm::dot(candidate.normal, motion), best = glm::dot(hit.normal, motion);
-        if (now > best || (now == best && index > hit.triangle)) continue;
-      }
-      found = true;
-      static_cast<BallHit&>(hit) = candidate;
-      hit.triangle = index;
-      latest = roundUp(hit.t * (1.0 + 0x1p-20));
-    }
+    const std::uint32_t* const triangles = order_.data() + (next.child & kLeafFirstMask);
+    const std::uint32_t count = leafCount(next.child);
+    sweep.test(haptics::leafTriangles(*mesh_, triangles, count, from), triangles, count);
   } while (stack.pop(next));
-  return found;
+  noteWork(nodes, sweep.tested());
+  return sweep.found();
 }
 
 template <typename Visit>

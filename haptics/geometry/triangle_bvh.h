@@ -32,6 +32,12 @@ struct MeshPoint {
   bool onFace = false;
 };
 
+/// A leaf of a tree near a point.
+struct NearLeaf {
+  double atLeast = 0.0;                  // m: no triangle of the mesh is nearer
+  std::uint32_t triangle = kNoTriangle;  // one of the leaf's
+};
+
 /// First contact of a moving ball with a mesh.
 struct MeshBallHit : BallHit {
   std::uint32_t triangle = kNoTriangle;
@@ -61,6 +67,10 @@ class TriangleBvh {
 
   /// The nearest point within `maxDistance` of p; false if there is none.
   bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
+
+  /// The leaf whose box and slab are nearest to p, as far as they are within `reach`, else a bound of `reach`
+  /// and no triangle. Tests no triangle, which makes it several times as fast as closestPoint().
+  NearLeaf nearestLeaf(const glm::dvec3& p, double reach) const;
 
   /// The first triangle that a ball moving from `from` by `motion` meets earlier than hit.t; see sweepBall()
   /// of triangle_math.h. On a tie the triangle that the ball meets most squarely wins.
@@ -113,14 +123,16 @@ class TriangleBvh {
   std::span<const Node> nodes() const { return {nodes_.get(), nodeCount_}; }
   const glm::dvec3& centre() const { return extent_.centre; }  // m, mesh frame
   std::uint32_t leafTriangle(std::uint32_t place) const { return order_[place]; }
-
- private:
-  template <typename Visit>
-  void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
+  const std::uint32_t* leafTriangles(std::uint32_t place) const { return order_.data() + place; }
+  float largest() const { return extent_.largest; }  // m, coordinate relative to centre()
   /// Rounding of a difference of coordinates near p, m; float filters add it to their own error.
   double coordinateRounding(const glm::dvec3& p) const {
     return 0x1p-48 * (glm::length(extent_.centre) + extent_.largest + glm::length(p));
   }
+
+ private:
+  template <typename Visit>
+  void forEachInBox(const assets::Bounds& box, Visit&& visit) const;
 
   const assets::Mesh* mesh_;
   MeshExtent extent_;

@@ -40,10 +40,10 @@ AxisLoad toolLoad(const ContactWorld& world, const Proxy& proxy, const assets::C
   glm::dvec3 point(0.0);
   double depths = 0.0, stiffness = 0.0, damping = 0.0;
   for (const ProxyPlane& plane : proxy.planes) {
-    if (plane.surface.part != control.part || !presses(plane)) continue;
+    if (plane.surface.part != control.part || !isFelt(plane)) continue;
     const assets::Material& material = world.material(plane.surface.part, plane.surface.triangle);
-    point += plane.multiplier * plane.surface.point;
-    depths += plane.multiplier;
+    point += plane.depth * plane.surface.point;
+    depths += plane.depth;
     stiffness = std::max(stiffness, material.stiffness > 0.0 ? material.stiffness : parameters.stiffness);
     damping = std::max(damping, material.damping > 0.0 ? material.damping : parameters.damping);
   }

@@ -30,7 +30,7 @@ double distanceToSegment(const glm::dvec3& p, const glm::dvec3& a, const glm::dv
 }
 
 assets::Mesh welded(const assets::Mesh& mesh) {
-  assets::TriangleSoup soup{mesh.positions, mesh.triangles, mesh.triangleMaterial, {}};
+  assets::TriangleSoup soup{mesh.positions, mesh.triangles, mesh.triangleMaterial, {}, {}};
   soup.triangleMaterial.resize(soup.triangles.size(), 0);
   return assets::analyseMesh(std::move(soup), kSharp).mesh;
 }

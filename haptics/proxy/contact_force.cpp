@@ -93,12 +93,12 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
   int count = 0;
   for (const ProxyPlane& plane : proxy.planes) {
     if (count == kMaxContacts) break;
-    if (!presses(plane)) continue;
+    if (!isFelt(plane)) continue;
     const assets::Material& material = world.material(plane.surface.part, plane.surface.triangle);
     const auto at = static_cast<std::size_t>(count++);
     surfaces[at] = &plane.surface;
     normals[at] = plane.surface.normal;
-    depths[at] = plane.multiplier;
+    depths[at] = plane.depth;
     stiffnesses[at] = material.stiffness > 0.0 ? material.stiffness : parameters.stiffness;
     if (parameters.stiffnessLimit > 0.0) {
       stiffnesses[at] = std::min(stiffnesses[at], parameters.stiffnessLimit);
@@ -112,6 +112,9 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
   const NormalForces springs = normalForces(normals, depths, stiffnesses, count);
   glm::dvec3 force(0.0);
   glm::dvec3 rest = proxy.position - device.worldFromDevice.position;
+  for (const ProxyPlane& plane : proxy.planes) {
+    if (presses(plane)) rest -= plane.multiplier * plane.surface.normal;
+  }
   double depthSum = 0.0, springSum = 0.0;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const SurfacePoint& surface = *surfaces[i];
@@ -122,7 +125,6 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     // Damping alone must not pull, but a component of the gradient may point inwards.
     const double along = std::max(std::min(0.0, spring), spring - dampings[i] * leaving);
     force += along * surface.normal;
-    rest -= depths[i] * surface.normal;
     depthSum += depths[i];
     springSum += spring;
     out.contacts[static_cast<std::size_t>(out.contactCount++)] = {surface.part, surface.point, surface.normal,

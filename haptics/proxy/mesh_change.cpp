@@ -32,9 +32,9 @@ void putBefore(const ContactWorld& world, PartId part, const glm::dvec3& normal,
 /// Moves away from the nearest triangles until the tool is free of all of them.
 bool clear(const ContactWorld& world, PartId part, double radius, glm::dvec3& p) {
   for (int step = 0; step < kMaxSteps; ++step) {
-    const double skin = world.skin(part, p), rest = radius + skin;
+    const double margin = world.margin(part, p, radius), rest = radius + margin;
     SurfacePoint near;
-    if (!world.nearest(part, p, rest, near) || near.distance >= radius + 0.5 * skin) return true;
+    if (!world.nearest(part, p, rest, near) || near.distance >= radius + 0.5 * margin) return true;
     // Each step goes slightly further than the last, which leaves corners in few steps.
     p += near.normal * (rest - near.distance) * (1.0 + 0.02 * step);
   }
@@ -56,7 +56,7 @@ glm::dvec3 pressingDirection(const Proxy& proxy) {
 bool leavePart(const ContactWorld& world, PartId part, const glm::dvec3& normal, bool front, double radius,
                Proxy& proxy) {
   glm::dvec3 p = proxy.position;
-  const double rest = radius + world.skin(part, p);
+  const double rest = radius + world.margin(part, p, radius);
   if (normal != glm::dvec3(0.0)) {
     putBefore(world, part, normal, front, rest, p);
   } else if (world.encloses(part, p)) {
@@ -82,12 +82,13 @@ void renewPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     const PartId part = plane.surface.part;
     if (!world.touchable(part)) continue;
     // The search starts under the old contact, so that of two walls the right one is found.
-    const double rest = radius + world.skin(part, proxy.position);
+    const double rest = radius + world.margin(part, proxy.position, radius);
     const glm::dvec3 foot = proxy.position - plane.surface.normal * rest;
     SurfacePoint found;
     if (!world.nearest(part, foot, rest, found)) continue;
     plane.surface = world.surfaceAt(part, found.triangle, proxy.position);
     plane.skin = world.skin(part, proxy.position);
+    plane.margin = world.margin(part, proxy.position, radius);
     plane.arriving = false;
     const bool known = std::any_of(renewed.begin(), renewed.end(), [&](const ProxyPlane& other) {
       return other.surface.part == part && other.surface.triangle == found.triangle;

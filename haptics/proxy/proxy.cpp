@@ -26,10 +26,40 @@ constexpr double kMaxStretch = 1.5;
 // that length the ball rises by 0.005 of its radius.
 constexpr double kLeastStep = 0.1;
 constexpr int kEdgeRounds = 4;
-constexpr double kWellPast = 8.0;     // skins from an edge, at which the edge no longer holds the proxy
+constexpr int kMaxRises = 4;          // of a point, in one move
+constexpr int kFreeRidges = 2;        // steep ridges that a point leaves by long steps, in one move
+constexpr double kSteepRidge = 0.98;  // cosine of a direction to the face beside it
+constexpr double kHighEnough = 0.9;   // of its margin
+constexpr double kWellPast = 8.0;     // margins from an edge, at which the edge no longer holds the proxy
 constexpr double kNearEnough = 1e-6;  // of the depth, which is also the relative force error
 
 using Walks = std::array<SurfaceWalk, kMaxPlanes>;
+
+bool isKnown(const Proxy& proxy, const SurfacePoint& at) {
+  return std::any_of(proxy.planes.begin(), proxy.planes.end(), [&](const ProxyPlane& plane) {
+    return plane.surface.part == at.part && plane.surface.triangle == at.triangle;
+  });
+}
+
+/// Ends the walk of a point between its triangle and the one at which it arrives, if that rises towards it:
+/// its sweep, which leaves half a margin, would miss a rise so slight, and the next step would lead back.
+void stopAtRise(const ContactWorld& world, double radius, const Proxy& proxy, const ProxyPlane& plane,
+                const glm::dvec3& displacement, SurfaceWalk& walk) {
+  if (!(plane.margin > plane.skin) || !plane.surface.onFace || walk.sharp || walk.share < 1.0) return;
+  if (isKnown(proxy, walk.arrival)) return;
+  const Triangle face = world.triangle(walk.arrival.part, walk.arrival.triangle);
+  SurfacePoint ahead = walk.arrival;
+  ahead.point = face.a;
+  takeFacePlane(face, proxy.position, ahead);
+  const double rest = radius + plane.margin, fall = -glm::dot(ahead.normal, displacement);
+  if (ahead.distance < rest - plane.skin || !(ahead.distance - fall < rest - plane.skin)) return;
+  const double share = std::clamp((ahead.distance - rest) / fall, 0.0, 1.0);
+  const glm::dvec3 end = proxy.position + share * displacement;
+  const SurfacePoint there = world.surfaceAt(ahead.part, ahead.triangle, end);
+  if (glm::length(end - there.point) > radius + 2.0 * plane.margin) return;
+  walk.share = share;
+  walk.rises = true;
+}
 
 /// Cuts a displacement short where the surface under one of the pressing contacts ends, and notes the
 /// triangles at which the contacts that stay on it arrive. True if the displacement was cut.
@@ -41,14 +71,15 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     const ProxyPlane& plane = proxy.planes[i];
     if (!presses(plane)) continue;
     SurfaceWalk& walk = walks[i];
-    walk = walkSurface(world, plane.surface, displacement, plane.skin);
-    // On a crease already: a point crosses it by a few skins, a ball by no more than it can roll.
-    const double over = 3.0 * plane.skin / length;
-    if (walk.sharp || walk.share < over) {
+    walk = walkSurface(world, plane.surface, displacement, {plane.skin, plane.margin});
+    stopAtRise(world, radius, proxy, plane, displacement, walk);
+    // On a crease already: a point crosses it by a few margins, a ball by no more than it can roll.
+    const double over = 3.0 * plane.margin / length;
+    if (walk.sharp || (walk.share < over && !walk.rises)) {
       onCrease = true;
       const double leaves = lengthAcross(creaseUnder(world, plane.surface, plane.skin), displacement);
-      walk.share = leaves > 0.0 ? (3.0 * plane.skin + 0.5 * radius) / leaves : 1.0;
-    } else if (walk.share < 1.0) {
+      walk.share = leaves > 0.0 ? (3.0 * plane.margin + 0.5 * radius) / leaves : 1.0;
+    } else if (walk.share < 1.0 && !walk.rises) {
       walk.share += over;
     }
     // Features far smaller than the ball do not count as creases.
@@ -83,17 +114,41 @@ void passCrease(const Walks& walks, Proxy& proxy) {
   }
 }
 
+/// Adds the triangles that rise before a point which has stopped there.
+void addRises(const Walks& walks, Proxy& proxy) {
+  const std::size_t count = proxy.planes.size();
+  for (std::size_t i = 0; i < count && !proxy.planes.full(); ++i) {
+    const SurfaceWalk& walk = walks[i];
+    if (!presses(proxy.planes[i]) || !walk.rises) continue;
+    ProxyPlane rise;
+    rise.surface.part = walk.arrival.part;
+    rise.surface.triangle = walk.arrival.triangle;
+    if (!isKnown(proxy, walk.arrival)) proxy.planes.push_back(rise);
+  }
+}
+
 /// Friction reach of the pressing planes, m: the tangential lag that their depths hold inside the friction
-/// cone, sum mu_i lambda_i (Harwin & Melder 2002).
+/// cone, sum mu_i d_i (Harwin & Melder 2002).
 double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
   double reach = 0.0;
   for (const ProxyPlane& plane : proxy.planes) {
     if (!presses(plane)) continue;
     const assets::Material& m = world.material(plane.surface.part, plane.surface.triangle);
     const double coefficient = sliding ? m.dynamicFriction : std::max(m.staticFriction, m.dynamicFriction);
-    if (coefficient > 0.0) reach += plane.multiplier * coefficient * frictionScale(world, plane.surface);
+    if (coefficient > 0.0) reach += plane.depth * coefficient * frictionScale(world, plane.surface);
   }
   return reach;
+}
+
+/// The share of the path from where a point has landed on its margin to the goal that lies before the
+/// surface: on that share friction holds nothing.
+double shareAboveSurface(const Proxy& proxy, double radius) {
+  for (const ProxyPlane& plane : proxy.planes) {
+    if (!isFelt(plane) || !(plane.margin > plane.skin)) continue;
+    const double above = std::max(0.0, plane.surface.distance - radius - plane.skin);
+    return above / (above + plane.depth);
+  }
+  return 0.0;
 }
 
 /// Distance at which the proxy counts as arrived: a fraction of the skin, or of the depth where facets, edges
@@ -144,18 +199,48 @@ class Descent {
     displacementToGoal(world_, goal_, radius_, proxy_);
   }
 
+  /// Lifts a point that was stopped below its margin straight up to it: on the way along, so low, it would be
+  /// stopped by every face that lies flush with the one under it.
+  void rise() {
+    const bool low = std::any_of(proxy_.planes.begin(), proxy_.planes.end(), [&](const ProxyPlane& plane) {
+      return plane.margin > plane.skin && presses(plane) &&
+             plane.surface.distance < radius_ + kHighEnough * plane.margin;
+    });
+    if (!low || ++rises_ > kMaxRises) return;
+    const glm::dvec3 up = displacementToGoal(world_, proxy_.position, radius_, proxy_);
+    if (advance(world_, up, radius_, proxy_)) refreshPlanes(world_, radius_, proxy_);
+  }
+
+  /// Cuts the step of a point short that stands on an edge or corner where no face leads on. This may be the
+  /// rim of a crack: along the tangent the point would pass the other rim and come back from there in the
+  /// same way. With short steps both rims stay known. Steep ridges are left by long steps first.
+  bool creep(const ProxyPlane& edge, glm::dvec3& displacement) {
+    if (!(edge.margin > edge.skin)) return false;
+    SurfacePoint face = edge.surface;
+    takeFacePlane(world_.triangle(face.part, face.triangle), proxy_.position, face);
+    if (glm::dot(face.normal, edge.surface.normal) < kSteepRidge && ++ridges_ <= kFreeRidges) return false;
+    const double across = lengthAcross(creaseUnder(world_, edge.surface, edge.skin), displacement);
+    if (across <= edge.margin) return false;
+    displacement *= edge.margin / across;
+    return true;
+  }
+
   /// One round; true if the proxy has arrived.
   bool descendOnce() {
+    rise();
     glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_);
     if (glm::length(displacement) <= closeEnough(proxy_, radius_)) return !passEdge();
     if (!touches(proxy_))
       return advance(world_, displacement, radius_, proxy_) && !refreshPlanes(world_, radius_, proxy_);
 
     ProxyPlane* const alone = onlyPressing(proxy_);
+    bool creeps = false;
     if (alone != nullptr && !alone->surface.onFace) {
       if (mayRoll_ && roll(*alone, displacement)) return false;
       if (radius_ == 0.0 && stepOffRidge(world_, proxy_.position, displacement, *alone)) {
         displacement = displacementToGoal(world_, goal_, radius_, proxy_);
+      } else {
+        creeps = creep(*alone, displacement);
       }
     }
     // The goal is under a crease whose other side is unknown, so the ball creeps off it.
@@ -176,10 +261,11 @@ class Descent {
       arrive(walks, proxy_);
     } else if (alone != nullptr || radius_ == 0.0) {
       passCrease(walks, proxy_);
+      addRises(walks, proxy_);
     }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
     curved_ = curved_ || (first && !cut && proxy_.planes.empty());
-    return !changed && !cut && !stretched;
+    return !changed && !cut && !creeps && !stretched;
   }
 
   /// Tests whether the edge alone would let the proxy pass where a face presses beyond its edge. True if the
@@ -190,7 +276,7 @@ class Descent {
     triedEdge_ = true;
     const Proxy before = proxy_;
     refreshPlanes(world_, radius_, proxy_);
-    const double far = kWellPast * smallestSkin(proxy_);
+    const double far = kWellPast * largestMargin(proxy_);
     for (int i = 0; i < kEdgeRounds; ++i) {
       const glm::dvec3 displacement = displacementToGoal(world_, goal_, radius_, proxy_, Covered::asEdge);
       if (glm::length(displacement) <= far) break;
@@ -222,7 +308,7 @@ class Descent {
     if (rollOverCrease(world_, goal_, radius_, displacement, plane, proxy_)) {
       // A roll that another plane stops at once is not repeated: the projection accounts for that plane, the
       // arc does not.
-      mayRoll_ = glm::length(proxy_.position - from) > 2.0 * smallestSkin(proxy_);
+      mayRoll_ = glm::length(proxy_.position - from) > 2.0 * largestMargin(proxy_);
       return true;
     }
     mayRoll_ = false;
@@ -234,6 +320,7 @@ class Descent {
   const double radius_;
   Proxy& proxy_;
   bool mayRoll_;
+  int rises_ = 0, ridges_ = 0;
   bool triedEdge_ = false;
   bool lastOnFace_ = true;
   double stretch_ = 0.0;     // of the first tangent; 0 = none
@@ -262,6 +349,11 @@ void moveProxy(const ContactWorld& world, const glm::dvec3& goal, double radius,
     if (glm::length(displacement) <= 0.01 * smallestSkin(proxy)) return;
     if (advance(world, displacement, radius, proxy) && !refreshPlanes(world, radius, proxy)) return;
     displacement = displacementToGoal(world, goal, radius, proxy);
+    const double above = shareAboveSurface(proxy, radius);
+    if (above > 0.0 && frictionReach(world, proxy, true) > 0.0) {
+      descend(world, glm::mix(proxy.position, goal, above), radius, proxy);
+      displacement = displacementToGoal(world, goal, radius, proxy);
+    }
   }
   const double stickReach = frictionReach(world, proxy, proxy.sliding);
   if (stickReach > 0.0 && glm::length(displacement) <= stickReach) {

@@ -8,9 +8,10 @@
 //
 // 1. The proxy moves only along segments that a swept test has found free, so it cannot pass an edge, a
 //    corner or a thin plate at any speed. A point is a ball of radius 0.
-// 2. The proxy rests at radius + skin from a surface and is stopped at radius + skin/2. The skin is some 1e-9
-//    of the part's size (ContactWorld::skin). Every tolerance is a fraction of the skin; the code contains no
-//    absolute lengths.
+// 2. The proxy rests at radius + margin from a surface and is stopped at radius + margin/2. The margin of a
+//    ball is the skin, some 1e-9 of the part's size; that of a point is some 1e-6 of it, so that it passes no
+//    crack that rounding has left (ContactWorld::skin, margin), and is subtracted from its depth. Every
+//    tolerance is a fraction of either; the code contains no absolute lengths.
 // 3. Both sides of every triangle are solid; the orientation of triangles does not matter.
 
 #include <cstdint>
@@ -25,7 +26,9 @@ namespace tandem::haptics {
 struct ProxyPlane {
   SurfacePoint surface;     // distance is from the proxy, along the normal
   double skin = 0.0;        // m
-  double multiplier = 0.0;  // m, >= 0: Lagrange multiplier, the depth that the plane holds back
+  double margin = 0.0;      // m, >= skin: the proxy rests this much further off than its radius
+  double multiplier = 0.0;  // m, >= 0: Lagrange multiplier, by which the plane holds the proxy back
+  double depth = 0.0;       // m, >= 0: what the hand feels of it, with a skin in place of the margin
   bool arriving = false;    // not touched yet: the face onto which the proxy is being dragged
   bool beyondEdge = false;  // the plane of a face whose edge the tool still touches
 };
@@ -61,5 +64,20 @@ bool pushProxy(const ContactWorld& world, PartId part, const Pose& before, doubl
 
 /// Whether a plane holds the proxy back now.
 inline bool presses(const ProxyPlane& plane) { return plane.multiplier > 0.0; }
+/// Whether the hand feels it: a plane holds a point back before the device has reached the surface.
+inline bool isFelt(const ProxyPlane& plane) { return plane.depth > 0.0; }
+
+/// How far the margins of what a point touches hold it back before the hand feels anything, m, world.
+inline glm::dvec3 heldByMargins(const Proxy& proxy) {
+  glm::dvec3 back(0.0);
+  for (const ProxyPlane& plane : proxy.planes) {
+    if (plane.multiplier != plane.depth) back += (plane.multiplier - plane.depth) * plane.surface.normal;
+  }
+  return back;
+}
+
+/// Where the hand feels a tool of `radius`, m, world: a skin off what it touches, and at the device where the
+/// surface is not reached yet.
+glm::dvec3 feltPosition(const Proxy& proxy, double radius);
 
 }  // namespace tandem::haptics

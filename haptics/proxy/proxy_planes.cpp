@@ -17,7 +17,7 @@ constexpr double kSameDirection = 1e-10;
 /// plane, and the proxy rests there at full height.
 const ProxyPlane* coverOf(const Proxy& proxy, double radius, const ProxyPlane& plane) {
   if (plane.surface.onFace) return nullptr;
-  const double height = radius + 0.75 * plane.skin;  // lower, a sweep along the plane would hit the edge
+  const double height = radius + 0.75 * plane.margin;  // lower, a sweep along the plane would hit the edge
   for (const ProxyPlane& other : proxy.planes) {
     const SurfacePoint& under = other.surface;
     if (&other == &plane || !(under.distance < plane.surface.distance) || under.distance < height) continue;
@@ -50,6 +50,59 @@ ProxyPlane& slotFor(const WorldHit& hit, Proxy& proxy) {
   return idle != proxy.planes.end() ? *idle : proxy.planes[0];
 }
 
+/// The planes of the proxy that take part in a projection, and whose planes they are.
+struct Constraints {
+  FixedVector<HalfSpace, kMaxPlanes> planes;
+  FixedVector<ProxyPlane*, kMaxPlanes> sources;
+  double tolerance = 0.0;  // m
+
+  Projection project(const glm::dvec3& goal) const {
+    return projectOntoPlanes(goal, {planes.data(), planes.size()}, tolerance);
+  }
+};
+
+Constraints constraintsOf(const ContactWorld& world, double radius, Proxy& proxy, Covered covered) {
+  Constraints all;
+  for (ProxyPlane& plane : proxy.planes) {
+    plane.multiplier = plane.depth = 0.0;
+    const ProxyPlane* cover = proxy.planes.size() > 1 ? coverOf(proxy, radius, plane) : nullptr;
+    if (cover != nullptr) {
+      SurfacePoint face = plane.surface;
+      if (!facesProxy(world, *cover, proxy.position, face, plane.skin)) continue;
+      plane.beyondEdge = covered == Covered::asFace;
+      if (plane.beyondEdge) plane.surface = face;
+    }
+    all.tolerance = std::min(all.sources.empty() ? plane.skin : all.tolerance, 0.125 * plane.skin);
+    all.sources.push_back(&plane);
+    all.planes.push_back({plane.surface.normal, radius + plane.margin - plane.surface.distance});
+  }
+  return all;
+}
+
+/// Measures the depths: the multipliers, with a skin in place of the margin. `goal` is relative to the proxy.
+void measureDepths(const glm::dvec3& goal, double radius, const Constraints& all) {
+  Constraints felt;
+  bool margins = false;
+  for (std::size_t i = 0; i < all.sources.size(); ++i) {
+    ProxyPlane& plane = *all.sources[i];
+    plane.depth = plane.multiplier;
+    if (!presses(plane)) continue;
+    felt.sources.push_back(&plane);
+    felt.planes.push_back(all.planes[i]);
+    if (!(plane.margin > plane.skin)) continue;
+    margins = true;
+    HalfSpace& surface = felt.planes.back();
+    surface.offset = radius + plane.skin - plane.surface.distance;
+    plane.depth = std::max(0.0, plane.multiplier - (all.planes[i].offset - surface.offset));
+  }
+  // Planes that are not at right angles share their margins, so several are solved for anew.
+  if (!margins || felt.sources.size() < 2) return;
+  felt.tolerance = all.tolerance;
+  const Projection found = felt.project(goal);
+  if (!found.exact) return;
+  for (std::size_t i = 0; i < felt.sources.size(); ++i) felt.sources[i]->depth = found.multiplier[i];
+}
+
 }  // namespace
 
 void takeFacePlane(const Triangle& face, const glm::dvec3& position, SurfacePoint& at) {
@@ -74,8 +127,9 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
     plane.surface = world.surfaceAt(plane.surface.part, plane.surface.triangle, proxy.position);
     plane.beyondEdge = false;
     plane.skin = world.skin(plane.surface.part, proxy.position);
+    plane.margin = world.margin(plane.surface.part, proxy.position, radius);
     const glm::dvec3 offset = proxy.position - plane.surface.point;
-    if (glm::length(offset) > radius + 2.0 * plane.skin) {
+    if (glm::length(offset) > radius + 2.0 * plane.margin) {
       changed = changed || presses(plane);
       // The face that the surface walk expects ahead is kept once before it is touched.
       if (!plane.arriving || !plane.surface.onFace) continue;
@@ -88,41 +142,46 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy) {
   return changed;
 }
 
-void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy) {
+void addPlane(const ContactWorld& world, const WorldHit& hit, double radius, Proxy& proxy) {
   ASSERT(world.has(hit.part));
   ProxyPlane& plane = slotFor(hit, proxy);
   plane.surface = {
       hit.part,  hit.triangle, hit.point, hit.normal, glm::dot(proxy.position - hit.point, hit.normal),
       hit.onFace};
   plane.skin = world.skin(hit.part, proxy.position);
-  plane.multiplier = 0.0;
+  plane.margin = world.margin(hit.part, proxy.position, radius);
+  plane.multiplier = plane.depth = 0.0;
   plane.beyondEdge = false;
 }
 
 glm::dvec3 displacementToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
                               Covered covered) {
-  FixedVector<HalfSpace, kMaxPlanes> planes;
-  FixedVector<ProxyPlane*, kMaxPlanes> sources;
-  double tolerance = 0.0;
-  for (ProxyPlane& plane : proxy.planes) {
-    plane.multiplier = 0.0;
-    const ProxyPlane* cover = proxy.planes.size() > 1 ? coverOf(proxy, radius, plane) : nullptr;
-    if (cover != nullptr) {
-      SurfacePoint face = plane.surface;
-      if (!facesProxy(world, *cover, proxy.position, face, plane.skin)) continue;
-      plane.beyondEdge = covered == Covered::asFace;
-      if (plane.beyondEdge) plane.surface = face;
-    }
-    tolerance = planes.empty() ? 0.125 * plane.skin : std::min(tolerance, 0.125 * plane.skin);
-    sources.push_back(&plane);
-    planes.push_back({plane.surface.normal, radius + plane.skin - plane.surface.distance});
-  }
   // Lengths are relative to the proxy, where they are small and keep their precision.
-  const Projection found =
-      projectOntoPlanes(goal - proxy.position, {planes.data(), planes.size()}, tolerance);
-  for (std::size_t i = 0; i < sources.size(); ++i) sources[i]->multiplier = found.multiplier[i];
-  // Planes contradict each other in a gap narrower than the tool and its skins; staying is always allowed.
+  const glm::dvec3 ahead = goal - proxy.position;
+  Constraints all = constraintsOf(world, radius, proxy, covered);
+  Projection found = all.project(ahead);
+  if (!found.exact) {
+    // In a gap narrower than the tool and its margins the planes contradict each other. Staying is always
+    // allowed, and so is all that comes no nearer to any of them.
+    for (HalfSpace& plane : all.planes) plane.offset = std::min(plane.offset, 0.0);
+    found = all.project(ahead);
+  }
+  for (std::size_t i = 0; i < all.sources.size(); ++i) all.sources[i]->multiplier = found.multiplier[i];
+  measureDepths(ahead, radius, all);
   return found.exact ? found.point : glm::dvec3(0.0);
+}
+
+glm::dvec3 feltPosition(const Proxy& proxy, double radius) {
+  const glm::dvec3 back = heldByMargins(proxy);
+  if (back == glm::dvec3(0.0)) return proxy.position;
+  // A point that has not come up to its margin everywhere is nearer to the surface.
+  double share = 1.0;
+  for (const ProxyPlane& plane : proxy.planes) {
+    const double nearer = glm::dot(back, plane.surface.normal);
+    const double room = std::max(0.0, plane.surface.distance - radius - plane.skin);
+    if (nearer * share > room) share = room / nearer;
+  }
+  return proxy.position - share * back;
 }
 
 double smallestSkin(const Proxy& proxy) {
@@ -130,6 +189,12 @@ double smallestSkin(const Proxy& proxy) {
   double skin = proxy.planes[0].skin;
   for (const ProxyPlane& plane : proxy.planes) skin = std::min(skin, plane.skin);
   return skin;
+}
+
+double largestMargin(const Proxy& proxy) {
+  double margin = 0.0;
+  for (const ProxyPlane& plane : proxy.planes) margin = std::max(margin, plane.margin);
+  return margin;
 }
 
 bool touches(const Proxy& proxy) { return std::any_of(proxy.planes.begin(), proxy.planes.end(), presses); }

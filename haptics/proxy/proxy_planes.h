@@ -16,7 +16,7 @@ bool refreshPlanes(const ContactWorld& world, double radius, Proxy& proxy);
 
 /// Adds the triangle that a sweep has hit. It replaces the plane of the same triangle, takes a free slot, or
 /// replaces a plane that does not press.
-void addPlane(const ContactWorld& world, const WorldHit& hit, Proxy& proxy);
+void addPlane(const ContactWorld& world, const WorldHit& hit, double radius, Proxy& proxy);
 
 /// Turns a contact on the edge or corner of a triangle (world frame) into one with the triangle's plane. A
 /// triangle without area leaves the contact unchanged.
@@ -28,13 +28,14 @@ enum class Covered { asFace, asEdge };
 
 /// Displacement from the proxy to the point nearest to the goal that the known planes allow, m: the god
 /// object of Zilles & Salisbury 1995, with planes at the height of the ball as in Ruspini, Kolarov & Khatib
-/// 1997. Stores the multipliers, and whether a face presses beyond its edge. Zero where the planes
-/// contradict each other.
+/// 1997. Stores the multipliers, the depths, and whether a face presses beyond its edge. In a gap where the
+/// planes contradict each other the proxy may come no nearer to any of them.
 glm::dvec3 displacementToGoal(const ContactWorld& world, const glm::dvec3& goal, double radius, Proxy& proxy,
                               Covered covered = Covered::asFace);
 
-/// Smallest skin of the known planes, m; 0 without any.
+/// Smallest skin and largest margin of the known planes, m; 0 without any.
 double smallestSkin(const Proxy& proxy);
+double largestMargin(const Proxy& proxy);
 
 /// Whether any plane presses.
 bool touches(const Proxy& proxy);

@@ -20,8 +20,8 @@ constexpr double kSkim = 8.0;
 // Bisection steps between the free and the blocked end of a roll, which resolve 2^-40 of its arc.
 constexpr int kBisections = 40;
 // Sine of the angle between a displacement and a face. To step back to its full height the ball moves half a
-// skin / sine back along its displacement; on a flatter one, which needs more than 32 skins, it stays where
-// it was stopped.
+// margin / sine back along its displacement; on a flatter one, which needs more than 32 margins, it stays
+// where it was stopped.
 constexpr double kSteepEnough = 1.0 / 64.0;
 
 /// The first hit on a straight displacement. A move back to a surface that was just lost is tested against
@@ -46,14 +46,14 @@ bool advance(const ContactWorld& world, const glm::dvec3& displacement, double r
     proxy.position += displacement;
     return true;
   }
-  // The sweep stops at half a skin. Where the displacement meets the surface steeply enough, stepping back
+  // The sweep stops at half a margin. Where the displacement meets the surface steeply enough, stepping back
   // along it to the full height is short and free.
   const double length = glm::length(displacement), slope = -glm::dot(hit.normal, displacement) / length;
   const double back =
-      slope > kSteepEnough ? 0.5 * world.skin(hit.part, proxy.position) / (slope * length) : 0.0;
+      slope > kSteepEnough ? 0.5 * world.margin(hit.part, proxy.position, radius) / (slope * length) : 0.0;
   proxy.position += displacement * (hit.t > 2.0 * back ? hit.t - back : hit.t);
   refreshPlanes(world, radius, proxy);
-  addPlane(world, hit, proxy);
+  addPlane(world, hit, radius, proxy);
   return false;
 }
 
@@ -74,7 +74,7 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const glm::dvec3 foot = crease.a + axis * std::clamp(place, 0.0, 1.0);
   const glm::dvec3 normal = plane.surface.normal;
   const glm::dvec3 out = goal - (crease.a + axis * place);
-  const double reach = radius + plane.skin, length = glm::length(out);
+  const double reach = radius + plane.margin, length = glm::length(out);
   if (!(length > 0.0)) return false;
   const double cosine = std::clamp(glm::dot(normal, out) / length, -1.0, 1.0);
   const glm::dvec3 sideways = out / length - cosine * normal;
@@ -87,7 +87,7 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   if (sine > 0.0) limit = rollLimit(world, plane.surface, plane.skin, tangent);
   const bool leaves = limit.triangle != kNoTriangle && limit.angle < std::min(angle, kMaxRoll);
   // A displacement far longer than the arc skims over it and over the creases behind it.
-  if (leaves && glm::length(displacement) > kSkim * limit.angle * reach + 8.0 * plane.skin) return false;
+  if (leaves && glm::length(displacement) > kSkim * limit.angle * reach + 8.0 * plane.margin) return false;
   // If the other side of the crease is unknown and the goal is under it, the ball would roll too far.
   if (!leaves && angle > kMaxRoll && plane.multiplier >= 0.8 * radius) return false;
   const double rollAngle = std::min({angle, limit.angle, kMaxRoll}),
@@ -104,12 +104,12 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   const auto rollTo = [&](double part, const glm::dvec3& end) {
     const double t = part * rollAngle;
     const glm::dvec3 middle = over(0.5 * part, reach / std::cos(0.5 * t));
-    return (reach * t * t <= plane.skin || advance(world, middle - proxy.position, radius, proxy, stop)) &&
+    return (reach * t * t <= plane.margin || advance(world, middle - proxy.position, radius, proxy, stop)) &&
            advance(world, end - proxy.position, radius, proxy, stop);
   };
   const Proxy before = proxy;
   glm::dvec3 end = over(1.0, reach);
-  if (leaves) end += 3.0 * plane.skin * (std::cos(rollAngle) * tangent - std::sin(rollAngle) * normal);
+  if (leaves) end += 3.0 * plane.margin * (std::cos(rollAngle) * tangent - std::sin(rollAngle) * normal);
   if (rollTo(1.0, end)) {
     refreshPlanes(world, radius, proxy);
     return true;
@@ -117,7 +117,7 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   // The ball was stopped on a tangent, above the arc. Bisection finds where the arc itself touches the
   // obstacle; there both hold the ball.
   const WorldHit met = stop;
-  const double contact = radius + world.skin(met.part, proxy.position);
+  const double contact = radius + world.margin(met.part, proxy.position, radius);
   const auto isFree = [&](double part) { return glm::length(over(part, reach) - met.point) > contact; };
   if (!isFree(0.0) || isFree(1.0)) return true;
   double free = 0.0, blocked = 1.0;
@@ -129,7 +129,7 @@ bool rollOverCrease(const ContactWorld& world, const glm::dvec3& goal, double ra
   proxy = before;
   proxy.sweeps = sweeps;
   if (rollTo(free, over(free, reach))) {
-    addPlane(world, met, proxy);
+    addPlane(world, met, radius, proxy);
     refreshPlanes(world, radius, proxy);
   }
   return true;
@@ -146,7 +146,7 @@ bool stepOffRidge(const ContactWorld& world, const glm::dvec3& position, const g
   at.triangle = ahead;
   takeFacePlane(world.triangle(at.part, ahead), position, at);
   // From a lower position over that face, a sweep would hit the ridge.
-  if (at.distance < 0.75 * plane.skin) return false;
+  if (at.distance < 0.75 * plane.margin) return false;
   plane.surface = at;
   return true;
 }

@@ -17,12 +17,13 @@ constexpr int kMaxSeams = 4;  // seams at which a query must find the next trian
 /// A contact point on its path over the triangles of one part, in that part's frame.
 class Walker {
  public:
-  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement, double skin)
+  Walker(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement,
+         const WalkTolerance& tolerance)
       : world_(world),
         way_(displacement),
         upright_(from.normal),
         length_(glm::length(displacement)),
-        skin_(skin) {
+        tolerance_(tolerance) {
     enter(from.part, from.triangle, from.point);
   }
 
@@ -87,7 +88,7 @@ class Walker {
       if (!(speed > 0.0)) continue;
       const double room = glm::dot(outwards, a - at_);
       // A path along an edge does not leave the triangle; it must end clearly beyond the edge.
-      if (speed * (1.0 - walked_) - room <= 2.0 * skin_ * glm::length(along)) continue;
+      if (speed * (1.0 - walked_) - room <= 2.0 * tolerance_.edge * glm::length(along)) continue;
       const double when = walked_ + std::max(0.0, room) / speed;
       if (when >= earliest) continue;
       earliest = when;
@@ -114,10 +115,11 @@ class Walker {
   bool crossSeam(const SurfacePoint& from) {
     if (!(length_ > 0.0)) return false;
     const Pose& pose = world_.pose(part_);
-    const double ahead = 2.0 * skin_ / length_;
+    const double ahead = 2.0 * tolerance_.seam / length_;
+    if (walked_ + ahead >= 1.0) return false;  // the path ends before that place
     const glm::dvec3 ground = transformPoint(pose, at_), probe = ground + way_ * ahead;
     SurfacePoint nearest;
-    double reach = 0.5 * skin_;
+    double reach = 0.5 * tolerance_.seam;
     const glm::dvec3 grow(reach);
     bool found = false;
     world_.forEachNear({probe - grow, probe + grow}, [&](PartId part) {
@@ -129,14 +131,15 @@ class Walker {
       found = true;
     });
     if (!found || (nearest.part == from.part && nearest.triangle == from.triangle)) return false;
-    walked_ = std::min(1.0, walked_ + ahead);
+    walked_ += ahead;
     enter(nearest.part, nearest.triangle, probe);
     return true;
   }
 
   const ContactWorld& world_;
   const glm::dvec3 way_, upright_;
-  const double length_, skin_;
+  const double length_;
+  const WalkTolerance tolerance_;
   PartId part_ = kNoPart;
   std::uint32_t triangle_ = kNoTriangle;
   const assets::Mesh* mesh_ = nullptr;
@@ -149,8 +152,8 @@ class Walker {
 }  // namespace
 
 SurfaceWalk walkSurface(const ContactWorld& world, const SurfacePoint& from, const glm::dvec3& displacement,
-                        double skin) {
-  return Walker(world, from, displacement, skin).run();
+                        const WalkTolerance& tolerance) {
+  return Walker(world, from, displacement, tolerance).run();
 }
 
 }  // namespace tandem::haptics

@@ -1,5 +1,6 @@
 #include "haptics/safety/sample_guard.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <glm/geometric.hpp>
@@ -38,9 +39,19 @@ SampleGuard::Verdict SampleGuard::judge(const DeviceSample& sample, const TickPa
 }
 
 bool SampleGuard::stale(const DeviceSample& sample, const TickParameters& parameters) {
-  const bool same = sample.time == stamp_ && sample.time != 0.0;
-  stamp_ = sample.time;
-  age_ = same ? age_ + parameters.dt : 0.0;
+  if (std::isfinite(sample.time)) latest_ = std::max(latest_, sample.time);
+  if (sample.time == 0.0 || latest_ > newest_) {
+    newest_ = latest_;
+    age_ = waited_ = 0.0;
+    return false;
+  }
+  age_ += parameters.dt;
+  waited_ += parameters.dt;
+  if (waited_ > parameters.staleAfter) {
+    newest_ = latest_;
+    latest_ = kNever;
+    waited_ = 0.0;
+  }
   return parameters.staleAfter > 0.0 && age_ > parameters.staleAfter;
 }
 

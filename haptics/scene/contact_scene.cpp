@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -55,7 +56,8 @@ void buildTrees(const std::vector<const assets::Mesh*>& meshes,
 std::size_t bytesOf(const assets::Mesh& mesh) {
   const auto bytes = [](const auto& list) { return list.size() * sizeof(list[0]); };
   return bytes(mesh.positions) + bytes(mesh.triangles) + bytes(mesh.triangleMaterial) +
-         bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv);
+         bytes(mesh.neighbours) + bytes(mesh.edgeFlags) + bytes(mesh.triangleShell) + bytes(mesh.triangleUv) +
+         bytes(mesh.triangleNormal);
 }
 
 /// Key of a list of shapes: parts of equal shapes share a tree, like parts of one mesh.
@@ -81,10 +83,26 @@ std::vector<assets::ImplicitShape> finite(std::vector<assets::ImplicitShape> sha
   return shapes;
 }
 
-Collider makeCollider(const TriangleBvh* tree) {
+/// Least radius of a tool that is swept along a part: a share of the coordinates that place its surface,
+/// which are those of its mesh and of the part within the scene. It is at most 2^-12 of the part, so that a
+/// part far smaller than the scene keeps its detail. A plane without bounds counts as large as the scene.
+double leastToolOf(const assets::Scene& scene, const assets::Part& part, const assets::Bounds& bounds,
+                   double share) {
+  const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
+  double size = glm::length(bounds.max - bounds.min), away = 0.0;
+  if (const glm::dvec3 all = scene.bounds.max - scene.bounds.min; glm::length(all) > 0.0 && all.x >= 0.0) {
+    size = std::min(size, glm::length(all));
+    away = glm::length(part.worldFromPart.position - 0.5 * (scene.bounds.min + scene.bounds.max));
+  }
+  return std::min(share * (glm::length(centre) + size + away), 0x1p-12 * size);
+}
+
+Collider makeCollider(const assets::Scene& scene, const assets::Part& part, const TriangleBvh* tree,
+                      double leastToolShare) {
   if (tree == nullptr || tree->empty()) return {};
   const assets::Bounds& bounds = tree->bounds();
-  return {tree, 0.5 * (bounds.min + bounds.max), 0.5 * glm::length(bounds.max - bounds.min), skinOf(bounds)};
+  return {tree, 0.5 * (bounds.min + bounds.max), 0.5 * glm::length(bounds.max - bounds.min), skinOf(bounds),
+          leastToolOf(scene, part, bounds, leastToolShare)};
 }
 
 }  // namespace
@@ -92,8 +110,10 @@ Collider makeCollider(const TriangleBvh* tree) {
 ContactScene::Data::Data() = default;
 ContactScene::Data::~Data() = default;
 
-ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std::make_unique<Data>()) {
+ContactScene::ContactScene(const assets::Scene& scene, int threads, double leastToolShare)
+    : data_(std::make_unique<Data>()) {
   data_->scene = &scene;
+  data_->leastToolShare = leastToolShare;
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   const glm::dvec3 size = glm::max(scene.bounds.max - scene.bounds.min, glm::dvec3(0.0));
   const double reach = glm::length(size) > 0.0 ? 10.0 * glm::length(size) : 1.0;
@@ -120,9 +140,12 @@ ContactScene::ContactScene(const assets::Scene& scene, int threads) : data_(std:
   data_->shapes.resize(meshes.size());
   data_->trees.resize(meshes.size());
   data_->replacements.resize(scene.meshes.size());
+  data_->deformed.resize(scene.meshes.size(), false);
   buildTrees(meshes, data_->trees, threads > 0 ? threads : cores);
-  for (const std::size_t tree : treeOfPart) {
-    data_->colliders.push_back(makeCollider(tree == assets::kNone ? nullptr : data_->trees[tree].get()));
+  for (std::size_t i = 0; i < treeOfPart.size(); ++i) {
+    const TriangleBvh* const tree =
+        treeOfPart[i] == assets::kNone ? nullptr : data_->trees[treeOfPart[i]].get();
+    data_->colliders.push_back(makeCollider(scene, scene.parts[i], tree, leastToolShare));
   }
   data_->surfaces = makeSurfaceScene(scene, data_->colliders);
 }
@@ -132,10 +155,15 @@ void ContactScene::Data::measure(std::uint32_t mesh) {
   for (std::size_t i = 0; i < colliders.size(); ++i) {
     const assets::Part& part = scene->parts[i];
     if (!part.shapes.empty() || part.mesh != mesh) continue;
-    colliders[i] = makeCollider(trees[mesh].get());
-    shaded = shaded || surfaces == nullptr || surfaces->parts[i].any;
+    colliders[i] = makeCollider(*scene, part, trees[mesh].get(), leastToolShare);
+    shaded = shaded || surfaces == nullptr || surfaces->parts[i].any ||
+             !trees[mesh]->mesh().triangleNormal.empty();
   }
-  if (shaded) surfaces = makeSurfaceScene(*scene, colliders);
+  if (!shaded) return;
+  std::set<const TriangleBvh*> moved;
+  for (std::size_t i = 0; i < deformed.size(); ++i)
+    if (deformed[i]) moved.insert(trees[i].get());
+  surfaces = makeSurfaceScene(*scene, colliders, moved);
 }
 
 bool ContactScene::modelParts(const ModelOptions& options) {
@@ -176,6 +204,7 @@ bool ContactScene::modelParts(const ModelOptions& options) {
 void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
   ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
   data_->trees[mesh]->refit(threads);
+  data_->deformed[mesh] = true;
   data_->measure(mesh);
   if (!data_->models.empty()) data_->models[mesh] = nullptr;
 }
@@ -186,6 +215,7 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
   ContactScene next;
   next.data_ = std::make_unique<Data>();
   next.data_->scene = data_->scene;
+  next.data_->leastToolShare = data_->leastToolShare;
   next.data_->shapeMeshes = data_->shapeMeshes;
   next.data_->shapes = data_->shapes;
   next.data_->replacements = data_->replacements;
@@ -194,6 +224,8 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
   if (!next.data_->models.empty()) next.data_->models[mesh] = nullptr;
   next.data_->colliders = data_->colliders;
   next.data_->tolerances = data_->tolerances;
+  next.data_->deformed = data_->deformed;
+  next.data_->deformed[mesh] = false;
   next.data_->trees[mesh] = std::make_shared<TriangleBvh>(*replacement, threads);
   next.data_->replacements[mesh] = std::move(replacement);
   next.data_->measure(mesh);

@@ -25,11 +25,16 @@ struct ModelOptions {
   std::function<bool(double, const char*)> progress;
 };
 
+/// Least radius with which a tool is swept, as a share of the coordinates that place a part's surface. Files
+/// state these as floats, which are off by up to 2^-24 of their size: no tool of this radius falls through
+/// the cracks that rounding leaves between triangles and between parts.
+inline constexpr double kLeastToolShare = 0x1p-20;
+
 class ContactScene {
  public:
   /// Builds the BVHs on up to `threads` threads (0 = all cores). Keeps a reference to `scene`, which must
-  /// outlive this object.
-  explicit ContactScene(const assets::Scene& scene, int threads = 0);
+  /// outlive this object. `leastToolShare` is for tests.
+  explicit ContactScene(const assets::Scene& scene, int threads = 0, double leastToolShare = kLeastToolShare);
   ~ContactScene();
   ContactScene(ContactScene&&) noexcept;
   ContactScene& operator=(ContactScene&&) noexcept;

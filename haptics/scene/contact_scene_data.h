@@ -19,6 +19,7 @@ struct Collider {
   glm::dvec3 centre{0.0, 0.0, 0.0};   // m, part frame, of the bounding box
   double radius = 0.0;                // m, of a ball around that centre that contains the part
   double skin = 0.0;                  // m, distance kept from the surface; see skinOf() in contact_scene.cpp
+  double leastTool = 0.0;             // m, least radius of a swept tool; see leastToolOf() there
   const PartModel* model = nullptr;   // null: held parts pass through it
 
   bool operator==(const Collider&) const = default;
@@ -33,6 +34,7 @@ struct ContactScene::Data {
   void measure(std::uint32_t mesh);
 
   const assets::Scene* scene = nullptr;
+  double leastToolShare = 0.0;
   std::vector<std::shared_ptr<const assets::Mesh>> shapeMeshes;  // tessellated implicit shapes
   std::vector<std::vector<assets::ImplicitShape>> shapes;  // one a tree, of finite extents; empty for a mesh
   std::vector<std::shared_ptr<const assets::Mesh>> replacements;  // a scene mesh: what stands for it, or null
@@ -41,6 +43,7 @@ struct ContactScene::Data {
   std::vector<std::shared_ptr<const PartModel>> models;
   std::vector<Collider> colliders;         // one a part
   std::vector<PartTolerance> tolerances;   // one a part once models exist, else none
+  std::vector<bool> deformed;              // one a scene mesh: refitted, so that its normals do not hold
   std::unique_ptr<SurfaceScene> surfaces;  // null: no material has surface effects
 };
 

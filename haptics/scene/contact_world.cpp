@@ -25,7 +25,8 @@ assets::Bounds worldBox(const Collider& collider, const Pose& pose) {
   const glm::dvec3 reach =
       glm::abs(turn[0]) * half.x + glm::abs(turn[1]) * half.y + glm::abs(turn[2]) * half.z;
   const glm::dvec3 centre = transformPoint(pose, collider.centre);
-  const glm::dvec3 slack(collider.skin + 0x1p-42 * (glm::length(pose.position) + collider.radius));
+  const glm::dvec3 slack(collider.skin + 2.0 * collider.leastTool +
+                         0x1p-42 * (glm::length(pose.position) + collider.radius));
   return {centre - reach - slack, centre + reach + slack};
 }
 
@@ -76,8 +77,12 @@ void ContactWorld::measure(PartId part) {
   // The tool belongs to every collision system and collides with every system, so only a part that excludes
   // all systems is untouchable.
   parts_[part].solid = !empty && broad_.contains(part) && filter.memberOf != 0 && filter.collidesWith != 0;
-  loose_.setReach(part, empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius));
+  loose_.setReach(
+      part,
+      empty ? -1.0 : 1.001 * (glm::length(collider.centre) + collider.radius + 2.0 * collider.leastTool));
   loose_.drop(part);
+  free_.forget();
+  fronts_.forget();
   if (!empty && broad_.contains(part)) broad_.update(part, worldBox(collider, poses_[part]));
 }
 
@@ -86,7 +91,9 @@ void ContactWorld::setPose(PartId part, const Pose& worldFromPart, const Twist& 
   poses_[part] = worldFromPart;
   parts_[part].twist = twist;
   loose_.drop(part);
-  broad_.update(part, worldBox(data_->colliders[part], worldFromPart));
+  const assets::Bounds box = worldBox(data_->colliders[part], worldFromPart);
+  free_.exclude(box);
+  broad_.update(part, box);
 }
 
 void ContactWorld::noteNear(PartId part, const Pose& worldFromPart) {
@@ -94,6 +101,7 @@ void ContactWorld::noteNear(PartId part, const Pose& worldFromPart) {
   const assets::Bounds before = worldBox(data_->colliders[part], poses_[part]);
   const assets::Bounds after = worldBox(data_->colliders[part], worldFromPart);
   loose_.addNear(part, {glm::min(before.min, after.min), glm::max(before.max, after.max)});
+  free_.exclude(after);
 }
 
 void ContactWorld::setNearPose(PartId part, const Pose& worldFromPart, const Twist& twist) {
@@ -131,16 +139,20 @@ double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
   return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(poses_[part].position));
 }
 
+double ContactWorld::margin(PartId part, const glm::dvec3& p, double radius) const {
+  return std::max(skin(part, p), 2.0 * (data_->colliders[part].leastTool - radius));
+}
+
 bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3& motion, double radius,
                              WorldHit& hit) const {
   ASSERT(has(part) && data_->colliders[part].tree != nullptr);
   const Pose& pose = poses_[part];
   const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
-  const double off = skin(part, p);
+  const double off = margin(part, p, radius);
   MeshBallHit local;
   local.t = hit.t;
-  if (!data_->colliders[part].tree->sweepBall(toPart(pose, p), partFromWorld * motion, radius + 0.5 * off,
-                                              0.125 * off, local)) {
+  if (!fronts_.of(part).sweepBall(*data_->colliders[part].tree, toPart(pose, p), partFromWorld * motion,
+                                  radius + 0.5 * off, 0.125 * off, local)) {
     return false;
   }
   hit.t = local.t;
@@ -154,6 +166,7 @@ bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3&
 
 bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
                          WorldHit& hit) const {
+  if (free_.contains(p, radius) && free_.contains(p + motion, radius)) return false;
   const glm::dvec3 grow(radius);
   const assets::Bounds box{glm::min(p, p + motion) - grow, glm::max(p, p + motion) + grow};
   bool found = false;
@@ -174,10 +187,11 @@ bool ContactWorld::sweep(const glm::dvec3& p, const glm::dvec3& motion, double r
 double ContactWorld::sweepOne(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId part,
                               std::uint32_t triangle) const {
   if (!has(part) || !touchable(part)) return 1.0;
+  if (free_.contains(p, radius) && free_.contains(p + motion, radius)) return 1.0;
   const TriangleBvh& tree = *data_->colliders[part].tree;
   if (triangle >= tree.mesh().triangles.size()) return 1.0;
   const Pose& pose = poses_[part];
-  const double off = skin(part, p);
+  const double off = margin(part, p, radius);
   BallHit hit;
   haptics::sweepBall(toPart(pose, p), glm::conjugate(pose.orientation) * motion, radius + 0.5 * off,
                      0.125 * off, tree.triangle(triangle), hit);
@@ -190,7 +204,7 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
   const Collider& collider = data_->colliders[part];
   if (!touchable(part)) return false;
   const Pose& now = poses_[part];
-  const double off = skin(part, p);
+  const double off = margin(part, p, radius);
   const double reach = collider.radius + radius + 2.0 * off;
   const glm::dvec3 c0 = transformPoint(before, collider.centre), c1 = transformPoint(now, collider.centre);
   if (glm::length(p - closestPointOnSegment(p, c0, c1)) > reach) return false;
@@ -252,6 +266,13 @@ bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, Surfa
   return true;
 }
 
+NearLeaf ContactWorld::nearestLeaf(PartId part, const glm::dvec3& p, double reach) const {
+  ASSERT(has(part));
+  const Collider& collider = data_->colliders[part];
+  if (collider.tree == nullptr) return {reach, kNoTriangle};
+  return collider.tree->nearestLeaf(toPart(poses_[part], p), reach);
+}
+
 bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) const {
   ASSERT(has(part));
   const Collider& collider = data_->colliders[part];
@@ -270,15 +291,20 @@ bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
   // Directions without zero or equal components, because CAD faces are axis-parallel and their edges often at
   // 45 degrees. From inside a solid every ray leaves once more often than it enters; in front of an open
   // surface the rays that hit it enter.
-  static constexpr double kRays[3][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0}};
+  static constexpr double kRays[7][3] = {{1.0, 0.137, 0.271}, {-0.193, 1.0, -0.311}, {0.229, -0.173, -1.0},
+                                         {0.61, 0.57, 0.55},  {-0.53, 0.63, 0.59},   {0.58, -0.62, 0.54},
+                                         {0.56, 0.59, -0.64}};
   const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
-  int leaving = 0;
-  for (const auto& ray : kRays) {
-    const glm::dvec3 path = glm::dvec3(ray[0], ray[1], ray[2]) * length;
-    leaving += collider.tree->signedCrossings(local, local + path) > 0 ? 1 : 0;
-    leaving += collider.tree->signedCrossings(local, local - path) > 0 ? 1 : 0;
+  const bool closed = collider.tree->mesh().closed;
+  const int rays = closed ? 3 : 7;
+  int missing = 0;
+  for (int i = 0; i < rays; ++i) {
+    const glm::dvec3 path = glm::dvec3(kRays[i][0], kRays[i][1], kRays[i][2]) * length;
+    missing += collider.tree->signedCrossings(local, local + path) > 0 ? 0 : 1;
+    missing += collider.tree->signedCrossings(local, local - path) > 0 ? 0 : 1;
+    if (missing > (closed ? 1 : 0)) return false;
   }
-  return leaving >= 5;
+  return true;
 }
 
 const assets::Material& ContactWorld::material(PartId part, std::uint32_t triangle) const {

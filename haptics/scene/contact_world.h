@@ -12,25 +12,12 @@
 #include "assets/base/pose.h"
 #include "haptics/geometry/scene_bvh.h"
 #include "haptics/scene/contact_scene_data.h"
+#include "haptics/scene/free_ball.h"
 #include "haptics/scene/loose_parts.h"
+#include "haptics/scene/surface_point.h"
+#include "haptics/scene/sweep_fronts.h"
 
 namespace tandem::haptics {
-
-/// First contact of the moving tool with any part, world frame.
-struct WorldHit : BallHit {
-  PartId part = kNoPart;
-  std::uint32_t triangle = kNoTriangle;
-};
-
-/// A point of a part's surface, world frame.
-struct SurfacePoint {
-  PartId part = kNoPart;
-  std::uint32_t triangle = kNoTriangle;
-  glm::dvec3 point{0.0, 0.0, 0.0};
-  glm::dvec3 normal{0.0, 0.0, 0.0};  // unit, towards the query point
-  double distance = 0.0;             // m
-  bool onFace = false;               // inside the triangle, neither on an edge nor a corner
-};
 
 class ContactWorld {
  public:
@@ -62,7 +49,10 @@ class ContactWorld {
   // within `region`.
 
   /// `region` is where this tick will query, m, world.
-  void beginMotions(const assets::Bounds& region) { loose_.begin(region); }
+  void beginMotions(const assets::Bounds& region) {
+    loose_.begin(region);
+    free_.confineTo(region);
+  }
   /// True if the part may enter the region on its path; it then still has its old pose. Otherwise it has
   /// moved.
   bool noteMotion(PartId part, const Pose& worldFromPart) {
@@ -86,17 +76,33 @@ class ContactWorld {
     return parts_[part].solid && !parts_[part].ignored && !parts_[part].hidden;
   }
   /// A part hidden by a layer does not exist for contact.
-  void setHidden(PartId part, bool hidden) { parts_[part].hidden = hidden; }
+  void setHidden(PartId part, bool hidden) {
+    if (!hidden) free_.forget();
+    parts_[part].hidden = hidden;
+  }
   bool hidden(PartId part) const { return parts_[part].hidden; }
-  void setIgnored(PartId part, bool ignored) { parts_[part].ignored = ignored; }
+  void setIgnored(PartId part, bool ignored) {
+    if (!ignored) free_.forget();
+    parts_[part].ignored = ignored;
+  }
   bool ignored(PartId part) const { return parts_[part].ignored; }
+
+  /// Keeps a ball that no touchable part's surface, with its margin, reaches into, so that sweep() in it
+  /// needs no query. It shrinks as parts move, appear or change. A radius that is too large lets the tool
+  /// through.
+  void keepFree(const glm::dvec3& centre, double radius) { free_.keep(centre, radius); }
+  const FreeBall& freeBall() const { return free_; }
 
   /// The skin near p, the distance that the tool keeps from a part, m: the part's own skin plus the rounding
   /// of world coordinates.
   double skin(PartId part, const glm::dvec3& p) const;
+  /// The distance beyond its radius that a tool's centre keeps from a part near p, m: a skin. A tool smaller
+  /// than the part's least one, such as a point, keeps twice what it lacks. A sweep stops it at half the
+  /// margin, which is never less than that least tool.
+  double margin(PartId part, const glm::dvec3& p, double radius) const;
 
   /// First contact, earlier than hit.t, of a ball of `radius` moving from p by `motion` with any touchable
-  /// part but `except`, at a distance of radius plus half a skin.
+  /// part but `except`, at a distance of radius plus half a margin.
   bool sweep(const glm::dvec3& p, const glm::dvec3& motion, double radius, PartId except,
              WorldHit& hit) const;
 
@@ -123,9 +129,13 @@ class ContactWorld {
   /// The nearest point of one part within `reach` m of p; false if there is none.
   bool nearest(PartId part, const glm::dvec3& p, double reach, SurfacePoint& found) const;
 
-  /// Whether p is inside the part's solid, or nearer than `radius` to its surface. A point is inside if at
-  /// least five of six rays leave the solid, so that a ray through an edge or a small hole does not decide
-  /// alone.
+  /// A lower bound of the distance from p to one part, `reach` if it is no nearer, and a triangle near there.
+  NearLeaf nearestLeaf(PartId part, const glm::dvec3& p, double reach) const;
+
+  /// Whether p is inside the part's solid, or nearer than `radius` to its surface. A point is inside a closed
+  /// mesh if at least five of six rays leave it, so that a ray through an edge does not decide alone. A mesh
+  /// that is not closed may be a sheet or a solid that lacks faces: a point is inside if all of fourteen
+  /// rays leave it, so that a hole whose rim is seen more than some 40 degrees off its axis is a way out.
   bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
   /// Whether p is inside the solid of a part that has geometry; the second test of overlaps().
   bool encloses(PartId part, const glm::dvec3& p) const;
@@ -163,7 +173,9 @@ class ContactWorld {
   const ContactScene::Data* data_;
   std::vector<Pose> poses_;
   std::vector<PartState> parts_;
-  SceneBvh broad_;            // of the parts that are not loose; the boxes of loose parts are stale
+  FreeBall free_;
+  SceneBvh broad_;  // of the parts that are not loose; the boxes of loose parts are stale
+  mutable SweepFronts fronts_;
   mutable LooseParts loose_;  // a query outside the region widens it
 };
 

@@ -173,6 +173,8 @@ DistanceField::DistanceField(const TriangleBvh& tree, const Options& options) {
 }
 
 void FieldBake::run() {
+  // What comes in through a mouth meets no surface there, and feels the walls from inside.
+  if (sides_.hasMouth()) sides_.forgetInside();
   setLengths();
   field_.solid_ = sides_.solid();
   balls_.resize(tree_.mesh().triangles.size());

@@ -16,7 +16,7 @@ namespace tandem::haptics {
 namespace {
 
 // Raised whenever a bake of the same mesh and options produces another result.
-constexpr std::uint64_t kBakeVersion = 2;
+constexpr std::uint64_t kBakeVersion = 3;
 
 constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
 

@@ -25,7 +25,10 @@ struct PartModel {
   /// Model with edges and a field of this mesh that were made before.
   PartModel(const TriangleBvh& bvh, MeshEdges found, const ContactSamples::Options& sampling,
             DistanceField made)
-      : tree(&bvh), edges(std::move(found)), samples(bvh.mesh(), edges, sampling), field(std::move(made)) {}
+      : tree(&bvh),
+        edges(made.solid() ? std::move(found).ofSolid() : std::move(found)),
+        samples(bvh.mesh(), edges, sampling),
+        field(std::move(made)) {}
 
   /// Model of implicit shapes, by formula. The tree is that of the mesh that represents them elsewhere.
   PartModel(const TriangleBvh& bvh, std::span<const assets::ImplicitShape> shapes,

@@ -26,11 +26,46 @@ void addReach(const assets::Material& material, const assets::Surface& surface, 
   part.reach = std::max({part.reach, relief, pulls ? surface.magneticDistance : 0.0});
 }
 
+/// What a mesh adds to a part. A material without a surface is as smooth as the file's normals say.
+PartSurface surfaceOf(const assets::Scene& scene, const assets::Mesh& mesh, bool normals, SurfaceScene& out) {
+  PartSurface part;
+  if (scene.surfaces.empty() && !normals) return part;
+  const std::vector<bool> used = materialsOf(scene, mesh);
+  std::vector<double> creases(scene.materials.size(), 0.0);
+  bool shades = false;
+  for (std::size_t m = 0; m < used.size(); ++m) {
+    if (!used[m]) continue;
+    const assets::Material& material = scene.materials[m];
+    double crease = 0.0;
+    if (material.surface < scene.surfaces.size()) {
+      const assets::Surface& surface = scene.surfaces[material.surface];
+      part.any = true;
+      crease = surface.creaseAngle;
+      addReach(material, surface, part);
+    }
+    // A surface that says how smooth it is has no normals of the file.
+    creases[m] = crease > 0.0 || !normals ? crease : kFileNormals;
+    shades = shades || creases[m] != 0.0;
+  }
+  if (!shades) return part;
+  part.any = true;
+  out.shaded.push_back(std::make_unique<ShadedMesh>(shadeMesh(mesh, creases)));
+  part.shaded = out.shaded.back().get();
+  part.reach += part.shaded->relief;
+  return part;
+}
+
 }  // namespace
 
 std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
-                                               const std::vector<Collider>& colliders) {
-  if (scene.surfaces.empty()) return nullptr;
+                                               const std::vector<Collider>& colliders,
+                                               const std::set<const TriangleBvh*>& deformed) {
+  const auto hasNormals = [&](const TriangleBvh* tree) {
+    return tree != nullptr && !tree->mesh().triangleNormal.empty() && deformed.count(tree) == 0;
+  };
+  const bool normals = std::any_of(colliders.begin(), colliders.end(),
+                                   [&](const Collider& collider) { return hasNormals(collider.tree); });
+  if (scene.surfaces.empty() && !normals) return nullptr;
   auto out = std::make_unique<SurfaceScene>();
   out->parts.resize(colliders.size());
   std::map<const TriangleBvh*, PartSurface> known;  // instances share the data of a mesh
@@ -39,26 +74,8 @@ std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
     const TriangleBvh* tree = colliders[i].tree;
     if (tree == nullptr) continue;
     const auto [it, isNew] = known.try_emplace(tree);
-    PartSurface& part = it->second;
-    if (isNew) {
-      const std::vector<bool> used = materialsOf(scene, tree->mesh());
-      std::vector<double> creases(scene.materials.size(), 0.0);
-      bool shades = false;
-      for (std::size_t m = 0; m < used.size(); ++m) {
-        const assets::Material& material = scene.materials[m];
-        if (!used[m] || material.surface >= scene.surfaces.size()) continue;
-        const assets::Surface& surface = scene.surfaces[material.surface];
-        part.any = true;
-        creases[m] = surface.creaseAngle;
-        shades = shades || surface.creaseAngle > 0.0;
-        addReach(material, surface, part);
-      }
-      if (shades) {
-        out->shaded.push_back(std::make_unique<ShadedMesh>(shadeMesh(tree->mesh(), creases)));
-        part.shaded = out->shaded.back().get();
-        part.reach += part.shaded->relief;
-      }
-    }
+    if (isNew) it->second = surfaceOf(scene, tree->mesh(), hasNormals(tree), *out);
+    const PartSurface& part = it->second;
     out->parts[i] = part;
     any = any || part.any;
     out->reach = std::max(out->reach, part.reach);

@@ -4,10 +4,11 @@
 // has no SurfaceScene.
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "haptics/scene/contact_scene_data.h"
-#include "haptics/scene/force_shading.h"
+#include "haptics/scene/corner_normals.h"
 
 namespace tandem::haptics {
 
@@ -16,7 +17,7 @@ struct PartSurface {
   const ShadedMesh* shaded = nullptr;  // null: flat facets
   double reach = 0.0;       // m above the triangles within which its patches, relief or pull may act
   double forceReach = 0.0;  // N, of relief given as a force; the tool's stiffness converts it to reach
-  bool any = false;         // some material of the part has a surface
+  bool any = false;         // some material of the part has a surface, or normals of the file are felt
 };
 
 struct SurfaceScene {
@@ -25,8 +26,10 @@ struct SurfaceScene {
   double reach = 0.0, forceReach = 0.0;  // maxima over all parts
 };
 
-/// Null if no part's material has a surface.
+/// Null if no part's material has a surface and no mesh has normals. `deformed`: the trees whose points have
+/// moved since the mesh's normals were stated; these do not hold any more.
 std::unique_ptr<SurfaceScene> makeSurfaceScene(const assets::Scene& scene,
-                                               const std::vector<Collider>& colliders);
+                                               const std::vector<Collider>& colliders,
+                                               const std::set<const TriangleBvh*>& deformed = {});
 
 }  // namespace tandem::haptics

@@ -20,8 +20,16 @@ using assets::Material;
 using assets::Surface;
 using assets::SurfaceTexture;
 
-constexpr int kMaxNear = 4;    // parts per tick that may act before they are touched
-constexpr int kMaxAsked = 16;  // parts whose nearest point is queried for that
+constexpr int kMaxNear = 4;       // parts per tick that may act before they are touched
+constexpr int kMaxAsked = 16;     // parts whose nearest point is queried for that
+constexpr double kFlat = 0.9999;  // cos of 0.8 degrees between a contact and the flat facet under it
+// Angle between a contact and the normal of the patch under it, in turns of the facet over its patch, from
+// which shading fades, and from which the tool is on an edge that is sharp.
+constexpr double kOnPatch = 2.5, kOnEdge = 3.5;
+constexpr double kFacing = 0.75;  // cos of the largest angle between planes of one smooth contact
+
+/// Of materials that have none: they are as smooth as the file's normals say.
+const Surface kPlainSurface;
 
 /// One contact of the proxy with a surface: one pressing plane, or several of one smooth surface.
 struct Touch {
@@ -76,20 +84,43 @@ class SurfaceTick {
     if (now < before) total -= friction * (1.0 - std::max(0.0, now) / before);
     for (SurfaceSlot& slot : state_.slots)
       if (!slot.active) rest(slot);
-    return isFinite(total) ? total : force;
+    return holdShading(shading_, device_.worldFromDevice.position, force, isFinite(total) ? total : force,
+                       state_.shading);
   }
 
  private:
+  /// Notes a touch with a shaded part for holdShading().
+  void noteShading(const Touch& touch, const ShadedMesh* shaded, const PatchPoint& patch) {
+    const Surface& s = *touch.surface;
+    shading_.other = shading_.other || shaded == nullptr || s.law != Surface::Law::elastic ||
+                     s.texture.pattern != SurfaceTexture::Pattern::none || s.vibrationAmplitude > 0.0 ||
+                     s.stickSlipForce > 0.0 || s.magneticForce > 0.0 || s.popThroughForce > 0.0;
+    if (shading_.other) return;
+    const double stated = touch.material->stiffness > 0.0 ? touch.material->stiffness : parameters_.stiffness;
+    const double stiffness = stated * shareOfStiffness(s, stated);
+    const glm::dvec3 velocity = velocityAt(world_.pose(touch.part), world_.twist(touch.part), touch.point);
+    if (!shading_.any) {
+      shading_.part = touch.part;
+      shading_.region = shaded->region[touch.triangle];
+    }
+    shading_.any = true;
+    shading_.relief += stiffness * patch.relief;
+    shading_.stiffness = std::max(shading_.stiffness, stiffness);
+    shading_.travel = std::max(shading_.travel, parameters_.dt * glm::length(velocity));
+    shading_.trust = std::min(shading_.trust, patch.trust);
+  }
+
   const Surface* surfaceOf(PartId part, std::uint32_t triangle, const Material*& material) const {
     material = &world_.material(part, triangle);
     const auto& all = world_.scene().surfaces;
-    return material->surface < all.size() ? &all[material->surface] : nullptr;
+    if (material->surface < all.size()) return &all[material->surface];
+    return surfaces_.parts[part].shaded != nullptr ? &kPlainSurface : nullptr;
   }
 
   void findTouches() {
     int contact = 0;
     for (const ProxyPlane& plane : proxy_.planes) {
-      if (!presses(plane)) continue;
+      if (!isFelt(plane)) continue;
       addPlane(plane, contact < out_.contactCount ? contact : -1);
       ++contact;
     }
@@ -105,7 +136,7 @@ class SurfaceTick {
       plainPressing_ += known.force;
       return;
     }
-    const glm::dvec3 push = plane.multiplier * at.normal;
+    const glm::dvec3 push = plane.depth * at.normal;
     Touch* touch = nullptr;
     for (Touch& other : touches_) {
       if (touch == nullptr && joined(other, at, surface)) touch = &other;
@@ -113,12 +144,12 @@ class SurfaceTick {
     if (touch == nullptr) {
       if (touches_.full()) return;
       touch = &touches_.push_back(
-          {at.part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, contact});
+          {at.part, at.triangle, material, surface, at.point, at.normal, tool_, {}, 0.0, contact});
     }
     touch->goal -= push;
     touch->old += known.force * known.normal;
-    if (plane.multiplier > touch->strongest) {
-      touch->strongest = plane.multiplier;
+    if (plane.depth > touch->strongest) {
+      touch->strongest = plane.depth;
       touch->triangle = at.triangle;
       touch->point = at.point;
       touch->normal = at.normal;
@@ -126,9 +157,13 @@ class SurfaceTick {
   }
 
   /// Whether two planes are facets of one smooth surface.
-  static bool joined(const Touch& touch, const SurfacePoint& at, const Surface* surface) {
-    return touch.part == at.part && touch.surface == surface && surface->creaseAngle > 0.0 &&
-           glm::dot(touch.normal, at.normal) > std::cos(surface->creaseAngle);
+  bool joined(const Touch& touch, const SurfacePoint& at, const Surface* surface) const {
+    if (touch.part != at.part || touch.surface != surface) return false;
+    const ShadedMesh* shaded = surfaces_.parts[at.part].shaded;
+    const double crease = surface->creaseAngle;
+    return shaded != nullptr &&
+           glm::dot(touch.normal, at.normal) > (crease > 0.0 ? std::cos(crease) : kFacing) &&
+           smoothTogether(*shaded, world_.collider(at.part).tree->mesh(), touch.triangle, at.triangle);
   }
 
   /// Finds surfaces that act before their facets are touched: curved patches and relief above them, magnets.
@@ -138,15 +173,14 @@ class SurfaceTick {
     if (!(most > 0.0)) return;
     NearList near;
     const glm::dvec3 grow(parameters_.toolRadius + most);
-    world_.forEachNear({proxy_.position - grow, proxy_.position + grow},
-                       [&](PartId part) { considerNear(part, near); });
+    world_.forEachNear({tool_ - grow, tool_ + grow}, [&](PartId part) { considerNear(part, near); });
     int acting = 0;
     for (const NearPart& entry : near) {
       const PartId part = entry.part;
       const PartSurface& special = surfaces_.parts[part];
       SurfacePoint at;
       const double reach = parameters_.toolRadius + reachOf(special.reach, special.forceReach);
-      if (!world_.nearest(part, proxy_.position, reach, at)) continue;
+      if (!world_.nearest(part, tool_, reach, at)) continue;
       const Material* material = nullptr;
       const Surface* surface = surfaceOf(part, at.triangle, material);
       if (surface == nullptr) continue;
@@ -155,8 +189,7 @@ class SurfaceTick {
         return;
       }
       ++acting;
-      touches_.push_back(
-          {part, at.triangle, material, surface, at.point, at.normal, proxy_.position, {}, 0.0, -1});
+      touches_.push_back({part, at.triangle, material, surface, at.point, at.normal, tool_, {}, 0.0, -1});
     }
   }
 
@@ -177,7 +210,7 @@ class SurfaceTick {
     const double own = reachOf(special.reach, special.forceReach);
     if (!(own > 0.0) || !world_.touchable(part) || touches(part)) return;
     const Collider& collider = world_.collider(part);
-    const double away = glm::distance(proxy_.position, transformPoint(world_.pose(part), collider.centre));
+    const double away = glm::distance(tool_, transformPoint(world_.pose(part), collider.centre));
     const NearPart entry{std::max(0.0, away - collider.radius), part};
     if (entry.gap > own + parameters_.toolRadius) return;
     if (near.full()) {
@@ -222,17 +255,32 @@ class SurfaceTick {
     const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
     const auto toPart = [&](const glm::dvec3& p) { return partFromWorld * (p - pose.position); };
     const assets::Mesh& mesh = world_.collider(touch.part).tree->mesh();
-    const ShadedMesh* shaded =
-        touch.surface->creaseAngle > 0.0 ? surfaces_.parts[touch.part].shaded : nullptr;
+    const ShadedMesh* shaded = surfaces_.parts[touch.part].shaded;
     const glm::dvec3 facet = facetDirection(mesh, touch.triangle);
     const double side = glm::dot(partFromWorld * touch.normal, facet) < 0.0 ? -1.0 : 1.0;
+    const glm::dvec3 plain = touch.contact < 0 ? pullOf(touch) : touch.old;
     PatchPoint patch;
-    if (!projectOntoPatch(mesh, shaded, touch.triangle, toPart(touch.point), toPart(touch.goal), side,
-                          patch) ||
-        leavesCone(touch, partFromWorld * touch.normal, patch.normal)) {
-      return touch.contact < 0 ? pullOf(touch) : touch.old;
-    }
-    return transformVector(pose, respond(touch, mesh, patch, partFromWorld));
+    const bool found =
+        projectOntoPatch(mesh, shaded, touch.triangle, toPart(touch.point), toPart(touch.goal), side, patch);
+    noteShading(touch, shaded, patch);
+    if (!found) return plain;
+    const double share =
+        std::min(patch.share, shareOnPatch(mesh, shaded, patch, partFromWorld * touch.normal, facet));
+    if (!(share > 0.0)) return plain;
+    if (shaded != nullptr) limitDepth(touch, patch);
+    const glm::dvec3 felt = transformVector(pose, respond(touch, mesh, patch, partFromWorld));
+    return share < 1.0 ? glm::mix(plain, felt, share) : felt;
+  }
+
+  /// Holds the patch's depth and its gradient to what the facets and the surface over them allow:
+  /// |depth * gradient| <= the depth of the proxy's contact + the height of the surface over its facet.
+  void limitDepth(const Touch& touch, PatchPoint& patch) const {
+    const double most = glm::distance(tool_, touch.goal) + patch.relief;
+    const double depth = patch.depth + parameters_.toolRadius, steep = glm::length(patch.depthGradient);
+    if (!(depth * std::max(1.0, steep) > most)) return;
+    const double held = std::min(depth, most);
+    patch.depth = held - parameters_.toolRadius;
+    if (held * steep > most) patch.depthGradient *= most / (held * steep);
   }
 
   /// Pull of a magnet beyond its edges and corners, where its potential continues with the distance.
@@ -247,11 +295,18 @@ class SurfaceTick {
     return areaVector({mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
   }
 
-  /// Whether the tool rests on an edge or corner that is not smooth, where the plain contact is right.
-  static bool leavesCone(const Touch& touch, const glm::dvec3& contact, const glm::dvec3& smooth) {
-    constexpr double kFlat = 0.9999;  // cos of 0.8 degrees: a flat facet's own normal
-    const double crease = touch.surface->creaseAngle;
-    return glm::dot(contact, smooth) < (crease > 0.0 ? std::min(std::cos(crease), kFlat) : kFlat);
+  /// 1 where the tool rests on a facet or on its patch, 0 on an edge or corner that is not smooth, where the
+  /// plain contact is right.
+  static double shareOnPatch(const assets::Mesh& mesh, const ShadedMesh* shaded, const PatchPoint& patch,
+                             const glm::dvec3& contact, const glm::dvec3& facet) {
+    const double cosine = glm::dot(contact, patch.normal);
+    if (cosine >= kFlat || shaded == nullptr) return cosine >= kFlat ? 1.0 : 0.0;
+    const double along = glm::dot(contact, facet);
+    if (along * along >= kFlat * kFlat * glm::dot(facet, facet)) return 1.0;
+    const double turn = facetTurn(mesh, *shaded, patch.triangle);
+    if (!(turn > 0.0)) return 0.0;
+    const double off = std::acos(std::clamp(cosine, -1.0, 1.0)) / turn;
+    return std::clamp((kOnEdge - off) / (kOnEdge - kOnPatch), 0.0, 1.0);
   }
 
   /// Force in the part's frame.
@@ -442,8 +497,10 @@ class SurfaceTick {
   const TickParameters& parameters_;
   SurfaceState& state_;
   TickOutput& out_;
+  const glm::dvec3 tool_ = proxy_.position - heldByMargins(proxy_);  // m, world
   FixedVector<Touch, kMaxTouches> touches_;
   double plainPressing_ = 0.0;  // N, of contacts without a surface
+  ShadedTouches shading_;
 };
 
 }  // namespace

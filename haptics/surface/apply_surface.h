@@ -16,6 +16,7 @@
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/surface/contact_law.h"
+#include "haptics/surface/shading_limit.h"
 #include "haptics/surface/surface_effects.h"
 
 namespace tandem::haptics {
@@ -43,6 +44,7 @@ struct Dent {
 
 /// Persistent state of one hand's surface contacts.
 struct SurfaceState {
+  ShadingMemory shading;
   std::array<SurfaceSlot, kMaxSurfaceContacts> slots;
   FixedVector<Dent, kMaxDents> dents;
   PartId letGo = kNoPart;  // the part whose surface gave way in this tick

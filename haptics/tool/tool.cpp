@@ -8,11 +8,6 @@
 #include "haptics/proxy/contact_force.h"
 
 namespace tandem::haptics {
-namespace {
-
-constexpr int kMaxTouchQueries = 32;
-
-}  // namespace
 
 Tool::Tool(ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) { measureReach(); }
 
@@ -34,6 +29,7 @@ void Tool::reset() {
   flags_ |= kFlagProxyReset;
   proxy_ = Proxy{};
   proxy_.position = device_;
+  surface_.shading = {};
   ignoreOverlapping();
 }
 
@@ -69,7 +65,8 @@ void Tool::ignoreOverlapping() {
 }
 
 bool Tool::isOver(PartId part) const {
-  return world_.overlaps(part, device_, radius_) || world_.overlaps(part, proxy_.position, radius_);
+  return world_.overlaps(part, device_, radius_) ||
+         (proxy_.position != device_ && world_.overlaps(part, proxy_.position, radius_));
 }
 
 void Tool::ignoreIfOver(PartId part) {
@@ -81,6 +78,7 @@ void Tool::forgetIgnored(PartId held) {
   std::size_t left = 0;
   for (const PartId part : ignored_) {
     if (part == held || isOver(part)) {
+      if (part != held) flags_ |= kFlagInside;
       ignored_[left++] = part;
     } else {
       world_.setIgnored(part, false);
@@ -122,13 +120,14 @@ void Tool::carry(const glm::dvec3& position) {
   proxy_ = Proxy{};
   proxy_.position = position;
   contactWrench_ = Wrench{};
+  surface_.shading = {};
 }
 
 Wrench Tool::contactWrenchOf(PartId part) const {
   double all = 0.0, ofPart = 0.0;
   for (const ProxyPlane& plane : proxy_.planes) {
-    all += plane.multiplier;
-    if (plane.surface.part == part) ofPart += plane.multiplier;
+    all += plane.depth;
+    if (plane.surface.part == part) ofPart += plane.depth;
   }
   const double share = all > 0.0 ? ofPart / all : 0.0;
   return {contactWrench_.force * share, contactWrench_.torque * share};
@@ -137,7 +136,7 @@ Wrench Tool::contactWrenchOf(PartId part) const {
 EndedContact Tool::endedContactWith(PartId part) const {
   glm::dvec3 depth(0.0);
   for (const ProxyPlane& plane : proxy_.planes) {
-    if (plane.surface.part == part) depth += plane.multiplier * plane.surface.normal;
+    if (plane.surface.part == part) depth += plane.depth * plane.surface.normal;
   }
   const Wrench ended = contactWrenchOf(part);
   const double length = glm::length(depth);
@@ -159,30 +158,12 @@ double Tool::stiffest(double least) const {
   return stiffness;
 }
 
-PartId Tool::partUnder(PartId held) const {
+PartId Tool::partUnder(PartId held) {
   if (!started_) return kNoPart;
   for (const PartId part : ignored_) {
     if (part != held) return part;
   }
-  const glm::dvec3& p = proxy_.position;
-  const glm::dvec3 grow(std::max(touchReach_, radius_ * 3.0));
-  PartId under = kNoPart;
-  double nearest = 1e300;
-  int queries = 0;
-  world_.forEachNear({p - grow, p + grow}, [&](PartId part) {
-    if (!world_.touchable(part) || queries == kMaxTouchQueries) return;
-    const Collider& collider = world_.collider(part);
-    const double reach =
-        std::min(nearest, radius_ + std::max(2.0 * radius_, kTouchShare * 2.0 * collider.radius));
-    const glm::dvec3 centre = transformPoint(world_.pose(part), collider.centre);
-    if (glm::length(centre - p) > collider.radius + reach) return;
-    ++queries;
-    SurfacePoint found;
-    if (!world_.nearest(part, p, reach, found) || found.distance >= nearest) return;
-    nearest = found.distance;
-    under = part;
-  });
-  return under;
+  return finder_.find(world_, proxy_.position, radius_, radius_ + std::max(2.0 * radius_, touchReach_));
 }
 
 assets::Bounds Tool::reachInTick() const {

@@ -18,12 +18,11 @@
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/surface/apply_surface.h"
+#include "haptics/tool/part_finder.h"
 
 namespace tandem::haptics {
 
 inline constexpr int kMaxIgnored = 16;
-// A part may be taken when its surface is within this share of its own bounding diagonal: scale-free.
-inline constexpr double kTouchShare = 0.02;
 
 /// A change of the contact force in one tick that the hand did not make.
 struct ForeignChange {
@@ -60,7 +59,8 @@ class Tool {
   void ignoreOverlapping();
   /// The same for a part that appears over the device or the proxy.
   void ignoreIfOver(PartId part);
-  /// Ends the ignoring of the parts that the tool has left; `held` stays ignored.
+  /// Ends the ignoring of the parts that the tool has left; `held` stays ignored. Sets kFlagInside if any
+  /// other part is still ignored.
   void forgetIgnored(PartId held);
   /// Others have changed the force; `expected` m of that displacement continue the motion of the last tick.
   void noteForeignChange(double expected);
@@ -73,7 +73,10 @@ class Tool {
   /// The tool moves with a part in the hand and touches nothing itself; `position` m, world.
   void carry(const glm::dvec3& position);
   /// There is no reading: no contact force.
-  void withdraw() { contactWrench_ = Wrench{}; }
+  void withdraw() {
+    contactWrench_ = Wrench{};
+    surface_.shading = {};
+  }
 
   // What it touches.
 
@@ -91,7 +94,7 @@ class Tool {
   double stiffest(double least) const;
   /// The part under a tool without contacts: what it is inside of, `held` aside, else the nearest within
   /// that part's reach.
-  PartId partUnder(PartId held) const;
+  PartId partUnder(PartId held);
   /// Where the tool can come to in this tick with a margin, m, world.
   assets::Bounds reachInTick() const;
   const ForeignChange& foreignChange() const { return foreign_; }
@@ -122,10 +125,11 @@ class Tool {
   Wrench contactWrench_;
   glm::dvec3 device_{0.0, 0.0, 0.0};  // m, of the last valid reading
   bool started_ = false;              // there has been one
-  double touchReach_ = 0.0;           // m, the largest of all parts
-  double radius_ = 0.0, dt_ = 0.0;    // m and s, of this tick
-  ForeignChange foreign_;             // of this tick
-  std::uint32_t flags_ = 0;           // of this tick
+  PartFinder finder_;
+  double touchReach_ = 0.0;         // m, the largest of all parts
+  double radius_ = 0.0, dt_ = 0.0;  // m and s, of this tick
+  ForeignChange foreign_;           // of this tick
+  std::uint32_t flags_ = 0;         // of this tick
 };
 
 }  // namespace tandem::haptics

@@ -56,8 +56,9 @@ fcl::Transform3d fclPose(const Pose& pose) {
 
 /// One mesh as both libraries know it.
 struct Body {
-  explicit Body(const assets::Mesh& mesh) : tree(mesh), model(fclModel(mesh)) {}
+  explicit Body(const assets::Mesh& mesh) : tree(mesh), closing(tree), model(fclModel(mesh)) {}
   haptics::TriangleBvh tree;
+  haptics::MeshClosing closing;
   std::shared_ptr<Model> model;
 };
 
@@ -73,7 +74,7 @@ void measure(const Body& a, const Pose& worldFromA, const Body& b, const Pose& w
   haptics::nearestPoints({&a.tree, worldFromA}, {&b.tree, worldFromB}, kEverything, gap);
   times.tandem_us.push_back(1e6 * own.seconds());
   const bench::Stopwatch overlapping;
-  haptics::overlapOf({&a.tree, worldFromA}, {&b.tree, worldFromB});
+  haptics::overlapOf({&a.tree, worldFromA}, a.closing, {&b.tree, worldFromB}, b.closing);
   times.overlap_us.push_back(1e6 * overlapping.seconds());
   fcl::DistanceRequestd request;
   fcl::DistanceResultd result;

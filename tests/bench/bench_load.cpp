@@ -1,10 +1,12 @@
 // How long until a scene can be touched: file to parts to contact geometry, from a cold and a warm scene
 // cache.
 //
-//   bench_load [ENGINE.glb] [--json OUT.json]
+//   bench_load [--weld] [ENGINE.glb] [--json OUT.json]
 //
 // Always measures a sphere of a million triangles in one part; with a file (numbers in millimetres) that one
-// too. The yardstick is what cannot be saved: reading the file's bytes and hashing them once.
+// too. The yardstick is what cannot be saved: reading the file's bytes and hashing them once. Then what the
+// weld of T-junctions costs meshes of a million triangles, with the whole analysis of a mesh as the
+// yardstick; --weld measures that alone.
 
 #include <unistd.h>
 
@@ -17,6 +19,9 @@
 #include <vector>
 
 #include "assets/gltf/load_gltf.h"
+#include "assets/mesh/mesh_analysis.h"
+#include "assets/mesh/t_junctions.h"
+#include "assets/mesh/vertex_weld.h"
 #include "assets/scene/scene_package.h"
 #include "haptics/scene/contact_scene.h"
 #include "tests/bench/bench_report.h"
@@ -98,17 +103,88 @@ bool measure(const std::string& name, const std::string& file, double unitScale,
   return (warmBound <= 0.0 || report.bound(name + " warm, median, s", w.p50, warmBound)) && met;
 }
 
+/// Strips side by side whose columns do not match, about a million triangles: with `different` each strip has
+/// a number of its own, and every vertex on the border of two lies on an edge of the other.
+assets::TriangleSoup strips(int count, int columns, bool different) {
+  assets::TriangleSoup soup;
+  for (int strip = 0; strip < count; ++strip) {
+    const int own = different ? columns + strip % 2 : columns;
+    for (int i = 0; i < own; ++i) {
+      const auto first = static_cast<std::uint32_t>(soup.positions.size());
+      for (const auto& [x, y] : {std::pair(i, strip), {i + 1, strip}, {i + 1, strip + 1}, {i, strip + 1}})
+        soup.positions.emplace_back(glm::vec3(0.1 * x / own, 0.1 * y / count, 0.0));
+      soup.triangles.push_back({first, first + 1, first + 2});
+      soup.triangles.push_back({first, first + 2, first + 3});
+      soup.triangleMaterial.insert(soup.triangleMaterial.end(), 2, 0);
+    }
+  }
+  return soup;
+}
+
+/// Every triangle apart from the others: all edges are open, and none lies on another.
+assets::TriangleSoup confetti(int count) {
+  assets::TriangleSoup soup = strips(count, count, false), out;
+  for (const auto& t : soup.triangles) {
+    const glm::dvec3 middle = (soup.positions[t[0]] + soup.positions[t[1]] + soup.positions[t[2]]) / 3.0;
+    const auto first = static_cast<std::uint32_t>(out.positions.size());
+    for (const std::uint32_t v : t) out.positions.push_back(middle + 0.9 * (soup.positions[v] - middle));
+    out.triangles.push_back({first, first + 1, first + 2});
+    out.triangleMaterial.push_back(0);
+  }
+  return out;
+}
+
+/// Medians over runs of analyseMesh(), of the search for T-junctions alone, and the ratio.
+void measureWeld(const std::string& name, const assets::TriangleSoup& soup, bench::Report& report) {
+  std::vector<double> whole, search;
+  std::uint64_t junctions = 0;
+  for (int run = 0; run < 3; ++run) {
+    assets::TriangleSoup copy = soup;
+    bench::Stopwatch watch;
+    junctions = assets::analyseMesh(std::move(copy), 0.5).defects.tJunctions;
+    whole.push_back(watch.seconds());
+    const assets::WeldedVertices welded = assets::weldVertices(soup.positions, soup.triangles);
+    std::vector<assets::TriangleIndices> triangles = soup.triangles;
+    for (assets::TriangleIndices& t : triangles)
+      for (std::uint32_t& v : t) v = welded.pointOf[v];
+    const assets::EdgePairs pairs = assets::pairEdges(triangles, welded.points.size());
+    watch = bench::Stopwatch();
+    static_cast<void>(
+        assets::splitAtJunctions(welded.points, triangles, pairs, std::sqrt(3.0) * welded.tolerance));
+    search.push_back(watch.seconds());
+  }
+  report.value(name + ": junctions", "", static_cast<double>(junctions));
+  report.value(name + ": analysis", "s", bench::percentiles(whole).p50);
+  report.value(name + ": search", "s", bench::percentiles(search).p50);
+  report.value(name + ": search / analysis", "",
+               bench::percentiles(search).p50 / bench::percentiles(whole).p50);
+}
+
+void measureWelds(bench::Report& report) {
+  measureWeld("weld, 1 M in one sheet", strips(707, 707, false), report);
+  measureWeld("weld, 1 M in 707 strips", strips(707, 707, true), report);
+  measureWeld("weld, 1 M apart", confetti(707), report);
+}
+
 }  // namespace
 }  // namespace tandem
 
 int main(int argc, char** argv) {
   using namespace tandem;
   std::string engine, json;
+  bool weldOnly = false;
   for (int i = 1; i < argc; ++i) {
     if (std::strcmp(argv[i], "--json") == 0 && i + 1 < argc)
       json = argv[++i];
+    else if (std::strcmp(argv[i], "--weld") == 0)
+      weldOnly = true;
     else
       engine = argv[i];
+  }
+  bench::Report report("bench_load");
+  if (weldOnly) {
+    measureWelds(report);
+    return json.empty() || report.writeJson(json) ? 0 : 2;
   }
   const fs::path folder = fs::temp_directory_path() / ("tandem-bench-load-" + std::to_string(::getpid()));
   fs::create_directories(folder);
@@ -116,10 +192,10 @@ int main(int argc, char** argv) {
   const std::vector<unsigned char> bytes = sphere(708, 708);
   std::ofstream(file, std::ios::binary)
       .write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-  bench::Report report("bench_load");
   bool met = measure("1 M triangles", file, 1.0, 2.0, 0.0, folder, report);
   if (!engine.empty()) met = measure("engine", engine, 1e-3, 2.0, 0.3, folder, report) && met;
   fs::remove_all(folder);
+  measureWelds(report);
   if (!json.empty() && !report.writeJson(json)) return 2;
   return met ? 0 : 1;
 }

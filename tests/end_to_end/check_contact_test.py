@@ -4,44 +4,14 @@ show.
 
     python3 tests/end_to_end/check_contact_test.py --bin build/release/bin
 """
-import base64
 import json
 import math
 import os
 import pathlib
-import struct
 import sys
 import tempfile
 
-from check_command import binaries_of_command_line, expect, report, run
-
-
-def scene_of(parts):
-    """A glTF file of named parts, each (points, triangles, place), m."""
-    blob, views, accessors = b"", [], []
-
-    def add(data, kind, component, count, **more):
-        nonlocal blob
-        views.append({"buffer": 0, "byteOffset": len(blob), "byteLength": len(data)})
-        accessors.append({"bufferView": len(views) - 1, "componentType": component, "count": count,
-                          "type": kind, **more})
-        blob += data
-        return len(accessors) - 1
-
-    nodes, meshes = [], []
-    for name, (points, triangles, place) in parts.items():
-        box = {"min": [min(p[i] for p in points) for i in range(3)],
-               "max": [max(p[i] for p in points) for i in range(3)]}
-        position = add(b"".join(struct.pack("<3f", *p) for p in points), "VEC3", 5126, len(points), **box)
-        indices = add(b"".join(struct.pack("<3I", *t) for t in triangles), "SCALAR", 5125, 3 * len(triangles))
-        meshes.append({"primitives": [{"attributes": {"POSITION": position}, "indices": indices}]})
-        nodes.append({"name": name, "mesh": len(meshes) - 1, "translation": place})
-    return json.dumps({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": list(range(len(nodes)))}],
-        "nodes": nodes,
-        "meshes": meshes, "accessors": accessors, "bufferViews": views,
-        "buffers": [{"byteLength": len(blob),
-                     "uri": "data:application/octet-stream;base64," + base64.b64encode(blob).decode()}]})
+from check_command import binaries_of_command_line, expect, report, run, scene_of
 
 
 def turned(profile, segments):

@@ -7,8 +7,9 @@ import json
 import os
 import pathlib
 import sys
+import tempfile
 
-from check_command import SCENES, binaries_of_command_line, expect, report, run
+from check_command import SCENES, binaries_of_command_line, expect, report, run, scene_of
 
 # Everything of the samples stands 0.2 mm above its bench; the filter's fits are 0.1 mm wide.
 NEAR = {"control_panel": 1, "filter_change": 7, "guided_path": 0, "peg_board": 4, "pump": 11,
@@ -40,6 +41,36 @@ def check_table(binaries):
     expect("0 hard clashes, 0 touches, 4 pairs nearer than 1 mm; 5 parts" in text, text)
     expect(text.count("near ") == 4, text)
     expect("not pushed out" not in text, "the table speaks of overlaps where there are none")
+
+
+def check_open_shells(binaries, folder):
+    """A summary first, and no number where a shell is open."""
+    box = [(x, y, z) for z in (-0.03, 0.03) for y in (-0.03, 0.03) for x in (-0.03, 0.03)]
+    sides = [(0, 2, 3), (0, 3, 1), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2),
+             (1, 3, 7), (1, 7, 5)]  # none at z = 0.03
+    lid = [(4, 5, 7), (4, 7, 6)]
+    small = [tuple(c / 3 for c in p) for p in box]
+    scene = folder / "open.gltf"
+    parts = {"cup": (box, sides, [0, 0, 0])}
+    for i in range(12):
+        parts[f"block {i}"] = (small, sides + lid, [0.03, 0.002 * i, 0.036])  # 4 mm under the opening
+    parts["deep"] = (small, sides + lid, [0.035, 0, -0.01])
+    scene.write_text(scene_of(parts))
+    clashes = json.loads(run(binaries, scene, "--clash", "--json").stdout)["clashes"]
+    of_cup = {f["b"]: f for f in clashes["found"] if f["a"] == "cup"}
+    expect(all(f["depth_m"] is None and f["open"] for b, f in of_cup.items() if b != "deep"), f"{of_cup}")
+    expect(clashes["open"] == 12 and clashes["hard"] > 20, f"{clashes['open']} {clashes['hard']}")
+    expect(abs(of_cup["deep"]["depth_m"] - 0.005) < 1e-8 and not of_cup["deep"]["open"], f"{of_cup['deep']}")
+    known = [f["depth_m"] for f in clashes["found"] if not f["open"]]
+    expect(known == sorted(known, reverse=True) and len(clashes["worst"]) == 10, f"{clashes['worst']}")
+    lines = run(binaries, scene, "--clash").stdout.splitlines()
+    expect(lines[0].startswith(f"{clashes['hard']} hard clashes"), lines[0])
+    expect("of 12 the depth cannot be known" in lines[0], lines[0])
+    worst, everything = lines.index("the worst"), lines.index("all")
+    expect(everything - worst == 13 and len(lines) - everything == 2 + len(clashes["found"]), f"{lines[:16]}")
+    expect(sum("unknown" in line for line in lines[everything:]) == 12, "open shells have a number")
+    text = run(binaries, scene, "--distance", "cup", "block 0").stdout
+    expect("cannot be known because a shell is open" in text, text)
 
 
 def check_distance(binaries):
@@ -88,6 +119,9 @@ def main():
     binaries = binaries_of_command_line()
     check_samples(binaries)
     check_table(binaries)
+    with tempfile.TemporaryDirectory() as folder:
+        os.environ["XDG_CACHE_HOME"] = folder
+        check_open_shells(binaries, pathlib.Path(folder))
     check_distance(binaries)
     check_bad_arguments(binaries)
     engine = pathlib.Path(os.environ.get("TANDEM_DATA", "")) / "2CylinderEngine.glb"

@@ -115,6 +115,46 @@ TEST(ClashCheck, FindsAPartInsideAnother) {
   EXPECT_NEAR(report.clashes[0].depth, 0.0275, 1e-15);
 }
 
+/// A box without its upper side, from z = 0 to z = -depth.
+assets::Mesh openBox(double width, double depth) {
+  ShapeBuilder b;
+  for (int i = 0; i < 8; ++i)
+    b.vertex((i & 1) != 0 ? 0.5 * width : -0.5 * width, (i & 2) != 0 ? 0.5 * width : -0.5 * width,
+             (i & 4) != 0 ? 0.0 : -depth);
+  b.quad(0, 4, 6, 2);
+  b.quad(1, 3, 7, 5);
+  b.quad(0, 1, 5, 4);
+  b.quad(2, 6, 7, 3);
+  b.quad(0, 2, 3, 1);
+  return b.mesh();
+}
+
+TEST(ClashCheck, SaysThatADepthCannotBeKnownWhereAShellIsOpen) {
+  assets::Scene scene = tests::sceneOf(openBox(0.06, 0.06));
+  scene.meshes.push_back(boxMesh({0.02, 0.02, 0.03}));
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].mesh = 1;
+  const auto at = [&](const glm::dvec3& place) {
+    scene.parts[1].worldFromPart.position = place;
+    const ClashReport report = clashesOf(scene, 0.0);
+    return report.clashes.empty() ? Clash{} : report.clashes[0];
+  };
+  // Through a wall, reaching far under the opening: known, since no lid would be nearer than the wall.
+  for (const double z : {-0.04, -0.01}) {
+    const Clash low = at({0.03, 0.0, z});
+    EXPECT_EQ(low.kind, ClashKind::hard);
+    EXPECT_FALSE(low.open);
+    EXPECT_NEAR(low.depth, 0.01, 1e-9);
+  }
+  // Through a wall at the opening: 10 mm from the wall, but 4 mm under where a lid would be.
+  const Clash high = at({0.03, 0.0, 0.011});
+  EXPECT_EQ(high.kind, ClashKind::hard);
+  EXPECT_TRUE(high.open);
+  EXPECT_LE(high.depth, 0.004 + 1e-9);
+  // Dips into the opening and touches nothing.
+  EXPECT_NE(at({0.0, 0.0, 0.01}).kind, ClashKind::hard);
+}
+
 TEST(ClashCheck, ListsPairsThatMayNotCollideLast) {
   assets::Scene scene = rowOfCubes({-0.002, 0.0, -0.001});
   scene.parts[0].filter = {1, 2};
@@ -161,7 +201,7 @@ TEST(ClashCheck, MeasuresTwoPartsHoweverFarApart) {
   const assets::Scene scene = rowOfCubes({0.5, 1.0});
   const haptics::ContactScene contact(scene, 1);
   const auto at = [&](PartId part) { return scene.parts[part].worldFromPart; };
-  const auto far = client::measurePair(contact, 2, at(2), 0, at(0));
+  const auto far = client::measurePair(client::PartClosings(contact), 2, at(2), 0, at(0));
   ASSERT_TRUE(far.has_value());
   EXPECT_EQ(far->a, 2);
   EXPECT_EQ(far->kind, ClashKind::clearance);
@@ -174,7 +214,8 @@ TEST(ClashCheck, NamesTheNearestNeighbourOfAPart) {
   const auto nearest = [&](PartId part) {
     std::vector<Pose> poses;
     for (const assets::Part& p : scene.parts) poses.push_back(p.worldFromPart);
-    return client::nearestPart(haptics::ContactScene(scene, 1), part, poses);
+    const haptics::ContactScene contact(scene, 1);
+    return client::nearestPart(client::PartClosings(contact), part, poses);
   };
   EXPECT_EQ(nearest(0)->b, 1);
   EXPECT_NEAR(nearest(0)->distance, 0.004, 1e-15);
@@ -199,7 +240,8 @@ TEST(ClashCheck, HasNothingToSayOfPartsWithoutGeometry) {
   assets::Scene scene = rowOfCubes({-0.001});
   scene.parts[1].mesh = assets::kNone;
   EXPECT_TRUE(clashesOf(scene, 1.0).clashes.empty());
-  EXPECT_FALSE(client::measurePair(haptics::ContactScene(scene, 1), 0, {}, 1, {}).has_value());
+  const haptics::ContactScene contact(scene, 1);
+  EXPECT_FALSE(client::measurePair(client::PartClosings(contact), 0, {}, 1, {}).has_value());
 }
 
 }  // namespace

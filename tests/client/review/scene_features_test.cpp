@@ -3,6 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <string>
+
+#include <glm/geometric.hpp>
 
 #include "tests/support/shapes.h"
 
@@ -153,6 +156,22 @@ TEST(SceneFeatures, SaysWhenACreaseAngleShadesNothingOrEverything) {
   const assets::Mesh sphere = test::sphereMesh(0.05, 16);
   EXPECT_FALSE(remarks(of(sphere, 0.5236), "creaseAngle")) << "all edges are below it, as they should be";
   EXPECT_TRUE(remarks(of(sphere, 1e-3), "shades nothing"));
+}
+
+TEST(SceneFeatures, SaysThatTheNormalsOfTheFileAreFelt) {
+  assets::Scene scene = sceneOf(Surface{});
+  scene.materials[0].surface = assets::kNone;
+  scene.meshes[0] = test::sphereMesh(0.05, 16);
+  EXPECT_TRUE(surfaceFeatures(scene, kDesktop).empty());
+  assets::Mesh& mesh = scene.meshes[0];
+  for (const auto& t : mesh.triangles) {
+    auto& normals = mesh.triangleNormal.emplace_back();
+    for (std::size_t c = 0; c < 3; ++c) normals[c] = glm::vec3(glm::normalize(mesh.positions[t[c]]));
+  }
+  const std::vector<Feature> features = surfaceFeatures(scene, kDesktop);
+  ASSERT_EQ(features.size(), 1u);
+  EXPECT_EQ(inOneLine(features[0]), "plate, stuff: shading by the normals of the file, triangles " +
+                                        std::to_string(mesh.triangles.size()));
 }
 
 TEST(SceneFeatures, OneLineNamesAllThatARemarkIsTrueOf) {

@@ -36,6 +36,16 @@ class PartLinksTest : public testing::Test {
     return events;
   }
 
+  /// The first packet of the first site for its link of the box, which is on.
+  sync::LinkUpdate firstUpdate(Epoch epoch) const {
+    sync::LinkState state;
+    state.epoch = epoch;
+    state.sequence = 1;
+    state.time = now_;
+    state.on = true;
+    return sync::toWire(state, kFirst, kBox);
+  }
+
   assets::Scene scene_ = test::rowOfBoxes();
   sync::OwnershipView view_{3, {}};
   PartLinks links_{scene_, 4e-3};
@@ -93,12 +103,7 @@ TEST_F(PartLinksTest, ACoHolderTakesEpochAndTermsFromTheOwnersPacket) {
   coHold({kSelf});
   EXPECT_TRUE(follow(Kind::link).empty());
   EXPECT_FALSE(links_.felt(kBox, kFirst));
-  sync::LinkState state;
-  state.epoch = 6000;
-  state.sequence = 1;
-  state.time = now_;
-  state.on = true;
-  sync::LinkUpdate update = sync::toWire(state, kFirst, kBox);
+  sync::LinkUpdate update = firstUpdate(6000);
   update.posed = true;
   update.terms = {20.0, 10.0, 2e-3};
   const auto packet = links_.receive(update, view_, now_);
@@ -124,12 +129,7 @@ TEST_F(PartLinksTest, ACoHolderTakesEpochAndTermsFromTheOwnersPacket) {
 
 TEST_F(PartLinksTest, APacketOfNobodysLinkIsDropped) {
   own(kFirst);
-  sync::LinkState state;
-  state.epoch = 6000;
-  state.sequence = 1;
-  state.time = now_;
-  state.on = true;
-  sync::LinkUpdate update = sync::toWire(state, kFirst, kBox);
+  sync::LinkUpdate update = firstUpdate(6000);
   EXPECT_FALSE(links_.receive(update, view_, now_).has_value());  // this site is no co-holder
   update.part = 99;
   EXPECT_FALSE(links_.receive(update, view_, now_).has_value());

@@ -179,10 +179,7 @@ double liftedFrom(const Solid& ground, const Solid& block, const glm::dvec3& sta
     pose.position += std::min(t / 0.1, 1.0) * down + glm::dvec3(0.0, 0.0, 0.02 * std::max(0.0, t - 0.1));
     return pose;
   };
-  rig.at(path(0.0));
-  rig.tick();
-  rig.own(0);
-  rig.grasp(0);
+  rig.ownAndGrasp(0, path(0.0));
   double lifted = 0.0;
   rig.each = [&] { lifted = std::max(lifted, rig.pose(0).position.y - start.y); };
   rig.lead(path, 0.5);
@@ -226,10 +223,7 @@ double sideForceOverPlane(double down, const glm::dvec3& direction) {
     pose.position += 0.005 * 0.5 * (1.0 - std::cos(2.0 * kPi * std::max(0.0, t - 0.1))) * direction;
     return pose;
   };
-  rig.at(path(0.0));
-  rig.tick();
-  rig.own(0);
-  rig.grasp(0);
+  rig.ownAndGrasp(0, path(0.0));
   double greatest = 0.0;
   rig.each = [&] {
     const glm::dvec3& force = rig.out.hands[0].toHand.force;

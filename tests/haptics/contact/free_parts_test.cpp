@@ -62,10 +62,7 @@ TEST(FreeParts, OneWithoutWeightSettlesAsWhereThereIsNoGravity) {
     scene.parts[1].gravityFactor = 0.0;
     MovingRig rig(std::move(scene), gravity);
     const Pose start = rig.pose(1);
-    rig.at(start);
-    rig.tick();
-    rig.own(1);
-    rig.grasp(1);
+    rig.ownAndGrasp(1, start);
     rig.lead([&](double t) { return Pose{start.position + glm::dvec3(0.0, 0.3 * t, 0.0), kStraight}; }, 0.1);
     rig.letGo(1);
     int ticks = 0;
@@ -235,10 +232,7 @@ TEST(FreeParts, AHeldPartPushesAStackThatIsAskedForPartByPart) {
   scene.parts.push_back(pusher);
   MovingRig rig(std::move(scene), kGravity);
   const Pose grip = rig.pose(3);
-  rig.at(grip);
-  rig.tick();
-  rig.own(3);
-  rig.grasp(3);
+  rig.ownAndGrasp(3, grip);
   rig.each = [&] { rig.answer(); };
   rig.lead([&](double t) { return Pose{grip.position + glm::dvec3(0.012 * t, 0.0, 0.0), kStraight}; }, 0.5);
   EXPECT_EQ(rig.out.ownedCount, 3);
@@ -261,10 +255,7 @@ TEST(FreeParts, AHeavyPartIsLedAsSlowlyAsTheHandLikes) {
   assets::Scene scene = sceneOfParts(
       {{.name = "cube", .mesh = meshOf(boxSoup({0.01, 0.01, 0.01})), .movable = true, .mass = 10.0}});
   MovingRig rig(std::move(scene));
-  rig.at(Pose{});
-  rig.tick();
-  rig.own(0);
-  rig.grasp(0);
+  rig.ownAndGrasp(0, Pose{});
   rig.tick();
   const double speed = 1e-5;  // m/s
   double greatest = 0.0;

@@ -42,10 +42,7 @@ const glm::dquat kUpright = fromRotationVector({0.0, -0.5 * kPi, 0.0});
 /// The rig with the lever in the hand, held at its right end.
 struct Lever {
   explicit Lever(assets::Scene scene) : rig(std::move(scene)) {
-    rig.at(grip);
-    rig.tick();
-    rig.own(0);
-    rig.grasp(0);
+    rig.ownAndGrasp(0, grip);
     rig.tick();
   }
   /// Leads the hand along a straight path and through a rotation, over 0.5 s.

@@ -38,10 +38,7 @@ assets::Scene chain(int links, bool hangs) {
 struct Chain {
   Chain(int links, bool hangs, bool answers, const glm::dvec3& gravity = glm::dvec3(0.0))
       : rig(chain(links, hangs), gravity), last(static_cast<PartId>(links - 1)), grip(rig.pose(last)) {
-    rig.at(grip);
-    rig.tick();
-    rig.own(last);
-    rig.grasp(last);
+    rig.ownAndGrasp(last, grip);
     if (answers) {
       rig.each = [this] {
         pushed += rig.out.pushedCount;

@@ -43,6 +43,14 @@ class MovingRig {
     sample_.twist = {};
   }
 
+  /// The hand begins at a pose, and from the next tick on holds the part there, which it owns.
+  void ownAndGrasp(PartId part, const Pose& device) {
+    at(device);
+    tick();
+    own(part);
+    grasp(part);
+  }
+
   void tick(int count = 1) {
     for (int i = 0; i < count; ++i) {
       haptics::TickInput input;

@@ -113,10 +113,7 @@ Met lead(assets::Scene scene, double scale, const std::function<Pose(double)>& p
   // Torques grow with lengths: so that all scales are one motion.
   rig.parameters.graspRotStiffness *= scale * scale;
   rig.parameters.graspRotDamping *= scale * scale;
-  rig.at(path(0.0));
-  rig.tick();
-  rig.own(0);
-  rig.grasp(0);
+  rig.ownAndGrasp(0, path(0.0));
   Met met;
   std::vector<double> steps;
   glm::dvec3 before(0.0);
@@ -541,10 +538,7 @@ TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
   scene.materials.back().staticFriction = scene.materials.back().dynamicFriction = 0.6;
   scene.parts[1].shapes[1].material = static_cast<std::uint16_t>(scene.materials.size() - 1);
   MovingRig rig(scene);
-  rig.at(start);
-  rig.tick();
-  rig.own(0);
-  rig.grasp(0);
+  rig.ownAndGrasp(0, start);
   const auto to = [&](const glm::dvec3& by) { return Pose{start.position + by, kStraight}; };
   rig.lead([&](double t) { return to({0.004 * t / 0.2, 0.0, -0.0015 * t / 0.2}); }, 0.2);
   EXPECT_NEAR(rig.out.hands[0].toHand.force.z, 1.0, 0.1);

@@ -16,10 +16,7 @@ constexpr PartId kCube = 0, kLower = 1, kUpper = 2;
 class Vice {
  public:
   explicit Vice(bool withUpper) : rig(scene()), withUpper_(withUpper) {
-    rig.at(Pose{});
-    rig.tick();
-    rig.own(kCube);
-    rig.grasp(kCube);
+    rig.ownAndGrasp(kCube, Pose{});
     rig.tick();
   }
   /// Brings the jaws together until `bite` m of the cube are in each, and lets them stand there for

@@ -78,7 +78,7 @@ TEST(MeshOverlap, FindsBarsThatCrossWithoutACornerInside) {
     const MeshOverlap found = boxes(glm::dvec3(10.0, 1.0, 1.0) * s, glm::dvec3(0.2, 0.4, 10.0) * s, {});
     EXPECT_EQ(found.meeting, Meeting::crossing);
     EXPECT_LE(found.depth, 0.5 * s * (1.0 + 1e-12));
-    EXPECT_GE(found.depth, 0.5 * s / 1.01);
+    EXPECT_GE(found.depth, 0.5 * s * (1.0 - 1e-6));
     EXPECT_TRUE(found.inA);
   }
 }
@@ -87,7 +87,7 @@ TEST(MeshOverlap, FindsASmallPartInsideALargeOneThoughNoSurfacesCross) {
   for (const double s : kScales) {
     const MeshOverlap found = boxes(glm::dvec3(60.0) * s, glm::dvec3(5.0) * s, {10.0 * s, 0.0, 0.0});
     EXPECT_EQ(found.meeting, Meeting::contained);
-    EXPECT_NEAR(found.depth, 22.5 * s, 0.01 * 22.5 * s);
+    EXPECT_NEAR(found.depth, 22.5 * s, 1e-6 * 22.5 * s);
     const MeshOverlap swapped = boxes(glm::dvec3(5.0) * s, glm::dvec3(60.0) * s, {10.0 * s, 0.0, 0.0});
     EXPECT_EQ(swapped.meeting, Meeting::contained);
     EXPECT_TRUE(found.inA);
@@ -100,8 +100,7 @@ TEST(MeshOverlap, FindsAPartThatIsThereTwice) {
     const glm::dvec3 size = glm::dvec3(1.0, 2.0, 3.0) * s;
     const MeshOverlap found = boxes(size, size, {});
     EXPECT_NE(found.meeting, Meeting::touching);
-    EXPECT_GT(found.depth, 0.2 * s);
-    EXPECT_LE(found.depth, 0.5 * s * (1.0 + 1e-12));
+    EXPECT_NEAR(found.depth, 0.5 * s, 1e-5 * s) << "the ball that the box holds";
     const assets::Mesh box = boxMesh(size);
     const TriangleBvh tree(box, 1);
     const Pose there = turned(size, {1.0, 2.0, 3.0});
@@ -110,7 +109,7 @@ TEST(MeshOverlap, FindsAPartThatIsThereTwice) {
     // Pushed along itself: all sides but the ends are flush.
     const MeshOverlap pushed = boxes(size, size, {0.0, 0.0, 0.5 * s});
     EXPECT_EQ(pushed.meeting, Meeting::crossing);
-    EXPECT_NEAR(pushed.depth, 0.5 * s, 0.01 * 0.5 * s);
+    EXPECT_NEAR(pushed.depth, 0.5 * s, 1e-6 * s);
   }
 }
 
@@ -122,7 +121,7 @@ TEST(MeshOverlap, FindsASmallOverlapAmongManyFlushFaces) {
   const TriangleBvh treeA(floor, 1), treeB(plate, 1);
   const MeshOverlap found = overlapOf({&treeA, {}}, {&treeB, {}});
   EXPECT_EQ(found.meeting, Meeting::crossing);
-  EXPECT_NEAR(found.depth, 0.02, 0.01 * 0.02);
+  EXPECT_NEAR(found.depth, 0.02, 1e-6);
 }
 
 /// The same triangles, seen from the other side.
@@ -149,7 +148,7 @@ TEST(MeshOverlap, SaysThatSheetsHaveNoInside) {
   const Pose upright = turned({0.0, 0.0, 0.4}, {0.5 * kPi, 0.0, 0.0});
   const MeshOverlap found = overlapOf({&tree, {}}, {&tree, upright});
   EXPECT_EQ(found.meeting, Meeting::crossing);
-  EXPECT_TRUE(found.sheets);
+  EXPECT_TRUE(found.sheets && found.open);
   EXPECT_NEAR(found.depth, 0.1, 1e-14);
   EXPECT_EQ(overlapOf({&tree, {}}, {&tree, turned({0.0, 0.0, 0.5}, {0.5 * kPi, 0.0, 0.0})}).meeting,
             Meeting::touching);
@@ -260,7 +259,7 @@ TEST(MeshOverlap, OfRandomPlacesIsTheDeepestOfManyPointsTestedAlone) {
         }
       }
     }
-    ASSERT_GE(found.depth * 1.01 + 1e-9, deepest) << i;
+    ASSERT_GE(found.depth + 1e-8, deepest) << i;
     // Another search for the same depth.
     const double other = haptics::deepestPenetration(modelA, worldFromA, modelB, worldFromB).depth;
     ASSERT_NEAR(found.depth, other, 0.015 * other + 1e-8) << i;
@@ -272,6 +271,36 @@ TEST(MeshOverlap, OfRandomPlacesIsTheDeepestOfManyPointsTestedAlone) {
     EXPECT_NEAR(bruteDepth(*in.tree, p), found.depth, 1e-12) << i;
   }
   EXPECT_GT(crossing, 4);
+}
+
+TEST(MeshOverlap, IsNotMisledWhereFacesNearlyCoincide) {
+  // A plank lies on the first tread of a stair, within rounding, juts out over its edge and stands in the
+  // second step: one face is outside, flush and inside, and the lines in between are those of rounding.
+  std::mt19937 random(8);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  for (const double s : kScales) {
+    const assets::Mesh stair = meshOf(stairSoup(3, 0.3 * s, 0.2 * s, 1.0 * s));
+    const assets::Mesh plank = meshOf(boxSoup({0.7 * s, 0.4 * s, 0.1 * s}, 2));
+    const TriangleBvh stairTree(stair, 1), plankTree(plank, 1);
+    for (const double off : {0.0, 1e-12, 1e-9, 1e-8, 3e-8, 1e-7, 3e-7}) {
+      for (int i = 0; i < 6; ++i) {
+        const double into = 0.02 + 0.01 * u(random);
+        const Pose home = turned(glm::dvec3(u(random), u(random), u(random)) * s,
+                                 {3.0 * u(random), 3.0 * u(random), u(random)});
+        const Pose there{glm::dvec3(into - 0.05, 0.05 * u(random), 0.25 + off * u(random)) * s,
+                         fromRotationVector(glm::dvec3(u(random), u(random), 0.0) * off)};
+        const MeshOverlap found = overlapOf({&stairTree, home}, {&plankTree, home * there});
+        EXPECT_EQ(found.meeting, Meeting::crossing);
+        EXPECT_NEAR(found.depth, into * s, 2e-6 * s) << off << ' ' << i;
+        for (const auto& [tree, pose] : {std::pair{&stairTree, home}, std::pair{&plankTree, home * there}}) {
+          const glm::dvec3 p = transformPoint(inverse(pose), found.deepest);
+          haptics::MeshPoint at;
+          ASSERT_TRUE(tree->closestPoint(p, 1e300, at));
+          EXPECT_TRUE(at.distance < 1e-6 * s || std::abs(windingNumber(*tree, p)) > 0.5) << off << ' ' << i;
+        }
+      }
+    }
+  }
 }
 
 TEST(MeshOverlap, BearsSoupOfTornAndTurnedTriangles) {

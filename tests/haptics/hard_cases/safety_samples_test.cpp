@@ -74,6 +74,66 @@ TEST_P(SamplesAtScale, ReadingsWhoseStampStandsStillGiveNoForce) {
   expectRecovery(hand);
 }
 
+/// How many ticks of force a device gets whose stamps are, from now on, what `stamp(tick)` says; -1: all.
+template <typename Stamp>
+int ticksOfForce(HandProbe& hand, const Stamp& stamp, int ticks = 400) {
+  int felt = 0;
+  for (int i = 1; i <= ticks; ++i) {
+    hand.sample.time = stamp(i) - hand.parameters.dt;  // tick() adds it
+    hand.tick();
+    const bool force = glm::length(hand.out.hands[0].toHand.force) > 0.0;
+    EXPECT_EQ(force, (hand.out.flags & haptics::kFlagStaleSample) == 0u) << i;
+    if (force && felt != i - 1) return -1;  // it came back
+    felt += force ? 1 : 0;
+  }
+  return felt == ticks ? -1 : felt;
+}
+
+TEST_P(SamplesAtScale, StampsThatAreNoTimeOrGoBackwardsAreStaleAfterTheUsualTime) {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const auto expectStale = [&](const char* what, const auto& stamp) {
+    HandProbe hand = pressing();
+    press(hand);
+    const double last = hand.sample.time;
+    const int felt = ticksOfForce(hand, [&](int i) { return stamp(i, last); });
+    EXPECT_GE(felt, 49) << what;
+    EXPECT_LE(felt, 51) << what;
+    // A clock that runs again is followed, whatever it says.
+    int silent = 0;
+    for (int i = 1; i <= 60; ++i) {
+      hand.sample.time = 3.0 + 1e-3 * i;
+      hand.tick();
+      silent += (hand.out.flags & haptics::kFlagStaleSample) != 0u ? 1 : 0;
+    }
+    EXPECT_LE(silent, 51) << what;
+    EXPECT_EQ(hand.out.flags & haptics::kFlagStaleSample, 0u) << what;
+  };
+  expectStale("nan", [&](int, double) { return kNan; });
+  expectStale("infinite", [&](int, double) { return kInfinity; });
+  expectStale("minus infinity", [&](int, double) { return -kInfinity; });
+  expectStale("constant", [](int, double last) { return last; });
+  expectStale("backwards", [](int i, double last) { return last - 1e-3 * i; });
+  expectStale("backwards for long", [](int i, double last) { return 10.0 * last - 1.0 * i; });
+  expectStale("to and fro", [](int i, double last) { return last - (i % 2 == 0 ? 1e-3 : 0.0); });
+  expectStale("nan and constant", [&](int i, double last) { return i % 2 == 0 ? kNan : last; });
+}
+
+TEST_P(SamplesAtScale, StampsThatGoOnAreFresh) {
+  const auto expectFresh = [&](const char* what, const auto& stamp) {
+    HandProbe hand = pressing();
+    press(hand);
+    const double last = hand.sample.time;
+    EXPECT_EQ(ticksOfForce(hand, [&](int i) { return stamp(i, last); }), -1) << what;
+  };
+  expectFresh("every tick", [](int i, double last) { return last + 1e-3 * i; });
+  expectFresh("every fortieth", [](int i, double last) { return last + 0.04 * (i / 40); });
+  expectFresh("one is nan", [](int i, double last) {
+    return i == 7 ? std::numeric_limits<double>::quiet_NaN() : last + 1e-3 * i;
+  });
+  expectFresh("none at all", [](int, double) { return 0.0; });
+}
+
 TEST_P(SamplesAtScale, AGlitchOfOneReadingIsRefused) {
   HandProbe hand = pressing();
   press(hand);

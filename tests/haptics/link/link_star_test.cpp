@@ -1,5 +1,5 @@
-// Three and eight sites that hold one part: a star of links from the first. Lines share a weight, so that
-// whoever leads carries no more of them than of one.
+// Three and eight sites that hold one part: a star of links from the first. The links share
+// one impedance, so that the mass they add to the leading hand is that of a single link.
 
 #include <gtest/gtest.h>
 

@@ -73,17 +73,17 @@ LinkedSites::LinkedSites(const LinkedSetup& setup)
 }
 
 void LinkedSites::linkAll() {
-  const int lines = static_cast<int>(sites_.size()) - 1;
+  const int links = static_cast<int>(sites_.size()) - 1;
   const double late = 1.15 * setup_.network.delay + 0.008;  // about what the ends will find
-  if (lines > 1) {
-    setup_.link.impedance = haptics::linkImpedance(setup_.link.impedance, late, lines);
-    setup_.link.softImpedance = haptics::linkImpedance(setup_.link.softImpedance, late, lines);
+  if (links > 1) {
+    setup_.link.impedance = haptics::linkImpedance(setup_.link.impedance, late, links);
+    setup_.link.softImpedance = haptics::linkImpedance(setup_.link.softImpedance, late, links);
   }
   for (std::size_t i = 1; i < sites_.size(); ++i) {
     link(0, i, 1);
     link(i, 0, 1);
   }
-  for (std::size_t i = 0; i < sites_.size(); ++i) share(i, lines + 1);
+  for (std::size_t i = 0; i < sites_.size(); ++i) share(i, links + 1);
 }
 
 void LinkedSites::link(std::size_t site, std::size_t peer, std::uint32_t epoch, bool carriesOn) {

@@ -382,7 +382,7 @@ TEST(LinkedSites, WhatALinkSaysItGaveThePartHasGot) {
     const Wrench& link = site.part().links.pull;
     const glm::dvec3 got = mass * (velocity() - before) / kTick;
     const glm::dvec3 said = link.force - site.onHand().force;
-    if (site.body().mass != mass) continue;  // it follows that of the line
+    if (site.body().mass != mass) continue;  // it follows that of the link
     ++steady;
     ASSERT_LT(glm::length(got - said), 1e-9) << sites.time();
     mostForce = std::max(mostForce, glm::length(link.force));
@@ -425,7 +425,7 @@ TEST(LinkedSites, WhatLeadsAPartCarriesItsWeightAndIsTold) {
     const glm::dvec3 before = velocity();
     sites.step(still);
     const haptics::LinkReport& told = site.out.simulated(1)->links;
-    if (t < 0.1 || body.mass != mass) continue;  // it is not fully led yet; its mass follows that of the line
+    if (t < 0.1 || body.mass != mass) continue;  // it is not fully led yet; its mass follows that of the link
     ++steady;
     ASSERT_LT(glm::length(mass * (velocity() - before) / kTick - told.pull.force - told.outagePull.force),
               1e-9)

@@ -12,6 +12,7 @@
 #include "haptics/geometry/mesh_sides.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/geometry/winding_tree.h"
+#include "tests/support/part_meshes.h"
 #include "tests/support/shapes.h"
 
 namespace tandem::haptics {
@@ -374,9 +375,9 @@ TEST(MeshSides, SaysWhatTellsInsideFromOutside) {
   EXPECT_EQ(kindOf(looseBox(1.0, 1e-3)), MeshSides::Kind::winding);
 }
 
-/// A box without some of its triangles.
-Mesh openBox(std::size_t missing) {
-  const Mesh box = boxMesh(glm::dvec3(1.0));
+/// A box of 12 n^2 triangles without some of them.
+Mesh openBox(std::size_t missing, int n = 1) {
+  const assets::TriangleSoup box = test::boxSoup(glm::dvec3(1.0), n);
   test::ShapeBuilder b;
   for (const glm::dvec3& p : box.positions) b.vertex(p.x, p.y, p.z);
   for (std::size_t t = missing; t < box.triangles.size(); ++t)
@@ -386,7 +387,7 @@ Mesh openBox(std::size_t missing) {
 
 TEST(DistanceField, ClosesWhatABoxLacks) {
   for (const std::size_t missing : {1, 2}) {
-    const Baked baked(openBox(missing));
+    const Baked baked(openBox(missing, 6));
     const Baked whole(boxMesh(glm::dvec3(1.0)));
     ASSERT_TRUE(baked.field.solid()) << missing;
     EXPECT_LT(baked.field.read({0.0f, 0.0f, 0.0f}).distance, -0.2f);
@@ -396,6 +397,18 @@ TEST(DistanceField, ClosesWhatABoxLacks) {
                   baked, [&](const glm::dvec3& p) { return sideByRays(whole.tree, p); }, 2000),
               0.0);
   }
+}
+
+TEST(DistanceField, HasNoInsideWhereAMouthLeadsIn) {
+  for (const std::size_t missing : {1, 2}) {
+    const Baked baked(openBox(missing));
+    EXPECT_TRUE(MeshSides(baked.tree).hasMouth());
+    EXPECT_FALSE(baked.field.solid()) << missing;
+    EXPECT_LE(attack(
+                  baked, [](const glm::dvec3&) { return 1.0; }, 2000),
+              0.0);
+  }
+  EXPECT_FALSE(MeshSides(Baked(openBox(2, 6)).tree).hasMouth()) << "a defect";
 }
 
 TEST(WindingTree, CountsAsExactlyAsTriangleByTriangle) {

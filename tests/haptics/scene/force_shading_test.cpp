@@ -1,4 +1,4 @@
-#include "haptics/scene/force_shading.h"
+#include "haptics/scene/corner_normals.h"
 
 #include <gtest/gtest.h>
 
