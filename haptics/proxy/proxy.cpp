@@ -62,9 +62,9 @@ void stopAtRise(const ContactWorld& world, double radius, const Proxy& proxy, co
 }
 
 /// Cuts a displacement short where the surface under one of the pressing contacts ends, and notes the
-/// triangles at which the contacts that stay on it arrive. True if the displacement was cut.
-bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& displacement,
-                  Walks& walks, bool& onCrease) {
+/// triangles at which the contacts that stay on it arrive. Returns the share that is left, 1 if all of it.
+double keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, glm::dvec3& displacement,
+                    Walks& walks, bool& onCrease) {
   const double length = glm::length(displacement);
   double share = 1.0;
   for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
@@ -85,9 +85,9 @@ bool keepToGround(const ContactWorld& world, double radius, const Proxy& proxy, 
     // Features far smaller than the ball do not count as creases.
     share = std::min(share, std::max(walk.share, std::min(1.0, kLeastStep * radius / length)));
   }
-  if (share >= 1.0) return false;
+  if (share >= 1.0) return 1.0;
   displacement *= share;
-  return true;
+  return share;
 }
 
 /// Moves the pressing planes to the triangles that the walk has reached, once the proxy is there.
@@ -103,12 +103,13 @@ void arrive(const Walks& walks, Proxy& proxy) {
   }
 }
 
-/// Moves a contact that has passed a crease to the face behind it.
-void passCrease(const Walks& walks, Proxy& proxy) {
+/// Moves the contacts whose crease lies within that share of the displacement to the face behind it. A contact
+/// that has not come to its crease keeps its plane: without it the next projection would lead back.
+void passCrease(const Walks& walks, double share, Proxy& proxy) {
   for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
     ProxyPlane& plane = proxy.planes[i];
     const std::uint32_t beyond = walks[i].beyond;
-    if (!presses(plane) || beyond == kNoTriangle) continue;
+    if (!presses(plane) || beyond == kNoTriangle || walks[i].share > share) continue;
     plane.surface.triangle = beyond;
     plane.arriving = true;
   }
@@ -253,14 +254,15 @@ class Descent {
     }
     bool onCrease = false;
     Walks walks;
-    const bool cut = keepToGround(world_, radius_, proxy_, displacement, walks, onCrease);
+    const double share = keepToGround(world_, radius_, proxy_, displacement, walks, onCrease);
+    const bool cut = share < 1.0;
     if (onCrease && alone != nullptr && mayRoll_ && roll(*alone, displacement)) return false;
     mayRoll_ = radius_ > 0.0;
     if (!advance(world_, displacement, radius_, proxy_)) return false;
     if (!cut) {
       arrive(walks, proxy_);
     } else if (alone != nullptr || radius_ == 0.0) {
-      passCrease(walks, proxy_);
+      passCrease(walks, share, proxy_);
       addRises(walks, proxy_);
     }
     const bool changed = refreshPlanes(world_, radius_, proxy_);
