@@ -8,6 +8,7 @@
 #include "assets/base/assert.h"
 #include "haptics/proxy/crease.h"
 #include "haptics/proxy/proxy_planes.h"
+#include "haptics/proxy/proxy_trace.h"
 
 namespace tandem::haptics {
 namespace {
@@ -36,6 +37,11 @@ bool sweepAlong(const ContactWorld& world, const glm::dvec3& displacement, doubl
   return world.sweep(proxy.position, displacement, radius, kNoPart, hit);
 }
 
+void moveTo(const glm::dvec3& position, Proxy& proxy) {
+  if (proxyTrace != nullptr) proxyTrace->push_back({proxy.position, position});
+  proxy.position = position;
+}
+
 /// Moves along a straight displacement until a part stops the proxy, and reports that hit; true if there was
 /// none.
 bool advance(const ContactWorld& world, const glm::dvec3& displacement, double radius, Proxy& proxy,
@@ -43,7 +49,7 @@ bool advance(const ContactWorld& world, const glm::dvec3& displacement, double r
   hit = {};
   ++proxy.sweeps;
   if (!sweepAlong(world, displacement, radius, proxy, hit)) {
-    proxy.position += displacement;
+    moveTo(proxy.position + displacement, proxy);
     return true;
   }
   // The sweep stops at half a margin. Where the displacement meets the surface steeply enough, stepping back
@@ -51,7 +57,7 @@ bool advance(const ContactWorld& world, const glm::dvec3& displacement, double r
   const double length = glm::length(displacement), slope = -glm::dot(hit.normal, displacement) / length;
   const double back =
       slope > kSteepEnough ? 0.5 * world.margin(hit.part, proxy.position, radius) / (slope * length) : 0.0;
-  proxy.position += displacement * (hit.t > 2.0 * back ? hit.t - back : hit.t);
+  moveTo(proxy.position + displacement * (hit.t > 2.0 * back ? hit.t - back : hit.t), proxy);
   refreshPlanes(world, radius, proxy);
   addPlane(world, hit, radius, proxy);
   return false;
