@@ -103,8 +103,8 @@ void arrive(const Walks& walks, Proxy& proxy) {
   }
 }
 
-/// Moves the contacts whose crease lies within that share of the displacement to the face behind it. A contact
-/// that has not come to its crease keeps its plane: without it the next projection would lead back.
+/// Moves the contacts whose crease lies within that share of the displacement to the face behind it. A
+/// contact that has not come to its crease keeps its plane: without it the next projection would lead back.
 void passCrease(const Walks& walks, double share, Proxy& proxy) {
   for (std::size_t i = 0; i < proxy.planes.size(); ++i) {
     ProxyPlane& plane = proxy.planes[i];
