@@ -5,6 +5,8 @@
 #include <utility>
 
 #include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+#include <glm/matrix.hpp>
 
 #include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
@@ -17,6 +19,8 @@ using Data = TickState::Data;
 
 // After this gap the device may be anywhere, so the proxy is reset instead of dragged.
 constexpr double kProxyResetAfter = 0.25;  // s
+// The curvature of a field is measured over no less than this.
+constexpr double kLeastOver = 1e-6;  // m
 
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
@@ -30,6 +34,7 @@ class Tick {
     runCommands();
     moveParts();
     simulateOwned();
+    if (data_.world.surfaces() != nullptr) feelSurfacesThroughParts();
     updateLayers();
     data_.tool.forgetIgnored(data_.held.held());
     if (first_.valid() && holdsSolid()) {
@@ -262,8 +267,14 @@ class Tick {
     }
   }
 
+  /// Whether a part that presses on another one would move it if it were owned here: controls too.
+  bool yields(PartId part) const {
+    return givesWay(part) || (data_.world.scene().parts[part].movable &&
+                              assets::controlOf(data_.world.scene(), part) != nullptr);
+  }
+
   void notePushed(PartId part) {
-    if (data_.held.owns(part) || !givesWay(part)) return;
+    if (data_.held.owns(part)) return;
     for (int i = 0; i < out_.pushedCount; ++i) {
       if (out_.pushed[static_cast<std::size_t>(i)] == part) return;
     }
@@ -272,15 +283,19 @@ class Tick {
 
   void findPushed() {
     if (data_.partContact == nullptr) return;
-    for (const PartTouch& touch : data_.partContact->touches()) notePushed(touch.part);
+    for (const PartTouch& touch : data_.partContact->touches()) {
+      if (yields(touch.part)) notePushed(touch.part);
+    }
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (HeldParts::atRest(entry)) continue;
-      data_.partContact->forEachJoined(entry.part, [&](PartId other) { notePushed(other); });
+      data_.partContact->forEachJoined(entry.part, [&](PartId other) {
+        if (givesWay(other)) notePushed(other);
+      });
     }
     if (holdsSolid()) return;
     for (int i = 0; i < out_.contactCount; ++i) {
       const Contact& contact = out_.contacts[static_cast<std::size_t>(i)];
-      if (contact.force > 0.0) notePushed(contact.part);
+      if (contact.force > 0.0 && givesWay(contact.part)) notePushed(contact.part);
     }
   }
 
@@ -295,13 +310,52 @@ class Tick {
     });
   }
 
+  /// What fields do to the parts in the hands. A part in both hands is pulled once.
+  void pullByFields(double now) {
+    for (int h = 0; h < kHands; ++h) {
+      const auto index = static_cast<std::size_t>(h);
+      const SimulatedPart* const held = data_.held.heldPart(h);
+      const bool acts = held != nullptr && held->moved.control == nullptr && handOf(h).valid();
+      const double step = parameters_.fadeTime > 0.0 ? parameters_.dt / parameters_.fadeTime : 1.0;
+      double& share = data_.fieldShare[index];
+      share = std::clamp(share + (acts ? step : -step), 0.0, 1.0);
+      if (!acts || (h > 0 && data_.held.held(0) == held->part && handOf(0).valid())) {
+        data_.fieldsOnPart[index].forgetHand();
+        continue;
+      }
+      pullByFields(*held, data_.fieldsOnPart[index], share, now);
+    }
+  }
+
+  void pullByFields(const SimulatedPart& held, ForceFields& fields, double share, double now) {
+    const Pose& pose = held.body.worldFromBody;
+    DeviceSample centre;
+    centre.worldFromDevice.position = transformPoint(pose, held.body.centreOfMass);
+    centre.twist.linear = velocityAt(pose, held.body.twist, centre.worldFromDevice.position);
+    FieldSettings settings = fieldSettings(held.part);
+    // What a part can do within a tick, and at rest what rounding lets the differences tell.
+    settings.curvatureOver = std::max(2.0 * parameters_.dt * glm::length(centre.twist.linear), kLeastOver);
+    const FieldForces felt = fields.step(data_.world, centre, now, settings);
+    if (data_.held.links().has(held.part)) share *= data_.held.links().report(held.part).share;
+    data_.held.pull(held.part, {share * (felt.force - felt.damping), share * felt.damping,
+                                share * felt.curvature, share * felt.dampingRate});
+    out_.sourcePower += share * felt.sourcePower;
+    out_.flags |= felt.flags;
+  }
+
+  FieldSettings fieldSettings(PartId held) const {
+    return {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, held};
+  }
+
   void simulateOwned() {
     loadControls();
     loadFreeParts();
+    const double now = noteTime();
+    if (!data_.fields.empty()) pullByFields(now);
     HandPulls pulls;
     for (int h = 0; h < count_; ++h) pulls[static_cast<std::size_t>(h)] = handOf(h).pull();
     const std::array<Wrench, kHands> onHands =
-        data_.held.step(pulls, parameters_, data_.world.scene(), data_.partContact.get(), noteTime());
+        data_.held.step(pulls, parameters_, data_.world.scene(), data_.partContact.get(), now);
     for (int h = 0; h < count_; ++h) handOf(h).setCoupling(onHands[static_cast<std::size_t>(h)]);
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
@@ -312,6 +366,47 @@ class Tick {
       if (entry.held() && (data_.partContact == nullptr || !data_.partContact->collides(entry.part)))
         out_.flags |= kFlagHeldWithoutContact;
     }
+  }
+
+  /// What the surfaces under the parts in the hands add. A part in both hands is felt by the first one.
+  void feelSurfacesThroughParts() {
+    for (int h = 0; h < count_; ++h) {
+      const auto index = static_cast<std::size_t>(h);
+      data_.throughPart[index] = Wrench{};
+      const SimulatedPart* const held = data_.held.heldPart(h);
+      const bool touches = held != nullptr && held->moved.control == nullptr &&
+                           data_.partContact != nullptr && handOf(h).valid() &&
+                           (h == 0 || !held->grips[0].holds);
+      if (!touches) {
+        data_.heldSurfaces[index] = {};
+        continue;
+      }
+      FixedVector<HeldTouch, PartTouches::kMax> list;
+      for (const PartTouch& touch : data_.partContact->touches()) {
+        if (touch.of != held->part && touch.part != held->part) continue;
+        const bool first = touch.of == held->part;
+        const PartId other = first ? touch.part : touch.of;
+        list.push_back(
+            {other, touch.point, first ? touch.normal : -touch.normal, touch.force, data_.held.owns(other)});
+      }
+      const HeldSurfaceForces felt =
+          feelThrough(data_.world, {list.data(), list.size()}, bodyUnder(handOf(h), *held),
+                      handOf(h).parameters(), data_.heldSurfaces[index]);
+      data_.throughPart[index].force = felt.onHand;
+      data_.held.rub(held->part, felt.onPart);
+    }
+  }
+
+  static HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
+    const RigidBody& body = held.body;
+    const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+    return {body.worldFromBody,
+            body.twist,
+            transformPoint(body.worldFromBody, body.centreOfMass),
+            body.mass,
+            turn * glm::inverse(body.inertia) * glm::transpose(turn),
+            hand.motion(),
+            hand.sentShare()};
   }
 
   /// Whether the first hand holds a part that collides: then the hand feels the part's contacts instead of
@@ -354,13 +449,13 @@ class Tick {
 
   void feelFields() {
     data_.fieldWrench = Wrench{};
-    if (!first_.valid()) return data_.fields.forgetHand();
-    const FieldForces felt = data_.fields.step(
-        data_.world, input_.hands[0].device, data_.time,
-        {parameters_.dt, parameters_.fadeTime, parameters_.fieldDampingLimit, data_.held.held()});
-    data_.fieldWrench.force = felt.force;
-    cause_.byTime = felt.sourceChange;
-    out_.sourcePower = felt.sourcePower * first_.sentShare();
+    const double share = 1.0 - data_.fieldShare[0];
+    if (!first_.valid() || !(share > 0.0)) return data_.fields.forgetHand();
+    const FieldForces felt =
+        data_.fields.step(data_.world, input_.hands[0].device, data_.time, fieldSettings(data_.held.held()));
+    data_.fieldWrench.force = share * felt.force;
+    cause_.byTime = share * felt.sourceChange;
+    out_.sourcePower += share * felt.sourcePower * first_.sentShare();
     out_.flags |= felt.flags;
   }
 
@@ -386,7 +481,7 @@ class Tick {
   }
 
   void send() {
-    const Wrench touches = data_.tool.contactWrench() + data_.fieldWrench;
+    const Wrench touches = data_.tool.contactWrench() + data_.fieldWrench + data_.throughPart[0];
     const ForeignChange& foreign = data_.tool.foreignChange();
     cause_.byHand = !foreign.any;
     if (foreign.any && !data_.fault.raised())  // under a fault the cause does not count
@@ -395,8 +490,9 @@ class Tick {
       const int h = handsSent_;
       Hand& hand = handOf(h);
       HandFeedback& out = out_.hands[static_cast<std::size_t>(h)];
-      out.toHand = h == 0 ? hand.send(&touches, cause_, data_.fault)
-                          : hand.send(hand.tool(out.held != kNoPart), {}, data_.fault);
+      out.toHand =
+          h == 0 ? hand.send(&touches, cause_, data_.fault)
+                 : hand.send(out.held != kNoPart ? &data_.throughPart[1] : hand.tool(false), {}, data_.fault);
       out.flags = hand.flags();
     }
     out_.flags |= data_.tool.flags() | out_.hands[0].flags;

@@ -13,6 +13,7 @@
 #include "haptics/grasp/held_part.h"
 #include "haptics/scene/contact_world.h"
 #include "haptics/scene/moved_parts.h"
+#include "haptics/surface/held_surfaces.h"
 #include "haptics/tick.h"
 #include "haptics/tool/tool.h"
 
@@ -30,9 +31,13 @@ struct TickState::Data {
   MovedParts moved;
   Tool tool;  // of the first hand
   std::array<Hand, kHands> hands{Hand(true), Hand(false)};
-  ForceFields fields;
-  Wrench fieldWrench;  // of this tick, before limits
-  double time = 0.0;   // s, session clock, of the last tick
+  ForceFields fields;                             // on the first hand's tip
+  std::array<ForceFields, kHands> fieldsOnPart;   // on what a hand holds, at its centre of mass
+  std::array<double, kHands> fieldShare{};        // 0..1, of fieldsOnPart; the rest acts at the tip
+  std::array<HeldSurfaces, kHands> heldSurfaces;  // under what each hand holds
+  std::array<Wrench, kHands> throughPart;  // of these surfaces on each hand, of this tick, before limits
+  Wrench fieldWrench;                      // of this tick, before limits
+  double time = 0.0;                       // s, session clock, of the last tick
 };
 
 }  // namespace tandem::haptics

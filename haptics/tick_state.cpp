@@ -11,7 +11,8 @@ TickState::Data::Data(const ContactScene& contactScene)
       layers(contactScene.scene()),
       moved(contactScene.scene().parts.size()),
       tool(world, fault),
-      fields(contactScene.scene()) {
+      fields(contactScene.scene()),
+      fieldsOnPart{ForceFields(contactScene.scene()), ForceFields(contactScene.scene())} {
   if (!scene->models.empty() || !contactScene.scene().joints.empty())
     partContact = std::make_unique<PartContact>(world, fault);
 }

@@ -140,4 +140,12 @@ void stepControl(const assets::Control& control, double steepest, const AxisLoad
   }
 }
 
+GuidedRate guidedRate(const assets::Control& control, double steepest, const AxisLoad& load, double dt,
+                      const ControlState& state) {
+  const double curvature = steepest + control.springStiffness + load.stiffness;
+  const double inertia = control.inertia + dt * (control.damping + load.damping) + dt * dt * curvature;
+  const double push = load.force + load.damping * state.rate - resistance(control, state.value);
+  return {(control.inertia * state.rate + dt * push) / inertia, inertia};
+}
+
 }  // namespace tandem::haptics

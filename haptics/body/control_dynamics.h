@@ -58,4 +58,13 @@ inline constexpr int kControlSubsteps = 8;
 void stepControl(const assets::Control& control, double steepest, const AxisLoad& load, double dt,
                  ControlState& state);
 
+/// A step of dt (s) of a control beside parts that push it, without stops and dry friction: its rate at the
+/// end, and the inertia by which an impulse changes that, kg or kg·m^2. It is one step of stepControl()'s
+/// equation, so it gains no energy either; its drag is up to L dt.
+struct GuidedRate {
+  double rate = 0.0, inertia = 0.0;
+};
+GuidedRate guidedRate(const assets::Control& control, double steepest, const AxisLoad& load, double dt,
+                      const ControlState& state);
+
 }  // namespace tandem::haptics

@@ -125,6 +125,22 @@ CoupledStep coast(const RigidBody& body, double share) {
   return step;
 }
 
+CoupledStep guidedStep(const glm::dvec3& axis, bool turns, double rate, double inertia, double size) {
+  constexpr double kHeavy = 1e6;  // a push of the same force moves it by that much less across the axis
+  const double area = size * size;
+  const double mass = kHeavy * (turns ? inertia / area : inertia), spin = mass * area;
+  const glm::dmat3 across = glm::dmat3(1.0) - glm::outerProduct(axis, axis);
+  const glm::dmat3 along = inertia * glm::outerProduct(axis, axis);
+  System6 system;
+  setBlock(system, 0, 0, turns ? glm::dmat3(mass) : mass * across + along);
+  setBlock(system, 3, 3, turns ? spin * across + along : glm::dmat3(spin));
+  system.factor();
+  CoupledStep step;
+  step.root = system.a;
+  (turns ? step.freeSpin : step.freeVelocity) = rate * axis;
+  return step;
+}
+
 void setVelocity(RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin) {
   const glm::dvec3 com = transformPoint(body.worldFromBody, body.centreOfMass);
   body.twist.angular = spin;

@@ -32,8 +32,8 @@ struct RigidBody {
 };
 
 // Couplings on one body: two hands, or one hand and a tool; its links; the spring that leads it through an
-// outage.
-inline constexpr int kMaxCouplings = 4;
+// outage; force fields.
+inline constexpr int kMaxCouplings = 5;
 
 /// A virtual coupling from a grip on a body to a device.
 struct Coupling {
@@ -72,6 +72,11 @@ CoupledStep coupleBody(const RigidBody& body, std::span<const Coupling> coupling
 
 /// The step of a body without couplings: it keeps `share` (0..1) of its velocity.
 CoupledStep coast(const RigidBody& body, double share);
+
+/// The step of a body that has one axis through its centre of mass (unit, world), along which it slides or
+/// about which it turns at `rate` (m/s or rad/s) with `inertia` (kg or kg·m^2). Across the axis it is so
+/// heavy that nothing moves it; `size` m compares its rotations with its displacements.
+CoupledStep guidedStep(const glm::dvec3& axis, bool turns, double rate, double inertia, double size);
 
 /// Sets the velocity of a body's centre of mass and its spin; the pose stays.
 void setVelocity(RigidBody& body, const glm::dvec3& velocity, const glm::dvec3& spin);

@@ -33,7 +33,7 @@ void ContactHistory::noteMotion(PartId part, double motion) {
 
 bool ContactHistory::isOf(PartId first, PartId other, const ContactIsland& island, int index) {
   const ContactPair& pair = island.pair(index);
-  return !pair.isJoint() && pair.other == other && island.first(pair).part == first;
+  return pair.mayTouch() && pair.other == other && island.first(pair).part == first;
 }
 
 void ContactHistory::recallFriction(const ContactIsland& island, ContactSolver& solver) const {

@@ -50,6 +50,7 @@ const ContactBody& ContactIsland::addMoving(const MovingPart& part, double dt) {
   if (at == bodies_.size()) return body;
   body.goal = {dt * part.step.freeVelocity, dt * part.step.freeSpin};
   body.mass = part.body->mass;
+  body.axis = part.axis;
   StepGoal& goal = goals_[at];
   goal.applied = Displacement{};
   goal.root = part.step.root;
@@ -66,12 +67,12 @@ void ContactIsland::clearPairs() {
 void ContactIsland::addPair(const ContactPair& pair) {
   if (!TICK_ASSERT(fault_, pair.first < bodyCount() && pair.second < bodyCount())) return;
   const RowPair rowPair{pair.first, pair.second, glm::dvec3(0.0)};
-  if (pairs_.size() < static_cast<std::size_t>(pair.isJoint() ? kMaxPairs : kMaxPairs - kForJoints)) {
+  if (pairs_.size() < static_cast<std::size_t>(pair.mayTouch() ? kMaxPairs - kForJoints : kMaxPairs)) {
     pairs_.push_back(pair);
     rowPairs_.push_back(rowPair);
   } else {
     overflowed_ = true;
-    if (pair.isJoint()) return;
+    if (!pair.mayTouch()) return;
     const auto nearer = [](const ContactPair& a, const ContactPair& b) { return a.gap < b.gap; };
     const auto furthest = std::max_element(pairs_.begin(), pairs_.end(), nearer);
     if (furthest->gap <= pair.gap) return;

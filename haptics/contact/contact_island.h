@@ -7,6 +7,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "haptics/base/fault.h"
@@ -28,6 +29,7 @@ struct ContactBody {
   glm::dvec3 centre{0.0};            // of mass, m, world, as of the last place()
   Displacement goal;                 // where it would go in this tick without contacts and joints
   double mass = 1.0;                 // kg
+  std::optional<AxisLimits> axis;    // of a control
 
   /// m, an upper bound of how far a displacement moves any point of the body.
   double motion(const Displacement& u) const;
@@ -36,17 +38,21 @@ struct ContactBody {
   double escapeDistance(double dt) const { return 2.0 * radius * dt; }
 };
 
-/// Two parts that may touch, or that a joint connects. The first one moves here.
+/// Two parts that may touch, or that a joint connects, or a part and its own axis. The first one moves here.
 struct ContactPair {
+  static constexpr std::int32_t kTouch = -1;  // in place of a joint: the parts may touch
+  static constexpr std::int32_t kAxis = -2;   // the same: the first part's own axis
+
   int first = 0, second = -1;  // bodies of the island; second is -1 where the other part does not move here
-  PartId other = kNoPart;      // kNoPart: the world, of a joint
+  PartId other = kNoPart;      // kNoPart: the world, of a joint or an axis
   const PartModel* model = nullptr;  // of the other part
   Pose otherFromFirst;               // part frames, as of the last place()
   double push = 0.0;                 // m by which the other part's own motion may close the gap in this tick
   double gap = 0.0;                  // m, a lower bound when the tick began
-  std::int32_t joint = -1;           // index of the scene's joint; -1: a pair that may touch
+  std::int32_t joint = kTouch;       // index of the scene's joint; kTouch, kAxis
 
   bool isJoint() const { return joint >= 0; }
+  bool mayTouch() const { return joint == kTouch; }
 };
 
 class ContactIsland {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "haptics/contact/axis_rows.h"
 #include "haptics/contact/candidate_rows.h"
 
 namespace tandem::haptics {
@@ -41,6 +42,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     refiner_.beginStep(tick.dt, reach_, tick.effort.exact);
     gather(reach_, tick.dt);
     joints_.addRows(island_, tick.dt, rows_);
+    addAxisRows(island_, tick.dt, rows_);
     overlaps_.endStep();
     refineCached();
     solve(tick, maxIterations - (tick.work->iterations - iterationsBefore));
@@ -62,7 +64,7 @@ void ContactStep::gather(double reach, double dt) {
   for (int i = 0; i < island_.pairCount(); ++i) {
     if (!TICK_ASSERT(fault_, rows_.beginPair())) return;
     const ContactPair& pair = island_.pair(i);
-    if (pair.isJoint()) continue;
+    if (!pair.mayTouch()) continue;
     // Two moving bodies may approach each other.
     const double closing = pair.second >= 0 ? 2.0 * reach : reach;
     for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
@@ -136,7 +138,7 @@ void ContactStep::noteTouches(const Tick& tick) const {
     const ExactRow& row = rows_.exact(active.row);
     if (!TICK_ASSERT(fault_, row.source.pair < island_.pairCount())) continue;
     const ContactPair& pair = island_.pair(row.source.pair);
-    if (pair.isJoint() || tick.touches->full()) continue;
+    if (!pair.mayTouch() || tick.touches->full()) continue;
     const ContactBody& first = island_.first(pair);
     tick.touches->add(
         {first.part, pair.other, first.centre + row.arm, row.normal, active.multiplier / (tick.dt * tick.dt)},

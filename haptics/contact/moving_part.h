@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 #include <span>
 
 #include "haptics/base/fault.h"
@@ -14,12 +15,23 @@
 
 namespace tandem::haptics {
 
+/// What bounds the motion of a part that has one axis only, a control, beside the inertia of its step, which
+/// holds it across the axis.
+struct AxisLimits {
+  glm::dvec3 linear{0.0, 0.0, 0.0};   // unit, world, of a part that slides; else zero
+  glm::dvec3 angular{0.0, 0.0, 0.0};  // unit, world, of a part that turns; else zero
+  double below = 0.0, above = 0.0;    // m or rad, how far it may go in this tick; infinite without stops
+  double friction = 0.0;              // N or N·m, dry
+  double inertia = 0.0;               // kg or kg·m^2, of the step, along or about the axis
+};
+
 /// A part that moves in this tick, with the step that it would take without contacts and joints.
 struct MovingPart {
   PartId part = kNoPart;
   CoupledStep step;
   RigidBody* body = nullptr;
-  Displacement displacement;  // output: of its centre of mass, and its rotation
+  Displacement displacement{};       // output: of its centre of mass, and its rotation
+  std::optional<AxisLimits> axis{};  // of a control: it touches nothing but other moving parts
 };
 
 /// A place where a moving part rests on another.

@@ -87,7 +87,7 @@ void Overlaps::beginStep() {
     int& of = of_[static_cast<std::size_t>(i)];
     of = -1;
     deepest_[static_cast<std::size_t>(i)] = 0.0;
-    if (pair.isJoint()) continue;
+    if (!pair.mayTouch()) continue;
     const PartId part = island_.first(pair).part;
     for (std::size_t k = 0; k < overlaps_.size(); ++k) {
       const Overlap& overlap = overlaps_[k];

@@ -47,6 +47,8 @@ void PairFinder::findTouching(double reach, double dt, ContactIsland& island) co
       if (part == body.part || model == nullptr || !mayTouch(body.part, part)) return;
       const int second = island.bodyOf(part);
       if (second >= 0 && isKnown(island, before, second, i)) return;
+      // A control passes through its housing, and through other controls.
+      if (body.axis && (second < 0 || island.body(second).axis)) return;
       ContactPair pair;
       pair.first = i;
       pair.second = second;
@@ -62,6 +64,12 @@ void PairFinder::findTouching(double reach, double dt, ContactIsland& island) co
 void PairFinder::findJoined(double dt, ContactIsland& island) const {
   for (int i = 0; i < island.bodyCount(); ++i) {
     const ContactBody& body = island.body(i);
+    if (body.axis) {
+      ContactPair pair;
+      pair.first = i;
+      pair.joint = ContactPair::kAxis;
+      island.addPair(pair);
+    }
     for (const std::uint32_t joint : joints_.of(body.part)) {
       const PartId other = joints_.otherPart(joint, body.part);
       const int second = other != kNoPart ? island.bodyOf(other) : -1;

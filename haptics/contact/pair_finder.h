@@ -17,7 +17,7 @@ class PairFinder {
   /// Adds the pairs of each body of the island with the parts that come within `reach` m of it in a tick of
   /// dt seconds.
   void findTouching(double reach, double dt, ContactIsland& island) const;
-  /// Adds the pairs that joints connect.
+  /// Adds the pairs that joints connect, and those of controls with their axes.
   void findJoined(double dt, ContactIsland& island) const;
 
  private:

@@ -94,4 +94,29 @@ bool PartContact::disturbed(PartId part) const {
   return found;
 }
 
+double PartContact::radiusNear(PartId control, const RigidBody& body, std::span<const MovingPart> moving,
+                               double dt) const {
+  if (!collides(control) || world_.hidden(control)) return 0.0;
+  const Collider& ball = world_.collider(control);
+  const glm::dvec3 middle = transformPoint(body.worldFromBody, ball.centre);
+  constexpr double kRoom = 0.1;  // of the control's radius
+  for (const MovingPart& other : moving) {
+    const Collider& theirs = world_.collider(other.part);
+    const double apart = glm::distance(middle, transformPoint(other.body->worldFromBody, theirs.centre));
+    const double motion = dt * (glm::length(other.step.freeVelocity) + glm::length(body.twist.linear) +
+                                theirs.radius * glm::length(other.step.freeSpin) +
+                                ball.radius * glm::length(body.twist.angular));
+    if (collides(other.part) && apart < ball.radius * (1.0 + kRoom) + theirs.radius + motion)
+      return ball.radius + glm::distance(ball.centre, body.centreOfMass);
+  }
+  return 0.0;
+}
+
+bool PartContact::presses(PartId part) const {
+  const std::span<const PartTouch> all = touches();
+  return std::any_of(all.begin(), all.end(), [part](const PartTouch& touch) {
+    return touch.force > 0.0 && (touch.of == part || touch.part == part);
+  });
+}
+
 }  // namespace tandem::haptics

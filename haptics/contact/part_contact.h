@@ -61,6 +61,13 @@ class PartContact {
   /// Whether something moves beside a part that is at rest here, or a part that it is joined to.
   bool disturbed(PartId part) const;
 
+  /// m, the radius of a control's part about the reference point of `body`, where one of the parts that move
+  /// may touch it in a tick of dt seconds; else 0. Judged by balls, with room for what contact may do.
+  double radiusNear(PartId control, const RigidBody& body, std::span<const MovingPart> moving,
+                    double dt) const;
+  /// Whether a part pressed on another one in the last tick.
+  bool presses(PartId part) const;
+
   /// The touches of the last tick, strongest first.
   std::span<const PartTouch> touches() const { return touches_.all(); }
   const Work& work() const { return work_; }

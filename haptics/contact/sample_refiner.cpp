@@ -43,7 +43,7 @@ void SampleRefiner::beginStep(double dt, double reach, bool exact) {
 
 void SampleRefiner::refine(RowSource source, const Displacement& u, ContactRows& rows) {
   ++queries_;
-  if (!TICK_ASSERT(fault_, source.pair < island_.pairCount() && !island_.pair(source.pair).isJoint())) return;
+  if (!TICK_ASSERT(fault_, source.pair < island_.pairCount() && island_.pair(source.pair).mayTouch())) return;
   const SideQuery query(island_, overlaps_, source.pair, source.side, reach_);
   if (!TICK_ASSERT(fault_, source.sample < query.from->samples.samples().size())) return;
   const ContactSample& sample = query.from->samples.samples()[source.sample];

@@ -1,6 +1,7 @@
 #include "haptics/fields/force_fields.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -12,6 +13,7 @@ namespace tandem::haptics {
 struct ForceFields::Sum {
   glm::dvec3 force{0.0}, sourceChange{0.0}, damping{0.0};  // N, world
   double dampingRate = 0.0;                                // N·s/m
+  double curvature = 0.0;                                  // N/m
   double work = 0.0;                                       // J
   bool limited = false;
 };
@@ -39,6 +41,26 @@ void ForceFields::findPlace(Entry& entry, const glm::dvec3& x) {
   const double before = entry.at;
   entry.at = path.nearest(x);
   if (entry.at != before) entry.known = false;
+}
+
+/// The Frobenius norm of the steepest differences to both sides along each axis: no less than the greatest
+/// curvature along any direction, kinks within `over` included.
+double ForceFields::curvatureOf(const Entry& entry, const FieldQuery& query, const FieldAction& here,
+                                double over) {
+  const glm::dvec3 force = here.stored + here.source;
+  double squares = 0.0;
+  for (int axis = 0; axis < 3; ++axis) {
+    double steepest = 0.0;
+    for (const double side : {-over, over}) {
+      FieldQuery beside = query;
+      beside.position[axis] += side;
+      const FieldAction there = entry.law.act(beside, entry.at);
+      const glm::dvec3 change = there.stored + there.source - force;
+      steepest = std::max(steepest, glm::dot(change, change));
+    }
+    squares += steepest;
+  }
+  return std::sqrt(squares) / over;
 }
 
 void ForceFields::addEntry(Entry& entry, const ContactWorld& world, const DeviceSample& device, double time,
@@ -70,6 +92,8 @@ void ForceFields::addEntry(Entry& entry, const ContactWorld& world, const Device
   sum.damping += worldFromField.orientation * action.damping * entry.weight;
   sum.dampingRate += action.dampingRate * entry.weight;
   sum.limited = sum.limited || action.limited;
+  if (settings.curvatureOver > 0.0)
+    sum.curvature += entry.weight * curvatureOf(entry, query, action, settings.curvatureOver);
   // The hand receives what a potential loses, however coarse the ticks; a moving field adds its own work.
   if (entry.known) sum.work += entry.weight * (entry.potential - action.potential);
   sum.work += settings.dt * (glm::dot(stored, carried) + glm::dot(source, device.twist.linear));
@@ -87,7 +111,10 @@ FieldForces ForceFields::step(const ContactWorld& world, const DeviceSample& dev
   FieldForces out;
   const double share =
       sum.dampingRate > settings.dampingLimit ? settings.dampingLimit / sum.dampingRate : 1.0;
-  out.force = sum.force + sum.damping * share;
+  out.damping = sum.damping * share;
+  out.dampingRate = sum.dampingRate * share;
+  out.curvature = sum.curvature;
+  out.force = sum.force + out.damping;
   out.sourceChange = sum.sourceChange;
   out.sourcePower = sum.work / settings.dt;
   if (overflow_) out.flags |= kFlagOverflow;

@@ -19,6 +19,9 @@ struct FieldForces {
   glm::dvec3 force{0.0, 0.0, 0.0};         // N, world axes, at the device's tip, before the output's limits
   glm::dvec3 sourceChange{0.0, 0.0, 0.0};  // N, change of the force since the last tick by time alone
   double sourcePower = 0.0;                // W, power that the fields' laws gave the hand since the last tick
+  glm::dvec3 damping{0.0, 0.0, 0.0};       // N, the share of dampers in the force
+  double dampingRate = 0.0;                // N·s/m, the greatest of all dampers together, within their limit
+  double curvature = 0.0;                  // N/m, bound of how the rest of the force changes with the place
   std::uint32_t flags = 0;                 // kFlagOverflow, kFlagFieldLimited
 };
 
@@ -28,6 +31,7 @@ struct FieldSettings {
   double fadeTime = 0.3;       // s, fade of a field when the hand takes or releases its part
   double dampingLimit = 10.0;  // N·s/m, of all dampers together
   PartId held = kNoPart;       // the fields of a part do not act on the hand that holds it
+  double curvatureOver = 0.0;  // m, over which FieldForces::curvature is measured; 0: it is not
 };
 
 class ForceFields {
@@ -57,6 +61,8 @@ class ForceFields {
   void addEntry(Entry& entry, const ContactWorld& world, const DeviceSample& device, double time,
                 const FieldSettings& settings, Sum& sum);
   static void findPlace(Entry& entry, const glm::dvec3& x);
+  static double curvatureOf(const Entry& entry, const FieldQuery& query, const FieldAction& here,
+                            double over);
 
   std::vector<Entry> entries_;
   double lastTime_ = 0.0;  // s, of the last step

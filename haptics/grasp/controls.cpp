@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <glm/geometric.hpp>
 
@@ -25,13 +26,17 @@ AxisLoad sum(const AxisLoad& a, const AxisLoad& b) {
 
 }  // namespace
 
-MovedControl takeControl(const ContactWorld& world, PartId part) {
+MovedControl takeControl(const ContactWorld& world, PartId part, RigidBody& body) {
   MovedControl moved;
   moved.control = assets::controlOf(world.scene(), part);
   if (moved.control == nullptr) return moved;
   moved.steepest = steepestResistance(*moved.control);
   moved.state.value =
       assets::admissible(*moved.control, assets::controlValue(*moved.control, world.pose(part)));
+  const glm::dvec3 origin = moved.control->worldFromAxis.position, axis = assets::axisOf(*moved.control),
+                   middle = transformPoint(world.pose(part), world.collider(part).centre);
+  body.centreOfMass =
+      transformPoint(inverse(world.pose(part)), origin + axis * glm::dot(axis, middle - origin));
   return moved;
 }
 
@@ -87,10 +92,41 @@ Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSampl
   return {drag * rate * lever - force, rotDrag * rate * spin - torque};
 }
 
+MovingPart guidedPart(const MovedControl& moved, RigidBody& body, double radius, double dt) {
+  const assets::Control& control = *moved.control;
+  const bool turns = assets::turns(control);
+  const glm::dvec3 axis = assets::axisOf(control);
+  const GuidedRate free = guidedRate(control, moved.steepest, moved.tool, dt, moved.state);
+  constexpr double kNoStop = std::numeric_limits<double>::infinity();
+  MovingPart part;
+  part.part = control.part;
+  part.step = guidedStep(axis, turns, free.rate, free.inertia, radius);
+  part.body = &body;
+  part.axis = {turns ? glm::dvec3(0.0) : axis,
+               turns ? axis : glm::dvec3(0.0),
+               control.endless ? kNoStop : moved.state.value - control.min,
+               control.endless ? kNoStop : control.max - moved.state.value,
+               control.friction,
+               free.inertia};
+  return part;
+}
+
+void endGuided(MovedControl& moved, const Displacement& displacement, double dt, Pose& worldFromPart,
+               Twist& twist) {
+  const glm::dvec3 axis = assets::axisOf(*moved.control);
+  const bool turns = assets::turns(*moved.control);
+  const double along = glm::dot(axis, turns ? displacement.angular : displacement.linear);
+  const double wanted = moved.state.value + along;
+  moved.state.value = assets::admissible(*moved.control, wanted);
+  const bool stopped = !moved.control->endless && moved.state.value != wanted;
+  moved.state.rate = stopped ? 0.0 : along / dt;
+  place(moved, worldFromPart, twist);
+}
+
 bool isQuiet(const MovedControl& moved) {
   constexpr double kSlow = 1e-3;  // of the range, 1/s
   const double range = moved.control->max - moved.control->min;
-  return moved.tool.stiffness == 0.0 && std::abs(moved.state.rate) <= kSlow * range;
+  return moved.tool.stiffness == 0.0 && !moved.pushed && std::abs(moved.state.rate) <= kSlow * range;
 }
 
 Layers::Layers(const assets::Scene& scene) {

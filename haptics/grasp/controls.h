@@ -2,13 +2,24 @@
 
 // Controls within the tick: what the tool and the hand put on them, and which parts their layers show.
 //
-// Nothing here allocates, but for the constructor of Layers.
+// A control that this site owns, and that a moving part may touch, is one more body of contact in that tick
+// (guidedPart()): a factor of 1e6 heavier across its axis, along it with the inertia of one step of its
+// dynamics. Its stops are half-spaces, its dry friction a row that yields (haptics/contact, axis_rows.h). It
+// touches moving parts alone, not its housing.
+//
+// 1. Parts, hand and control are solved together: the contact does no work, and a step of the control gains
+//    no energy (control_dynamics.h), so nothing is created. One step a tick in place of eight: a drag of up
+//    to L T.
+// 2. A part that presses on a control which is not owned is told in TickOutput::pushed: the site asks for it.
+//    A control in a hand is not pushed by parts.
+// 3. Nothing here allocates, but for the constructor of Layers.
 
 #include <vector>
 
 #include "haptics/base/tick_types.h"
 #include "haptics/body/control_dynamics.h"
 #include "haptics/body/virtual_coupling.h"
+#include "haptics/contact/moving_part.h"
 #include "haptics/proxy/proxy.h"
 #include "haptics/scene/contact_world.h"
 
@@ -19,11 +30,13 @@ struct MovedControl {
   const assets::Control* control = nullptr;  // null: the part is free
   double steepest = 0.0;                     // of its resistance
   ControlState state;
-  AxisLoad tool;  // of the tool in the last tick
+  AxisLoad tool;        // of the tool in the last tick
+  bool pushed = false;  // by a part, in the last tick
 };
 
-/// Takes a part over from where it is in `world`; control == nullptr if the part is none.
-MovedControl takeControl(const ContactWorld& world, PartId part);
+/// Takes a part over from where it is in `world`; control == nullptr if the part is none. Of a control it
+/// puts the reference point of the body, its centre of mass, onto the axis beside the part's middle.
+MovedControl takeControl(const ContactWorld& world, PartId part, RigidBody& body);
 
 /// What the tool's contact puts on a control: the opposite of `force` (N, on the hand, from the contacts with
 /// its part in the last tick), along or about its axis, at the mean of the places that press. The stiffness
@@ -35,14 +48,22 @@ AxisLoad toolLoad(const ContactWorld& world, const Proxy& proxy, const assets::C
 /// One step of a control that only the tool and its own springs move.
 void stepFree(MovedControl& moved, double dt, Pose& worldFromPart, Twist& twist);
 
+/// What a control brings into a contact tick in which parts may push it: its free step along its axis.
+/// `body` is its part's, whose centre of mass must lie on the axis (see takeControl()).
+MovingPart guidedPart(const MovedControl& moved, RigidBody& body, double radius, double dt);
+
+/// Ends that tick: the control keeps the motion along its axis, and the part stands where its value says.
+void endGuided(MovedControl& moved, const Displacement& displacement, double dt, Pose& worldFromPart,
+               Twist& twist);
+
 /// One step of a control that the hand holds by the coupling from `partFromGrip` to the device. Motion along
 /// the free axis is coupled as stepCoupledBody() couples it; across it the part does not give way, and the
 /// hand feels the coupling's spring. Returns the wrench on the hand at the device's tip.
 Wrench stepHeld(MovedControl& moved, const Pose& partFromGrip, const DeviceSample& device,
                 const CouplingGains& gains, double dt, Pose& worldFromPart, Twist& twist);
 
-/// Whether nothing moves a control that nobody holds: no tool on it, and slower than its range in a thousand
-/// seconds.
+/// Whether nothing moves a control that nobody holds: no tool or part on it, and slower than its range in a
+/// thousand seconds.
 bool isQuiet(const MovedControl& moved);
 
 /// Hides the parts whose layers are off.

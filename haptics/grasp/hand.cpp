@@ -18,7 +18,7 @@ void Hand::begin(const HandInput& input, const TickParameters& parameters) {
   parameters_ = parameters;
   flags_ = 0;
   lastTool_ = std::exchange(tool_, input.tool);
-  displacement_ = rotation_ = glm::dvec3(0.0);
+  motion_ = displacement_ = rotation_ = glm::dvec3(0.0);
   elsewhere_ = false;
   silence_ = invalidTime_;
   const DeviceSample& reading = input.device;
@@ -30,6 +30,7 @@ void Hand::begin(const HandInput& input, const TickParameters& parameters) {
     return;
   }
   const Pose &now = reading.worldFromDevice, &last = device_.worldFromDevice;
+  if (started_) motion_ = now.position - last.position;
   if (started_ && (hasTool_ || fade_.active())) displacement_ = now.position - last.position;
   if (started_ && fade_.active())
     rotation_ = rotationVector(now.orientation * glm::conjugate(last.orientation));

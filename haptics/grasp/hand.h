@@ -47,6 +47,8 @@ class Hand {
   const DeviceSample& steadyDevice() const { return steadyDevice_; }
   /// m, of the hand since the last tick.
   const glm::dvec3& displacement() const { return displacement_; }
+  /// The same, also of a hand whose tool is not part of the tick.
+  const glm::dvec3& motion() const { return motion_; }
 
   /// What pulls at the part in the hand.
   HandPull pull() const { return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_)}; }
@@ -90,7 +92,8 @@ class Hand {
   DeviceSample device_, steadyDevice_;
   Wrench coupling_;                               // of the last tick, before limits
   Wrench tool_, lastTool_;                        // HandInput::tool of this tick and of the last
-  glm::dvec3 displacement_{0.0}, rotation_{0.0};  // m and rad, of the hand since the last tick
+  glm::dvec3 displacement_{0.0}, rotation_{0.0};  // m and rad, what fades follows
+  glm::dvec3 motion_{0.0};                        // m, of the hand since the last tick
   double invalidTime_ = 0.0, silence_ = 0.0;      // s since the last valid reading: now, and before this tick
   double sentShare_ = 0.0;
   bool valid_ = false, started_ = false, elsewhere_ = false, stalled_ = false;

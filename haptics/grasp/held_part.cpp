@@ -52,6 +52,13 @@ void stepControlled(SimulatedPart& entry, const HandPulls& hands, double dt,
   entry.sinceLetGo = !entry.held() && isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
 }
 
+/// Ends the step of a control that parts may push.
+void endControlled(SimulatedPart& entry, const MovingPart& moving, const PartContact& contact, double dt) {
+  endGuided(entry.moved, moving.displacement, dt, entry.body.worldFromBody, entry.body.twist);
+  entry.moved.pushed = contact.presses(entry.part);
+  entry.sinceLetGo = isQuiet(entry.moved) ? entry.sinceLetGo + dt : 0.0;
+}
+
 /// What pulls a part down, m/s^2.
 glm::dvec3 gravityOn(PartId part, const TickParameters& parameters, const assets::Scene& scene) {
   return parameters.gravity * scene.parts[part].gravityFactor;
@@ -83,6 +90,19 @@ Coupling couplingOf(const LinkPull& link, const RigidBody& body) {
   return {bodyFromCentre, body.worldFromBody * bodyFromCentre, {}, {0.0, link.damping, 0.0, link.rotDamping}};
 }
 
+/// What the force of fields falls by as the part moves: a coupling without a pull where the part is. With a
+/// spring as stiff as the field's curvature no step ends with more energy than it began with, as in
+/// control_dynamics.h; of dampers it leaves what they take now, and more as the part speeds up.
+Coupling couplingOf(const FieldPull& field, const RigidBody& body) {
+  const Pose bodyFromCentre{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
+  const Pose centre = body.worldFromBody * bodyFromCentre;
+  Twist carried;
+  if (field.dampingRate > 0.0)
+    carried.linear =
+        velocityAt(body.worldFromBody, body.twist, centre.position) + field.damping / field.dampingRate;
+  return {bodyFromCentre, centre, carried, {field.curvature, field.dampingRate, 0.0, 0.0}};
+}
+
 /// Radius of gyration, m: the size of a body to itself.
 double sizeOf(const RigidBody& body) {
   const glm::dmat3& i = body.inertia;
@@ -106,7 +126,7 @@ bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
   entry.body = bodyOf(world, part);
   entry.sinceLetGo = awake ? 0.0 : kSettleTime;
   entry.restPose = entry.body.worldFromBody;
-  entry.moved = takeControl(world, part);
+  entry.moved = takeControl(world, part, entry.body);
   if (entry.moved.control != nullptr) entry.sinceLetGo = 0.0;  // its springs may move it from here
   return true;
 }
@@ -209,6 +229,14 @@ void HeldParts::push(PartId part, const ToolPush& tool) {
   if (SimulatedPart* entry = find(part)) entry->tool = tool;
 }
 
+void HeldParts::pull(PartId part, const FieldPull& field) {
+  if (SimulatedPart* entry = find(part)) entry->field = field;
+}
+
+void HeldParts::rub(PartId part, const Wrench& surfaces) {
+  if (SimulatedPart* entry = find(part)) entry->rubbed = surfaces;
+}
+
 bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const glm::dvec3& gravity, double dt,
                            double now, CoupledStep& step) {
   std::array<Coupling, kMaxCouplings> couplings;
@@ -223,7 +251,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
   const bool linked = links_.has(entry.part);
   if (count == 0 && !linked) return false;
   const bool held = count > 0;
-  Wrench load = endedPull(entry, dt);
+  Wrench load = endedPull(entry, dt) + (held ? entry.rubbed : Wrench{});
   double weighs = 1.0;
   if (linked) {
     const LinkPull link = links_.pull(entry.part, entry.body, held, now, dt);
@@ -236,6 +264,10 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
     entry.sinceLetGo = 0.0;
   }
   if (entry.tool.stiffness > 0.0) couplings[count++] = couplingOf(entry.tool, entry.body.worldFromBody);
+  if (held && entry.field.acts()) {
+    load.force += entry.field.force;
+    couplings[count++] = couplingOf(entry.field, entry.body);
+  }
   step = coupleBody(entry.body, {couplings.data(), count}, load, weighs * gravity, dt);
   return true;
 }
@@ -263,10 +295,7 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
   FixedVector<SimulatedPart*, kMaxOwnedParts> entries;  // of `moving`
   const double dt = parameters.dt;
   for (SimulatedPart& entry : parts_) {
-    if (entry.moved.control != nullptr) {
-      stepControlled(entry, hands, dt, onHands);
-      continue;
-    }
+    if (entry.moved.control != nullptr) continue;
     glm::dvec3 gravity = gravityOn(entry.part, parameters, scene);
     // Without a hand to pull it (let go, or the sample was lost) a part comes to rest where it is, unless
     // it is free.
@@ -278,15 +307,30 @@ std::array<Wrench, kHands> HeldParts::step(const HandPulls& hands, const TickPar
       continue;
     if (contact != nullptr && contact->constrains(entry.part)) {
       entries.push_back(&entry);
-      moving.push_back({entry.part, step, &entry.body, {}});
+      moving.push_back({entry.part, step, &entry.body});
       continue;
     }
     moveBody(entry.body, step.freeVelocity, step.freeSpin, dt);
     react(entry, hands, step, step.freeVelocity, step.freeSpin, onHands);
   }
+  const std::size_t bodies = moving.size();  // controls follow them
+  for (SimulatedPart& entry : parts_) {
+    if (entry.moved.control == nullptr) continue;
+    entry.moved.pushed = false;
+    const double radius = contact != nullptr && !entry.held()
+                              ? contact->radiusNear(entry.part, entry.body, {moving.data(), bodies}, dt)
+                              : 0.0;
+    if (!(radius > 0.0)) {
+      stepControlled(entry, hands, dt, onHands);
+      continue;
+    }
+    entries.push_back(&entry);
+    moving.push_back(guidedPart(entry.moved, entry.body, radius, dt));
+  }
   if (moving.empty()) return onHands;
   contact->move({moving.data(), moving.size()}, dt, parameters.effort);
-  for (std::size_t i = 0; i < moving.size(); ++i) {
+  for (std::size_t i = bodies; i < moving.size(); ++i) endControlled(*entries[i], moving[i], *contact, dt);
+  for (std::size_t i = 0; i < bodies; ++i) {
     const Displacement& displacement = moving[i].displacement;
     SimulatedPart& entry = *entries[i];
     react(entry, hands, moving[i].step, displacement.linear / dt, displacement.angular / dt, onHands);

@@ -35,6 +35,16 @@ struct ToolPush {
   double stiffness = 0.0;           // N/m, by which the force falls as the part yields; 0: there is no push
 };
 
+/// What acts on a part in a hand without contact, at its centre of mass.
+struct FieldPull {
+  glm::dvec3 force{0.0, 0.0, 0.0};    // N, world, that does not depend on the velocity
+  glm::dvec3 damping{0.0, 0.0, 0.0};  // N, of dampers at the present velocity
+  double curvature = 0.0;             // N/m, by which the force may change as the part moves, at most
+  double dampingRate = 0.0;           // N·s/m, the greatest of the dampers
+
+  bool acts() const { return force != glm::dvec3(0.0) || curvature > 0.0 || dampingRate > 0.0; }
+};
+
 /// A hand's coupling to a part.
 struct Grip {
   bool holds = false;
@@ -52,6 +62,8 @@ struct SimulatedPart {
   double sinceLetGo = 0.0;  // s; at rest from kSettleTime on. A control or a free part: since it last moved
   Pose restPose;            // of a free part, where it was then
   ToolPush tool;            // of the last tick
+  FieldPull field;          // of the next step, while a hand holds the part
+  Wrench rubbed;            // the same, of the surfaces that it slides on, about the centre of mass
   MovedControl moved;       // a control moves along its axis only
 
   bool held() const { return grips[0].holds || grips[1].holds; }
@@ -95,6 +107,10 @@ class HeldParts {
   void load(PartId part, const AxisLoad& tool);
   /// What the tool puts on an owned free part in the next step.
   void push(PartId part, const ToolPush& tool);
+  /// What force fields put on a part in a hand in the next step.
+  void pull(PartId part, const FieldPull& field);
+  /// What touched surfaces put on a part in a hand in the next step, about its centre of mass.
+  void rub(PartId part, const Wrench& surfaces);
 
   /// Advances all parts by parameters.dt (s) under parameters.gravity. Returns what the couplings put on
   /// each hand. `contact`: what keeps the parts off their neighbours, or null. `now` s: the session's
