@@ -29,9 +29,9 @@ Wrench BareTool::tick(const haptics::DeviceSample& reading, std::span<const hapt
   haptics::TickParameters ofTool = parameters;
   ofTool.gain = 1.0;
   ofTool.zeroForce = ofTool.passivity = false;
-  const haptics::TickOutput out = haptics::tick(input, scene_, ofTool, state_);
-  touched_ = holds ? kNoPart : out.touched;
-  return out.hands[0].toHand;
+  out_ = haptics::tick(input, scene_, ofTool, state_);
+  touched_ = holds ? kNoPart : out_.touched;
+  return out_.hands[0].toHand;
 }
 
 }  // namespace tandem::client

@@ -28,6 +28,11 @@ class BareTool {
 
   /// The part under the tool, as TickOutput::touched.
   PartId touched() const { return touched_; }
+  const Pose& worldFromProxy() const { return out_.worldFromProxy; }
+  /// Its contacts of the last tick.
+  std::span<const haptics::Contact> contacts() const {
+    return {out_.contacts.data(), static_cast<std::size_t>(out_.contactCount)};
+  }
   void noteStall() { state_.noteStall(); }
   void resetFault() { state_.resetFault(); }
   const haptics::FaultLatch& fault() const { return state_.fault(); }
@@ -43,6 +48,7 @@ class BareTool {
   haptics::TickState state_;
   haptics::FixedVector<haptics::PartMotion, kMaxMoved> moved_;                      // of this tick
   haptics::FixedVector<haptics::PartCommand, haptics::kMaxPartCommands> commands_;  // of this tick
+  haptics::TickOutput out_;                                                         // of the last tick
   PartId touched_ = kNoPart;
   bool heldBefore_ = false;
   int away_ = 0;  // ticks that are left without a reading

@@ -106,6 +106,14 @@ Wrench HandLoop::feelBareTool(std::span<const PartCommand> commands, sync::Micro
 void HandLoop::noteSecondHand() {
   HandRecord& record = output_.hands[1];
   record.device = hands_[1].device;
+  const haptics::HandFeedback& felt = output_.tick.hands[1];
+  const bool holds = felt.held != kNoPart;
+  const std::span<const haptics::Contact> contacts = bareTool_->contacts();
+  record.present = true;
+  record.worldFromProxy = holds ? Pose{felt.worldFromGrip.position, record.device.worldFromDevice.orientation}
+                                : bareTool_->worldFromProxy();
+  record.contactCount = holds ? 0 : static_cast<int>(contacts.size());
+  std::copy(contacts.begin(), contacts.end(), record.contacts.begin());
   if (bareTool_->fault().raised()) output_.tick.hands[1].flags |= haptics::kFlagFault;
   record.flagsSeen |= output_.tick.hands[1].flags;
   record.maxForce = std::max(record.maxForce, glm::length(output_.tick.hands[1].toHand.force));

@@ -235,6 +235,21 @@ void JoinedSite::update(ViewModel& model) {
   model.notices = notices_;
 }
 
+void JoinedSite::updateSecondHand(const HandOutput& output, SecondHandView& hand) const {
+  const HandRecord& record = output.hands[1];
+  hand.deviceName = secondDevice_->name();
+  hand.held = output.tick.hands[1].held;
+  hand.mostForce = record.maxForce;
+  hand.flagsSeen = record.flagsSeen;
+  hand.valid = record.device.valid;
+  hand.worldFromDevice = record.device.worldFromDevice;
+  hand.worldFromProxy = record.worldFromProxy;
+  hand.toolRadius = settings_.parameters[1].toolRadius;
+  hand.force = output.tick.hands[1].toHand.force;
+  hand.contacts = record.contacts;
+  hand.contactCount = record.contactCount;
+}
+
 void JoinedSite::updateHand(ViewModel& model) {
   const HandOutput& output = exchange_->view.latest();
   HandView& hand = model.hand;
@@ -256,9 +271,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   if (output.poppedThrough) hand.flags |= haptics::kFlagPopThrough;
   hand.flagsSeen = output.hands[0].flagsSeen;
   hand.stalls = output.stalls;
-  if (secondDevice_)
-    hand.second = {secondDevice_->name(), output.tick.hands[1].held, output.hands[1].maxForce,
-                   output.hands[1].flagsSeen};
+  if (secondDevice_) updateSecondHand(output, hand.second);
   hand.fault = output.fault != nullptr ? output.fault : "";
   hand.stiffest = stiffest_;
   const haptics::ServoStatistics servo = servoStatistics();

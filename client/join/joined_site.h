@@ -78,6 +78,7 @@ class JoinedSite {
   void runNetwork();
   void waitForNetwork();
   void updateHand(ViewModel& model);
+  void updateSecondHand(const HandOutput& output, SecondHandView& hand) const;
 
   JoinOptions options_;
   SceneStore store_;

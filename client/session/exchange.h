@@ -67,6 +67,11 @@ struct HandRecord {
   haptics::DeviceSample device;
   std::uint32_t flagsSeen = 0;  // of the first hand: with those of the tick
   double maxForce = 0.0;        // N
+  // Of the second hand, as TickOutput has them of the first:
+  bool present = false;
+  Pose worldFromProxy;
+  std::array<haptics::Contact, haptics::kMaxContacts> contacts;
+  int contactCount = 0;  // none are shown while it holds a part
 };
 
 /// The state of a person's hands after a tick, at local time `time`.

@@ -113,6 +113,8 @@ bool StatePublisher::moved(const Pose& from, const Pose& to) const {
 bool StatePublisher::presenceChanged(const Presence& presence) const {
   const Presence& last = lastPresence_;
   const double force = glm::length(presence.force - last.force);
+  const std::optional<Pose>&now = presence.worldFromSecondTool, &before = last.worldFromSecondTool;
+  if (now.has_value() != before.has_value() || (now && moved(*before, *now))) return true;
   return presence.touched != last.touched || moved(last.worldFromTool, presence.worldFromTool) ||
          moved(last.worldFromCamera, presence.worldFromCamera) ||
          force > kPresenceForce + rates_.deadband * glm::length(last.force);

@@ -62,8 +62,9 @@ void StatePublishing::publish(const Pose& worldFromCamera) {
   const Micros now = clock_.now();
   if (!clock_.known() || !publisher_.mayBeDue(now)) return;
   offerParts();
-  const Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
-                          hand_.tick.hands[0].toHand.force, hand_.tick.touched};
+  Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
+                    hand_.tick.hands[0].toHand.force, hand_.tick.touched};
+  if (hand_.hands[1].present) presence.worldFromSecondTool = hand_.hands[1].worldFromProxy;
   bool newPresence = true;
   if (!publisher_.due(now, hand_.time, offered_, presence, newPresence)) return;
   auto& update = std::get<StateUpdate>(message_);

@@ -24,8 +24,18 @@ struct NearestView {
   glm::dvec3 onHeld{0.0, 0.0, 0.0}, onOther{0.0, 0.0, 0.0};  // m, world: that far apart
 };
 
+/// A hand's tool, as it is drawn.
+struct ToolView {
+  bool valid = false;  // its last reading was good
+  Pose worldFromDevice, worldFromProxy;
+  double toolRadius = 0.0;          // m
+  glm::dvec3 force{0.0, 0.0, 0.0};  // N on the hand
+  std::array<haptics::Contact, haptics::kMaxContacts> contacts;
+  int contactCount = 0;
+};
+
 /// The same person's other hand.
-struct SecondHandView {
+struct SecondHandView : ToolView {
   std::string deviceName;  // empty: there is none
   PartId held = kNoPart;
   double mostForce = 0.0;       // N, so far
@@ -33,15 +43,9 @@ struct SecondHandView {
 };
 
 /// The hand at this site, from the haptic loop.
-struct HandView {
+struct HandView : ToolView {
   bool present = false;  // a device is open
-  bool valid = false;    // its last reading was good
   std::string deviceName;
-  Pose worldFromDevice, worldFromProxy;
-  double toolRadius = 0.0;          // m
-  glm::dvec3 force{0.0, 0.0, 0.0};  // N on the hand
-  std::array<haptics::Contact, haptics::kMaxContacts> contacts;
-  int contactCount = 0;
   PartId touched = kNoPart, held = kNoPart;
   haptics::LinkReport links;  // of the held part to other sites
   NearestView nearest;

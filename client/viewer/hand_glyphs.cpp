@@ -66,13 +66,12 @@ void addArrow(GlyphBatch& batch, const glm::dvec3& from, const glm::dvec3& to, c
   batch.cone(neck, to, 7.5 * px, 0.0, colour);
 }
 
-void addForce(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
-  const HandView& hand = model.hand;
+void addForce(const ToolView& hand, double limit, GlyphBatch& batch, std::vector<Label>& labels) {
   const double force = glm::length(hand.force);
   if (!(force > kFaintestForce)) return;
   const glm::dvec3 from = hand.worldFromProxy.position;
   const double px = pixelAt(batch.view(), from);
-  const double share = std::min(force / std::max(model.settings.forceLimit, 1e-3), 1.5);
+  const double share = std::min(force / std::max(limit, 1e-3), 1.5);
   const double length = (18.0 + (kArrowAtLimit - 18.0) * share) * px;
   const glm::dvec3 to = from + hand.force * (length / force);
   addArrow(batch, from, to, kForceColour);
@@ -81,7 +80,7 @@ void addForce(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& lab
   labels.push_back({to, {10.0, -8.0}, {0.80f, 0.16f, 0.08f}, text});
 }
 
-void addContacts(const HandView& hand, GlyphBatch& batch) {
+void addContacts(const ToolView& hand, GlyphBatch& batch) {
   const int count = std::clamp(hand.contactCount, 0, haptics::kMaxContacts);
   for (int i = 0; i < count; ++i) {
     const haptics::Contact& contact = hand.contacts[static_cast<std::size_t>(i)];
@@ -109,9 +108,9 @@ void addClearance(const HandView& hand, GlyphBatch& batch, std::vector<Label>& l
   labels.push_back({0.5 * (nearest.onHeld + nearest.onOther), {8.0, -8.0}, {0.05f, 0.30f, 0.62f}, text});
 }
 
-void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
-  const HandView& hand = model.hand;
-  if (!hand.present) return;
+/// A hand of this site: its stylus where the proxy is, its device where that is elsewhere, contacts and
+/// force.
+void addTool(const ToolView& hand, const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
   const GlyphColour colour(linear(selfColour(model)), 1.0f);
   const Pose& proxy = hand.worldFromProxy;
   const Pose& device = hand.worldFromDevice;
@@ -123,8 +122,14 @@ void addOwnHand(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& l
     batch.sphere(device.position, drawnTip(hand.toolRadius, px), withAlpha(colour, 0.35f));
   }
   addContacts(hand, batch);
-  addForce(model, batch, labels);
-  addClearance(hand, batch, labels);
+  addForce(hand, model.settings.forceLimit, batch, labels);
+}
+
+void addOwnHands(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  if (!model.hand.second.deviceName.empty()) addTool(model.hand.second, model, batch, labels);
+  if (!model.hand.present) return;
+  addTool(model.hand, model, batch, labels);
+  addClearance(model.hand, batch, labels);
 }
 
 /// The number of people listed before this one whose camera is at the same place, as those of sites without a
@@ -179,11 +184,13 @@ void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& la
     const glm::vec3 colour = srgb(site.info.colour);
     const Pose& tool = site.presence.worldFromTool;
     addStylus(batch, tool, 0.0, GlyphColour(linear(colour), 1.0f), 1.0f);
+    if (site.presence.worldFromSecondTool)
+      addStylus(batch, *site.presence.worldFromSecondTool, 0.0, GlyphColour(linear(colour), 1.0f), 1.0f);
     const double px = pixelAt(batch.view(), tool.position);
     const glm::dvec3 top = transformPoint(tool, {0.0, 0.0, (kStylusLength + 8.0) * px});
     labels.push_back({top, {6.0, -10.0}, colour, site.info.name});
   }
-  addOwnHand(model, batch, labels);
+  addOwnHands(model, batch, labels);
 }
 
 }  // namespace tandem::client

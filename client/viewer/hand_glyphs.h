@@ -1,7 +1,7 @@
 #pragma once
 
-// The glyphs of people in a scene: this hand with its force and contacts, and the hands and cameras of
-// others.
+// The glyphs of people in a scene: this site's hands with force and contacts, and the hands and cameras
+// of others.
 
 #include <string>
 #include <vector>

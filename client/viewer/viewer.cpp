@@ -169,6 +169,7 @@ View SceneViewer::currentView(const ViewModel& model) const {
     content.radius = std::max(content.radius, glm::length(point - content.centre) + 0.05 * camera_.distance);
   };
   if (model.hand.present) includePoint(model.hand.worldFromProxy.position);
+  if (!model.hand.second.deviceName.empty()) includePoint(model.hand.second.worldFromProxy.position);
   for (const SiteView& site : model.sites)
     if (site.seen && site.info.connected && !site.self) {
       includePoint(site.presence.worldFromTool.position);

@@ -139,19 +139,28 @@ void putTime(BitWriter& writer, Micros time) {
   writer.putSigned(std::min(kMaxMicros, std::max(-kMaxMicros, time)), kTimeBits);
 }
 
+namespace {
+
+/// An invalid pose (of a device that failed) is replaced by one at the centre.
+void putShownPose(BitWriter& writer, const Pose& pose, const WireFrame& frame, int& clamped) {
+  const Pose fallback{frame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
+  put(writer, toCode(isValid(pose) ? pose : fallback, frame, clamped));
+}
+
+}  // namespace
+
 void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
                  int& clamped) {
-  // An invalid pose (of a device that failed) is replaced by one at the centre.
-  const Pose fallback{frame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
-  const auto putPose = [&](const Pose& pose) {
-    put(writer, toCode(isValid(pose) ? pose : fallback, frame, clamped));
-  };
-  putPose(presence.worldFromTool);
-  if (camera) putPose(presence.worldFromCamera);
+  putShownPose(writer, presence.worldFromTool, frame, clamped);
+  if (camera) putShownPose(writer, presence.worldFromCamera, frame, clamped);
   putSpeed(writer, speedCode(presence.force, kMaxPresenceForce, clamped));
   const bool touches = presence.touched < kMaxParts;
   writer.put(touches ? 1 : 0, 1);
   writer.put(touches ? presence.touched : 0, kPartBits);
+}
+
+void putSecondTool(BitWriter& writer, const Presence& presence, const WireFrame& frame, int& clamped) {
+  putShownPose(writer, *presence.worldFromSecondTool, frame, clamped);
 }
 
 void putWhole(BitWriter& writer, const PartCode& code) {
@@ -188,6 +197,10 @@ void getPresence(BitReader& reader, const WireFrame& frame, bool camera, Presenc
   const auto part = static_cast<PartId>(reader.get(kPartBits));
   if (!touches && part != 0) reader.fail();
   presence.touched = touches ? part : kNoPart;
+}
+
+void getSecondTool(BitReader& reader, const WireFrame& frame, Presence& presence) {
+  getPose(reader, frame, presence.worldFromSecondTool.emplace());
 }
 
 PartCode getWhole(BitReader& reader) {

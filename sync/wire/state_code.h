@@ -67,9 +67,11 @@ bool sendable(const PartState& state);
 void put(BitWriter& writer, const PoseCode& code);
 void put(BitWriter& writer, const TwistCode& code);
 void putTime(BitWriter& writer, Micros time);
-/// `camera`: whether the pose of the camera is included.
+/// `camera`: whether the pose of the camera is included. The second tool's is put by itself.
 void putPresence(BitWriter& writer, const Presence& presence, bool camera, const WireFrame& frame,
                  int& clamped);
+/// The pose of the second tool, which there must be.
+void putSecondTool(BitWriter& writer, const Presence& presence, const WireFrame& frame, int& clamped);
 /// A part by itself, without a baseline.
 void putWhole(BitWriter& writer, const PartCode& code);
 int wholeBits(const PartCode& code);
@@ -78,6 +80,7 @@ void getPose(BitReader& reader, const WireFrame& frame, Pose& pose);
 Twist getTwist(BitReader& reader);
 Micros getTime(BitReader& reader);
 void getPresence(BitReader& reader, const WireFrame& frame, bool camera, Presence& presence);
+void getSecondTool(BitReader& reader, const WireFrame& frame, Presence& presence);
 PartCode getWhole(BitReader& reader);
 
 }  // namespace tandem::sync

@@ -83,7 +83,8 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
   const bool keeps = reader.get(1) == 1;
   update.newPresence = reader.get(1) == 1;
   const bool against = reader.get(1) == 1, camera = reader.get(1) == 1;
-  if (reader.failed() || (camera && !update.newPresence)) return Outcome::malformed;
+  const bool second = reader.get(1) == 1;
+  if (reader.failed() || ((camera || second) && !update.newPresence)) return Outcome::malformed;
   Stream* stream = streamOf(update.site);
   if (stream == nullptr) return Outcome::malformed;
 
@@ -108,6 +109,8 @@ StateReceiver::Outcome StateReceiver::decodeUpdate(BitReader& reader, const Wire
   if (update.newPresence) {
     update.presence.worldFromCamera = stream->camera;
     getPresence(reader, frame, camera, update.presence);
+    update.presence.worldFromSecondTool.reset();
+    if (second) getSecondTool(reader, frame, update.presence);
     update.newPresence = camera || stream->hasCamera;  // a hand is not displayed before its camera is known
   }
 

@@ -6,7 +6,7 @@
 namespace tandem::sync {
 namespace {
 
-constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1 + 1;
+constexpr int kHeadBits = 8 + 8 + 16 + 32 + 1 + 1 + 1 + 1 + 1;
 /// Presences with a camera at rest, since datagrams get lost.
 constexpr int kCameraAtFirst = 4, kCameraEvery = 8;
 constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
@@ -105,6 +105,7 @@ void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, s
   writer.put(with.presence ? 1 : 0, 1);
   writer.put(baseline != nullptr ? 1 : 0, 1);
   writer.put(with.camera ? 1 : 0, 1);
+  writer.put(with.second ? 1 : 0, 1);
   if (baseline == nullptr) {
     putTime(writer, update.time);
   } else {
@@ -118,6 +119,7 @@ void StateSender::write(const StateUpdate& update, const KeptUpdate* baseline, s
     writer.put(check.value(), kCheckBits);
   }
   if (with.presence) putPresence(writer, update.presence, with.camera, frame, losses.clamped);
+  if (with.second) putSecondTool(writer, update.presence, frame, losses.clamped);
   for (Plan& plan : plans_) {
     const bool encoded = plan.code >= 0;
     writer.put(encoded && plan.same ? 0 : 1, 1);
@@ -164,7 +166,8 @@ StateSender::With StateSender::Stream::choose(const StateUpdate& update) {
   const Pose& now = update.presence.worldFromCamera;
   const bool moved = now.position != camera.position || now.orientation != camera.orientation;
   if (moved) presences = 0;
-  const With with{true, presences < kCameraAtFirst || presences % kCameraEvery == 0};
+  const With with{true, presences < kCameraAtFirst || presences % kCameraEvery == 0,
+                  update.presence.worldFromSecondTool.has_value()};
   ++presences;
   camera = now;
   return with;
@@ -184,6 +187,7 @@ void StateSender::encode(const StateUpdate& update, const WireFrame& frame, std:
   const With with = stream.choose(update);
   const int head =
       kHeadBits + 8 + (with.presence ? (with.camera ? kPresenceBits : kHandBits) : 0) +
+      (with.second ? kPoseBits : 0) +
       (baseline != nullptr ? kDistanceBits + kElapsedBits + varintBits(*step) + kCheckBits : kTimeBits);
   plan(baseline, elapsed, step, frame, static_cast<int>(kMaxStateBytes) * 8 - head);
   const bool keeps = !codes_.empty() && (!stream.everKept || update.time - stream.keptAt >= kKeepInterval ||

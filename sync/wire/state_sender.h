@@ -27,7 +27,7 @@ class StateSender {
  private:
   /// What goes into an update beside the parts.
   struct With {
-    bool presence = false, camera = false;
+    bool presence = false, camera = false, second = false;
   };
   struct Stream {
     SiteId origin = kNoSite;

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "assets/base/ids.h"
@@ -29,6 +30,7 @@ struct Presence {
   Pose worldFromCamera;
   glm::dvec3 force{0.0, 0.0, 0.0};  // N on the hand
   PartId touched = kNoPart;
+  std::optional<Pose> worldFromSecondTool{};  // of the same person's other hand, if there is one
 };
 
 /// The states of one site at one instant. Site to server, and relayed by the server to each other site.

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::size_t bytesOf(int bits) { return static_cast<std::size_t>((bits + 7) / 8); }
 constexpr std::size_t kEmptyUpdate = bytesOf(8 + 8 + 16 + 32 + kTimeBits + kPresenceBits + 8);
-constexpr int kEmptyStreamedBits = 8 + 8 + 16 + 32 + 4 + kTimeBits + 8;
+constexpr int kEmptyStreamedBits = 8 + 8 + 16 + 32 + 5 + kTimeBits + 8;
 constexpr std::size_t kFlags = 8;  // the byte of a streamed update that holds them
 
 void count(Flow& flow, std::size_t bytes) {
@@ -30,10 +30,15 @@ void Traffic::countState(std::span<const std::byte> datagram) {
     case StateKind::streamed: {
       const auto flags = std::to_integer<unsigned>(datagram[kFlags]);
       presenceBits = (flags & 2u) == 0 ? 0 : (flags & 8u) != 0 ? kPresenceBits : kHandBits;
+      if ((flags & 16u) != 0) presenceBits += kPoseBits;
       const bool against = (flags & 4u) != 0;  // only an update with parts has a baseline
       hasParts = against || size > bytesOf(kEmptyStreamedBits + presenceBits);
       break;
     }
+    case StateKind::updateOfTwoHands:
+      hasParts = size > kEmptyUpdate + kPoseBits / 8;
+      presenceBits += kPoseBits;
+      break;
     case StateKind::update:
       break;
     default:

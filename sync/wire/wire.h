@@ -33,7 +33,8 @@ enum class StateKind : std::uint8_t {
   link = 4,
   streamed = 5,
   ack = 6,
-  pair = 7
+  pair = 7,
+  updateOfTwoHands = 8
 };
 
 /// How many values an encoding left out or clamped. Zero in normal use.

@@ -19,7 +19,8 @@ constexpr int kUpdateHeaderBits = 8 + 8 + 16 + 32 + kTimeBits + kPresenceBits + 
 
 void encodeUpdate(const StateUpdate& update, const WireFrame& frame, std::vector<std::byte>& bytes,
                   EncodeLosses& losses) {
-  int bits = kUpdateHeaderBits, count = 0, ignored = 0;
+  const bool twoHands = update.presence.worldFromSecondTool.has_value();
+  int bits = kUpdateHeaderBits + (twoHands ? kPoseBits : 0), count = 0, ignored = 0;
   std::size_t end = 0;  // the parts in front of this one fit
   for (; end < update.parts.size() && count < static_cast<int>(kMaxStateParts); ++end) {
     if (!sendable(update.parts[end])) continue;
@@ -33,11 +34,12 @@ void encodeUpdate(const StateUpdate& update, const WireFrame& frame, std::vector
   bytes.resize(static_cast<std::size_t>((bits + 7) / 8));
   BitWriter writer(bytes);
   writer.put(kVersion, 8);
-  writer.put(static_cast<std::uint8_t>(Kind::update), 8);
+  writer.put(static_cast<std::uint8_t>(twoHands ? Kind::updateOfTwoHands : Kind::update), 8);
   writer.put(update.site, 16);
   writer.put(update.sequence, 32);
   putTime(writer, update.time);
   putPresence(writer, update.presence, true, frame, losses.clamped);
+  if (twoHands) putSecondTool(writer, update.presence, frame, losses.clamped);
   writer.put(static_cast<std::uint64_t>(count), 8);
   for (std::size_t i = 0; i < end; ++i) {
     if (sendable(update.parts[i])) putWhole(writer, toCode(update.parts[i], frame, losses.clamped));
@@ -109,11 +111,13 @@ void encodeClock(Kind kind, std::uint32_t sequence, std::initializer_list<Micros
   ASSERT(!writer.overflowed());
 }
 
-void decodeUpdate(BitReader& reader, const WireFrame& frame, StateUpdate& update) {
+void decodeUpdate(BitReader& reader, const WireFrame& frame, bool twoHands, StateUpdate& update) {
   update.site = static_cast<SiteId>(reader.get(16));
   update.sequence = static_cast<std::uint32_t>(reader.get(32));
   update.time = getTime(reader);
   getPresence(reader, frame, true, update.presence);
+  update.presence.worldFromSecondTool.reset();
+  if (twoHands) getSecondTool(reader, frame, update.presence);
   update.presence.site = update.site;
   update.newPresence = update.presenceKnown = true;
   update.parts.clear();
@@ -191,6 +195,7 @@ void encodeState(const StateMessage& message, const WireFrame& frame, std::vecto
 
 bool isStateUpdate(std::span<const std::byte> bytes) {
   return bytes.size() > 1 && (bytes[1] == static_cast<std::byte>(Kind::update) ||
+                              bytes[1] == static_cast<std::byte>(Kind::updateOfTwoHands) ||
                               bytes[1] == static_cast<std::byte>(Kind::streamed));
 }
 
@@ -202,7 +207,9 @@ Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, Sta
   if (version != kVersion) return Error{"state datagram: unknown version"};
   switch (static_cast<Kind>(kind)) {
     case Kind::update:
-      decodeUpdate(reader, frame, as<StateUpdate>(message));
+    case Kind::updateOfTwoHands:
+      decodeUpdate(reader, frame, kind == static_cast<std::uint64_t>(Kind::updateOfTwoHands),
+                   as<StateUpdate>(message));
       break;
     case Kind::ping: {
       Ping& ping = as<Ping>(message);

@@ -74,7 +74,7 @@ void streamed(std::span<const std::byte> bytes) {
   for (const bool headed : {false, true}) {
     std::vector<std::byte> datagram;
     if (headed)
-      for (const int byte : {int{kStateVersion}, 5, 3, 0, 2, 0, 0, 0, 0x15, 0, 0})
+      for (const int byte : {int{kStateVersion}, 5, 3, 0, 2, 0, 0, 0, 0x25, 0, 0})
         datagram.push_back(static_cast<std::byte>(byte));
     datagram.insert(datagram.end(), bytes.begin(), bytes.end());
     if (receiver.decode(datagram, kFrame, message) != StateReceiver::Outcome::decoded) continue;

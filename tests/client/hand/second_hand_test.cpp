@@ -102,6 +102,16 @@ class SecondHandTest : public testing::Test {
   double largestStep_ = 0.0;
 };
 
+TEST_F(SecondHandTest, ItsToolIsShownWhereItIs) {
+  EXPECT_FALSE(hand_->output().hands[1].present) << "before the first tick";
+  devices_[1].position = {0.1, 0.0, 0.1};
+  tick(5);
+  const HandRecord& record = hand_->output().hands[1];
+  EXPECT_TRUE(record.present);
+  EXPECT_LT(glm::distance(record.worldFromProxy.position, devices_[1].position), 1e-9);
+  EXPECT_EQ(record.contactCount, 0);
+}
+
 TEST_F(SecondHandTest, TakesWhatTheFirstHoldsWithoutAskingTheServer) {
   takeWithBoth();
   EXPECT_FALSE(intent().has_value());

@@ -250,6 +250,37 @@ TEST_F(ViewerTest, OthersHandsAreDrawnUnlessTheyAreAway) {
   EXPECT_EQ(countDifferent(alone, draw(), 0), 0);
 }
 
+TEST_F(ViewerTest, TheSecondHandIsDrawnWithItsForce) {
+  model_.hand.present = model_.hand.valid = true;
+  model_.hand.worldFromProxy.position = {-0.03, -0.02, 0.06};
+  model_.hand.worldFromDevice = model_.hand.worldFromProxy;
+  SecondHandView& second = model_.hand.second;
+  second.valid = true;
+  second.worldFromProxy.position = {0.03, -0.02, 0.06};
+  second.worldFromDevice = second.worldFromProxy;
+  const Picture one = draw();
+  second.deviceName = "left";
+  const Picture two = draw();
+  EXPECT_GT(countDifferent(one, two, 12), 100);
+  second.force = {0.0, 2.0, 0.0};
+  EXPECT_GT(countDifferent(two, draw(), 12), 200);
+}
+
+TEST_F(ViewerTest, TheSecondHandOfAnotherIsDrawn) {
+  SiteView site;
+  site.info.site = 2;
+  site.info.name = "Bruno";
+  site.info.role = sync::Role::participant;
+  site.info.colour = {20, 60, 250};
+  site.seen = true;
+  site.presence.worldFromTool.position = {-0.03, 0.02, 0.06};
+  site.presence.worldFromCamera.position = {0.0, 0.0, 5.0};
+  model_.sites.push_back(site);
+  const Picture one = draw();
+  model_.sites[0].presence.worldFromSecondTool = Pose{{0.03, 0.02, 0.06}, {1.0, 0.0, 0.0, 0.0}};
+  EXPECT_GT(countDifferent(one, draw(), 12), 100);
+}
+
 TEST_F(ViewerTest, PlacesTheVirtualStylusBeforeWhatIsInTheMiddle) {
   model_.worldFromPart[0].position = {0.0, 0.0, 0.0};
   draw();

@@ -150,6 +150,7 @@ class RandomMessages {
     m.presence.worldFromCamera = within(frame, range);
     m.presence.force = vector(60.0);
     m.presence.touched = partId();
+    if (chance(0.3)) m.presence.worldFromSecondTool = within(frame, range);
     const std::uint32_t first = number(16000);
     for (std::size_t i = 0; i < parts; ++i) {
       PartState state;

@@ -33,6 +33,9 @@ void expectClose(const StateUpdate& a, const StateUpdate& b) {
   EXPECT_EQ(a.presence.touched, b.presence.touched);
   expectClose(a.presence.worldFromTool, b.presence.worldFromTool);
   expectClose(a.presence.worldFromCamera, b.presence.worldFromCamera);
+  ASSERT_EQ(a.presence.worldFromSecondTool.has_value(), b.presence.worldFromSecondTool.has_value());
+  if (a.presence.worldFromSecondTool)
+    expectClose(*a.presence.worldFromSecondTool, *b.presence.worldFromSecondTool);
   expectClose(a.presence.force, b.presence.force, kPresenceForceError);
   ASSERT_EQ(a.parts.size(), b.parts.size());
   for (std::size_t i = 0; i < a.parts.size(); ++i) {
