@@ -28,6 +28,18 @@ inline haptics::TickParameters rigParameters() {
   return p;
 }
 
+/// Where models are kept that several cases make in turn.
+inline haptics::ModelOptions cachedModels() {
+  haptics::ModelOptions options;
+  options.cacheDirectory = (std::filesystem::temp_directory_path() / "tandem-test-models").string();
+  return options;
+}
+
+/// Twenty pegs of one shape, or all parts of an engine in turn: at full size their models are made once.
+inline haptics::ModelOptions rigModels() {
+  return std::getenv("TANDEM_FULL_SIZE") != nullptr ? cachedModels() : haptics::ModelOptions{};
+}
+
 /// One tick as it was.
 struct RigTick {
   double time = 0.0;  // s
@@ -50,9 +62,10 @@ inline double quantile(std::vector<double> values, double p) {
 
 class HeldPartRig {
  public:
-  explicit HeldPartRig(PartCase given, const haptics::TickParameters& settings = rigParameters())
+  explicit HeldPartRig(PartCase given, const haptics::TickParameters& settings = rigParameters(),
+                       const haptics::ModelOptions& modelling = rigModels())
       : case_(std::move(given)),
-        contact_(modelled(case_.scene)),
+        contact_(modelled(case_.scene, modelling)),
         state_(contact_),
         meter_(contact_, case_.held),
         parameters_(settings) {}
@@ -149,13 +162,9 @@ class HeldPartRig {
   }
 
  private:
-  static haptics::ContactScene modelled(const assets::Scene& scene) {
+  static haptics::ContactScene modelled(const assets::Scene& scene, const haptics::ModelOptions& modelling) {
     haptics::ContactScene contact(scene, 1);
-    haptics::ModelOptions options;
-    // Twenty pegs of one shape, or all parts of an engine in turn: their models are made once.
-    if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
-      options.cacheDirectory = (std::filesystem::temp_directory_path() / "tandem-test-models").string();
-    contact.modelParts(options);
+    contact.modelParts(modelling);
     return contact;
   }
   static double cpuNow() {
