@@ -5,6 +5,8 @@
 
 #include <glm/common.hpp>
 
+#include "assets/base/median_split.h"
+
 namespace tandem {
 
 PointTree::PointTree(const std::vector<glm::dvec3>& points, std::vector<std::uint32_t> indices)
@@ -23,14 +25,8 @@ std::uint32_t PointTree::build(std::uint32_t begin, std::uint32_t end) {
   }
   nodes_.push_back(node);
   if (end - begin <= kMaxInLeaf) return index;
-  const glm::dvec3 size = node.high - node.low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(indices_.begin() + begin, indices_.begin() + middle, indices_.begin() + end,
-                   [&](std::uint32_t x, std::uint32_t y) {
-                     return points_[x][axis] != points_[y][axis] ? points_[x][axis] < points_[y][axis]
-                                                                 : x < y;
-                   });
+  const std::uint32_t middle =
+      splitAtMedian(indices_, begin, end, node.high - node.low, [&](std::uint32_t i) { return points_[i]; });
   build(begin, middle);
   nodes_[index].second = build(middle, end);
   return index;

@@ -17,8 +17,8 @@ class PointTree {
   /// A tree of points[i] for all i of `indices`. `points` must outlive it. O(N log N).
   PointTree(const std::vector<glm::dvec3>& points, std::vector<std::uint32_t> indices);
 
-  /// Calls visit(index) for every point within `reach` m of the segment a b, and for few others. Takes the
-  /// nodes and points that it looks at from `steps`, and ends early where these are used up.
+  /// Calls visit(index) for every point within `reach` m of the segment a b, and for few others. `steps`
+  /// bounds the work: each node and point looked at takes one, and the walk ends early at 0.
   template <typename Visit>
   void forEachNear(const glm::dvec3& a, const glm::dvec3& b, double reach, std::size_t& steps,
                    Visit&& visit) const {

@@ -64,7 +64,7 @@ class SoupBuilder {
   }
 
  private:
-  /// Of the vertices of a primitive; empty where it has none.
+  /// What a primitive states of each of its vertices; an array is empty where it states nothing.
   struct CornerAttributes {
     std::vector<glm::vec2> uv;
     std::vector<glm::vec3> normals;
@@ -197,7 +197,8 @@ class SoupBuilder {
     if (mode == kTriangles && count % 3 != 0) ++notes_.incompleteTriangles;
     const auto own = [&](std::size_t i) { return indices != nullptr ? std::size_t{(*indices)[i]} : i; };
     const auto vertex = [&](std::size_t i) { return static_cast<std::uint32_t>(base + own(i)); };
-    const auto& [uv, normals] = corners;
+    const std::vector<glm::vec2>& uv = corners.uv;
+    const std::vector<glm::vec3>& normals = corners.normals;
     if (!uv.empty()) soup_.triangleUv.resize(soup_.triangles.size());
     if (!normals.empty()) soup_.triangleNormal.resize(soup_.triangles.size());
     forEachTriangle(mode, count, [&](std::size_t a, std::size_t b, std::size_t c) {

@@ -4,11 +4,12 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numeric>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
+
+#include "assets/base/disjoint_sets.h"
 
 namespace tandem::assets {
 namespace {
@@ -43,9 +44,9 @@ class CylinderFinder {
     if (mesh_.neighbours.size() != mesh_.triangles.size()) return {};
     measureNormals();
     findRolls();
-    joinRolls();
+    DisjointSets cylinders = joinRolls();
     std::map<std::uint32_t, std::vector<std::uint32_t>> groups;
-    for (std::uint32_t i = 0; i < rolls_.size(); ++i) groups[rootOf(i)].push_back(i);
+    for (std::uint32_t i = 0; i < rolls_.size(); ++i) groups[cylinders.find(i)].push_back(i);
     std::vector<Cylinder> found;
     for (const auto& [root, rolls] : groups)
       if (rolls.size() >= 4) fit(rolls, found);
@@ -89,17 +90,11 @@ class CylinderFinder {
         for (std::size_t back = 0; back < 3; ++back)
           if (mesh_.neighbours[other][back] == t) rollOf_[other][back] = index;
       }
-    parent_.resize(rolls_.size());
-    std::iota(parent_.begin(), parent_.end(), 0u);
-  }
-
-  std::uint32_t rootOf(std::uint32_t roll) {
-    while (parent_[roll] != roll) roll = parent_[roll] = parent_[parent_[roll]];
-    return roll;
   }
 
   /// Joins the edges on both sides of a facet: those of a triangle and of the triangles in its plane.
-  void joinRolls() {
+  DisjointSets joinRolls() {
+    DisjointSets cylinders(rolls_.size());
     for (std::uint32_t t = 0; t < normals_.size(); ++t) {
       std::array<std::uint32_t, 9> near{};
       std::size_t count = 0;
@@ -112,8 +107,9 @@ class CylinderFinder {
         if (other != kNone && !degenerate(other) && turnBetween(t, other) < kFlat) add(other);
       for (std::size_t i = 0; i < count; ++i)
         for (std::size_t k = 0; k < i; ++k)
-          if (alike(rolls_[near[i]], rolls_[near[k]])) parent_[rootOf(near[i])] = rootOf(near[k]);
+          if (alike(rolls_[near[i]], rolls_[near[k]])) cylinders.join(near[i], near[k]);
     }
+    return cylinders;
   }
 
   void fit(const std::vector<std::uint32_t>& rolls, std::vector<Cylinder>& found) const {
@@ -193,7 +189,6 @@ class CylinderFinder {
   std::vector<glm::dvec3> normals_;                   // one a triangle; 0 where it has none
   std::vector<std::array<std::uint32_t, 3>> rollOf_;  // one an edge of a triangle, into rolls_
   std::vector<Roll> rolls_;
-  std::vector<std::uint32_t> parent_;  // of a forest: rolls of one root are one cylinder
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/buckets.h"
 #include "assets/base/point_tree.h"
 #include "assets/scene/scene.h"
 
@@ -71,15 +72,11 @@ class OpenEdges {
   }
 
   void listEdgesOfVertices() {
-    firstAt_.assign(vertices_.size() + 1, 0);
-    for (const std::uint32_t h : edges_)
-      for (const std::uint32_t v : {startOf(triangles_, h), endOf(triangles_, h)}) ++firstAt_[number_[v] + 1];
-    for (std::size_t i = 1; i < firstAt_.size(); ++i) firstAt_[i] += firstAt_[i - 1];
-    std::vector<std::uint32_t> next(firstAt_.begin(), firstAt_.end() - 1);
-    edgesAt_.resize(2 * edges_.size());
-    for (std::uint32_t e = 0; e < edges_.size(); ++e)
-      for (const std::uint32_t v : {startOf(triangles_, edges_[e]), endOf(triangles_, edges_[e])})
-        edgesAt_[next[number_[v]]++] = e;
+    edgesAt_ = Buckets(vertices_.size(), [&](const auto& add) {
+      for (std::uint32_t e = 0; e < edges_.size(); ++e)
+        for (const std::uint32_t v : {startOf(triangles_, edges_[e]), endOf(triangles_, edges_[e])})
+          add(number_[v], e);
+    });
   }
 
   void findVerticesOnEdges() {
@@ -113,10 +110,10 @@ class OpenEdges {
   /// stamped with it.
   bool continuesAt(std::uint32_t edge, std::uint32_t vertex) {
     const std::uint32_t h = edges_[edge];
-    for (std::uint32_t i = firstAt_[number_[vertex]]; i < firstAt_[number_[vertex] + 1]; ++i) {
+    for (const std::uint32_t other : edgesAt_[number_[vertex]]) {
       if (stepsLeft_ == 0) return false;
       --stepsLeft_;
-      const std::uint32_t other = edgesAt_[i], g = edges_[other];
+      const std::uint32_t g = edges_[other];
       if (g / 3 == h / 3) continue;
       const std::uint32_t start = startOf(triangles_, g), end = endOf(triangles_, g);
       // Two segments run along each other if two different ends are common to both.
@@ -148,13 +145,13 @@ class OpenEdges {
   const std::vector<TriangleIndices>& triangles_;
   double tolerance_;
   std::size_t stepsLeft_ = 0;
-  std::vector<std::uint32_t> edges_;              // E halfedges
-  std::vector<std::uint32_t> vertices_;           // of open edges, ascending
-  std::vector<std::uint32_t> number_;             // V: place in vertices_, or kNone
-  std::vector<std::uint32_t> firstAt_, edgesAt_;  // open edges of each of vertices_
-  std::vector<std::uint32_t> first_;              // E + 1, into on_
-  std::vector<Junction> on_;                      // vertices on each edge, ascending
-  std::vector<std::uint32_t> stamp_;              // by place in vertices_: the edge that it is on
+  std::vector<std::uint32_t> edges_;     // E halfedges
+  std::vector<std::uint32_t> vertices_;  // of open edges, ascending
+  std::vector<std::uint32_t> number_;    // V: place in vertices_, or kNone
+  Buckets edgesAt_;                      // open edges of each of vertices_
+  std::vector<std::uint32_t> first_;     // E + 1, into on_
+  std::vector<Junction> on_;             // vertices on each edge, ascending
+  std::vector<std::uint32_t> stamp_;     // by place in vertices_: the edge that it is on
 };
 
 /// Cuts triangles at vertices on their edges.

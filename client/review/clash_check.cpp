@@ -14,8 +14,8 @@
 #include "assets/scene/part_pairs.h"
 #include "client/review/facet_sag.h"
 #include "haptics/base/in_parallel.h"
-#include "haptics/geometry/mesh_overlap.h"
 #include "haptics/geometry/placed_bounds.h"
+#include "haptics/overlap/mesh_overlap.h"
 #include "haptics/scene/contact_scene_data.h"
 
 namespace tandem::client {

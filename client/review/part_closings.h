@@ -1,6 +1,6 @@
 #pragma once
 
-// What the parts' meshes lack to be closed (haptics/geometry/mesh_closing.h), found once for each mesh,
+// What the parts' meshes lack to be closed (haptics/overlap/mesh_closing.h), found once for each mesh,
 // when it is first needed.
 //
 // 1. Safe in every thread. The geometry must outlive it, and its meshes must not change.
@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "assets/base/ids.h"
-#include "haptics/geometry/mesh_closing.h"
+#include "haptics/overlap/mesh_closing.h"
 
 namespace tandem::haptics {
 class ContactScene;

@@ -3,37 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <utility>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/disjoint_sets.h"
 
 namespace tandem::client {
 namespace {
 
 using assets::kNone;
-
-/// Union-find over triangle corners.
-class CornerGroups {
- public:
-  explicit CornerGroups(std::size_t corners) : parent_(corners) {
-    std::iota(parent_.begin(), parent_.end(), std::uint32_t{0});
-  }
-  std::uint32_t find(std::uint32_t corner) {
-    while (parent_[corner] != corner) {
-      parent_[corner] = parent_[parent_[corner]];
-      corner = parent_[corner];
-    }
-    return corner;
-  }
-  void join(std::uint32_t a, std::uint32_t b) { parent_[find(a)] = find(b); }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 bool hasTopology(const assets::Mesh& mesh) {
   return mesh.neighbours.size() == mesh.triangles.size() && mesh.edgeFlags.size() == mesh.triangles.size();
@@ -46,7 +27,7 @@ std::uint32_t cornerOf(const assets::Mesh& mesh, std::uint32_t triangle, std::ui
 }
 
 void joinOverEdge(const assets::Mesh& mesh, std::uint32_t triangle, std::uint32_t edge,
-                  CornerGroups& groups) {
+                  DisjointSets& groups) {
   const std::uint32_t other = mesh.neighbours[triangle][edge];
   if (other == kNone || other >= mesh.triangles.size() || mesh.edgeFlags[triangle][edge] != 0) return;
   const std::uint32_t next = (edge + 1) % 3;
@@ -59,8 +40,8 @@ void joinOverEdge(const assets::Mesh& mesh, std::uint32_t triangle, std::uint32_
   groups.join(3 * triangle + next, 3 * other + end);
 }
 
-CornerGroups smoothGroups(const assets::Mesh& mesh) {
-  CornerGroups groups(3 * mesh.triangles.size());
+DisjointSets smoothGroups(const assets::Mesh& mesh) {
+  DisjointSets groups(3 * mesh.triangles.size());
   if (!hasTopology(mesh)) return groups;
   for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t)
     for (std::uint32_t e = 0; e < 3; ++e)
@@ -80,7 +61,7 @@ glm::dvec3 safeNormalize(const glm::dvec3& v) {
 
 /// Fills `vertices`; returns the vertex of each corner (3 T).
 std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<RenderVertex>& vertices) {
-  CornerGroups groups = smoothGroups(mesh);
+  DisjointSets groups = smoothGroups(mesh);
   const std::size_t cornerCount = 3 * mesh.triangles.size();
   std::vector<std::uint32_t> vertexOfRoot(cornerCount, kNone), vertexOfCorner(cornerCount);
   std::vector<glm::dvec3> normals;

@@ -1,10 +1,10 @@
 #include "haptics/geometry/border_pairs.h"
 
 #include <algorithm>
-#include <numeric>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/buckets.h"
 #include "assets/base/point_tree.h"
 #include "haptics/geometry/segment.h"
 
@@ -32,8 +32,8 @@ class BorderPairs {
     distance_.assign(borders_.size(), widest_);
     listBordersOfVertices();
     std::vector<std::uint32_t> vertices;
-    for (std::uint32_t v = 0; v + 1 < firstAt_.size(); ++v)
-      if (firstAt_[v + 1] > firstAt_[v]) vertices.push_back(v);
+    for (std::uint32_t v = 0; v < bordersAt_.keys(); ++v)
+      if (!bordersAt_[v].empty()) vertices.push_back(v);
     const PointTree tree(mesh_.positions, std::move(vertices));
     std::size_t steps = kStepsPerEdge * (borders_.size() + 1024);
     // Of two borders along each other, an end of one lies on the other.
@@ -42,9 +42,11 @@ class BorderPairs {
       tree.forEachNear(a, b, widest_, steps, [&](std::uint32_t v) {
         if (glm::distance(mesh_.positions[v], closestPointOnSegment(mesh_.positions[v], a, b)) > widest_)
           return;
-        for (std::uint32_t k = firstAt_[v]; k < firstAt_[v + 1] && steps > 0; ++k, --steps) {
-          meet(i, bordersAt_[k]);
-          meet(bordersAt_[k], i);
+        for (const std::uint32_t border : bordersAt_[v]) {
+          if (steps == 0) return;
+          --steps;
+          meet(i, border);
+          meet(border, i);
         }
       });
     }
@@ -60,14 +62,10 @@ class BorderPairs {
   const glm::dvec3& end(std::uint32_t border) const { return mesh_.positions[vertex(border, 1)]; }
 
   void listBordersOfVertices() {
-    firstAt_.assign(mesh_.positions.size() + 1, 0);
-    for (std::uint32_t i = 0; i < borders_.size(); ++i)
-      for (const std::uint32_t k : {0u, 1u}) ++firstAt_[vertex(i, k) + 1];
-    std::partial_sum(firstAt_.begin(), firstAt_.end(), firstAt_.begin());
-    std::vector<std::uint32_t> next(firstAt_.begin(), firstAt_.end() - 1);
-    bordersAt_.resize(2 * borders_.size());
-    for (std::uint32_t i = 0; i < borders_.size(); ++i)
-      for (const std::uint32_t k : {0u, 1u}) bordersAt_[next[vertex(i, k)]++] = i;
+    bordersAt_ = Buckets(mesh_.positions.size(), [&](const auto& add) {
+      for (std::uint32_t i = 0; i < borders_.size(); ++i)
+        for (const std::uint32_t k : {0u, 1u}) add(vertex(i, k), i);
+    });
   }
 
   /// Takes the face of another border if that is the nearest one to the middle of this so far.
@@ -84,11 +82,11 @@ class BorderPairs {
   }
 
   const assets::Mesh& mesh_;
-  double widest_;                                   // m
-  std::vector<std::uint32_t> borders_;              // B: 3 * triangle + edge
-  std::vector<std::uint32_t> firstAt_, bordersAt_;  // borders that end at each vertex
-  std::vector<std::uint32_t> face_;                 // 3T, the result
-  std::vector<double> distance_;                    // B: m, of the border whose face was taken
+  double widest_;                       // m
+  std::vector<std::uint32_t> borders_;  // B: 3 * triangle + edge
+  Buckets bordersAt_;                   // borders that end at each vertex
+  std::vector<std::uint32_t> face_;     // 3T, the result
+  std::vector<double> distance_;        // B: m, of the border whose face was taken
 };
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/median_split.h"
 
 namespace tandem::haptics {
 namespace {
@@ -67,14 +68,8 @@ std::uint32_t SegmentTree::build(std::uint32_t begin, std::uint32_t end) {
     nodes_.push_back(node);
     return index;
   }
-  const glm::dvec3 extent = greatest - least;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                   [&](std::uint32_t a, std::uint32_t b) {
-                     return centres_[a][axis] != centres_[b][axis] ? centres_[a][axis] < centres_[b][axis]
-                                                                   : a < b;
-                   });
+  const std::uint32_t middle =
+      splitAtMedian(order_, begin, end, greatest - least, [&](std::uint32_t i) { return centres_[i]; });
   nodes_.push_back(node);
   build(begin, middle);
   nodes_[index].first = build(middle, end);

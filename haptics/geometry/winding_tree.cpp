@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/median_split.h"
 
 namespace tandem::haptics {
 namespace {
@@ -59,12 +60,7 @@ void WindingTree::split(std::uint32_t node, std::vector<glm::dvec3>& middles) {
     box.min = glm::min(box.min, middles[order_[i]]);
     box.max = glm::max(box.max, middles[order_[i]]);
   }
-  const glm::dvec3 size = box.max - box.min;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const auto begin = order_.begin() + first;
-  std::nth_element(begin, begin + count / 2, begin + count, [&](std::uint32_t a, std::uint32_t b) {
-    return middles[a][axis] != middles[b][axis] ? middles[a][axis] < middles[b][axis] : a < b;
-  });
+  splitAtMedian(order_, first, first + count, box.max - box.min, [&](std::uint32_t i) { return middles[i]; });
   const auto children = static_cast<std::uint32_t>(nodes_.size());
   nodes_.resize(nodes_.size() + 2);
   nodes_[node].children = children;

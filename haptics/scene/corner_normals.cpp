@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <unordered_map>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "assets/base/buckets.h"
+#include "assets/base/disjoint_sets.h"
 #include "assets/scene/smooth_normals.h"
 #include "haptics/scene/quadric_normal.h"
 
@@ -53,23 +54,6 @@ Across findNeighbours(const Mesh& mesh) {
   }
   return across;
 }
-
-/// Union-find; corners share a normal by it (corner = 3 * triangle + its place), triangles a region.
-class Groups {
- public:
-  explicit Groups(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t root(std::uint32_t c) {
-    while (parent_[c] != c) c = parent_[c] = parent_[parent_[c]];
-    return c;
-  }
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a), b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// Weight and direction of one facet at one of its corners (Max 1999): sin(angle) / (product of the two
 /// edges), which is cross / (|a|^2 |b|^2).
@@ -216,7 +200,7 @@ class MeshShader {
   }
 
   void joinCorners() {
-    Groups groups(3 * std::size_t{count()});
+    DisjointSets groups(3 * std::size_t{count()});
     for (std::uint32_t t = 0; t < count(); ++t)
       for (std::uint32_t e = 0; e < 3; ++e) {
         const std::uint32_t n = out_.smoothAcross[t][e];
@@ -225,29 +209,21 @@ class MeshShader {
           groups.join(3 * t + c, 3 * n + static_cast<std::uint32_t>(cornerAt(n, mesh_.triangles[t][c])));
       }
     root_.resize(3 * std::size_t{count()});
-    for (std::uint32_t i = 0; i < root_.size(); ++i) root_[i] = groups.root(i);
-  }
-
-  /// The corners of each group, one group after the other.
-  void listCorners() {
-    first_.assign(root_.size() + 1, 0);
-    for (const std::uint32_t r : root_) ++first_[r + 1];
-    std::partial_sum(first_.begin(), first_.end(), first_.begin());
-    corners_.resize(root_.size());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t i = 0; i < root_.size(); ++i) corners_[next[root_[i]]++] = i;
+    for (std::uint32_t i = 0; i < root_.size(); ++i) root_[i] = groups.find(i);
   }
 
   void setNormals() {
-    listCorners();
+    corners_ = Buckets(root_.size(), [&](const auto& add) {
+      for (std::uint32_t i = 0; i < root_.size(); ++i) add(root_[i], i);
+    });
     fits_.assign(root_.size(), false);
     out_.normals.resize(count());
     for (std::uint32_t r = 0; r < root_.size(); ++r) {
-      if (first_[r] == first_[r + 1]) continue;
+      if (corners_[r].empty()) continue;
       const bool estimate = creaseAt(r / 3) > 0.0;
       const glm::dvec3 shared = estimate ? estimatedNormal(r) : glm::dvec3(0.0);
-      for (std::uint32_t i = first_[r]; i < first_[r + 1]; ++i) {
-        const std::uint32_t t = corners_[i] / 3, c = corners_[i] % 3;
+      for (const std::uint32_t corner : corners_[r]) {
+        const std::uint32_t t = corner / 3, c = corner % 3;
         glm::dvec3 normal = estimate ? shared : creaseAt(t) < 0.0 ? fileNormal(t, c) : facets_[t];
         // Facets that cancel at a corner leave no direction; each keeps its own.
         if (estimate && !(glm::dot(shared, facets_[t]) > 0.1)) normal = facets_[t];
@@ -264,8 +240,7 @@ class MeshShader {
 
   glm::dvec3 estimatedNormal(std::uint32_t r) {
     glm::dvec3 sum(0.0);
-    for (std::uint32_t i = first_[r]; i < first_[r + 1]; ++i)
-      sum += weighted(mesh_, corners_[i] / 3, corners_[i] % 3);
+    for (const std::uint32_t corner : corners_[r]) sum += weighted(mesh_, corner / 3, corner % 3);
     const double length = glm::length(sum);
     if (!(length > 0.0)) return sum;
     if (apex_[mesh_.triangles[r / 3][r % 3]]) return sum / length;
@@ -287,9 +262,9 @@ class MeshShader {
 
   /// Appends the groups of the other corners of the triangles around a group.
   void addAround(std::uint32_t group) {
-    for (std::uint32_t i = first_[group]; i < first_[group + 1]; ++i)
+    for (const std::uint32_t corner : corners_[group])
       for (const std::uint32_t step : {1u, 2u}) {
-        const std::uint32_t t = corners_[i] / 3, c = (corners_[i] % 3 + step) % 3;
+        const std::uint32_t t = corner / 3, c = (corner % 3 + step) % 3;
         const std::uint32_t other = root_[3 * t + c];
         if (around_.size() >= kMostAround) return;
         const bool known = std::find(around_.begin(), around_.end(), other) != around_.end();
@@ -298,12 +273,12 @@ class MeshShader {
   }
 
   void setRegions() {
-    Groups groups(count());
+    DisjointSets groups(count());
     for (std::uint32_t t = 0; t < count(); ++t)
       for (const std::uint32_t n : out_.smoothAcross[t])
         if (n != kNone) groups.join(t, n);
     out_.region.resize(count());
-    for (std::uint32_t t = 0; t < count(); ++t) out_.region[t] = groups.root(t);
+    for (std::uint32_t t = 0; t < count(); ++t) out_.region[t] = groups.find(t);
   }
 
   /// What a group of corners knows of the surface.
@@ -344,7 +319,7 @@ class MeshShader {
       }
     }
     for (std::uint32_t r = 0; r < root_.size(); ++r) {
-      if (first_[r] == first_[r + 1] || creaseAt(r / 3) == 0.0) continue;
+      if (corners_[r].empty() || creaseAt(r / 3) == 0.0) continue;
       const double noise = std::sqrt(off[r] / (turn[r] + kLeastNoise));
       if (noise <= kSurface) continue;
       if (noise < kNoise && onQuadric(r)) continue;
@@ -409,7 +384,7 @@ class MeshShader {
   std::vector<std::array<std::uint8_t, 3>> pending_;  // T, edges that need an apex at one end
   std::vector<bool> apex_;                            // of each vertex
   std::vector<std::uint32_t> root_;                   // 3T, the first corner of the group
-  std::vector<std::uint32_t> first_, corners_;        // of the groups; of all, group by group
+  Buckets corners_;                                   // of the groups
   std::vector<bool> fits_;                            // of the groups: their vertices lie on a quadric
   std::uint32_t self_ = kNone;                        // the vertex that is being fitted,
   std::vector<std::uint32_t> around_;                 // groups around it,

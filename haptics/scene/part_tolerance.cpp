@@ -13,10 +13,10 @@
 #include "assets/scene/part_pairs.h"
 #include "haptics/base/in_parallel.h"
 #include "haptics/geometry/mesh_distance.h"
-#include "haptics/geometry/mesh_intrusion.h"
-#include "haptics/geometry/mesh_overlap.h"
 #include "haptics/geometry/placed_bounds.h"
 #include "haptics/geometry/scene_bvh.h"
+#include "haptics/overlap/mesh_intrusion.h"
+#include "haptics/overlap/mesh_overlap.h"
 #include "haptics/scene/contact_scene_data.h"
 
 namespace tandem::haptics {

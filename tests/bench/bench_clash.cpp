@@ -20,7 +20,7 @@
 #include "assets/gltf/load_gltf.h"
 #include "client/review/clash_check.h"
 #include "haptics/geometry/mesh_distance.h"
-#include "haptics/geometry/mesh_overlap.h"
+#include "haptics/overlap/mesh_overlap.h"
 #include "haptics/scene/contact_scene.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "tests/bench/bench_report.h"

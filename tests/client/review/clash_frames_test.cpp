@@ -17,8 +17,8 @@
 
 #include "assets/gltf/load_gltf.h"
 #include "client/review/clash_check.h"
-#include "haptics/geometry/mesh_intrusion.h"
 #include "haptics/geometry/triangle_math.h"
+#include "haptics/overlap/mesh_intrusion.h"
 #include "haptics/scene/contact_scene.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "tests/support/gltf_builder.h"

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "haptics/geometry/mesh_overlap.h"
+#include "haptics/overlap/mesh_overlap.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "tests/support/part_cases.h"
 

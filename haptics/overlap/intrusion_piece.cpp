@@ -1,4 +1,4 @@
-#include "haptics/geometry/intrusion_piece.h"
+#include "haptics/overlap/intrusion_piece.h"
 
 #include <cmath>
 #include <utility>

@@ -1,4 +1,4 @@
-#include "haptics/geometry/peak_of_least.h"
+#include "haptics/overlap/peak_of_least.h"
 
 #include <algorithm>
 

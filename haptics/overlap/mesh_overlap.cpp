@@ -1,4 +1,4 @@
-#include "haptics/geometry/mesh_overlap.h"
+#include "haptics/overlap/mesh_overlap.h"
 
 #include <algorithm>
 #include <limits>
@@ -9,8 +9,8 @@
 
 #include "assets/base/assert.h"
 #include "haptics/geometry/bvh_pairs.h"
-#include "haptics/geometry/mesh_intrusion.h"
 #include "haptics/geometry/triangle_pair.h"
+#include "haptics/overlap/mesh_intrusion.h"
 
 namespace tandem::haptics {
 namespace {

@@ -1,4 +1,4 @@
-#include "haptics/geometry/mesh_closing.h"
+#include "haptics/overlap/mesh_closing.h"
 
 #include <algorithm>
 #include <array>

@@ -1,6 +1,6 @@
 // Overlaps whose depth is known: crossing, touching, contained, sheets, shells turned inside out.
 
-#include "haptics/geometry/mesh_overlap.h"
+#include "haptics/overlap/mesh_overlap.h"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "assets/base/pose.h"
-#include "haptics/geometry/mesh_closing.h"
+#include "haptics/overlap/mesh_closing.h"
 
 namespace tandem::haptics {
 

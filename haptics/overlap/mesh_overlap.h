@@ -8,8 +8,8 @@
 //    open is said: mesh_closing.h.
 // 3. Safe in every thread: trees and closings are only read.
 
-#include "haptics/geometry/mesh_closing.h"
 #include "haptics/geometry/mesh_distance.h"
+#include "haptics/overlap/mesh_closing.h"
 
 namespace tandem::haptics {
 

@@ -1,15 +1,15 @@
 // Sides of meshes with holes: the same from every direction, and uncertain where the holes matter.
 
-#include "haptics/geometry/mesh_closing.h"
+#include "haptics/overlap/mesh_closing.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "haptics/geometry/mesh_intrusion.h"
-#include "haptics/geometry/peak_of_least.h"
 #include "haptics/geometry/winding_tree.h"
+#include "haptics/overlap/mesh_intrusion.h"
+#include "haptics/overlap/peak_of_least.h"
 #include "tests/support/part_meshes.h"
 #include "tests/support/shapes.h"
 

@@ -1,10 +1,9 @@
-#include "haptics/geometry/mesh_intrusion.h"
+#include "haptics/overlap/mesh_intrusion.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -12,9 +11,10 @@
 #include <glm/vector_relational.hpp>
 
 #include "assets/base/assert.h"
-#include "haptics/geometry/intrusion_piece.h"
-#include "haptics/geometry/peak_of_least.h"
+#include "assets/base/disjoint_sets.h"
 #include "haptics/geometry/placed_bounds.h"
+#include "haptics/overlap/intrusion_piece.h"
+#include "haptics/overlap/peak_of_least.h"
 
 namespace tandem::haptics {
 namespace {
@@ -32,23 +32,6 @@ constexpr int kMaxRoughSamples = 1 << 10;
 
 /// What a triangle of the mesh is near.
 enum Near : std::uint8_t { kFar, kNearLids, kNearSurface };
-
-/// Union-find: sets of vertices that merge.
-class Groups {
- public:
-  explicit Groups(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) {
-    i = find(i), j = find(j);
-    parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
 
 /// The facets of a solid: its surface, and its lids where they count.
 class Facets {
@@ -172,7 +155,7 @@ class Search {
   /// Finds the vertices of the mesh that are inside. A triangle that is not near is wholly inside or
   /// outside, and so is each group connected by such triangles: one test a group.
   void findInside(const std::vector<std::uint32_t>& nearby) {
-    Groups groups(mesh_.positions.size());
+    DisjointSets groups(mesh_.positions.size());
     std::vector<std::uint8_t> matters(mesh_.positions.size(), 0);
     for (const std::uint32_t t : nearby) {
       const auto& corners = mesh_.triangles[t];
