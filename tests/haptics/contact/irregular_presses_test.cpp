@@ -119,8 +119,8 @@ Figures pressAll(Family family, unsigned pairs, unsigned poses, double sampleSca
 }
 
 /// Irregular parts go deeper than kSteadyDepth, because samples of smooth surfaces and of edges are sparse
-/// beside the facets. The bounds are what these presses reach, not what is asked of contact: of 1,008 presses of
-/// more shapes 510 go deeper than 5 um, the worst 107 um.
+/// beside the facets. The bounds are what these presses reach, not what is asked of contact: of 1,008 presses
+/// of more shapes 510 go deeper than 5 um, the worst 107 um.
 TEST(IrregularPresses, GoNoDeeperThanIsKnownOf) {
   EXPECT_LT(pressAll(Family::blobs, 1, 4).deepest(), 12e-6);
   EXPECT_LT(pressAll(Family::blocks, 1, 4).deepest(), kSteadyDepth);
