@@ -122,7 +122,7 @@ Figures pressAll(Family family, unsigned pairs, unsigned poses, double sampleSca
 /// beside the facets. The bounds are what these presses reach, not what is asked of contact: of 1,008 presses
 /// of more shapes 510 go deeper than 5 um, the worst 107 um.
 TEST(IrregularPresses, GoNoDeeperThanIsKnownOf) {
-  EXPECT_LT(pressAll(Family::blobs, 1, 4).deepest(), 12e-6);
+  EXPECT_LT(pressAll(Family::blobs, 1, 4).deepest(), 13e-6);
   EXPECT_LT(pressAll(Family::blocks, 1, 4).deepest(), kSteadyDepth);
   EXPECT_LT(pressAll(Family::turned, 1, 4).deepest(), 7e-6);
 }

@@ -57,7 +57,7 @@ inline assets::TriangleSoup blobSoup(Random& random, int n) {
   const auto corner = [&](int x, int y, int z) {
     const auto key = static_cast<std::uint32_t>(((x + n) * (2 * n + 1) + y + n) * (2 * n + 1) + z + n);
     Random own(key ^ salt);
-    const glm::dvec3 off(between(own, -0.3, 0.3), between(own, -0.3, 0.3), between(own, -0.3, 0.3));
+    const glm::dvec3 off{between(own, -0.3, 0.3), between(own, -0.3, 0.3), between(own, -0.3, 0.3)};
     return lumps.at(glm::normalize(glm::dvec3(x, y, z) + off));
   };
   SoupBuilder builder;

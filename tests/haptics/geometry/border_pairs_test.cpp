@@ -40,7 +40,8 @@ TEST(BorderPairs, MakeTheEdgesOfTheClosedMeshAcrossSlits) {
     for (const double off : {2e-6, 2e-5}) {
       const assets::Mesh mesh = explodedBox(off, scale);
       ASSERT_FALSE(mesh.closed);
-      for (const auto& edge : MeshEdges(mesh).edges()) {
+      const MeshEdges edges(mesh);
+      for (const auto& edge : edges.edges()) {
         EXPECT_TRUE(edge.border);
         EXPECT_NE(edge.triangles[0], edge.triangles[1]);
         EXPECT_NEAR(edge.angle, kRight, 1e-3) << off;
