@@ -267,7 +267,8 @@ class Tick {
     }
   }
 
-  /// Whether a part that presses on another one would move it if it were owned here: controls too.
+  /// Whether a part that this site does not own would move under the push of a part here if this site owned
+  /// it: a free part does, and so does a control.
   bool yields(PartId part) const {
     return givesWay(part) || (data_.world.scene().parts[part].movable &&
                               assets::controlOf(data_.world.scene(), part) != nullptr);
@@ -312,11 +313,11 @@ class Tick {
 
   /// What fields do to the parts in the hands. A part in both hands is pulled once.
   void pullByFields(double now) {
+    const double step = parameters_.fadeTime > 0.0 ? parameters_.dt / parameters_.fadeTime : 1.0;
     for (int h = 0; h < kHands; ++h) {
       const auto index = static_cast<std::size_t>(h);
       const SimulatedPart* const held = data_.held.heldPart(h);
       const bool acts = held != nullptr && held->moved.control == nullptr && handOf(h).valid();
-      const double step = parameters_.fadeTime > 0.0 ? parameters_.dt / parameters_.fadeTime : 1.0;
       double& share = data_.fieldShare[index];
       share = std::clamp(share + (acts ? step : -step), 0.0, 1.0);
       if (!acts || (h > 0 && data_.held.held(0) == held->part && handOf(0).valid())) {

@@ -9,6 +9,7 @@
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 
+#include "assets/base/across.h"
 #include "assets/base/disjoint_sets.h"
 
 namespace tandem::assets {
@@ -126,10 +127,7 @@ class CylinderFinder {
     cylinder.axis = glm::normalize(cylinder.axis);
     cylinder.segments = static_cast<int>(std::lround(2.0 * kPi / turn));
     cylinder.hollow = rolls_[rolls.front()].turn < 0.0;
-    const glm::dvec3 x = glm::normalize(glm::cross(cylinder.axis, std::abs(cylinder.axis.x) < 0.7
-                                                                      ? glm::dvec3(1.0, 0.0, 0.0)
-                                                                      : glm::dvec3(0.0, 1.0, 0.0)));
-    const glm::dvec3 y = glm::cross(cylinder.axis, x);
+    const auto [x, y] = acrossOf(cylinder.axis);
     glm::dvec2 centre(0.0);
     if (!fitCircle(rolls, mean, x, y, centre, cylinder.radius)) return;
     cylinder.middle = mean + x * centre.x + y * centre.y;

@@ -235,17 +235,22 @@ void JoinedSite::update(ViewModel& model) {
   model.notices = notices_;
 }
 
+void JoinedSite::updateTool(const HandOutput& output, std::size_t hand, ToolView& tool) const {
+  const haptics::DeviceSample& device = output.hands[hand].device;
+  tool.valid = device.valid;
+  tool.worldFromDevice = device.worldFromDevice;
+  tool.toolRadius = settings_.parameters[hand].toolRadius;
+  tool.force = output.tick.hands[hand].toHand.force;
+}
+
 void JoinedSite::updateSecondHand(const HandOutput& output, SecondHandView& hand) const {
   const HandRecord& record = output.hands[1];
+  updateTool(output, 1, hand);
   hand.deviceName = secondDevice_->name();
   hand.held = output.tick.hands[1].held;
   hand.mostForce = record.maxForce;
   hand.flagsSeen = record.flagsSeen;
-  hand.valid = record.device.valid;
-  hand.worldFromDevice = record.device.worldFromDevice;
   hand.worldFromProxy = record.worldFromProxy;
-  hand.toolRadius = settings_.parameters[1].toolRadius;
-  hand.force = output.tick.hands[1].toHand.force;
   hand.contacts = record.contacts;
   hand.contactCount = record.contactCount;
 }
@@ -255,11 +260,8 @@ void JoinedSite::updateHand(ViewModel& model) {
   HandView& hand = model.hand;
   hand.deviceName = device_ ? device_->name() : "none";
   hand.present = device_ && hand.deviceName != "none";
-  hand.valid = output.hands[0].device.valid;
-  hand.worldFromDevice = output.hands[0].device.worldFromDevice;
+  updateTool(output, 0, hand);
   hand.worldFromProxy = output.tick.worldFromProxy;
-  hand.toolRadius = settings_.parameters[0].toolRadius;
-  hand.force = output.tick.hands[0].toHand.force;
   hand.contacts = output.tick.contacts;
   hand.contactCount = output.tick.contactCount;
   hand.touched = output.tick.touched;

@@ -78,6 +78,7 @@ class JoinedSite {
   void runNetwork();
   void waitForNetwork();
   void updateHand(ViewModel& model);
+  void updateTool(const HandOutput& output, std::size_t hand, ToolView& tool) const;
   void updateSecondHand(const HandOutput& output, SecondHandView& hand) const;
 
   JoinOptions options_;

@@ -5,6 +5,7 @@
 
 #include <glm/gtc/constants.hpp>
 
+#include "assets/base/across.h"
 #include "assets/base/assert.h"
 #include "client/viewer/shaders.h"
 
@@ -14,13 +15,6 @@ namespace {
 constexpr int kSides = 20;
 constexpr int kRings = 10;
 constexpr float kHiddenOpacity = 0.16f;  // of glyphs behind the scene's surfaces
-
-/// Two unit vectors that complete a unit normal to a right-handed frame.
-std::pair<glm::dvec3, glm::dvec3> basisOf(const glm::dvec3& normal) {
-  const glm::dvec3 helper = std::abs(normal.x) < 0.7 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
-  const glm::dvec3 u = glm::normalize(glm::cross(normal, helper));
-  return {u, glm::cross(normal, u)};
-}
 
 glm::dvec3 around(const std::pair<glm::dvec3, glm::dvec3>& basis, int side) {
   const double angle = glm::two_pi<double>() * side / kSides;
@@ -57,7 +51,7 @@ void GlyphBatch::cone(const glm::dvec3& start, const glm::dvec3& end, double sta
   const double length = glm::length(end - start);
   if (!(length > 0.0)) return;
   const glm::dvec3 axis = (end - start) / length;
-  const auto basis = basisOf(axis);
+  const auto basis = acrossOf(axis);
   for (int side = 0; side < kSides; ++side) {
     const glm::dvec3 u = around(basis, side), v = around(basis, side + 1);
     const glm::dvec3 nu = glm::normalize(u * length + axis * (startRadius - endRadius));
@@ -75,7 +69,7 @@ void GlyphBatch::cone(const glm::dvec3& start, const glm::dvec3& end, double sta
 void GlyphBatch::ring(const glm::dvec3& centre, const glm::dvec3& normal, double innerRadius,
                       double outerRadius, const GlyphColour& colour) {
   ASSERT(innerRadius >= 0.0 && innerRadius <= outerRadius);
-  const auto basis = basisOf(normal);
+  const auto basis = acrossOf(normal);
   for (int side = 0; side < kSides; ++side) {
     const glm::dvec3 u = around(basis, side), v = around(basis, side + 1);
     const glm::dvec3 a = centre + u * innerRadius, b = centre + v * innerRadius;

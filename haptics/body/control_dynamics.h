@@ -58,9 +58,10 @@ inline constexpr int kControlSubsteps = 8;
 void stepControl(const assets::Control& control, double steepest, const AxisLoad& load, double dt,
                  ControlState& state);
 
-/// A step of dt (s) of a control beside parts that push it, without stops and dry friction: its rate at the
-/// end, and the inertia by which an impulse changes that, kg or kg·m^2. It is one step of stepControl()'s
-/// equation, so it gains no energy either; its drag is up to L dt.
+/// The outcome of one implicit step of dt seconds of a control that parts may push: the rate at its end, m/s
+/// or rad/s, and the inertia by which an impulse of those parts changes this rate, kg or kg·m^2. Stops and
+/// dry friction are left to the contact (haptics/contact, axis_rows.h). The equation is that of a step of
+/// stepControl(), so it gains no energy either; its drag is up to L dt, L as there.
 struct GuidedRate {
   double rate = 0.0, inertia = 0.0;
 };

@@ -2,21 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include <glm/geometric.hpp>
+
+#include "assets/base/across.h"
 
 namespace tandem::haptics {
 namespace {
 
 constexpr int kMaxSweeps = 24;
 constexpr double kConverged = 1e-6;  // change of a force, in largest normal forces, that ends the sweeps
-
-/// Two unit directions across a unit vector and each other.
-void acrossOf(const glm::dvec3& normal, glm::dvec3 (&tangent)[2]) {
-  const glm::dvec3 other = std::abs(normal.x) < 0.7 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
-  tangent[0] = glm::normalize(glm::cross(normal, other));
-  tangent[1] = glm::cross(normal, tangent[0]);
-}
 
 /// m, world: how far the point of a row slips in this tick if nothing but what has been applied already acts.
 glm::dvec3 freeSlip(const StepSpace& space, const ExactRow& row, const RowRefiner& refiner) {
@@ -69,7 +65,7 @@ void ContactFriction::makeContacts(const StepSpace& space, const ActiveSet::Rows
     contact.row = normal.row;
     contact.slidingLimit = row.dynamicFriction * normal.multiplier;
     contact.stickingLimit = std::max(row.staticFriction * normal.multiplier, contact.slidingLimit);
-    acrossOf(row.normal, contact.tangent);
+    std::tie(contact.tangent[0], contact.tangent[1]) = acrossOf(row.normal);
     const glm::dvec3 slip = freeSlip(space, row, refiner);
     const FrictionForce* const last = lastAt(row.source);
     contact.sticks = last != nullptr && last->sticks;

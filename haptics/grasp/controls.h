@@ -2,10 +2,10 @@
 
 // Controls within the tick: what the tool and the hand put on them, and which parts their layers show.
 //
-// A control that this site owns, and that a moving part may touch, is one more body of contact in that tick
-// (guidedPart()): a factor of 1e6 heavier across its axis, along it with the inertia of one step of its
-// dynamics. Its stops are half-spaces, its dry friction a row that yields (haptics/contact, axis_rows.h). It
-// touches moving parts alone, not its housing.
+// In a tick in which a moving part may touch a control that this site owns, the control is one more body of
+// the contact (guidedPart()). Along its axis it has the inertia of one step of its dynamics, across it 1e6
+// times that. Its stops are half-spaces, its dry friction a row that yields (haptics/contact, axis_rows.h).
+// It touches moving parts alone, not its housing.
 //
 // 1. Parts, hand and control are solved together: the contact does no work, and a step of the control gains
 //    no energy (control_dynamics.h), so nothing is created. One step a tick in place of eight: a drag of up

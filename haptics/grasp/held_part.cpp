@@ -90,9 +90,10 @@ Coupling couplingOf(const LinkPull& link, const RigidBody& body) {
   return {bodyFromCentre, body.worldFromBody * bodyFromCentre, {}, {0.0, link.damping, 0.0, link.rotDamping}};
 }
 
-/// What the force of fields falls by as the part moves: a coupling without a pull where the part is. With a
-/// spring as stiff as the field's curvature no step ends with more energy than it began with, as in
-/// control_dynamics.h; of dampers it leaves what they take now, and more as the part speeds up.
+/// The implicit part of the fields' force: a coupling that pulls at nothing where the part is. Its spring is
+/// as stiff as the field's curvature, so that no step ends with more energy than it began with, as in
+/// control_dynamics.h. Its damper is that of the fields: at the present velocity it gives their drag, and it
+/// grows with the velocity of the step.
 Coupling couplingOf(const FieldPull& field, const RigidBody& body) {
   const Pose bodyFromCentre{body.centreOfMass, {1.0, 0.0, 0.0, 0.0}};
   const Pose centre = body.worldFromBody * bodyFromCentre;

@@ -99,10 +99,8 @@ glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const Dev
     surfaces[at] = &plane.surface;
     normals[at] = plane.surface.normal;
     depths[at] = plane.depth;
-    stiffnesses[at] = material.stiffness > 0.0 ? material.stiffness : parameters.stiffness;
-    if (parameters.stiffnessLimit > 0.0) {
-      stiffnesses[at] = std::min(stiffnesses[at], parameters.stiffnessLimit);
-    }
+    stiffnesses[at] =
+        limitedStiffness(material.stiffness > 0.0 ? material.stiffness : parameters.stiffness, parameters);
     dampings[at] = contactDamping(material, parameters);
   }
   if (count == 0) return glm::dvec3(0.0);

@@ -33,6 +33,11 @@ NormalForces normalForces(const std::array<glm::dvec3, 3>& normals, const std::a
 glm::dvec3 contactForce(const ContactWorld& world, const Proxy& proxy, const DeviceSample& device,
                         const TickParameters& parameters, TickOutput& out);
 
+/// Limits a stiffness that a material or surface states, N/m, to what the device can render stably.
+inline double limitedStiffness(double stiffness, const TickParameters& parameters) {
+  return parameters.stiffnessLimit > 0.0 ? std::min(stiffness, parameters.stiffnessLimit) : stiffness;
+}
+
 /// Limits a damping or viscosity that a surface states, N·s/m, to what the device can render stably.
 inline double limitedDamping(double damping, const TickParameters& parameters) {
   return parameters.dampingLimit > 0.0 ? std::min(damping, parameters.dampingLimit) : damping;

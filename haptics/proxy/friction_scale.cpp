@@ -22,10 +22,9 @@ double textureFriction(const ContactWorld& world, const SurfacePoint& at) {
   if (at.triangle >= mesh.triangleUv.size() ||
       !projectOntoPatch(mesh, nullptr, at.triangle, x, x, 1.0, place))
     return 1.0;
-  const auto& uv = mesh.triangleUv[at.triangle];
-  const glm::dvec2 there = (1.0 - place.u - place.v) * glm::dvec2(uv[0]) + place.u * glm::dvec2(uv[1]) +
-                           place.v * glm::dvec2(uv[2]);
-  return frictionShare(texture, imageHeight(scene.textures[texture.image], there).value);
+  return frictionShare(texture, imageHeightOnFacet(scene.textures[texture.image],
+                                                   mesh.triangleUv[at.triangle], place.u, place.v)
+                                    .value);
 }
 
 }  // namespace tandem::haptics

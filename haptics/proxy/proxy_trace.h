@@ -14,8 +14,8 @@ struct ProxyMove {
   glm::dvec3 from{0.0, 0.0, 0.0}, to{0.0, 0.0, 0.0};
 };
 
-/// Receives every move of this thread's proxies, those included that are taken back in the same tick. Null in
-/// programs: a move is then not recorded, and nothing is allocated.
+/// Receives every move of this thread's proxies, those included that are taken back in the same tick. A test
+/// sets it; in the programs it stays null, so that moves are not recorded and nothing is allocated.
 inline constinit thread_local std::vector<ProxyMove>* proxyTrace = nullptr;
 
 }  // namespace tandem::haptics

@@ -104,4 +104,11 @@ Height imageHeight(const assets::TextureImage& image, const glm::dvec2& uv) {
   return h;
 }
 
+FacetHeight imageHeightOnFacet(const assets::TextureImage& image, const std::array<glm::vec2, 3>& uv,
+                               double u, double v) {
+  const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin, alongV = glm::dvec2(uv[2]) - origin;
+  const Height h = imageHeight(image, origin + u * alongU + v * alongV);
+  return {h.value, glm::dot(h.uvGradient, alongU), glm::dot(h.uvGradient, alongV)};
+}
+
 }  // namespace tandem::haptics

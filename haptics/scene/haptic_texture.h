@@ -2,6 +2,8 @@
 
 // Relief textures: heights and their gradients, from an image or a formula.
 
+#include <array>
+
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 
@@ -25,6 +27,16 @@ Height patternHeight(assets::SurfaceTexture::Pattern pattern, double wavelength,
 /// Height of an image at texture coordinates uv, bilinear between the centres of its texels and repeated
 /// without end; 0 is -1, 255 is 1.
 Height imageHeight(const assets::TextureImage& image, const glm::dvec2& uv);
+
+/// A height over a facet, in units of the amplitude, with its derivatives by the barycentric coordinates u
+/// and v of corners 1 and 2.
+struct FacetHeight {
+  double value = 0.0, byU = 0.0, byV = 0.0;
+};
+
+/// Height of an image on a facet whose corners have the texture coordinates `uv`.
+FacetHeight imageHeightOnFacet(const assets::TextureImage& image, const std::array<glm::vec2, 3>& uv,
+                               double u, double v);
 
 /// Factor on friction at a height of -1..1.
 inline double frictionShare(const assets::SurfaceTexture& texture, double value) {

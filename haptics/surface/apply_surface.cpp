@@ -424,9 +424,7 @@ class SurfaceTick {
     if (surface.stickSlipForce > 0.0) {
       const glm::dvec3 tip =
           partFromWorld * (device_.worldFromDevice.position - world_.pose(touch.part).position);
-      const double most = parameters_.stiffnessLimit;
-      const double stiffness =
-          most > 0.0 ? std::min(most, surface.stickSlipStiffness) : surface.stickSlipStiffness;
+      const double stiffness = limitedStiffness(surface.stickSlipStiffness, parameters_);
       force += stickSlip(surface.stickSlipForce, stiffness, tip, patch.normal, slot.anchor);
     }
     return force;
@@ -440,14 +438,11 @@ class SurfaceTick {
     double byU = 0.0, byV = 0.0, value = 0.0;
     if (texture.pattern == SurfaceTexture::Pattern::image) {
       if (patch.triangle >= mesh.triangleUv.size()) return 0.0;
-      const auto& uv = mesh.triangleUv[patch.triangle];
-      const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin,
-                                      alongV = glm::dvec2(uv[2]) - origin;
-      const Height h =
-          imageHeight(world_.scene().textures[texture.image], origin + patch.u * alongU + patch.v * alongV);
+      const FacetHeight h = imageHeightOnFacet(world_.scene().textures[texture.image],
+                                               mesh.triangleUv[patch.triangle], patch.u, patch.v);
       value = h.value;
-      byU = glm::dot(h.uvGradient, alongU);
-      byV = glm::dot(h.uvGradient, alongV);
+      byU = h.byU;
+      byV = h.byV;
     } else {
       const Height h = patternHeight(texture.pattern, texture.wavelength, patch.point);
       value = h.value;

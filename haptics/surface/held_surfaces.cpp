@@ -5,7 +5,9 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/across.h"
 #include "haptics/proxy/contact_force.h"
+#include "haptics/scene/force_shading.h"
 #include "haptics/scene/haptic_texture.h"
 #include "haptics/scene/surface_scene.h"
 
@@ -52,7 +54,7 @@ class HeldSurfaceTick {
   }
 
  private:
-  /// A contact's drag across its normal, before all contacts' share of it is known.
+  /// What drags at one contact across its normal, before the drags of all contacts are lowered together.
   struct Drag {
     glm::dvec3 point{0.0}, velocity{0.0};  // m; m/s, slip
     double viscosity = 0.0;                // N·s/m
@@ -129,19 +131,11 @@ class HeldSurfaceTick {
       return pose.orientation * patternHeight(texture.pattern, texture.wavelength, x).gradient;
     const assets::Mesh& mesh = world_.collider(at.part).tree->mesh();
     if (at.triangle >= mesh.triangleUv.size()) return glm::dvec3(0.0);
-    const auto& c = mesh.triangles[at.triangle];
-    const auto& uv = mesh.triangleUv[at.triangle];
-    const glm::dvec3 &a = mesh.positions[c[0]], one = mesh.positions[c[1]] - a,
-                     two = mesh.positions[c[2]] - a;
-    const glm::dvec3 across = glm::cross(one, two);
-    const double square = glm::dot(across, across);
-    if (!(square > 0.0)) return glm::dvec3(0.0);
-    // Gradients of the two barycentric coordinates in the triangle's plane.
-    const glm::dvec3 byU = glm::cross(two, across) / square, byV = glm::cross(across, one) / square;
-    const glm::dvec2 origin(uv[0]), alongU = glm::dvec2(uv[1]) - origin, alongV = glm::dvec2(uv[2]) - origin;
-    const double u = glm::dot(byU, x - a), v = glm::dot(byV, x - a);
-    const Height h = imageHeight(world_.scene().textures[texture.image], origin + u * alongU + v * alongV);
-    return pose.orientation * (glm::dot(h.uvGradient, alongU) * byU + glm::dot(h.uvGradient, alongV) * byV);
+    PatchPoint place;
+    if (!projectOntoPatch(mesh, nullptr, at.triangle, x, x, 1.0, place)) return glm::dvec3(0.0);
+    const FacetHeight h = imageHeightOnFacet(world_.scene().textures[texture.image],
+                                             mesh.triangleUv[at.triangle], place.u, place.v);
+    return pose.orientation * (h.byU * place.uGradient + h.byV * place.vGradient);
   }
 
   void noteDrag(const Surface& surface, const SurfacePoint& at, const glm::dvec3& normal,
@@ -150,9 +144,8 @@ class HeldSurfaceTick {
     if (!(viscosity > 0.0) && !(surface.stickSlipForce > 0.0)) return;
     const glm::dvec3 velocity = velocityAt(body_.worldFromPart, body_.twist, at.point) -
                                 velocityAt(world_.pose(at.part), world_.twist(at.part), at.point);
-    const double most = parameters_.stiffnessLimit;
-    double stiffness = surface.stickSlipForce > 0.0 ? surface.stickSlipStiffness : 0.0;
-    if (most > 0.0) stiffness = std::min(most, stiffness);
+    const double stiffness =
+        surface.stickSlipForce > 0.0 ? limitedStiffness(surface.stickSlipStiffness, parameters_) : 0.0;
     drags_.push_back({at.point, velocity - normal * glm::dot(normal, velocity), viscosity, stiffness,
                       surface.stickSlipForce, &slot});
     slot.slip += parameters_.dt * drags_.back().velocity;
@@ -161,10 +154,8 @@ class HeldSurfaceTick {
 
   /// How far a unit push across the normal moves the part there, 1/kg: the most of all directions.
   double mobilityAt(const Drag& d) const {
-    const glm::dvec3& n = d.slot->normal;
-    const glm::dvec3 other = std::abs(n.x) < 0.7 ? glm::dvec3(1.0, 0.0, 0.0) : glm::dvec3(0.0, 1.0, 0.0);
-    const glm::dvec3 u = glm::normalize(glm::cross(n, other)), v = glm::cross(n, u),
-                     arm = d.point - body_.centre;
+    const auto [u, v] = acrossOf(d.slot->normal);
+    const glm::dvec3 arm = d.point - body_.centre;
     const glm::dvec3 byU = glm::cross(arm, u), byV = glm::cross(arm, v);
     const double uu = glm::dot(byU, body_.mobility * byU), vv = glm::dot(byV, body_.mobility * byV),
                  uv = glm::dot(byU, body_.mobility * byV);

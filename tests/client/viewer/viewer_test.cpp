@@ -73,6 +73,19 @@ class ViewerTest : public testing::Test {
     camera.distance = 0.5;
   }
 
+  /// Lets another person be seen whose tool is at `tool`, m, and whose camera looks from afar.
+  void addOther(const glm::dvec3& tool) {
+    SiteView site;
+    site.info.site = 2;
+    site.info.name = "Bruno";
+    site.info.role = sync::Role::participant;
+    site.info.colour = {20, 60, 250};
+    site.seen = true;
+    site.presence.worldFromTool.position = tool;
+    site.presence.worldFromCamera.position = {0.0, 0.0, 5.0};
+    model_.sites.push_back(site);
+  }
+
   /// Another viewer of the same scene.
   Result<std::unique_ptr<Viewer>> openWithPanels(int width, int height) {
     ViewerOptions options;
@@ -236,15 +249,7 @@ TEST_F(ViewerTest, TheForceArrowGrowsWithTheForce) {
 
 TEST_F(ViewerTest, OthersHandsAreDrawnUnlessTheyAreAway) {
   const Picture alone = draw();
-  SiteView site;
-  site.info.site = 2;
-  site.info.name = "Bruno";
-  site.info.role = sync::Role::participant;
-  site.info.colour = {20, 60, 250};
-  site.seen = true;
-  site.presence.worldFromTool.position = {0.0, 0.02, 0.06};
-  site.presence.worldFromCamera.position = {0.0, 0.0, 5.0};
-  model_.sites.push_back(site);
+  addOther({0.0, 0.02, 0.06});
   EXPECT_GT(countDifferent(alone, draw(), 12), 300);
   model_.sites[0].info.connected = false;
   EXPECT_EQ(countDifferent(alone, draw(), 0), 0);
@@ -267,15 +272,7 @@ TEST_F(ViewerTest, TheSecondHandIsDrawnWithItsForce) {
 }
 
 TEST_F(ViewerTest, TheSecondHandOfAnotherIsDrawn) {
-  SiteView site;
-  site.info.site = 2;
-  site.info.name = "Bruno";
-  site.info.role = sync::Role::participant;
-  site.info.colour = {20, 60, 250};
-  site.seen = true;
-  site.presence.worldFromTool.position = {-0.03, 0.02, 0.06};
-  site.presence.worldFromCamera.position = {0.0, 0.0, 5.0};
-  model_.sites.push_back(site);
+  addOther({-0.03, 0.02, 0.06});
   const Picture one = draw();
   model_.sites[0].presence.worldFromSecondTool = Pose{{0.03, 0.02, 0.06}, {1.0, 0.0, 0.0, 0.0}};
   EXPECT_GT(countDifferent(one, draw(), 12), 100);

@@ -13,15 +13,12 @@
 #include <glm/geometric.hpp>
 
 #include "tests/support/part_meshes.h"
+#include "tests/support/random_numbers.h"
 #include "tests/support/soup_builder.h"
 
 namespace tandem::test {
 
 using Random = std::mt19937;
-
-inline double between(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 /// The radius of a blob as a function of the direction: a sphere with a few waves.
 class Lumps {

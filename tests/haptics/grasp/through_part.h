@@ -26,9 +26,9 @@ class BarInHand {
  public:
   static constexpr double kStiffness = 1000.0;  // N/m, of the coupling
 
-  BarInHand(assets::Scene given, PartId held, double couplingDamping = 2.0,
+  BarInHand(assets::Scene scene, PartId held, double couplingDamping = 2.0,
             const glm::dvec3& gripOff = glm::dvec3(0.0))
-      : scene_(std::move(given)), contact_(modelled(scene_)), state_(contact_) {
+      : scene_(std::move(scene)), contact_(modelled(scene_)), state_(contact_) {
     parameters = springOnly();
     parameters.graspStiffness = kStiffness;
     parameters.graspDamping = couplingDamping;
@@ -81,7 +81,10 @@ class BarInHand {
   }
   void tick() {
     sample_.time += parameters.dt;
-    out = haptics::tick({.hands = {{{sample_}}}, .commands = commands_}, contact_, parameters, state_);
+    haptics::TickInput input;
+    input.hands[0].device = sample_;
+    input.commands = commands_;
+    out = haptics::tick(input, contact_, parameters, state_);
     commands_.clear();
     flags |= out.flags;
   }

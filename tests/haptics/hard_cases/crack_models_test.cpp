@@ -14,32 +14,17 @@
 #include "haptics/tick_data.h"
 #include "tests/haptics/hard_cases/hard_case.h"
 #include "tests/haptics/hard_cases/path_clearance.h"
+#include "tests/support/random_numbers.h"
+#include "tests/support/winding_number.h"
 
 namespace tandem::test {
 namespace {
 
 using Random = std::mt19937_64;
 
-double between(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
-
 glm::dvec3 within(Random& random, const assets::Bounds& box, double share) {
   const glm::dvec3 centre = 0.5 * (box.min + box.max), half = 0.5 * share * (box.max - box.min);
   return centre + half * glm::dvec3(between(random, -1, 1), between(random, -1, 1), between(random, -1, 1));
-}
-
-/// Winding number of a mesh around p from the solid angle of every triangle (van Oosterom & Strackee 1983,
-/// "The solid angle of a plane triangle").
-double windingNumber(const assets::Mesh& mesh, const glm::dvec3& p) {
-  double sum = 0.0;
-  for (const auto& t : mesh.triangles) {
-    const glm::dvec3 a = mesh.positions[t[0]] - p, b = mesh.positions[t[1]] - p, c = mesh.positions[t[2]] - p;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += std::atan2(glm::dot(a, glm::cross(b, c)),
-                      la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-  }
-  return sum / (2.0 * kPi);
 }
 
 /// The corners of a stroke and how many ticks each leg takes.

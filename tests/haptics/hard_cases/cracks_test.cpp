@@ -9,15 +9,12 @@
 
 #include "haptics/geometry/triangle_math.h"
 #include "tests/haptics/hard_cases/hard_case.h"
+#include "tests/support/random_numbers.h"
 
 namespace tandem::test {
 namespace {
 
 using Random = std::mt19937_64;
-
-double between(Random& random, double low, double high) {
-  return std::uniform_real_distribution<double>(low, high)(random);
-}
 
 glm::dquat anyTurn(Random& random) {
   std::normal_distribution<double> normal;

@@ -9,6 +9,7 @@
 #include <glm/geometric.hpp>
 
 #include "tests/support/part_meshes.h"
+#include "tests/support/winding_number.h"
 
 namespace tandem::test {
 namespace {
@@ -182,16 +183,6 @@ TEST(Penetration, TakesMeshesAsTheyAre) {
 
 /// The largest distance among many points of a's surface that lie in b, by brute force over all triangles.
 double sampledDepth(const assets::Mesh& a, const Pose& bFromA, const assets::Mesh& b, int samples) {
-  const auto solidAngle = [&](const glm::dvec3& p) {
-    double sum = 0.0;  // van Oosterom & Strackee 1983
-    for (const auto& t : b.triangles) {
-      const glm::dvec3 x = b.positions[t[0]] - p, y = b.positions[t[1]] - p, z = b.positions[t[2]] - p;
-      const double lx = glm::length(x), ly = glm::length(y), lz = glm::length(z);
-      sum += std::atan2(glm::dot(x, glm::cross(y, z)),
-                        lx * ly * lz + glm::dot(x, y) * lz + glm::dot(y, z) * lx + glm::dot(z, x) * ly);
-    }
-    return sum;
-  };
   double deepest = 0.0;
   for (const auto& t : a.triangles) {
     for (int i = 0; i <= samples; ++i) {
@@ -207,7 +198,7 @@ double sampledDepth(const assets::Mesh& a, const Pose& bFromA, const assets::Mes
           least = std::min(least, glm::length(p - q));
           if (least <= deepest) break;
         }
-        if (least > deepest && solidAngle(p) > kPi) deepest = least;
+        if (least > deepest && windingNumber(b, p) > 0.5) deepest = least;
       }
     }
   }

@@ -12,6 +12,7 @@
 #include "tests/support/bench_meshes.h"
 #include "tests/support/part_meshes.h"
 #include "tests/support/shapes.h"
+#include "tests/support/winding_number.h"
 
 namespace tandem::test {
 namespace {
@@ -207,21 +208,8 @@ TEST(MeshOverlap, FitsOfOneTessellationTouchAndOfAnotherClashByTheSag) {
   EXPECT_NEAR(rotated.depth, 1.0 - std::cos(kPi / 32), 1e-12);
 }
 
-/// The winding number of a point as the sum of the solid angles of all triangles over 4 pi.
-double windingNumber(const TriangleBvh& tree, const glm::dvec3& p) {
-  double sum = 0.0;
-  for (std::uint32_t i = 0; i < tree.mesh().triangles.size(); ++i) {
-    const haptics::Triangle t = tree.triangle(i);
-    const glm::dvec3 a = t.a - p, b = t.b - p, c = t.c - p;
-    const double la = glm::length(a), lb = glm::length(b), lc = glm::length(c);
-    sum += 2.0 * std::atan2(glm::dot(a, glm::cross(b, c)),
-                            la * lb * lc + glm::dot(a, b) * lc + glm::dot(b, c) * la + glm::dot(c, a) * lb);
-  }
-  return sum / (4.0 * kPi);
-}
-
 double bruteDepth(const TriangleBvh& tree, const glm::dvec3& p) {
-  if (std::abs(windingNumber(tree, p)) < 0.5) return 0.0;
+  if (std::abs(windingNumber(tree.mesh(), p)) < 0.5) return 0.0;
   double least = 1e300;
   for (std::uint32_t i = 0; i < tree.mesh().triangles.size(); ++i) {
     least = std::min(least, glm::length(haptics::closestPointOnTriangle(p, tree.triangle(i)).point - p));
@@ -296,7 +284,8 @@ TEST(MeshOverlap, IsNotMisledWhereFacesNearlyCoincide) {
           const glm::dvec3 p = transformPoint(inverse(pose), found.deepest);
           haptics::MeshPoint at;
           ASSERT_TRUE(tree->closestPoint(p, 1e300, at));
-          EXPECT_TRUE(at.distance < 1e-6 * s || std::abs(windingNumber(*tree, p)) > 0.5) << off << ' ' << i;
+          EXPECT_TRUE(at.distance < 1e-6 * s || std::abs(windingNumber(tree->mesh(), p)) > 0.5)
+              << off << ' ' << i;
         }
       }
     }

@@ -51,16 +51,17 @@ Stroke stroke(BarInHand& hand, double speed, int ticks) {
   return out;
 }
 
+/// A stroke over a plate of that surface under 1 N.
+Stroke strokeOver(const Surface& surface, double speed, int ticks, bool effects = true) {
+  return stroke(*barOn(surface, 2.0, effects), speed, ticks);
+}
+
 TEST(HeldSurfaces, ReliefIsFeltAlongTheSlip) {
   // N dh/dx = 1 N * 0.05 mm * 2 pi / 2 mm = 0.157 N either way.
-  const auto made = barOn(sine(2e-3, 0.05e-3));
-  BarInHand& hand = *made;
-  const Stroke felt = stroke(hand, 0.02, 1000);
+  const Stroke felt = strokeOver(sine(2e-3, 0.05e-3), 0.02, 1000);
   EXPECT_NEAR(felt.most, 0.157, 0.03);
   EXPECT_NEAR(felt.least, -0.157, 0.03);
-  const auto madePlain = barOn(sine(2e-3, 0.05e-3), 2.0, false);
-  BarInHand& plain = *madePlain;
-  const Stroke without = stroke(plain, 0.02, 1000);
+  const Stroke without = strokeOver(sine(2e-3, 0.05e-3), 0.02, 1000, false);
   EXPECT_LT(without.most - without.least, 0.01);
 }
 
@@ -74,9 +75,7 @@ TEST(HeldSurfaces, ReliefFollowsTheContactForce) {
 TEST(HeldSurfaces, ViscosityDragsThePart) {
   Surface surface;
   surface.viscosity = 3.0;
-  const auto made = barOn(surface);
-  BarInHand& hand = *made;
-  const Stroke felt = stroke(hand, 0.1, 400);
+  const Stroke felt = strokeOver(surface, 0.1, 400);
   EXPECT_NEAR(felt.least, -0.3, 0.03);
 }
 
@@ -84,9 +83,7 @@ TEST(HeldSurfaces, StickSlipHoldsUntilItsForce) {
   Surface surface;
   surface.stickSlipForce = 0.5;
   surface.stickSlipStiffness = 2000.0;
-  const auto made = barOn(surface);
-  BarInHand& hand = *made;
-  const Stroke felt = stroke(hand, 0.01, 1500);
+  const Stroke felt = strokeOver(surface, 0.01, 1500);
   EXPECT_NEAR(felt.least, -0.5, 0.1);
   EXPECT_GT(felt.most - felt.least, 0.2) << "it slips";
 }
