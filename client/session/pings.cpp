@@ -8,6 +8,7 @@ using namespace sync;
 
 void Pings::reset() {
   next_ = clock_.now();
+  unanswered_ = 0;
   updatesAtPing_ = 0;
   lossUp_ = {};
   roundTrip_ms_ = 0.0;
@@ -16,6 +17,7 @@ void Pings::reset() {
 Ping Pings::next(std::uint64_t updatesSent) {
   ASSERT(due() && updatesSent >= updatesAtPing_);
   next_ = clock_.now() + interval_;
+  if (unanswered_++ == 0) unansweredSince_ = clock_.now();
   updatesAtPing_ = updatesSent;
   return {++sequence_, clock_.now()};
 }
@@ -23,6 +25,7 @@ Ping Pings::next(std::uint64_t updatesSent) {
 bool Pings::observe(const Pong& pong) {
   const Micros now = clock_.now();
   if (pong.siteTime > now || now - pong.siteTime > kMaxPongAge) return false;
+  unanswered_ = 0;
   clock_.observe(pong.siteTime, pong.serverTime);
   roundTrip_ms_ = toSeconds(clock_.lastRoundTrip()) * 1e3;
   ASSERT(roundTrip_ms_ >= 0.0);

@@ -17,6 +17,9 @@ concept Handles = requires(Receiver& receiver, Message& message) {
   receiver.handle(message);
 };
 
+/// How long a site that enters waits for any message: a chunk of the scene takes seconds on a slow line.
+constexpr Micros kEntryPatience = 15 * kSecond;
+
 /// Whether the receiver accepts the message; a handler that returns nothing always does.
 template <typename Receiver, typename Message>
 bool handleBy(Receiver& receiver, Message& message) {
@@ -47,6 +50,8 @@ void ServerConnection::step(Micros now) {
   }
   if (!transport_ && backoff_.due(now)) connect();
   if (transport_) receiveEvents();
+  // Nothing is closed in good order with a server that does not answer: that would be waited for.
+  if (transport_ && serverIsSilent()) disconnected("the server does not answer");
   if (!transport_ || stage_ == Stage::connecting) return;
   if (inScene_) {
     inScene_->receiving.publishTimeBase();
@@ -97,6 +102,13 @@ void ServerConnection::disconnected(const std::string& reason) {
   backoff_.failed(clock_.now());
 }
 
+/// A server that hangs keeps its connections open: without this, a site would wait for it for ever.
+bool ServerConnection::serverIsSilent() const {
+  if (stage_ == Stage::ready) return pings_.serverIsSilent();
+  const bool awaited = stage_ == Stage::entering || stage_ == Stage::transferring;
+  return awaited && clock_.now() - receivedAt_ > kEntryPatience;
+}
+
 void ServerConnection::sendHello() {
   enter(Stage::entering);
   const bool resume = !resumeTicket_.empty();
@@ -124,6 +136,7 @@ void ServerConnection::enter(Stage stage) {
 void ServerConnection::receiveEvents() {
   TransportEvent event;
   while (transport_ && transport_->poll(event)) {
+    receivedAt_ = clock_.now();
     switch (event.kind) {
       case TransportEvent::Kind::connected:
         sendHello();

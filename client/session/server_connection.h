@@ -91,6 +91,7 @@ class ServerConnection {
 
   void connect();
   void disconnected(const std::string& reason);
+  bool serverIsSilent() const;
   void sendHello();
   void receiveEvents();
   void receiveControl(std::span<const std::byte> bytes);
@@ -120,6 +121,7 @@ class ServerConnection {
   std::string resumeTicket_;
   sync::Welcome welcome_;  // its list of parts is kept up to date until the scene is ready
   Pose worldFromCamera_;
+  sync::Micros receivedAt_ = 0;  // local time of the newest event of the transport
 
   SessionClock clock_;
   Pings pings_;

@@ -158,8 +158,8 @@ Fault parseFault(const Json& entry, const std::string& where) {
   fault.at = fields.required("at", 0.0, 1e5);
   if (fields.has("kill") == fields.has("pause")) throw where + ": needs either \"kill\" or \"pause\"";
   if (fields.has("pause")) {
-    fault.kind = Fault::Kind::pauseSite;
     fault.site = fields.requiredText("pause");
+    fault.kind = fault.site == "server" ? Fault::Kind::pauseServer : Fault::Kind::pauseSite;
     fault.lasts = fields.required("for_s", 0.0, 1e5);
   } else {
     fault.site = fields.requiredText("kill");
@@ -180,7 +180,7 @@ void checkSites(const Scenario& scenario) {
   };
   for (const Blackout& blackout : scenario.blackouts) check(blackout.site, "network.blackouts");
   for (const Fault& fault : scenario.faults)
-    if (fault.kind != Fault::Kind::killServer) check(fault.site, "faults");
+    if (!fault.ofServer()) check(fault.site, "faults");
 }
 
 Scenario parse(const Json& document, const std::string& path) {

@@ -39,11 +39,13 @@ struct DelayStep {
 };
 
 struct Fault {
-  enum class Kind : std::uint8_t { killServer, killSite, pauseSite };
+  enum class Kind : std::uint8_t { killServer, pauseServer, killSite, pauseSite };
   Kind kind = Kind::killServer;
   double at = 0.0;      // s
   double lasts = -1.0;  // s: until the restart, or of the pause; < 0: for good
-  std::string site;
+  std::string site;     // none: of the server
+
+  bool ofServer() const { return kind == Kind::killServer || kind == Kind::pauseServer; }
 };
 
 struct Scenario {

@@ -228,6 +228,7 @@ SimulatedSiteResult SimulatedSite::result(double duration, const std::vector<boo
       static_cast<double>(bytesBefore_ + counters.stateBytesOut + counters.controlBytesOut) / duration;
   out.sent = sentBefore_;
   if (connection_) out.sent.add(connection_->statistics().sent);
+  if (connection_) out.reconnects = connection_->statistics().reconnects;
   out.calm = measures_.calm(undisturbed);
   out.pushed = measures_.pushed();
   return out;

@@ -66,7 +66,7 @@ class Simulation {
   NetworkConditions conditions_;
   std::function<void(double, std::span<const SimulatedSiteState>)> watch_;
   std::vector<std::unique_ptr<SimulatedSite>> sites_;
-  Micros now_ = 0, serverRestartsAt_ = -1;
+  Micros now_ = 0, serverRestartsAt_ = -1, serverPausedUntil_ = 0;
   std::vector<bool> faultDone_, blackoutDone_, stepDone_;  // an entry of the scenario each
   std::vector<std::pair<Micros, std::size_t>> rejoin_;     // when which site starts again; < 0: done
   std::vector<bool> allStill_, undisturbed_;               // a tick each
@@ -110,6 +110,10 @@ void Simulation::apply(const Fault& fault) {
   if (fault.kind == Fault::Kind::killServer) {
     context_.server.kill();
     if (fault.lasts >= 0.0) serverRestartsAt_ = until;
+    return;
+  }
+  if (fault.kind == Fault::Kind::pauseServer) {
+    serverPausedUntil_ = until;
     return;
   }
   for (auto& site : sites_) {
@@ -195,7 +199,7 @@ void Simulation::tick() {
   context_.server.advanceJournalTo(now_);
   applyFaults();
   applyNetworkChanges();
-  context_.server.step(now_, context_.invariants);
+  if (now_ >= serverPausedUntil_) context_.server.step(now_, context_.invariants);
   bool still = true, slidOff = false;
   for (auto& site : sites_) {
     if (context_.server.running()) site->startWhenDue(now_);

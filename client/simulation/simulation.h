@@ -27,6 +27,7 @@ struct SimulatedSiteResult {
   bool calm = true;                                     // HandMeasures::calm()
   bool pushed = false;                                  // others pushed a part against this hand's bare tool
   sync::Traffic sent;                                   // over the whole time
+  std::uint64_t reconnects = 0;                         // connections lost, since the site last started
 };
 
 struct SimulationResult {

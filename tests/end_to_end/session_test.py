@@ -137,12 +137,14 @@ def made_ready(binaries, cache):
 class Site:
     """tandem join --headless with a scripted hand."""
 
-    def __init__(self, binaries, folder, link, name, script, duration, trace=False, extra=()):
+    def __init__(self, binaries, folder, link, name, script, duration, trace=False, extra=(),
+                 shows=False):
         self.name, self.folder, self.collides = name, folder, False
         self.json_path = folder / f"{name}.json"
         self.trace_path = folder / f"{name}.csv"
-        arguments = [binaries / "tandem", "join", link, "--headless", "--quiet", "--name", name, "--duration",
+        arguments = [binaries / "tandem", "join", link, "--headless", "--name", name, "--duration",
                      str(duration), "--json", self.json_path, "--cache", folder / "cache", *extra]
+        arguments += [] if shows else ["--quiet"]
         if script is not None:
             script_path = folder / f"{name}.script.json"
             script_path.write_text(json.dumps(script))
@@ -153,7 +155,9 @@ class Site:
         if trace:
             arguments += ["--trace", self.trace_path]
         self.err_path = folder / f"{name}.err"
-        self.process = subprocess.Popen(arguments, stdout=subprocess.DEVNULL, stderr=open(self.err_path, "w"))
+        self.out_path = folder / f"{name}.out"
+        self.process = subprocess.Popen(arguments, stdout=open(self.out_path, "w"),
+                                        stderr=open(self.err_path, "w"))
 
     def result(self, seconds=40.0):
         try:
@@ -307,6 +311,27 @@ def test_server_killed(binaries, folder, figures):
         check(start[1] > 0.08, f"the part moved before and after the crash: {start}")
         check(start[0] > -0.03, f"the move after the restart counts: {start}")
     finally:
+        server.stop()
+
+
+def test_server_hangs(binaries, folder, figures):
+    """A server that stands still keeps its connections open: a site says within two seconds that it does not
+    answer, and comes back when it does."""
+    server = Server(binaries, folder)
+    try:
+        eve = Site(binaries, folder, server.link("observer"), "eve", None, 60, shows=True)
+        server.wait_until_said('"eve"', "joined")
+        time.sleep(1.0)  # until its pings are answered
+        server.process.send_signal(signal.SIGSTOP)
+        begin = time.monotonic()
+        wait_for(lambda: "the server does not answer" in eve.out_path.read_text(), "eve says so", 10.0)
+        figures["server_hangs_noticed_s"] = time.monotonic() - begin
+        check(figures["server_hangs_noticed_s"] < 2.5, f"soon: {figures['server_hangs_noticed_s']} s")
+        server.process.send_signal(signal.SIGCONT)
+        server.wait_until_said('"eve"', "came back")
+        check(eve.leave()["reconnects"] >= 1, "eve came back")
+    finally:
+        server.process.send_signal(signal.SIGCONT)
         server.stop()
 
 
@@ -495,8 +520,8 @@ def passes(test, binaries, figures):
 
 
 FAILURES = (Failed, subprocess.TimeoutExpired, OSError, KeyError, IndexError)
-TESTS = [test_contend, test_follow, test_server_killed, test_two_hands, test_owner_killed, test_refusals,
-         test_scene_transfer, test_fault_signal]
+TESTS = [test_contend, test_follow, test_server_killed, test_server_hangs, test_two_hands, test_owner_killed,
+         test_refusals, test_scene_transfer, test_fault_signal]
 
 
 def main():

@@ -212,6 +212,30 @@ TEST(SharedHardCases, BlackoutsAtFullSpeedAreNotFelt) {
   }
 }
 
+TEST(SharedHardCases, AServerThatHangsIsNoticedAndNoHandFeelsIt) {
+  constexpr double kSwayEnds = 16.9;  // s, in the scenario
+  for (const double hangs : {1.0, 4.0}) {
+    double largest = 0.0;
+    const auto hang = [&](client::Scenario& scenario) {
+      scenario.blackouts.clear();
+      scenario.faults.push_back({client::Fault::Kind::pauseServer, 8.0, hangs, ""});
+    };
+    const auto check = [&](const client::SimulationResult& result, const Watch& watch) {
+      EXPECT_TRUE(result.stable);
+      for (const auto& [name, site] : result.sites)
+        EXPECT_EQ(site.reconnects > 0, hangs > 2.0) << name << " lost " << site.reconnects << " connections";
+      for (const std::size_t site : {kA, kB}) {
+        largest = std::max(largest, watch.step(site, 8.0, kSwayEnds));
+        EXPECT_TRUE(watch.holds(site, kSwayEnds));
+        EXPECT_GT(watch.links(site, kSwayEnds).fade, 0.99) << "the link did not come back";
+      }
+    };
+    forSeeds("shared_blackouts", 25.0, kSeeds, hang, check);
+    print("the server hangs", 1e3 * hangs, "N in 20 ms", largest);
+    EXPECT_LE(largest, kOutageStep) << hangs;
+  }
+}
+
 TEST(SharedHardCases, StepsOfDelayFadeTheLinkAndBringItBack) {
   double largest = 0.0;
   forSeeds("shared_delay_steps", 25.0, [&](const client::SimulationResult& result, const Watch& watch) {

@@ -64,5 +64,40 @@ TEST(Pings, UplinkLossStandsBesideTheCountOfTheNewestPing) {
   EXPECT_DOUBLE_EQ(pings.lossUp(), 0.0);
 }
 
+/// Sends a ping every 100 ms for `seconds`.
+void pingFor(double seconds, SessionClock& clock, Pings& pings) {
+  for (const Micros end = clock.now() + static_cast<Micros>(1e6 * seconds); clock.now() < end;) {
+    clock.advance(clock.now() + 100 * kMillisecond);
+    static_cast<void>(pings.next(0));
+  }
+}
+
+TEST(Pings, AServerThatAnswersNoneIsSilentWithinTwoSeconds) {
+  SessionClock clock;
+  clock.advance(kSecond);
+  Pings pings(100 * kMillisecond, clock);
+  pings.reset();
+  pingFor(1.6, clock, pings);
+  EXPECT_FALSE(pings.serverIsSilent());
+  EXPECT_TRUE(pings.observe({1, clock.now() - kSecond, 7 * kSecond, 0}));  // a late answer is one
+  pingFor(1.6, clock, pings);
+  EXPECT_FALSE(pings.serverIsSilent());
+  pingFor(0.2, clock, pings);
+  EXPECT_TRUE(pings.serverIsSilent());
+  pings.reset();
+  EXPECT_FALSE(pings.serverIsSilent());
+}
+
+TEST(Pings, ASiteThatStoodStillItselfDoesNotBlameTheServer) {
+  SessionClock clock;
+  clock.advance(kSecond);
+  Pings pings(100 * kMillisecond, clock);
+  pings.reset();
+  static_cast<void>(pings.next(0));
+  clock.advance(60 * kSecond);
+  pingFor(0.2, clock, pings);
+  EXPECT_FALSE(pings.serverIsSilent());
+}
+
 }  // namespace
 }  // namespace tandem::client
