@@ -285,7 +285,7 @@ def test_blackouts(binaries, folder, figures):
         ben = session.join("ben", [grasp(1.0), move(2.2, [0.05, 0.0, 0.0], 0.75), release(4.0)])
         session.wait_until_said(PEG, "released by", '"ben"')
         session.relay.order(blackout={"for_s": 0})
-        time.sleep(1.0)
+        time.sleep(3.0)  # until ada, who has begun her connection anew, is back
         results = session.leave(eve, ada, ben)
         check_ownership(*results)
         check_same_pose(*results)
