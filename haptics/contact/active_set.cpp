@@ -32,6 +32,9 @@ void ActiveSet::clear() {
   factored_ = 0;
 }
 
+// Cholesky factor of the capacitance matrix of the active rows, C_ij = d_i . d_j + c_i [i = j]: the system
+// that remains of all bodies once their displacements are eliminated (Hager 1989, "Updating the inverse of a
+// matrix", SIAM Review 31(2)).
 void ActiveSet::factor() {
   const Row* const rows = rows_.data();
   for (std::size_t i = factored_; i < rows_.size(); ++i) {

@@ -105,8 +105,8 @@ MeshClosing::RoughShare MeshClosing::roughLidShare(const glm::dvec3& p) const {
 bool MeshClosing::isCertain(const glm::dvec3& p) const {
   if (lids_ == nullptr) return true;
   const RoughShare rough = roughLidShare(p);
-  const bool decided = std::abs(std::abs(rough.value) - kMostLid) > rough.error;
-  return std::abs(decided ? rough.value : lidShare(p)) < kMostLid;
+  const bool decided = std::abs(std::abs(rough.value) - kMaxLidShare) > rough.error;
+  return std::abs(decided ? rough.value : lidShare(p)) < kMaxLidShare;
 }
 
 }  // namespace tandem::haptics

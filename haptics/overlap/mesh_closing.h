@@ -40,7 +40,7 @@ class MeshClosing {
   /// Whether the lids cover less than a quarter of the sphere about p: the generalised winding number is
   /// then nearer to the whole number than to any doubt.
   bool isCertain(const glm::dvec3& p) const;
-  static constexpr double kMostLid = 0.25;
+  static constexpr double kMaxLidShare = 0.25;
 
  private:
   int crossings(const glm::dvec3& from, const glm::dvec3& to) const;

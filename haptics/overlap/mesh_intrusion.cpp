@@ -389,7 +389,7 @@ class Search {
     for (const Place& corner : piece.corners)
       radius = std::max(radius, glm::length(corner.point - peak.point));
     if (!(radius < peak.distance)) return false;
-    const double needed = MeshClosing::kMostLid + 1.5 * radius / (peak.distance - radius);
+    const double needed = MeshClosing::kMaxLidShare + 1.5 * radius / (peak.distance - radius);
     const MeshClosing::RoughShare rough = in_.solid.roughLidShare(peak.point);
     if (std::abs(std::abs(rough.value) - needed) > rough.error) return std::abs(rough.value) > needed;
     return std::abs(in_.solid.lidShare(peak.point)) > needed;

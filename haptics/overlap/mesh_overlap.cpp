@@ -218,12 +218,12 @@ class Overlapping {
   /// tolerance of the facet's plane, beside its centre, are the facet itself and the one that coincides
   /// with it.
   void shrinkBall(const glm::dvec3& middle, const glm::dvec3& inwards) {
-    constexpr int kMostSteps = 64;
+    constexpr int kMaxSteps = 64;
     double radius = 0.0;
     for (const glm::dvec3& p : a_.tree->mesh().positions) radius = std::max(radius, glm::length(p - middle));
     MeshPoint at;
     bool isOfA = true;
-    for (int i = 0; i < kMostSteps && nearest(middle + inwards * radius, at, isOfA); ++i) {
+    for (int i = 0; i < kMaxSteps && nearest(middle + inwards * radius, at, isOfA); ++i) {
       const glm::dvec3 path = at.point - middle;
       const double into = radius - at.distance, square = glm::dot(path, path);
       if (into <= precision() || (into <= 2.0 * tolerance_ && square <= 8.0 * radius * tolerance_)) break;

@@ -43,7 +43,7 @@ void tryTriple(std::span<const glm::dvec3> functions, const glm::dvec3& first, c
 }  // namespace
 
 Peak peakOfLeast(std::span<const glm::dvec3> functions) {
-  ASSERT(!functions.empty() && functions.size() <= kMostFunctions);
+  ASSERT(!functions.empty() && functions.size() <= kMaxFunctions);
   Peak best;
   best.value = leastAt(functions, best.shares);
   for (const glm::dvec3& corner : {glm::dvec3(0.0, 1.0, 0.0), glm::dvec3(0.0, 0.0, 1.0)}) {

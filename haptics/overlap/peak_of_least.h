@@ -15,10 +15,10 @@ struct Peak {
   glm::dvec3 shares{1.0, 0.0, 0.0};  // of the three corners, summing to 1
 };
 
-/// Each function is given by its values at the three corners; at least one, at most kMostFunctions. A
+/// Each function is given by its values at the three corners; at least one, at most kMaxFunctions. A
 /// linear program in the two free shares, solved by trying its vertices: corners, points of sides where two
 /// functions are equal, and points where three are.
 Peak peakOfLeast(std::span<const glm::dvec3> functions);
-inline constexpr std::size_t kMostFunctions = 5;
+inline constexpr std::size_t kMaxFunctions = 5;
 
 }  // namespace tandem::haptics

@@ -25,7 +25,7 @@ constexpr std::uint32_t kLeastFan = 8;  // facets: the corners of meshes of roun
 constexpr double kAllAround = 0.5;      // 1 for a round cone, 0 for a cylinder
 constexpr double kLeastTurn = 1e-6;     // rad^2, below which a corner is flat
 // Neighbours of a corner from which its normal is fitted.
-constexpr std::size_t kMostAround = 48;
+constexpr std::size_t kMaxAround = 48;
 // How far edges are from standing symmetrically on their two normals, relative to the turn of the normals:
 // below kSurface the normals are a surface's, above kNoise they are noise. Between them a change of curvature
 // explains it where the vertices lie on a quadric.
@@ -266,7 +266,7 @@ class MeshShader {
       for (const std::uint32_t step : {1u, 2u}) {
         const std::uint32_t t = corner / 3, c = (corner % 3 + step) % 3;
         const std::uint32_t other = root_[3 * t + c];
-        if (around_.size() >= kMostAround) return;
+        if (around_.size() >= kMaxAround) return;
         const bool known = std::find(around_.begin(), around_.end(), other) != around_.end();
         if (!known && mesh_.triangles[t][c] != self_) around_.push_back(other);
       }

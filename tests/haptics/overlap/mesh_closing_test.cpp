@@ -123,7 +123,7 @@ TEST(MeshClosing, ManyLidsAreJudgedLikeFew) {
     const double share = closing.lidShare(p);
     const MeshClosing::RoughShare rough = closing.roughLidShare(p);
     EXPECT_NEAR(rough.value, share, 0.6 * rough.error);
-    EXPECT_EQ(closing.isCertain(p), std::abs(share) < MeshClosing::kMostLid);
+    EXPECT_EQ(closing.isCertain(p), std::abs(share) < MeshClosing::kMaxLidShare);
     certain += closing.isCertain(p) ? 1 : 0;
   }
   EXPECT_GT(certain, 50);

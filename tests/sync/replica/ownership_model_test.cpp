@@ -74,18 +74,18 @@ class Checker {
     if (std::pair(epoch, sequence) <= last) violations.push_back("S2: something older was applied");
     last = {epoch, sequence};
   }
-  void engages(PartId part, SiteId site) { engaged_[part].insert(site); }
-  void disengaged(PartId part, SiteId site) { engaged_[part].erase(site); }
+  void engages(PartId part, SiteId site) { coHolders_[part].insert(site); }
+  void disengaged(PartId part, SiteId site) { coHolders_[part].erase(site); }
   /// What the server publishes of a part: its owner and its co-holders.
   void published(PartId part, SiteId owner, const CoHolderRecord& coHolders) {
     std::set<SiteId> sites(coHolders.sites.begin(), coHolders.sites.end());
     if (sites.size() != coHolders.sites.size() || sites.contains(owner))
       violations.push_back("S5: a site is on the list twice, or owns the part");
     if (owner == kNoSite && !sites.empty()) violations.push_back("S5: a part that is simulated has no owner");
-    engaged_[part] = std::move(sites);
+    coHolders_[part] = std::move(sites);
   }
   void freed(PartId part) {
-    if (!engaged_[part].empty()) violations.push_back("S5: freed while sites simulate it");
+    if (!coHolders_[part].empty()) violations.push_back("S5: freed while sites simulate it");
   }
   void coHoldersApplied(int at, const CoHolderRecord& coHolders, int server) {
     const auto [found, first] =
@@ -105,7 +105,7 @@ class Checker {
   void serverRestarted(std::set<std::pair<PartId, SiteId>> holders, Micros quietUntil) {
     heldOut_ = std::move(holders);
     quietUntil_ = quietUntil;
-    engaged_.clear();
+    coHolders_.clear();
     answers_.clear();  // answers are not remembered over a restart; see ownership_table.h, invariant 3
   }
   void cameBack(PartId part, SiteId site) { heldOut_.erase({part, site}); }
@@ -118,7 +118,7 @@ class Checker {
   std::map<PartId, SiteId> owner_;
   std::map<std::pair<int, PartId>, std::pair<Epoch, std::uint32_t>> applied_;
   std::map<std::pair<SiteId, RequestId>, std::pair<Denial, Epoch>> answers_;
-  std::map<PartId, std::set<SiteId>> engaged_;
+  std::map<PartId, std::set<SiteId>> coHolders_;
   std::map<std::tuple<int, PartId, Epoch, std::uint32_t>, std::vector<SiteId>> lists_;
   std::map<std::pair<int, PartId>, std::tuple<int, Epoch, std::uint32_t>> lastList_;
   std::set<std::pair<PartId, SiteId>> heldOut_;
