@@ -27,7 +27,7 @@ class Publisher {
 
   /// Appends a record to the journal. Only while writable().
   void keep(const JournalRecord& record);
-  /// The journal still takes records. The network thread does not wait for it.
+  /// Whether the journal still takes records. The network thread does not wait for it.
   bool writable() const { return journalFailure_.empty(); }
   /// Notices a failure of the journal; called at the beginning of every step.
   void watchJournal();
@@ -39,7 +39,7 @@ class Publisher {
   /// Sends at once, past the queue: for what depends on no record.
   void sendNow(sync::ConnectionId connection, const sync::ControlMessage& message);
 
-  /// Messages wait for the disk.
+  /// Whether messages wait for the disk.
   bool waiting() const { return !outbox_.empty(); }
   /// Sends what may leave now, a bounded number of messages. `onClosed` is given each connection that ends
   /// with its Refused.

@@ -20,7 +20,7 @@ class LossMeter {
     loss_ = std::clamp(1.0 - came / expected, 0.0, 1.0);
   }
 
-  /// 0..1
+  /// The share of datagrams lost, 0..1.
   double loss() const { return loss_; }
 
  private:

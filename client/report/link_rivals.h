@@ -21,12 +21,11 @@ struct SpringGains {
 /// The two layers of Franken, Stramigioli, Misra, Secchi & Macchelli 2011, "Bilateral telemanipulation with
 /// time delays: a two-layer approach combining passivity and transparency", IEEE T-RO 27(4), between local
 /// replicas. Transparency: a spring to the last received pose of the peer's replica. Passivity: every move of
-/// the spring's far end,
-/// dP = K/2 |y' - x|^2 - K/2 |y - x|^2, is paid from a tank, and goes only as far as the tank reaches. The
-/// tank is filled by the damper, which is larger while the tank is low (their tank level controller); what
-/// does not fit is sent to the peer (their energy protocol, surplus only). Deviations: six axes on one lever;
-/// the tank starts at its level, or a hand that never moves would feel nothing; the spring is taken at the
-/// end of the step.
+/// the spring's far end, dP = K/2 |y' - x|^2 - K/2 |y - x|^2, is paid from a tank, and goes only as far as
+/// the tank reaches. The tank is filled by the damper, which is larger while the tank is low (their tank
+/// level controller); what does not fit is sent to the peer (their energy protocol, surplus only).
+/// Deviations: six axes on one lever; the tank starts at its level, or a hand that never moves would feel
+/// nothing; the spring is taken at the end of the step.
 class TankEnd : public bench::LinkEnd {
  public:
   TankEnd(const SpringGains& gains, const haptics::LinkParameters& parameters)

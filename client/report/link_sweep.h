@@ -17,7 +17,7 @@ std::vector<ExperimentInfo> chosenLinkExperiments(const SweepOptions& options);
 /// Measures all settings at one delay; takes seconds.
 LinkExperimentResult sweepLinks(const ExperimentInfo& info, const SweepOptions& options);
 
-/// s, one way.
+/// The delay one way of an experiment, s.
 double delayOf(const ExperimentInfo& info);
 
 /// Searches the gains that feel stiffest from hand to hand, are stable in every run, also with 1.5 times the

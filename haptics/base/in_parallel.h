@@ -1,7 +1,7 @@
 #pragma once
 
-// Work on several threads at once. For construction, never for ticks.
-// An exception from the work, or a thread that cannot start, ends the program.
+// Work on several threads at once. For construction, never for ticks. An exception from the work, or a thread
+// that cannot start, ends the program.
 
 #include <algorithm>
 #include <cstddef>

@@ -74,13 +74,14 @@ struct PartCommand {
   std::uint8_t hand = 0;  // of grasp and letGo: which of TickInput::hands
 };
 
-/// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what that of
-/// another one feels comes from a TickState of its own.
+/// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what the bare
+/// tool of the second hand feels comes from a TickState of its own.
 struct HandInput {
   DeviceSample device;
-  // Of a hand but the first, with the same dt; null: those given to tick(), which are the first hand's.
+  // Settings of the second hand, with the same dt. Null stands for those given to tick(), which are the first
+  // hand's.
   const TickParameters* parameters = nullptr;
-  // Of a hand but the first: wrench of its bare tool. Counts while the hand holds nothing, and fades when it
+  // Wrench of the second hand's bare tool. It counts while the hand holds nothing, and fades when the hand
   // takes a part.
   Wrench tool{};
 };
@@ -89,8 +90,8 @@ struct TickInput {
   std::array<HandInput, kHands> hands;
   std::span<const PartMotion> moved;      // at most one entry a part
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
-  // s, the session's clock, for links and for fields that change with time; not finite: the reading's own
-  // time
+  // The session's clock in s, for links and for fields that change with time. Where it is not finite, the
+  // time of the reading counts.
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
   int handCount = 1;  // 1: the first hand is alone
 };

@@ -35,9 +35,9 @@ class ContactFriction {
   /// Adds what the forces of the last call give with the rows of this step.
   void addTo(const StepSpace& space, const ContactRows& rows, BodyVectors& sum) const;
 
-  /// Friction for the multipliers of the active rows. `saturated` is the part of y that springs at their
-  /// greatest force give, `part` becomes that of friction. Returns by how much of the largest normal force
-  /// any friction force has changed.
+  /// Friction for the multipliers of the active rows. `saturated` is the share of y that comes from
+  /// springs at their greatest force; `part` becomes the share that comes from friction. Returns the largest
+  /// change of a friction force, as a share of the largest normal force.
   double solve(const StepSpace& space, const ActiveSet::Rows& active, const ContactRows& rows,
                const RowRefiner& refiner, const BodyVectors& saturated, BodyVectors& part);
 

@@ -1,7 +1,6 @@
 #pragma once
 
-// The god-object constraint problem inside the proxy: the point nearest to a goal that satisfies a few
-// planes.
+// The god-object projection inside the proxy: the point nearest to a goal that satisfies a few planes.
 
 #include <array>
 #include <span>
@@ -26,10 +25,10 @@ struct Projection {
       true;  // false: no point satisfies all planes within the tolerance; `point` violates them least
 };
 
-/// Minimises |x - goal|^2 subject to all planes (at most kMaxPlanes), the constraint problem of the god
-/// object (Zilles & Salisbury 1995, there with Lagrange multipliers). Tries every set of up to three active
-/// planes: the Karush-Kuhn-Tucker conditions of this strictly convex problem have exactly one solution,
-/// whatever the order of the planes. `tolerance` (m) is the violation that rounding may cause.
+/// God-object projection: minimises |x - goal|^2 subject to all planes (at most kMaxPlanes), the constraint
+/// problem of the god object (Zilles & Salisbury 1995, there with Lagrange multipliers). Tries every set of
+/// up to three active planes: the Karush-Kuhn-Tucker conditions of this strictly convex problem have exactly
+/// one solution, whatever the order of the planes. `tolerance` (m) is the violation that rounding may cause.
 Projection projectOntoPlanes(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance);
 
 }  // namespace tandem::haptics

@@ -16,7 +16,7 @@ namespace {
 constexpr std::uint32_t kLeaf = 4;
 constexpr int kMaxDepth = 64;  // bisections of at most 2^32 triangles
 
-/// Whether the segment from `from` along `way` passes through a box, widened for rounding.
+/// Whether a segment passes through a box, widened for rounding. `inverse` is 1 / (to - from) of the segment.
 bool meets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from, const glm::dvec3& inverse) {
   const glm::dvec3 a = (low - from) * inverse, b = (high - from) * inverse;
   const glm::dvec3 near = glm::min(a, b), far = glm::max(a, b);

@@ -47,7 +47,7 @@ struct SweepFront::Sweep {
 bool SweepFront::sweepBall(const TriangleBvh& tree, const glm::dvec3& from, const glm::dvec3& motion,
                            double radius, double tolerance, MeshBallHit& hit) {
   if (tree.empty()) return false;
-  // What a point or a ball passes on a long way is better excluded by the boxes beside that way.
+  // What a point or a ball passes on a long path is better excluded by the boxes beside that path.
   if (glm::length(motion) > radius) return tree.sweepBall(from, motion, radius, tolerance, hit);
   if (resting_ > 0) {
     --resting_;

@@ -17,8 +17,8 @@ class Directions {
   alignas(16) float x_[4], y_[4], z_[4];
 };
 
-/// Whether a point that moves from `from` by `way` certainly stays further than `reach` from a triangle: the
-/// bound of triangle_filter.h in double along `away`, which need not be a unit vector.
+/// Whether a point that moves from `from` along `path` certainly stays further than `reach` from a triangle:
+/// the bound of triangle_filter.h in double along `away`, which need not be a unit vector.
 bool passesBy(const glm::dvec3& away, const glm::dvec3& from, const glm::dvec3& path, double reach,
               const Triangle& t) {
   const double least =

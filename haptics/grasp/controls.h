@@ -10,7 +10,7 @@
 // 1. Parts, hand and control are solved together: the contact does no work, and a step of the control gains
 //    no energy (control_dynamics.h), so nothing is created. One step a tick in place of eight: a drag of up
 //    to L T.
-// 2. A part that presses on a control which is not owned is told in TickOutput::pushed: the site asks for it.
+// 2. TickOutput::pushed lists a control that is not owned and on which a part presses: the site asks for it.
 //    A control in a hand is not pushed by parts.
 // 3. Nothing here allocates, but for the constructor of Layers.
 

@@ -20,7 +20,7 @@ class LinkEnd {
 
   /// Mass that the link itself adds to the part, kg.
   virtual double addedMass() const { return 0.0; }
-  /// Nothing couples the replicas at this delay: each has the whole mass of the part.
+  /// Whether nothing couples the replicas at this delay, so that each has the whole mass of the part.
   virtual bool apart() const { return false; }
   /// Play-out delay of the peer, s.
   virtual double delay() const { return 0.0; }

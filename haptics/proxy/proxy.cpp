@@ -128,8 +128,8 @@ void addRises(const Walks& walks, Proxy& proxy) {
   }
 }
 
-/// Friction reach of the pressing planes, m: the tangential lag that their depths hold inside the friction
-/// cone, sum mu_i d_i (Harwin & Melder 2002).
+/// Friction reach of the pressing planes, m: the tangential lag that their depths hold inside the
+/// friction cone, sum mu_i d_i (Harwin & Melder 2002).
 double frictionReach(const ContactWorld& world, const Proxy& proxy, bool sliding) {
   double reach = 0.0;
   for (const ProxyPlane& plane : proxy.planes) {

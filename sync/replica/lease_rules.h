@@ -17,9 +17,9 @@ struct LeaseRules {
 
   /// By how much two clocks may disagree about the length of a lease, rounded up.
   Micros drift() const { return static_cast<Micros>(static_cast<double>(lease) * driftPpm * 1e-6) + 1; }
-  /// How long after the last renewal arrived the server may free a part.
+  /// Lease expiry at the server: how long after the last renewal arrived it may free a part.
   Micros serverLease() const { return lease + drift(); }
-  /// How long after it sent the ping that renewed its lease a site must have stopped.
+  /// Lease expiry at a site: how long after it sent the ping that renewed its lease it must have stopped.
   Micros siteLease() const { return lease - drift() - margin; }
 };
 
