@@ -76,9 +76,9 @@ Counts countOf(const ClashReport& report) {
 
 /// The deepest hard clashes, then those of unknown depth; ten at most.
 std::span<const Clash> worstOf(const ClashReport& report) {
-  constexpr std::size_t kMost = 10;
+  constexpr std::size_t kMaxListed = 10;
   std::size_t count = 0;
-  while (count < std::min(kMost, report.clashes.size()) && report.clashes[count].mayCollide &&
+  while (count < std::min(kMaxListed, report.clashes.size()) && report.clashes[count].mayCollide &&
          report.clashes[count].kind == ClashKind::hard)
     ++count;
   return {report.clashes.data(), count};

@@ -16,7 +16,7 @@ Json settingJson(const PartMeasurement& m) {
   json["sample_scale"] = m.sampleScale;
   json["refined"] = m.effort.exact;
   json["steps"] = m.effort.steps;
-  json["looks"] = m.effort.sampleQueries;
+  json["sample_queries"] = m.effort.sampleQueries;
   putCost(json, m.cost);
   json[m.kind == Kind::peer ? "depth_error_m" : "penetration_m"] = spreadJson(m.depth);
   putError(json, m.error);

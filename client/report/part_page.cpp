@@ -29,7 +29,7 @@ SeriesStyle styleOf(const PartMeasurement& m) {
     return {m.name, known != kPeers.end() ? known->second : "#6b7785", Marker::diamond, false, 1.0};
   }
   if (!usualIterations(m.effort))
-    return {m.effort.exact ? "fewer steps or looks" : "the same, not refined", "#8a2f6b", Marker::triangle,
+    return {m.effort.exact ? "fewer steps or queries" : "the same, not refined", "#8a2f6b", Marker::triangle,
             !m.effort.exact, 0.75};
   const char* const colour = m.fieldScale < 1.0   ? "#06384f"
                              : m.fieldScale < 1.5 ? "#0b6e99"
@@ -56,7 +56,7 @@ std::string shortName(const PartMeasurement& m) {
   if (m.fieldScale != 1.0) add("f" + number(m.fieldScale));
   if (m.sampleScale != 1.0) add("s" + number(m.sampleScale));
   if (m.effort.steps != used.steps) add(number(m.effort.steps) + " st");
-  if (m.effort.sampleQueries != used.sampleQueries) add(number(m.effort.sampleQueries) + " lk");
+  if (m.effort.sampleQueries != used.sampleQueries) add(number(m.effort.sampleQueries) + " q");
   if (!m.effort.exact) add("nr");
   return text;
 }
@@ -140,7 +140,7 @@ std::string unlessPeer(const PartMeasurement& m, const std::string& text) {
 std::string tableOf(const PartExperimentResult& e) {
   std::string html =
       "<div class=\"wide\"><table><thead><tr><th>method</th><th>fields</th><th>samples</th><th>steps</th>"
-      "<th>looks</th><th>refined</th>"
+      "<th>queries</th><th>refined</th>"
       "<th>cost p50</th><th>p99</th><th>max</th><th>pene-<br>tration</th><th>force<br>error p99</th>"
       "<th>of the<br>force</th><th>force<br>step p99</th><th>contact<br>turns "
       "p99</th><th>contact<br>found</th>"
@@ -237,12 +237,12 @@ std::string partSection(const SweepResult& result) {
       "coarse "
       "as they are used), the spacing of the contact samples (along a line, from dense to sparse), whether a "
       "touch is refined on the triangles (squares: the field's reading is taken as it is; on every field, at "
-      "two spacings), and the most steps and looks that a tick may take (triangles; as used " +
+      "two spacings), and the most steps and sample queries of a tick (triangles; as used " +
       number(used.steps) + " and " + number(used.sampleQueries) +
       "). Each mark is a measurement of this run, named where the pointer rests on it; the ring is Tandem as "
       "it is used. Beside points of the front, which no faster setting of Tandem equals within 1 %, stands "
       "how "
-      "they differ from that: f2, fields x 2; s4, samples x 4; 1 st, one step; 30 lk, 30 looks; nr, not "
+      "they differ from that: f2, fields x 2; s4, samples x 4; 1 st, one step; 30 q, 30 queries; nr, not "
       "refined.</p>\n"
       "<p>Penetration is measured in every tick, with more than 9,000 triangles in every 7th. <i>Contact "
       "found</i>: of the ticks with a contact, the share in which one is reported that pushes the right "

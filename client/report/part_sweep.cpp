@@ -23,7 +23,7 @@ namespace {
 constexpr int kRuns = 2;  // each tick's cost is the least of them
 // Ticks between measurements of the depth: of large meshes they take ten milliseconds each.
 constexpr int kDepthEvery = 7, kLarge = 9'000;
-constexpr int kFewLooks = 30;
+constexpr int kFewQueries = 30;
 
 /// The experiment's coupling, without any limit that would hide the effect of contact.
 haptics::TickParameters parametersOf(const PartExperiment& e, const haptics::ContactEffort& effort) {
@@ -119,21 +119,21 @@ std::vector<Making> makingsOf(const SweepOptions& options) {
 std::vector<haptics::ContactEffort> effortsOf(const Making& making, const SweepOptions& options) {
   const haptics::ContactEffort used;
   std::vector<haptics::ContactEffort> all{used};
-  const auto cut = [&](std::initializer_list<int> steps, std::initializer_list<int> looks, bool exact) {
+  const auto cut = [&](std::initializer_list<int> steps, std::initializer_list<int> queries, bool exact) {
     for (const int n : steps) all.push_back({n, used.sampleQueries, exact});
-    for (const int n : looks) all.push_back({used.steps, n, exact});
+    for (const int n : queries) all.push_back({used.steps, n, exact});
   };
   if (options.quick) {
     if (!making.asUsed()) return all;
     all.push_back({used.steps, used.sampleQueries, false});
-    cut({1}, {kFewLooks}, true);
+    cut({1}, {kFewQueries}, true);
     return all;
   }
   if (making.samples == 1.0 || making.samples == 4.0) all.push_back({used.steps, used.sampleQueries, false});
   const bool corner =
       (making.field == 4.0 && making.samples == 1.0) || (making.field == 1.0 && making.samples == 4.0);
-  if (making.asUsed() || corner) cut({1, 2}, {kFewLooks, 100}, true);
-  if (making.asUsed()) cut({1, 2}, {kFewLooks, 100}, false);
+  if (making.asUsed() || corner) cut({1, 2}, {kFewQueries, 100}, true);
+  if (making.asUsed()) cut({1, 2}, {kFewQueries, 100}, false);
   return all;
 }
 
@@ -158,7 +158,7 @@ PartMeasurement named(const Making& making, const haptics::ContactEffort& effort
     add("samples-%g", "samples x %g", making.samples);
   }
   if (effort.steps != used.steps) add("steps-%d", "steps %d", effort.steps);
-  if (effort.sampleQueries != used.sampleQueries) add("looks-%d", "looks %d", effort.sampleQueries);
+  if (effort.sampleQueries != used.sampleQueries) add("queries-%d", "queries %d", effort.sampleQueries);
   if (!effort.exact) add("unrefined%s", "not refined%s", "");
   out.setting = setting.empty() ? std::string("tandem") : setting;
   return out;

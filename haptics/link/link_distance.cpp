@@ -32,9 +32,9 @@ LinkRegime regimeAt(const PacketAge& age, LinkRegime present, double longest) {
   return age.mean < kStiffAgain ? LinkRegime::stiff : LinkRegime::soft;
 }
 
-double linkImpedance(double most, double playOutDelay, int links) {
+double linkImpedance(double greatest, double playOutDelay, int links) {
   ASSERT(links > 0);
-  return std::min(most, kMaxLinkMass / (playOutDelay * links));
+  return std::min(greatest, kMaxLinkMass / (playOutDelay * links));
 }
 
 LinkImpedances impedancesAt(double age, double packetPeriod, int links) {

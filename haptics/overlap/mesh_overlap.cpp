@@ -176,9 +176,9 @@ class Overlapping {
 
   /// The triangles of A at which to look for coinciding surfaces: touched ones, evenly through the mesh.
   std::vector<std::uint32_t> someTouched() const {
-    constexpr std::size_t kMost = 256;
+    constexpr std::size_t kMaxTriangles = 256;
     const std::size_t count = a_.tree->mesh().triangles.size(),
-                      step = std::max<std::size_t>(1, count / kMost);
+                      step = std::max<std::size_t>(1, count / kMaxTriangles);
     std::vector<std::uint32_t> touched;
     for (const NearPair& pair : pairs_)
       if (pair.a % step == 0) touched.push_back(pair.a);

@@ -73,7 +73,7 @@ def main():
         assert set(held) == {"held-peg", "held-slide", "held-plates", "held-inside"}, held.keys()
         for case, settings in held.items():
             assert {"tandem", "field-1-samples-4", "field-4-samples-1", "unrefined", "steps-1",
-                    "looks-30"} <= \
+                    "queries-30"} <= \
                 set(settings), (case, settings.keys())
             assert ("fcl" in settings) == beside, (case, settings.keys())
             assert settings["tandem"]["penetration_m"]["max"] < 20e-6, (case, settings["tandem"])

@@ -163,7 +163,7 @@ TEST(SharedFigures, CoHolderFeelsTheWallAsIfAlone) {
       felt.add(result.sites.at("b").feltStiffness);
     }
     if (prints())
-      std::printf("wall, guest %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", delay, felt.mean(), felt.least,
+      std::printf("wall, co-holder %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", delay, felt.mean(), felt.least,
                   felt.largest);
     EXPECT_GE(felt.least, 830.0) << delay;
   }

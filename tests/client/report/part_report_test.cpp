@@ -156,8 +156,8 @@ TEST(PartReport, SettingsChangeWhatTheyAreNamedFor) {
     EXPECT_EQ(coarse.spacing, used.spacing);
     EXPECT_FALSE(settingOf(e, "unrefined").effort.exact);
     EXPECT_EQ(settingOf(e, "steps-1").effort.steps, 1);
-    EXPECT_LT(settingOf(e, "looks-30").effort.sampleQueries, used.effort.sampleQueries);
-    for (const char* less : {"unrefined", "steps-1", "looks-30"})
+    EXPECT_LT(settingOf(e, "queries-30").effort.sampleQueries, used.effort.sampleQueries);
+    for (const char* less : {"unrefined", "steps-1", "queries-30"})
       EXPECT_EQ(settingOf(e, less).cell, used.cell) << less << " is of the same model";
   }
 }

@@ -86,10 +86,10 @@ TEST(LinkFigures, HandsFeelEachOther) {
   }
 }
 
-TEST(LinkFigures, WallIsAsStiffForTheGuestAtEveryDelay) {
+TEST(LinkFigures, WallIsAsStiffForTheCoHolderAtEveryDelay) {
   struct Pair {
     const char* name;
-    haptics::ArmParameters owner, guest;
+    haptics::ArmParameters owner, coHolder;
   };
   const Pair pairs[] = {{"relaxed", lightArm(), relaxedArm()},
                         {"mixed", relaxedArm(), firmArm()},
@@ -100,7 +100,7 @@ TEST(LinkFigures, WallIsAsStiffForTheGuestAtEveryDelay) {
       worst.stiffness = 1e9;
       for (int seed = 1; seed <= seeds(1); ++seed) {
         BenchSetup setup = setupAt(row.delay, seed);
-        setup.sites = twoHands(pair.owner, pair.guest);
+        setup.sites = twoHands(pair.owner, pair.coHolder);
         const PressFigures p = press(setup);
         expectPassive(p, pair.name);
         worst.worst(p);

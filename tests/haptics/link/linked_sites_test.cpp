@@ -101,7 +101,7 @@ double feltWall(double delay, bool tied, double& created) {
   return xf / xx;
 }
 
-TEST(LinkedSites, WallIsAsStiffForTheGuestAtAQuarterOfASecond) {
+TEST(LinkedSites, WallIsAsStiffForTheCoHolderAtAQuarterOfASecond) {
   double created = 0.0;
   const double near = feltWall(1e-3, true, created);
   EXPECT_LE(created, kEnergyBound);
@@ -303,7 +303,7 @@ TEST(LinkedSites, TieThatEndsAtFullSpeedIsNotFelt) {
   }
 }
 
-TEST(LinkedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
+TEST(LinkedSites, OwnersHandMayLetGoWhileTheCoHolderHoldsOn) {
   LinkedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
   sites.linkAll();
   const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
@@ -321,7 +321,7 @@ TEST(LinkedSites, OwnersHandMayLetGoWhileTheGuestHoldsOn) {
   EXPECT_LE(sites.maxCreated, kEnergyBound);
 }
 
-TEST(LinkedSites, OwnerThatFallsSilentLeavesTheGuestItsHold) {
+TEST(LinkedSites, OwnerThatFallsSilentLeavesTheCoHolderItsHold) {
   LinkedSites sites(setupOf(0.050, benchScene(), twoHands(firmArm(), firmArm())));
   sites.linkAll();
   const Change change = changeAfter(sites, 2, 5.0, 9.0, pullWay, [&](double now) {
