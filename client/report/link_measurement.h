@@ -17,7 +17,7 @@ struct LinkSetting {
   Architecture architecture = Architecture::link;
   double packetHz = 250.0;
   double margin = 0.0;     // s, by which a link plays out later than it finds enough
-  double impedance = 0.0;  // N s/m, of a link, b
+  double impedance = 0.0;  // N·s/m, of a link, b
   bool inUse = false;      // a link as sessions have it, whatever its impedance above
   SpringGains gains;       // of the others
   bool letsGo = false;     // hands that let go in tension are tried too

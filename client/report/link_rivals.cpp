@@ -11,7 +11,7 @@ using haptics::SixAxes;
 
 namespace {
 
-constexpr double kServerDrag = 0.1;  // N s/m: as a link has on its replica
+constexpr double kServerDrag = 0.1;  // N·s/m: as a link has on its replica
 constexpr double kLever = haptics::LinkParameters{}.lever;
 
 haptics::CouplingGains couplingOf(const SpringGains& gains) {

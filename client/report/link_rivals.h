@@ -15,7 +15,7 @@ namespace tandem::client::report {
 
 /// Gains of a spring and its damper; a rotation counts as the displacement at the end of the link's lever.
 struct SpringGains {
-  double stiffness = 0.0, damping = 0.0;  // N/m, N s/m
+  double stiffness = 0.0, damping = 0.0;  // N/m, N·s/m
 };
 
 /// The two layers of Franken, Stramigioli, Misra, Secchi & Macchelli 2011, "Bilateral telemanipulation with
@@ -37,16 +37,16 @@ class TankEnd : public bench::LinkEnd {
   haptics::LinkPacket packet(double now) override;
 
  private:
-  static constexpr double kDrag = 0.1;                            // N s/m, as a link has on its replica
+  static constexpr double kDrag = 0.1;                            // N·s/m, as a link has on its replica
   static constexpr double kLevel = 0.01;                          // J, that the tank is to have
-  static constexpr double kFilling = 2000.0, kMaxFilling = 20.0;  // N s/m a J that is missing; N s/m at most
+  static constexpr double kFilling = 2000.0, kMaxFilling = 20.0;  // N·s/m a J that is missing; N·s/m at most
 
   SpringGains gains_;
   double period_, lever_;  // s, m
   haptics::LinkPacket peer_, own_;
   bool hasPeer_ = false;
   double tank_ = kLevel, taken_ = 0.0;  // J: in the tank; of the energy that the peer has sent
-  double damping_ = 0.0;                // N s/m, of this tick
+  double damping_ = 0.0;                // N·s/m, of this tick
   Pose drawnTo_;                        // the far end of the spring: y
 };
 

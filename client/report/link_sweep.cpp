@@ -60,7 +60,7 @@ LinkSetting rival(const char* id, Architecture architecture, const SpringGains& 
   return s;
 }
 
-/// The impedance of sessions at this delay, N s/m.
+/// The impedance of sessions at this delay, N·s/m.
 int usedImpedance(double delay) {
   haptics::RegimeByAge regime;
   regime.restart(delay);

@@ -35,8 +35,8 @@ namespace tandem::haptics {
 /// these.
 struct LinkPull {
   Wrench held;
-  double damping = 0.0;     // N s/m
-  double rotDamping = 0.0;  // N m s/rad
+  double damping = 0.0;     // N·s/m
+  double rotDamping = 0.0;  // N·m·s/rad
 };
 
 /// Energy account of an end since it began, J. Over both ends the sum of `work`, `stored` and `reserve` never
@@ -59,7 +59,7 @@ class CoordinationLink {
   /// accepted until the first one of the new epoch arrives. For a change of owner, which the two ends learn
   /// at different times.
   void carryOn(std::uint32_t epoch);
-  /// Sets the impedance of both regimes, N s/m, from the next begin() on: links that share a mass become
+  /// Sets the impedance of both regimes, N·s/m, from the next begin() on: links that share a mass become
   /// lighter as sites join.
   void setImpedance(double stiff, double soft) { p_.impedance = stiff, p_.softImpedance = soft; }
   /// Sets the delay, s, beyond which the link is off (link_distance.h).
@@ -136,8 +136,8 @@ class CoordinationLink {
   LinkAccount account_;
   bool on_ = false, asks_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
-  double b_ = 0.0;     // N s/m
-  double drag_ = 0.0;  // N s/m, in this tick
+  double b_ = 0.0;     // N·s/m
+  double drag_ = 0.0;  // N·s/m, in this tick
   PlayOutDelay playOutDelay_;
 
   SixAxes stretch_;              // m: e

@@ -13,7 +13,7 @@ constexpr double kSoft = 0.059, kStiffAgain = 0.049;  // s
 constexpr double kAgain = 0.93;         // of the longest delay, below which the link begins again
 constexpr double kSurelySoft = 0.064;   // s: beyond the jitter of a stiff path
 constexpr double kSoftPlayOut = 0.06;   // s, of play-out: the least in regime soft
-constexpr double kFarImpedance = 10.0;  // N s/m, where only parts that touch are linked
+constexpr double kFarImpedance = 10.0;  // N·s/m, where only parts that touch are linked
 constexpr double kMaxFarLinkMass =
     3.4;  // kg, as kMaxLinkMass: such links last while parts are near each other
 

@@ -31,11 +31,11 @@ LinkRegime regimeAt(const PacketAge& age, LinkRegime present, double longestDela
 /// it.
 inline constexpr double kMaxLinkMass = 1.7;
 
-/// Impedance of each of `links` links from one site, N s/m: `greatest` where the links stay light enough.
+/// Impedance of each of `links` links from one site, N·s/m: `greatest` where the links stay light enough.
 /// Both ends of a link need the same value, so one end decides.
 double linkImpedance(double greatest, double playOutDelay, int links);
 
-/// Impedance b of a link in the regimes stiff and soft, N s/m.
+/// Impedance b of a link in the regimes stiff and soft, N·s/m.
 struct LinkImpedances {
   double stiff = 0.0, soft = 0.0;
 };

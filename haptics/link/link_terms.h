@@ -15,11 +15,11 @@ struct LinkParameters {
   double period = 1e-3;         // s, of the tick
   double packetPeriod = 4e-3;   // s, between the peer's packets
   double lever = 0.05;          // m, of the part, the same at both ends; converts angles to lengths
-  double impedance = 27.0;      // N s/m: b, in regime stiff
-  double softImpedance = 14.0;  // N s/m: b, in regime soft
+  double impedance = 27.0;      // N·s/m: b, in regime stiff
+  double softImpedance = 14.0;  // N·s/m: b, in regime soft
   double spring = 10000.0;      // N/m: K
-  double drag = 0.1;            // N s/m, on the replica at all times
-  double fillingDrag = 0.6;     // N s/m, additional drag while the reserve is empty
+  double drag = 0.1;            // N·s/m, on the replica at all times
+  double fillingDrag = 0.6;     // N·s/m, additional drag while the reserve is empty
   double fadeTime = 0.5;        // s, until the link has its full force
   double longestDelay = haptics::longestDelay(true);  // s: the link is off beyond it
   double playOutMargin = 0.0;                         // s, added to the delay that PlayOutDelay estimates

@@ -38,7 +38,7 @@ class HandBench {
     haptics::RigidBody body;                // the part as this site has it
     Wrench onHand;                          // sent to the device, limited
     std::array<Wrench, 20> before{};        // of the last 20 ticks
-    double change = 0.0, turnChange = 0.0;  // N, N m: of the force on the hand in 20 ms
+    double change = 0.0, turnChange = 0.0;  // N, N·m: of the force on the hand in 20 ms
     double push = 0.0;                      // N, of the wall
     Pose centre() const { return centreOf(body); }
     haptics::Coupling grip(const haptics::CouplingGains& gains) const;

@@ -59,7 +59,7 @@ class CoordinationLinkEnd : public LinkEnd {
 class PlainSpringEnd : public LinkEnd {
  public:
   struct Gains {
-    double stiffness = 400.0, damping = 5.0;  // N/m, N s/m
+    double stiffness = 400.0, damping = 5.0;  // N/m, N·s/m
   };
   PlainSpringEnd(const Gains& gains, const haptics::LinkParameters& parameters)
       : gains_(gains), period_(parameters.period), lever_(parameters.lever) {}
@@ -70,7 +70,7 @@ class PlainSpringEnd : public LinkEnd {
   haptics::LinkPacket packet(double now) override;
 
  private:
-  static constexpr double kDrag = 0.1;  // N s/m, as a link has on its replica
+  static constexpr double kDrag = 0.1;  // N·s/m, as a link has on its replica
   Gains gains_;
   double period_, lever_;  // s, m
   haptics::LinkPacket peer_, own_;

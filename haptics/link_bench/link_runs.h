@@ -12,7 +12,7 @@ struct Tally {
   double created = 0.0;     // J, at the device ports
   double inLinks = 0.0;     // J
   double change = 0.0;      // N in 20 ms, on any hand, while the run says so
-  double turnChange = 0.0;  // N m in 20 ms
+  double turnChange = 0.0;  // N·m in 20 ms
 
   void note(const HandBench& bench);
   void worst(const Tally& other);

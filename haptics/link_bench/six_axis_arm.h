@@ -19,7 +19,7 @@ inline haptics::ArmParameters lightArm() { return {1.46, 4.88, 4.5, 375.0, 7.9};
 /// device alike.
 class SixAxisArm {
  public:
-  static constexpr double kLever = 0.07;  // m: the wrist of a firm arm holds 1.5 N m/rad
+  static constexpr double kLever = 0.07;  // m: the wrist of a firm arm holds 1.5 N·m/rad
 
   SixAxisArm(const haptics::ArmParameters& arm, const Pose& start);
   /// Advances a tick under a held command. The target is the start pose displaced by `displacement`.

@@ -12,11 +12,11 @@ namespace tandem::sync {
 
 /// What both ends of a coordination link use, as its owner decides: multiples of the quanta below.
 struct LinkAgreement {
-  double impedance = 27.0, softImpedance = 14.0;  // N s/m, of the regimes stiff and soft
+  double impedance = 27.0, softImpedance = 14.0;  // N·s/m, of the regimes stiff and soft
   double packetPeriod = 4e-3;                     // s, between packets of either end
   friend bool operator==(const LinkAgreement&, const LinkAgreement&) = default;
 };
-inline constexpr double kImpedanceQuantum = 0.125;       // N s/m
+inline constexpr double kImpedanceQuantum = 0.125;       // N·s/m
 inline constexpr double kPacketPeriodQuantum = 0.25e-3;  // s
 
 /// One end of a coordination link to the other, by way of the server. Integrals and clocks are sent by their

@@ -20,7 +20,7 @@
 
 namespace tandem::test {
 
-/// Coupling of 1 N/mm and 4 N m/rad, and no limit that would hide what contact does.
+/// Coupling of 1 N/mm and 4 N·m/rad, and no limit that would hide what contact does.
 inline haptics::TickParameters rigParameters() {
   haptics::TickParameters p;
   p.graspStiffness = 1000.0;
@@ -45,7 +45,7 @@ struct RigTick {
   double time = 0.0;  // s
   Pose device, part;  // world
   Twist deviceTwist;
-  Wrench toHand;  // N, N m about the device's tip
+  Wrench toHand;  // N, N·m about the device's tip
   int contacts = 0;
   glm::dvec3 firstNormal{0.0, 0.0, 0.0};
   std::uint32_t flags = 0;
@@ -127,7 +127,7 @@ class HeldPartRig {
     }
     return most;
   }
-  /// The most force and torque from a time on, N and N m.
+  /// The most force and torque from a time on, N and N·m.
   double mostForce(double from = 0.0) const {
     double most = 0.0;
     for (const RigTick& t : ticks_) most = std::max(most, t.time >= from ? glm::length(t.toHand.force) : 0.0);

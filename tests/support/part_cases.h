@@ -78,8 +78,8 @@ PartCase pegCase(const PegCase& peg);
 /// Straight above the top, beyond what its chamfer allows: it must come to rest with its tip in z = 0.
 PartCase pegOnTopCase();
 
-/// Let down straight into its bore, `engaged` deep, and then held askew with a moment of `moment` N m about
-/// its tip (at 4 N m/rad), the peg is pushed down further and further, 5 mm/s from start() + 0.3 s until
+/// Let down straight into its bore, `engaged` deep, and then held askew with a moment of `moment` N·m about
+/// its tip (at 4 N·m/rad), the peg is pushed down further and further, 5 mm/s from start() + 0.3 s until
 /// start() + `pushed` s. It touches with the upper end of its chamfer and at the rim, a height l = engaged -
 /// 1 mm apart, and slides when the push exceeds 2 mu moment / l (Whitney 1982, "Quasi-static assembly of
 /// compliantly supported rigid parts": the line |M / (r Fz)| = l / (2 r mu) of the jamming diagram at Fx =

@@ -15,8 +15,8 @@ namespace tandem::test {
 struct SixAxisParameters {
   double mass = 0.045;       // kg
   double inertia = 5e-5;     // kg m^2, about the tip, the same about all axes
-  double damping = 1.0;      // N s/m
-  double rotDamping = 2e-3;  // N m s/rad
+  double damping = 1.0;      // N·s/m
+  double rotDamping = 2e-3;  // N·m·s/rad
   double quantum = 0.0;      // m, of the position reading; 0 = exact
   double rotQuantum = 0.0;   // rad, of the rotation vector read
 

@@ -47,8 +47,8 @@ TEST(CoplanarSlide, HasNoBuzzAndNoSnagAtSeams) {
     torqueSteps.push_back(glm::length(t.toHand.torque - before.toHand.torque));
   }
   EXPECT_LT(quantile(sideways, 1.0), 0.02);      // N; a seam would hold it back
-  EXPECT_LT(quantile(torques, 1.0), 0.2e-3);     // N m: 1 N off by 0.2 mm
-  EXPECT_LT(quantile(torqueSteps, 1.0), 20e-6);  // N m a tick
+  EXPECT_LT(quantile(torques, 1.0), 0.2e-3);     // N·m: 1 N off by 0.2 mm
+  EXPECT_LT(quantile(torqueSteps, 1.0), 20e-6);  // N·m a tick
 }
 
 /// A cube on its edge, askew over a blade of 30 degrees, let down onto it: where that edge crosses the blade

@@ -262,7 +262,7 @@ TEST(FreeParts, AHeavyPartIsLedAsSlowlyAsTheHandLikes) {
   rig.lead([&](double t) { return Pose{{speed * t, 0.0, 0.0}, kStraight}; }, 2.0);
   rig.each = [&] { greatest = std::max(greatest, std::abs(rig.out.hands[0].toHand.force.x)); };
   rig.lead([&](double t) { return Pose{{speed * (2.0 + t), 0.0, 0.0}, kStraight}; }, 2.0);
-  // Its momentum swings on the hand's spring: 0.1 m/s kg at 10 rad/s and 4 N s/m is 1 mN.
+  // Its momentum swings on the hand's spring: 0.1 m/s kg at 10 rad/s and 4 N·s/m is 1 mN.
   EXPECT_LT(greatest, 4e-3);
   EXPECT_NEAR(rig.pose(0).position.x, 4e-5, 5e-6);
 }

@@ -43,7 +43,7 @@ struct Hold {
 // The hand's own spring, too soft to matter and without damping: it only keeps the device about where it
 // started.
 constexpr double kHandStiffness = 100.0;   // N/m
-constexpr double kHandRotStiffness = 0.2;  // N m/rad
+constexpr double kHandRotStiffness = 0.2;  // N·m/rad
 
 Wrench handOf(const Hold& hold, const Pose& device) {
   const glm::dvec3 turn = rotationVector(device.orientation * glm::conjugate(hold.worldFromGrip.orientation));

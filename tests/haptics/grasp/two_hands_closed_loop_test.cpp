@@ -47,7 +47,7 @@ struct Hold {
 // As in grasp_closed_loop_test: the hand's own spring, without damping, only keeps the device about where it
 // started.
 constexpr double kHandStiffness = 100.0;   // N/m
-constexpr double kHandRotStiffness = 0.2;  // N m/rad
+constexpr double kHandRotStiffness = 0.2;  // N·m/rad
 
 Wrench pushOf(const Hand& hand, const Pose& device) {
   const glm::dvec3 turn = rotationVector(device.orientation * glm::conjugate(hand.grip.orientation));
