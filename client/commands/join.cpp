@@ -580,8 +580,8 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
   command.option("--height", arguments->height, "The same").integerFrom(200, 4320).showDefault();
   command
       .option("--deadband", arguments->deadband,
-              "How wrong a moving part may look to the others before it is told anew, as a share of "
-              "its way (Weber fraction); 0: always at the full rate")
+              "How wrong a moving part may look to the others before its state is sent anew, as a share of "
+              "its displacement (Weber fraction); 0: always at the full rate")
       .numberFrom(0.0, 1.0)
       .showDefault();
   command.flag("--tcp", arguments->tcp, "State over TLS, not UDP (which falls back to TLS by itself)");

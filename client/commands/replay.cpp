@@ -242,7 +242,7 @@ std::string forcesCsv(const Recording& recording) {
 }
 
 void print(const Recording& recording, const Summary& summary) {
-  std::printf("%.1f s, %zu people, %d grants, %d denials told to whoever recorded\n", recording.duration,
+  std::printf("%.1f s, %zu people, %d grants, %d denials sent to whoever recorded\n", recording.duration,
               summary.sites.size(), summary.grants, summary.denials);
   for (const auto& [id, site] : summary.sites)
     std::printf("  %-16s %d grant%s, largest force %s N\n",

@@ -188,7 +188,7 @@ std::string explanation(const std::string& family) {
       {"groove", "Two walls hold the tool at once. The exact answer is the nearest point of a wedge."},
       {"parts",
        "Ten thousand parts, and joints between them that must not be felt. Where all parts move, each tick "
-       "is told 10,000 "
+       "gets 10,000 "
        "new poses. The baselines know still parts only."},
       {"fine",
        "A million triangles on a small sphere: edges of 40 µm under a ball of up to 3 mm, which touches "
@@ -252,7 +252,7 @@ std::string introduction(const SweepResult& result) {
       "</p>\n<p>A haptic tick turns the position of a hand into a force, a thousand times a second. Here "
       "every method follows "
       "the same scripted hand over the same scenes, and each force is compared with the exact one: 1000 N/m "
-      "times the way "
+      "times the distance "
       "from the hand to where an ideal god object would be. <b>Left is faster, down is more exact.</b> Both "
       "axes are "
       "logarithmic; an error of at most 1 nN is drawn at 1 nN, with an arrow down.</p>\n<p>A tick gives the "

@@ -323,7 +323,7 @@ const char* const kMeasures =
     "the part that it sees is held.</li>\n"
     "<li><b>Change in 20 ms</b> is the largest by which the force on either hand differs from that "
     "20 ms before, in the steady middle of that drag.</li>\n"
-    "<li><b>Hand to hand</b> is the force on a firm hand that holds still, over the way between the "
+    "<li><b>Hand to hand</b> is the force on a firm hand that holds still, over the distance between the "
     "two devices, while the other firm hand pulls 15 mm away.</li>\n"
     "<li><b>Wall</b> is the least-squares slope of force against travel that the co-holder feels who "
     "presses the part with 2 N against a wall of 5 N/mm (in series with the grasp of 1 N/mm: 833 "
@@ -361,7 +361,7 @@ arms and devices are modelled, time is virtual, and each figure is )" +
 }
 
 const char* const kAboutDelay = R"(<h3>What it replaces, by delay</h3>
-<p>A server shows both sites the same part, a way late: they are close to each other, and far from the
+<p>A server shows both sites the same part, one delay late: they are close to each other, and far from the
 hands. A link that is <i>off</i> leaves each with the whole part.</p>
 )";
 
