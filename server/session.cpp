@@ -17,6 +17,7 @@ namespace tandem::server {
 namespace {
 
 constexpr int kMaxEventsPerStep = 2048;
+constexpr int kMaxControlPerStep = 64;  // then the state that has come meanwhile has its turn
 constexpr sync::Micros kLeasePeriod = 10 * sync::kMillisecond;
 constexpr sync::Micros kPosePeriod = sync::kSecond;
 constexpr sync::Micros kHousekeepingPeriod = sync::kSecond;
@@ -78,6 +79,10 @@ class Session::Dispatcher {
  private:
   void receiveEvents();
   void onControl(Peer& peer, std::span<const std::byte> bytes);
+  /// Charges the site's ControlBudget, and holds the site if that is spent.
+  void charge(const Peer& peer, std::size_t bytes);
+  /// Hears again whoever may resume; parts from whoever was held for too long.
+  void releaseHeld();
   void dispatch(Peer& peer, const sync::ControlMessage& message);
   void runTimers();
 
@@ -132,7 +137,7 @@ void Session::Dispatcher::shutDown() {
 
 void Session::Dispatcher::receiveEvents() {
   sync::TransportEvent event;
-  for (int i = 0; i < kMaxEventsPerStep; ++i) {
+  for (int i = 0, controls = 0; i < kMaxEventsPerStep && controls < kMaxControlPerStep; ++i) {
     eventsLeft_ = transport.poll(event);
     if (!eventsLeft_) return;
     if (event.kind == sync::TransportEvent::Kind::connected) {
@@ -143,6 +148,7 @@ void Session::Dispatcher::receiveEvents() {
     if (peer == nullptr) continue;  // this side closed it
     switch (event.kind) {
       case sync::TransportEvent::Kind::control:
+        ++controls;
         onControl(*peer, event.bytes);
         break;
       case sync::TransportEvent::Kind::state:
@@ -157,6 +163,7 @@ void Session::Dispatcher::receiveEvents() {
 
 void Session::Dispatcher::onControl(Peer& peer, std::span<const std::byte> bytes) {
   context.counts.received.countControl(bytes.size());
+  charge(peer, bytes.size());
   peer.lastReceived = context.now();
   const Result<sync::ControlMessage> message = sync::decodeControl(bytes);
   if (!message) {
@@ -164,6 +171,32 @@ void Session::Dispatcher::onControl(Peer& peer, std::span<const std::byte> bytes
     return;
   }
   dispatch(peer, *message);
+}
+
+void Session::Dispatcher::charge(const Peer& peer, std::size_t bytes) {
+  if (peer.site == kNoSite) return;  // its one message is the Hello, which admission charges
+  ControlBudget& budget = sites.at(peer.site).budget;
+  if (budget.spendMessage(context.now(), bytes)) return;
+  ++context.counts.holds;
+  transport.hold(peer.connection, true);
+  if (budget.drainNotice(context.now()))
+    context.log.note(sites.nameOf(peer.site) + " sends more requests than a site may: it is slowed");
+}
+
+void Session::Dispatcher::releaseHeld() {
+  std::vector<sync::ConnectionId> abusers;
+  for (const auto& [connection, peer] : peers) {
+    if (peer.site == kNoSite) continue;
+    ControlBudget& budget = sites.at(peer.site).budget;
+    if (!budget.held()) continue;
+    if (budget.abused(context.now()))
+      abusers.push_back(connection);
+    else if (budget.mayResume(context.now()))
+      transport.hold(connection, false);
+  }
+  for (const sync::ConnectionId connection : abusers)
+    if (Peer* peer = peers.find(connection))
+      admission.refuse(*peer, sync::Refusal::unexpectedMessage, "more requests than a site may send");
 }
 
 /// `peer` may be gone afterwards.
@@ -202,6 +235,7 @@ void Session::Dispatcher::runTimers() {
   if (now >= nextLeases_) {
     nextLeases_ = now + kLeasePeriod;
     parts.expireLeases();
+    releaseHeld();
   }
   if (now >= nextPoses_) {
     nextPoses_ = now + kPosePeriod;

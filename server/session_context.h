@@ -21,6 +21,7 @@ struct SessionCounters {
   std::uint64_t relayedLinks = 0;      // LinkUpdates passed on
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that are not owner and co-holder
   std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate
+  std::uint64_t holds = 0;             // times that a site had spent its ControlBudget
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;

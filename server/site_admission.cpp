@@ -102,6 +102,10 @@ void SiteAdmission::resume(Peer& peer, const sync::Hello& hello, const Ticket& t
     refuse(peer, sync::Refusal::badCredential, "the site of this resume ticket has left the session");
     return;
   }
+  if (site->budget.exhausted(ground_.context.now())) {
+    refuse(peer, sync::Refusal::unexpectedMessage, "this site connects or asks too often");
+    return;
+  }
   if (const Peer* former = ground_.peers.bySite(ticket.site)) {
     // The site knows better than the server which of its connections is dead.
     const sync::ConnectionId connection = former->connection;
@@ -123,6 +127,7 @@ void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello)
     site.info.colour = hello.colour;
   else if (!hello.resume)
     site.info.colour = ground_.sites.freeColour(site.info.site);  // a site that comes back keeps its colour
+  site.budget.spend(ground_.context.now(), ControlBudget::kConnection);
   site.info.connected = true;
   site.listed = true;
   ground_.publisher.keep(SiteRecord{site.info, false});

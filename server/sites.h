@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "server/control_budget.h"
 #include "server/journal.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/site_colours.h"
@@ -22,6 +23,7 @@ struct KnownSite {
   bool left = false;    // sent a Goodbye: its ticket is void
   bool listed = false;  // the others see it
   sync::Micros disconnectedAt = 0;
+  ControlBudget budget;
 };
 
 class Sites {

@@ -17,7 +17,9 @@ constexpr Micros kCloseTime = 2 * kSecond;  // for a peer to read what is queued
 constexpr Micros kDestructionTime = 500 * kMillisecond;
 constexpr std::size_t kMaxBacklog = 4 << 20;         // bytes queued to a peer that does not read
 constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // state beyond this would arrive too late
-constexpr std::size_t kMaxUndelivered = 4 << 20;     // bytes received that the application has not polled
+// Bytes received that the application has not polled: of the scene at a site; of requests at a server.
+constexpr std::size_t kMaxUndeliveredOfOne = 4 << 20, kMaxUndeliveredOfMany = 256 << 10;
+constexpr std::size_t kEventBytes = 128;  // what an event takes besides its message
 constexpr std::size_t kMaxSpare = 16;
 constexpr std::size_t kMaxSpareBytes = 64 * 1024;
 
@@ -41,8 +43,15 @@ Connection* SocketCore::find(ConnectionId id) const {
 
 // ---- events out ----
 
+std::size_t SocketCore::maxUndelivered() const {
+  return peers_ == Peers::one ? kMaxUndeliveredOfOne : kMaxUndeliveredOfMany;
+}
+
+/// A server hands out state before control: no number of requests delays a batch of datagrams. A site, which
+/// trusts its server, learns of a part before it learns where the part is.
 bool SocketCore::poll(TransportEvent& event) {
-  if (pollQueue(event)) return true;
+  const bool stateFirst = peers_ == Peers::many && (stateReady_ || findState());
+  if (!stateFirst && pollQueue(event)) return true;
   if (!stateReady_ && !findState()) return false;
   stateReady_ = false;
   event.kind = TransportEvent::Kind::state;
@@ -58,22 +67,20 @@ bool SocketCore::pollQueue(TransportEvent& event) {
     spare_.push_back(std::move(current_));
   }
   current_.clear();
-  while (!queue_.empty()) {
-    Event next = std::move(queue_.front());
-    queue_.pop_front();
-    Connection* connection = find(next.connection);
+  while (std::optional<Event> next = queue_.pop()) {
+    Connection* connection = find(next->connection);
     if (connection != nullptr) {
-      const bool wasFull = connection->undelivered > kMaxUndelivered;
-      connection->undelivered -= next.bytes.size();
-      if (wasFull && connection->undelivered <= kMaxUndelivered) connection->stream->pauseReading(false);
+      const bool wasFull = connection->undelivered > maxUndelivered();
+      connection->undelivered -= next->bytes.size() + kEventBytes;
+      if (wasFull && connection->undelivered <= maxUndelivered()) connection->stream->pauseReading(false);
     }
-    const bool closed = next.kind == TransportEvent::Kind::closed;
+    const bool closed = next->kind == TransportEvent::Kind::closed;
     if (connection != nullptr && connection->closing && !closed) continue;
-    current_ = std::move(next.bytes);
-    event.kind = next.kind;
-    event.connection = next.connection;
+    current_ = std::move(next->bytes);
+    event.kind = next->kind;
+    event.connection = next->connection;
     event.bytes = current_;
-    event.reason = std::move(next.reason);
+    event.reason = std::move(next->reason);
     return true;
   }
   return false;
@@ -88,16 +95,16 @@ void SocketCore::push(Connection& connection, TransportEvent::Kind kind, std::sp
     spare_.pop_back();
   }
   event.bytes.assign(bytes.begin(), bytes.end());
-  connection.undelivered += bytes.size();
-  if (connection.undelivered > kMaxUndelivered) connection.stream->pauseReading(true);
-  queue_.push_back(std::move(event));
+  connection.undelivered += bytes.size() + kEventBytes;
+  if (connection.undelivered > maxUndelivered()) connection.stream->pauseReading(true);
+  queue_.push(std::move(event));
 }
 
 void SocketCore::queueClosed(ConnectionId id, std::string reason) {
   Event event;
   event.connection = id;
   event.reason = std::move(reason);
-  queue_.push_back(std::move(event));
+  queue_.push(std::move(event));
 }
 
 void SocketCore::payload(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
@@ -125,8 +132,7 @@ void SocketCore::announce(const std::shared_ptr<Connection>& connection, Connect
 void SocketCore::drop(Connection& connection, const std::string& reason) {
   const auto found = connections_.find(connection.id);
   if (found == connections_.end() || found->second.get() != &connection) return;
-  if (connection.closing)
-    std::erase_if(queue_, [&](const Event& event) { return event.connection == connection.id; });
+  if (connection.closing) queue_.erase(connection.id);
   queueClosed(connection.id, reason);
   retire(std::move(found->second));
   connections_.erase(found);
@@ -269,9 +275,8 @@ void SocketCore::watchUdp() {
 // ---- time ----
 
 bool SocketCore::eventReady() {
-  if (!queue_.empty() || stateReady_) return true;
   receiveUdp();
-  return findState();
+  return !queue_.empty() || stateReady_ || findState();
 }
 
 void SocketCore::keepHouse() {

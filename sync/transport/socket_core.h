@@ -10,13 +10,13 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/udp.hpp>
 #include <boost/asio/steady_timer.hpp>
-#include <deque>
 #include <memory>
 #include <optional>
 #include <unordered_map>
 #include <vector>
 
 #include "sync/transport/connection.h"
+#include "sync/transport/event_queue.h"
 #include "sync/transport/socket_transport.h"
 #include "sync/transport/state_channel.h"
 #include "sync/transport/tls_stream.h"
@@ -34,6 +34,7 @@ class SocketCore : public SocketTransport {
   void sendControl(ConnectionId id, std::span<const std::byte> bytes) final;
   void sendState(ConnectionId id, std::span<const std::byte> bytes) final;
   std::size_t controlBacklog(ConnectionId id) const final;
+  void hold(ConnectionId id, bool held) final { queue_.hold(id, held); }
   void close(ConnectionId id) final;
   const TransportCounters& counters() const final { return counters_; }
   void wait(Micros timeout) final;
@@ -75,12 +76,8 @@ class SocketCore : public SocketTransport {
   TransportCounters counters_;
 
  private:
-  struct Event {
-    TransportEvent::Kind kind = TransportEvent::Kind::closed;
-    ConnectionId connection = 0;
-    std::vector<std::byte> bytes;
-    std::string reason;
-  };
+  using Event = EventQueue::Event;
+  std::size_t maxUndelivered() const;
   void push(Connection& connection, TransportEvent::Kind kind, std::span<const std::byte> bytes);
   bool pollQueue(TransportEvent& event);
   /// Opens received datagrams until one is state for the application.
@@ -99,7 +96,7 @@ class SocketCore : public SocketTransport {
   Micros armedAt_ = 0, nextHousekeeping_ = 0, datagramTime_ = 0;
   bool timerArmed_ = false, udpWatched_ = false, udpReadable_ = false;
 
-  std::deque<Event> queue_;
+  EventQueue queue_;
   std::vector<std::vector<std::byte>> spare_;  // storage of polled events, to be used again
   std::vector<std::byte> current_;             // of the event polled last
   std::vector<std::shared_ptr<Connection>> retired_;

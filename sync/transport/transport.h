@@ -48,6 +48,9 @@ class Transport {
   virtual void sendState(ConnectionId connection, std::span<const std::byte> bytes) = 0;
   /// Bytes of control messages queued and not yet given to the network: for pacing a scene transfer.
   virtual std::size_t controlBacklog(ConnectionId connection) const = 0;
+  /// Leaves what this connection sends unread until it is released, datagrams excepted, so that the network
+  /// slows that peer alone. Its `closed` event still comes; what is held then is dropped.
+  virtual void hold(ConnectionId connection, bool held) = 0;
   /// Sends what is queued, then closes. No further events of this connection but `closed`.
   virtual void close(ConnectionId connection) = 0;
   virtual const TransportCounters& counters() const = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 #include <map>
 #include <queue>
 #include <random>
@@ -33,6 +34,7 @@ struct Endpoint {
   std::deque<Received> inbox;
   TransportCounters counters;
   std::map<ConnectionId, std::shared_ptr<Connection>> connections;
+  std::map<ConnectionId, std::deque<Received>> held;  // control of connections that are held
 };
 
 /// One direction of the control stream of a connection: a queue.
@@ -209,10 +211,13 @@ class VirtualTransport : public Transport {
   void sendControl(ConnectionId id, std::span<const std::byte> bytes) override;
   void sendState(ConnectionId id, std::span<const std::byte> bytes) override;
   std::size_t controlBacklog(ConnectionId id) const override;
+  void hold(ConnectionId id, bool held) override;
   void close(ConnectionId id) override;
   const TransportCounters& counters() const override { return endpoint_.counters; }
 
  private:
+  /// Puts the event polled last aside if its connection is held.
+  bool keepIfHeld();
   Side peer() const { return side_ == kServerSide ? kSiteSide : kServerSide; }
   /// Null if there is no such connection or it is closed.
   std::shared_ptr<Connection> openConnection(ConnectionId id) const {
@@ -239,12 +244,37 @@ VirtualTransport::~VirtualTransport() {
 }
 
 bool VirtualTransport::poll(TransportEvent& event) {
-  if (endpoint_.inbox.empty()) return false;
-  current_ = std::move(endpoint_.inbox.front());
-  endpoint_.inbox.pop_front();
-  if (current_.kind == TransportEvent::Kind::closed) endpoint_.connections.erase(current_.connection);
+  do {
+    if (endpoint_.inbox.empty()) return false;
+    current_ = std::move(endpoint_.inbox.front());
+    endpoint_.inbox.pop_front();
+  } while (keepIfHeld());
+  if (current_.kind == TransportEvent::Kind::closed) {
+    endpoint_.connections.erase(current_.connection);
+    endpoint_.held.erase(current_.connection);
+  }
   event = {current_.kind, current_.connection, current_.bytes, current_.reason};
   return true;
+}
+
+bool VirtualTransport::keepIfHeld() {
+  if (current_.kind != TransportEvent::Kind::control) return false;
+  const auto held = endpoint_.held.find(current_.connection);
+  if (held == endpoint_.held.end()) return false;
+  held->second.push_back(std::move(current_));
+  return true;
+}
+
+void VirtualTransport::hold(ConnectionId id, bool held) {
+  if (held) {
+    if (openConnection(id)) endpoint_.held.try_emplace(id);
+    return;
+  }
+  const auto kept = endpoint_.held.find(id);
+  if (kept == endpoint_.held.end()) return;
+  endpoint_.inbox.insert(endpoint_.inbox.begin(), std::make_move_iterator(kept->second.begin()),
+                         std::make_move_iterator(kept->second.end()));
+  endpoint_.held.erase(kept);
 }
 
 void VirtualTransport::sendControl(ConnectionId id, std::span<const std::byte> bytes) {
@@ -276,6 +306,7 @@ void VirtualTransport::close(ConnectionId id) {
   const std::shared_ptr<Connection> connection = openConnection(id);
   if (!connection) return;
   core_->sendControl(connection, peer(), {true, {}, "closed by the peer"});
+  endpoint_.held.erase(id);
   std::erase_if(endpoint_.inbox, [&](const Received& r) { return r.connection == id; });
   core_->close(*connection, side_, "");
 }

@@ -66,6 +66,7 @@ class HandFedTransport final : public Transport {
     return std::span(last.bytes).first(last.size);
   }
   std::size_t controlBacklog(ConnectionId) const override { return 0; }
+  void hold(ConnectionId, bool) override {}
   void close(ConnectionId) override {}
   const TransportCounters& counters() const override { return counters_; }
 

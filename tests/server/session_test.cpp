@@ -506,6 +506,90 @@ TEST(Session, SurvivesNoiseOnBothChannels) {
   EXPECT_FALSE(good.closed);
 }
 
+/// Sends `perSecond` grabs and releases of a part for a while, as a program without patience does.
+void flood(Rig& rig, FakeSite& site, int perSecond, Micros length) {
+  RequestId request = 1000;
+  for (Micros t = 0; t < length && !site.closed; t += 10 * kMillisecond) {
+    for (int i = 0; i < perSecond / 200; ++i) {
+      site.send(Grab{++request, 0});
+      site.send(Release{++request, 0, 0, Pose{}});
+    }
+    rig.run(10 * kMillisecond);
+  }
+}
+
+TEST(Session, SlowsASiteThatFloodsItWithRequestsThenPartsFromIt) {
+  Rig rig;
+  FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");
+  const auto held = rig.grab(honest, 1, 1);
+  const auto answered = [&] { return flooder.count<GrabReply>() + flooder.count<ReleaseReply>(); };
+  flood(rig, flooder, 58000, 2 * kSecond);
+  EXPECT_FALSE(flooder.closed);
+  EXPECT_GE(answered(), 600u);
+  EXPECT_LE(answered(), 400u + 2 * 200u + 40u);
+  EXPECT_EQ(rig.session->ownership().part(1).owner, held.part.owner);
+  // An honest request is answered within its round trip, the journal's 2 ms and two steps.
+  honest.send(Release{2, 1, held.part.epoch, Pose{}});
+  rig.run(15 * kMillisecond);
+  EXPECT_EQ(honest.count<ReleaseReply>(), 1u);
+  flood(rig, flooder, 58000, 12 * kSecond);
+  EXPECT_TRUE(flooder.closed);
+  ASSERT_NE(flooder.last<Refused>(), nullptr);
+  EXPECT_EQ(flooder.last<Refused>()->reason, "more requests than a site may send");
+  EXPECT_FALSE(honest.closed);
+  EXPECT_GT(rig.session->counters().holds, 0u);
+  int said = 0;
+  for (const LogLine& line : rig.session->drainLog())
+    said += line.text.find("it is slowed") != std::string::npos;
+  EXPECT_GE(said, 1);
+  EXPECT_LE(said, 2);
+}
+
+TEST(Session, AnswersAHundredRequestsAtOnceWithoutPause) {
+  Rig rig;
+  FakeSite& busy = rig.join("busy");
+  for (RequestId i = 1; i <= 100; ++i) busy.send(Grab{i, 0});
+  rig.run(30 * kMillisecond);
+  EXPECT_EQ(busy.count<GrabReply>(), 100u);
+  EXPECT_EQ(rig.session->counters().holds, 0u);
+}
+
+TEST(Session, RefillsNoBudgetOfASiteThatConnectsAnew) {
+  Rig rig;
+  FakeSite* site = &rig.join("again");
+  const std::string ticket = site->last<Welcome>()->resumeTicket;
+  bool refused = false;
+  int admitted = 0;
+  for (int i = 0; i < 40 && !refused; ++i) {
+    site = &rig.connect("again");
+    site->send(Hello{kProtocolVersion, true, ticket, "again", {1, 2, 3}});
+    rig.run(30 * kMillisecond);
+    admitted += site->last<Welcome>() != nullptr;
+    refused = site->last<Refused>() != nullptr;
+  }
+  // Each entry counts for 40 of 400 messages, and 12 come back in its 60 ms.
+  EXPECT_TRUE(refused);
+  EXPECT_GE(admitted, 8);
+  EXPECT_LE(admitted, 16);
+  rig.run(3 * kSecond);
+  rig.resume("again", ticket);
+}
+
+TEST(Session, HearsTheEndOfAConnectionThatIsHeld) {
+  Rig rig;
+  FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");
+  const SiteId number = flooder.last<Welcome>()->site;
+  flood(rig, flooder, 58000, 200 * kMillisecond);
+  flooder.transport.reset();
+  rig.run(2 * kSecond);
+  const auto& sites = rig.session->sites();
+  const auto listed =
+      std::find_if(sites.begin(), sites.end(), [&](const SiteInfo& info) { return info.site == number; });
+  ASSERT_NE(listed, sites.end());
+  EXPECT_FALSE(listed->connected);
+  EXPECT_FALSE(honest.closed);
+}
+
 TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
   Rig rig;
   FakeSite &a = rig.join("a"), &b = rig.join("b");

@@ -287,6 +287,69 @@ TEST_F(Hostile, SilentHandshakesDoNotKeepHonestSitesOut) {
   expectService();
 }
 
+TEST_F(Hostile, RequestsThatPileUpDelayNoStateAndNoOtherSitesRequests) {
+  listen();
+  End flooder = joined();
+  const ConnectionId flooding = newest();
+  End honest = joined();
+  const ConnectionId calm = newest();
+  for (int i = 0; i < 20000; ++i) flooder.transport->sendControl(0, bytesOf("again"));
+  for (int i = 0; i < 20; ++i) flooder.transport->wait(kMillisecond);
+  honest.transport->sendControl(0, bytesOf("please"));
+  honest.transport->sendState(0, bytesOf("here"));
+  for (int i = 0; i < 5; ++i) honest.transport->wait(kMillisecond);
+  // The server polls a few events a round, as a session does whose step is bounded.
+  int floodBefore = 0, floodBetween = 0;
+  bool state = false, asked = false;
+  for (int round = 0; round < 5000 && !(state && asked); ++round) {
+    server_.transport->wait(kMillisecond);
+    flooder.transport->wait(0);
+    honest.transport->wait(0);
+    TransportEvent event;
+    for (int i = 0; i < 4 && server_.transport->poll(event); ++i) {
+      state = state || event.kind == Kind::state;
+      asked = asked || (event.kind == Kind::control && event.connection == calm);
+      if (event.kind != Kind::control || event.connection != flooding) continue;
+      ++(state ? floodBetween : floodBefore);
+    }
+  }
+  EXPECT_TRUE(state);
+  EXPECT_TRUE(asked);
+  EXPECT_LE(floodBefore + floodBetween, 1000);
+}
+
+TEST_F(Hostile, AConnectionThatIsHeldWaitsInItsOwnNetwork) {
+  listen();
+  End flooder = joined();
+  const ConnectionId flooding = newest();
+  End honest = joined();
+  const ConnectionId calm = newest();
+  server_.transport->hold(flooding, true);
+  const std::size_t sentBefore = server_.count(Kind::control);
+  for (int i = 0; i < 200; ++i) flooder.transport->sendControl(0, randomBytes(10000));
+  honest.transport->sendControl(0, bytesOf("please"));
+  ASSERT_TRUE(runUntil({&flooder, &honest}, [&] { return server_.count(Kind::control) > sentBefore; }));
+  for (int i = 0; i < 100; ++i)
+    runUntil(
+        {&flooder, &honest}, [] { return false; }, 1);
+  EXPECT_EQ(server_.count(Kind::control), sentBefore + 1);
+  EXPECT_EQ(server_.last(Kind::control)->connection, calm);
+  // Of 2 MB that were sent, no more than the bound and one read has been taken in.
+  EXPECT_LE(server_.counters().controlBytesIn, 300000u);
+  server_.transport->hold(flooding, false);
+  ASSERT_TRUE(
+      runUntil({&flooder, &honest}, [&] { return server_.count(Kind::control) == sentBefore + 201; }));
+  // A connection that ends while it is held is reported, without what was held.
+  server_.transport->hold(flooding, true);
+  flooder.transport->sendControl(0, bytesOf("never read"));
+  for (int i = 0; i < 5; ++i)
+    runUntil(
+        {&flooder, &honest}, [] { return false; }, 1);
+  flooder.transport->close(0);
+  ASSERT_TRUE(runUntil({&flooder, &honest}, [&] { return server_.count(Kind::closed) == 1; }));
+  EXPECT_EQ(server_.count(Kind::control), sentBefore + 201);
+}
+
 TEST_F(Hostile, AFullServerRefusesWithTheReason) {
   listen({.maxConnections = 1});
   End first = joined();
