@@ -145,6 +145,8 @@ Result<Server> prepare(Options& options, int& exitCode) {
     auto writer = sync::RecordingWriter::create(options.record, {hash, sync::wireFrame(scene->bounds)});
     if (!writer) return writer.error();
     recording = std::move(*writer);
+    if (recording->path() != options.record)
+      spdlog::info("{} is there: this recording is {}", options.record, recording->path());
   }
   exitCode = kExitFailed;
   auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity());

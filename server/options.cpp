@@ -125,7 +125,9 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .typeName("MS")
       .numberFrom(200.0, 600000.0)
       .showDefault();
-  app.option("--record", options.record, "records the session, for tandem replay").typeName("FILE");
+  app.option("--record", options.record,
+             "records the session, for tandem replay; a file that is there is kept, and FILE-2 written")
+      .typeName("FILE");
   app.option("--duration", options.duration_s, "stops after this time, s; 0: runs until SIGINT or SIGTERM")
       .typeName("S")
       .numberFrom(0.0, 1e9);

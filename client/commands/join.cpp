@@ -568,7 +568,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       .option("--clashes", arguments->clashes,
               "Open the list of clashes, and of parts that stand nearer than so many m to each other")
       .numberFrom(0.0, 1e6);
-  command.option("--record", arguments->record, "Record the session to this file (see 'tandem replay')");
+  command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");
   command.option("--trace", arguments->trace,
                  "Write each pose of moving parts, as had here, to this CSV file");

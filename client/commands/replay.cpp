@@ -303,7 +303,7 @@ int run(const Arguments& arguments) {
     if (Status written = writeFile(arguments.forces, forcesCsv(*recording)); !written)
       return badInput(written.error());
   if (!recording->damaged.empty())
-    std::fprintf(stderr, "tandem: %s: %s; shown up to there\n", arguments.recording.c_str(),
+    std::fprintf(stderr, "tandem: %s: %s; the rest is shown\n", arguments.recording.c_str(),
                  recording->damaged.c_str());
   Playback playback(*recording, *scene);
   if (!arguments.screenshot.empty()) {

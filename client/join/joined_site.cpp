@@ -91,6 +91,9 @@ Status JoinedSite::prepareScene(const Progress& progress) {
         options_.recordPath, {connection_->welcome().sceneHash, wireFrame(scene_.bounds)});
     if (!writer) return writer.error();
     recording_ = std::make_unique<RecordingWriter>(std::move(*writer));
+    if (recording_->path() != options_.recordPath)
+      std::fprintf(stderr, "tandem: %s is there: this recording is %s\n", options_.recordPath.c_str(),
+                   recording_->path().c_str());
     connection_->setRecording(recording_.get());
     store_.keep(connection_->welcome().sceneHash, package);  // a replay finds the scene by its hash
   }

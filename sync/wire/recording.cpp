@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <vector>
 
 #include "assets/base/assert.h"
@@ -17,6 +18,10 @@ namespace {
 // - Record: payload length 4, kind 1 (0 control, 1 state), session time 8, payload, CRC-32 of all that 4.
 constexpr char kMagic[] = "TNDMREC1";
 constexpr std::size_t kHeaderBytes = 8 + 32 + 32 + 4, kRecordHead = 4 + 1 + 8, kCrcBytes = 4;
+constexpr int kMaxNames = 10000;  // of recordings side by side
+constexpr std::size_t kSearchBytes = 64 * 1024;
+// A file made to be slow could pretend that a record begins at each of its bytes.
+constexpr std::size_t kMaxBytesChecked = std::size_t{1} << 26;
 
 constexpr std::array<std::uint32_t, 256> crcTable() {
   std::array<std::uint32_t, 256> table{};
@@ -63,6 +68,36 @@ std::vector<std::byte> headerBytes(const RecordingHeader& header) {
   return bytes;
 }
 
+struct Head {
+  std::size_t size;  // of the payload
+  std::uint64_t kind;
+  Micros time;
+};
+/// Nothing if no record begins like this.
+std::optional<Head> parseHead(std::span<const std::byte> bytes) {
+  const Head head{getNumber(bytes, 0, 4), getNumber(bytes, 4, 1),
+                  static_cast<Micros>(getNumber(bytes, 5, 8))};
+  const bool sound = head.size > 0 && head.size <= kMaxControlBytes && head.kind <= 1 &&
+                     head.time <= kMaxMicros && head.time >= -kMaxMicros;
+  return sound ? std::optional(head) : std::nullopt;
+}
+
+/// Makes a file of its own, unless there is an empty one or none that could be written over (a device).
+File makeFile(const std::string& path) {
+  File made(std::fopen(path.c_str(), "wbx"));
+  if (made || errno != EEXIST) return made;
+  std::error_code ignored;
+  const bool kept =
+      std::filesystem::is_regular_file(path, ignored) && std::filesystem::file_size(path, ignored) > 0;
+  errno = EEXIST;
+  return File(kept ? nullptr : std::fopen(path.c_str(), "wb"));
+}
+
+std::string nextName(const std::filesystem::path& path, int number) {
+  const std::string name = path.stem().string() + "-" + std::to_string(number) + path.extension().string();
+  return (path.parent_path() / name).string();
+}
+
 }  // namespace
 
 // ---- writing ----
@@ -100,13 +135,17 @@ Result<RecordingWriter> RecordingWriter::create(const std::string& path, const R
   auto state = std::make_unique<State>();
   state->path = path;
   state->frame = header.frame;
-  state->file.reset(std::fopen(path.c_str(), "wb"));
+  state->file = makeFile(path);
+  for (int i = 2; !state->file && errno == EEXIST && i <= kMaxNames; ++i)
+    state->file = makeFile(state->path = nextName(path, i));
   if (!state->file) return Error{path + ": cannot create the recording: " + std::strerror(errno)};
   state->put(headerBytes(header));
   RecordingWriter writer(std::move(state));
   if (Status s = writer.flush(); !s) return s.error();
   return writer;
 }
+
+const std::string& RecordingWriter::path() const { return state_->path; }
 
 void RecordingWriter::write(Micros time, const ControlMessage& message) {
   state_->payload = encodeControl(message);
@@ -131,22 +170,60 @@ Status RecordingWriter::flush() {
 struct RecordingReader::State {
   File file;
   RecordingHeader header;
-  std::vector<std::byte> record;
-  std::string damaged;
+  std::vector<std::byte> record, found;
+  off_t at = 0;         // of the record that is next
+  std::string problem;  // the first one
+  std::size_t places = 0, bytesPassedOver = 0;
+  std::size_t bytesChecked = 0;  // of what turned out to be no records
   bool ended = false;
 
   /// Appends up to `count` bytes of the file to the record; returns how many there were.
   std::size_t read(std::size_t count) {
-    const std::size_t at = record.size();
-    record.resize(at + count);
-    const std::size_t got = std::fread(record.data() + at, 1, count, file.get());
-    record.resize(at + got);
+    const std::size_t before = record.size();
+    record.resize(before + count);
+    const std::size_t got = std::fread(record.data() + before, 1, count, file.get());
+    record.resize(before + got);
     return got;
   }
-  std::optional<RecordingEntry> end(const std::string& why) {
-    damaged = why;
-    ended = true;
-    return std::nullopt;
+  void note(const std::string& why, off_t bytes) {
+    if (places++ == 0) problem = why;
+    bytesPassedOver += static_cast<std::size_t>(bytes);
+  }
+  /// Reads the next record whole. False where the file ends, or where no record is, which `why` then says.
+  bool readRecord(std::string& why) {
+    why.clear();
+    record.clear();
+    if (::fseeko(file.get(), at, SEEK_SET) != 0) return false;
+    const std::size_t got = read(kRecordHead);
+    if (got == 0) return false;
+    const std::optional<Head> head = got == kRecordHead ? parseHead(record) : std::nullopt;
+    if (got < kRecordHead || (head && read(head->size + kCrcBytes) != head->size + kCrcBytes))
+      return why = "a record is cut off", false;
+    if (!head) return why = "no record begins where one should", false;
+    const std::span<const std::byte> bytes(record);
+    if (crc32(bytes.first(kRecordHead + head->size)) != getNumber(bytes, kRecordHead + head->size, kCrcBytes))
+      return why = "a record's checksum is wrong", false;
+    return true;
+  }
+  /// Moves `at` to the next intact record after a damaged one, or to the end of the file.
+  void findRecord() {
+    std::string ignored;
+    for (off_t from = at + 1; bytesChecked <= kMaxBytesChecked; from += static_cast<off_t>(kSearchBytes)) {
+      found.resize(kSearchBytes + kRecordHead);
+      if (::fseeko(file.get(), from, SEEK_SET) != 0) break;
+      found.resize(std::fread(found.data(), 1, found.size(), file.get()));
+      const std::span<const std::byte> bytes(found);
+      for (std::size_t i = 0; i < kSearchBytes && i + kRecordHead <= bytes.size(); ++i) {
+        at = from + static_cast<off_t>(i);
+        if (!parseHead(bytes.subspan(i, kRecordHead))) continue;
+        if (readRecord(ignored)) return;
+        bytesChecked += record.size();
+        if (bytesChecked > kMaxBytesChecked) break;
+      }
+      if (found.size() < kSearchBytes + kRecordHead) break;
+    }
+    ::fseeko(file.get(), 0, SEEK_END);
+    at = ::ftello(file.get());
   }
 };
 
@@ -160,6 +237,7 @@ Result<RecordingReader> RecordingReader::open(const std::string& path) {
   state->file.reset(std::fopen(path.c_str(), "rb"));
   if (!state->file) return Error{path + ": cannot open the recording: " + std::strerror(errno)};
   if (state->read(kHeaderBytes) != kHeaderBytes) return Error{path + ": too short for a recording"};
+  state->at = kHeaderBytes;
   const std::span<const std::byte> bytes(state->record);
   if (std::memcmp(bytes.data(), kMagic, 8) != 0) return Error{path + ": not a recording of this version"};
   if (crc32(bytes.first(kHeaderBytes - kCrcBytes)) != getNumber(bytes, kHeaderBytes - kCrcBytes, 4)) {
@@ -181,41 +259,51 @@ Result<RecordingReader> RecordingReader::open(const std::string& path) {
 }
 
 const RecordingHeader& RecordingReader::header() const { return state_->header; }
-const std::string& RecordingReader::damaged() const { return state_->damaged; }
+std::string RecordingReader::damaged() const {
+  if (state_->places == 0) return {};
+  return state_->problem + "; " + std::to_string(state_->bytesPassedOver) + " bytes in " +
+         std::to_string(state_->places) + (state_->places == 1 ? " place" : " places") + " passed over";
+}
 
 std::optional<RecordingEntry> RecordingReader::next() {
-  if (state_->ended) return std::nullopt;
-  state_->record.clear();
-  const std::size_t head = state_->read(kRecordHead);
-  if (head == 0) return state_->end("");
-  if (head < kRecordHead) return state_->end("the last record is cut off");
-  const std::size_t size = getNumber(state_->record, 0, 4);
-  if (size > kMaxControlBytes) return state_->end("a record's length is out of range");
-  if (state_->read(size + kCrcBytes) != size + kCrcBytes) return state_->end("the last record is cut off");
-
-  const std::span<const std::byte> bytes(state_->record);
-  if (crc32(bytes.first(kRecordHead + size)) != getNumber(bytes, kRecordHead + size, 4)) {
-    return state_->end("a record's checksum is wrong");
+  State& state = *state_;
+  while (!state.ended) {
+    const off_t begin = state.at;
+    std::string why;
+    if (!state.readRecord(why)) {
+      if (why.empty()) {
+        state.ended = true;
+        break;
+      }
+      state.findRecord();
+      state.note(why, state.at - begin);
+      continue;
+    }
+    const std::span<const std::byte> bytes(state.record);
+    state.at += static_cast<off_t>(bytes.size());
+    const Head head = *parseHead(bytes);
+    const std::span<const std::byte> payload = bytes.subspan(kRecordHead, head.size);
+    RecordingEntry entry;
+    entry.time = head.time;
+    if (head.kind == 0) {
+      Result<ControlMessage> message = decodeControl(payload);
+      if (message) {
+        entry.message = std::move(*message);
+        return entry;
+      }
+      why = message.error().message;
+    } else {
+      StateMessage message;
+      const Status decoded = decodeState(payload, state.header.frame, message);
+      if (decoded) {
+        entry.message = std::move(message);
+        return entry;
+      }
+      why = decoded.error().message;
+    }
+    state.note(why, state.at - begin);
   }
-  RecordingEntry entry;
-  entry.time = static_cast<Micros>(getNumber(bytes, 5, 8));
-  if (entry.time > kMaxMicros || entry.time < -kMaxMicros)
-    return state_->end("a record's time is out of range");
-  const std::span<const std::byte> payload = bytes.subspan(kRecordHead, size);
-  const std::uint64_t kind = getNumber(bytes, 4, 1);
-  if (kind == 0) {
-    Result<ControlMessage> message = decodeControl(payload);
-    if (!message.ok()) return state_->end(message.error().message);
-    entry.message = std::move(*message);
-  } else if (kind == 1) {
-    StateMessage message;
-    if (Status s = decodeState(payload, state_->header.frame, message); !s)
-      return state_->end(s.error().message);
-    entry.message = std::move(message);
-  } else {
-    return state_->end("a record is of an unknown kind");
-  }
-  return entry;
+  return std::nullopt;
 }
 
 }  // namespace tandem::sync

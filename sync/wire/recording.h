@@ -1,7 +1,8 @@
 #pragma once
 
 // A recording of a session: its messages with their session times, enough to replay it with its forces. One
-// file, appended to while the session runs; a file cut off by a crash is readable up to the cut.
+// file, appended to while the session runs; a file cut off by a crash is readable up to the cut, a
+// damaged one before and after the damage. No recording is ever written over.
 //
 // Layout: header (magic "TNDMREC1", scene hash, position range, checksum), then records (length, kind,
 // session time, payload, checksum); sync/WIRE.md has the bytes. Payloads are control and state messages as on
@@ -31,6 +32,8 @@ struct RecordingEntry {
 
 class RecordingWriter {
  public:
+  /// Where a file that is not empty has this name, the recording gets the next free one: session-2.tandem,
+  /// session-3.tandem and so on for session.tandem.
   static Result<RecordingWriter> create(const std::string& path, const RecordingHeader& header);
   RecordingWriter(RecordingWriter&&) noexcept;
   RecordingWriter& operator=(RecordingWriter&&) noexcept;
@@ -40,6 +43,8 @@ class RecordingWriter {
   void write(Micros time, const ControlMessage& message);
   void write(Micros time, const StateMessage& message);
   Status flush();
+  /// The name that the file got.
+  const std::string& path() const;
 
  private:
   struct State;
@@ -55,10 +60,11 @@ class RecordingReader {
   ~RecordingReader();
 
   const RecordingHeader& header() const;
-  /// The next entry; nothing at the end, or where the file is damaged (see damaged()).
+  /// The next intact entry; nothing at the end. What is damaged is passed over (see damaged()).
   std::optional<RecordingEntry> next();
-  /// Why reading ended before the end of the file; empty if it did not.
-  const std::string& damaged() const;
+  /// What was wrong at the first place that was passed over, and how much was passed over in all, in one
+  /// line; empty if nothing was.
+  std::string damaged() const;
 
  private:
   struct State;

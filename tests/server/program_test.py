@@ -28,7 +28,7 @@ def wait_for(condition, what, seconds=20.0):
 
 class Server:
     def __init__(self, program, folder, *options):
-        folder.mkdir()
+        folder.mkdir(exist_ok=True)
         self.out, self.err = folder / "out", folder / "err"
         # restore_signals=False: Python ignores SIGXFSZ, and so shall the server, so that a write fails
         # instead.
@@ -71,6 +71,23 @@ def a_recording_is_begun_and_an_orderly_end_is_silent(program, folder):
     assert server.err.read_text() == "", server.err.read_text()
 
 
+def a_recording_is_kept_when_the_same_command_is_given_again(program, folder):
+    sizes = []
+    for name in ("session.tandem", "session-2.tandem"):
+        server = Server(program, folder, "--record", folder / "session.tandem")
+        try:
+            server.started()
+            wait_for(lambda: (folder / name).stat().st_size > 0, "the recording has its header")
+            with open(folder / name, "ab") as recording:
+                recording.write(bytes(1000))  # stands for what a session records
+        finally:
+            code = server.stop()
+        assert code == 0, code
+        sizes.append((folder / "session.tandem").stat().st_size)
+    assert sizes[0] == sizes[1] > 1000, sizes
+    assert "session-2.tandem" in server.err.read_text(), server.err.read_text()
+
+
 def a_failing_disk_is_told_with_quiet_too(program, folder):
     server = Server(program, folder, "--quiet")
     try:
@@ -89,6 +106,7 @@ def main():
     parser.add_argument("--bin", type=pathlib.Path, required=True)
     program = parser.parse_args().bin / "tandem-server"
     for test in (an_expired_link_is_replaced, a_recording_is_begun_and_an_orderly_end_is_silent,
+                 a_recording_is_kept_when_the_same_command_is_given_again,
                  a_failing_disk_is_told_with_quiet_too):
         with tempfile.TemporaryDirectory() as folder:
             test(program, pathlib.Path(folder) / "server")
