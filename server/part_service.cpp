@@ -22,6 +22,7 @@ std::vector<Pose> restPoses(const assets::Scene& scene) {
 PartService::PartService(const assets::Scene& scene, const sync::LeaseRules& lease, SessionContext& context,
                          Publisher& publisher, const Sites& sites)
     : scene_(scene),
+      frame_(sync::wireFrame(scene.bounds)),
       context_(context),
       publisher_(publisher),
       sites_(sites),
@@ -105,6 +106,12 @@ void PartService::onGrab(const Peer& peer, const sync::Grab& request) {
   answerGrab(peer, table_.grab(peer.site, peer.role, request, context_.now()));
 }
 
+Pose PartService::poseOf(PartId part, const Pose& worldFromPart) {
+  if (part >= count() || sync::contains(frame_, worldFromPart.position)) return worldFromPart;
+  ++context_.counts.refusedPoses;
+  return table_.part(part).worldFromPart;
+}
+
 void PartService::onReclaim(const Peer& peer, const sync::Reclaim& request) {
   ASSERT(peer.stage == Stage::ready);
   if (!publisher_.writable()) {
@@ -113,7 +120,9 @@ void PartService::onReclaim(const Peer& peer, const sync::Reclaim& request) {
         peer, sync::GrabReply{request.request, sync::Denial::recovering, recordOrUnknown(request.part)});
     return;
   }
-  answerGrab(peer, table_.reclaim(peer.site, peer.role, request, context_.now()));
+  sync::Reclaim checked = request;
+  checked.worldFromPart = poseOf(request.part, request.worldFromPart);
+  answerGrab(peer, table_.reclaim(peer.site, peer.role, checked, context_.now()));
 }
 
 void PartService::onRelease(const Peer& peer, const sync::Release& request) {
@@ -127,7 +136,9 @@ void PartService::onRelease(const Peer& peer, const sync::Release& request) {
                            recordOrUnknown(request.part)});
     return;
   }
-  const auto decision = table_.release(peer.site, request);
+  sync::Release checked = request;
+  checked.worldFromPart = poseOf(request.part, request.worldFromPart);
+  const auto decision = table_.release(peer.site, checked);
   if (!decision.changed) {
     if (decision.reply.denial != sync::Denial::none) ++context_.counts.denials;
     publisher_.sendTo(peer, decision.reply);

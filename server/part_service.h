@@ -62,6 +62,9 @@ class PartService {
   std::size_t count() const { return scene_.parts.size(); }
 
  private:
+  /// Where a site says that it leaves or still has a part; the newest pose that is known if that lies outside
+  /// the wire's frame, so that no site can put a part where nobody can reach it.
+  Pose poseOf(PartId part, const Pose& worldFromPart);
   void answerGrab(const Peer& peer, const sync::OwnershipTable::Decision& decision);
   /// Keeps a part's new record; its pose is then no newer than the journal's.
   void keep(const sync::PartRecord& record);
@@ -71,6 +74,7 @@ class PartService {
   sync::PartRecord recordOrUnknown(PartId part) const;
 
   const assets::Scene& scene_;
+  sync::WireFrame frame_;
   SessionContext& context_;
   Publisher& publisher_;
   const Sites& sites_;

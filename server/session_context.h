@@ -22,6 +22,7 @@ struct SessionCounters {
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that are not owner and co-holder
   std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate
   std::uint64_t holds = 0;             // times that a site had spent its ControlBudget
+  std::uint64_t refusedPoses = 0;      // of releases and reclaims, outside the wire's frame
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;

@@ -34,8 +34,8 @@ struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
       record, json, trace, name, colour, cache, tool;
   bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false;
-  double duration = 0.0, clashes = -1.0;  // s; m, negative: the list of clashes stays closed
-  int width = 1440, height = 900;
+  double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
+  int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   double deadband = PublishRates{}.deadband;
 };
 
@@ -519,6 +519,7 @@ int run(Arguments& arguments) {
       (arguments.device.empty() ? arguments.headless || !displayPresent() : arguments.device == "none");
   options.partContact = !arguments.noPartContact && !watches;
   options.facets = arguments.facets;
+  options.maxSceneBytes = static_cast<std::uint64_t>(arguments.maxScene) << 20;
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
@@ -558,37 +559,36 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
   command
       .option("--second-calibration", arguments->secondCalibration, "As --calibration, of the second device")
       .needs(second);
-  command.option("--second-hand", arguments->secondHand, "Script of a simulated second hand (JSON) [none]")
-      .excludes(second);
+  command.option("--second-hand", arguments->secondHand, "Script of a second hand [none]").excludes(second);
   command.option("--duration", arguments->duration, "Leave after this many seconds [stay]")
       .numberFrom(1e-3, 1e9);
-  command.option("--screenshot", arguments->screenshot,
-                 "Write a picture (PNG) at the end, with or without a display");
+  command.option("--screenshot", arguments->screenshot, "Write a picture (PNG) at the end");
   command
       .option("--clashes", arguments->clashes,
               "Open the list of clashes, and of parts that stand nearer than so many m to each other")
       .numberFrom(0.0, 1e6);
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");
-  command.option("--trace", arguments->trace,
-                 "Write each pose of moving parts, as had here, to this CSV file");
+  command.option("--trace", arguments->trace, "Write each pose of moving parts, as had here (CSV)");
   command.option("--cache", arguments->cache,
-                 "Folder for scenes and what is made of them [" + assets::defaultCacheDirectory() + "]");
+                 "Folder for scenes and their models [" + assets::defaultCacheDirectory() + "]");
+  command.option("--max-scene", arguments->maxScene, "Largest scene to fetch, MiB")
+      .integerFrom(1, 1 << 20)
+      .showDefault();
   command.option("--width", arguments->width, "Of window and picture, pixels")
       .integerFrom(200, 7680)
       .showDefault();
   command.option("--height", arguments->height, "The same").integerFrom(200, 4320).showDefault();
   command
       .option("--deadband", arguments->deadband,
-              "How wrong a moving part may look to the others before its state is sent anew, as a share of "
-              "its displacement (Weber fraction); 0: always at the full rate")
+              "How wrong a moving part may look before its state is sent, as a share of its "
+              "displacement (Weber fraction)")
       .numberFrom(0.0, 1.0)
       .showDefault();
   command.flag("--tcp", arguments->tcp, "State over TLS, not UDP (which falls back to TLS by itself)");
   command.flag("--facets", arguments->facets, "Feel flat facets where normals say that a surface is curved");
   command.flag("--no-part-contact", arguments->noPartContact,
-               "A part in the hand passes through others: nothing is made ready for it to collide, which "
-               "can take minutes at the first visit to a large scene");
+               "A part in the hand passes through others, which saves minutes at a first visit");
   command.flag("--quiet", arguments->quiet, "Print nothing but errors");
   command.footer(
       "In the window F1 shows all keys. Space stops all force.\n"

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "client/session/connection_options.h"
 #include "client/session/state_publisher.h"
 #include "sync/transport/join_link.h"
 #include "sync/wire/site_colours.h"
@@ -22,7 +23,8 @@ struct JoinOptions {
   std::optional<double> toolRadius;  // m; 0: a point; none: the tip that suits the scene
   bool partContact = true;           // a part in the hand collides with others, where the role may take one
   bool facets = false;               // the file's normals are not felt
-  double enterTimeout_s = 10.0;      // to enter the session, the scene transfer not counted
+  std::uint64_t maxSceneBytes = ConnectionOptions{}.maxSceneBytes;
+  double enterTimeout_s = 10.0;  // to enter the session, the scene transfer not counted
 };
 
 }  // namespace tandem::client

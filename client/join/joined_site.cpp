@@ -41,6 +41,7 @@ Status JoinedSite::enterSession(const Progress& progress) {
   connectionOptions.colour = options_.colour;
   connectionOptions.token = options_.link.token;
   connectionOptions.rates.deadband = options_.deadband;
+  connectionOptions.maxSceneBytes = options_.maxSceneBytes;
   connection_ =
       std::make_unique<ServerConnection>(connectionOptions, [this]() -> Result<std::unique_ptr<Transport>> {
         ConnectOptions connect;

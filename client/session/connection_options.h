@@ -2,6 +2,7 @@
 
 // What a connection to the server is started with.
 
+#include <cstdint>
 #include <string>
 
 #include "client/session/state_publisher.h"
@@ -17,7 +18,8 @@ struct ConnectionOptions {
   PublishRates rates;
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
-  sync::LeaseRules lease;  // the length is replaced by the server's
+  std::uint64_t maxSceneBytes = std::uint64_t{2} << 30;  // of the scene package; a larger one is not fetched
+  sync::LeaseRules lease;                                // the length is replaced by the server's
 };
 
 }  // namespace tandem::client

@@ -43,8 +43,12 @@ void PartOwnership::handle(const MembersChanged& message) {
   if (exists(message.coHolders.part)) apply(message.coHolders);
 }
 
-void PartOwnership::apply(const PartRecord& record) {
-  ASSERT(exists(record.part));
+void PartOwnership::apply(const PartRecord& told) {
+  ASSERT(exists(told.part));
+  PartRecord record = told;
+  // A server that is broken or lies cannot take a part out of reach.
+  if (!contains(frame_, record.worldFromPart.position))
+    record.worldFromPart = scene_.parts[record.part].worldFromPart;
   if (!view_.apply(record)) return;
   if (watchers_.observer) watchers_.observer->onOwnership(record);
   NetworkEvent event;

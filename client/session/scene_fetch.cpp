@@ -1,5 +1,6 @@
 #include "client/session/scene_fetch.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "assets/base/assert.h"
@@ -7,6 +8,12 @@
 namespace tandem::client {
 
 using namespace sync;
+
+namespace {
+
+constexpr std::uint64_t kMaxReserved = 64 << 20;  // bytes before any has come, whatever the server announces
+
+}  // namespace
 
 void SceneFetch::expect(std::uint64_t total) {
   running_ = false;
@@ -17,7 +24,7 @@ SceneRequest SceneFetch::start(std::vector<std::byte> have) {
   ASSERT(!running_);
   package_ = std::move(have);
   if (package_.size() > total_) package_.clear();
-  package_.reserve(total_);
+  package_.reserve(std::min(total_, kMaxReserved));
   running_ = !complete();
   return {package_.size()};
 }

@@ -31,6 +31,8 @@ bool handleBy(Receiver& receiver, Message& message) {
   }
 }
 
+std::string inMebibytes(std::uint64_t bytes) { return std::to_string(bytes >> 20); }
+
 }  // namespace
 
 ServerConnection::ServerConnection(ConnectionOptions options, Connector connector)
@@ -210,6 +212,13 @@ void ServerConnection::handle(Welcome& message) {
   if (inScene_ && message.sceneHash != welcome_.sceneHash) {
     enter(Stage::ended);
     reason_ = "the server now holds another scene";
+    transport_->close(0);
+    return;
+  }
+  if (message.sceneBytes > options_.maxSceneBytes) {
+    enter(Stage::ended);
+    reason_ = "the server's scene has " + inMebibytes(message.sceneBytes) + " MiB; this site takes " +
+              inMebibytes(options_.maxSceneBytes) + " (--max-scene)";
     transport_->close(0);
     return;
   }

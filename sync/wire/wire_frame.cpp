@@ -18,4 +18,9 @@ WireFrame wireFrame(const assets::Bounds& sceneBounds) {
   return frame;
 }
 
+bool contains(const WireFrame& frame, const glm::dvec3& worldPoint) {
+  const glm::dvec3 away = glm::abs(worldPoint - frame.centre);
+  return away.x <= frame.halfExtent && away.y <= frame.halfExtent && away.z <= frame.halfExtent;
+}
+
 }  // namespace tandem::sync

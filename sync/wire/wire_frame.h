@@ -19,4 +19,7 @@ struct WireFrame {
 /// 2^24.
 WireFrame wireFrame(const assets::Bounds& sceneBounds);
 
+/// Whether a part may stand there: no state can say that a part is outside, so no other message may either.
+bool contains(const WireFrame& frame, const glm::dvec3& worldPoint);
+
 }  // namespace tandem::sync

@@ -506,6 +506,28 @@ TEST(Session, SurvivesNoiseOnBothChannels) {
   EXPECT_FALSE(good.closed);
 }
 
+TEST(Session, KeepsThePoseThatItKnowsWhereAReleaseIsOutOfReach) {
+  Rig rig;
+  FakeSite& a = rig.join("a");
+  const auto held = rig.grab(a, 0, 1);
+  a.send(rig.update(a, 0, held.part.epoch, 0.25));
+  rig.run(40 * kMillisecond);
+  Pose away;
+  away.position.x = 9.9e8;
+  a.send(Release{2, 0, held.part.epoch, away});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(rig.session->ownership().part(0).owner, kNoSite);
+  EXPECT_NEAR(rig.session->ownership().part(0).worldFromPart.position.x, 0.25, 1e-5);
+  EXPECT_EQ(rig.session->counters().refusedPoses, 1u);
+  // Anything within the frame, a cube of 8 m around this scene, is taken.
+  const auto again = rig.grab(a, 0, 3);
+  away.position.x = 3.9;
+  a.send(Release{4, 0, again.part.epoch, away});
+  rig.run(40 * kMillisecond);
+  EXPECT_EQ(rig.session->ownership().part(0).worldFromPart.position.x, 3.9);
+  EXPECT_EQ(rig.session->counters().refusedPoses, 1u);
+}
+
 /// Sends `perSecond` grabs and releases of a part for a while, as a program without patience does.
 void flood(Rig& rig, FakeSite& site, int perSecond, Micros length) {
   RequestId request = 1000;

@@ -118,7 +118,7 @@ TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
   rig.run(60 * kMillisecond);
   rig.connection->setRecording(nullptr);
   ASSERT_TRUE(recording->flush().ok());
-  auto reader = RecordingReader::open(path);
+  auto reader = RecordingReader::open(recording->path());
   ASSERT_TRUE(reader.ok());
   std::vector<std::string> names;
   while (const auto entry = reader->next()) {
@@ -127,7 +127,7 @@ TEST(LoadingSite, RecordsWhoJoinedWhileItMadeTheSceneReady) {
     if (changed != nullptr) names.push_back(changed->site.name);
   }
   EXPECT_EQ(std::count(names.begin(), names.end(), "late"), 1);
-  std::remove(path.c_str());
+  std::remove(recording->path().c_str());
 }
 
 TEST(LoadingSite, CountsNoLossWhereSeveralSendAndNothingIsLost) {
