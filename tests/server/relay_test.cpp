@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <optional>
 
-#include "server/invitations.h"
+#include "server/program/invitations.h"
 #include "server/memory_journal.h"
 #include "server/session.h"
 #include "sync/wire/state_receiver.h"

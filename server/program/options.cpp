@@ -1,4 +1,4 @@
-#include "server/options.h"
+#include "server/program/options.h"
 
 #include <algorithm>
 #include <cctype>

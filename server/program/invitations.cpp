@@ -1,4 +1,4 @@
-#include "server/invitations.h"
+#include "server/program/invitations.h"
 
 #include <arpa/inet.h>
 #include <ifaddrs.h>

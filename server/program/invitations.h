@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "server/options.h"
+#include "server/program/options.h"
 #include "server/session.h"
 #include "sync/transport/join_link.h"
 
