@@ -331,6 +331,7 @@ void JoinedSite::act(const ViewActions& actions) {
     settings_.control = {actions.setControl, actions.controlValue, settings_.control.count + 1};
   if (actions.resetFault) ++settings_.faultResets;
   settings_.graspButton = actions.grasp;
+  settings_.wish = actions.graspedAt;
   exchange_->settings.write(settings_);
   shared_.act(actions);
 }

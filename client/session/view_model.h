@@ -142,6 +142,7 @@ struct ViewActions {
   bool stylusMoved = false;
   Pose worldFromStylus;
   bool grasp = false;           // the grasp button is down (mouse) or latched (keyboard)
+  PartId graspedAt = kNoPart;   // under the cursor when `grasp` began: to be taken; kNoPart: the touched one
   PartId setControl = kNoPart;  // the part of a control that shall have `controlValue`
   double controlValue = 0.0;    // m or rad
   PartId revoke = kNoPart;      // instructor

@@ -3,6 +3,7 @@
 #include <imgui.h>
 
 #include <array>
+#include <optional>
 #include <string>
 
 #include "client/viewer/gl_objects.h"
@@ -74,15 +75,25 @@ class OffscreenSurface final : public Surface {
     ImGuiIO& io = ImGui::GetIO();
     io.DisplaySize = ImVec2(static_cast<float>(size_.x), static_cast<float>(size_.y));
     io.DeltaTime = static_cast<float>(input.dt);
+    if (!mouse_) return;
+    io.MousePos = ImVec2(static_cast<float>(mouse_->x), static_cast<float>(mouse_->y));
+    io.MouseDown[0] = leftDown_;
+    input.pressedAt = *mouse_;
   }
   void present() override { glFinish(); }
   bool closeRequested() const override { return false; }
+  void pointMouse(const glm::dvec2& cursor, bool leftDown) override {
+    mouse_ = cursor;
+    leftDown_ = leftDown;
+  }
   bool live() const override { return false; }
 
  private:
   EglContext context_;
   glm::ivec2 size_;
   GlTarget target_;
+  std::optional<glm::dvec2> mouse_;
+  bool leftDown_ = false;
 };
 
 }  // namespace

@@ -129,10 +129,12 @@ void drawOwnHand(const PanelContext& context) {
     ImGui::TextColored(theme::kMuted, "%.0f ms", model.connection.roundTrip_ms);
   }
   separatorDot();
+  const PartDisplay& parts = context.ui.parts;
+  const PartId inReach = parts.inReach != kNoPart ? parts.inReach : model.hand.touched;
   if (model.hand.held != kNoPart && model.scene) {
     ImGui::Text("Holding %s", model.scene->parts[model.hand.held].name.c_str());
-  } else if (model.hand.touched != kNoPart && model.scene) {
-    ImGui::Text("At %s", model.scene->parts[model.hand.touched].name.c_str());
+  } else if (inReach != kNoPart && model.scene) {
+    ImGui::Text("At %s", model.scene->parts[inReach].name.c_str());
   } else {
     ImGui::TextColored(theme::kMuted, "Nothing in reach");
   }
@@ -304,7 +306,7 @@ void drawHelp(const PanelContext& context) {
       {"Mouse", "moves the tip; it waits just before surfaces"},
       {"W  S,  Ctrl + wheel", "push in, pull back"},
       {"Q  E,  arrow keys", "turn"},
-      {"Left button", "hold the part while pressed"},
+      {"Left button", "hold the part under the cursor while pressed"},
       {"G", "hold until pressed again"},
       {nullptr, "With a device"},
       {"Left drag, left click", "turn the camera, select"},

@@ -57,6 +57,7 @@ void PartDisplay::showAll() {
 void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks) {
   ASSERT(display.partCount() == model.worldFromPart.size());
   looks.assign(model.worldFromPart.size(), PartLook{});
+  const PartId inReach = display.inReach != kNoPart ? display.inReach : model.hand.touched;
   for (std::size_t p = 0; p < looks.size(); ++p) {
     const auto part = static_cast<PartId>(p);
     PartLook& look = looks[p];
@@ -69,7 +70,7 @@ void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<P
     } else if (const SiteView* site = owner != kNoSite ? findSite(model, owner) : nullptr) {
       markOwned(look, srgb(site->info.colour), false);
     }
-    if (part == model.hand.touched && !held) {
+    if (part == inReach && !held) {
       if (look.edgeWidth <= 0.0f) look.edgeColour = 0.85f * selfColour(model);
       look.edgeWidth = std::max(look.edgeWidth, 1.8f);
     }

@@ -26,6 +26,7 @@ class PartDisplay {
 
   PartId selected = kNoPart;
   PartId hovered = kNoPart;  // under the mouse, in the part tree or in the scene
+  PartId inReach = kNoPart;  // under a mouse that is the hand: a click takes it; kNoPart: the touched part
 
  private:
   std::vector<bool> hidden_, transparent_, isolated_;

@@ -50,6 +50,8 @@ class Surface {
   /// Shows the picture, at most 60 times a second (30 where the processor draws).
   virtual void present() = 0;
   virtual bool closeRequested() const = 0;
+  /// The mouse of the next frames, window pixels, where there is no window; a window has its own.
+  virtual void pointMouse(const glm::dvec2& cursor, bool leftDown) = 0;
   /// Whether frames follow each other, as in a window; false where single pictures are taken.
   virtual bool live() const = 0;
 };

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "assets/base/assert.h"
+#include "client/viewer/colours.h"
 #include "client/viewer/field_glyphs.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
@@ -76,6 +77,15 @@ class Interface {
   float scale_ = 1.0f;
 };
 
+/// The name of a part at a place on it.
+Label nameAt(const ViewModel& model, PartId part, const glm::dvec3& place) {
+  constexpr glm::vec3 kFixedColour(0.42f, 0.46f, 0.51f);
+  constexpr glm::dvec2 kBesideCursor(14.0, 18.0);  // pixels
+  const assets::Part& shown = model.scene->parts[part];
+  if (shown.movable) return {place, kBesideCursor, selfColour(model), shown.name};
+  return {place, kBesideCursor, kFixedColour, shown.name + " (fixed)"};
+}
+
 class SceneViewer final : public Viewer {
  public:
   static Result<std::unique_ptr<Viewer>> make(const assets::Scene& scene, const ViewerOptions& options,
@@ -95,6 +105,9 @@ class SceneViewer final : public Viewer {
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
   void pressKey(int key) override { queuedKeys_.push_back(key); }
+  void pointMouse(const glm::dvec2& cursor, bool leftDown) override {
+    surface_->pointMouse(cursor, leftDown);
+  }
   void openClashes(const ClashQuestion& question) override {
     ui_.clashes = {};
     ui_.clashes.question = question;
@@ -125,6 +138,7 @@ class SceneViewer final : public Viewer {
   void startDrag(const Input& input, const View& view, bool cursorInView);
   void moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
                   ViewActions& actions);
+  void pointAt(const ViewModel& model, std::vector<Label>& labels);
   void partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView);
   void steerCamera(const ViewModel& model, double dt);
   void follow(const ViewModel& model);
@@ -155,6 +169,7 @@ class SceneViewer final : public Viewer {
   Drag drag_ = Drag::none;
   bool dragged_ = false, started_ = false;
   PartId menuPart_ = kNoPart;
+  PartId graspedAt_ = kNoPart;  // under the cursor when the stylus began to grasp
   ScenePicture picture_;
 };
 
@@ -377,9 +392,28 @@ void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const V
   now.followSurface = ui_.followSurface;
   now.toolRadius = model.hand.toolRadius;
   now.surface = underCursor_;
+  const bool grasped = stylus_.grasping();
   if (stylus_.update(now)) actions.stylusMoved = true;
   actions.worldFromStylus = stylus_.worldFromStylus();
   actions.grasp = stylus_.grasping();
+  if (!actions.grasp)
+    graspedAt_ = kNoPart;
+  else if (!grasped)
+    graspedAt_ = underCursor_ ? underCursor_->part : kNoPart;
+  actions.graspedAt = graspedAt_;
+}
+
+/// Lights the part under the cursor and names it. Where the mouse moves the stylus, a click takes that part,
+/// so it is the one in reach, not the part that happens to be nearest to the tip.
+void SceneViewer::pointAt(const ViewModel& model, std::vector<Label>& labels) {
+  ui_.parts.inReach = kNoPart;
+  if (!underCursor_ || drag_ != Drag::none || model.hand.held != kNoPart) return;
+  const PartId part = underCursor_->part;
+  if (options_.stylusFromMouse && !model.replay)
+    ui_.parts.inReach = part;
+  else
+    ui_.parts.hovered = part;
+  labels.push_back(nameAt(model, part, underCursor_->point));
 }
 
 void SceneViewer::partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView) {
@@ -448,10 +482,10 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (options_.stylusFromMouse) moveStylus(model, input, view, cursorInView, actions);
   partMenuOverScene(context, input, cursorInView);
 
-  if (!options_.stylusFromMouse && underCursor_) ui_.parts.hovered = underCursor_->part;
+  std::vector<Label> labels;
+  pointAt(model, labels);
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
-  std::vector<Label> labels;
   if (const FoundClash* found = shownClash(model)) {
     markClash(found->clash, looks_);
     addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);

@@ -33,6 +33,8 @@ class Viewer {
   virtual Camera& camera() = 0;
   /// A key (GLFW's code) for the next frame, as if it had been pressed.
   virtual void pressKey(int key) = 0;
+  /// The mouse of the next frames, window pixels, for a viewer without a window.
+  virtual void pointMouse(const glm::dvec2& cursor, bool leftDown) = 0;
   /// Shows the list of clashes, requests a search, and chooses the first clash that is found.
   virtual void openClashes(const ClashQuestion& question) = 0;
   /// Fits the view to all parts and styli as the next frame's model has them.

@@ -101,6 +101,7 @@ class WindowSurface final : public Surface {
     std::this_thread::sleep_until(until);
   }
   bool closeRequested() const override { return glfwWindowShouldClose(window_) != 0; }
+  void pointMouse(const glm::dvec2&, bool) override {}
   bool live() const override { return true; }
 
  private:

@@ -99,6 +99,24 @@ TEST_F(HandLoopTest, AsksOnceForTheTouchedPartAndFeelsNothingOfTheWait) {
   EXPECT_EQ(glm::length(lastForce_), 0.0);
 }
 
+TEST_F(HandLoopTest, APartThatThePersonPointsAtIsTakenFromWhereTheTipIsWithoutForce) {
+  constexpr PartId kPointedAt = 1;
+  tick(5);
+  ASSERT_EQ(hand_->output().tick.touched, kBox);
+  HandSettingsInput settings;
+  settings.wish = kPointedAt;
+  settings.graspButton = true;
+  exchange_->settings.write(settings);
+  tick();
+  const auto asked = intent();
+  ASSERT_TRUE(asked.has_value());
+  ASSERT_EQ(asked->part, kPointedAt);
+  tell(NetworkEvent::Kind::ownership, kSelf, 1, scene_.parts[kPointedAt].worldFromPart, kPointedAt);
+  tick(50);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kPointedAt);
+  EXPECT_LT(largestStep_, 1e-6);
+}
+
 TEST_F(HandLoopTest, AGrantBeginsWithoutForceAndThePartFollows) {
   take();
   EXPECT_LT(largestStep_, 1e-6);
