@@ -12,6 +12,7 @@ Peer& Peers::add(sync::ConnectionId connection, sync::Micros now) {
   peer.serial = nextSerial_++;
   peer.lastReceived = peer.states.allowanceAt = now;
   ASSERT(peer.serial != kRecordingOnly);
+  ++changes_;
   Peer& added = peers_[connection];
   added = peer;
   return added;

@@ -4,13 +4,16 @@
 //
 // 1. Iteration goes by connection id, so that a seed of the simulation gives one run.
 // 2. A pointer or reference to a Peer holds until that peer is erased.
-// 3. `Peer::states` is written by StateRelay alone, `Peer::transfer` by SceneTransfer alone.
+// 3. `Peer::states` is written by StateRelay and FanOut alone, `Peer::transfer` by SceneTransfer alone.
 
+#include <limits>
 #include <map>
 
+#include "server/interest.h"
 #include "server/outbox.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/shared_state_sender.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/state_sender.h"
@@ -26,15 +29,31 @@ enum class Stage : std::uint8_t { hello, loading, ready };
 /// State messages that a site may send at once after a pause.
 inline constexpr double kDatagramBurst = 400.0;
 
-/// The two state streams of one connection; see server/state_relay.h.
+/// When a datagram leaves that has no message in it.
+inline constexpr sync::Micros kNotWaiting = std::numeric_limits<sync::Micros>::max();
+
+/// What the others have been shown of a site; see server/fan_out.h.
+struct Shown {
+  sync::StateUpdate newest, toAll;                                 // of this site; that which went to all
+  sync::Micros at = std::numeric_limits<sync::Micros>::min() / 4;  // when something went to all
+  bool pending = false;       // `newest` did not go to all, and differs from what did
+  bool presenceOwed = false;  // a presence since did not
+};
+
+/// The two state streams of one connection; see server/state_relay.h and server/fan_out.h.
 struct StateLeg {
   std::uint32_t sequenceOut = 0;  // of StateUpdates to this site
   std::uint32_t updatesIn = 0;    // StateUpdates that came from it
   std::uint32_t lastSequenceIn = 0;
   sync::Presence presence;  // the newest
   sync::StateSender sender;
+  sync::SharedReceiver shared;
   sync::StateReceiver receiver{1};
-  sync::StateBundle unsent;           // messages of this step that have not left yet
+  sync::StateBundle unsent;             // messages that have not left yet
+  sync::Micros unsentBy = kNotWaiting;  // session time at which they leave
+  Shown shown;
+  Reach reach;
+  std::size_t place = 0;              // among the ready sites, or the ready observers
   double allowance = kDatagramBurst;  // messages that the site may send at once
   sync::Micros allowanceAt = 0;       // session time at which `allowance` was computed
 };
@@ -61,8 +80,16 @@ class Peers {
  public:
   /// A new connection in the hello stage. The id must not be in use.
   Peer& add(sync::ConnectionId connection, sync::Micros now);
-  void erase(sync::ConnectionId connection) { peers_.erase(connection); }
-  void clear() { peers_.clear(); }
+  void erase(sync::ConnectionId connection) {
+    peers_.erase(connection);
+    ++changes_;
+  }
+  void clear() {
+    peers_.clear();
+    ++changes_;
+  }
+  /// Grows with every peer that is added or erased.
+  std::uint64_t changes() const { return changes_; }
 
   /// Null if there is none.
   Peer* find(sync::ConnectionId connection);
@@ -84,6 +111,7 @@ class Peers {
  private:
   std::map<sync::ConnectionId, Peer> peers_;
   PeerSerial nextSerial_ = kRecordingOnly + 1;
+  std::uint64_t changes_ = 0;
 };
 
 }  // namespace tandem::server

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "server/fan_out.h"
 #include "server/instructor_commands.h"
 #include "server/part_service.h"
 #include "server/peers.h"
@@ -54,7 +55,8 @@ class Session::Dispatcher {
         publisher(context, transport, journal, peers, recording),
         parts(scene, config.lease, context, publisher, sites),
         commands(context, peers, sites, publisher, parts),
-        relay(sync::wireFrame(scene.bounds), context, transport, peers, parts, publisher),
+        fanOut(scene, sync::wireFrame(scene.bounds), context, transport, peers, parts),
+        relay(sync::wireFrame(scene.bounds), context, peers, parts, publisher, fanOut),
         transfer(package, config, context, transport, publisher),
         admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}) {}
 
@@ -72,6 +74,7 @@ class Session::Dispatcher {
   Publisher publisher;
   PartService parts;
   InstructorCommands commands;
+  FanOut fanOut;
   StateRelay relay;
   SceneTransfer transfer;
   SiteAdmission admission;
@@ -111,7 +114,7 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   journal.noteTime(context.now());
   publisher.watchJournal();
   receiveEvents();
-  relay.flush();
+  fanOut.flush();
   runTimers();
   commands.continueReset();
   parts.publishCoHolders();
@@ -125,7 +128,7 @@ sync::Micros Session::Dispatcher::nextDeadline() const {
   if (publisher.waiting() || peers.anyTransfer()) return local + kBusyPeriod;
   if (peers.empty() && publisher.writable() && !parts.table().recovering(context.now()))
     return local + kIdlePeriod;
-  return std::min({nextLeases_, nextPoses_, nextHousekeeping_}) - offset_;
+  return std::min({nextLeases_, nextPoses_, nextHousekeeping_, fanOut.nextDeadline()}) - offset_;
 }
 
 void Session::Dispatcher::shutDown() {

@@ -9,35 +9,12 @@ namespace {
 
 constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
 constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
-/// So many parts fit into a datagram however they are encoded; only with more does their order matter.
-constexpr std::size_t kAlwaysFit = 25;
-
-/// Sorts the parts by what the viewer needs first: the part that it touches, then those before its camera,
-/// then those behind it. Where not all fit into one datagram, the last ones wait.
-void sortFor(const sync::Presence& viewer, std::vector<sync::PartState>& parts) {
-  const Pose cameraFromWorld = inverse(viewer.worldFromCamera);
-  const auto rank = [&](const sync::PartState& state) {
-    if (state.part == viewer.touched) return -2.0;
-    const glm::dvec3 place = transformPoint(cameraFromWorld, state.worldFromPart.position);
-    // A camera looks along -z: -1 is the middle of its view.
-    return place.z / std::max(glm::length(place), 1e-9);
-  };
-  std::sort(parts.begin(), parts.end(), [&](const sync::PartState& a, const sync::PartState& b) {
-    const double first = rank(a), second = rank(b);
-    return first != second ? first < second : a.part < b.part;
-  });
-}
 
 }  // namespace
 
-StateRelay::StateRelay(const sync::WireFrame& frame, SessionContext& context, sync::Transport& transport,
-                       Peers& peers, PartService& parts, Publisher& publisher)
-    : frame_(frame),
-      context_(context),
-      transport_(transport),
-      peers_(peers),
-      parts_(parts),
-      publisher_(publisher) {
+StateRelay::StateRelay(const sync::WireFrame& frame, SessionContext& context, Peers& peers,
+                       PartService& parts, Publisher& publisher, FanOut& fanOut)
+    : frame_(frame), context_(context), peers_(peers), parts_(parts), publisher_(publisher), fanOut_(fanOut) {
   encoded_.reserve(sync::kMaxStateBytes);
   std::get<sync::StateUpdate>(incoming_).parts.reserve(256);
 }
@@ -52,16 +29,6 @@ bool StateRelay::withinRate(StateLeg& leg) const {
   leg.allowance -= 1.0;
   ASSERT(leg.allowance >= 0.0 && leg.allowance <= kDatagramBurst);
   return true;
-}
-
-void StateRelay::send(Peer& peer) {
-  ASSERT(!encoded_.empty() && encoded_.size() <= sync::kMaxStateBytes);
-  context_.counts.sent.countState(encoded_);
-  peer.states.unsent.add(encoded_, datagramsTo(peer));
-}
-
-void StateRelay::flush() {
-  for (auto& [connection, peer] : peers_) peer.states.unsent.flush(datagramsTo(peer));
 }
 
 void StateRelay::onDatagram(Peer& peer, std::span<const std::byte> datagram) {
@@ -93,7 +60,7 @@ bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
   } else if (std::holds_alternative<sync::LinkUpdate>(message)) {
     onLink(peer, message);
   } else if (const auto* ack = std::get_if<sync::StateAck>(&message)) {
-    peer.states.sender.acknowledged(*ack);
+    fanOut_.acknowledged(peer, *ack);
   } else {
     ++context_.counts.droppedMalformed;  // only the server sends this
   }
@@ -117,7 +84,7 @@ void StateRelay::onLink(Peer& peer, sync::StateMessage& message) {
   link.peer = peer.site;
   ++context_.counts.relayedLinks;
   sync::encodeState(message, frame_, encoded_);
-  send(*other);
+  fanOut_.send(*other, encoded_);
 }
 
 void StateRelay::onPing(Peer& peer, const sync::Ping& ping) {
@@ -129,7 +96,7 @@ void StateRelay::onPing(Peer& peer, const sync::Ping& ping) {
   if (peer.stage == Stage::ready) parts_.renew(peer.site);
   sync::encodeState(sync::Pong{ping.sequence, ping.siteTime, context_.now(), peer.states.updatesIn}, frame_,
                     encoded_);
-  send(peer);
+  fanOut_.send(peer, encoded_);
 }
 
 /// Acknowledges the updates of the site, which may encode the next ones against them.
@@ -137,12 +104,7 @@ void StateRelay::acknowledge(Peer& peer) {
   const std::optional<sync::StateAck> ack = peer.states.receiver.drainAck(context_.now());
   if (!ack) return;
   sync::encodeState(*ack, frame_, encoded_);
-  send(peer);
-}
-
-void StateRelay::forget(SiteId origin) {
-  ASSERT(origin != kNoSite);
-  for (auto& [connection, peer] : peers_) peer.states.sender.forget(origin);
+  fanOut_.sendSoon(peer, encoded_);
 }
 
 bool StateRelay::plausible(const sync::StateUpdate& update) const {
@@ -182,20 +144,9 @@ void StateRelay::onUpdate(Peer& peer, sync::StateMessage& message) {
 
   update.site = update.presence.site = peer.site;
   if (update.presenceKnown) publisher_.record(message);
-  relay(peer, update);
-}
-
-void StateRelay::relay(const Peer& from, sync::StateUpdate& update) {
-  ASSERT(from.stage == Stage::ready && update.site == from.site);
-  ++context_.counts.relayedUpdates;
-  context_.counts.relayedParts += update.parts.size();
-  for (auto& [connection, other] : peers_) {
-    if (other.stage != Stage::ready || other.site == from.site) continue;
-    update.sequence = ++other.states.sequenceOut;
-    if (update.parts.size() > kAlwaysFit) sortFor(other.states.presence, update.parts);
-    other.states.sender.encode(update, frame_, encoded_);
-    send(other);
-  }
+  ++counts.relayedUpdates;
+  counts.relayedParts += update.parts.size();
+  fanOut_.relay(peer, update, newest);
 }
 
 }  // namespace tandem::server

@@ -174,13 +174,7 @@ void SocketCore::sendState(ConnectionId id, std::span<const std::byte> bytes) {
     return;
   }
   if (connection->channel != nullptr && connection->channel->usable()) {
-    const std::size_t size = connection->channel->sealState(bytes, outgoing_.data());
-    if (size == 0) return refuse(*connection, "the keys of this connection are used up: connect again");
-    const UdpAddress* to = connection->peer.size == 0 ? nullptr : &connection->peer;
-    if (!sendDatagram(udp_.native_handle(), to, {outgoing_.data(), size})) {
-      ++counters_.droppedFull;
-      return;
-    }
+    if (!sendSealed(*connection, bytes)) return;
   } else {
     if (connection->stream->backlog() > kMaxStateBacklog) {
       ++counters_.droppedFull;
@@ -190,6 +184,30 @@ void SocketCore::sendState(ConnectionId id, std::span<const std::byte> bytes) {
   }
   ++counters_.statePacketsOut;
   counters_.stateBytesOut += bytes.size();
+}
+
+/// A site has one datagram at a time, and it leaves at once; a server has many.
+bool SocketCore::sendSealed(Connection& connection, std::span<const std::byte> bytes) {
+  const bool batched = peers_ == Peers::many && connection.peer.size != 0;
+  std::byte* out = batched ? unsent_.next() : outgoing_.data();
+  const std::size_t size = connection.channel->sealState(bytes, out);
+  if (size == 0) {
+    refuse(connection, "the keys of this connection are used up: connect again");
+    return false;
+  }
+  if (batched) {
+    unsent_.add(connection.peer, size);
+    if (unsent_.full()) flush();
+    return true;
+  }
+  const UdpAddress* to = connection.peer.size == 0 ? nullptr : &connection.peer;
+  const bool sent = sendDatagram(udp_.native_handle(), to, {out, size});
+  if (!sent) ++counters_.droppedFull;
+  return sent;
+}
+
+void SocketCore::flush() {
+  if (!unsent_.empty()) counters_.droppedFull += unsent_.send(udp_.native_handle());
 }
 
 std::size_t SocketCore::controlBacklog(ConnectionId id) const {
@@ -304,6 +322,7 @@ void SocketCore::armTimer(Micros at) {
 
 void SocketCore::wait(Micros timeout) {
   const Micros deadline = now() + std::max<Micros>(timeout, 0);
+  flush();
   retired_.clear();
   keepHouse();
   watchUdp();
@@ -325,6 +344,7 @@ void SocketCore::wake() {
 }
 
 void SocketCore::shutDown() {
+  flush();
   const Micros deadline = now() + kDestructionTime;
   const auto closing = [this] {
     return std::any_of(connections_.begin(), connections_.end(),

@@ -34,6 +34,7 @@ class SocketCore : public SocketTransport {
   void sendControl(ConnectionId id, std::span<const std::byte> bytes) final;
   void sendState(ConnectionId id, std::span<const std::byte> bytes) final;
   std::size_t controlBacklog(ConnectionId id) const final;
+  void flush() final;
   void hold(ConnectionId id, bool held) final { queue_.hold(id, held); }
   void close(ConnectionId id) final;
   const TransportCounters& counters() const final { return counters_; }
@@ -88,6 +89,8 @@ class SocketCore : public SocketTransport {
   void armTimer(Micros at);
   void keepHouse();
   void overflow(Connection& connection);
+  /// Seals a datagram and sends it, at once or in a batch. False if it does not leave.
+  bool sendSealed(Connection& connection, std::span<const std::byte> bytes);
 
   Peers peers_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
@@ -102,6 +105,7 @@ class SocketCore : public SocketTransport {
   std::vector<std::shared_ptr<Connection>> retired_;
 
   UdpBatch batch_;
+  UdpSendBatch unsent_;  // a server's datagrams, until flush()
   std::array<std::array<std::byte, kMaxDatagramBytes>, 2>
       opened_;  // one is the application's, one is being filled
   std::array<std::byte, kMaxDatagramBytes> outgoing_;

@@ -46,6 +46,8 @@ class Transport {
   virtual void sendControl(ConnectionId connection, std::span<const std::byte> bytes) = 0;
   /// Sends a datagram (at most kMaxStateBytes), or drops it.
   virtual void sendState(ConnectionId connection, std::span<const std::byte> bytes) = 0;
+  /// Gives the network what sendState() has collected, if it collects datagrams: at the end of a step.
+  virtual void flush() {}
   /// Bytes of control messages queued and not yet given to the network: for pacing a scene transfer.
   virtual std::size_t controlBacklog(ConnectionId connection) const = 0;
   /// Leaves what this connection sends unread until it is released, datagrams excepted, so that the network

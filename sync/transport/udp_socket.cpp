@@ -54,6 +54,55 @@ UdpBatch::Datagram UdpBatch::pop() {
   return {{buffers_->bytes[i].data(), header.msg_len}, &from, oversized};
 }
 
+struct UdpSendBatch::Buffers {
+  std::array<std::array<std::byte, kMaxDatagramBytes>, kCapacity> bytes;
+  std::array<UdpAddress, kCapacity> addresses;
+  std::array<iovec, kCapacity> vectors{};
+  std::array<mmsghdr, kCapacity> headers{};
+};
+
+UdpSendBatch::UdpSendBatch() : buffers_(std::make_unique<Buffers>()) {
+  for (std::size_t i = 0; i < kCapacity; ++i) {
+    buffers_->vectors[i] = {buffers_->bytes[i].data(), 0};
+    msghdr& header = buffers_->headers[i].msg_hdr;
+    header.msg_iov = &buffers_->vectors[i];
+    header.msg_iovlen = 1;
+    header.msg_name = &buffers_->addresses[i].storage;
+  }
+}
+UdpSendBatch::~UdpSendBatch() = default;
+
+std::byte* UdpSendBatch::next() {
+  ASSERT(!full());
+  return buffers_->bytes[count_].data();
+}
+
+void UdpSendBatch::add(const UdpAddress& to, std::size_t bytes) {
+  ASSERT(!full() && bytes > 0 && bytes <= kMaxDatagramBytes && to.size > 0);
+  buffers_->vectors[count_].iov_len = bytes;
+  buffers_->addresses[count_] = to;
+  buffers_->headers[count_].msg_hdr.msg_namelen = to.size;
+  ++count_;
+}
+
+std::size_t UdpSendBatch::send(int socket) {
+  std::size_t dropped = 0;
+  for (std::size_t from = 0; from < count_;) {
+    const int sent = sendmmsg(socket, &buffers_->headers[from], static_cast<unsigned>(count_ - from),
+                              MSG_DONTWAIT | MSG_NOSIGNAL);
+    if (sent > 0) {
+      from += static_cast<std::size_t>(sent);
+    } else if (errno == EAGAIN || errno == EWOULDBLOCK || errno == ENOBUFS) {
+      dropped = count_ - from;
+      break;
+    } else if (errno != EINTR) {
+      ++from;  // unreachable, refused: a lost datagram, which the probes notice when it lasts
+    }
+  }
+  count_ = 0;
+  return dropped;
+}
+
 bool sendDatagram(int socket, const UdpAddress* to, std::span<const std::byte> bytes) {
   const auto* address = to == nullptr ? nullptr : reinterpret_cast<const sockaddr*>(&to->storage);
   const ssize_t sent = sendto(socket, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL, address,

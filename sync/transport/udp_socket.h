@@ -45,6 +45,29 @@ class UdpBatch {
   std::size_t count_ = 0, next_ = 0;
 };
 
+/// Datagrams that leave in one system call.
+class UdpSendBatch {
+ public:
+  static constexpr std::size_t kCapacity = 64;
+
+  UdpSendBatch();
+  ~UdpSendBatch();
+
+  bool empty() const { return count_ == 0; }
+  bool full() const { return count_ == kCapacity; }
+  /// Where the next datagram is written: kMaxDatagramBytes. The batch is not full.
+  std::byte* next();
+  /// Takes the datagram that was written to next().
+  void add(const UdpAddress& to, std::size_t bytes);
+  /// Sends all without blocking, and is empty afterwards. Returns how many did not fit into the send queue.
+  std::size_t send(int socket);
+
+ private:
+  struct Buffers;
+  std::unique_ptr<Buffers> buffers_;
+  std::size_t count_ = 0;
+};
+
 /// Sends without blocking; `to` null: to where the socket is connected. False: the send queue was full.
 bool sendDatagram(int socket, const UdpAddress* to, std::span<const std::byte> bytes);
 

@@ -85,6 +85,19 @@ bool BitReader::atEnd() {
   return get(static_cast<int>(remaining())) == 0;
 }
 
+void replaceBits(std::span<std::byte> bytes, int first, std::uint64_t value, int bits) {
+  ASSERT(first >= 0 && bits >= 0 && static_cast<std::size_t>(first + bits) <= bytes.size() * 8);
+  for (int done = 0; done < bits;) {
+    const int offset = (first + done) % 8;
+    const int count = std::min(8 - offset, bits - done);
+    const unsigned mask = ((1u << count) - 1u) << offset;
+    std::byte& byte = bytes[static_cast<std::size_t>(first + done) / 8];
+    byte = (byte & static_cast<std::byte>(~mask)) |
+           static_cast<std::byte>((static_cast<unsigned>(value >> done) << offset) & mask);
+    done += count;
+  }
+}
+
 int varintBits(std::uint32_t value) {
   int bits = 8;
   while (value >>= 7) bits += 8;

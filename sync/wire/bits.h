@@ -60,6 +60,9 @@ class BitReader {
   bool failed_ = false;
 };
 
+/// Writes the `bits` low bits of `value` over those that stand from `first` on.
+void replaceBits(std::span<std::byte> bytes, int first, std::uint64_t value, int bits);
+
 /// Bits that putVarint() uses: 8, 16, 24, 32 or 40.
 int varintBits(std::uint32_t value);
 

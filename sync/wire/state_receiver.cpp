@@ -168,7 +168,8 @@ void StateReceiver::keep(Stream& stream, const StateUpdate& update) {
 }
 
 std::optional<StateAck> StateReceiver::drainAck(Micros now) {
-  if (ack_.count == 0 || (everAcknowledged_ && now - acknowledgedAt_ < kAckInterval)) return std::nullopt;
+  const Micros interval = streams_.size() > kManyOrigins ? kCrowdAckInterval : kAckInterval;
+  if (ack_.count == 0 || (everAcknowledged_ && now - acknowledgedAt_ < interval)) return std::nullopt;
   everAcknowledged_ = true;
   acknowledgedAt_ = now;
   ASSERT(ack_.count <= StateAck::kMax);

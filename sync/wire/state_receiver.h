@@ -28,7 +28,7 @@ class StateReceiver {
   /// As decodeState, for every kind of datagram; an update without a presence gets the newest one known.
   Outcome decode(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);
   /// The acknowledgement that is due now; nothing if there is nothing new, or the last one is less than
-  /// kAckInterval old.
+  /// kAckInterval old (kCrowdAckInterval where the updates are those of many sites).
   std::optional<StateAck> drainAck(Micros now);
   void reset();
   void forget(SiteId origin);

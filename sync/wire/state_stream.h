@@ -29,6 +29,8 @@ namespace tandem::sync {
 inline constexpr Micros kKeepInterval = 40 * kMillisecond;  // by the update's own times
 inline constexpr std::size_t kKept = 24;                    // a stream: about a second
 inline constexpr Micros kAckInterval = 20 * kMillisecond;   // at least, between two acknowledgements
+inline constexpr Micros kCrowdAckInterval = 80 * kMillisecond;  // the same, of the updates of many sites
+inline constexpr std::size_t kManyOrigins = 16;                 // more are many
 
 /// The parts of a datagram that both ends keep as a baseline.
 struct KeptUpdate {

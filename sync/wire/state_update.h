@@ -46,7 +46,7 @@ struct StateUpdate {
 
 /// Which of the StateUpdates that were marked to be kept the receiver has (state_stream.h).
 struct StateAck {
-  static constexpr std::size_t kMax = 16;
+  static constexpr std::size_t kMax = 64;
   std::uint8_t count = 0;
   std::array<std::uint32_t, kMax> sequences{};  // the first `count`
 };
