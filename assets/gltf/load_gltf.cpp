@@ -7,7 +7,7 @@
 
 #include "assets/base/affine.h"
 #include "assets/base/parallel.h"
-#include "assets/gltf/foreign_format.h"
+#include "assets/gltf/foreign_file.h"
 #include "assets/gltf/gltf_controls.h"
 #include "assets/gltf/gltf_decode.h"
 #include "assets/gltf/gltf_fields.h"
@@ -381,10 +381,7 @@ void openFromDisk(const std::string& path, GltfDocument& document) {
   const std::string directory = std::filesystem::path(path).parent_path().string();
   const std::string base = directory.empty() ? "." : directory;
   Bytes file = readWholeFile(path, "file");
-  if (const char* format = foreignFormat(path, file))
-    throw GltfError("file", std::string("this is ") + format +
-                                " file; Tandem reads glTF (.glb, .gltf): export it as that from your CAD "
-                                "program or FreeCAD");
+  if (const std::optional<std::string> foreign = foreignFile(path, file)) throw GltfError("file", *foreign);
   openGltf(std::move(file), &base, document);
 }
 
