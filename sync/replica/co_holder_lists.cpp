@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::sync {
 
@@ -68,6 +69,10 @@ bool CoHolderLists::contains(PartId part, SiteId site) const {
   ASSERT(part < parts_.size());
   const std::vector<SiteId>& sites = parts_[part].sites;
   return std::find(sites.begin(), sites.end(), site) != sites.end();
+}
+
+bool CoHolderLists::full(PartId part, SiteId site) const {
+  return parts_[part].sites.size() >= kMaxCoHolders && !contains(part, site);
 }
 
 std::optional<SiteId> CoHolderLists::longest(PartId part) const {

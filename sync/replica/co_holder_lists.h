@@ -36,6 +36,8 @@ class CoHolderLists {
   void forget(SiteId site);
 
   bool contains(PartId part, SiteId site) const;
+  /// The part has kMaxCoHolders, and the site is none of them.
+  bool full(PartId part, SiteId site) const;
   /// The site that has been on the list for longest; nothing if the list is empty.
   std::optional<SiteId> longest(PartId part) const;
   /// The list of a part whose ownership is in this epoch.

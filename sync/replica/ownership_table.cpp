@@ -110,6 +110,7 @@ struct OwnershipTable::State {
     if (role == Role::observer) return Denial::roleForbids;
     if (!part.movable) return Denial::notMovable;
     if (part.record.owner == kNoSite || part.record.owner == site) return Denial::notOwned;
+    if (coHolders.full(part.record.part, site)) return Denial::crowded;
     changed = coHolders.add(part.record.part, site, now);
     return Denial::none;
   }

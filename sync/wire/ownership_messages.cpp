@@ -20,6 +20,8 @@ const char* toString(Denial denial) {
       return "that ownership is over";
     case Denial::notOwned:
       return "nobody else owns it";
+    case Denial::crowded:
+      return "as many hold it as may";
   }
   return "unknown denial";
 }

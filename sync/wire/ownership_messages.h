@@ -76,6 +76,7 @@ enum class Denial : std::uint8_t {
   recovering,  // a restarted server waits for earlier owners to come back (S8)
   stale,       // a Reclaim or Release of an epoch that is over
   notOwned,    // an Engage for a part that no other site owns: it is to be grabbed
+  crowded,     // an Engage for a part that has kMaxCoHolders already
 };
 const char* toString(Denial denial);
 /// The answer to Grab or Reclaim, repeated unchanged if the request is repeated (S7).

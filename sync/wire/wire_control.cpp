@@ -256,7 +256,7 @@ void fields(auto& a, Is<CoHolderRecord> auto& m) {
   a.part(m.part);
   a.number(m.epoch);
   a.number(m.version);
-  a.count(m.sites, kMaxSites, sizeof(SiteId));
+  a.count(m.sites, kMaxCoHolders, sizeof(SiteId));
   for (auto& site : m.sites) a.number(site);
 }
 
@@ -317,7 +317,7 @@ void fields(auto& a, Is<SiteLeft> auto& m) { a.number(m.site); }
 /// GrabReply and ReleaseReply have the same fields.
 void reply(auto& a, auto& m) {
   a.number(m.request);
-  a.enumeration(m.denial, Denial::notOwned);
+  a.enumeration(m.denial, Denial::crowded);
   fields(a, m.part);
 }
 void fields(auto& a, Is<GrabReply> auto& m) { reply(a, m); }
@@ -338,7 +338,7 @@ void fields(auto& a, Is<Disengage> auto& m) {
 }
 void fields(auto& a, Is<EngageReply> auto& m) {
   a.number(m.request);
-  a.enumeration(m.denial, Denial::notOwned);
+  a.enumeration(m.denial, Denial::crowded);
   fields(a, m.coHolders);
 }
 void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.coHolders); }

@@ -5,6 +5,7 @@
 #include "sync/replica/lease_rules.h"
 #include "sync/replica/ownership_table.h"
 #include "sync/replica/ownership_view.h"
+#include "sync/wire/limits.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/time.h"
@@ -42,6 +43,16 @@ TEST_F(CoHolders, IsForPartsThatSomebodyElseOwns) {
   EXPECT_EQ(table.engage(kBen, Role::observer, {1, 0}, 0).reply.denial, Denial::roleForbids);
   EXPECT_EQ(engage(kBen), Denial::none);
   EXPECT_EQ(table.coHolders(0).sites, std::vector<SiteId>{kBen});
+}
+
+TEST_F(CoHolders, TheirNumberIsLimitedAndWhoIsOneMayAskAgain) {
+  grab(kAnn);
+  for (SiteId i = 0; i < kMaxCoHolders; ++i) ASSERT_EQ(engage(static_cast<SiteId>(100 + i)), Denial::none);
+  EXPECT_EQ(engage(kBen), Denial::crowded);
+  EXPECT_EQ(engage(100), Denial::none);
+  EXPECT_TRUE(table.disengage(100, {1, 0}).changed);
+  EXPECT_EQ(engage(kBen), Denial::none);
+  EXPECT_EQ(table.coHolders(0).sites.size(), kMaxCoHolders);
 }
 
 TEST_F(CoHolders, EachChangeOfTheListIsANewVersionPublishedOnce) {

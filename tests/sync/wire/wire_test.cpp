@@ -177,9 +177,12 @@ TEST(Wire, WritesTheExamplesOfItsDescription) {
   EXPECT_NE(description.find("`" + ping + "`"), std::string::npos) << ping;
 }
 
-TEST(ControlWire, AWelcomeWithEveryPartFits) {
+TEST(ControlWire, AWelcomeWithEverySiteAndPartFits) {
   Welcome welcome;
-  welcome.sites.resize(kMaxSites);
+  SiteInfo site;
+  site.name.assign(kMaxNameLength, 'n');
+  welcome.sites.assign(kMaxSites, site);
+  welcome.resumeTicket.assign(kMaxCredentialLength, 't');
   welcome.parts.resize(kMaxParts);
   EXPECT_LE(encodeControl(welcome).size(), kMaxControlBytes);
 }
