@@ -40,9 +40,11 @@ std::size_t Peers::strangers() const {
       peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.stage == Stage::hello; }));
 }
 
-std::size_t Peers::admitted() const {
-  return static_cast<std::size_t>(std::count_if(
-      peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.site != kNoSite; }));
+RoleCounts Peers::admitted() const {
+  RoleCounts counts{};
+  for (const auto& [connection, peer] : peers_)
+    if (peer.site != kNoSite) ++counts[static_cast<std::size_t>(peer.role)];
+  return counts;
 }
 
 bool Peers::anyTransfer() const {

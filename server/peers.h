@@ -11,6 +11,7 @@
 
 #include "server/interest.h"
 #include "server/outbox.h"
+#include "server/places.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/shared_state_sender.h"
@@ -99,8 +100,8 @@ class Peers {
   bool empty() const { return peers_.empty(); }
   /// Connections that have sent no Hello.
   std::size_t strangers() const;
-  /// Connections that have a site.
-  std::size_t admitted() const;
+  /// Connections that have a site, by role.
+  RoleCounts admitted() const;
   bool anyTransfer() const;
 
   auto begin() { return peers_.begin(); }

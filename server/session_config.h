@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "server/admission.h"
+#include "server/places.h"
 #include "sync/replica/lease_rules.h"
 
 namespace tandem::server {
@@ -13,7 +14,7 @@ namespace tandem::server {
 struct SessionConfig {
   sync::LeaseRules lease;
   SigningKey key;
-  std::size_t maxSites = 16;
+  Places places;
   std::size_t chunkBytes = 32 * 1024;         // of the scene transfer
   std::size_t maxBacklogBytes = 512 * 1024;   // queued to a loading site before the next chunk waits
   std::int64_t ticketLifetime_s = 24 * 3600;  // of resume tickets

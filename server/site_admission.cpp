@@ -28,8 +28,7 @@ sync::Micros patienceFor(Stage stage) {
 
 }  // namespace
 
-SiteAdmission::SiteAdmission(const Ground& ground)
-    : ground_(ground), maxSites_(std::min(ground.config.maxSites, sync::kMaxSites)) {}
+SiteAdmission::SiteAdmission(const Ground& ground) : ground_(ground) { ASSERT(ground.config.places.fit()); }
 
 void SiteAdmission::restore(const std::vector<UsedNonce>& nonces) {
   ASSERT(usedNonces_.empty());
@@ -76,7 +75,9 @@ void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
   }
 }
 
-bool SiteAdmission::full() const { return ground_.peers.admitted() >= maxSites_; }
+std::optional<std::string> SiteAdmission::noPlaceFor(sync::Role role) const {
+  return ground_.config.places.refusal(role, ground_.peers.admitted());
+}
 
 void SiteAdmission::join(Peer& peer, const sync::Hello& hello, const Ticket& ticket) {
   ASSERT(!ticket.resume);
@@ -84,8 +85,12 @@ void SiteAdmission::join(Peer& peer, const sync::Hello& hello, const Ticket& tic
     refuse(peer, sync::Refusal::alreadyUsed, "the link was used before: ask for a new one");
     return;
   }
-  if (full() || ground_.sites.exhausted()) {
-    refuse(peer, sync::Refusal::sessionFull, "the session is full");
+  if (const auto reason = noPlaceFor(ticket.role)) {
+    refuse(peer, sync::Refusal::sessionFull, *reason);
+    return;
+  }
+  if (ground_.sites.exhausted()) {
+    refuse(peer, sync::Refusal::sessionFull, "the session has had as many sites as there are numbers");
     return;
   }
   // The nonce first: the Welcome waits for it, so that no crash lets a token in twice.
@@ -113,8 +118,8 @@ void SiteAdmission::resume(Peer& peer, const sync::Hello& hello, const Ticket& t
                               sync::Refused{sync::Refusal::alreadyUsed, "the site has connected anew"});
     ground_.transport.close(connection);
     ground_.peers.erase(connection);
-  } else if (full()) {
-    refuse(peer, sync::Refusal::sessionFull, "the session is full");
+  } else if (const auto reason = noPlaceFor(ticket.role)) {
+    refuse(peer, sync::Refusal::sessionFull, *reason);
     return;
   }
   admit(peer, *site, hello);

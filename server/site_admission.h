@@ -9,6 +9,7 @@
 //    leases run out.
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <unordered_map>
 #include <vector>
@@ -62,7 +63,8 @@ class SiteAdmission {
   std::vector<sync::Role> drainUsedTokens();
 
  private:
-  bool full() const;
+  /// Why there is no place for a site of this role; nothing if there is.
+  std::optional<std::string> noPlaceFor(sync::Role role) const;
   void join(Peer& peer, const sync::Hello& hello, const Ticket& ticket);
   void resume(Peer& peer, const sync::Hello& hello, const Ticket& ticket);
   void admit(Peer& peer, KnownSite& site, const sync::Hello& hello);
@@ -71,7 +73,6 @@ class SiteAdmission {
   void dropSilent();
 
   Ground ground_;
-  std::size_t maxSites_;
   std::unordered_map<std::string, std::int64_t> usedNonces_;  // and when each expires, Unix time in s
   std::vector<sync::Role> usedTokens_;                        // since the last drainUsedTokens()
 };

@@ -28,7 +28,6 @@ void SimulatedServer::start(Micros now, Invariants& invariants) {
   ASSERT(!running());
   server::SessionConfig config;
   config.key = key_;
-  config.maxSites = kMaxSites;
   if (mistake_ == Mistake::regrantedEarly) config.lease.driftPpm = -9e5;
   transport_ = network_.listen();
   const server::JournalContents kept = journal_.contents();

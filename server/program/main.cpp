@@ -173,6 +173,7 @@ int run(Options& options) {
 
   SessionConfig config;
   config.key = server.directory.signingKey();
+  config.places = options.places;
   config.lease.lease = options.lease;
   config.lease.margin = std::min(config.lease.margin, options.lease / 8);
   Session session(server.scene, server.package, config, *server.transport, *server.journal,

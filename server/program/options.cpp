@@ -44,7 +44,8 @@ Result<glm::dvec3> parseVector(const std::string& text) {
 
 Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
   const Error wrong{"--invite " + text +
-                    ": must be ROLE=N with instructor, participant or observer and N of 0 to 64"};
+                    ": must be ROLE=N with instructor, participant or observer and N of 0 to " +
+                    std::to_string(sync::kMaxSites)};
   const auto equals = text.find('=');
   if (equals == std::string::npos) return wrong;
   int count = 0;
@@ -60,13 +61,27 @@ Status parseInvite(const std::string& text, std::array<int, 3>& invites) {
   return wrong;
 }
 
+/// As many observers as a session can list beside those who may hold parts.
+constexpr std::int64_t kRest = -1;
+
 /// Options as text, before they are understood.
 struct Raw {
   std::string listen = ":7480", gravity;
   std::vector<std::string> movable, invites;
+  std::int64_t maxParticipants = Places::kDefaultParticipants;
+  std::int64_t maxObservers = kRest;
   double lease_ms = 2000.0;
   bool noCache = false;
 };
+
+Status parsePlaces(const Raw& raw, Places& places) {
+  places.participants = static_cast<std::size_t>(raw.maxParticipants);
+  const std::size_t rest = sync::kMaxSites - Places::kForInstructor - places.participants;
+  places.observers = raw.maxObservers == kRest ? rest : static_cast<std::size_t>(raw.maxObservers);
+  if (places.fit()) return {};
+  return Error{"--max-observers " + std::to_string(raw.maxObservers) + ": at most " + std::to_string(rest) +
+               " beside " + std::to_string(places.participants) + " participants and an instructor"};
+}
 
 Status understand(const Raw& raw, Options& options) {
   const auto units = assets::parseUnits(options.units);
@@ -94,6 +109,7 @@ Status understand(const Raw& raw, Options& options) {
     return Error{"--link-host " + options.linkHost.substr(0, 60) + ": not the name or address of a host"};
   for (const std::string& invite : raw.invites)
     if (Status status = parseInvite(invite, options.invites); !status) return status;
+  if (Status status = parsePlaces(raw, options.places); !status) return status;
   options.lease = static_cast<sync::Micros>(raw.lease_ms * 1000.0);
   options.cache = !raw.noCache;
   return {};
@@ -115,6 +131,16 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
   app.option("--invite", raw.invites, "how many links to keep open for a role; one each by default")
       .typeName("ROLE=N")
       .oneValue();
+  app.option("--max-participants", raw.maxParticipants,
+             "places for participants and instructors; one more is kept for an instructor")
+      .typeName("N")
+      .integerFrom(1, static_cast<int>(sync::kMaxSites - Places::kForInstructor))
+      .showDefault();
+  app.option("--max-observers", raw.maxObservers,
+             "places for observers; by default as many as make a session of " +
+                 std::to_string(sync::kMaxSites) + " sites")
+      .typeName("N")
+      .integerFrom(0, static_cast<int>(sync::kMaxSites - Places::kForInstructor - 1));
   app.option("--link-host", options.linkHost, "host in the links, as the sites reach this machine")
       .typeName("HOST");
   app.option("--token-lifetime", options.tokenLifetime_s, "how long a link is good, s")

@@ -10,6 +10,7 @@
 
 #include "assets/base/result.h"
 #include "assets/gltf/load_gltf.h"
+#include "server/places.h"
 #include "sync/wire/time.h"
 
 namespace tandem::server {
@@ -24,6 +25,7 @@ struct Options {
   std::string linkHost;             // the host by which sites reach this machine; empty: determined
   std::string data = "tandem-data";
   std::string record;                   // empty: no recording
+  Places places;
   std::array<int, 3> invites{1, 1, 1};  // open links a role, by sync::Role
   std::int64_t tokenLifetime_s = 24 * 3600;
   sync::Micros lease = 2 * sync::kSecond;

@@ -354,7 +354,7 @@ class Server {
       : package_(assets::packScene(scene)), transport_(must(listen(setup, identity))) {
     server::SessionConfig config;
     config.key = server::makeSigningKey();
-    config.maxSites = static_cast<std::size_t>(setup.sites + setup.observers);
+    config.places = {static_cast<std::size_t>(setup.sites), static_cast<std::size_t>(setup.observers)};
     session_ = std::make_unique<server::Session>(scene, package_, config, *transport_, journal_, nullptr,
                                                  now(), std::time(nullptr));
   }

@@ -57,7 +57,6 @@ struct Crowd {
     }
     SessionConfig config;
     config.key.seed.fill(7);
-    config.maxSites = 64;
     transport = network.listen();
     session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
     for (std::size_t i = 0; i < sites + observers; ++i) join(i);

@@ -88,6 +88,19 @@ def a_recording_is_kept_when_the_same_command_is_given_again(program, folder):
     assert "session-2.tandem" in server.err.read_text(), server.err.read_text()
 
 
+def wrong_numbers_of_places_are_refused_in_one_line(program, folder):
+    folder.mkdir()
+    for options in (["--max-participants", "0"], ["--max-participants", "1024"], ["--max-participants", "x"],
+                    ["--max-observers", "-1"], ["--max-observers", "1.5"], ["--max-observers", "960"],
+                    ["--max-participants", "1000", "--max-observers", "24"]):
+        done = subprocess.run([program, SCENE, "--data", folder / "data", *options], capture_output=True,
+                              text=True, timeout=20)
+        assert done.returncode == 2 and done.stdout == "", (options, done)
+        assert len(done.stderr.splitlines()) == 1 and options[-2] in done.stderr, (options, done.stderr)
+    text = subprocess.run([program, "--help"], capture_output=True, text=True, timeout=20).stdout
+    assert "--max-participants" in text and "--max-observers" in text, text
+
+
 def a_failing_disk_is_told_with_quiet_too(program, folder):
     server = Server(program, folder, "--quiet")
     try:
@@ -107,6 +120,7 @@ def main():
     program = parser.parse_args().bin / "tandem-server"
     for test in (an_expired_link_is_replaced, a_recording_is_begun_and_an_orderly_end_is_silent,
                  a_recording_is_kept_when_the_same_command_is_given_again,
+                 wrong_numbers_of_places_are_refused_in_one_line,
                  a_failing_disk_is_told_with_quiet_too):
         with tempfile.TemporaryDirectory() as folder:
             test(program, pathlib.Path(folder) / "server")

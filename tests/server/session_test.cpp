@@ -31,7 +31,7 @@ struct Rig {
   Micros now = 0;
   bool pinging = true;
 
-  explicit Rig(std::size_t maxSites = 16) {
+  explicit Rig(const Places& places = {}) {
     scene.bounds = {glm::dvec3(-0.5), glm::dvec3(0.5)};
     for (int i = 0; i < 3; ++i) {
       assets::Part part;
@@ -42,7 +42,7 @@ struct Rig {
     }
     for (int i = 0; i < 200000; ++i) package.push_back(static_cast<std::byte>(i * 7));
     config.key.seed.fill(7);
-    config.maxSites = maxSites;
+    config.places = places;
     config.maxBacklogBytes = 64 * 1024;
     start();
   }
@@ -151,11 +151,68 @@ TEST(Session, LetsATokenInOnceAlsoAcrossACrash) {
   EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "c", {}}), Refusal::alreadyUsed);
 }
 
-TEST(Session, RefusesWhenFull) {
-  Rig rig(1);
+TEST(Session, ObserversTakeNobodysPlace) {
+  for (const int observers : {16, 100}) {
+    Rig rig;
+    rig.pinging = false;
+    for (int i = 0; i < observers; ++i) {
+      FakeSite& site = rig.connect("o" + std::to_string(i));
+      site.send(Hello{kProtocolVersion, false, rig.token(Role::observer), "o", {}});
+    }
+    rig.run(60 * kMillisecond);
+    ASSERT_EQ(rig.session->sites().size(), static_cast<std::size_t>(observers));
+    rig.join("participant");
+    rig.join("instructor", Role::instructor);
+  }
+}
+
+TEST(Session, SaysWhichPlacesAreTakenAndKeepsOneForAnInstructor) {
+  Rig rig(Places{2, 1});
+  const auto refused = [&](Role role) {
+    EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(role), "late", {}}), Refusal::sessionFull);
+    return rig.sites.back()->last<Refused>()->reason;
+  };
   rig.join("a");
-  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(Role::observer), "b", {}}),
+  rig.join("b");
+  EXPECT_EQ(refused(Role::participant), "the session is full: all 2 places for participants are taken");
+  rig.join("observer", Role::observer);
+  EXPECT_EQ(refused(Role::observer), "the session is full: all 1 places for observers are taken");
+  rig.join("instructor", Role::instructor);
+  EXPECT_EQ(refused(Role::instructor),
+            "the session is full: all 2 places for participants and the one kept for an instructor are "
+            "taken");
+  EXPECT_EQ(refused(Role::participant), "the session is full: all 2 places for participants are taken");
+}
+
+TEST(Session, APlaceIsFreeAsSoonAsItsConnectionEndsAndWhoComesBackNeedsOne) {
+  Rig rig(Places{1, 0});
+  FakeSite& lost = rig.join("lost");
+  const std::string ticket = lost.last<Welcome>()->resumeTicket;
+  rig.resume("lost again", ticket);  // its own former connection is in nobody's way
+  rig.sites.back()->transport.reset();
+  rig.run(kSecond);
+  FakeSite& other = rig.join("other");
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, true, ticket, "lost", {}}), Refusal::sessionFull);
+  other.send(Goodbye{});
+  rig.run(50 * kMillisecond);
+  rig.resume("lost", ticket);
+}
+
+TEST(Session, A65thParticipantIsRefusedByDefault) {
+  Rig rig;
+  rig.pinging = false;
+  for (int i = 0; i < 64; ++i) {
+    FakeSite& site = rig.connect("p" + std::to_string(i));
+    site.send(Hello{kProtocolVersion, false, rig.token(Role::participant), "p", {}});
+  }
+  rig.run(60 * kMillisecond);
+  ASSERT_EQ(rig.session->sites().size(), 64u);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(Role::participant), "p65", {}}),
             Refusal::sessionFull);
+  EXPECT_EQ(rig.sites.back()->last<Refused>()->reason,
+            "the session is full: all 64 places for participants are taken");
+  rig.join("instructor", Role::instructor);
+  rig.join("observer", Role::observer);
 }
 
 TEST(Session, GivesSimultaneousGrabsOneWinnerKnownToAll) {
