@@ -8,17 +8,23 @@
 namespace tandem::server {
 namespace {
 
+/// The part's record as a site may know it: without the owner and the epoch that were not kept.
+sync::PartRecord withoutOwner(const sync::PartRecord& record) {
+  return {record.part, kNoSite, 0, record.worldFromPart};
+}
+
 /// The answer in place of a reply whose record could not be kept; nothing for a change that never took
 /// effect.
 std::optional<sync::ControlMessage> withoutRecord(const sync::ControlMessage& message) {
   if (const auto* grab = std::get_if<sync::GrabReply>(&message)) {
     sync::GrabReply denied = *grab;
-    if (denied.denial == sync::Denial::none) denied.part.owner = kNoSite;
+    denied.part = withoutOwner(grab->part);
     denied.denial = sync::Denial::recovering;
     return denied;
   }
   if (const auto* release = std::get_if<sync::ReleaseReply>(&message)) {
     sync::ReleaseReply denied = *release;
+    denied.part = withoutOwner(release->part);
     denied.denial = sync::Denial::recovering;
     return denied;
   }

@@ -80,12 +80,14 @@ void PartService::answerGrab(const Peer& peer, const sync::OwnershipTable::Decis
                     std::to_string(record.epoch));
 }
 
-/// The record that answers a request that is not decided; the part may be one that the scene does not have.
-sync::PartRecord PartService::recordOrUnknown(PartId part) const {
-  if (part < count()) return table_.part(part);
-  sync::PartRecord unknown;
-  unknown.part = part;
-  return unknown;
+/// The record that answers a request while the journal cannot be written; the part may be one that the scene
+/// does not have. The table may hold an owner and an epoch that never became durable: no site may learn of
+/// them, since the next server gives that epoch to another one (S1).
+sync::PartRecord PartService::recordWithoutOwner(PartId part) const {
+  sync::PartRecord record;
+  record.part = part;
+  if (part < count()) record.worldFromPart = table_.part(part).worldFromPart;
+  return record;
 }
 
 void PartService::onGrab(const Peer& peer, const sync::Grab& request) {
@@ -93,7 +95,7 @@ void PartService::onGrab(const Peer& peer, const sync::Grab& request) {
   if (!publisher_.writable()) {
     ++context_.counts.denials;
     publisher_.sendTo(
-        peer, sync::GrabReply{request.request, sync::Denial::recovering, recordOrUnknown(request.part)});
+        peer, sync::GrabReply{request.request, sync::Denial::recovering, recordWithoutOwner(request.part)});
     return;
   }
   if (!assets::roleMaySet(scene_, request.part, static_cast<unsigned>(peer.role))) {
@@ -117,7 +119,7 @@ void PartService::onReclaim(const Peer& peer, const sync::Reclaim& request) {
   if (!publisher_.writable()) {
     ++context_.counts.denials;
     publisher_.sendTo(
-        peer, sync::GrabReply{request.request, sync::Denial::recovering, recordOrUnknown(request.part)});
+        peer, sync::GrabReply{request.request, sync::Denial::recovering, recordWithoutOwner(request.part)});
     return;
   }
   sync::Reclaim checked = request;
@@ -133,7 +135,7 @@ void PartService::onRelease(const Peer& peer, const sync::Release& request) {
     publisher_.sendTo(
         peer,
         sync::ReleaseReply{request.request, observer ? sync::Denial::roleForbids : sync::Denial::recovering,
-                           recordOrUnknown(request.part)});
+                           recordWithoutOwner(request.part)});
     return;
   }
   sync::Release checked = request;
@@ -155,6 +157,12 @@ void PartService::onRelease(const Peer& peer, const sync::Release& request) {
 }
 
 void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
+  if (!publisher_.writable()) {
+    ++context_.counts.denials;
+    publisher_.sendTo(peer,
+                      sync::EngageReply{request.request, sync::Denial::recovering, {request.part, 0, 0, {}}});
+    return;
+  }
   const auto decision = table_.engage(peer.site, peer.role, request, context_.now());
   if (decision.reply.denial != sync::Denial::none) ++context_.counts.denials;
   if (decision.changed)

@@ -71,7 +71,7 @@ class PartService {
   /// Keeps a part's new record, then publishes it.
   void change(const sync::PartRecord& record);
   void freed(const std::vector<sync::PartRecord>& records, const char* why);
-  sync::PartRecord recordOrUnknown(PartId part) const;
+  sync::PartRecord recordWithoutOwner(PartId part) const;
 
   const assets::Scene& scene_;
   sync::WireFrame frame_;

@@ -64,7 +64,8 @@ void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
     refuse(peer, sync::Refusal::badCredential,
            hello.resume ? "credential: a join token, not a resume ticket"
                         : "credential: a resume ticket, not a join token");
-  } else if (ticket->expires <= ground_.context.unixNow()) {
+  } else if (ticket->expires <= ground_.context.unixNow() ||
+             (!ticket->resume && ticket->expires <= forgottenUpTo_)) {
     refuse(peer, sync::Refusal::expired,
            hello.resume ? "the resume ticket has expired: ask for a new link"
                         : "the link has expired: ask for a new one");
@@ -243,7 +244,11 @@ void SiteAdmission::relist() {
 void SiteAdmission::housekeeping() {
   dropSilent();
   relist();
-  std::erase_if(usedNonces_, [&](const auto& entry) { return entry.second <= ground_.context.unixNow(); });
+  std::erase_if(usedNonces_, [&](const auto& entry) {
+    if (entry.second > ground_.context.unixNow()) return false;
+    forgottenUpTo_ = std::max(forgottenUpTo_, entry.second);
+    return true;
+  });
 }
 
 std::vector<sync::Role> SiteAdmission::drainUsedTokens() { return std::exchange(usedTokens_, {}); }

@@ -74,7 +74,10 @@ class SiteAdmission {
 
   Ground ground_;
   std::unordered_map<std::string, std::int64_t> usedNonces_;  // and when each expires, Unix time in s
-  std::vector<sync::Role> usedTokens_;                        // since the last drainUsedTokens()
+  /// The latest expiry of a nonce that was forgotten. Whatever expires no later stays expired, even if the
+  /// wall clock is put back.
+  std::int64_t forgottenUpTo_ = 0;
+  std::vector<sync::Role> usedTokens_;  // since the last drainUsedTokens()
 };
 
 }  // namespace tandem::server

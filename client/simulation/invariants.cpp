@@ -1,6 +1,9 @@
 #include "client/simulation/invariants.h"
 
 #include <algorithm>
+#include <tuple>
+
+#include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
 
@@ -12,7 +15,11 @@ using sync::PartRecord;
 namespace {
 
 constexpr Micros kAnswerLimit = 10 * sync::kSecond;  // L1: far above any round trip
-constexpr double kReplicaTolerance = 1e-5;           // m, L4: a few quanta of the wire
+/// L2: for which the last ping of a site may be under way when it dies, by the slowest network of a scenario.
+constexpr Micros kInFlight = 4 * sync::kSecond;
+/// S3, S8: for which an instructor's command explains that a part is taken from its owner at once.
+constexpr Micros kCommanded = 10 * sync::kSecond;
+constexpr double kReplicaTolerance = 1e-5;  // m, L4: a few quanta of the wire
 
 std::string text(const PartRecord& record) {
   return "part " + std::to_string(record.part) + " epoch " + std::to_string(record.epoch) + " owner " +
@@ -20,6 +27,12 @@ std::string text(const PartRecord& record) {
 }
 
 }  // namespace
+
+const char* toString(Rule rule) {
+  constexpr std::array<const char*, kRules> kNames{"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8",
+                                                   "L1", "L2", "L3", "L4", "R1", "R2", "R3", "R4"};
+  return kNames[static_cast<std::size_t>(rule)];
+}
 
 Invariants::Invariants(std::size_t sites, sync::LeaseRules lease)
     : lease_(lease), applied_(sites), open_(sites) {}
@@ -29,19 +42,39 @@ void Invariants::setTime(Micros now) {
   now_ = now;
 }
 
-void Invariants::reportBroken(const char* rule, std::string what) {
-  violations_.push_back({rule, sync::toSeconds(now_), std::move(what)});
+void Invariants::reportBroken(Rule rule, std::string what) {
+  violations_.push_back({toString(rule), sync::toSeconds(now_), std::move(what)});
 }
 
 void Invariants::onOwnership(std::size_t site, const PartRecord& record) {
   ASSERT(site < applied_.size());
   AppliedState& applied = applied_[site][record.part];
-  if (record.epoch < applied.epoch) reportBroken("S2", "site took an older ownership: " + text(record));
+  if (record.epoch < applied.epoch) reportBroken(Rule::S2, "site took an older ownership: " + text(record));
   if (record.epoch > applied.epoch) applied = {record.epoch, 0};
-  if (record.owner == kNoSite) return;
-  const auto [entry, fresh] = ownerOf_.emplace(std::pair{record.part, record.epoch}, record.owner);
-  if (!fresh && entry->second != record.owner) reportBroken("S1", "two owners in one epoch: " + text(record));
+  checkHandOver(record);
+  onTold(record);
 }
+
+void Invariants::onTold(const PartRecord& record) {
+  if (record.owner == kNoSite) return;
+  checked(Rule::S1);
+  const auto [entry, fresh] = ownerOf_.emplace(std::pair{record.part, record.epoch}, record.owner);
+  if (!fresh && entry->second != record.owner)
+    reportBroken(Rule::S1, "two owners in one epoch: " + text(record));
+}
+
+/// S6: all sites are told of one pose where an ownership begins or ends.
+void Invariants::checkHandOver(const PartRecord& record) {
+  if (record.owner != kNoSite) return;  // a record of a running ownership carries its newest pose
+  checked(Rule::S6);
+  const glm::dvec3& at = record.worldFromPart.position;
+  const auto [told, first] =
+      handedOver_.try_emplace({record.part, record.epoch, record.owner == kNoSite}, at);
+  if (!first && glm::length(told->second - at) > kReplicaTolerance)
+    reportBroken(Rule::S6, "two sites were told of different poses: " + text(record));
+}
+
+void Invariants::onClockBeyondBound(SiteId self) { beyondBoundAt_[self] = now_; }
 
 void Invariants::onGrab(std::size_t site, const sync::Grab& grab) {
   ASSERT(site < open_.size());
@@ -50,38 +83,62 @@ void Invariants::onGrab(std::size_t site, const sync::Grab& grab) {
 
 void Invariants::onGrabReply(std::size_t site, const sync::GrabReply& reply) {
   open_[site].erase(reply.request);
+  checked(Rule::S7);
+  checked(Rule::L1);
+  if (reply.denial == sync::Denial::ownedByOther) checked(Rule::S4);
   const auto [entry, fresh] = answers_.emplace(std::pair{site, reply.request}, reply);
   if (!fresh && (entry->second.denial != reply.denial || entry->second.part.epoch != reply.part.epoch))
-    reportBroken("S7", "one request, two answers: " + text(reply.part));
+    reportBroken(Rule::S7, "one request, two answers: " + text(reply.part));
   if (reply.denial == sync::Denial::ownedByOther && reply.part.owner == kNoSite)
-    reportBroken("S4", "denied without a winner: " + text(reply.part));
+    reportBroken(Rule::S4, "denied without a winner: " + text(reply.part));
 }
 
 void Invariants::onAccepted(std::size_t site, const sync::PartState& state) {
   ASSERT(site < applied_.size());
   AppliedState& applied = applied_[site][state.part];
+  checked(Rule::S2);
   if (state.epoch != applied.epoch)
-    reportBroken("S2", "site applied a state of epoch " + std::to_string(state.epoch) + " in epoch " +
-                           std::to_string(applied.epoch) + " of part " + std::to_string(state.part));
+    reportBroken(Rule::S2, "site applied a state of epoch " + std::to_string(state.epoch) + " in epoch " +
+                               std::to_string(applied.epoch) + " of part " + std::to_string(state.part));
   else if (state.sequence <= applied.sequence)
-    reportBroken("S2", "site applied an older state of part " + std::to_string(state.part));
+    reportBroken(Rule::S2, "site applied an older state of part " + std::to_string(state.part));
   applied.sequence = std::max(applied.sequence, state.sequence);
 }
 
 void Invariants::onPublished(SiteId self, const sync::PartState& state) {
   // S3: once the server has granted the part to another site, the former owner publishes nothing of it,
   // whether or not it has received word of the grant.
+  const auto beyond = beyondBoundAt_.find(self);
+  if (beyond != beyondBoundAt_.end() && now_ < beyond->second + 2 * lease_.lease) return;
+  if (commandedOf(state.part)) return;
+  checked(Rule::S3);
   const auto record = server_.find(state.part);
   if (record != server_.end() && record->second.owner != kNoSite && record->second.epoch > state.epoch &&
       record->second.owner != self)
-    reportBroken("S3", "site " + std::to_string(self) + " still publishes part " +
-                           std::to_string(state.part) + " epoch " + std::to_string(state.epoch));
+    reportBroken(Rule::S3, "site " + std::to_string(self) + " still publishes part " +
+                               std::to_string(state.part) + " epoch " + std::to_string(state.epoch));
 }
 
 /// After a release its owner publishes nothing of the part, so that the server may grant it at once (S8).
 void Invariants::onRelease(const sync::Release& release) {
   const auto kept = restored_.find(release.part);
   if (kept != restored_.end() && kept->second.epoch == release.epoch) restored_.erase(kept);
+}
+
+void Invariants::onLeft(std::size_t site, SiteId self) {
+  std::erase_if(restored_, [&](const auto& entry) { return entry.second.owner == self; });
+  onDead(site, self);
+}
+
+void Invariants::onCommand(PartId part) {
+  restored_.erase(part);
+  commandedAt_[part] = now_;
+}
+
+/// Whether an instructor has ordered of late that the part be taken from its owner.
+bool Invariants::commandedOf(PartId part) const {
+  const auto at = commandedAt_.find(part);
+  return at != commandedAt_.end() && now_ < at->second + kCommanded;
 }
 
 void Invariants::onConnection(std::size_t site, bool up) {
@@ -101,24 +158,49 @@ void Invariants::onDead(std::size_t site, SiteId self) {
 
 void Invariants::onServerRecord(const PartRecord& record) {
   PartRecord& before = server_[record.part];
-  if (record.epoch < before.epoch) reportBroken("S1", "the server's epoch went back: " + text(record));
+  checkDead(record);
+  if (record.epoch == before.epoch && record.owner == before.owner) return;
+  if (record.epoch < before.epoch) reportBroken(Rule::S1, "the server's epoch went back: " + text(record));
   const bool granted = record.owner != kNoSite && record.epoch > before.epoch;
   if (granted) {
     grants_.push_back({sync::toSeconds(now_), record.part, record.owner, record.epoch});
     const auto kept = restored_.find(record.part);
-    if (restartedAt_ >= 0 && now_ < restartedAt_ + lease_.lease && kept != restored_.end() &&
-        kept->second.owner != kNoSite && kept->second.owner != record.owner)
-      reportBroken("S8", "granted while an earlier owner may still hold it: " + text(record));
+    const bool early = restartedAt_ >= 0 && now_ < restartedAt_ + lease_.lease;
+    if (early) checked(Rule::S8);
+    if (early && kept != restored_.end() && kept->second.owner != kNoSite &&
+        kept->second.owner != record.owner)
+      reportBroken(Rule::S8, "granted while an earlier owner may still hold it: " + text(record));
   }
-  // L2: a part of a dead site is free after the lease and the drift of clocks. A restart begins a new lease.
-  const auto dead = deadSince_.find(record.owner);
-  if (dead != deadSince_.end()) {
-    const auto drift = static_cast<Micros>(static_cast<double>(lease_.lease) * lease_.driftPpm * 1e-6);
-    const Micros since = std::max(dead->second, restartedAt_);
-    if (now_ > since + lease_.lease + drift + sync::kSecond)
-      reportBroken("L2", "a dead site still owns: " + text(record));
+  // An ownership ends in its epoch. Only a command takes the part away with a new one (R1), unless that was
+  // an heir's who gave it back at once, of which finish() knows.
+  if (before.owner != kNoSite && record.owner == kNoSite && record.epoch == before.epoch + 1) {
+    checked(Rule::R1);
+    if (!commandedOf(record.part)) takenAway_.push_back({record.part, record.epoch});
   }
   before = record;
+}
+
+/// L2: a part of a dead site is free after the lease and the drift of clocks. A restart begins a new lease.
+void Invariants::checkDead(const PartRecord& record) {
+  const auto dead = deadSince_.find(record.owner);
+  if (dead == deadSince_.end()) return;
+  checked(Rule::L2);
+  const auto drift = static_cast<Micros>(static_cast<double>(lease_.lease) * lease_.driftPpm * 1e-6);
+  const Micros since = std::max({dead->second, restartedAt_, hinderedAt_});
+  if (now_ <= since + lease_.lease + drift + kInFlight) return;
+  reportBroken(Rule::L2, "a dead site still owns: " + text(record));
+  deadSince_.erase(dead);
+}
+
+void Invariants::onServerCoHolders(const std::vector<sync::CoHolderRecord>& lists) {
+  for (const sync::CoHolderRecord& list : lists) {
+    checked(Rule::S5);
+    const PartRecord& record = server_[list.part];
+    if (record.owner == kNoSite) reportBroken(Rule::S5, "simulated, but without an owner: " + text(record));
+    const std::set<SiteId> sites(list.sites.begin(), list.sites.end());
+    if (sites.size() != list.sites.size() || sites.contains(record.owner))
+      reportBroken(Rule::S5, "a co-holder twice, or the owner too: " + text(record));
+  }
 }
 
 void Invariants::onServerRestart(const std::vector<PartRecord>& restored) {
@@ -131,20 +213,26 @@ void Invariants::onServerRestart(const std::vector<PartRecord>& restored) {
     const auto kept = restored_.find(part);
     const Epoch epoch = kept == restored_.end() ? 0 : kept->second.epoch;
     if (received != ownerOf_.end() && epoch < record.epoch)
-      reportBroken("S1", "the journal lost " + text(record));
+      reportBroken(Rule::S1, "the journal lost " + text(record));
     record = kept == restored_.end() ? PartRecord{part, kNoSite, 0, {}} : kept->second;
   }
 }
 
 void Invariants::finish(const std::vector<std::pair<std::string, double>>& replicaErrors) {
+  checked(Rule::L4);
+  for (const auto& taken : takenAway_)
+    if (!ownerOf_.contains(taken))
+      reportBroken(Rule::R1, "part " + std::to_string(taken.first) +
+                                 " was taken away by nobody's command, epoch " +
+                                 std::to_string(taken.second));
   for (const auto& requests : open_)
     for (const auto& [request, open] : requests)
       if (now_ - open.at > kAnswerLimit)
-        reportBroken("L1", "request " + std::to_string(request) + " for part " + std::to_string(open.part) +
-                               " unanswered");
+        reportBroken(Rule::L1, "request " + std::to_string(request) + " for part " +
+                                   std::to_string(open.part) + " unanswered");
   for (const auto& [name, error] : replicaErrors)
     if (error > kReplicaTolerance)
-      reportBroken("L4", "replicas of " + name + " differ by " + std::to_string(error) + " m");
+      reportBroken(Rule::L4, "replicas of " + name + " differ by " + std::to_string(error) + " m");
 }
 
 }  // namespace tandem::client

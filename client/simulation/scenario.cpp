@@ -8,69 +8,13 @@
 #include "assets/base/json.h"
 #include "client/base/json_input.h"
 #include "client/hand/hand_script.h"
+#include "client/simulation/scenario_fields.h"
 #include "sync/wire/limits.h"
 #include "sync/wire/time.h"
 
 namespace tandem::client {
 
 namespace {
-
-/// Reads the fields of one object and refuses fields that nobody reads.
-class Fields {
- public:
-  Fields(const Json& object, std::string where) : object_(object), where_(std::move(where)) {
-    if (!object_.isObject()) throw where_ + ": must be an object";
-  }
-  bool has(const char* key) {
-    known_.insert(key);
-    return object_.contains(key);
-  }
-  double number(const char* key, double fallback, double least, double most) {
-    if (!has(key)) return fallback;
-    const Json& value = object_.at(key);
-    if (!value.isNumber() || !std::isfinite(value.number()) || value.number() < least ||
-        value.number() > most)
-      throw where_ + ": \"" + key + "\" must be a number from " + short_(least) + " to " + short_(most);
-    return value.number();
-  }
-  double required(const char* key, double least, double most) {
-    if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
-    return number(key, 0.0, least, most);
-  }
-  std::string text(const char* key, const std::string& fallback) {
-    if (!has(key)) return fallback;
-    if (!object_.at(key).isText()) throw where_ + ": \"" + key + "\" must be a string";
-    return object_.at(key).text();
-  }
-  std::string requiredText(const char* key) {
-    if (!has(key)) throw where_ + ": lacks \"" + key + "\"";
-    return text(key, "");
-  }
-  const Json& list(const char* key) {
-    static const Json empty = Json::array();
-    if (!has(key)) return empty;
-    if (!object_.at(key).isArray()) throw where_ + ": \"" + key + "\" must be a list";
-    return object_.at(key);
-  }
-  const Json& operator[](const char* key) { return object_.at(key); }
-  const std::string& where() const { return where_; }
-  /// Throws if the object has a key that was not read: a misspelt key must not be ignored.
-  void refuseUnknown() const {
-    for (const auto& [key, value] : object_.members())
-      if (!known_.count(key)) throw where_ + ": does not know \"" + key + "\"";
-  }
-
- private:
-  static std::string short_(double value) {
-    std::string text = std::to_string(value);
-    text.erase(text.find_last_not_of('0') + 1);
-    if (text.back() == '.') text.pop_back();
-    return text;
-  }
-  const Json& object_;
-  std::string where_;
-  std::set<std::string> known_;
-};
 
 /// Whether a name can stand in a CSV column and in a line of text.
 bool plain(const std::string& name) {
@@ -152,24 +96,6 @@ void parseNetwork(const Json& entry, Scenario& scenario) {
   fields.refuseUnknown();
 }
 
-Fault parseFault(const Json& entry, const std::string& where) {
-  Fields fields(entry, where);
-  Fault fault;
-  fault.at = fields.required("at", 0.0, 1e5);
-  if (fields.has("kill") == fields.has("pause")) throw where + ": needs either \"kill\" or \"pause\"";
-  if (fields.has("pause")) {
-    fault.site = fields.requiredText("pause");
-    fault.kind = fault.site == "server" ? Fault::Kind::pauseServer : Fault::Kind::pauseSite;
-    fault.lasts = fields.required("for_s", 0.0, 1e5);
-  } else {
-    fault.site = fields.requiredText("kill");
-    fault.kind = fault.site == "server" ? Fault::Kind::killServer : Fault::Kind::killSite;
-    fault.lasts = fields.number("restart_after_s", -1.0, 0.0, 1e5);
-  }
-  fields.refuseUnknown();
-  return fault;
-}
-
 void checkSites(const Scenario& scenario) {
   std::set<std::string> names;
   for (const ScenarioSite& site : scenario.sites)
@@ -180,7 +106,7 @@ void checkSites(const Scenario& scenario) {
   };
   for (const Blackout& blackout : scenario.blackouts) check(blackout.site, "network.blackouts");
   for (const Fault& fault : scenario.faults)
-    if (!fault.ofServer()) check(fault.site, "faults");
+    if (!fault.site.empty() && fault.site != "server" && fault.site != "all") check(fault.site, "faults");
 }
 
 Scenario parse(const Json& document, const std::string& path) {
@@ -215,6 +141,7 @@ Scenario parse(const Json& document, const std::string& path) {
   index = 0;
   for (const Json& fault : fields.list("faults"))
     scenario.faults.push_back(parseFault(fault, "faults[" + std::to_string(index++) + "]"));
+  scenario.calmFrom = fields.number("calm_from_s", -1.0, 0.0, 3600.0);
   fields.refuseUnknown();
   checkSites(scenario);
   return scenario;

@@ -38,14 +38,43 @@ struct DelayStep {
   sync::Micros oneWay = 0;
 };
 
+/// One thing that goes wrong, or that somebody does. Each ends by itself after `lasts`, or lasts on.
 struct Fault {
-  enum class Kind : std::uint8_t { killServer, pauseServer, killSite, pauseSite };
+  enum class Kind : std::uint8_t {
+    killServer,   // and start it again when it is over
+    pauseServer,  //
+    killSite,     // and start it again when it is over
+    pauseSite,    //
+    leave,        // the site says goodbye
+    revoke,       // the site orders that `part` be taken from its owner
+    reset,        // the site orders that all free parts be put back
+    diskFails,    // nothing becomes durable, and the journal says so
+    diskSlow,     // `amount` s until a record is durable
+    diskTears,    // the record under way is half on the disk when the server is killed
+    diskRots,     // a record that is on the disk cannot be read when the server starts next
+    diskLies,     // what it calls durable is lost if the server is killed meanwhile
+    drift,        // the monotonic clock of the site, or of the server, runs `amount` ppm fast
+    wallStep,     // the server's wall clock is put forward by `amount` s
+    cutUp,        // nothing of the site reaches the server
+    cutDown,      // nothing of the server reaches the site
+    delay,        // `amount` s more each way
+    burst,        // `amount` of the datagrams of the site, or of all, are lost
+    uplink,       // the site sends no more than `amount` bytes/s
+    malformed,    // a stranger enters and sends bytes that are no messages
+    replay,       // a stranger enters twice with one token, and sends old messages again
+    escalate,     // a stranger enters and does what its role may not do
+    flood,        // a stranger enters and sends far more than it may
+    forge,        // a stranger tries tokens that the server never gave, or that have expired
+  };
   Kind kind = Kind::killServer;
   double at = 0.0;      // s
-  double lasts = -1.0;  // s: until the restart, or of the pause; < 0: for good
-  std::string site;     // none: of the server
+  double lasts = -1.0;  // s; < 0: for good
+  std::string site;     // none: of the server, of all sites, or of a stranger
+  double amount = 0.0;  // ppm, s, share or bytes/s
+  std::string part;     // of a revoke
 
   bool ofServer() const { return kind == Kind::killServer || kind == Kind::pauseServer; }
+  bool ofStranger() const { return kind >= Kind::malformed; }
 };
 
 struct Scenario {
@@ -59,7 +88,13 @@ struct Scenario {
   std::vector<Blackout> blackouts;
   std::vector<DelayStep> steps;
   std::vector<Fault> faults;
+  /// From here on nothing goes wrong any more: the network is perfect, the server runs on a good disk, clocks
+  /// are right; s, < 0: never.
+  double calmFrom = -1.0;
 };
+
+/// The scenario as JSON that loadScenario() reads, with the name of its scene instead of its path.
+std::string toJson(const Scenario& scenario);
 
 /// Reads a scenario file. The scene's path is taken from the file's folder, then from the working directory.
 Result<Scenario> loadScenario(const std::string& path);

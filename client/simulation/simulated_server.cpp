@@ -20,20 +20,30 @@ Role roleOf(const std::string& name) {
 
 SimulatedServer::SimulatedServer(const assets::Scene& scene, VirtualNetwork& network, std::uint64_t seed,
                                  Mistake mistake)
-    : scene_(scene), network_(network), mistake_(mistake), package_(assets::packScene(scene)) {
+    : scene_(scene),
+      network_(network),
+      mistake_(mistake),
+      package_(assets::packScene(scene)),
+      journal_(seed),
+      wallClock_(kWallClock) {
   key_.seed.fill(static_cast<std::uint8_t>(seed));
 }
 
+std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClock_ + now / kSecond; }
+
 void SimulatedServer::start(Micros now, Invariants& invariants) {
   ASSERT(!running());
+  if (journal_.restart()) ++key_.seed[0];
   server::SessionConfig config;
   config.key = key_;
   if (mistake_ == Mistake::regrantedEarly) config.lease.driftPpm = -9e5;
   transport_ = network_.listen();
+  pausedUntil_ = 0;
   const server::JournalContents kept = journal_.contents();
-  clockOffset_ = kept.sessionTime - now;  // a new process: its clock goes on from what the journal knows
+  // A new process: its clock goes on from what the journal knows.
+  clockOffset_ = kept.sessionTime - clock_.at(now);
   session_ = std::make_unique<server::Session>(scene_, package_, config, *transport_, journal_, nullptr,
-                                               now + clockOffset_, kWallClock + now / kSecond);
+                                               clock_.at(now) + clockOffset_, unixNow(now));
   if (now > 0) invariants.onServerRestart(kept.parts);
 }
 
@@ -41,19 +51,51 @@ void SimulatedServer::kill() {
   session_.reset();
   transport_.reset();
   journal_.crash();
-  if (mistake_ == Mistake::journalForgotten) journal_ = server::MemoryJournal{};
+  if (mistake_ == Mistake::journalForgotten) journal_ = FaultyJournal{1};
 }
 
 void SimulatedServer::step(Micros now, Invariants& invariants) {
-  if (!running()) return;
-  session_->step(now + clockOffset_, kWallClock + now / kSecond);
+  if (!running()) return invariants.onServerHindered();
+  if (pausedUntil_ > 0) {
+    invariants.onServerHindered();
+    if (paused(now)) return;
+    pausedUntil_ = 0;
+  }
+  session_->step(clock_.at(now) + clockOffset_, unixNow(now));
+  if (!journal_.failure().empty()) invariants.onServerHindered();
+  observe(invariants);
+}
+
+void SimulatedServer::observe(Invariants& invariants) const {
+  const OwnershipTable& table = session_->ownership();
   for (std::size_t i = 0; i < scene_.parts.size(); ++i)
-    if (const PartRecord& record = session_->ownership().part(static_cast<PartId>(i)); record.epoch > 0)
+    if (const PartRecord& record = table.part(static_cast<PartId>(i)); record.epoch > 0)
       invariants.onServerRecord(record);
+  invariants.onServerCoHolders(table.allCoHolders());
+}
+
+Micros SimulatedServer::nextStep(Micros now) const {
+  if (paused(now)) return pausedUntil_;
+  const Micros due = session_->nextDeadline() - clockOffset_;  // by the server's clock
+  return now + std::max<Micros>(0, due - clock_.at(now));
 }
 
 std::string SimulatedServer::makeToken(const std::string& role) const {
-  return running() ? session_->makeToken(roleOf(role), kWallClock + kTokenLasts) : "";
+  return running() ? session_->makeToken(roleOf(role), wallClock_ + kTokenLasts) : "";
+}
+
+std::string SimulatedServer::makeToken(Role role, std::int64_t seconds, Micros now) const {
+  return running() ? session_->makeToken(role, unixNow(now) + seconds) : "";
+}
+
+std::string SimulatedServer::forgeToken(Role role) const {
+  server::Ticket ticket;
+  ticket.role = role;
+  ticket.nonce = std::string(32, 'a');
+  ticket.expires = wallClock_ + kTokenLasts;
+  server::SigningKey other = key_;
+  other.seed[1] ^= 0x55;
+  return server::sign(ticket, other);
 }
 
 }  // namespace tandem::client

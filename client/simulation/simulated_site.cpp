@@ -23,7 +23,7 @@ SimulatedSite::SimulatedSite(SimulationContext& context, std::size_t index, cons
     : context_(context),
       index_(index),
       description_(description),
-      clockOffset_(clockOffset),
+      clock_(clockOffset),
       joinsAt_(static_cast<Micros>(description.joins * 1e6)),
       exchange_(std::make_unique<Exchange>()),
       hand_(std::make_unique<HandLoop>(context.contact, *exchange_)),
@@ -89,6 +89,25 @@ void SimulatedSite::crash() {
   exchange_ = std::make_unique<Exchange>();
   exchange_->settings.write(settings());
   hand_ = std::make_unique<HandLoop>(context_.contact, *exchange_);
+}
+
+void SimulatedSite::leave() {
+  if (!inSession()) return;
+  context_.invariants.onLeft(index_, id_);
+  connection_->leave();
+}
+
+void SimulatedSite::revoke(PartId part) {
+  if (!connection_) return;
+  context_.invariants.onCommand(part);
+  connection_->revoke(part);
+}
+
+void SimulatedSite::resetParts() {
+  if (!connection_) return;
+  for (std::size_t part = 0; part < context_.scene.parts.size(); ++part)
+    context_.invariants.onCommand(static_cast<PartId>(part));
+  connection_->resetParts();
 }
 
 void SimulatedSite::step(Micros now) {

@@ -11,6 +11,8 @@
 #include "client/hand/hand_loop.h"
 #include "client/hand/scripted_device.h"
 #include "client/session/server_connection.h"
+#include "client/simulation/drifting_clock.h"
+#include "client/simulation/fault_schedule.h"
 #include "client/simulation/fingerprint.h"
 #include "client/simulation/measures.h"
 #include "client/simulation/simulated_server.h"
@@ -46,7 +48,7 @@ struct SimulationContext {
   double linkWork = 0.0;        // J, done by all coordination links on all replicas
 };
 
-class SimulatedSite final : public ConnectionObserver {
+class SimulatedSite final : public FaultySite, public ConnectionObserver {
  public:
   /// `context` and `description` must outlive this object. `clockOffset` is the site's clock less virtual
   /// time.
@@ -54,20 +56,24 @@ class SimulatedSite final : public ConnectionObserver {
                 HandScript script, const Pose& worldFromStart, sync::Micros clockOffset);
 
   /// Starts the client: from now on it connects.
-  void start();
+  void start() override;
   /// Starts the client once, at the time at which the scenario lets it join.
   void startWhenDue(sync::Micros now);
   /// Ends the client at once. What it knew is lost.
-  void crash();
+  void crash() override;
   /// The client stands still until then.
-  void pauseUntil(sync::Micros until) { pausedUntil_ = until; }
+  void pauseUntil(sync::Micros until) override { pausedUntil_ = until; }
+  void setDrift(double ppm, sync::Micros now) override { clock_.setDrift(ppm, now); }
+  void leave() override;
+  void revoke(PartId part) override;
+  void resetParts() override;
   /// One tick of the hand, then one step of the connection.
   void step(sync::Micros now);
 
   std::size_t index() const { return index_; }
   SiteId id() const { return id_; }
-  const std::string& name() const { return description_.name; }
-  bool started() const { return connection_ != nullptr; }
+  const std::string& name() const override { return description_.name; }
+  bool started() const override { return connection_ != nullptr; }
   bool inSession() const { return connection_ && connection_->stage() == ServerConnection::Stage::ready; }
   /// Who owns a part, as far as this site knows. Only while it is started.
   SiteId ownerOf(PartId part) const { return connection_->owner(part); }
@@ -91,7 +97,7 @@ class SimulatedSite final : public ConnectionObserver {
 
  private:
   bool paused(sync::Micros now) const { return now < pausedUntil_; }
-  sync::Micros local(sync::Micros now) const { return now + clockOffset_; }
+  sync::Micros local(sync::Micros now) const { return clock_.at(now); }
   HandSettingsInput settings() const;
   void tickHand(sync::Micros now);
   HandSample measure(const Wrench& toHand);
@@ -105,7 +111,8 @@ class SimulatedSite final : public ConnectionObserver {
   SimulationContext& context_;
   std::size_t index_;
   const ScenarioSite& description_;
-  sync::Micros clockOffset_, joinsAt_, pausedUntil_ = 0;
+  DriftingClock clock_;
+  sync::Micros joinsAt_, pausedUntil_ = 0;
   SiteId id_ = kNoSite;
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<HandLoop> hand_;

@@ -36,7 +36,7 @@ class Simulation {
       : scenario_(scenario),
         scene_(contact.scene()),
         context_(scenario, contact, options),
-        conditions_(scenario.network),
+        faults_(scenario, scene_, context_.network, context_.server, context_.invariants, options.seed),
         watch_(options.watch) {
     if (options.tracePath.empty()) return;
     context_.trace.open(options.tracePath);
@@ -51,10 +51,6 @@ class Simulation {
 
  private:
   void tick();
-  void applyFaults();
-  void apply(const Fault& fault);
-  void restart();
-  void applyNetworkChanges();
   void compareReplicas();
   void compareReplicas(const SimulatedSite& owner, const haptics::OwnedPart& part);
   void showSites();
@@ -63,13 +59,11 @@ class Simulation {
   const Scenario& scenario_;
   const assets::Scene& scene_;
   SimulationContext context_;
-  NetworkConditions conditions_;
+  FaultSchedule faults_;
   std::function<void(double, std::span<const SimulatedSiteState>)> watch_;
   std::vector<std::unique_ptr<SimulatedSite>> sites_;
-  Micros now_ = 0, serverRestartsAt_ = -1, serverPausedUntil_ = 0;
-  std::vector<bool> faultDone_, blackoutDone_, stepDone_;  // an entry of the scenario each
-  std::vector<std::pair<Micros, std::size_t>> rejoin_;     // when which site starts again; < 0: done
-  std::vector<bool> allStill_, undisturbed_;               // a tick each
+  Micros now_ = 0;
+  std::vector<bool> allStill_, undisturbed_;  // a tick each
   Distances displayed_, shared_;
   std::uint64_t sharedTicks_ = 0;
   double maxLinkWork_ = 0.0;  // J
@@ -88,73 +82,9 @@ Status Simulation::addSites(std::uint64_t seed) {
     const auto offset = static_cast<Micros>(random() % 1000000000000ull);
     sites_.push_back(
         std::make_unique<SimulatedSite>(context_, i, description, std::move(*script), start, offset));
+    faults_.addSite(*sites_.back());
   }
-  faultDone_.assign(scenario_.faults.size(), false);
-  blackoutDone_.assign(scenario_.blackouts.size(), false);
-  stepDone_.assign(scenario_.steps.size(), false);
   return {};
-}
-
-void Simulation::applyFaults() {
-  const double t = toSeconds(now_);
-  for (std::size_t i = 0; i < scenario_.faults.size(); ++i) {
-    if (faultDone_[i] || t < scenario_.faults[i].at) continue;
-    faultDone_[i] = true;
-    apply(scenario_.faults[i]);
-  }
-  restart();
-}
-
-void Simulation::apply(const Fault& fault) {
-  const Micros until = now_ + static_cast<Micros>(std::max(fault.lasts, 0.0) * 1e6);
-  if (fault.kind == Fault::Kind::killServer) {
-    context_.server.kill();
-    if (fault.lasts >= 0.0) serverRestartsAt_ = until;
-    return;
-  }
-  if (fault.kind == Fault::Kind::pauseServer) {
-    serverPausedUntil_ = until;
-    return;
-  }
-  for (auto& site : sites_) {
-    if (site->name() != fault.site) continue;
-    if (fault.kind == Fault::Kind::pauseSite) {
-      site->pauseUntil(until);
-    } else {
-      site->crash();
-      if (fault.lasts >= 0.0) rejoin_.emplace_back(until, site->index());
-    }
-  }
-}
-
-/// Starts what was killed and is due again. A site waits for the server; it may run already if it was killed
-/// before it had joined.
-void Simulation::restart() {
-  if (serverRestartsAt_ >= 0 && now_ >= serverRestartsAt_) {
-    serverRestartsAt_ = -1;
-    context_.server.start(now_, context_.invariants);
-  }
-  for (auto& [at, index] : rejoin_) {
-    if (at < 0 || now_ < at || !context_.server.running()) continue;
-    if (!sites_[index]->started()) sites_[index]->start();
-    at = -1;
-  }
-}
-
-void Simulation::applyNetworkChanges() {
-  const double t = toSeconds(now_);
-  for (std::size_t i = 0; i < scenario_.blackouts.size(); ++i) {
-    const Blackout& blackout = scenario_.blackouts[i];
-    if (blackoutDone_[i] || t < blackout.at) continue;
-    blackoutDone_[i] = true;
-    context_.network.blackout(blackout.site, now_ + static_cast<Micros>(blackout.lasts * 1e6));
-  }
-  for (std::size_t i = 0; i < scenario_.steps.size(); ++i) {
-    if (stepDone_[i] || t < scenario_.steps[i].at) continue;
-    stepDone_[i] = true;
-    conditions_.oneWay = scenario_.steps[i].oneWay;
-    context_.network.setConditions(conditions_);
-  }
 }
 
 /// Measures how far the owner's pose of each part is from what the other sites draw of it at this instant,
@@ -196,10 +126,9 @@ void Simulation::showSites() {
 void Simulation::tick() {
   context_.invariants.setTime(now_);
   context_.network.advanceTo(now_);
-  context_.server.advanceJournalTo(now_);
-  applyFaults();
-  applyNetworkChanges();
-  if (now_ >= serverPausedUntil_) context_.server.step(now_, context_.invariants);
+  context_.server.journal().advanceTo(now_);
+  faults_.advanceTo(now_);
+  context_.server.step(now_, context_.invariants);
   bool still = true, slidOff = false;
   for (auto& site : sites_) {
     if (context_.server.running()) site->startWhenDue(now_);

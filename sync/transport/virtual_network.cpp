@@ -5,7 +5,6 @@
 #include <deque>
 #include <iterator>
 #include <map>
-#include <queue>
 #include <random>
 #include <vector>
 
@@ -19,6 +18,8 @@ namespace {
 /// A lost segment is sent again a round trip and this much later.
 constexpr Micros kResendPause = 10 * kMillisecond;
 constexpr int kMaxResends = 10;
+/// Datagrams that would wait longer than this for a slow uplink are dropped.
+constexpr Micros kUplinkQueue = kSecond;
 
 struct Received {
   TransportEvent::Kind kind = TransportEvent::Kind::closed;
@@ -51,8 +52,15 @@ struct Channel {
 
 enum Side : int { kServerSide = 0, kSiteSide = 1 };
 
+/// What is special about the way between one site and the server.
+struct SitePath {
+  Micros cutUntil[2] = {0, 0};  // toward the server, toward the site
+  VirtualNetwork::Path path;
+  Micros uplinkFreeAt = 0;  // when what queues in a slow uplink will have left
+};
+
 struct Connection {
-  std::string site;
+  SitePath* path = nullptr;
   ConnectionId id = 0;    // as the server sees it
   Endpoint* end[2] = {};  // null once that side has gone
   bool open[2] = {};      // whether that side still gets events other than `closed`
@@ -74,6 +82,26 @@ struct Later {
   }
 };
 
+/// A priority queue whose first element can be moved out.
+class Deliveries {
+ public:
+  bool empty() const { return heap_.empty(); }
+  const Delivery& first() const { return heap_.front(); }
+  void push(Delivery delivery) {
+    heap_.push_back(std::move(delivery));
+    std::push_heap(heap_.begin(), heap_.end(), Later{});
+  }
+  Delivery pop() {
+    std::pop_heap(heap_.begin(), heap_.end(), Later{});
+    Delivery first = std::move(heap_.back());
+    heap_.pop_back();
+    return first;
+  }
+
+ private:
+  std::vector<Delivery> heap_;
+};
+
 /// The network between the endpoints.
 struct Core {
   explicit Core(std::uint64_t seed) : random(seed) {}
@@ -82,8 +110,8 @@ struct Core {
   NetworkConditions conditions;
   Micros now = 0;
   std::uint64_t order = 0;
-  std::priority_queue<Delivery, std::vector<Delivery>, Later> deliveries;
-  std::map<std::string, Micros> blackoutUntil;
+  Deliveries deliveries;
+  std::map<std::string, SitePath> paths;  // by site
   Endpoint* server = nullptr;
   ConnectionId lastConnection = 0;
 
@@ -91,14 +119,20 @@ struct Core {
   double uniform() { return static_cast<double>(random() >> 11) * 0x1p-53; }
   /// True with the probability of one leg, 1 - sqrt(1 - whole), where `whole` is that of both legs together.
   bool chance(double whole) { return whole > 0.0 && uniform() < 1.0 - std::sqrt(1.0 - std::min(whole, 1.0)); }
-  Micros legDelay() {
+  Micros legDelay(const SitePath& path) {
     const double half = 0.5 * static_cast<double>(conditions.oneWay);
     const double factor = conditions.jitter > 0.0 ? 1.0 + conditions.jitter * (2.0 * uniform() - 1.0) : 1.0;
-    return static_cast<Micros>(std::llround(std::max(0.0, half * factor)));
+    return static_cast<Micros>(std::llround(std::max(0.0, half * factor))) + path.path.delay;
   }
-  bool blackedOut(const std::string& site) const {
-    const auto found = blackoutUntil.find(site);
-    return found != blackoutUntil.end() && now < found->second;
+  static bool isCut(const SitePath& path, Side to, Micros at) { return at < path.cutUntil[to]; }
+  /// The probability that a datagram of the site is lost on its leg, beside `conditions.loss`.
+  bool lostOnPath(const SitePath& path) { return path.path.loss > 0.0 && uniform() < path.path.loss; }
+  /// When what the site sends now has passed its uplink, which sends one message after the other.
+  Micros throughUplink(SitePath& path, Side to, std::size_t bytes) {
+    if (to != kServerSide || path.path.uplinkRate <= 0.0) return now;
+    path.uplinkFreeAt = std::max(path.uplinkFreeAt, now) +
+                        static_cast<Micros>(1e6 * static_cast<double>(bytes) / path.path.uplinkRate);
+    return path.uplinkFreeAt;
   }
 
   void schedule(Delivery delivery) {
@@ -108,9 +142,10 @@ struct Core {
   }
   void sendControl(const std::shared_ptr<Connection>& connection, Side to, Channel::Item item,
                    Micros extra = 0) {
-    Micros arrival = now + legDelay() + extra;
-    for (int i = 0; i < kMaxResends && chance(conditions.loss); ++i)
-      arrival += conditions.oneWay + kResendPause;
+    SitePath& path = *connection->path;
+    Micros arrival = throughUplink(path, to, item.bytes.size()) + legDelay(path) + extra;
+    for (int i = 0; i < kMaxResends && (chance(conditions.loss) || lostOnPath(path)); ++i)
+      arrival += conditions.oneWay + 2 * path.path.delay + kResendPause;
     Channel& channel = connection->toward[to];
     channel.lastArrival = std::max(channel.lastArrival, arrival);
     channel.bytesInFlight += item.bytes.size();
@@ -125,12 +160,16 @@ struct Core {
   void sendState(const std::shared_ptr<Connection>& connection, Side to, std::span<const std::byte> bytes) {
     // Every draw is made whatever its outcome, so that one condition does not shift the others' random
     // numbers.
-    const bool lost = chance(conditions.loss), twice = chance(conditions.duplicate);
+    SitePath& path = *connection->path;
+    const bool lostInTheMiddle = chance(conditions.loss), twice = chance(conditions.duplicate);
+    const bool full = to == kServerSide && path.uplinkFreeAt - now > kUplinkQueue;
+    const bool lost = lostOnPath(path) || lostInTheMiddle || full;
+    const Micros leaves = full ? now : throughUplink(path, to, bytes.size());
     for (int copy = 0; copy < (twice ? 2 : 1); ++copy) {
-      Micros delay = legDelay();
-      if (chance(conditions.reorder)) delay += std::max(legDelay(), kMillisecond);
-      if (lost || blackedOut(connection->site)) continue;
-      schedule({.at = now + delay,
+      Micros delay = legDelay(path);
+      if (chance(conditions.reorder)) delay += std::max(legDelay(path), kMillisecond);
+      if (lost || isCut(path, to, now)) continue;
+      schedule({.at = leaves + delay,
                 .order = 0,
                 .kind = Delivery::Kind::state,
                 .to = to,
@@ -181,9 +220,10 @@ struct Core {
     end->inbox.push_back({TransportEvent::Kind::state, id, std::move(delivery.bytes), {}});
   }
   void deliver(Delivery delivery) {
-    if (blackedOut(delivery.connection->site)) {
+    const SitePath& path = *delivery.connection->path;
+    if (isCut(path, delivery.to, now)) {
       if (delivery.kind == Delivery::Kind::state) return;
-      delivery.at = blackoutUntil[delivery.connection->site];
+      delivery.at = path.cutUntil[delivery.to];
       return deliveries.push(
           std::move(delivery));  // it keeps its order, and so stays in front of later deliveries
     }
@@ -206,6 +246,7 @@ class VirtualTransport : public Transport {
   ~VirtualTransport() override;
 
   Endpoint& endpoint() { return endpoint_; }
+  bool hasEvents() const { return !endpoint_.inbox.empty(); }
 
   bool poll(TransportEvent& event) override;
   void sendControl(ConnectionId id, std::span<const std::byte> bytes) override;
@@ -325,9 +366,8 @@ VirtualNetwork::~VirtualNetwork() = default;
 
 void VirtualNetwork::advanceTo(Micros now) {
   ASSERT(now >= impl_->now);
-  while (!impl_->deliveries.empty() && impl_->deliveries.top().at <= now) {
-    Delivery next = impl_->deliveries.top();
-    impl_->deliveries.pop();
+  while (!impl_->deliveries.empty() && impl_->deliveries.first().at <= now) {
+    Delivery next = impl_->deliveries.pop();
     impl_->now = std::max(impl_->now, next.at);
     impl_->deliver(std::move(next));
   }
@@ -344,12 +384,12 @@ std::unique_ptr<Transport> VirtualNetwork::listen() {
 std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micros deathNoticed) {
   auto transport = std::make_unique<VirtualTransport>(impl_, kSiteSide, deathNoticed);
   auto connection = std::make_shared<Connection>();
-  connection->site = site;
+  connection->path = &impl_->paths[site];
   connection->id = ++impl_->lastConnection;
   connection->end[kSiteSide] = &transport->endpoint();
   connection->open[kSiteSide] = true;
   transport->endpoint().connections[0] = connection;
-  const Micros at = impl_->now + impl_->legDelay();
+  const Micros at = impl_->now + impl_->legDelay(*connection->path);
   connection->toward[kServerSide].lastArrival = connection->toward[kSiteSide].lastArrival = at;
   impl_->schedule({.at = at,
                    .order = 0,
@@ -363,8 +403,35 @@ std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micr
 void VirtualNetwork::setConditions(const NetworkConditions& conditions) { impl_->conditions = conditions; }
 
 void VirtualNetwork::blackout(const std::string& site, Micros until) {
-  Micros& end = impl_->blackoutUntil[site];
+  cut(site, Way::toServer, until);
+  cut(site, Way::toSite, until);
+}
+
+void VirtualNetwork::cut(const std::string& site, Way way, Micros until) {
+  Micros& end = impl_->paths[site].cutUntil[way == Way::toServer ? kServerSide : kSiteSide];
   end = std::max(end, until);
+}
+
+void VirtualNetwork::healAll() {
+  for (auto& [site, path] : impl_->paths) {
+    path.cutUntil[kServerSide] = path.cutUntil[kSiteSide] = 0;
+    path.path = {};
+  }
+}
+
+void VirtualNetwork::setPath(const std::string& site, const Path& path) { impl_->paths[site].path = path; }
+
+VirtualNetwork::Path VirtualNetwork::path(const std::string& site) const { return impl_->paths[site].path; }
+
+std::optional<Micros> VirtualNetwork::nextArrival() const {
+  if (impl_->deliveries.empty()) return std::nullopt;
+  return impl_->deliveries.first().at;
+}
+
+bool VirtualNetwork::hasEvents(const Transport& transport) {
+  const auto* end = dynamic_cast<const VirtualTransport*>(&transport);
+  ASSERT(end != nullptr);
+  return end->hasEvents();
 }
 
 }  // namespace tandem::sync

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include "sync/transport/transport.h"
@@ -46,6 +47,26 @@ class VirtualNetwork {
   /// Nothing to or from this site passes from now until `until`; control arrives afterwards, datagrams are
   /// lost.
   void blackout(const std::string& site, Micros until);
+
+  /// The same in one direction.
+  enum class Way : std::uint8_t { toServer, toSite };
+  void cut(const std::string& site, Way way, Micros until);
+
+  /// What is special about the leg between one site and the server, beside the conditions.
+  struct Path {
+    Micros delay = 0;         // more, each way
+    double loss = 0.0;        // more; control is delayed by a resend instead
+    double uplinkRate = 0.0;  // bytes/s from the site; 0: any. What does not pass queues, up to a second
+  };
+  void setPath(const std::string& site, const Path& path);
+  Path path(const std::string& site) const;
+  /// Ends all cuts, and takes back every setPath().
+  void healAll();
+
+  /// When the next message arrives; nothing if none is under way.
+  std::optional<Micros> nextArrival() const;
+  /// Whether an end of this network has events to be polled.
+  static bool hasEvents(const Transport& transport);
 
  private:
   struct Impl;

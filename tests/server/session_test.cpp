@@ -29,6 +29,7 @@ struct Rig {
   std::unique_ptr<Session> session;
   std::vector<std::unique_ptr<FakeSite>> sites;
   Micros now = 0;
+  std::int64_t wallStep = 0;  // s, by which the wall clock was put forward
   bool pinging = true;
 
   explicit Rig(const Places& places = {}) {
@@ -60,7 +61,7 @@ struct Rig {
       now += kMillisecond;
       network.advanceTo(now);
       journal.advanceTo(now);
-      if (session) session->step(now, kUnix + now / kSecond);
+      if (session) session->step(now, kUnix + wallStep + now / kSecond);
       for (auto& site : sites) {
         if (site->transport == nullptr) continue;
         site->listen();
@@ -654,6 +655,20 @@ TEST(Session, RefillsNoBudgetOfASiteThatConnectsAnew) {
   rig.resume("again", ticket);
 }
 
+TEST(Session, ATokenStaysUsedWhenTheWallClockIsPutForwardAndBack) {
+  Rig rig;
+  const std::string token = rig.token(Role::participant);
+  FakeSite& first = rig.connect("a");
+  first.send(Hello{kProtocolVersion, false, token, "a", {}});
+  rig.run(40 * kMillisecond);
+  ASSERT_NE(first.last<Welcome>(), nullptr);
+  rig.wallStep = 2 * 3600;
+  rig.run(3 * kSecond);
+  rig.wallStep = 0;
+  rig.run(100 * kMillisecond);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::expired);
+}
+
 TEST(Session, HearsTheEndOfAConnectionThatIsHeld) {
   Rig rig;
   FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");
@@ -682,6 +697,29 @@ TEST(Session, AnswersButGrantsNothingOnceTheJournalHasFailed) {
   EXPECT_EQ(b.updates.size(), 1u);
   EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, rig.token(Role::observer), "c", {}}),
             Refusal::sessionFull);
+}
+
+TEST(Session, TellsNobodyOfAGrantThatTheDiskDidNotKeep) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const Epoch known = rig.grab(a, 0, 1).part.epoch;
+  a.send(Release{2, 0, known, {}});
+  rig.run(50 * kMillisecond);
+  a.send(Grab{3, 0});
+  rig.network.advanceTo(rig.now += 5 * kMillisecond);  // the request has come, the record is not durable yet
+  rig.session->step(rig.now, kUnix);
+  rig.journal.fail("disk full");
+  rig.run(50 * kMillisecond);
+  ASSERT_EQ(a.last<GrabReply>()->denial, Denial::recovering);
+  b.send(Grab{1, 0});
+  b.send(Engage{2, 0});
+  rig.run(50 * kMillisecond);
+  EXPECT_EQ(a.last<GrabReply>()->part.epoch, 0u);
+  EXPECT_EQ(b.last<GrabReply>()->denial, Denial::recovering);
+  EXPECT_EQ(b.last<GrabReply>()->part.epoch, 0u) << "the next server gives this epoch to another";
+  EXPECT_EQ(b.last<GrabReply>()->part.owner, kNoSite);
+  EXPECT_EQ(b.last<EngageReply>()->denial, Denial::recovering);
+  EXPECT_EQ(b.last<EngageReply>()->coHolders.epoch, 0u);
 }
 
 TEST(Session, CallsAFailedJournalAnErrorOnceAndNothingElse) {

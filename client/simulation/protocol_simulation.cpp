@@ -1,0 +1,198 @@
+#include "client/simulation/protocol_simulation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <random>
+
+#include <glm/geometric.hpp>
+
+#include "assets/base/assert.h"
+#include "assets/base/json.h"
+#include "client/simulation/fault_schedule.h"
+#include "client/simulation/fingerprint.h"
+#include "client/simulation/light_site.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+
+constexpr Micros kNever = Micros{1} << 55;
+/// L3: each hand that goes on asking gets a part so often, once all is calm and the sessions stand again.
+constexpr Micros kSettling = 8 * kSecond;
+
+}  // namespace
+
+class ProtocolSimulation::Run {
+ public:
+  Run(const Scenario& scenario, const assets::Scene& scene, std::uint64_t seed)
+      : scenario_(scenario),
+        scene_(scene),
+        network_(seed, scenario.network),
+        invariants_(scenario.sites.size(), LeaseRules{}),
+        server_(scene, network_, seed, Mistake::none),
+        faults_(scenario, scene, network_, server_, invariants_, seed),
+        end_(static_cast<Micros>(std::llround(scenario.duration * 1e3)) * kMillisecond) {}
+
+  Status addSites(ExchangePool& pool, std::uint64_t seed);
+  void run();
+  ProtocolResult result();
+
+ private:
+  Micros nextInstant() const;
+  void step();
+  void judgeLiveness();
+  double replicaError(PartId part) const;
+  bool shouldBeThere(const LightSite& site) const;
+
+  const Scenario& scenario_;
+  const assets::Scene& scene_;
+  VirtualNetwork network_;
+  Invariants invariants_;
+  SimulatedServer server_;
+  FaultSchedule faults_;
+  std::vector<std::unique_ptr<LightSite>> sites_;
+  Micros now_ = 0, end_, serverDue_ = 0;
+  bool settled_ = false;
+  std::uint64_t steps_ = 0, serverSteps_ = 0, siteSteps_ = 0;
+};
+
+Status ProtocolSimulation::Run::addSites(ExchangePool& pool, std::uint64_t seed) {
+  std::mt19937_64 random(seed * 0x9e3779b97f4a7c15ull + 1);
+  for (std::size_t i = 0; i < scenario_.sites.size(); ++i) {
+    const ScenarioSite& description = scenario_.sites[i];
+    Result<HandScript> script = parseHandScript(
+        description.script, scenario_.path + ": sites[" + std::to_string(i) + "].script", scene_);
+    if (!script) return script.error();
+    const auto offset = static_cast<Micros>(random() % 1000000000000ull);
+    sites_.push_back(
+        std::make_unique<LightSite>(LightWorld{scenario_, scene_, network_, server_, invariants_}, pool, i,
+                                    description, std::move(*script), offset));
+    faults_.addSite(*sites_.back());
+  }
+  return {};
+}
+
+/// The next millisecond in which something is due.
+Micros ProtocolSimulation::Run::nextInstant() const {
+  Micros next = std::min(faults_.nextDue(kNever), network_.nextArrival().value_or(kNever));
+  if (server_.running()) next = std::min(next, serverDue_);
+  for (const auto& site : sites_) next = std::min(next, site->nextDue());
+  next = std::max(next, now_ + 1);
+  return (next + kMillisecond - 1) / kMillisecond * kMillisecond;
+}
+
+void ProtocolSimulation::Run::step() {
+  ++steps_;
+  invariants_.setTime(now_);
+  network_.advanceTo(now_);
+  server_.journal().advanceTo(now_);
+  const bool ran = server_.running();
+  faults_.advanceTo(now_);
+  if (server_.running() && (!ran || now_ >= serverDue_ || (server_.hasEvents() && !server_.paused(now_)))) {
+    ++serverSteps_;
+    server_.step(now_, invariants_);
+    serverDue_ = server_.nextStep(now_);
+  }
+  for (auto& site : sites_) {
+    if (now_ < site->nextDue() && !site->hasEvents(now_)) continue;
+    ++siteSteps_;
+    site->step(now_);
+  }
+}
+
+void ProtocolSimulation::Run::run() {
+  server_.start(0, invariants_);
+  const bool judges = scenario_.calmFrom >= 0.0;
+  const Micros settledAt = static_cast<Micros>(scenario_.calmFrom * 1e6) + kSettling;
+  for (step(); now_ < end_; step()) {
+    now_ = std::min(nextInstant(), end_);
+    if (!judges || settled_ || now_ < settledAt) continue;
+    settled_ = true;
+    for (auto& site : sites_) static_cast<void>(site->drainGranted());
+  }
+}
+
+bool ProtocolSimulation::Run::shouldBeThere(const LightSite& site) const { return site.takesPart(); }
+
+/// What must hold at the end of a session that was calm for long enough.
+void ProtocolSimulation::Run::judgeLiveness() {
+  if (!settled_) return;
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    LightSite& site = *sites_[i];
+    if (!shouldBeThere(site)) continue;
+    invariants_.checked(Rule::L4);
+    if (!site.inSession()) {
+      invariants_.reportBroken(Rule::L4, site.name() + " is not in the session, though nothing keeps it out");
+      continue;
+    }
+    if (scenario_.sites[i].role == "observer") continue;
+    invariants_.checked(Rule::L3);
+    if (site.drainGranted() == 0)
+      invariants_.reportBroken(Rule::L3, site.name() + " got no part since all is calm");
+  }
+}
+
+/// By how much the poses of a part that nobody owns differ between the sites, m.
+double ProtocolSimulation::Run::replicaError(PartId part) const {
+  const LightSite* first = nullptr;
+  double error = 0.0;
+  for (const auto& site : sites_) {
+    if (!site->inSession() || site->ownerOf(part) != kNoSite) continue;
+    if (first != nullptr)
+      error = std::max(error,
+                       glm::length(site->worldFromPart(part).position - first->worldFromPart(part).position));
+    else
+      first = site.get();
+  }
+  return error;
+}
+
+ProtocolResult ProtocolSimulation::Run::result() {
+  judgeLiveness();
+  std::vector<std::pair<std::string, double>> errors;
+  for (std::size_t part = 0; part < scene_.parts.size(); ++part)
+    errors.emplace_back(scene_.parts[part].name, replicaError(static_cast<PartId>(part)));
+  invariants_.finish(errors);
+  ProtocolResult result;
+  result.violations = invariants_.violations();
+  result.checks = invariants_.checks();
+  result.grants = invariants_.grants();
+  if (server_.session() != nullptr) result.server = server_.session()->counters();
+  result.steps = steps_;
+  result.serverSteps = serverSteps_;
+  result.siteSteps = siteSteps_;
+  Fnv1a hash;
+  for (const Invariants::Grant& grant : result.grants)
+    hash.addComponents(glm::dvec3(grant.at, grant.part * 65536.0 + grant.site, grant.epoch));
+  for (const auto& site : sites_) {
+    result.granted += site->granted();
+    if (!site->inSession()) continue;
+    const ConnectionStatistics statistics = site->statistics();
+    result.reconnects += statistics.reconnects;
+    result.droppedStates += statistics.droppedStates;
+    result.malformed += statistics.malformed;
+    for (std::size_t part = 0; part < scene_.parts.size(); ++part)
+      hash.addComponents(site->worldFromPart(static_cast<PartId>(part)).position);
+  }
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(hash.value()));
+  result.hash = text;
+  return result;
+}
+
+ProtocolSimulation::ProtocolSimulation(const assets::Scene& scene)
+    : scene_(scene), pool_(std::make_unique<ExchangePool>()) {}
+ProtocolSimulation::~ProtocolSimulation() = default;
+
+Result<ProtocolResult> ProtocolSimulation::run(const Scenario& scenario, std::uint64_t seed) {
+  ASSERT(!scenario.sites.empty() && scenario.duration > 0.0);
+  Run run(scenario, scene_, seed);
+  if (Status status = run.addSites(*pool_, seed); !status) return status.error();
+  run.run();
+  return run.result();
+}
+
+}  // namespace tandem::client
