@@ -36,6 +36,8 @@ struct JournalContents {
   std::vector<SiteRecord> sites;
   std::vector<UsedNonce> nonces;
   sync::Micros sessionTime = 0;  // at least as late as any time given out before the crash
+  Epoch epochFloor = 0;          // at least as high as any epoch told that the records may have lost
+  SiteId lastSite = 0;           // at least as high as any number of a site that they may have lost
 };
 
 /// Puts a record into what a journal holds: the latest of each part, site and nonce wins.
@@ -52,7 +54,8 @@ class Journal {
   virtual void noteTime(sync::Micros sessionTime) = 0;
   /// The number of the last record that is safe.
   virtual std::uint64_t durableUpTo() = 0;
-  /// Why nothing becomes durable any more (disk full, ...), in one line; empty while all is well. Final.
+  /// Why nothing becomes durable (disk full, directory gone, ...), in one line; empty while all is well. A
+  /// journal that is well again has first written everything that was appended, also while it had failed.
   virtual std::string failure() const { return {}; }
 };
 

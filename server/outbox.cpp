@@ -1,5 +1,6 @@
 #include "server/outbox.h"
 
+#include <algorithm>
 #include <optional>
 #include <string>
 
@@ -37,17 +38,36 @@ std::optional<sync::ControlMessage> withoutRecord(const sync::ControlMessage& me
 
 }  // namespace
 
-void Outbox::abandon(std::uint64_t durable) {
+Abandoned Outbox::abandon(std::uint64_t durable) {
+  Abandoned abandoned;
+  std::vector<sync::PartRecord> replies, changes;
   std::deque<Outgoing> kept;
   for (Outgoing& item : queue_) {
     if (item.after <= durable) {
       kept.push_back(std::move(item));
+      continue;
+    }
+    const auto* grab = std::get_if<sync::GrabReply>(item.message.get());
+    if (grab != nullptr && grab->denial == sync::Denial::none) replies.push_back(grab->part);
+    if (const auto* change = std::get_if<sync::OwnershipChanged>(item.message.get())) {
+      changes.push_back(change->part);
+      abandoned.parts.insert(change->part.part);
     } else if (auto other = withoutRecord(*item.message)) {
       kept.push_back({durable, item.to, std::make_shared<const sync::ControlMessage>(std::move(*other))});
+    } else {
+      abandoned.news.push_back(std::move(item));
     }
+  }
+  // A reply without a change, as to a reclaim, speaks of a grant that was told before: that one stands.
+  for (const sync::PartRecord& reply : replies) {
+    const auto same = [&](const sync::PartRecord& change) {
+      return change.part == reply.part && change.epoch == reply.epoch && change.owner == reply.owner;
+    };
+    if (std::any_of(changes.begin(), changes.end(), same)) abandoned.denied.push_back(reply);
   }
   ASSERT(kept.size() <= queue_.size());
   queue_ = std::move(kept);
+  return abandoned;
 }
 
 }  // namespace tandem::server

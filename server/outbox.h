@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <deque>
 #include <memory>
+#include <set>
+#include <vector>
 
 #include "sync/wire/control_message.h"
 
@@ -23,6 +25,15 @@ struct Outgoing {
   std::shared_ptr<const sync::ControlMessage> message;
 };
 
+/// What a failure of the journal kept from the sites.
+struct Abandoned {
+  std::vector<sync::PartRecord> denied;  // new grants that were answered with a denial
+  std::set<PartId> parts;                // whose changes were not published
+  std::vector<Outgoing> news;            // other messages, which may leave once the journal is well again
+
+  bool empty() const { return denied.empty() && parts.empty() && news.empty(); }
+};
+
 class Outbox {
  public:
   void push(PeerSerial to, std::shared_ptr<const sync::ControlMessage> message, std::uint64_t after) {
@@ -36,8 +47,8 @@ class Outbox {
   bool empty() const { return queue_.empty(); }
 
   /// The journal has failed: a reply that depends on it becomes a denial, other messages that depend on it
-  /// are dropped, and the rest may leave.
-  void abandon(std::uint64_t durable);
+  /// are taken out, and the rest may leave.
+  Abandoned abandon(std::uint64_t durable);
 
  private:
   std::deque<Outgoing> queue_;

@@ -31,11 +31,19 @@ PartService::PartService(const assets::Scene& scene, const sync::LeaseRules& lea
   movedParts_.reserve(scene.parts.size());
 }
 
-void PartService::restore(const std::vector<sync::PartRecord>& records) {
+void PartService::restore(const std::vector<sync::PartRecord>& records, Epoch floor) {
   std::vector<sync::PartRecord> parts;
   for (const auto& record : records)
     if (record.part < count()) parts.push_back(record);
-  if (!parts.empty()) table_.restore(parts, context_.now());
+  if (!parts.empty() || floor > 0) table_.restore(parts, context_.now(), floor);
+}
+
+void PartService::resume(const Abandoned& abandoned) {
+  for (const sync::PartRecord& grant : abandoned.denied)
+    if (table_.withdraw(grant))
+      context_.log.note("part " + nameOf(grant.part) + " is free: its grant to " +
+                        sites_.nameOf(grant.owner) + " was denied");
+  for (const PartId part : abandoned.parts) change(table_.part(part));
 }
 
 const std::string& PartService::nameOf(PartId part) const {

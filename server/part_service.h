@@ -28,7 +28,10 @@ class PartService {
               Publisher& publisher, const Sites& sites);
 
   /// Takes over the journal's parts; records of parts that the scene does not have are left out.
-  void restore(const std::vector<sync::PartRecord>& records);
+  void restore(const std::vector<sync::PartRecord>& records, Epoch floor);
+  /// The journal is well again: grants that were answered with a denial are taken back, and what could not be
+  /// published is published.
+  void resume(const Abandoned& abandoned);
 
   void onGrab(const Peer& peer, const sync::Grab& request);
   void onReclaim(const Peer& peer, const sync::Reclaim& request);

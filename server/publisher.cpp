@@ -1,5 +1,7 @@
 #include "server/publisher.h"
 
+#include <utility>
+
 #include "assets/base/assert.h"
 #include "sync/wire/wire.h"
 
@@ -21,13 +23,20 @@ void Publisher::keep(const JournalRecord& record) {
   appended_ = number;
 }
 
-void Publisher::watchJournal() {
-  if (!writable()) return;
+std::optional<Abandoned> Publisher::watchJournal() {
+  const bool was = writable();
   journalFailure_ = journal_.failure();
-  if (writable()) return;
-  context_.log.error("journal: " + journalFailure_ +
-                     "; nothing is granted, kept or admitted until the server is started again");
-  outbox_.abandon(journal_.durableUpTo());
+  if (writable() == was) return std::nullopt;
+  if (was) {
+    context_.log.error("journal: " + journalFailure_ +
+                       "; nothing is granted, kept or admitted until it can be written again");
+    abandoned_ = outbox_.abandon(journal_.durableUpTo());
+    return std::nullopt;
+  }
+  ASSERT(journal_.durableUpTo() >= appended_);
+  context_.log.note("journal: it is written again, and parts are granted again");
+  for (Outgoing& item : abandoned_.news) outbox_.push(item.to, std::move(item.message), appended_);
+  return std::exchange(abandoned_, {});
 }
 
 void Publisher::sendTo(const Peer& peer, sync::ControlMessage message) {

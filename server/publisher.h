@@ -5,9 +5,10 @@
 //
 // 1. A message of sendTo() or publish() leaves only when every record kept before it is durable; all of them
 //    keep one order.
-// 2. Once the journal has failed, writable() is false for good: what waited for it becomes a denial or is
-//    dropped.
+// 2. While the journal fails, writable() is false: a reply that waited for it becomes a denial. What else
+//    waited is published when the journal is well again.
 
+#include <optional>
 #include <string>
 
 #include "server/journal.h"
@@ -29,8 +30,9 @@ class Publisher {
   void keep(const JournalRecord& record);
   /// Whether the journal still takes records. The network thread does not wait for it.
   bool writable() const { return journalFailure_.empty(); }
-  /// Notices a failure of the journal; called at the beginning of every step.
-  void watchJournal();
+  /// Notices that the journal has failed, or is well again; then it returns what the failure kept from the
+  /// sites. Called at the beginning of every step.
+  std::optional<Abandoned> watchJournal();
 
   /// Queues a message to one connection.
   void sendTo(const Peer& peer, sync::ControlMessage message);
@@ -77,6 +79,7 @@ class Publisher {
   Outbox outbox_;
   std::uint64_t appended_ = 0;  // number of the last record given to the journal
   std::string journalFailure_;
+  Abandoned abandoned_;  // by the failure that lasts
 };
 
 }  // namespace tandem::server

@@ -99,8 +99,8 @@ void Session::Dispatcher::restore(sync::Micros callerNow, std::int64_t unixNow) 
   const JournalContents contents = journal.contents();
   offset_ = std::max<sync::Micros>(0, contents.sessionTime - callerNow);
   context.advance(callerNow + offset_, unixNow);
-  parts.restore(contents.parts);
-  sites.restore(contents.sites, context.now());
+  parts.restore(contents.parts, contents.epochFloor);
+  sites.restore(contents.sites, contents.lastSite, context.now());
   admission.restore(contents.nonces);
   admission.relist();
   if (!publisher.recording()) return;
@@ -112,7 +112,7 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   ASSERT(!shutDown_);
   context.advance(callerNow + offset_, unixNow);
   journal.noteTime(context.now());
-  publisher.watchJournal();
+  if (const auto abandoned = publisher.watchJournal()) parts.resume(*abandoned);
   receiveEvents();
   fanOut.flush();
   runTimers();

@@ -14,8 +14,8 @@
 //    restarts.
 // 5. A step's work is bounded. What is left over waits for the next step, which nextDeadline() then asks for
 //    at once.
-// 6. If the journal fails, nothing is granted, kept or admitted any more; state is still relayed among those
-//    present.
+// 6. While the journal fails, nothing is granted, kept or admitted; state is still relayed among those
+//    present. When it is well again the session goes on, and what was denied meanwhile stays denied.
 
 #include <cstdint>
 #include <memory>

@@ -39,7 +39,7 @@ struct LogLine {
 class SessionLog {
  public:
   void note(std::string line);
-  /// An error is never left out: there are at most two, the journal's and the recording's.
+  /// An error is never left out: there is one a failure of the journal or of the recording.
   void error(std::string line);
   std::vector<LogLine> drain();
 

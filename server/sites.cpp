@@ -13,8 +13,9 @@ constexpr SiteId kMaxLastSite = 0xfffe;
 
 }  // namespace
 
-void Sites::restore(std::span<const SiteRecord> records, sync::Micros now) {
+void Sites::restore(std::span<const SiteRecord> records, SiteId last, sync::Micros now) {
   ASSERT(known_.empty());
+  next_ = static_cast<SiteId>(std::min(last, kMaxLastSite) + 1);
   for (const auto& record : records) {
     KnownSite& site = known_[record.info.site];
     site.info = record.info;

@@ -28,8 +28,8 @@ struct KnownSite {
 
 class Sites {
  public:
-  /// Takes over the journal's sites as disconnected at `now`.
-  void restore(std::span<const SiteRecord> records, sync::Micros now);
+  /// Takes over the journal's sites as disconnected at `now`. New numbers exceed `last`, too.
+  void restore(std::span<const SiteRecord> records, SiteId last, sync::Micros now);
 
   /// No number is left for a new site.
   bool exhausted() const;

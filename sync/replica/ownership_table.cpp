@@ -43,6 +43,14 @@ struct OwnershipTable::State {
   LeaseRules rules;
   Micros recoveringUntil = std::numeric_limits<Micros>::min();
   std::size_t awaited = 0;
+  Epoch floor = 0;  // every new epoch exceeds it
+
+  static constexpr Epoch kLastEpoch = std::numeric_limits<Epoch>::max();
+  bool exhausted(const PartEntry& part) const { return std::max(part.record.epoch, floor) == kLastEpoch; }
+  void beginEpoch(PartEntry& part) const {
+    ASSERT(!exhausted(part));
+    part.record.epoch = std::max(part.record.epoch, floor) + 1;
+  }
 
   bool recovering(Micros now) const { return awaited > 0 && now < recoveringUntil; }
   /// Lease expiry as the server counts it: lease + drift since the last ping arrived (L2).
@@ -78,11 +86,11 @@ struct OwnershipTable::State {
     const std::optional<SiteId> heir = coHolders.longest(part.record.part);
     if (!heir) return part.record;
     coHolders.remove(part.record.part, *heir);
-    if (part.record.epoch == std::numeric_limits<Epoch>::max()) {
+    if (exhausted(part)) {
       coHolders.removeAll(part.record.part);
       return part.record;
     }
-    ++part.record.epoch;
+    beginEpoch(part);
     own(part, *heir, coHolders.lastRenewed(*heir));  // its lease runs from its last ping (L2)
     ASSERT(part.record.owner == *heir && !coHolders.contains(part.record.part, *heir));
     return part.record;
@@ -151,10 +159,10 @@ struct OwnershipTable::State {
       return passOn(part).owner == site ? Denial::none : Denial::ownedByOther;
     }
     if (recovering(now)) return Denial::recovering;
-    if (part.record.epoch == std::numeric_limits<Epoch>::max()) return Denial::notMovable;
+    if (exhausted(part)) return Denial::notMovable;
     if (part.record.owner != kNoSite) disown(part);
     ASSERT(!coHolders.longest(part.record.part));  // a part without an owner has no co-holders
-    ++part.record.epoch;
+    beginEpoch(part);
     own(part, site, now);
     changed = true;
     return Denial::none;
@@ -191,7 +199,8 @@ OwnershipTable::OwnershipTable(std::vector<bool> movable, std::vector<Pose> worl
 OwnershipTable::~OwnershipTable() = default;
 OwnershipTable::OwnershipTable(OwnershipTable&&) noexcept = default;
 
-void OwnershipTable::restore(std::span<const PartRecord> records, Micros now) {
+void OwnershipTable::restore(std::span<const PartRecord> records, Micros now, Epoch floor) {
+  state_->floor = std::max(state_->floor, floor);
   for (const PartRecord& record : records) {
     if (record.part >= state_->parts.size()) continue;
     PartEntry& part = state_->parts[record.part];
@@ -278,20 +287,26 @@ std::vector<CoHolderRecord> OwnershipTable::drainChangedCoHolders() {
 std::optional<PartRecord> OwnershipTable::revoke(PartId id) {
   if (id >= state_->parts.size()) return std::nullopt;
   PartEntry& part = state_->parts[id];
-  if (part.record.owner == kNoSite || part.record.epoch == std::numeric_limits<Epoch>::max())
-    return std::nullopt;
+  if (part.record.owner == kNoSite || state_->exhausted(part)) return std::nullopt;
   state_->disown(part);
-  ++part.record.epoch;
+  state_->beginEpoch(part);
   state_->coHolders.removeAll(id);
   return part.record;
+}
+
+std::optional<PartRecord> OwnershipTable::withdraw(const PartRecord& grant) {
+  if (grant.part >= state_->parts.size()) return std::nullopt;
+  state_->answered.forget(grant.owner, grant.part);
+  const PartRecord& now = state_->parts[grant.part].record;
+  if (now.epoch != grant.epoch || now.owner != grant.owner) return std::nullopt;
+  return revoke(grant.part);
 }
 
 std::optional<PartRecord> OwnershipTable::reset(PartId id) {
   if (id >= state_->parts.size()) return std::nullopt;
   PartEntry& part = state_->parts[id];
-  const bool exhausted = part.record.epoch == std::numeric_limits<Epoch>::max();
-  if (part.record.owner != kNoSite || part.record.epoch == 0 || exhausted) return std::nullopt;
-  ++part.record.epoch;
+  if (part.record.owner != kNoSite || part.record.epoch == 0 || state_->exhausted(part)) return std::nullopt;
+  state_->beginEpoch(part);
   part.record.worldFromPart = part.atRest;
   return part.record;
 }

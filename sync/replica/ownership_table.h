@@ -40,8 +40,9 @@ class OwnershipTable {
   ~OwnershipTable();
   OwnershipTable(OwnershipTable&&) noexcept;
 
-  /// Takes over the records of the journal. Their owners have until `now` + lease + drift to come back.
-  void restore(std::span<const PartRecord> records, Micros now);
+  /// Takes over the records of the journal. Their owners have until `now` + lease + drift to come back. Every
+  /// new epoch exceeds `floor`, below which epochs may have been told that the journal has lost.
+  void restore(std::span<const PartRecord> records, Micros now, Epoch floor = 0);
 
   struct Decision {
     GrabReply reply;
@@ -76,6 +77,9 @@ class OwnershipTable {
   /// Ends an ownership at an instructor's command, with a new epoch, and removes all co-holders. Returns the
   /// part's record, or nothing if nobody owned it.
   std::optional<PartRecord> revoke(PartId part);
+  /// Takes back a grant that its site was never told of: the part has no owner in a new epoch, and the site's
+  /// request is decided anew if it is repeated. Nothing if the part has moved on since.
+  std::optional<PartRecord> withdraw(const PartRecord& grant);
   /// Puts a part that nobody owns back to its pose in the scene, with a new epoch; nothing if it is owned or
   /// was never granted.
   std::optional<PartRecord> reset(PartId part);

@@ -35,6 +35,11 @@ class RequestMemory {
   void remember(SiteId site, const Request& request, const Answer& answer);
   /// The site left for good.
   void forget(SiteId site) { sites_.erase(site); }
+  /// Forgets what the site was answered about one part.
+  void forget(SiteId site, PartId part) {
+    if (const auto found = sites_.find(site); found != sites_.end())
+      std::erase_if(found->second, [&](const Entry& entry) { return entry.request.part == part; });
+  }
 
   static constexpr std::size_t kPerSite = 64;
 

@@ -722,6 +722,77 @@ TEST(Session, TellsNobodyOfAGrantThatTheDiskDidNotKeep) {
   EXPECT_EQ(b.last<EngageReply>()->coHolders.epoch, 0u);
 }
 
+TEST(Session, GrantsAgainWhenTheJournalIsWellAndWhatWasDeniedStaysDenied) {
+  for (int seed = 0; seed < 20; ++seed) {
+    Rig rig;
+    FakeSite &a = rig.join("a"), &b = rig.join("b");
+    const auto held = rig.grab(a, 0, 1);
+    ASSERT_EQ(held.denial, Denial::none);
+    // The request is in the journal's hands when the disk fails, or comes later.
+    b.send(Grab{1, 1});
+    rig.run(seed * kMillisecond / 4);
+    const bool answered = b.last<GrabReply>() != nullptr;
+    rig.journal.fail("disk full");
+    rig.run(40 * kMillisecond);
+    ASSERT_NE(b.last<GrabReply>(), nullptr);
+    const GrabReply first = *b.last<GrabReply>();
+    EXPECT_EQ(first.denial == Denial::none, answered) << seed;
+    rig.journal.heal();
+    rig.run(40 * kMillisecond);
+    EXPECT_EQ(rig.session->ownership().part(0).owner, held.part.owner);
+    const auto now = rig.session->ownership().part(1);
+    EXPECT_EQ(now.owner == kNoSite, first.denial != Denial::none) << seed;
+    if (first.denial == Denial::none) continue;
+    // The same request, repeated, is no grant of the epoch that was withdrawn; a new one is granted.
+    const auto again = rig.grab(a, 1, 2);
+    EXPECT_EQ(again.denial, Denial::none);
+    EXPECT_GT(again.part.epoch, now.epoch);
+    const auto repeated = rig.grab(b, 1, 1);
+    EXPECT_EQ(repeated.denial, Denial::ownedByOther);
+  }
+}
+
+TEST(Session, TellsOfAReleaseThatTheDiskKeptBack) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const auto held = rig.grab(a, 0, 1);
+  a.send(Release{2, 0, held.part.epoch, {}});
+  rig.run(kMillisecond);
+  rig.journal.fail("disk full");
+  rig.run(40 * kMillisecond);
+  rig.journal.heal();
+  rig.run(40 * kMillisecond);
+  ASSERT_NE(b.last<OwnershipChanged>(), nullptr);
+  EXPECT_EQ(b.last<OwnershipChanged>()->part.owner, rig.session->ownership().part(0).owner);
+  EXPECT_EQ(rig.grab(b, 0, 1).denial == Denial::none,
+            rig.session->ownership().part(0).owner != held.part.owner);
+}
+
+TEST(MemoryJournal, NoticesALyingDiskAndRotAndRecoversBeyondWhatWasTold) {
+  for (const bool lies : {false, true}) {
+    MemoryJournal journal;
+    const auto part = [](Epoch epoch) { return PartRecord{2, 7, epoch, {}}; };
+    journal.append(part(1));
+    journal.advanceTo(kSecond);
+    journal.lie(lies);
+    journal.append(part(2));
+    const auto told = journal.durableUpTo();
+    EXPECT_EQ(told, lies ? 2u : 1u);
+    journal.crash();
+    EXPECT_EQ(journal.damage().empty(), !lies);
+    if (!lies) {
+      EXPECT_EQ(journal.contents().parts.at(0).epoch, 1u);
+      journal.rot(2);
+      EXPECT_FALSE(journal.damage().empty());
+    }
+    journal.recover();
+    EXPECT_TRUE(journal.damage().empty());
+    EXPECT_GE(journal.contents().epochFloor, 2u);
+    EXPECT_EQ(journal.generation(), 1u);
+    for (const auto& record : journal.contents().parts) EXPECT_EQ(record.owner, kNoSite);
+  }
+}
+
 TEST(Session, CallsAFailedJournalAnErrorOnceAndNothingElse) {
   Rig rig;
   rig.grab(rig.join("a"), 0, 1);
