@@ -69,6 +69,16 @@ std::optional<SigningKey> keyFromHex(const std::string& text) {
   return key;
 }
 
+/// A key's file; nothing if there is none.
+Result<std::optional<SigningKey>> readKey(const std::string& path) {
+  const auto text = readFile(path);
+  if (!text) return text.error();
+  if (!text->has_value()) return std::optional<SigningKey>();
+  const auto key = keyFromHex(**text);
+  if (!key) return Error{path + ": not a key of 64 hexadecimal digits"};
+  return key;
+}
+
 }  // namespace
 
 Result<DataDirectory> DataDirectory::open(const std::string& path) {
@@ -84,6 +94,7 @@ Result<DataDirectory> DataDirectory::open(const std::string& path) {
   DataDirectory directory(path, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0) return Error{path + ": in use by another tandem-server"};
   if (Status key = directory.loadSigningKey(); !key) return key.error();
+  if (Status key = directory.loadLinkKey(); !key) return key.error();
   if (Status identity = directory.loadIdentity(); !identity) return identity.error();
   return directory;
 }
@@ -92,6 +103,7 @@ DataDirectory::DataDirectory(DataDirectory&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::exchange(other.lock_, -1)),
       signingKey_(other.signingKey_),
+      linkKey_(other.linkKey_),
       identity_(std::move(other.identity_)) {}
 
 DataDirectory::~DataDirectory() {
@@ -100,16 +112,29 @@ DataDirectory::~DataDirectory() {
 
 Status DataDirectory::loadSigningKey() {
   const std::string path = path_ + "/signing.key";
-  const auto text = readFile(path);
-  if (!text) return text.error();
-  if (text->has_value()) {
-    const auto key = keyFromHex(**text);
-    if (!key) return Error{path + ": not a key of 64 hexadecimal digits"};
-    signingKey_ = *key;
-    return {};
-  }
-  signingKey_ = makeSigningKey();
-  return writePrivateFile(path, toHex(signingKey_) + "\n");
+  const auto kept = readKey(path);
+  if (!kept) return kept.error();
+  signingKey_ = kept->value_or(makeSigningKey());
+  return kept->has_value() ? Status{} : writePrivateFile(path, toHex(signingKey_) + "\n");
+}
+
+/// Links had no key of their own once, and those that are open stay good.
+Status DataDirectory::loadLinkKey() {
+  const auto kept = readKey(path_ + "/links.key");
+  if (!kept) return kept.error();
+  linkKey_ = kept->value_or(signingKey_);
+  return {};
+}
+
+Status DataDirectory::replaceKeys(bool all) {
+  const SigningKey links = makeSigningKey(), tickets = makeSigningKey();
+  if (Status written = writePrivateFile(path_ + "/links.key", toHex(links) + "\n"); !written) return written;
+  linkKey_ = links;
+  if (!all) return {};
+  if (Status written = writePrivateFile(path_ + "/signing.key", toHex(tickets) + "\n"); !written)
+    return written;
+  signingKey_ = tickets;
+  return {};
 }
 
 Status DataDirectory::loadIdentity() {

@@ -22,17 +22,24 @@ class DataDirectory {
   ~DataDirectory();
 
   const SigningKey& signingKey() const { return signingKey_; }
+  const SigningKey& linkKey() const { return linkKey_; }
+  /// New keys for links, and for tickets if `all`; they are on the disk when this returns. After an error the
+  /// old ones stay, on the disk or here.
+  Status replaceKeys(bool all);
+  const std::string& path() const { return path_; }
   const sync::TlsIdentity& identity() const { return identity_; }
   std::string journalPath() const { return path_ + "/session.db"; }
 
  private:
   DataDirectory(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
   Status loadSigningKey();
+  Status loadLinkKey();
   Status loadIdentity();
 
   std::string path_;
-  int lock_ = -1;  // file descriptor
-  SigningKey signingKey_;
+  int lock_ = -1;          // file descriptor
+  SigningKey signingKey_;  // of tickets
+  SigningKey linkKey_;
   sync::TlsIdentity identity_;
 };
 

@@ -47,13 +47,22 @@ void InstructorCommands::answer(SiteId site, sync::RequestId request, bool done,
   if (const Peer* peer = peers_.bySite(site)) publisher_.sendTo(*peer, answers.back());
 }
 
+void InstructorCommands::audit(AuditEvent event, const Peer& peer, const std::string& detail) {
+  context_.audit.note({event, context_.unixNow(), peer.site, peer.claimedName, sync::toString(peer.role),
+                       peer.address, detail},
+                      context_.now());
+}
+
 void InstructorCommands::onRevoke(const Peer& peer, const sync::Revoke& request) {
   if (!mayCommand(peer, request.request)) return;
   if (request.part >= parts_.count()) {
     answer(peer.site, request.request, false, "no such part");
     return;
   }
+  const SiteId owner = parts_.table().part(request.part).owner;
   const bool revoked = parts_.revoke(request.part, peer.site);
+  if (revoked)
+    audit(AuditEvent::revoked, peer, "part " + parts_.nameOf(request.part) + " of " + sites_.nameOf(owner));
   answer(peer.site, request.request, revoked, revoked ? "" : "nobody owns it");
 }
 
@@ -68,7 +77,8 @@ void InstructorCommands::onReset(const Peer& peer, const sync::ResetParts& reque
   reset_->request = request.request;
   for (const sync::PartRecord& record : parts_.table().records())
     if (record.owner == kNoSite) reset_->left.push_back(record.part);
-  context_.log.note("parts put back by " + sites_.nameOf(peer.site));
+  context_.log.note("parts put back by " + sites_.nameOf(peer.site), peer.site);
+  audit(AuditEvent::reset, peer, std::to_string(reset_->left.size()) + " parts");
 }
 
 void InstructorCommands::continueReset() {

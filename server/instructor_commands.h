@@ -39,6 +39,7 @@ class InstructorCommands {
 
   /// Whether the command is new and allowed; if not, it has been answered or will be.
   bool mayCommand(const Peer& peer, sync::RequestId request);
+  void audit(AuditEvent event, const Peer& peer, const std::string& detail);
   void answer(SiteId site, sync::RequestId request, bool done, const std::string& reason);
 
   SessionContext& context_;

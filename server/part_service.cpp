@@ -85,7 +85,8 @@ void PartService::answerGrab(const Peer& peer, const sync::OwnershipTable::Decis
   ASSERT(record.owner == peer.site);
   ++context_.counts.grants;
   context_.log.note("part " + nameOf(record.part) + " granted to " + sites_.nameOf(peer.site) + ", epoch " +
-                    std::to_string(record.epoch));
+                        std::to_string(record.epoch),
+                    peer.site);
 }
 
 /// The record that answers a request while the journal cannot be written; the part may be one that the scene
@@ -108,7 +109,8 @@ void PartService::onGrab(const Peer& peer, const sync::Grab& request) {
   }
   if (!assets::roleMaySet(scene_, request.part, static_cast<unsigned>(peer.role))) {
     ++context_.counts.denials;
-    context_.log.note(sites_.nameOf(peer.site) + " may not set the control " + nameOf(request.part));
+    context_.log.note(sites_.nameOf(peer.site) + " may not set the control " + nameOf(request.part),
+                      peer.site);
     publisher_.sendTo(peer,
                       sync::GrabReply{request.request, sync::Denial::roleForbids, table_.part(request.part)});
     return;
@@ -161,7 +163,8 @@ void PartService::onRelease(const Peer& peer, const sync::Release& request) {
   publisher_.sendTo(peer, decision.reply);
   publisher_.publish(sync::OwnershipChanged{record});
   context_.log.note("part " + nameOf(record.part) + " released by " + sites_.nameOf(peer.site) +
-                    (record.owner == kNoSite ? "" : ", now with " + sites_.nameOf(record.owner)));
+                        (record.owner == kNoSite ? "" : ", now with " + sites_.nameOf(record.owner)),
+                    peer.site);
 }
 
 void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
@@ -174,14 +177,15 @@ void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
   const auto decision = table_.engage(peer.site, peer.role, request, context_.now());
   if (decision.reply.denial != sync::Denial::none) ++context_.counts.denials;
   if (decision.changed)
-    context_.log.note(sites_.nameOf(peer.site) + " is a co-holder of part " + nameOf(request.part));
+    context_.log.note(sites_.nameOf(peer.site) + " is a co-holder of part " + nameOf(request.part),
+                      peer.site);
   publisher_.sendTo(peer, decision.reply);
 }
 
 void PartService::onDisengage(const Peer& peer, const sync::Disengage& request) {
   const auto decision = table_.disengage(peer.site, request);
   if (decision.changed)
-    context_.log.note(sites_.nameOf(peer.site) + " lets part " + nameOf(request.part) + " be");
+    context_.log.note(sites_.nameOf(peer.site) + " lets part " + nameOf(request.part) + " be", peer.site);
   publisher_.sendTo(peer, decision.reply);
 }
 
@@ -196,7 +200,7 @@ bool PartService::revoke(PartId part, SiteId by) {
   if (!record) return false;
   ASSERT(record->owner == kNoSite);
   change(*record);
-  context_.log.note("part " + nameOf(part) + " taken away by " + sites_.nameOf(by));
+  context_.log.note("part " + nameOf(part) + " taken away by " + sites_.nameOf(by), by);
   return true;
 }
 

@@ -8,12 +8,14 @@
 
 #include <limits>
 #include <map>
+#include <string>
 
 #include "server/interest.h"
 #include "server/outbox.h"
 #include "server/places.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/report_messages.h"
 #include "sync/wire/shared_state_sender.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/state_receiver.h"
@@ -65,6 +67,20 @@ struct TransferProgress {
   std::uint64_t offset = 0;  // into the package, of the next chunk
 };
 
+/// What a site reports of itself; unchecked, because nothing depends on it.
+struct SiteFigures {
+  sync::SiteReport latest;
+  std::uint64_t reports = 0, ticks = 0, missed = 0, forceLimited = 0;
+
+  void add(const sync::SiteReport& report) {
+    latest = report;
+    ++reports;
+    ticks += report.ticks;
+    missed += report.missed;
+    forceLimited += report.forceLimited;
+  }
+};
+
 struct Peer {
   sync::ConnectionId connection = 0;
   PeerSerial serial = 0;
@@ -72,7 +88,10 @@ struct Peer {
   SiteId site = kNoSite;  // from the hello on
   sync::Role role = sync::Role::observer;
   sync::Micros lastReceived = 0;  // session time
+  std::string address;            // where it connects from, if the transport knows
+  std::string claimedName;        // of its Hello
   bool welcomed = false;          // the Welcome has left: chunks may follow it
+  SiteFigures figures;
   StateLeg states;
   TransferProgress transfer;
 };

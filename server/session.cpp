@@ -5,6 +5,7 @@
 #include "assets/base/assert.h"
 #include "server/fan_out.h"
 #include "server/instructor_commands.h"
+#include "server/operator_commands.h"
 #include "server/part_service.h"
 #include "server/peers.h"
 #include "server/publisher.h"
@@ -58,7 +59,8 @@ class Session::Dispatcher {
         fanOut(scene, sync::wireFrame(scene.bounds), context, transport, peers, parts),
         relay(sync::wireFrame(scene.bounds), context, peers, parts, publisher, fanOut),
         transfer(package, config, context, transport, publisher),
-        admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}) {}
+        admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}),
+        operators(context, peers, sites, publisher, admission) {}
 
   void restore(sync::Micros callerNow, std::int64_t unixNow);
   void step(sync::Micros callerNow, std::int64_t unixNow);
@@ -78,6 +80,7 @@ class Session::Dispatcher {
   StateRelay relay;
   SceneTransfer transfer;
   SiteAdmission admission;
+  OperatorCommands operators;
 
  private:
   void receiveEvents();
@@ -183,7 +186,8 @@ void Session::Dispatcher::charge(const Peer& peer, std::size_t bytes) {
   ++context.counts.holds;
   transport.hold(peer.connection, true);
   if (budget.drainNotice(context.now()))
-    context.log.note(sites.nameOf(peer.site) + " sends more requests than a site may: it is slowed");
+    context.log.note(sites.nameOf(peer.site) + " sends more requests than a site may: it is slowed",
+                     peer.site);
 }
 
 void Session::Dispatcher::releaseHeld() {
@@ -228,6 +232,7 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::Engage& m) { parts.onEngage(peer, m); },
                  [&](const sync::Disengage& m) { parts.onDisengage(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
+                 [&](const sync::SiteReport& m) { peer.figures.add(m); },
                  [&](const auto&) { refuse("only the server says this"); },
              },
              message);
@@ -265,8 +270,25 @@ std::string Session::makeToken(sync::Role role, std::int64_t expires) const {
   ticket.role = role;
   ticket.nonce = makeNonce();
   ticket.expires = expires;
-  return sign(ticket, dispatcher_->config.key);
+  return sign(ticket, dispatcher_->config.linkKey.value_or(dispatcher_->config.key));
 }
+
+Result<std::string> Session::kick(const std::string& who, bool ban) {
+  return dispatcher_->operators.kick(who, ban);
+}
+Result<std::string> Session::revokeTicket(const std::string& who) {
+  return dispatcher_->operators.revokeTicket(who);
+}
+std::string Session::replaceLinkKey(const SigningKey& key) {
+  dispatcher_->config.linkKey = key;
+  return dispatcher_->operators.linksRevoked();
+}
+std::string Session::replaceKeys(const SigningKey& ticketKey, const SigningKey& linkKey) {
+  dispatcher_->config.key = ticketKey;
+  dispatcher_->config.linkKey = linkKey;
+  return dispatcher_->operators.keysRotated();
+}
+void Session::noteInvitation(sync::Role role) { dispatcher_->operators.invited(role); }
 
 void Session::step(sync::Micros now, std::int64_t unixNow) { dispatcher_->step(now, unixNow); }
 sync::Micros Session::nextDeadline() const { return dispatcher_->nextDeadline(); }
@@ -276,6 +298,9 @@ const std::vector<sync::SiteInfo>& Session::sites() const { return dispatcher_->
 const sync::OwnershipTable& Session::ownership() const { return dispatcher_->parts.table(); }
 const SessionCounters& Session::counters() const { return dispatcher_->context.counts; }
 std::vector<LogLine> Session::drainLog() { return dispatcher_->context.log.drain(); }
+std::vector<AuditEntry> Session::drainAudit() {
+  return dispatcher_->context.audit.drain(dispatcher_->context.now());
+}
 std::vector<sync::Role> Session::drainUsedTokens() { return dispatcher_->admission.drainUsedTokens(); }
 
 }  // namespace tandem::server

@@ -23,6 +23,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/base/result.h"
 #include "assets/scene/scene.h"
 #include "server/admission.h"
 #include "server/journal.h"
@@ -50,6 +51,18 @@ class Session {
   /// A join token for this role, valid until `expires` (Unix time, s), usable once.
   std::string makeToken(sync::Role role, std::int64_t expires) const;
 
+  /// Parts from a site, named by its number or its name: it is told, and its parts are free at once as by a
+  /// goodbye. Its ticket still admits it, unless `ban`. What was done, or why nothing was.
+  Result<std::string> kick(const std::string& who, bool ban);
+  /// A site's ticket admits nobody any more; if the site is connected it stays until its connection ends.
+  Result<std::string> revokeTicket(const std::string& who);
+  /// Every token made before is void. The caller has made the key durable.
+  std::string replaceLinkKey(const SigningKey& key);
+  /// Every token and ticket made before is void; the sites that are connected get new tickets.
+  std::string replaceKeys(const SigningKey& ticketKey, const SigningKey& linkKey);
+  /// A token was made at an operator's wish.
+  void noteInvitation(sync::Role role);
+
   /// Handles every event that the transport has, then does what is due: durable replies, leases, chunks.
   void step(sync::Micros now, std::int64_t unixNow);
   /// When, on the caller's clock, step() must be called next even if nothing arrives.
@@ -67,6 +80,8 @@ class Session {
 
   /// Lines for the log (a site joined, left, was refused, was granted a part) since the last call.
   std::vector<LogLine> drainLog();
+  /// Who came, went, was refused or made to go since the last call, for the audit log.
+  std::vector<AuditEntry> drainAudit();
   /// The roles of the join tokens used since the last call: each may want a new link.
   std::vector<sync::Role> drainUsedTokens();
 

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include "server/admission.h"
 #include "server/places.h"
@@ -13,7 +14,8 @@ namespace tandem::server {
 
 struct SessionConfig {
   sync::LeaseRules lease;
-  SigningKey key;
+  SigningKey key;                     // of resume tickets
+  std::optional<SigningKey> linkKey;  // of join tokens; none: the same
   Places places;
   std::size_t chunkBytes = 32 * 1024;         // of the scene transfer
   std::size_t maxBacklogBytes = 512 * 1024;   // queued to a loading site before the next chunk waits

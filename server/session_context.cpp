@@ -12,11 +12,11 @@ constexpr std::size_t kMaxLogLines = 1000;  // between two calls of drain()
 
 }  // namespace
 
-void SessionLog::note(std::string line) {
-  if (lines_.size() < kMaxLogLines) lines_.push_back({std::move(line), false});
+void SessionLog::note(std::string line, SiteId site) {
+  if (lines_.size() < kMaxLogLines) lines_.push_back({std::move(line), false, site});
 }
 
-void SessionLog::error(std::string line) { lines_.push_back({std::move(line), true}); }
+void SessionLog::error(std::string line) { lines_.push_back({std::move(line), true, kNoSite}); }
 
 std::vector<LogLine> SessionLog::drain() { return std::exchange(lines_, {}); }
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "server/audit_trail.h"
 #include "sync/wire/time.h"
 #include "sync/wire/traffic.h"
 
@@ -33,12 +34,13 @@ struct SessionCounters {
 struct LogLine {
   std::string text;
   bool error = false;
+  SiteId site = kNoSite;  // whom it is about, if it is one site
 };
 
 /// Collects lines until the caller of the session drains them; bounded, because the caller need not.
 class SessionLog {
  public:
-  void note(std::string line);
+  void note(std::string line, SiteId site = kNoSite);
   /// An error is never left out: there is one a failure of the journal or of the recording.
   void error(std::string line);
   std::vector<LogLine> drain();
@@ -58,6 +60,7 @@ class SessionContext {
 
   SessionCounters counts;
   SessionLog log;
+  AuditTrail audit;
 
  private:
   sync::Micros now_ = 0;

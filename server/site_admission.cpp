@@ -41,11 +41,13 @@ void SiteAdmission::onConnected(sync::ConnectionId connection) {
     ground_.transport.close(connection);
     return;
   }
-  ground_.peers.add(connection, ground_.context.now());
+  Peer& peer = ground_.peers.add(connection, ground_.context.now());
+  peer.address = ground_.transport.addressOf(connection);
 }
 
 void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
   ASSERT(peer.stage == Stage::hello && peer.site == kNoSite);
+  peer.claimedName = hello.name;
   if (hello.protocolVersion != sync::kProtocolVersion) {
     refuse(peer, sync::Refusal::protocolVersion,
            "this server speaks protocol version " + std::to_string(sync::kProtocolVersion) +
@@ -57,7 +59,9 @@ void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
     refuse(peer, sync::Refusal::sessionFull, "the server cannot write its journal and admits nobody");
     return;
   }
-  const Result<Ticket> ticket = verify(hello.credential, ground_.config.key, 0);
+  const SigningKey& ticketKey = ground_.config.key;
+  const SigningKey& key = hello.resume ? ticketKey : ground_.config.linkKey.value_or(ticketKey);
+  const Result<Ticket> ticket = verify(hello.credential, key, 0);
   if (!ticket) {
     refuse(peer, sync::Refusal::badCredential, ticket.error().message);
   } else if (ticket->resume != hello.resume) {
@@ -142,6 +146,7 @@ void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello)
   peer.role = site.info.role;
   peer.stage = Stage::loading;
   relist();
+  audit(hello.resume ? AuditEvent::returned : AuditEvent::joined, peer, {});
 
   std::vector<sync::PartRecord> rest;
   ground_.publisher.sendTo(peer, welcomeFor(site, rest));
@@ -149,25 +154,28 @@ void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello)
   for (const sync::CoHolderRecord& coHolders : ground_.parts.table().allCoHolders())
     ground_.publisher.sendTo(peer, sync::MembersChanged{coHolders});
   ground_.context.log.note(ground_.sites.nameOf(peer.site) + " joined as " + sync::toString(peer.role) +
-                           (hello.resume ? " (came back)" : ""));
+                               (hello.resume ? " (came back)" : ""),
+                           peer.site);
 }
 
-sync::Welcome SiteAdmission::welcomeFor(const KnownSite& site, std::vector<sync::PartRecord>& rest) const {
-  const SessionConfig& config = ground_.config;
+std::string SiteAdmission::ticketFor(const KnownSite& site) const {
   Ticket ticket;
   ticket.resume = true;
   ticket.role = site.info.role;
   ticket.site = site.info.site;
   ticket.nonce = std::string(32, '0');  // a resume ticket may be used more than once
-  ticket.expires = ground_.context.unixNow() + config.ticketLifetime_s;
+  ticket.expires = ground_.context.unixNow() + ground_.config.ticketLifetime_s;
+  return sign(ticket, ground_.config.key);
+}
 
+sync::Welcome SiteAdmission::welcomeFor(const KnownSite& site, std::vector<sync::PartRecord>& rest) const {
   sync::Welcome welcome;
   welcome.site = site.info.site;
   welcome.role = site.info.role;
-  welcome.resumeTicket = sign(ticket, config.key);
+  welcome.resumeTicket = ticketFor(site);
   welcome.sceneHash = ground_.scene.hash();
   welcome.sceneBytes = ground_.scene.size();
-  welcome.lease = config.lease.lease;
+  welcome.lease = ground_.config.lease.lease;
   welcome.sites = ground_.sites.listed();
   rest = ground_.parts.table().records();
   const auto inWelcome = static_cast<std::ptrdiff_t>(std::min(rest.size(), kMaxPartsInWelcome));
@@ -181,12 +189,14 @@ void SiteAdmission::refuse(Peer& peer, sync::Refusal refusal, const std::string&
   SessionContext& context = ground_.context;
   ++(peer.stage == Stage::hello ? context.counts.refusedHellos : context.counts.refusedMessages);
   const sync::ConnectionId connection = peer.connection;
+  audit(peer.stage == Stage::hello ? AuditEvent::refused : AuditEvent::parted, peer,
+        std::string(sync::toString(refusal)) + ": " + reason);
   ground_.publisher.sendNow(connection, sync::Refused{refusal, reason.substr(0, sync::kMaxTextLength)});
   ground_.transport.close(connection);
   if (peer.stage == Stage::hello)
     context.log.note("connection " + std::to_string(connection) + " refused (" + sync::toString(refusal) +
                      "): " + reason);
-  onLost(connection, std::string("refused (") + sync::toString(refusal) + "): " + reason);
+  disconnect(connection, std::string("refused (") + sync::toString(refusal) + "): " + reason);
 }
 
 void SiteAdmission::onGoodbye(Peer& peer) {
@@ -196,23 +206,61 @@ void SiteAdmission::onGoodbye(Peer& peer) {
   }
   const SiteId id = peer.site;
   const sync::ConnectionId connection = peer.connection;
-  ground_.parts.leave(id);
-  KnownSite& site = ground_.sites.at(id);
-  site.left = true;
-  site.listed = false;
-  site.info.connected = false;
-  ground_.publisher.keep(SiteRecord{site.info, true});
+  audit(AuditEvent::left, peer, {});
   ground_.transport.close(connection);
   ground_.peers.erase(connection);
+  takeOff(ground_.sites.at(id), true);
+  ground_.context.log.note(ground_.sites.nameOf(id) + " left", id);
+}
+
+void SiteAdmission::takeOff(KnownSite& site, bool forGood) {
+  const SiteId id = site.info.site;
+  ASSERT(ground_.publisher.writable() && ground_.peers.bySite(id) == nullptr);
+  ground_.parts.leave(id);
+  site.left = site.left || forGood;
+  site.listed = false;
+  site.info.connected = false;
+  ground_.publisher.keep(SiteRecord{site.info, site.left});
   ground_.publisher.publish(sync::SiteLeft{id});
   ground_.relay.forget(id);
   relist();
-  ground_.context.log.note(ground_.sites.nameOf(id) + " left");
+}
+
+void SiteAdmission::remove(KnownSite& site, bool forGood, const std::string& reason) {
+  if (const Peer* peer = ground_.peers.bySite(site.info.site)) {
+    const sync::ConnectionId connection = peer->connection;
+    ground_.publisher.sendNow(connection, sync::Refused{sync::Refusal::removed, reason});
+    ground_.transport.close(connection);
+    ground_.peers.erase(connection);
+  }
+  takeOff(site, forGood);
+}
+
+void SiteAdmission::voidTicket(KnownSite& site) {
+  site.left = true;
+  ground_.publisher.keep(SiteRecord{site.info, true});
+}
+
+std::size_t SiteAdmission::renewTickets() {
+  std::size_t renewed = 0;
+  for (const auto& [connection, peer] : ground_.peers) {
+    if (peer.site == kNoSite || ground_.sites.at(peer.site).left) continue;
+    ground_.publisher.sendTo(peer, sync::NewTicket{ticketFor(ground_.sites.at(peer.site))});
+    ++renewed;
+  }
+  return renewed;
 }
 
 void SiteAdmission::onLost(sync::ConnectionId connection, const std::string& reason) {
   const Peer* peer = ground_.peers.find(connection);
   if (peer == nullptr) return;
+  if (peer->site != kNoSite) audit(AuditEvent::lost, *peer, reason);
+  disconnect(connection, reason);
+}
+
+void SiteAdmission::disconnect(sync::ConnectionId connection, const std::string& reason) {
+  const Peer* peer = ground_.peers.find(connection);
+  ASSERT(peer != nullptr);
   const SiteId id = peer->site;
   ground_.peers.erase(connection);
   if (id == kNoSite) return;
@@ -221,7 +269,13 @@ void SiteAdmission::onLost(sync::ConnectionId connection, const std::string& rea
   site.disconnectedAt = ground_.context.now();
   ground_.publisher.publish(sync::SiteChanged{site.info});
   relist();
-  ground_.context.log.note(ground_.sites.nameOf(id) + " lost: " + reason);
+  ground_.context.log.note(ground_.sites.nameOf(id) + " lost: " + reason, id);
+}
+
+void SiteAdmission::audit(AuditEvent event, const Peer& peer, const std::string& detail) {
+  AuditEntry entry{event, ground_.context.unixNow(), peer.site, peer.claimedName, {}, peer.address, detail};
+  if (peer.site != kNoSite) entry.role = sync::toString(peer.role);
+  ground_.context.audit.note(std::move(entry), ground_.context.now());
 }
 
 void SiteAdmission::dropSilent() {

@@ -55,6 +55,14 @@ class SiteAdmission {
   /// The connection is over; the site may come back. Nothing happens if the connection is not there.
   void onLost(sync::ConnectionId connection, const std::string& reason);
 
+  /// Parts from a site for good or until it comes back with its ticket; its parts are free. A connection is
+  /// told the reason.
+  void remove(KnownSite& site, bool forGood, const std::string& reason);
+  /// From now on the ticket of this site admits nobody.
+  void voidTicket(KnownSite& site);
+  /// Sends every connected site that can come back a ticket signed by the present key.
+  std::size_t renewTickets();
+
   /// Drops silent connections, forgets sites that were lost long ago and nonces that have expired.
   void housekeeping();
   /// Brings the list of sites up to date and publishes who is off it.
@@ -68,9 +76,15 @@ class SiteAdmission {
   void join(Peer& peer, const sync::Hello& hello, const Ticket& ticket);
   void resume(Peer& peer, const sync::Hello& hello, const Ticket& ticket);
   void admit(Peer& peer, KnownSite& site, const sync::Hello& hello);
+  std::string ticketFor(const KnownSite& site) const;
   /// The Welcome of a site; `rest` gets the records of parts that do not fit into it.
   sync::Welcome welcomeFor(const KnownSite& site, std::vector<sync::PartRecord>& rest) const;
+  /// The site, which has no connection, gives up its parts and its place in the list.
+  void takeOff(KnownSite& site, bool forGood);
   void dropSilent();
+  /// The peer is gone afterwards, its site listed as lost.
+  void disconnect(sync::ConnectionId connection, const std::string& reason);
+  void audit(AuditEvent event, const Peer& peer, const std::string& detail);
 
   Ground ground_;
   std::unordered_map<std::string, std::int64_t> usedNonces_;  // and when each expires, Unix time in s

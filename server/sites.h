@@ -20,7 +20,7 @@ namespace tandem::server {
 
 struct KnownSite {
   sync::SiteInfo info;
-  bool left = false;    // sent a Goodbye: its ticket is void
+  bool left = false;    // sent a Goodbye, or the operator said so: its ticket is void
   bool listed = false;  // the others see it
   sync::Micros disconnectedAt = 0;
   ControlBudget budget;
@@ -39,6 +39,8 @@ class Sites {
   KnownSite* find(SiteId site);
   /// A site that was admitted.
   KnownSite& at(SiteId site);
+
+  const std::map<SiteId, KnownSite>& all() const { return known_; }
 
   /// The site's number and name, for the log.
   std::string nameOf(SiteId site) const;

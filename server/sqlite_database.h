@@ -17,6 +17,8 @@ namespace tandem::server {
 class SqliteDatabase {
  public:
   static Result<SqliteDatabase> open(const std::string& path);
+  /// Opens a database that is there, also while another process writes to it.
+  static Result<SqliteDatabase> openToRead(const std::string& path);
   SqliteDatabase(SqliteDatabase&& other) noexcept
       : handle_(std::exchange(other.handle_, nullptr)), frames_(std::move(other.frames_)) {}
   SqliteDatabase& operator=(SqliteDatabase&&) = delete;
@@ -37,6 +39,7 @@ class SqliteDatabase {
   bool checkpoint();
 
  private:
+  static Result<SqliteDatabase> open(const std::string& path, int mode);
   explicit SqliteDatabase(sqlite3* handle) : handle_(handle) {}
   sqlite3* handle_;
   std::unique_ptr<int> frames_ = std::make_unique<int>(0);  // its address is known to SQLite

@@ -189,9 +189,9 @@ void ServerConnection::receiveControl(std::span<const std::byte> bytes) {
     disconnected("the server sent something that is not of this protocol: " + decoded.error().message);
     return;
   }
-  // A Welcome holds a credential, and the scene is found by its hash.
+  // A Welcome and a NewTicket hold a credential, and the scene is found by its hash.
   if (watchers_.recording && !std::holds_alternative<SceneChunk>(*decoded) &&
-      !std::holds_alternative<Welcome>(*decoded))
+      !std::holds_alternative<Welcome>(*decoded) && !std::holds_alternative<NewTicket>(*decoded))
     watchers_.recording->write(clock_.time(), *decoded);
   if (!std::visit([this](auto& message) { return route(message); }, *decoded)) ++malformed_;
   if (stage_ == Stage::transferring && fetch_.complete()) enter(Stage::haveScene);
@@ -241,6 +241,8 @@ void ServerConnection::handle(const Refused& message) {
   enter(Stage::ended);
   people_.notice(Notice::Level::error, "refused: " + message.reason);
 }
+
+void ServerConnection::handle(NewTicket& message) { resumeTicket_ = std::move(message.resumeTicket); }
 
 void ServerConnection::handle(const SiteLeft& message) {
   people_.handle(message);

@@ -101,6 +101,7 @@ class ServerConnection {
 
   void handle(sync::Welcome& message);
   void handle(const sync::Refused& message);
+  void handle(sync::NewTicket& message);
   void handle(const sync::SiteLeft& message);
   void handle(const sync::Pong& message);
   bool handleBeforeScene(const sync::OwnershipChanged& message);

@@ -16,12 +16,20 @@ Invitations::Invitations(const Options& options, std::string host, std::uint16_t
   link_.pin = std::move(pin);
 }
 
-void Invitations::print(const Session& session, sync::Role role, std::int64_t unixNow) {
-  const std::int64_t expires = unixNow + lifetime_s_;
+std::string Invitations::make(const Session& session, sync::Role role, std::int64_t unixNow) {
   link_.role = role;
-  link_.token = session.makeToken(role, expires);
-  expiries_[static_cast<std::size_t>(role)].push_back(expires);
-  std::printf("%-11s %s\n", sync::toString(role), sync::toString(link_).c_str());
+  link_.token = session.makeToken(role, unixNow + lifetime_s_);
+  return sync::toString(link_);
+}
+
+void Invitations::reopen(const Session& session, std::int64_t unixNow) {
+  for (auto& expiries : expiries_) expiries.clear();
+  open(session, unixNow);
+}
+
+void Invitations::print(const Session& session, sync::Role role, std::int64_t unixNow) {
+  expiries_[static_cast<std::size_t>(role)].push_back(unixNow + lifetime_s_);
+  std::printf("%-11s %s\n", sync::toString(role), make(session, role, unixNow).c_str());
   std::fflush(stdout);  // others read it through a pipe
 }
 

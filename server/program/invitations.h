@@ -20,6 +20,10 @@ class Invitations {
 
   /// Prints the first links on standard output, one a line: the role, blanks, the link.
   void open(const Session& session, std::int64_t unixNow);
+  /// One more link, which is not replaced when it is used.
+  std::string make(const Session& session, sync::Role role, std::int64_t unixNow);
+  /// Every link is void: prints new ones.
+  void reopen(const Session& session, std::int64_t unixNow);
   /// Prints new links for those that were used or have expired.
   void renew(const Session& session, const std::vector<sync::Role>& used, std::int64_t unixNow);
 

@@ -15,13 +15,13 @@
 #include <string>
 #include <system_error>
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include "assets/scene/scene_package.h"
 #include "assets/scene/scene_size.h"
 #include "server/data_directory.h"
 #include "server/program/invitations.h"
+#include "server/program/operation.h"
 #include "server/program/options.h"
 #include "server/session.h"
 #include "server/sqlite_journal.h"
@@ -30,7 +30,6 @@
 namespace tandem::server {
 namespace {
 
-constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
 constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is handled soon
 constexpr sync::Micros kClosingTime = 300 * sync::kMillisecond;
 
@@ -69,13 +68,6 @@ int badInput(const Error& error) {
   return kExitBadInput;
 }
 
-void startLog(bool quiet) {
-  auto log = spdlog::stderr_color_mt("tandem-server");
-  log->set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
-  log->set_level(quiet ? spdlog::level::warn : spdlog::level::info);
-  spdlog::set_default_logger(log);
-}
-
 Result<assets::Scene> load(Options& options) {
   const bool bar = ::isatty(STDERR_FILENO) == 1 && !options.quiet;
   if (bar)
@@ -100,7 +92,8 @@ struct Server {
 };
 
 /// Serves until a signal stops it. Returns whether the journal was sound to the end.
-bool serve(const Options& options, Server& server, Session& session, Invitations& invitations) {
+bool serve(const Options& options, Server& server, Session& session, Operation& operation,
+           Invitations& invitations) {
   const sync::Micros end = options.duration_s > 0.0
                                ? localNow() + static_cast<sync::Micros>(options.duration_s * 1e6)
                                : std::numeric_limits<sync::Micros>::max();
@@ -108,10 +101,10 @@ bool serve(const Options& options, Server& server, Session& session, Invitations
     const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
     server.transport->wait(wait);
     session.step(localNow(), unixNow());
-    for (const LogLine& line : session.drainLog())
-      spdlog::log(line.error ? spdlog::level::err : spdlog::level::info, "{}", line.text);
+    operation.step(session, invitations, localNow(), unixNow());
     invitations.renew(session, session.drainUsedTokens(), unixNow());
   }
+  operation.stopping();
   session.shutDown();
   const sync::Micros closed = localNow() + kClosingTime;
   for (sync::TransportEvent event; localNow() < closed && session.sites().size() > 0;) {
@@ -158,7 +151,7 @@ Result<Server> prepare(Options& options, int& exitCode) {
 int run(Options& options) {
   watchSignals();
   ::umask(077);  // files of the server are readable by its user only
-  startLog(options.quiet);
+  startLog(options.quiet, options.log == "json");
   localNow();
   int exitCode = kExitDone;
   Result<Server> prepared = prepare(options, exitCode);
@@ -169,10 +162,15 @@ int run(Options& options) {
   Server& server = *prepared;
   const Result<std::string> pin = sync::pinOf(server.directory.identity());
   if (!pin) return badInput(pin.error());
+  nameSessionInLog(pin->substr(0, 12));
+  auto operation =
+      Operation::open(server.directory, [transport = server.transport.get()] { transport->wake(); });
+  if (!operation) return badInput(operation.error());
   server.journal->onProgress([transport = server.transport.get()] { transport->wake(); });
 
   SessionConfig config;
   config.key = server.directory.signingKey();
+  config.linkKey = server.directory.linkKey();
   config.places = options.places;
   config.lease.lease = options.lease;
   config.lease.margin = std::min(config.lease.margin, options.lease / 8);
@@ -191,7 +189,8 @@ int run(Options& options) {
     spdlog::warn("{}: {}", options.scene, doubt);
   Invitations invitations(options, host, server.transport->port(), *pin);
   invitations.open(session, unixNow());
-  const bool sound = serve(options, server, session, invitations);
+  (*operation)->ready(session);
+  const bool sound = serve(options, server, session, **operation, invitations);
 
   const SessionCounters& c = session.counters();
   spdlog::info(
@@ -213,8 +212,10 @@ int run(Options& options) {
 int main(int argc, char** argv) {
   auto parsed = tandem::server::parseOptions(argc, argv);
   if (const int* exitCode = std::get_if<int>(&parsed)) return *exitCode;
+  auto& options = std::get<tandem::server::Options>(parsed);
   try {
-    return tandem::server::run(std::get<tandem::server::Options>(parsed));
+    if (options.command.asked()) return tandem::server::runCommand(options.command, options.data);
+    return tandem::server::run(options);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "tandem-server: %s\n", error.what());
     return tandem::server::kExitFailed;

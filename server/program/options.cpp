@@ -22,6 +22,8 @@ constexpr const char* kExamples = R"(Examples:
       A session on port 7480 (TCP and UDP); prints one join link a role.
   tandem-server engine.glb --units mm --movable all --invite participant=3
       A plain CAD file in millimetres; every part can be picked up; three open links for participants.
+  tandem-server --data /tmp/trial --kick Ben --ban
+      Parts from a site of the server that runs there; --help names the other orders.
   tandem-server pump.glb --listen 127.0.0.1:0 --data /tmp/trial --duration 60
       On this machine only, on any free port, for a minute.
 
@@ -84,6 +86,11 @@ Status parsePlaces(const Raw& raw, Places& places) {
 }
 
 Status understand(const Raw& raw, Options& options) {
+  if (Status status = check(options.command); !status) return status;
+  if (options.command.asked()) return {};
+  if (options.scene.empty()) return Error{"SCENE is required (see --help)"};
+  if (options.log != "plain" && options.log != "json")
+    return Error{"--log " + options.log + ": must be plain or json"};
   const auto units = assets::parseUnits(options.units);
   if (!units) return Error{"--units: " + units.error().message};
   options.load.unitScale = *units;
@@ -116,7 +123,7 @@ Status understand(const Raw& raw, Options& options) {
 }
 
 void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
-  app.option("scene", options.scene, "the scene, .gltf or .glb").typeName("SCENE").required();
+  app.option("scene", options.scene, "the scene, .gltf or .glb").typeName("SCENE");
   app.option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
       .typeName("HOST:PORT")
       .showDefault();
@@ -159,6 +166,10 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .numberFrom(0.0, 1e9);
   app.flag("--no-cache", raw.noCache, "prepares the scene anew");
   app.flag("--quiet", options.quiet, "logs only what is wrong");
+  app.option("--log", options.log, "how the log is written: plain, or json (an object a line)")
+      .typeName("FORMAT")
+      .showDefault();
+  addCommandOptions(app, options.command);
 }
 
 }  // namespace

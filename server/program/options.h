@@ -11,6 +11,7 @@
 #include "assets/base/result.h"
 #include "assets/gltf/load_gltf.h"
 #include "server/places.h"
+#include "server/program/commands.h"
 #include "sync/wire/time.h"
 
 namespace tandem::server {
@@ -24,13 +25,15 @@ struct Options {
   std::uint16_t listenPort = 7480;  // 0: any free one
   std::string linkHost;             // the host by which sites reach this machine; empty: determined
   std::string data = "tandem-data";
-  std::string record;                   // empty: no recording
+  std::string record;  // empty: no recording
   Places places;
   std::array<int, 3> invites{1, 1, 1};  // open links a role, by sync::Role
   std::int64_t tokenLifetime_s = 24 * 3600;
   sync::Micros lease = 2 * sync::kSecond;
   double duration_s = 0.0;  // 0: until a signal stops it
   bool quiet = false;
+  std::string log = "plain";  // or json
+  CommandOptions command;     // what is done instead of serving
 };
 
 /// The options; or the exit code where the command line asks for help (0) or is wrong (2, with the error on

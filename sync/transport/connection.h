@@ -29,6 +29,7 @@ class Connection : public TlsStream::Listener {
   std::shared_ptr<TlsStream> stream;
   std::unique_ptr<StateChannel> channel;  // once the algorithm is agreed
   ConnectionId id = 0;
+  std::string address;          // of the TCP connection's other end, HOST:PORT
   UdpAddress peer;              // server: where the newest authentic datagram came from
   std::string farewell;         // the reason that the peer sent before it closed
   std::string refusal;          // the reason that this side sent before it closed

@@ -129,6 +129,11 @@ void SocketCore::announce(const std::shared_ptr<Connection>& connection, Connect
   push(*connection, TransportEvent::Kind::connected, {});
 }
 
+std::string SocketCore::addressOf(ConnectionId id) const {
+  const Connection* connection = find(id);
+  return connection == nullptr ? std::string() : connection->address;
+}
+
 void SocketCore::drop(Connection& connection, const std::string& reason) {
   const auto found = connections_.find(connection.id);
   if (found == connections_.end() || found->second.get() != &connection) return;

@@ -38,6 +38,7 @@ class SocketCore : public SocketTransport {
   void hold(ConnectionId id, bool held) final { queue_.hold(id, held); }
   void close(ConnectionId id) final;
   const TransportCounters& counters() const final { return counters_; }
+  std::string addressOf(ConnectionId id) const final;
   void wait(Micros timeout) final;
   bool stateOverUdp(ConnectionId id) const final;
   void wake() final;

@@ -25,6 +25,19 @@ constexpr int kPortAttempts = 16;  // for a port that is free for TCP and UDP al
 constexpr int kListenBacklog = 128;
 constexpr Micros kAcceptPause = 100 * kMillisecond;  // when the process is out of file descriptors
 
+/// HOST:PORT of the other end; an IPv4 address in its own form.
+std::string addressText(const tcp::socket& socket) {
+  error_code failure;
+  const tcp::endpoint peer = socket.remote_endpoint(failure);
+  if (failure) return {};
+  const asio::ip::address& address = peer.address();
+  const std::string port = ':' + std::to_string(peer.port());
+  if (address.is_v4()) return address.to_string() + port;
+  if (address.to_v6().is_v4_mapped())
+    return asio::ip::make_address_v4(asio::ip::v4_mapped, address.to_v6()).to_string() + port;
+  return '[' + address.to_string() + ']' + port;
+}
+
 class ServerTransport final : public SocketCore {
  public:
   ServerTransport(std::unique_ptr<SslContext> context, const ListenOptions& options)
@@ -132,6 +145,7 @@ void ServerTransport::accepted(tcp::socket socket) {
     connectionClosed(*pending_.front(), {});
   }
   const auto connection = std::make_shared<Connection>(*this);
+  connection->address = addressText(socket);
   connection->stream = std::make_shared<TlsStream>(std::move(socket), *context_, *connection);
   connection->deadline = now() + options_.handshakeTimeout;
   pending_.push_back(connection);

@@ -56,6 +56,8 @@ class Transport {
   /// Sends what is queued, then closes. No further events of this connection but `closed`.
   virtual void close(ConnectionId connection) = 0;
   virtual const TransportCounters& counters() const = 0;
+  /// Where a connection comes from, for people; empty if that is not known.
+  virtual std::string addressOf(ConnectionId) const { return {}; }
 };
 
 }  // namespace tandem::sync

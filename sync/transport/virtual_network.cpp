@@ -61,6 +61,7 @@ struct SitePath {
 
 struct Connection {
   SitePath* path = nullptr;
+  std::string site;
   ConnectionId id = 0;    // as the server sees it
   Endpoint* end[2] = {};  // null once that side has gone
   bool open[2] = {};      // whether that side still gets events other than `closed`
@@ -255,6 +256,10 @@ class VirtualTransport : public Transport {
   void hold(ConnectionId id, bool held) override;
   void close(ConnectionId id) override;
   const TransportCounters& counters() const override { return endpoint_.counters; }
+  std::string addressOf(ConnectionId id) const override {
+    const auto found = endpoint_.connections.find(id);
+    return found == endpoint_.connections.end() ? std::string() : found->second->site;
+  }
 
  private:
   /// Puts the event polled last aside if its connection is held.
@@ -385,6 +390,7 @@ std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micr
   auto transport = std::make_unique<VirtualTransport>(impl_, kSiteSide, deathNoticed);
   auto connection = std::make_shared<Connection>();
   connection->path = &impl_->paths[site];
+  connection->site = site;
   connection->id = ++impl_->lastConnection;
   connection->end[kSiteSide] = &transport->endpoint();
   connection->open[kSiteSide] = true;

@@ -18,6 +18,8 @@ const char* toString(Refusal refusal) {
       return "unexpected message";
     case Refusal::malformed:
       return "malformed message";
+    case Refusal::removed:
+      return "removed by the operator";
   }
   return "unknown refusal";
 }

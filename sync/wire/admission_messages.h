@@ -41,6 +41,10 @@ struct Welcome {
   std::vector<SiteInfo> sites;    // everybody, this site included
   std::vector<PartRecord> parts;  // those that were ever granted or moved
 };
+/// The server's keys have changed: this ticket takes the place of that of the Welcome.
+struct NewTicket {
+  std::string resumeTicket;
+};
 enum class Refusal : std::uint8_t {
   protocolVersion,
   badCredential,
@@ -48,7 +52,8 @@ enum class Refusal : std::uint8_t {
   alreadyUsed,
   sessionFull,
   unexpectedMessage,
-  malformed
+  malformed,
+  removed  // an operator parted from the site
 };
 const char* toString(Refusal refusal);
 /// The last message before the server closes a connection.

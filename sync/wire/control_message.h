@@ -9,6 +9,7 @@
 #include "sync/wire/command_messages.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/report_messages.h"
 #include "sync/wire/scene_messages.h"
 
 namespace tandem::sync {
@@ -16,6 +17,6 @@ namespace tandem::sync {
 using ControlMessage =
     std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome,
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
-                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged>;
+                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport>;
 
 }  // namespace tandem::sync

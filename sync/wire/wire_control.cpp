@@ -305,7 +305,7 @@ void fields(auto& a, Is<Welcome> auto& m) {
   for (auto& part : m.parts) fields(a, part);
 }
 void fields(auto& a, Is<Refused> auto& m) {
-  a.enumeration(m.refusal, Refusal::malformed);
+  a.enumeration(m.refusal, Refusal::removed);
   a.text(m.reason, kMaxTextLength);
 }
 void fields(auto& a, Is<SceneChunk> auto& m) {
@@ -342,9 +342,19 @@ void fields(auto& a, Is<EngageReply> auto& m) {
   fields(a, m.coHolders);
 }
 void fields(auto& a, Is<MembersChanged> auto& m) { fields(a, m.coHolders); }
+void fields(auto& a, Is<NewTicket> auto& m) { a.credential(m.resumeTicket); }
+void fields(auto& a, Is<SiteReport> auto& m) {
+  a.number(m.ticks);
+  a.number(m.missed);
+  a.number(m.forceLimited);
+  a.number(m.tick50);
+  a.number(m.tick99);
+  a.number(m.tickMax);
+  a.number(m.roundTrip);
+}
 
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 22, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 24, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

@@ -80,7 +80,7 @@ class RandomMessages {
       case 9:
         return welcome();
       case 10:
-        return Refused{static_cast<Refusal>(number(7)), text(kMaxTextLength)};
+        return Refused{static_cast<Refusal>(number(8)), text(kMaxTextLength)};
       case 11:
         return SceneChunk{random_(), std::vector<std::uint8_t>(1 + number(300), 0xab)};
       case 12:
@@ -101,8 +101,13 @@ class RandomMessages {
         return Disengage{number(~0u), partId()};
       case 20:
         return EngageReply{number(~0u), static_cast<Denial>(number(8)), coHolders()};
-      default:
+      case 21:
         return MembersChanged{coHolders()};
+      case 22:
+        return NewTicket{credential()};
+      default:
+        return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
+                          number(~0u), number(~0u), number(~0u)};
     }
   }
   Welcome welcome() {
