@@ -87,14 +87,15 @@ bool FaultyJournal::restart() {
       keep(last);
     }
     // What was told of a part may be newer than what is left of it, so that every epoch goes beyond.
-    for (const auto& [part, epoch] : highest_) {
+    for (const auto& entry : highest_) {
+      const PartId part = entry.first;
       sync::PartRecord record;
       const auto left = std::find_if(contents_.parts.begin(), contents_.parts.end(),
                                      [&](const auto& each) { return each.part == part; });
       if (left != contents_.parts.end()) record = *left;
       record.part = part;
       record.owner = kNoSite;
-      record.epoch = epoch + 1;
+      record.epoch = entry.second + 1;
       keep(record);
     }
   }
