@@ -22,6 +22,9 @@ static_assert(kTicketBytes % 3 == 0);
 constexpr std::size_t kTicketLength = kTicketBytes / 3 * 4;
 static_assert(kTicketLength <= sync::kMaxCredentialLength);
 constexpr std::uint8_t kVersion = 1;
+constexpr std::string_view kKnockContext = "tandem-knock-1";
+constexpr std::size_t kKnockHalf = std::tuple_size_v<sync::Knock> / 2;
+static_assert(std::tuple_size_v<sync::Knock> == kNonceBytes);
 
 void initialiseSodium() {
   static const int ready = sodium_init();  // 0: done now, 1: was done, -1: no randomness on this machine
@@ -82,6 +85,19 @@ Result<Ticket> ticketOf(std::span<const std::uint8_t, kPayloadBytes> payload) {
   return ticket;
 }
 
+/// The second half of the knock that begins with these bytes.
+std::array<std::uint8_t, kKnockHalf> proofFor(const SigningKey& key, const sync::Knock& knock) {
+  static_assert(crypto_auth_hmacsha256_KEYBYTES == std::tuple_size_v<decltype(key.seed)>);
+  std::array<std::uint8_t, kKnockContext.size() + kKnockHalf> message{};
+  const auto end = std::copy(kKnockContext.begin(), kKnockContext.end(), message.begin());
+  std::copy_n(knock.begin(), kKnockHalf, end);
+  std::array<std::uint8_t, crypto_auth_hmacsha256_BYTES> mac{};
+  crypto_auth_hmacsha256(mac.data(), message.data(), message.size(), key.seed.data());
+  std::array<std::uint8_t, kKnockHalf> half{};
+  std::copy_n(mac.begin(), half.size(), half.begin());
+  return half;
+}
+
 }  // namespace
 
 SigningKey makeSigningKey() {
@@ -98,6 +114,22 @@ std::string makeNonce() {
   std::array<char, 2 * kNonceBytes + 1> hex{};
   sodium_bin2hex(hex.data(), hex.size(), bytes.data(), bytes.size());
   return hex.data();
+}
+
+std::string makeNonce(const SigningKey& key) {
+  initialiseSodium();
+  sync::Knock knock{};
+  randombytes_buf(knock.data(), kKnockHalf);
+  const auto proof = proofFor(key, knock);
+  std::copy(proof.begin(), proof.end(), knock.begin() + kKnockHalf);
+  std::array<char, 2 * kNonceBytes + 1> hex{};
+  sodium_bin2hex(hex.data(), hex.size(), knock.data(), knock.size());
+  return hex.data();
+}
+
+bool knows(const SigningKey& key, const sync::Knock& knock) {
+  initialiseSodium();
+  return sodium_memcmp(proofFor(key, knock).data(), knock.data() + kKnockHalf, kKnockHalf) == 0;
 }
 
 std::string sign(const Ticket& ticket, const SigningKey& key) {

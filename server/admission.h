@@ -8,6 +8,7 @@
 #include <string>
 
 #include "assets/base/result.h"
+#include "sync/transport/knock.h"
 #include "sync/wire/participant_messages.h"
 
 namespace tandem::server {
@@ -20,6 +21,10 @@ SigningKey makeSigningKey();
 
 /// 32 random hexadecimal digits.
 std::string makeNonce();
+/// 32 hexadecimal digits, half of them random; the other half proves that the holder of the key made them.
+std::string makeNonce(const SigningKey& key);
+/// Whether a knock is a nonce that was made with this key: cheap, and no right to enter.
+bool knows(const SigningKey& key, const sync::Knock& knock);
 
 struct Ticket {
   bool resume = false;  // false: a join token

@@ -268,7 +268,7 @@ Session::~Session() = default;
 std::string Session::makeToken(sync::Role role, std::int64_t expires) const {
   Ticket ticket;
   ticket.role = role;
-  ticket.nonce = makeNonce();
+  ticket.nonce = makeNonce(dispatcher_->config.key);
   ticket.expires = expires;
   return sign(ticket, dispatcher_->config.linkKey.value_or(dispatcher_->config.key));
 }
@@ -289,6 +289,8 @@ std::string Session::replaceKeys(const SigningKey& ticketKey, const SigningKey& 
   return dispatcher_->operators.keysRotated();
 }
 void Session::noteInvitation(sync::Role role) { dispatcher_->operators.invited(role); }
+
+bool Session::knows(const sync::Knock& knock) const { return server::knows(dispatcher_->config.key, knock); }
 
 void Session::step(sync::Micros now, std::int64_t unixNow) { dispatcher_->step(now, unixNow); }
 sync::Micros Session::nextDeadline() const { return dispatcher_->nextDeadline(); }

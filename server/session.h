@@ -63,6 +63,9 @@ class Session {
   /// A token was made at an operator's wish.
   void noteInvitation(sync::Role role);
 
+  /// Whether a knock is of a token or ticket made with the present key. Cheap, and no right to enter.
+  bool knows(const sync::Knock& knock) const;
+
   /// Handles every event that the transport has, then does what is due: durable replies, leases, chunks.
   void step(sync::Micros now, std::int64_t unixNow);
   /// When, on the caller's clock, step() must be called next even if nothing arrives.

@@ -8,8 +8,8 @@
 namespace tandem::server {
 namespace {
 
-constexpr std::size_t kMaxStrangers = 64;                    // connections that have sent no Hello
-constexpr sync::Micros kHelloPatience = 10 * sync::kSecond;  // from connecting to the Hello
+constexpr std::size_t kMaxStrangers = 1024;                  // that have sent no Hello; sockets allow fewer
+constexpr sync::Micros kHelloPatience = 5 * sync::kSecond;   // from connecting to the Hello
 constexpr sync::Micros kLoadPatience = 600 * sync::kSecond;  // without a message of a loading site
 constexpr sync::Micros kReadyPatience = 15 * sync::kSecond;  // without a message of a ready site
 constexpr std::size_t kMaxPartsInWelcome = 8192;  // what fits into kMaxControlBytes; others follow it
@@ -132,6 +132,7 @@ void SiteAdmission::resume(Peer& peer, const sync::Hello& hello, const Ticket& t
 
 void SiteAdmission::admit(Peer& peer, KnownSite& site, const sync::Hello& hello) {
   ASSERT(ground_.peers.bySite(site.info.site) == nullptr);
+  ground_.transport.trust(peer.connection);
   site.info.name = shownName(hello.name, site.info.site);
   if (hello.colour != sync::kAnyColour)
     site.info.colour = hello.colour;
@@ -163,7 +164,8 @@ std::string SiteAdmission::ticketFor(const KnownSite& site) const {
   ticket.resume = true;
   ticket.role = site.info.role;
   ticket.site = site.info.site;
-  ticket.nonce = std::string(32, '0');  // a resume ticket may be used more than once
+  // It is kept nowhere: a resume ticket may be used more than once.
+  ticket.nonce = makeNonce(ground_.config.key);
   ticket.expires = ground_.context.unixNow() + ground_.config.ticketLifetime_s;
   return sign(ticket, ground_.config.key);
 }

@@ -46,6 +46,7 @@ Status JoinedSite::enterSession(const Progress& progress) {
       std::make_unique<ServerConnection>(connectionOptions, [this]() -> Result<std::unique_ptr<Transport>> {
         ConnectOptions connect;
         connect.udp = options_.udp;
+        connect.credential = connection_->credential();
         Result<std::unique_ptr<SocketTransport>> made =
             connectTo(options_.link.host, options_.link.port, options_.link.pin, connect);
         if (!made) return made.error();

@@ -113,9 +113,8 @@ bool ServerConnection::serverIsSilent() const {
 
 void ServerConnection::sendHello() {
   enter(Stage::entering);
-  const bool resume = !resumeTicket_.empty();
-  sender_.send(Hello{kProtocolVersion, resume, resume ? resumeTicket_ : options_.token, options_.name,
-                     options_.colour});
+  sender_.send(
+      Hello{kProtocolVersion, !resumeTicket_.empty(), credential(), options_.name, options_.colour});
 }
 
 void ServerConnection::leave() {

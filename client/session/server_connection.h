@@ -69,6 +69,9 @@ class ServerConnection {
   /// Sends a Goodbye: this site's parts are free at once.
   void leave();
 
+  /// What lets the site in now: its ticket, or its token before it has one.
+  const std::string& credential() const { return resumeTicket_.empty() ? options_.token : resumeTicket_; }
+
   sync::Transport* transport() { return transport_.get(); }
   const std::vector<SiteView>& sites() const { return people_.sites(); }
   /// kNoSite before the scene is ready.

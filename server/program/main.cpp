@@ -2,6 +2,7 @@
 // signal stops it. Standard output carries the links and nothing else; the log goes to standard error. Exit
 // codes: 0 done, 1 the run failed, 2 bad arguments or input (one line on standard error).
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,6 +20,7 @@
 
 #include "assets/scene/scene_package.h"
 #include "assets/scene/scene_size.h"
+#include "server/admission.h"
 #include "server/data_directory.h"
 #include "server/program/invitations.h"
 #include "server/program/operation.h"
@@ -89,6 +91,7 @@ struct Server {
   std::unique_ptr<sync::SocketTransport> transport;
   std::unique_ptr<SqliteJournal> journal;  // after the transport: its thread wakes it
   std::optional<sync::RecordingWriter> recording;
+  std::shared_ptr<const Session*> session;  // by which the transport knows knocks, once there is one
 };
 
 /// Serves until a signal stops it. Returns whether the journal was sound to the end.
@@ -142,14 +145,28 @@ Result<Server> prepare(Options& options, int& exitCode) {
       spdlog::info("{} is there: this recording is {}", options.record, recording->path());
   }
   exitCode = kExitFailed;
-  auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity());
+  sync::ListenOptions listen;
+  const auto session = std::make_shared<const Session*>(nullptr);
+  listen.knows = [session](const sync::Knock& knock) {
+    return *session != nullptr && (*session)->knows(knock);
+  };
+  auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity(), listen);
   if (!transport) return listenError(transport.error(), options.listenHost);
   return Server{std::move(*scene),     std::move(package),  std::move(*directory),
-                std::move(*transport), std::move(*journal), std::move(recording)};
+                std::move(*transport), std::move(*journal), std::move(recording), session};
+}
+
+/// A session of many sites needs more descriptors than most systems give a process at first.
+void raiseFileLimit() {
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return;
+  limit.rlim_cur = limit.rlim_max;
+  ::setrlimit(RLIMIT_NOFILE, &limit);
 }
 
 int run(Options& options) {
   watchSignals();
+  raiseFileLimit();
   ::umask(077);  // files of the server are readable by its user only
   startLog(options.quiet, options.log == "json");
   localNow();
@@ -176,6 +193,7 @@ int run(Options& options) {
   config.lease.margin = std::min(config.lease.margin, options.lease / 8);
   Session session(server.scene, server.package, config, *server.transport, *server.journal,
                   server.recording ? &*server.recording : nullptr, localNow(), unixNow());
+  *server.session = &session;
   const std::string host = options.linkHost.empty() ? defaultLinkHost(options.listenHost) : options.linkHost;
   const auto movable = std::count_if(server.scene.parts.begin(), server.scene.parts.end(),
                                      [](const assets::Part& part) { return part.movable; });

@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 
+#include "sync/transport/crowd.h"
 #include "sync/transport/state_channel.h"
 #include "sync/transport/tls_stream.h"
 #include "sync/transport/transport.h"
@@ -35,6 +36,7 @@ class Connection : public TlsStream::Listener {
   std::string refusal;          // the reason that this side sent before it closed
   std::size_t undelivered = 0;  // bytes of events not yet polled
   Micros deadline = 0;          // for the handshake, or for the end of close()
+  VisitorId visitor = 0;        // server: by which its place among strangers is known
   bool announced = false;       // `connected` is in the queue or was polled
   bool closing = false;         // by this side
 

@@ -3,6 +3,7 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
+#include "sync/transport/knock.h"
 #include "sync/transport/socket_core.h"
 #include "sync/transport/tls_greeting.h"
 #include "sync/transport/tls_identity.h"
@@ -96,6 +97,8 @@ void ClientTransport::connected(const error_code& failure) {
   if (failure) return fail("cannot connect to " + place_ + ": " + failure.message());
   tuneTcp(socket_);
   connection_->stream = std::make_shared<TlsStream>(std::move(socket_), *context_, *connection_);
+  if (const auto knock = knockOf(options_.credential))
+    connection_->stream->showProtocol(protocolName(*knock));
   connection_->stream->start(TlsStream::Side::client);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/asio/post.hpp>
 #include <chrono>
+#include <limits>
 
 #include "assets/base/assert.h"
 
@@ -316,6 +317,8 @@ void SocketCore::keepHouse() {
   housekeeping(at);
 }
 
+Micros SocketCore::attend(Micros, bool) { return std::numeric_limits<Micros>::max(); }
+
 /// The timer stays armed over many short waits: it may expire early, never late.
 void SocketCore::armTimer(Micros at) {
   if (timerArmed_ && armedAt_ <= at) return;
@@ -330,6 +333,7 @@ void SocketCore::wait(Micros timeout) {
   flush();
   retired_.clear();
   keepHouse();
+  attend(now(), false);
   watchUdp();
   // Where wait() may block, run_one() below handles what has arrived just as well, with one system call fewer
   // for each datagram.
@@ -337,7 +341,7 @@ void SocketCore::wait(Micros timeout) {
   while (!eventReady() && !woken_.load(std::memory_order_acquire)) {
     if (now() >= deadline) break;
     watchUdp();
-    armTimer(std::min(deadline, nextHousekeeping_));
+    armTimer(std::min({deadline, nextHousekeeping_, attend(now(), true)}));
     io_.run_one();
     keepHouse();
   }

@@ -53,6 +53,9 @@ class SocketCore : public SocketTransport {
 
  protected:
   static Micros now();
+  /// Does the next piece of work that can wait, a short one; `idle`: nothing else is to be done. Returns when
+  /// to call again.
+  virtual Micros attend(Micros now, bool idle);
   /// Does the work that is due by the clock, every kHousekeeping.
   virtual void housekeeping(Micros now) = 0;
   /// The connection whose datagrams have this id, or null.

@@ -3,12 +3,15 @@
 
 #include <openssl/rand.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/ip/v6_only.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
 #include <cstring>
 
+#include "sync/transport/front_door.h"
 #include "sync/transport/socket_core.h"
 #include "sync/transport/tls_greeting.h"
 #include "sync/transport/tls_identity.h"
@@ -22,8 +25,7 @@ using asio::ip::udp;
 using boost::system::error_code;
 
 constexpr int kPortAttempts = 16;  // for a port that is free for TCP and UDP alike
-constexpr int kListenBacklog = 128;
-constexpr Micros kAcceptPause = 100 * kMillisecond;  // when the process is out of file descriptors
+constexpr int kListenBacklog = 4096;  // the system may have a lower limit
 
 /// HOST:PORT of the other end; an IPv4 address in its own form.
 std::string addressText(const tcp::socket& socket) {
@@ -41,7 +43,12 @@ std::string addressText(const tcp::socket& socket) {
 class ServerTransport final : public SocketCore {
  public:
   ServerTransport(std::unique_ptr<SslContext> context, const ListenOptions& options)
-      : SocketCore(Peers::many), context_(std::move(context)), options_(options), acceptor_(io_) {}
+      : SocketCore(Peers::many),
+        context_(std::move(context)),
+        options_(options),
+        acceptor_(io_),
+        doorEvents_(io_),
+        door_(options) {}
   ~ServerTransport() override;
 
   Status listen(const std::string& host, std::uint16_t port);
@@ -50,33 +57,47 @@ class ServerTransport final : public SocketCore {
   void handshakeDone(Connection&) override {}  // the client sends the first frame
   void greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) override;
   void connectionClosed(Connection& connection, const std::string& reason) override;
+  void trust(ConnectionId id) override;
 
  protected:
+  Micros attend(Micros now, bool idle) override;
   void housekeeping(Micros now) override;
   Connection* connectionOf(std::uint64_t wireId) override;
 
  private:
   Status bind(const asio::ip::address& address, std::uint16_t port);
-  void accept();
-  void accepted(tcp::socket socket);
+  void watchDoor();
+  void begin(const FrontDoor::Guest& guest, Micros at);
+  void makeWay();
   std::uint64_t newWireId() const;
-  std::shared_ptr<Connection> removePending(Connection& connection);
+  /// Null if it is none.
+  std::shared_ptr<Connection> removeStranger(const Connection& connection);
 
   std::unique_ptr<SslContext> context_;
   ListenOptions options_;
   tcp::acceptor acceptor_;
   std::uint16_t port_ = 0;
-  std::vector<std::shared_ptr<Connection>> pending_;  // oldest first
+  asio::posix::stream_descriptor doorEvents_;
+  FrontDoor door_;
+  /// From the begin of the handshake to trust(); announced after the greeting.
+  struct Stranger {
+    std::shared_ptr<Connection> connection;
+    Network network = 0;
+    Micros begun = 0;
+  };
+  std::unordered_map<VisitorId, Stranger> strangers_;
+  Crowd known_, unknown_;  // the strangers, by whether they have shown a genuine knock
   std::unordered_map<std::uint64_t, Connection*> byWireId_;
   ConnectionId nextId_ = 0;
-  Micros acceptAt_ = 0;  // if not 0, no connection is accepted before then
 };
 
 ServerTransport::~ServerTransport() {
+  door_.close();
+  doorEvents_.release();  // the door closes its descriptor itself
   error_code ignored;
   acceptor_.close(ignored);
   shutDown();
-  for (const auto& connection : pending_) connection->stream->abandon();
+  for (const auto& [visitor, stranger] : strangers_) stranger.connection->stream->abandon();
 }
 
 Status ServerTransport::bind(const asio::ip::address& address, std::uint16_t port) {
@@ -120,36 +141,56 @@ Status ServerTransport::listen(const std::string& host, std::uint16_t port) {
   }
   for (int i = 1; !bound && port == 0 && i < kPortAttempts; ++i) bound = bind(address, port);
   if (!bound) return Error{place + bound.error().message};
+  acceptor_.native_non_blocking(true, failure);
+  if (failure || !door_.open(acceptor_.native_handle())) return Error{place + "the system gives no epoll"};
+  doorEvents_.assign(door_.descriptor());
   watchUdp();
-  accept();
+  watchDoor();
   return {};
 }
 
-void ServerTransport::accept() {
-  acceptor_.async_accept([this](const error_code& failure, tcp::socket socket) {
-    if (!acceptor_.is_open() || failure == asio::error::operation_aborted) return;
-    if (failure) {
-      acceptAt_ = now() + kAcceptPause;
-      return;
-    }
-    accepted(std::move(socket));
-    accept();
+void ServerTransport::watchDoor() {
+  doorEvents_.async_wait(asio::posix::stream_descriptor::wait_read, [this](const error_code& failure) {
+    if (failure) return;
+    door_.work(now());
+    counters_.failedHandshakes += door_.drainDropped();
+    watchDoor();
   });
 }
 
-void ServerTransport::accepted(tcp::socket socket) {
-  tuneTcp(socket);
-  if (pending_.size() >= options_.maxPendingHandshakes) {
-    // Honest handshakes are short, so the oldest one most likely belongs to a peer that only occupies a slot.
-    pending_.front()->stream->abandon();
-    connectionClosed(*pending_.front(), {});
+/// Begins one handshake at most: it takes its time from whatever else is to be done.
+Micros ServerTransport::attend(Micros at, bool idle) {
+  if (const std::optional<FrontDoor::Guest> guest = door_.next(at, idle)) begin(*guest, at);
+  return door_.nextAt(at);
+}
+
+void ServerTransport::begin(const FrontDoor::Guest& guest, Micros at) {
+  if (strangers_.size() >= options_.maxStrangers) makeWay();
+  tcp::socket socket(io_);
+  error_code failure;
+  socket.assign(acceptor_.local_endpoint(failure).protocol(), guest.socket, failure);
+  if (failure) {
+    ::close(guest.socket);
+    ++counters_.failedHandshakes;
+    return;
   }
+  tuneTcp(socket);
   const auto connection = std::make_shared<Connection>(*this);
   connection->address = addressText(socket);
   connection->stream = std::make_shared<TlsStream>(std::move(socket), *context_, *connection);
-  connection->deadline = now() + options_.handshakeTimeout;
-  pending_.push_back(connection);
+  connection->deadline = guest.since + options_.handshakeTimeout;
+  connection->visitor = guest.id;
+  strangers_[guest.id] = {connection, guest.network, at};
+  (guest.known ? known_ : unknown_).add(guest.id, options_.handshakes.tellApart ? guest.network : 0);
   connection->stream->start(TlsStream::Side::server);
+}
+
+/// Ends the connection of one stranger. Honest ones are strangers for a few round trips only.
+void ServerTransport::makeWay() {
+  const VisitorId visitor = unknown_.size() > 0 ? unknown_.first() : known_.first();
+  const auto connection = strangers_.at(visitor).connection;
+  connection->stream->abandon();
+  connectionClosed(*connection, "it made way for other newcomers");
 }
 
 std::uint64_t ServerTransport::newWireId() const {
@@ -160,13 +201,22 @@ std::uint64_t ServerTransport::newWireId() const {
   return id;
 }
 
-std::shared_ptr<Connection> ServerTransport::removePending(Connection& connection) {
-  const auto found =
-      std::find_if(pending_.begin(), pending_.end(), [&](const auto& p) { return p.get() == &connection; });
-  if (found == pending_.end()) return nullptr;
-  std::shared_ptr<Connection> removed = std::move(*found);
-  pending_.erase(found);
+std::shared_ptr<Connection> ServerTransport::removeStranger(const Connection& connection) {
+  const auto found = strangers_.find(connection.visitor);
+  if (found == strangers_.end()) return nullptr;
+  std::shared_ptr<Connection> removed = std::move(found->second.connection);
+  strangers_.erase(found);
+  known_.remove(connection.visitor);
+  unknown_.remove(connection.visitor);
   return removed;
+}
+
+void ServerTransport::trust(ConnectionId id) {
+  const Connection* connection = find(id);
+  const auto found = connection == nullptr ? strangers_.end() : strangers_.find(connection->visitor);
+  if (found == strangers_.end()) return;
+  if (unknown_.contains(connection->visitor)) door_.takeBack(found->second.network, found->second.begun);
+  removeStranger(*connection);
 }
 
 void ServerTransport::greeting(Connection& connection, FrameType type, std::span<const std::byte> bytes) {
@@ -186,27 +236,27 @@ void ServerTransport::greeting(Connection& connection, FrameType type, std::span
   }
   byWireId_[accept.wireId] = &connection;
   connection.stream->send(FrameType::accept, encode(accept));
-  announce(removePending(connection), nextId_++);
+  announce(strangers_.at(connection.visitor).connection, nextId_++);
 }
 
 void ServerTransport::connectionClosed(Connection& connection, const std::string& reason) {
   if (connection.channel != nullptr) byWireId_.erase(connection.channel->wireId());
-  if (auto pending = removePending(connection)) {
-    ++counters_.failedHandshakes;
-    retire(std::move(pending));
-    return;
-  }
-  drop(connection, reason);
+  auto stranger = removeStranger(connection);
+  if (connection.announced) return drop(connection, reason);
+  ++counters_.failedHandshakes;
+  if (stranger != nullptr) retire(std::move(stranger));
 }
 
 void ServerTransport::housekeeping(Micros at) {
-  while (!pending_.empty() && pending_.front()->deadline < at) {
-    pending_.front()->stream->abandon();
-    connectionClosed(*pending_.front(), {});
-  }
-  if (acceptAt_ != 0 && at >= acceptAt_) {
-    acceptAt_ = 0;
-    accept();
+  door_.expire(at);
+  counters_.failedHandshakes += door_.drainDropped();
+  std::vector<std::shared_ptr<Connection>> late;
+  for (const auto& [visitor, stranger] : strangers_)
+    if (!stranger.connection->announced && stranger.connection->deadline < at)
+      late.push_back(stranger.connection);
+  for (const auto& connection : late) {
+    connection->stream->abandon();
+    connectionClosed(*connection, {});
   }
 }
 

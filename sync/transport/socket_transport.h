@@ -12,10 +12,13 @@
 //    second.
 
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 
 #include "assets/base/result.h"
+#include "sync/transport/handshake_queue.h"
+#include "sync/transport/knock.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/limits.h"
 #include "sync/wire/time.h"
@@ -46,9 +49,16 @@ class SocketTransport : public Transport {
 };
 
 struct ListenOptions {
-  std::size_t maxConnections = kMaxSites + 8;  // beyond, a new connection is refused with the reason
-  std::size_t maxPendingHandshakes = 32;       // beyond, the oldest handshake is dropped
-  Micros handshakeTimeout = 5 * kSecond;       // from TCP connection to the end of the greeting
+  std::size_t maxConnections = kMaxSites + 264;  // beyond, a new connection is refused with the reason
+  // TCP connections whose handshake has not begun. Beyond, the oldest one of the network with the most makes
+  // way. Fewer where the process may open few files.
+  std::size_t maxPendingHandshakes = 4096;
+  Micros handshakeTimeout = 5 * kSecond;   // from TCP connection to the end of the greeting
+  Micros firstBytesTimeout = 3 * kSecond;  // from TCP connection to the first TLS message
+  // From the handshake's begin to trust(). Beyond, one makes way as above; known ones come last.
+  std::size_t maxStrangers = 256;
+  HandshakeRules handshakes{};
+  std::function<bool(const Knock&)> knows{};  // whether this server made the knock
 };
 /// host: an address or name to listen on ("" or "::": every address, IPv4 and IPv6); port 0: any free one,
 /// for TCP and UDP alike.
@@ -59,6 +69,7 @@ Result<std::unique_ptr<SocketTransport>> listenOn(const std::string& host, std::
 struct ConnectOptions {
   bool udp = true;               // false: state over TLS only
   Micros timeout = 5 * kSecond;  // for the TCP connection and the handshake
+  std::string credential{};      // token or ticket; its knock is shown, so that a busy server hears this site
 };
 /// Starts to connect; the outcome is a `connected` event, or `closed` with the reason (wrong key, refused,
 /// timeout). An immediate error means that the pin is malformed.

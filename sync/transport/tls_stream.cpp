@@ -42,7 +42,13 @@ std::string reasonOf(const error_code& failure) {
 }  // namespace
 
 TlsStream::TlsStream(asio::ip::tcp::socket socket, asio::ssl::context& context, Listener& listener)
-    : stream_(std::move(socket), context), listener_(&listener), input_(kFirstInputBytes) {}
+    : stream_(std::move(socket), context), listener_(&listener) {}
+
+void TlsStream::showProtocol(const std::string& name) {
+  const std::string list = static_cast<char>(name.size()) + name;
+  SSL_set_alpn_protos(stream_.native_handle(), reinterpret_cast<const unsigned char*>(list.data()),
+                      static_cast<unsigned>(list.size()));
+}
 
 void TlsStream::start(Side side) {
   const auto type = side == Side::client ? asio::ssl::stream_base::client : asio::ssl::stream_base::server;
@@ -58,6 +64,7 @@ void TlsStream::handshakeDone(const Code& failure) {
     return finish("no TLS 1.3 handshake: " + failure.message());
   }
   open_ = true;
+  input_.resize(kFirstInputBytes);
   listener_->onHandshake();
   read();
   write();

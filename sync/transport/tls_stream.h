@@ -53,6 +53,8 @@ class TlsStream : public std::enable_shared_from_this<TlsStream> {
 
   /// Begins the TLS handshake over a connected socket.
   void start(Side side);
+  /// A client shows this name in its list of protocols (ALPN). Before start().
+  void showProtocol(const std::string& name);
   /// Sets the largest size of a frame from now on.
   void allowFrames(std::size_t bytes) { maxFrame_ = bytes; }
   /// Queues a frame.

@@ -53,6 +53,8 @@ class Transport {
   /// Leaves what this connection sends unread until it is released, datagrams excepted, so that the network
   /// slows that peer alone. Its `closed` event still comes; what is held then is dropped.
   virtual void hold(ConnectionId connection, bool held) = 0;
+  /// Says that the peer has proven who it is. Until then its connection may be dropped for other strangers.
+  virtual void trust(ConnectionId) {}
   /// Sends what is queued, then closes. No further events of this connection but `closed`.
   virtual void close(ConnectionId connection) = 0;
   virtual const TransportCounters& counters() const = 0;

@@ -19,6 +19,23 @@ TEST(Admission, ReturnsWhatWasSigned) {
   EXPECT_FALSE(verify(sign(ticket, key), makeSigningKey(), 0).ok());
 }
 
+TEST(Admission, ACredentialsKnockIsKnownByItsKeyAlone) {
+  const SigningKey key = makeSigningKey();
+  for (const bool resume : {false, true}) {
+    const std::string text = sign({resume, sync::Role::observer, 3, makeNonce(key), 99}, key);
+    const auto knock = sync::knockOf(text);
+    ASSERT_TRUE(knock);
+    EXPECT_TRUE(knows(key, *knock));
+    EXPECT_FALSE(knows(makeSigningKey(), *knock));
+    for (std::size_t i = 0; i < knock->size(); ++i) {
+      sync::Knock forged = *knock;
+      forged[i] ^= 1;
+      EXPECT_FALSE(knows(key, forged)) << i;
+    }
+  }
+  EXPECT_FALSE(knows(key, *sync::knockOf(sign({false, sync::Role::observer, 0, makeNonce(), 99}, key))));
+}
+
 TEST(Admission, RefusesAChangeOfAnyCharacter) {
   const SigningKey key = makeSigningKey();
   const std::string good = sign({false, sync::Role::participant, 0, makeNonce(), 99}, key);
