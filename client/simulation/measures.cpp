@@ -28,12 +28,6 @@ void HandMeasures::add(const HandSample& sample) {
   samples_.push_back(sample);
 }
 
-double HandMeasures::energyCreated() const {
-  double largest = 0.0;
-  for (const HandSample& sample : samples_) largest = std::max(largest, sample.energyGiven);
-  return largest;
-}
-
 double HandMeasures::feltStiffness() const {
   // The axis is the mean force while pressing; force and travel are taken along it.
   glm::dvec3 meanPosition(0.0), meanForce(0.0);

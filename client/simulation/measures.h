@@ -27,8 +27,6 @@ class HandMeasures {
   /// The hand's site gained or lost a part in this tick.
   void roleChanged() { roleChanges_.push_back(samples_.size()); }
 
-  /// J: the largest excess, at any time, of the energy given over what came in.
-  double energyCreated() const;
   /// N/m: least-squares slope of force against travel while pressing, along the mean force; 0 if nothing was
   /// pressed.
   double feltStiffness() const;

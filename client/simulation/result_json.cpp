@@ -20,6 +20,7 @@ std::string toJson(const SimulationResult& result) {
   }
   json["energy_created_j"] = energy;
   json["felt_stiffness"] = stiffness;
+  json["energy_created_total_j"] = result.energyCreated;
   json["energy_created_by_links_j"] = result.energyOfLinks;
   const bool shared = result.shared > 0.0;
   json["shared_s"] = result.shared;

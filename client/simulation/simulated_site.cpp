@@ -132,6 +132,7 @@ void SimulatedSite::tickHand(Micros now) {
     hand_->setControl(device_.control());
     toHand = hand_->tick(reading, local(now));
   }
+  if (context_.pushesHands && running) pushAlong(toHand);
   device_.apply(toHand);
   const HandSample sample = measure(toHand);
   if (running) addSources(tick());
@@ -141,6 +142,12 @@ void SimulatedSite::tickHand(Micros now) {
   context_.fingerprint.add(sample.force);
   context_.fingerprint.add(sample.position);
   if (context_.trace.is_open() && now % (10 * kMillisecond) == 0) writeTrace(sample, now);
+}
+
+void SimulatedSite::pushAlong(Wrench& toHand) const {
+  constexpr double kNegativeDamping = 0.5;  // N·s/m
+  toHand.force = haptics::limited(toHand.force + kNegativeDamping * device_.hand().deviceVelocity(),
+                                  description_.device.forceMax);
 }
 
 HandSample SimulatedSite::measure(const Wrench& toHand) {
@@ -183,24 +190,29 @@ void SimulatedSite::writeTrace(const HandSample& sample, Micros now) {
 }
 
 /// Adds the energy that the scene itself gave to this hand in this tick, which the haptic loop did not
-/// create: the work of force fields, coordination links, the weight of a held part and parts that others push
-/// against the tool. Whether the links create energy is judged over all of them together
-/// (SimulationContext::linkWork).
+/// create: the work of force fields, of the weight of a held part and of parts that others push against the
+/// tool.
 void SimulatedSite::addSources(const haptics::TickOutput& tick) {
   sourceEnergy_ += tick.sourcePower * toSeconds(kTick);
   addLinkWork(tick);
-  if (tick.hands[0].held != kNoPart) {
-    const assets::Part& part = context_.scene.parts[tick.hands[0].held];
-    sourceEnergy_ += part.massProperties.mass * part.gravityFactor *
-                     glm::dot(context_.scene.gravity, device_.hand().deviceVelocity()) * toSeconds(kTick);
-  }
+  addWeight(tick);
   addPushedContacts(tick);
   for (std::size_t i = 0; i < lastPoses_.size(); ++i)
     if (context_.scene.parts[i].movable) lastPoses_[i] = hand_->worldFromPart(static_cast<PartId>(i));
 }
 
-/// The outage spring of a replica may give some energy too; it counts as a source here and in no sum of
-/// links.
+/// The weight of the part in this hand; of a shared part, this replica's share of it.
+void SimulatedSite::addWeight(const haptics::TickOutput& tick) {
+  const haptics::OwnedPart* held = tick.simulated(tick.hands[0].held);
+  if (held == nullptr) return;
+  const assets::Part& part = context_.scene.parts[held->part];
+  const glm::dvec3 centre = transformPoint(held->worldFromPart, part.massProperties.centreOfMass);
+  const glm::dvec3 velocity = velocityAt(held->worldFromPart, held->twist, centre);
+  sourceEnergy_ += held->links.share * part.massProperties.mass * part.gravityFactor *
+                   glm::dot(context_.scene.gravity, velocity) * toSeconds(kTick);
+}
+
+/// What all links together do on all replicas: a measure of the links alone.
 void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
   for (int i = 0; i < tick.ownedCount; ++i) {
     const haptics::OwnedPart& part = tick.owned[static_cast<std::size_t>(i)];
@@ -208,23 +220,29 @@ void SimulatedSite::addLinkWork(const haptics::TickOutput& tick) {
     const glm::dvec3 centre =
         transformPoint(part.worldFromPart, context_.scene.parts[part.part].massProperties.centreOfMass);
     const glm::dvec3 velocity = velocityAt(part.worldFromPart, part.twist, centre);
-    const auto workOf = [&](const Wrench& wrench) {
-      return toSeconds(kTick) *
-             (glm::dot(wrench.force, velocity) + glm::dot(wrench.torque, part.twist.angular));
-    };
-    const double work = workOf(part.links.pull);
-    sourceEnergy_ += work + workOf(part.links.outagePull);
-    context_.linkWork += work;
+    const Wrench& pull = part.links.pull;
+    context_.linkWork +=
+        toSeconds(kTick) * (glm::dot(pull.force, velocity) + glm::dot(pull.torque, part.twist.angular));
   }
 }
 
+/// Parts push the bare tool only: what pushes a held part is pushed back by it, here or at a linked site. The
+/// hand gets no more of it than its device gives.
 void SimulatedSite::addPushedContacts(const haptics::TickOutput& tick) {
+  if (tick.hands[0].held != kNoPart) return;
+  glm::dvec3 wanted(0.0);
+  for (int i = 0; i < tick.contactCount; ++i) {
+    const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
+    wanted += contact.force * contact.normal;
+  }
+  const double given = glm::length(tick.hands[0].toHand.force);
+  const double share = std::min(1.0, given / std::max(glm::length(wanted), 1e-300));
   for (int i = 0; i < tick.contactCount; ++i) {
     const haptics::Contact& contact = tick.contacts[static_cast<std::size_t>(i)];
     const Pose now = hand_->worldFromPart(contact.part);
     const glm::dvec3 before =
         transformPoint(lastPoses_[contact.part], transformPoint(inverse(now), contact.point));
-    sourceEnergy_ += contact.force * std::max(0.0, glm::dot(contact.normal, contact.point - before));
+    sourceEnergy_ += share * contact.force * std::max(0.0, glm::dot(contact.normal, contact.point - before));
   }
 }
 
@@ -234,7 +252,6 @@ std::uint64_t SimulatedSite::droppedStates() const {
 
 SimulatedSiteResult SimulatedSite::result(double duration, const std::vector<bool>& undisturbed) const {
   SimulatedSiteResult out;
-  out.energyCreated = measures_.energyCreated();
   out.feltStiffness = measures_.feltStiffness();
   out.forceStep20ms = measures_.forceStep();
   out.handoverExcess = measures_.handoverExcess();

@@ -34,6 +34,7 @@ struct SimulationContext {
         network(options.seed, script.network),
         invariants(script.sites.size(), sync::LeaseRules{}),
         server(scene, network, options.seed, options.mistake),
+        pushesHands(options.mistake == Mistake::negativeDamping),
         everOwned(scene.parts.size(), false) {}
 
   const Scenario& scenario;
@@ -42,6 +43,7 @@ struct SimulationContext {
   sync::VirtualNetwork network;
   Invariants invariants;
   SimulatedServer server;
+  const bool pushesHands;  // Mistake::negativeDamping
   Fingerprint fingerprint;
   std::ofstream trace;          // open where a trace was asked for
   std::vector<bool> everOwned;  // a part each
@@ -100,9 +102,11 @@ class SimulatedSite final : public FaultySite, public ConnectionObserver {
   sync::Micros local(sync::Micros now) const { return clock_.at(now); }
   HandSettingsInput settings() const;
   void tickHand(sync::Micros now);
+  void pushAlong(Wrench& toHand) const;
   HandSample measure(const Wrench& toHand);
   void noteContact(PartId part, HandSample& sample) const;
   void addSources(const haptics::TickOutput& tick);
+  void addWeight(const haptics::TickOutput& tick);
   void addLinkWork(const haptics::TickOutput& tick);
   void addPushedContacts(const haptics::TickOutput& tick);
   void writeTrace(const HandSample& sample, sync::Micros now);

@@ -8,6 +8,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "client/simulation/created_energy.h"
 #include "client/simulation/simulated_site.h"
 
 namespace tandem::client {
@@ -37,7 +38,9 @@ class Simulation {
         scene_(contact.scene()),
         context_(scenario, contact, options),
         faults_(scenario, scene_, context_.network, context_.server, context_.invariants, options.seed),
-        watch_(options.watch) {
+        watch_(options.watch),
+        created_(scenario.sites.size()),
+        given_(scenario.sites.size(), 0.0) {
     if (options.tracePath.empty()) return;
     context_.trace.open(options.tracePath);
     context_.trace << "t,site,hx,hy,hz,px,py,pz,fx,fy,fz,held,flags,links,fade,play_out_ms,lx,ly,lz\n";
@@ -53,6 +56,7 @@ class Simulation {
   void tick();
   void compareReplicas();
   void compareReplicas(const SimulatedSite& owner, const haptics::OwnedPart& part);
+  void noteEnergy();
   void showSites();
   double replicaError(PartId part, SimulationResult& result) const;
 
@@ -67,6 +71,8 @@ class Simulation {
   Distances displayed_, shared_;
   std::uint64_t sharedTicks_ = 0;
   double maxLinkWork_ = 0.0;  // J
+  CreatedEnergy created_;
+  std::vector<double> given_;  // J, a site each
 };
 
 Status Simulation::addSites(std::uint64_t seed) {
@@ -114,6 +120,20 @@ void Simulation::compareReplicas(const SimulatedSite& owner, const haptics::Owne
   }
 }
 
+/// Sites that simulate one part act on each other from then on.
+void Simulation::noteEnergy() {
+  for (std::size_t i = 0; i < sites_.size(); ++i) {
+    given_[i] = sites_[i]->measures().samples().back().energyGiven;
+    const haptics::TickOutput& tick = sites_[i]->tick();
+    for (int k = 0; k < tick.ownedCount; ++k) {
+      const PartId part = tick.owned[static_cast<std::size_t>(k)].part;
+      for (std::size_t other = 0; other < i; ++other)
+        if (sites_[other]->tick().simulated(part) != nullptr) created_.couple(other, i);
+    }
+  }
+  created_.add(given_);
+}
+
 void Simulation::showSites() {
   std::vector<SimulatedSiteState> states;
   for (const auto& site : sites_) {
@@ -140,6 +160,7 @@ void Simulation::tick() {
   allStill_.push_back(still);
   undisturbed_.push_back(still && !slidOff);
   compareReplicas();
+  noteEnergy();
   if (watch_) showSites();
 }
 
@@ -179,7 +200,10 @@ SimulationResult Simulation::result() {
       replicaErrors.emplace_back(scene_.parts[part].name, replicaError(static_cast<PartId>(part), result));
   context_.invariants.finish(replicaErrors);
   for (const auto& site : sites_) {
-    result.sites[site->name()] = site->result(scenario_.duration, undisturbed_);
+    SimulatedSiteResult& of = result.sites[site->name()];
+    of = site->result(scenario_.duration, undisturbed_);
+    of.energyCreated = created_.byHand()[site->index()];
+    result.energyCreated += of.energyCreated;
     result.stable = result.stable && site->measures().stable(allStill_);
     result.siteNames[site->id()] = site->name();
     result.droppedStates += site->droppedStates();

@@ -18,7 +18,7 @@
 namespace tandem::client {
 
 struct SimulatedSiteResult {
-  double energyCreated = 0.0;                           // J
+  double energyCreated = 0.0;                           // J, this hand's part (created_energy.h)
   double feltStiffness = 0.0;                           // N/m, 0 if nothing fixed was pressed
   double forceStep20ms = 0.0;                           // N
   double handoverExcess = 0.0;                          // N
@@ -36,6 +36,7 @@ struct SimulationResult {
   double displayedRms = 0.0, displayedMax = 0.0;      // m, owner's part against the display poses of others
   double discrepancyRms = 0.0, discrepancyMax = 0.0;  // m, owner's replica against those of co-holders
   double shared = 0.0;                                // s, for which a part had co-holders
+  double energyCreated = 0.0;                         // J, over all sites (created_energy.h)
   double energyOfLinks = 0.0;  // J, the largest energy that all links together had created at any time
   double leaderLoadRatio = 1.0;
   std::vector<Invariants::Grant> grants;
@@ -55,11 +56,12 @@ struct SimulatedSiteState {
   const haptics::TickOutput* tick = nullptr;
 };
 
-/// A deliberate mistake, to check that the invariants detect it.
+/// A deliberate mistake, to check that invariants and measures detect it.
 enum class Mistake : std::uint8_t {
   none,
   journalForgotten,  // a restarted server knows no epoch
   regrantedEarly,    // the server frees a part after a tenth of its owner's lease
+  negativeDamping,   // every device pushes its hand along, with 0.5 N·s/m: a source of energy
 };
 
 struct SimulationOptions {

@@ -31,16 +31,6 @@ TEST(HandMeasures, NothingPressedIsNoStiffness) {
   EXPECT_EQ(measures.feltStiffness(), 0.0);
 }
 
-TEST(HandMeasures, EnergyCreatedIsTheMostEverGiven) {
-  HandMeasures measures;
-  for (const double energy : {0.0, -0.1, 0.002, -0.5}) {
-    HandSample s = sample(0, 0);
-    s.energyGiven = energy;
-    measures.add(s);
-  }
-  EXPECT_EQ(measures.energyCreated(), 0.002);
-}
-
 TEST(HandMeasures, ForceStepIsTheLargestChangeIn20Milliseconds) {
   HandMeasures measures;
   for (int i = 0; i < 100; ++i) measures.add(sample(0, i < 50 ? 0.0 : std::min(1.0, (i - 50) * 0.025)));
