@@ -77,6 +77,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                                  .handCount = both ? 2 : 1};
   parts_.links().receive(exchange_, state_);
   output_.tick = haptics::tick(input, scene_, settings_.parameters[0], state_);
+  noteReached();
   parts_.links().update(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
   if (both) noteSecondHand();
@@ -240,19 +241,50 @@ SimulatedHere* HandLoop::joinAsCoHolder(PartId part, sync::Micros sessionNow) {
   return &mine;
 }
 
-/// Whether a part that others move comes near to one that a hand here holds and that does not pass through
-/// others.
-bool HandLoop::meetsHeld(const NearParts::Moving& other, double near) const {
-  return near_.meetsHeld(output_.tick, other, sync::toSeconds(timeBase_.playOutDelay), near);
+/// Notes which of the parts here are held, or near such a part through others here: what they meet comes to
+/// be felt by the hand. A push that ended in a part that is only played out would be met by a wall.
+void HandLoop::noteReached() {
+  std::array<SimulatedHere, haptics::kMaxOwnedParts>& parts = parts_.simulated();
+  for (SimulatedHere& mine : parts) {
+    const haptics::OwnedPart* part = mine.part != kNoPart ? output_.tick.simulated(mine.part) : nullptr;
+    mine.reached = part != nullptr && part->held;
+  }
+  if (std::none_of(parts.begin(), parts.end(), [](const SimulatedHere& mine) { return mine.reached; }))
+    return;
+  const auto near = [this](const SimulatedHere& reached, const SimulatedHere& mine) {
+    return reached.reached && reached.part != mine.part &&
+           near_.meet(simulatedAt(reached.part), simulatedAt(mine.part),
+                      sync::toSeconds(timeBase_.playOutDelay), NearParts::kStillNear);
+  };
+  for (bool grows = true; grows;) {
+    grows = false;
+    for (SimulatedHere& mine : parts) {
+      if (mine.part == kNoPart || mine.reached) continue;
+      mine.reached = std::any_of(parts.begin(), parts.end(),
+                                 [&](const SimulatedHere& other) { return near(other, mine); });
+      grows = grows || mine.reached;
+    }
+  }
 }
 
-/// Asks to co-hold what a held part may soon touch.
+/// Whether a part comes near to one that is reached here and that does not pass through others.
+bool HandLoop::meetsReached(const NearParts::Moving& other, double near) {
+  if (output_.tick.flags & haptics::kFlagHeldWithoutContact) return false;
+  const double playOutDelay = sync::toSeconds(timeBase_.playOutDelay);
+  const auto& parts = parts_.simulated();
+  return std::any_of(parts.begin(), parts.end(), [&](const SimulatedHere& mine) {
+    return mine.reached && mine.part != other.part &&
+           near_.meet(simulatedAt(mine.part), other, playOutDelay, near);
+  });
+}
+
+/// Asks to co-hold what a reached part may soon touch.
 void HandLoop::askForNear() {
   for (const haptics::PartMotion& moved : parts_.followed().moved()) {
     FollowedPart* slot = parts_.followed().find(moved.part);
     if (!slot || !slot->owned || slot->control != nullptr) continue;
-    const bool meets = meetsHeld({moved.part, moved.worldFromPart, moved.twist},
-                                 slot->asked ? NearParts::kStillNear : NearParts::kNear);
+    const bool meets = meetsReached({moved.part, moved.worldFromPart, moved.twist},
+                                    slot->asked ? NearParts::kStillNear : NearParts::kNear);
     if (meets && !slot->asked) slot->asked = intents_.grab(slot->part);
     if (!meets) slot->asked = false;
   }
@@ -268,7 +300,7 @@ NearParts::Moving HandLoop::simulatedAt(PartId part) const {
 void HandLoop::leaveUntouched(sync::Micros sessionNow) {
   for (SimulatedHere& mine : parts_.simulated()) {
     if (mine.part == kNoPart || !mine.coHeld()) continue;
-    if (grasps_.holds(mine.part) || meetsHeld(simulatedAt(mine.part), NearParts::kStillNear))
+    if (grasps_.holds(mine.part) || meetsReached(simulatedAt(mine.part), NearParts::kStillNear))
       mine.idleSince = sessionNow;
     if (sessionNow - mine.idleSince < kCoHolderStays) continue;
     if (intents_.leave(mine.part)) parts_.leave(mine, sessionNow);

@@ -87,7 +87,8 @@ class HandLoop {
   void noteOwner(const sync::PartRecord& record);
 
   SimulatedHere* joinAsCoHolder(PartId part, sync::Micros sessionNow);
-  bool meetsHeld(const NearParts::Moving& other, double near) const;
+  void noteReached();
+  bool meetsReached(const NearParts::Moving& other, double near);
   NearParts::Moving simulatedAt(PartId part) const;
   void askForNear();
   void askForControls();

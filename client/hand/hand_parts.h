@@ -20,6 +20,7 @@ struct SimulatedHere {
   PartId part = kNoPart;
   Epoch epoch = 0;  // 0: as a co-holder
   bool releasing = false;
+  bool reached = false;  // in this tick held, or near a reached part
   // The rest is of a co-holder's part.
   sync::Micros idleSince = 0;      // since when nothing here touches it
   bool handled = false;            // a hand here has held it

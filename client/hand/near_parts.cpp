@@ -41,15 +41,4 @@ bool NearParts::meet(const Moving& held, const Moving& other, double playOutDela
   return gap < near + std::clamp(closing, kSetOut, kMaxClosing) * (2.0 * playOutDelay + kFadeTime);
 }
 
-bool NearParts::meetsHeld(const haptics::TickOutput& tick, const Moving& other, double playOutDelay,
-                          double near) const {
-  if (tick.flags & haptics::kFlagHeldWithoutContact) return false;
-  for (int i = 0; i < tick.ownedCount; ++i) {
-    const haptics::OwnedPart& mine = tick.owned[static_cast<std::size_t>(i)];
-    if (!mine.held || mine.part == other.part) continue;
-    if (meet({mine.part, mine.worldFromPart, mine.twist}, other, playOutDelay, near)) return true;
-  }
-  return false;
-}
-
 }  // namespace tandem::client

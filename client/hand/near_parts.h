@@ -24,10 +24,6 @@ class NearParts {
   /// Whether the boxes of two parts are nearer than `near` m, or will be by the time at which a request has
   /// been answered and a link has faded in. `playOutDelay` s, of what others move.
   bool meet(const Moving& held, const Moving& other, double playOutDelay, double near) const;
-  /// Whether a part meets one that a hand here holds in this tick. Held parts that nothing keeps off others
-  /// meet none.
-  bool meetsHeld(const haptics::TickOutput& tick, const Moving& other, double playOutDelay,
-                 double near) const;
 
   static constexpr double kNear = 0.02, kStillNear = 0.03;  // m: to begin, and to go on
   static constexpr double kFadeTime = 0.5;                  // s, of a link

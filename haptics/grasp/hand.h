@@ -51,7 +51,9 @@ class Hand {
   const glm::dvec3& motion() const { return motion_; }
 
   /// What pulls at the part in the hand.
-  HandPull pull() const { return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_)}; }
+  HandPull pull() const {
+    return {valid_ ? &steadyDevice_ : nullptr, HandPull::gainsOf(parameters_), parameters_.forceLimit};
+  }
   /// Notes the wrench of the hand's coupling in this tick, before limits.
   void setCoupling(const Wrench& coupling) { coupling_ = valid_ ? coupling : Wrench{}; }
 

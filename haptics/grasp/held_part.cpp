@@ -75,6 +75,25 @@ Wrench endedPull(SimulatedPart& entry, double dt) {
   return {now.force, now.torque + glm::cross(arm, now.force)};
 }
 
+/// A hand's coupling to a part. `tied`: other sites simulate the part too.
+///
+/// Beyond the force that the device can give, the hand would stretch the spring without paying for it, and
+/// other sites' hands would be given that energy. So the spring of a tied part gives the part no more than
+/// that, and the part's `weight` (N), which the hand need not feel: it is linear up to the limit, then of
+/// constant force (Huber's function as its potential), so it stores what the hand has paid. A part that is
+/// tied no longer keeps the limit until its spring is short, so that nothing jumps.
+Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, bool tied, double weight) {
+  const DeviceSample& device = *hand.device;
+  CouplingGains gains = hand.gains;
+  const double gap = glm::length(device.worldFromDevice.position -
+                                 transformPoint(worldFromBody, grip.bodyFromGrip.position));
+  const double limit = hand.forceLimit + weight, force = gains.stiffness * gap;
+  const bool beyond = hand.forceLimit > 0.0 && force > limit;
+  grip.limited = tied || (grip.limited && beyond);
+  if (grip.limited && beyond) gains.stiffness *= limit / force;
+  return {grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
+}
+
 /// The tool's spring, as if it held the part where it presses: so it is implicit, and any mass is stable.
 Coupling couplingOf(const ToolPush& tool, const Pose& worldFromBody) {
   const Pose grip{tool.point, worldFromBody.orientation};
@@ -146,7 +165,7 @@ bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParame
   if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
   letGo(parameters, hand);
   if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
-  entry->grips[index] = {true, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
+  entry->grips[index] = {true, false, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
   return true;
 }
 
@@ -242,14 +261,14 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
                            double now, CoupledStep& step) {
   std::array<Coupling, kMaxCouplings> couplings;
   std::size_t count = 0;
+  const bool linked = links_.has(entry.part);
+  const double weight = entry.body.mass * glm::length(gravity);
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];
     grip.onHand = Wrench{};
     if (!grip.holds || hands[h].device == nullptr) continue;
-    const DeviceSample& device = *hands[h].device;
-    couplings[count++] = {grip.bodyFromGrip, device.worldFromDevice, device.twist, hands[h].gains};
+    couplings[count++] = couplingOf(grip, hands[h], entry.body.worldFromBody, linked, weight);
   }
-  const bool linked = links_.has(entry.part);
   if (count == 0 && !linked) return false;
   const bool held = count > 0;
   Wrench load = endedPull(entry, dt) + (held ? entry.rubbed : Wrench{});

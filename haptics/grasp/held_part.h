@@ -48,6 +48,7 @@ struct FieldPull {
 /// A hand's coupling to a part.
 struct Grip {
   bool holds = false;
+  bool limited = false;  // its spring gives the part no more than the device gives the hand
   Pose bodyFromGrip;
   Wrench onHand;  // of the last step
 };
@@ -73,6 +74,7 @@ struct SimulatedPart {
 struct HandPull {
   const DeviceSample* device = nullptr;  // null: no valid reading, or no such hand: nothing
   CouplingGains gains;
+  double forceLimit = 0.0;  // N, the most that the hand is given; 0: any
 
   static CouplingGains gainsOf(const TickParameters& p) {
     return {p.graspStiffness, p.graspDamping, p.graspRotStiffness, p.graspRotDamping};
