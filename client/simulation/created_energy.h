@@ -11,14 +11,18 @@
 #include <span>
 #include <vector>
 
+#include "assets/base/disjoint_sets.h"
+
 namespace tandem::client {
 
 class CreatedEnergy {
  public:
-  explicit CreatedEnergy(std::size_t hands);
+  explicit CreatedEnergy(std::size_t hands) : groups_(hands), created_(hands, 0.0) {}
 
   /// These two hands act on each other from now on: their sites simulate one part.
-  void couple(std::size_t a, std::size_t b);
+  void couple(std::size_t a, std::size_t b) {
+    groups_.join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  }
   /// Ends a tick: the energy that each hand has been given so far less that of the scene's sources, J.
   void add(std::span<const double> given);
   /// J: each hand's part of what its group created, the most at any time. The sum over a group is the most by
@@ -27,8 +31,8 @@ class CreatedEnergy {
   const std::vector<double>& byHand() const { return created_; }
 
  private:
-  std::vector<std::size_t> group_;  // a hand each: its group, named by one of its hands
-  std::vector<double> created_;     // J, a hand each
+  DisjointSets groups_;          // of hands
+  std::vector<double> created_;  // J, a hand each
 };
 
 }  // namespace tandem::client

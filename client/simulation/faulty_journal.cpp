@@ -8,14 +8,6 @@ namespace tandem::client {
 
 using sync::Micros;
 
-/// splitmix64 (Steele, Lea and Flood, "Fast splittable pseudorandom number generators", OOPSLA 2014).
-std::uint64_t FaultyJournal::draw() {
-  std::uint64_t z = random_ += 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
-
 void FaultyJournal::keep(const server::JournalRecord& record) {
   server::apply(contents_, record);
   if (const auto* part = std::get_if<sync::PartRecord>(&record)) {
@@ -51,7 +43,7 @@ Micros FaultyJournal::nextDurable(Micros never) const {
 void FaultyJournal::rot() {
   if (contents_.parts.empty()) return;
   contents_.parts.erase(contents_.parts.begin() +
-                        static_cast<std::ptrdiff_t>(draw() % contents_.parts.size()));
+                        static_cast<std::ptrdiff_t>(random_.draw() % contents_.parts.size()));
   damaged_ = true;
 }
 
@@ -62,7 +54,7 @@ void FaultyJournal::heal() {
 
 void FaultyJournal::crash() {
   // A record that is half on the disk is whole or absent to who reads it by its checksum.
-  if (tearing_ && !pending_.empty() && !failed_ && draw() % 2 == 0) {
+  if (tearing_ && !pending_.empty() && !failed_ && random_.draw() % 2 == 0) {
     keep(pending_.front().record);
     pending_.pop_front();
   }

@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "client/simulation/split_mix.h"
 #include "server/journal.h"
 
 namespace tandem::client {
@@ -49,10 +50,9 @@ class FaultyJournal : public server::Journal {
     sync::Micros durableAt = 0;
     server::JournalRecord record;
   };
-  std::uint64_t draw();
   void keep(const server::JournalRecord& record);
 
-  std::uint64_t random_;
+  SplitMix64 random_;
   sync::Micros now_ = 0, delay_ = sync::kMillisecond;
   std::deque<Pending> pending_;
   std::uint64_t appended_ = 0;

@@ -40,12 +40,10 @@ void ExchangePool::giveBack(std::unique_ptr<Exchange> exchange) {
 
 LightSite::LightSite(const LightWorld& world, ExchangePool& pool, std::size_t index,
                      const ScenarioSite& description, HandScript script, Micros clockOffset)
-    : world_(world),
+    : SimulatedClient(world.invariants, world.scene, index, description, clockOffset),
+      world_(world),
       pool_(pool),
-      index_(index),
-      description_(description),
       script_(std::move(script)),
-      clock_(clockOffset),
       joinsAt_(static_cast<Micros>(std::llround(description.joins * 1e6))),
       nextDue_(joinsAt_),
       fetches_(index % 2 == 1) {}
@@ -86,23 +84,8 @@ void LightSite::crash() {
 }
 
 void LightSite::leave() {
-  if (!inSession()) return;
-  world_.invariants.onLeft(index_, id_);
-  connection_->leave();
-  left_ = true;
-}
-
-void LightSite::revoke(PartId part) {
-  if (!connection_) return;
-  world_.invariants.onCommand(part);
-  connection_->revoke(part);
-}
-
-void LightSite::resetParts() {
-  if (!connection_) return;
-  for (std::size_t part = 0; part < world_.scene.parts.size(); ++part)
-    world_.invariants.onCommand(static_cast<PartId>(part));
-  connection_->resetParts();
+  left_ = left_ || inSession();
+  SimulatedClient::leave();
 }
 
 bool LightSite::hasEvents(Micros now) const {
@@ -156,15 +139,5 @@ void LightSite::enter() {
 }
 
 bool LightSite::beyondBound() const { return std::abs(clock_.drift() - world_.server.drift()) > kDriftBound; }
-
-void LightSite::onOwnership(const PartRecord& record) { world_.invariants.onOwnership(index_, record); }
-void LightSite::onGrab(const Grab& grab) { world_.invariants.onGrab(index_, grab); }
-void LightSite::onRelease(const Release& release) { world_.invariants.onRelease(release); }
-void LightSite::onGrabReply(const GrabReply& reply) { world_.invariants.onGrabReply(index_, reply); }
-void LightSite::onAccepted(SiteId, const PartState& state) { world_.invariants.onAccepted(index_, state); }
-void LightSite::onPublished(const PartState& state) {
-  world_.invariants.onPublished(connection_->welcome().site, state);
-}
-void LightSite::onConnection(bool up) { world_.invariants.onConnection(index_, up); }
 
 }  // namespace tandem::client

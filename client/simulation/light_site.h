@@ -6,10 +6,8 @@
 #include <memory>
 #include <string>
 
-#include "client/session/server_connection.h"
-#include "client/simulation/drifting_clock.h"
-#include "client/simulation/fault_schedule.h"
 #include "client/simulation/light_hand.h"
+#include "client/simulation/simulated_client.h"
 
 namespace tandem::client {
 
@@ -32,22 +30,16 @@ class ExchangePool {
   std::vector<std::unique_ptr<Exchange>> free_;
 };
 
-class LightSite final : public FaultySite, public ConnectionObserver {
+class LightSite final : public SimulatedClient {
  public:
   /// All that is referred to outlives this. `clockOffset` is the site's clock less virtual time.
   LightSite(const LightWorld& world, ExchangePool& pool, std::size_t index, const ScenarioSite& description,
             HandScript script, sync::Micros clockOffset);
   ~LightSite() override;
 
-  const std::string& name() const override { return description_.name; }
-  bool started() const override { return connection_ != nullptr; }
   void crash() override;
   void start() override;
-  void pauseUntil(sync::Micros until) override { pausedUntil_ = until; }
-  void setDrift(double ppm, sync::Micros now) override { clock_.setDrift(ppm, now); }
   void leave() override;
-  void revoke(PartId part) override;
-  void resetParts() override;
 
   /// Everything that is due at virtual time `now`.
   void step(sync::Micros now);
@@ -56,24 +48,13 @@ class LightSite final : public FaultySite, public ConnectionObserver {
   /// Whether something has arrived for a site that does not stand still.
   bool hasEvents(sync::Micros now) const;
 
-  SiteId id() const { return id_; }
-  bool inSession() const { return connection_ && connection_->stage() == ServerConnection::Stage::ready; }
   /// Whether the person is still there: it was not killed for good and has not left.
   bool takesPart() const { return connection_ != nullptr && !left_; }
-  SiteId ownerOf(PartId part) const { return connection_->owner(part); }
   const Pose& worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
   std::uint64_t granted() const { return granted_ + (hand_ ? hand_->granted() : 0); }
   /// Grants since the last call.
   std::uint64_t drainGranted();
   ConnectionStatistics statistics() const { return connection_->statistics(); }
-
-  void onOwnership(const sync::PartRecord& record) override;
-  void onGrab(const sync::Grab& grab) override;
-  void onGrabReply(const sync::GrabReply& reply) override;
-  void onRelease(const sync::Release& release) override;
-  void onAccepted(SiteId from, const sync::PartState& state) override;
-  void onPublished(const sync::PartState& state) override;
-  void onConnection(bool up) override;
 
  private:
   void enter();
@@ -82,18 +63,13 @@ class LightSite final : public FaultySite, public ConnectionObserver {
 
   LightWorld world_;
   ExchangePool& pool_;
-  std::size_t index_;
-  const ScenarioSite& description_;
   const HandScript script_;
-  DriftingClock clock_;
-  sync::Micros now_ = 0, joinsAt_, pausedUntil_ = 0, nextDue_ = 0;
+  sync::Micros now_ = 0, joinsAt_, nextDue_ = 0;
   sync::Micros asksAgainAt_ = -1;  // for a link, after a refusal; < 0: does not
   bool left_ = false, fetches_;
-  SiteId id_ = kNoSite;
   std::uint64_t granted_ = 0, drained_ = 0;
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<LightHand> hand_;
-  std::unique_ptr<ServerConnection> connection_;
 };
 
 }  // namespace tandem::client

@@ -20,10 +20,8 @@ constexpr Micros kTick = kSimulationTick;
 
 SimulatedSite::SimulatedSite(SimulationContext& context, std::size_t index, const ScenarioSite& description,
                              HandScript script, const Pose& worldFromStart, Micros clockOffset)
-    : context_(context),
-      index_(index),
-      description_(description),
-      clock_(clockOffset),
+    : SimulatedClient(context.invariants, context.scene, index, description, clockOffset),
+      context_(context),
       joinsAt_(static_cast<Micros>(description.joins * 1e6)),
       exchange_(std::make_unique<Exchange>()),
       hand_(std::make_unique<HandLoop>(context.contact, *exchange_)),
@@ -89,25 +87,6 @@ void SimulatedSite::crash() {
   exchange_ = std::make_unique<Exchange>();
   exchange_->settings.write(settings());
   hand_ = std::make_unique<HandLoop>(context_.contact, *exchange_);
-}
-
-void SimulatedSite::leave() {
-  if (!inSession()) return;
-  context_.invariants.onLeft(index_, id_);
-  connection_->leave();
-}
-
-void SimulatedSite::revoke(PartId part) {
-  if (!connection_) return;
-  context_.invariants.onCommand(part);
-  connection_->revoke(part);
-}
-
-void SimulatedSite::resetParts() {
-  if (!connection_) return;
-  for (std::size_t part = 0; part < context_.scene.parts.size(); ++part)
-    context_.invariants.onCommand(static_cast<PartId>(part));
-  connection_->resetParts();
 }
 
 void SimulatedSite::step(Micros now) {
@@ -271,24 +250,15 @@ SimulatedSiteResult SimulatedSite::result(double duration, const std::vector<boo
 }
 
 void SimulatedSite::onOwnership(const PartRecord& record) {
-  context_.invariants.onOwnership(index_, record);
+  SimulatedClient::onOwnership(record);
   ASSERT(record.part < context_.everOwned.size());
   context_.everOwned[record.part] = true;
   if (record.owner == connection_->welcome().site || tick().hands[0].held == record.part)
     measures_.roleChanged();
 }
-void SimulatedSite::onGrab(const Grab& grab) { context_.invariants.onGrab(index_, grab); }
-void SimulatedSite::onRelease(const Release& release) { context_.invariants.onRelease(release); }
 void SimulatedSite::onGrabReply(const GrabReply& reply) {
   if (reply.denial != Denial::none) ++denials_;
-  context_.invariants.onGrabReply(index_, reply);
+  SimulatedClient::onGrabReply(reply);
 }
-void SimulatedSite::onAccepted(SiteId, const PartState& state) {
-  context_.invariants.onAccepted(index_, state);
-}
-void SimulatedSite::onPublished(const PartState& state) {
-  context_.invariants.onPublished(connection_->welcome().site, state);
-}
-void SimulatedSite::onConnection(bool up) { context_.invariants.onConnection(index_, up); }
 
 }  // namespace tandem::client

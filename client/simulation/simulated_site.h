@@ -10,11 +10,9 @@
 
 #include "client/hand/hand_loop.h"
 #include "client/hand/scripted_device.h"
-#include "client/session/server_connection.h"
-#include "client/simulation/drifting_clock.h"
-#include "client/simulation/fault_schedule.h"
 #include "client/simulation/fingerprint.h"
 #include "client/simulation/measures.h"
+#include "client/simulation/simulated_client.h"
 #include "client/simulation/simulated_server.h"
 #include "client/simulation/simulation.h"
 #include "sync/transport/virtual_network.h"
@@ -50,7 +48,7 @@ struct SimulationContext {
   double linkWork = 0.0;        // J, done by all coordination links on all replicas
 };
 
-class SimulatedSite final : public FaultySite, public ConnectionObserver {
+class SimulatedSite final : public SimulatedClient {
  public:
   /// `context` and `description` must outlive this object. `clockOffset` is the site's clock less virtual
   /// time.
@@ -63,22 +61,9 @@ class SimulatedSite final : public FaultySite, public ConnectionObserver {
   void startWhenDue(sync::Micros now);
   /// Ends the client at once. What it knew is lost.
   void crash() override;
-  /// The client stands still until then.
-  void pauseUntil(sync::Micros until) override { pausedUntil_ = until; }
-  void setDrift(double ppm, sync::Micros now) override { clock_.setDrift(ppm, now); }
-  void leave() override;
-  void revoke(PartId part) override;
-  void resetParts() override;
   /// One tick of the hand, then one step of the connection.
   void step(sync::Micros now);
 
-  std::size_t index() const { return index_; }
-  SiteId id() const { return id_; }
-  const std::string& name() const override { return description_.name; }
-  bool started() const override { return connection_ != nullptr; }
-  bool inSession() const { return connection_ && connection_->stage() == ServerConnection::Stage::ready; }
-  /// Who owns a part, as far as this site knows. Only while it is started.
-  SiteId ownerOf(PartId part) const { return connection_->owner(part); }
   const haptics::TickOutput& tick() const { return hand_->output().tick; }
   const Pose& worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
   /// The display pose of a part: where a window at this site would draw it.
@@ -90,12 +75,7 @@ class SimulatedSite final : public FaultySite, public ConnectionObserver {
   SimulatedSiteResult result(double duration, const std::vector<bool>& undisturbed) const;
 
   void onOwnership(const sync::PartRecord& record) override;
-  void onGrab(const sync::Grab& grab) override;
   void onGrabReply(const sync::GrabReply& reply) override;
-  void onRelease(const sync::Release& release) override;
-  void onAccepted(SiteId from, const sync::PartState& state) override;
-  void onPublished(const sync::PartState& state) override;
-  void onConnection(bool up) override;
 
  private:
   bool paused(sync::Micros now) const { return now < pausedUntil_; }
@@ -113,14 +93,9 @@ class SimulatedSite final : public FaultySite, public ConnectionObserver {
   void countTransport();
 
   SimulationContext& context_;
-  std::size_t index_;
-  const ScenarioSite& description_;
-  DriftingClock clock_;
-  sync::Micros joinsAt_, pausedUntil_ = 0;
-  SiteId id_ = kNoSite;
+  sync::Micros joinsAt_;
   std::unique_ptr<Exchange> exchange_;
   std::unique_ptr<HandLoop> hand_;
-  std::unique_ptr<ServerConnection> connection_;
   ScriptedDevice device_;
   HandMeasures measures_;
   glm::dvec3 lastTarget_;

@@ -30,14 +30,6 @@ Stranger::Stranger(const Ground& ground, Kind kind, std::string name, std::uint6
   if (kind_ == Kind::escalate && chance(50)) role_ = Role::observer;
 }
 
-/// splitmix64; see FaultyJournal.
-std::uint64_t Stranger::draw() {
-  std::uint64_t z = random_ += 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  return z ^ (z >> 31);
-}
-
 Micros Stranger::nextDue(Micros never) const {
   if (now_ >= until_) return never;
   if (transport_ && VirtualNetwork::hasEvents(*transport_)) return now_;
@@ -187,7 +179,7 @@ void Stranger::act() {
 void Stranger::sendMalformed() {
   for (int i = 0; i < 3; ++i) {
     std::vector<std::byte> bytes(1 + below(64));
-    for (std::byte& byte : bytes) byte = static_cast<std::byte>(draw());
+    for (std::byte& byte : bytes) byte = static_cast<std::byte>(random_.draw());
     transport_->sendState(0, bytes);
   }
   sendState();
@@ -255,7 +247,7 @@ void Stranger::sendState() {
     const double far = chance(30) ? 1e3 : 0.05;
     update.parts.push_back({static_cast<PartId>(part),
                             static_cast<Epoch>(below(64)),
-                            static_cast<std::uint32_t>(draw() >> 33),
+                            static_cast<std::uint32_t>(random_.draw() >> 33),
                             Pose{{far, far, far}, {1, 0, 0, 0}},
                             {}});
   }

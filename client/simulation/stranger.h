@@ -34,8 +34,7 @@ class Stranger {
 
  private:
   using Kind = Fault::Kind;
-  std::uint64_t draw();
-  std::uint64_t below(std::uint64_t n) { return draw() % n; }
+  std::uint64_t below(std::uint64_t n) { return random_.draw() % n; }
   bool chance(unsigned percent) { return below(100) < percent; }
 
   void connect();
@@ -58,7 +57,7 @@ class Stranger {
   Ground ground_;
   Kind kind_;
   std::string name_;
-  std::uint64_t random_;
+  SplitMix64 random_;
   sync::Micros now_, until_, next_;
   sync::Role role_ = sync::Role::participant;
   std::unique_ptr<sync::Transport> transport_;

@@ -32,12 +32,16 @@
 #include "sync/transport/socket_transport.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/wire.h"
+#include "tests/bench/bench_process.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/shapes.h"
 
 namespace {
 
 using namespace tandem;
+using bench::fail;
+using bench::must;
+using bench::now;
 using sync::Micros;
 using Kind = sync::TransportEvent::Kind;
 
@@ -45,21 +49,6 @@ constexpr Micros kPatience = 10 * sync::kSecond;
 constexpr double kAllowance_ms = 5.0;  // beyond one round trip
 constexpr double kFloodTime_s = 8.0;   // a site that floods is parted from after ten seconds
 constexpr PartId kBox = 0, kFixed = 1;
-
-Micros now() {
-  const auto t = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(t).count();
-}
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "bench_grab: %s\n", what.c_str());
-  std::exit(2);
-}
-template <typename T>
-T must(Result<T> result) {
-  if (!result) fail(result.error().message);
-  return std::move(result).value();
-}
 
 /// A directory of its own below `parent`, removed at the end.
 class Folder {

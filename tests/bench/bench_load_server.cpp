@@ -34,6 +34,7 @@
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/state_sender.h"
 #include "sync/wire/wire.h"
+#include "tests/bench/bench_process.h"
 #include "tests/bench/bench_report.h"
 #include "tests/bench/stage_sampler.h"
 #include "tests/support/shapes.h"
@@ -41,6 +42,10 @@
 namespace {
 
 using namespace tandem;
+using bench::fail;
+using bench::must;
+using bench::now;
+using bench::threadSeconds;
 using sync::Micros;
 using Kind = sync::TransportEvent::Kind;
 
@@ -54,26 +59,6 @@ struct Setup {
   double spacing = 1.0;  // m between the places of the sites
   std::string json;
 };
-
-Micros now() {
-  const auto t = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(t).count();
-}
-double threadSeconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "bench_load_server: %s\n", what.c_str());
-  std::exit(2);
-}
-template <typename T>
-T must(Result<T> result) {
-  if (!result) fail(result.error().message);
-  return std::move(result).value();
-}
 
 /// A box for each site, on a square grid.
 assets::Scene boxes(const Setup& setup) {

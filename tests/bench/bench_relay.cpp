@@ -38,6 +38,7 @@
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/wire.h"
+#include "tests/bench/bench_process.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/forwarder.h"
 #include "tests/support/shapes.h"
@@ -45,6 +46,10 @@
 namespace {
 
 using namespace tandem;
+using bench::fail;
+using bench::must;
+using bench::now;
+using bench::threadSeconds;
 using sync::Micros;
 using Kind = sync::TransportEvent::Kind;
 
@@ -52,26 +57,6 @@ constexpr Micros kPeriod = 4 * sync::kMillisecond;  // 250 Hz
 constexpr Micros kLost = 100 * sync::kMillisecond;  // a datagram that takes longer counts as lost
 constexpr Micros kSetupTime = 10 * sync::kSecond;
 constexpr int kPingEvery = 25;  // periods, as a site does
-
-Micros now() {
-  const auto t = std::chrono::steady_clock::now().time_since_epoch();
-  return std::chrono::duration_cast<std::chrono::microseconds>(t).count();
-}
-double threadSeconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-[[noreturn]] void fail(const std::string& what) {
-  std::fprintf(stderr, "bench_relay: %s\n", what.c_str());
-  std::exit(2);
-}
-template <typename T>
-T must(Result<T> result) {
-  if (!result) fail(result.error().message);
-  return std::move(result).value();
-}
 
 /// A thread that relays until it is stopped; reports the processor time that it used.
 class RelayThread {

@@ -3,18 +3,10 @@
 #include <algorithm>
 #include <random>
 
-#include "server/memory_journal.h"
-#include "server/session.h"
-#include "sync/transport/virtual_network.h"
-#include "tests/support/fake_site.h"
+#include "tests/server/session_rig.h"
 
 namespace tandem::server {
 namespace {
-
-using namespace sync;
-using test::FakeSite;
-
-constexpr std::int64_t kUnix = 1000000;
 
 SigningKey keyOf(std::uint8_t fill) {
   SigningKey key;
@@ -22,62 +14,21 @@ SigningKey keyOf(std::uint8_t fill) {
   return key;
 }
 
-/// A session of two movable parts on virtual time, and what its audit trail has said.
-struct Desk {
-  assets::Scene scene;
-  std::vector<std::byte> package{1000};
-  SessionConfig config;
-  VirtualNetwork network{1, NetworkConditions{10 * kMillisecond, 0, 0, 0, 0}};
-  MemoryJournal journal{2 * kMillisecond};
-  std::unique_ptr<Transport> transport;
-  std::unique_ptr<Session> session;
-  std::vector<std::unique_ptr<FakeSite>> sites;
+/// A session, and what its audit trail has said.
+struct Desk : SessionRig {
   std::vector<AuditEntry> audit;
-  Micros now = 0;
 
-  Desk() {
-    scene.bounds = {glm::dvec3(-0.5), glm::dvec3(0.5)};
-    for (int i = 0; i < 2; ++i) {
-      assets::Part part;
-      part.name = "part" + std::to_string(i);
-      part.movable = true;
-      scene.parts.push_back(part);
-    }
-    config.key = keyOf(7);
-    config.linkKey = keyOf(8);
-    start();
-  }
-  void start() {
-    transport = network.listen();
-    session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
+  Desk() : SessionRig({}, keyOf(8)) {}
+  void afterStep() override {
+    for (AuditEntry& entry : session->drainAudit()) audit.push_back(std::move(entry));
   }
   void restart() {
     run(20 * kMillisecond);
-    session.reset();
-    transport.reset();
-    journal.crash();
+    crash();
     start();
   }
-  void run(Micros length) {
-    for (const Micros end = now + length; now < end;) {
-      now += kMillisecond;
-      network.advanceTo(now);
-      journal.advanceTo(now);
-      session->step(now, kUnix + now / kSecond);
-      for (AuditEntry& entry : session->drainAudit()) audit.push_back(std::move(entry));
-      for (auto& site : sites) {
-        site->listen();
-        if (now % (100 * kMillisecond) == 0 && site->last<Welcome>() != nullptr && !site->closed)
-          site->ping(now);
-      }
-    }
-  }
   FakeSite& hello(const std::string& name, bool resume, const std::string& credential) {
-    sites.push_back(std::make_unique<FakeSite>());
-    FakeSite& site = *sites.back();
-    site.frame = wireFrame(scene.bounds);
-    site.transport = network.connect(name);
-    run(30 * kMillisecond);
+    FakeSite& site = connect(name);
     site.send(Hello{kProtocolVersion, resume, credential, name, {1, 2, 3}});
     run(40 * kMillisecond);
     if (site.last<Welcome>() != nullptr) site.send(Ready{});
@@ -85,7 +36,7 @@ struct Desk {
     return site;
   }
   FakeSite& join(const std::string& name, Role role = Role::participant) {
-    return hello(name, false, session->makeToken(role, kUnix + 3600));
+    return hello(name, false, token(role));
   }
   Epoch grab(FakeSite& site, PartId part) {
     site.send(Grab{++requests_, part});

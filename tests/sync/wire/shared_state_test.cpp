@@ -11,10 +11,12 @@
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/state_sender.h"
 #include "tests/sync/wire/random_messages.h"
+#include "tests/sync/wire/sent_parts.h"
 
 namespace tandem::sync {
 namespace {
 
+using testing::havePartsOf;
 using testing::RandomMessages;
 using Outcome = StateReceiver::Outcome;
 const WireFrame kFrame{{0.3, -1.0, 2.0}, 4.0};
@@ -52,17 +54,9 @@ class Origin {
 };
 
 bool isThatSent(const StateUpdate& sent, const StateUpdate& got) {
-  if (sent.time != got.time || sent.site != got.site || sent.parts.size() != got.parts.size()) return false;
+  if (sent.time != got.time || sent.site != got.site) return false;
   if (got.newPresence && sent.presence.touched != got.presence.touched) return false;
-  return std::all_of(sent.parts.begin(), sent.parts.end(), [&](const PartState& state) {
-    const PartState expected = quantised(state, kFrame);
-    const auto at = std::find_if(got.parts.begin(), got.parts.end(),
-                                 [&](const PartState& other) { return other.part == state.part; });
-    return at != got.parts.end() && at->epoch == expected.epoch && at->sequence == expected.sequence &&
-           at->worldFromPart.position == expected.worldFromPart.position &&
-           at->worldFromPart.orientation == expected.worldFromPart.orientation &&
-           at->twist.linear == expected.twist.linear && at->twist.angular == expected.twist.angular;
-  });
+  return havePartsOf(sent, got, kFrame);
 }
 
 /// One receiver behind a network of its own.
