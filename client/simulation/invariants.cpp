@@ -175,7 +175,9 @@ void Invariants::onServerRecord(const PartRecord& record) {
   // an heir's who gave it back at once, of which finish() knows.
   if (before.owner != kNoSite && record.owner == kNoSite && record.epoch == before.epoch + 1) {
     checked(Rule::R1);
-    if (!commandedOf(record.part)) takenAway_.push_back({record.part, record.epoch});
+    // A server that can write again takes back the grants that it had to deny meanwhile.
+    const bool writesAgain = hinderedAt_ >= 0 && now_ < hinderedAt_ + sync::kSecond;
+    if (!commandedOf(record.part) && !writesAgain) takenAway_.push_back({record.part, record.epoch});
   }
   before = record;
 }

@@ -11,7 +11,7 @@ namespace tandem::client {
 using sync::Micros;
 
 LightHand::LightHand(const assets::Scene& scene, const std::vector<ScriptStep>& script, Exchange& exchange)
-    : scene_(scene), script_(script), exchange_(exchange) {
+    : script_(script), exchange_(exchange) {
   for (const assets::Part& part : scene.parts) poses_.push_back(part.worldFromPart);
 }
 

@@ -16,7 +16,7 @@ namespace tandem::client {
 
 class LightHand {
  public:
-  /// `scene` and `exchange` outlive this. Of the script it plays grasp, release and move_relative.
+  /// `script` and `exchange` outlive this. Of the script it plays grasp, release and move_relative.
   LightHand(const assets::Scene& scene, const std::vector<ScriptStep>& script, Exchange& exchange);
 
   /// Reads the events of the network, does what the script says up to scenario time `t`, in s, and publishes
@@ -47,7 +47,6 @@ class LightHand {
   void sendLinkPackets(sync::Micros now);
   void publish(sync::Micros now);
 
-  const assets::Scene& scene_;
   const std::vector<ScriptStep>& script_;
   Exchange& exchange_;
   std::size_t next_ = 0;

@@ -69,9 +69,9 @@ struct Fault {
   Kind kind = Kind::killServer;
   double at = 0.0;      // s
   double lasts = -1.0;  // s; < 0: for good
-  std::string site;     // none: of the server, of all sites, or of a stranger
+  std::string site{};   // none: of the server, of all sites, or of a stranger
   double amount = 0.0;  // ppm, s, share or bytes/s
-  std::string part;     // of a revoke
+  std::string part{};   // of a revoke
 
   bool ofServer() const { return kind == Kind::killServer || kind == Kind::pauseServer; }
   bool ofStranger() const { return kind >= Kind::malformed; }
