@@ -76,7 +76,7 @@ std::optional<Knock> knockIn(std::span<const std::uint8_t> clientHello) {
 }  // namespace
 
 std::optional<Knock> knockOf(const std::string& credential) {
-  if (credential.size() > kMaxCredentialLength) return std::nullopt;
+  if (credential.empty() || credential.size() > kMaxCredentialLength) return std::nullopt;
   std::vector<std::uint8_t> bytes(credential.size());
   std::size_t length = 0;
   if (sodium_base642bin(bytes.data(), bytes.size(), credential.data(), credential.size(), nullptr, &length,
