@@ -2,90 +2,21 @@
 """What an operator has of a running tandem-server: orders, the audit table, the log, the service manager.
 
     python3 tests/server/operation_test.py --bin build/release/bin
-
-Every wait is bounded; only processes started here are ended.
 """
-import argparse
 import json
 import os
-import pathlib
 import re
 import socket
 import stat
-import subprocess
 import sys
-import tempfile
-import time
 
-SCENE = pathlib.Path(__file__).resolve().parent.parent.parent / "assets" / "scenes" / "peg_board.glb"
-
-
-def wait_for(condition, what, seconds=20.0):
-    end = time.monotonic() + seconds
-    while time.monotonic() < end:
-        found = condition()
-        if found:
-            return found
-        time.sleep(0.02)
-    raise AssertionError("timed out waiting until " + what)
-
-
-class Server:
-    def __init__(self, binaries, folder, *options, environment=None):
-        folder.mkdir(exist_ok=True)
-        self.program, self.data = binaries / "tandem-server", folder / "data"
-        self.out, self.err = folder / "out", folder / "err"
-        self.process = subprocess.Popen(
-            [self.program, SCENE, "--listen", "127.0.0.1:0", "--data", self.data, *options],
-            stdout=open(self.out, "w"), stderr=open(self.err, "w"),
-            env=dict(os.environ, **(environment or {})))
-
-    def __enter__(self):
-        wait_for(lambda: self.process.poll() is not None or len(self.links("observer")) > 0,
-                 "links are printed")
-        assert self.process.poll() is None, self.err.read_text()
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait(20)
-
-    def links(self, role):
-        return [line.split()[1] for line in self.out.read_text().splitlines() if line.startswith(role + " ")]
-
-    def order(self, *words):
-        done = subprocess.run([self.program, "--data", self.data, *words], capture_output=True, text=True,
-                              timeout=20)
-        return done.returncode, done.stdout.strip(), done.stderr.strip()
-
-    def audit(self):
-        code, out, error = self.order("--audit", "--json")
-        assert code == 0, error
-        return [json.loads(line) for line in out.splitlines()]
-
-    def events(self):
-        return [row["event"] for row in self.audit()]
-
-
-class Site:
-    def __init__(self, binaries, folder, link, name):
-        self.log = folder / (name + ".log")
-        self.process = subprocess.Popen(
-            [binaries / "tandem", "join", link, "--headless", "--name", name, "--duration", "60"],
-            stdout=open(self.log, "w"), stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-            env=dict(os.environ, XDG_CACHE_HOME=str(folder / "cache")))
-
-    def end(self):
-        if self.process.poll() is None:
-            self.process.terminate()
-        return self.process.wait(20)
+from server_process import Server, Site, run, wait_for
 
 
 def orders_reach_a_running_server(binaries, folder):
     with Server(binaries, folder) as server:
         assert stat.S_IMODE(os.stat(server.data / "control.sock").st_mode) == 0o600
-        ben = Site(binaries, folder, server.links("participant")[0], "Ben")
-        try:
+        with Site(binaries, folder, server.links("participant")[0], "Ben") as ben:
             wait_for(lambda: "joined" in server.events(), "Ben is in the audit table")
             code, _, error = server.order("--kick", "Eve")
             assert code == 1 and "Eve" in error, (code, error)
@@ -94,9 +25,7 @@ def orders_reach_a_running_server(binaries, folder):
             code, out, _ = server.order("--kick", "Ben", "--ban")
             assert code == 0 and "banned" in out, out
             wait_for(lambda: ben.process.poll() is not None, "the site that is banned ends")
-            assert "operator" in ben.log.read_text(), ben.log.read_text()
-        finally:
-            ben.end()
+            assert "operator" in ben.log(), ben.log()
         before = server.links("observer")
         code, _, _ = server.order("--revoke-links")
         assert code == 0
@@ -120,24 +49,18 @@ def keys_and_bans_outlive_a_restart(binaries, folder):
         old = server.links("participant")[0]
         assert server.order("--revoke-links")[0] == 0
     with Server(binaries, folder) as server:
-        eve = Site(binaries, folder, re.sub(r":\d+(?=[/?])", ":" + port_of(server), old, count=1), "Eve")
-        code = eve.process.wait(30)
-        assert code != 0 and "not signed by this server" in eve.log.read_text(), eve.log.read_text()
+        link = re.sub(r":\d+(?=[/?])", ":" + server.port(), old, count=1)
+        with Site(binaries, folder, link, "Eve") as eve:
+            code = eve.process.wait(30)
+        assert code != 0 and "not signed by this server" in eve.log(), eve.log()
         wait_for(lambda: "refused" in server.events(), "the refusal is in the table")
-
-
-def port_of(server):
-    return re.search(r":(\d+)[/?]", server.links("observer")[0]).group(1)
 
 
 def the_log_is_json_that_names_session_and_site(binaries, folder):
     with Server(binaries, folder, "--log", "json") as server:
-        ada = Site(binaries, folder, server.links("instructor")[0], "Ada")
-        try:
-            wait_for(lambda: "Ada" in server.err.read_text(), "Ada is logged")
-        finally:
-            ada.end()
-    lines = [json.loads(line) for line in server.err.read_text().splitlines()]
+        with Site(binaries, folder, server.links("instructor")[0], "Ada"):
+            wait_for(lambda: "Ada" in server.log(), "Ada is logged")
+    lines = [json.loads(line) for line in server.log().splitlines()]
     joined = next(line for line in lines if "joined" in line["message"])
     assert joined["site"] == 1 and joined["level"] == "info", joined
     assert len({line["session"] for line in lines if "session" in line}) == 1
@@ -160,17 +83,6 @@ def the_service_manager_is_told(binaries, folder):
     manager.close()
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--bin", type=pathlib.Path, required=True)
-    binaries = parser.parse_args().bin
-    for test in (orders_reach_a_running_server, keys_and_bans_outlive_a_restart,
-                 the_log_is_json_that_names_session_and_site, the_service_manager_is_told):
-        with tempfile.TemporaryDirectory() as folder:
-            test(binaries, pathlib.Path(folder) / "server")
-        print("ok", test.__name__, flush=True)
-    return 0
-
-
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(run(orders_reach_a_running_server, keys_and_bans_outlive_a_restart,
+                 the_log_is_json_that_names_session_and_site, the_service_manager_is_told))
