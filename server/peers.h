@@ -13,9 +13,9 @@
 #include "server/interest.h"
 #include "server/outbox.h"
 #include "server/places.h"
+#include "server/site_figures.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
-#include "sync/wire/report_messages.h"
 #include "sync/wire/shared_state_sender.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/state_receiver.h"
@@ -65,20 +65,6 @@ struct StateLeg {
 struct TransferProgress {
   bool active = false;
   std::uint64_t offset = 0;  // into the package, of the next chunk
-};
-
-/// What a site reports of itself; unchecked, because nothing depends on it.
-struct SiteFigures {
-  sync::SiteReport latest;
-  std::uint64_t reports = 0, ticks = 0, missed = 0, forceLimited = 0;
-
-  void add(const sync::SiteReport& report) {
-    latest = report;
-    ++reports;
-    ticks += report.ticks;
-    missed += report.missed;
-    forceLimited += report.forceLimited;
-  }
 };
 
 struct Peer {

@@ -21,6 +21,14 @@ void Publisher::keep(const JournalRecord& record) {
   const std::uint64_t number = journal_.append(record);
   ASSERT(number > appended_);
   appended_ = number;
+  if (unfinished_.size() < kMaxTimed) unfinished_.push_back({number, context_.now()});
+}
+
+void Publisher::timeJournal(std::uint64_t durable) {
+  while (!unfinished_.empty() && unfinished_.front().number <= durable) {
+    context_.counts.journal.add(context_.now() - unfinished_.front().at);
+    unfinished_.pop_front();
+  }
 }
 
 std::optional<Abandoned> Publisher::watchJournal() {

@@ -8,6 +8,7 @@
 // 2. While the journal fails, writable() is false: a reply that waited for it becomes a denial. What else
 //    waited is published when the journal is well again.
 
+#include <deque>
 #include <optional>
 #include <string>
 
@@ -48,6 +49,7 @@ class Publisher {
   template <typename OnClosed>
   void flush(const OnClosed& onClosed) {
     const std::uint64_t durable = journal_.durableUpTo();
+    timeJournal(durable);
     for (int i = 0; i < kMaxMessagesPerStep; ++i) {
       // After a failure nothing new waits for the disk: what is made then depends on no record.
       const Outgoing* item = outbox_.front(writable() ? durable : ~std::uint64_t{0});
@@ -68,6 +70,14 @@ class Publisher {
  private:
   static constexpr int kMaxMessagesPerStep = 4096;
 
+  static constexpr std::size_t kMaxTimed = 1024;  // records whose time to the disk is taken at once
+
+  struct Appended {
+    std::uint64_t number = 0;
+    sync::Micros at = 0;  // session time
+  };
+  /// Counts how long the records took that are durable now.
+  void timeJournal(std::uint64_t durable);
   /// The connection that this message closed, if it did.
   std::optional<sync::ConnectionId> send(const Outgoing& item);
 
@@ -77,6 +87,7 @@ class Publisher {
   Peers& peers_;
   sync::RecordingWriter* recording_;
   Outbox outbox_;
+  std::deque<Appended> unfinished_;
   std::uint64_t appended_ = 0;  // number of the last record given to the journal
   std::string journalFailure_;
   Abandoned abandoned_;  // by the failure that lasts

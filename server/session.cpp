@@ -299,6 +299,18 @@ void Session::shutDown() { dispatcher_->shutDown(); }
 const std::vector<sync::SiteInfo>& Session::sites() const { return dispatcher_->sites.listed(); }
 const sync::OwnershipTable& Session::ownership() const { return dispatcher_->parts.table(); }
 const SessionCounters& Session::counters() const { return dispatcher_->context.counts; }
+SessionFigures Session::figures() const {
+  SessionFigures figures;
+  figures.counters = dispatcher_->context.counts;
+  figures.transport = dispatcher_->transport.counters();
+  figures.journalFailure = dispatcher_->journal.failure();
+  figures.strangers = dispatcher_->peers.strangers();
+  for (const auto& [connection, peer] : dispatcher_->peers)
+    if (peer.site != kNoSite)
+      figures.sites.push_back(
+          {peer.site, peer.role, dispatcher_->sites.at(peer.site).info.name, peer.figures});
+  return figures;
+}
 std::vector<LogLine> Session::drainLog() { return dispatcher_->context.log.drain(); }
 std::vector<AuditEntry> Session::drainAudit() {
   return dispatcher_->context.audit.drain(dispatcher_->context.now());

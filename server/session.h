@@ -29,6 +29,7 @@
 #include "server/journal.h"
 #include "server/session_config.h"
 #include "server/session_context.h"
+#include "server/session_figures.h"
 #include "sync/replica/ownership_table.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/participant_messages.h"
@@ -81,6 +82,8 @@ class Session {
   const sync::OwnershipTable& ownership() const;
   const SessionCounters& counters() const;
 
+  /// A copy of all figures, for metrics.
+  SessionFigures figures() const;
   /// Lines for the log (a site joined, left, was refused, was granted a part) since the last call.
   std::vector<LogLine> drainLog();
   /// Who came, went, was refused or made to go since the last call, for the audit log.

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "server/audit_trail.h"
+#include "server/duration_histogram.h"
 #include "sync/wire/time.h"
 #include "sync/wire/traffic.h"
 
@@ -27,6 +28,7 @@ struct SessionCounters {
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
+  DurationHistogram journal;  // from append to durable
 };
 
 /// A line for the log. An error means that the session no longer does its whole work, so a person must see

@@ -103,9 +103,11 @@ bool serve(const Options& options, Server& server, Session& session, Operation& 
   while (stopAsked == 0 && localNow() < end) {
     const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
     server.transport->wait(wait);
-    session.step(localNow(), unixNow());
+    const sync::Micros began = localNow();
+    session.step(began, unixNow());
     operation.step(session, invitations, localNow(), unixNow());
     invitations.renew(session, session.drainUsedTokens(), unixNow());
+    operation.took(localNow() - began);
   }
   operation.stopping();
   session.shutDown();
@@ -152,8 +154,13 @@ Result<Server> prepare(Options& options, int& exitCode) {
   };
   auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity(), listen);
   if (!transport) return listenError(transport.error(), options.listenHost);
-  return Server{std::move(*scene),     std::move(package),  std::move(*directory),
-                std::move(*transport), std::move(*journal), std::move(recording), session};
+  return Server{std::move(*scene),
+                std::move(package),
+                std::move(*directory),
+                std::move(*transport),
+                std::move(*journal),
+                std::move(recording),
+                session};
 }
 
 /// A session of many sites needs more descriptors than most systems give a process at first.
@@ -183,6 +190,13 @@ int run(Options& options) {
   auto operation =
       Operation::open(server.directory, [transport = server.transport.get()] { transport->wake(); });
   if (!operation) return badInput(operation.error());
+  if (options.metricsPort) {
+    const Status served = (*operation)->serveMetrics(options.metricsHost, *options.metricsPort);
+    if (!served) {
+      badInput(served.error());
+      return kExitFailed;
+    }
+  }
   server.journal->onProgress([transport = server.transport.get()] { transport->wake(); });
 
   SessionConfig config;

@@ -1,6 +1,10 @@
 #include "server/program/operation.h"
 
+#include <spdlog/spdlog.h>
+
 #include <algorithm>
+
+#include "server/operation/metrics_text.h"
 
 namespace tandem::server {
 namespace {
@@ -25,6 +29,14 @@ Result<std::unique_ptr<Operation>> Operation::open(DataDirectory& directory, std
   return operation;
 }
 
+Status Operation::serveMetrics(const std::string& host, std::uint16_t port) {
+  auto metrics = MetricsEndpoint::open(host, port);
+  if (!metrics) return metrics.error();
+  metrics_ = std::move(*metrics);
+  spdlog::info("metrics on {} port {}", host, metrics_->port());
+  return {};
+}
+
 void Operation::ready(const Session& session) { manager_.ready(statusOf(session)); }
 
 void Operation::step(Session& session, Invitations& invitations, sync::Micros now, std::int64_t unixNow) {
@@ -34,7 +46,15 @@ void Operation::step(Session& session, Invitations& invitations, sync::Micros no
   std::vector<LogLine> lines = session.drainLog();
   if (const std::string news = audit_->drainNews(); !news.empty()) lines.push_back({news, true, kNoSite});
   log_.write(lines, now);
+  if (metrics_) publishMetrics(session, now);
   if (manager_.listening()) manager_.step(now, statusOf(session));
+}
+
+void Operation::publishMetrics(const Session& session, sync::Micros now) {
+  metrics_->alive();
+  if (now < nextMetrics_) return;
+  nextMetrics_ = now + sync::kSecond;
+  metrics_->publish({session.figures(), rounds_});
 }
 
 Result<std::string> Operation::obey(const OperatorRequest& request, Session& session,

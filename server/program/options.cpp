@@ -68,7 +68,7 @@ constexpr std::int64_t kRest = -1;
 
 /// Options as text, before they are understood.
 struct Raw {
-  std::string listen = ":7480", gravity;
+  std::string listen = ":7480", gravity, metrics;
   std::vector<std::string> movable, invites;
   std::int64_t maxParticipants = Places::kDefaultParticipants;
   std::int64_t maxObservers = kRest;
@@ -107,6 +107,14 @@ Status understand(const Raw& raw, Options& options) {
   }
   const auto address = parseAddress(raw.listen);
   if (!address) return Error{"--listen " + raw.listen + ": " + address.error().message};
+  if (!raw.metrics.empty()) {
+    const auto metrics = parseAddress(raw.metrics);
+    if (!metrics) return Error{"--metrics " + raw.metrics + ": " + metrics.error().message};
+    options.metricsHost = metrics->first.empty() ? "127.0.0.1" : metrics->first;
+    if (options.metricsHost.find_first_not_of("0123456789abcdefABCDEF.:") != std::string::npos)
+      return Error{"--metrics " + raw.metrics + ": the host must be an address in digits"};
+    options.metricsPort = metrics->second;
+  }
   options.listenHost = address->first;
   options.listenPort = address->second;
   const auto ofHost = [](unsigned char c) {
@@ -166,6 +174,9 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .numberFrom(0.0, 1e9);
   app.flag("--no-cache", raw.noCache, "prepares the scene anew");
   app.flag("--quiet", options.quiet, "logs only what is wrong");
+  app.option("--metrics", raw.metrics,
+             "serves /metrics (Prometheus) and /healthz; no HOST: this machine only")
+      .typeName("HOST:PORT");
   app.option("--log", options.log, "how the log is written: plain, or json (an object a line)")
       .typeName("FORMAT")
       .showDefault();

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <utility>
 #include <variant>
@@ -32,6 +33,8 @@ struct Options {
   sync::Micros lease = 2 * sync::kSecond;
   double duration_s = 0.0;  // 0: until a signal stops it
   bool quiet = false;
+  std::string metricsHost;  // with metricsPort; nothing is served without
+  std::optional<std::uint16_t> metricsPort;
   std::string log = "plain";  // or json
   CommandOptions command;     // what is done instead of serving
 };

@@ -1,0 +1,113 @@
+#!/usr/bin/env python3
+"""/metrics and /healthz of a running tandem-server.
+
+    python3 tests/server/metrics_test.py --bin build/release/bin
+"""
+import json
+import re
+import resource
+import socket
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+
+from server_process import SCENE, Server, Site, run, wait_for
+
+DISK_LIMIT = 4096  # bytes a file, when the disk is to fail
+HANGING = 40  # clients
+
+
+def metrics_port(server):
+    return int(re.search(r"metrics on 127\.0\.0\.1 port (\d+)", server.log()).group(1))
+
+
+def get(port, path):
+    """Status and body; status 0 where the connection ended without an answer."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{port}{path}", timeout=20) as answer:
+            return answer.status, answer.read().decode()
+    except urllib.error.HTTPError as error:
+        return error.code, error.read().decode()
+    except OSError:
+        return 0, ""
+
+
+def metrics(port):
+    """The samples by name and labels, as they are written."""
+    status, text = get(port, "/metrics")
+    if status != 200:
+        return {}
+    return {line.rsplit(" ", 1)[0]: float(line.rsplit(" ", 1)[1])
+            for line in text.splitlines() if not line.startswith("#")}
+
+
+def a_site_is_counted_by_its_role_and_named(binaries, folder):
+    with Server(binaries, folder, "--metrics", ":0") as server:
+        port = metrics_port(server)
+        wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 0, "figures are served")
+        with Site(binaries, folder, server.links("participant")[0], 'Be"n\\'):
+            wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 1, "Ben is counted")
+            assert r'tandem_site_info{site="1",role="participant",name="Be\"n\\"}' in metrics(port)
+        wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 0, "Ben has left")
+        assert metrics(port)['tandem_journal_durable_seconds_bucket{le="+Inf"}'] > 0
+
+
+def a_sick_journal_is_told(binaries, folder):
+    with Server(binaries, folder, "--metrics", ":0") as server:
+        port = metrics_port(server)
+        wait_for(lambda: get(port, "/healthz")[0] == 200, "the server is well")
+        resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (DISK_LIMIT, DISK_LIMIT))
+        wait_for(lambda: get(port, "/healthz")[0] == 503, "the journal fails")
+        said = json.loads(get(port, "/healthz")[1])
+        assert said["status"] == "failing" and not said["journal"] and "session.db" in said["reason"], said
+        assert metrics(port)["tandem_journal_sound"] == 0
+
+
+def clients_that_hang_delay_nobody(binaries, folder):
+    with Server(binaries, folder, "--metrics", ":0") as server:
+        port = metrics_port(server)
+        hanging = []
+        for i in range(HANGING):
+            client = socket.create_connection(("127.0.0.1", port), 20)
+            try:
+                client.sendall([b"", b"GET /metr", b"GET /metrics HTTP/1.1\r\nHost: a\r\nX: ",
+                                b"GET /metrics HTTP/1.1\r\nHost: a\r\n\r\n"][i % 4])
+            except OSError:
+                pass  # one connection too many of one address
+            hanging.append(client)
+        # The session goes on meanwhile: orders are obeyed, and a site enters, is seen and is made to go.
+        assert server.order("--revoke-links")[0] == 0
+        with Site(binaries, folder, server.order("--invite-now", "participant")[1], "Ben") as ben:
+            wait_for(lambda: "joined" in server.events(), "Ben has joined")
+            assert server.order("--kick", "Ben")[0] == 0
+            wait_for(lambda: ben.process.poll() is not None, "Ben has gone")
+        wait_for(lambda: get(port, "/healthz")[0] == 200, "silent clients are dropped")
+        for client in hanging:
+            client.close()
+
+
+def what_cannot_be_served_is_one_line_and_an_end(binaries, folder):
+    folder.mkdir()
+
+    def start(where):
+        return subprocess.run(
+            [binaries / "tandem-server", SCENE, "--listen", "127.0.0.1:0", "--data", folder / "data",
+             "--quiet", "--metrics", where], capture_output=True, text=True, timeout=20)
+
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        where = "127.0.0.1:%d" % taken.getsockname()[1]
+        done = start(where)
+        assert done.returncode == 1 and done.stdout == "", done
+        assert re.fullmatch(r"tandem-server: --metrics: cannot listen on 127\.0\.0\.1 port \d+: "
+                            "Address already in use\n", done.stderr), done.stderr
+    for where in ("x", ":", "127.0.0.1", "localhost:0", "::1:0", "127.0.0.1:65536", "127.0.0.1:-1",
+                  "1.2.3:0"):
+        done = start(where)
+        assert done.returncode in (1, 2) and done.stdout == "", (where, done)
+        assert len(done.stderr.splitlines()) == 1 and "--metrics" in done.stderr, (where, done.stderr)
+
+
+if __name__ == "__main__":
+    sys.exit(run(a_site_is_counted_by_its_role_and_named, a_sick_journal_is_told,
+                 clients_that_hang_delay_nobody, what_cannot_be_served_is_one_line_and_an_end))
