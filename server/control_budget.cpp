@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kResumeAt = 0.5 * ControlBudget::kRate;
 constexpr double kMaxDebt = 2.0 * ControlBudget::kBurst;  // one large message cannot silence a site for long
-constexpr double kBytesPerMessage = 1024.0;
 constexpr sync::Micros kNoticePeriod = 10 * sync::kSecond;
 
 }  // namespace
@@ -27,10 +26,6 @@ bool ControlBudget::spend(sync::Micros now, double messages) {
   allowance_ = std::max(-kMaxDebt, allowance_ - messages);
   held_ = allowance_ < 1.0;
   return !held_;
-}
-
-bool ControlBudget::spendMessage(sync::Micros now, std::size_t bytes) {
-  return spend(now, 1.0 + static_cast<double>(bytes) / kBytesPerMessage);
 }
 
 bool ControlBudget::mayResume(sync::Micros now) {

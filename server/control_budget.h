@@ -15,16 +15,17 @@ namespace tandem::server {
 
 class ControlBudget {
  public:
-  static constexpr double kRate = 200.0;       // messages a second that one site may send
-  static constexpr double kBurst = 400.0;      // messages that it may send at once after a pause
-  static constexpr double kConnection = 40.0;  // messages that a new connection of the site counts for
+  static constexpr double kRate = 200.0;              // messages a second that one site may send
+  static constexpr double kBurst = 400.0;             // messages that it may send at once after a pause
+  static constexpr double kConnection = 40.0;         // messages that a new connection of the site counts for
+  static constexpr double kBytesPerMessage = 1024.0;  // a message of so many bytes counts for one more
+  /// Others whom the server tells what comes of a message, for each further message that it counts for.
+  static constexpr double kToldPerMessage = 32.0;
   /// Time held, less half of the time since, after which a site is parted from.
   static constexpr sync::Micros kPatience = 10 * sync::kSecond;
 
   /// Charges `messages`. False: nothing more of this site may be handled until mayResume().
   bool spend(sync::Micros now, double messages);
-  /// Charges one control message; one of more than a kibibyte counts for several.
-  bool spendMessage(sync::Micros now, std::size_t bytes);
   /// Whether a site that is held may be heard again: half a second's messages are there.
   bool mayResume(sync::Micros now);
   /// Whether there is nothing left to spend.

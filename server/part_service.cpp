@@ -176,6 +176,7 @@ void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
   }
   const auto decision = table_.engage(peer.site, peer.role, request, context_.now());
   if (decision.reply.denial != sync::Denial::none) ++context_.counts.denials;
+  if (decision.changed) publisher_.expectPublish();
   if (decision.changed)
     context_.log.note(sites_.nameOf(peer.site) + " is a co-holder of part " + nameOf(request.part),
                       peer.site);
@@ -184,6 +185,7 @@ void PartService::onEngage(const Peer& peer, const sync::Engage& request) {
 
 void PartService::onDisengage(const Peer& peer, const sync::Disengage& request) {
   const auto decision = table_.disengage(peer.site, request);
+  if (decision.changed) publisher_.expectPublish();
   if (decision.changed)
     context_.log.note(sites_.nameOf(peer.site) + " lets part " + nameOf(request.part) + " be", peer.site);
   publisher_.sendTo(peer, decision.reply);

@@ -62,6 +62,8 @@ class PartService {
   const sync::OwnershipTable& table() const { return table_; }
   /// The part's name in the scene. The part must exist.
   const std::string& nameOf(PartId part) const;
+  /// A site as the log names it.
+  std::string siteName(SiteId site) const { return sites_.nameOf(site); }
   std::size_t count() const { return scene_.parts.size(); }
 
  private:

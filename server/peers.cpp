@@ -13,9 +13,24 @@ Peer& Peers::add(sync::ConnectionId connection, sync::Micros now) {
   peer.lastReceived = peer.states.allowanceAt = now;
   ASSERT(peer.serial != kRecordingOnly);
   ++changes_;
+  connections_[peer.serial] = connection;
   Peer& added = peers_[connection];
   added = peer;
   return added;
+}
+
+void Peers::erase(sync::ConnectionId connection) {
+  const auto at = peers_.find(connection);
+  if (at == peers_.end()) return;
+  connections_.erase(at->second.serial);
+  peers_.erase(at);
+  ++changes_;
+}
+
+void Peers::clear() {
+  peers_.clear();
+  connections_.clear();
+  ++changes_;
 }
 
 Peer* Peers::find(sync::ConnectionId connection) {
@@ -30,9 +45,8 @@ Peer* Peers::bySite(SiteId site) {
 }
 
 Peer* Peers::bySerial(PeerSerial serial) {
-  const auto at = std::find_if(peers_.begin(), peers_.end(),
-                               [&](const auto& entry) { return entry.second.serial == serial; });
-  return at == peers_.end() ? nullptr : &at->second;
+  const auto at = connections_.find(serial);
+  return at == connections_.end() ? nullptr : find(at->second);
 }
 
 std::size_t Peers::strangers() const {
@@ -45,11 +59,6 @@ RoleCounts Peers::admitted() const {
   for (const auto& [connection, peer] : peers_)
     if (peer.site != kNoSite) ++counts[static_cast<std::size_t>(peer.role)];
   return counts;
-}
-
-bool Peers::anyTransfer() const {
-  return std::any_of(peers_.begin(), peers_.end(),
-                     [](const auto& entry) { return entry.second.transfer.active; });
 }
 
 }  // namespace tandem::server

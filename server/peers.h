@@ -9,6 +9,7 @@
 #include <limits>
 #include <map>
 #include <string>
+#include <unordered_map>
 
 #include "server/interest.h"
 #include "server/outbox.h"
@@ -52,6 +53,7 @@ struct StateLeg {
   sync::StateSender sender;
   sync::SharedReceiver shared;
   sync::StateReceiver receiver{1};
+  sync::Micros nextFloodNotice = 0;     // session time before which nobody is told again
   sync::StateBundle unsent;             // messages that have not left yet
   sync::Micros unsentBy = kNotWaiting;  // session time at which they leave
   Shown shown;
@@ -86,14 +88,8 @@ class Peers {
  public:
   /// A new connection in the hello stage. The id must not be in use.
   Peer& add(sync::ConnectionId connection, sync::Micros now);
-  void erase(sync::ConnectionId connection) {
-    peers_.erase(connection);
-    ++changes_;
-  }
-  void clear() {
-    peers_.clear();
-    ++changes_;
-  }
+  void erase(sync::ConnectionId connection);
+  void clear();
   /// Grows with every peer that is added or erased.
   std::uint64_t changes() const { return changes_; }
 
@@ -107,7 +103,6 @@ class Peers {
   std::size_t strangers() const;
   /// Connections that have a site, by role.
   RoleCounts admitted() const;
-  bool anyTransfer() const;
 
   auto begin() { return peers_.begin(); }
   auto end() { return peers_.end(); }
@@ -116,6 +111,7 @@ class Peers {
 
  private:
   std::map<sync::ConnectionId, Peer> peers_;
+  std::unordered_map<PeerSerial, sync::ConnectionId> connections_;
   PeerSerial nextSerial_ = kRecordingOnly + 1;
   std::uint64_t changes_ = 0;
 };

@@ -1,5 +1,6 @@
 #include "server/publisher.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "assets/base/assert.h"
@@ -54,9 +55,17 @@ void Publisher::sendTo(const Peer& peer, sync::ControlMessage message) {
 
 void Publisher::publish(sync::ControlMessage message) {
   const auto shared = std::make_shared<const sync::ControlMessage>(std::move(message));
-  for (const auto& [connection, peer] : peers_)
-    if (peer.stage != Stage::hello) outbox_.push(peer.serial, shared, appended_);
+  for (const auto& [connection, peer] : peers_) {
+    if (peer.stage == Stage::hello) continue;
+    outbox_.push(peer.serial, shared, appended_);
+    ++published_;
+  }
   if (recording()) outbox_.push(kRecordingOnly, shared, appended_);
+}
+
+void Publisher::expectPublish() {
+  published_ += static_cast<std::uint64_t>(std::count_if(
+      peers_.begin(), peers_.end(), [](const auto& entry) { return entry.second.stage != Stage::hello; }));
 }
 
 void Publisher::sendNow(sync::ConnectionId connection, const sync::ControlMessage& message) {

@@ -60,6 +60,11 @@ class Publisher {
     }
   }
 
+  /// Messages that publish() has queued so far, and those expected of it, each addressee counted.
+  std::uint64_t published() const { return published_; }
+  /// Counts a message to all that will be published at the end of the step.
+  void expectPublish();
+
   bool recording() const { return recording_ != nullptr; }
   /// Writes a message to the recording, if there is one, at the current session time.
   void record(const sync::ControlMessage& message);
@@ -88,6 +93,7 @@ class Publisher {
   sync::RecordingWriter* recording_;
   Outbox outbox_;
   std::deque<Appended> unfinished_;
+  std::uint64_t published_ = 0;
   std::uint64_t appended_ = 0;  // number of the last record given to the journal
   std::string journalFailure_;
   Abandoned abandoned_;  // by the failure that lasts

@@ -1,6 +1,7 @@
 #include "server/scene_transfer.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/base/assert.h"
 #include "assets/scene/scene_package.h"
@@ -17,14 +18,23 @@ SceneTransfer::SceneTransfer(std::span<const std::byte> package, const SessionCo
       transport_(transport),
       publisher_(publisher) {}
 
-Status SceneTransfer::onRequest(Peer& peer, const sync::SceneRequest& request) const {
+Status SceneTransfer::onRequest(Peer& peer, const sync::SceneRequest& request) {
   ASSERT(peer.stage != Stage::hello);
   if (request.offset > package_.size())
     return Error{"scene request: offset " + std::to_string(request.offset) + " is beyond the package's " +
                  std::to_string(package_.size())};
   peer.transfer.offset = request.offset;
-  peer.transfer.active = request.offset < package_.size();
+  const bool had = std::exchange(peer.transfer.active, request.offset < package_.size());
+  if (peer.transfer.active && !had) active_.push_back(peer.serial);
   return {};
+}
+
+void SceneTransfer::sendChunks(Peers& peers) {
+  std::erase_if(active_, [&](PeerSerial serial) {
+    Peer* peer = peers.bySerial(serial);
+    if (peer != nullptr) sendChunks(*peer);
+    return peer == nullptr || !peer->transfer.active;
+  });
 }
 
 void SceneTransfer::sendChunks(Peer& peer) {

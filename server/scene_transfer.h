@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "assets/base/result.h"
 #include "server/peers.h"
@@ -24,11 +25,16 @@ class SceneTransfer {
   std::uint64_t size() const { return package_.size(); }
 
   /// Begins to send from the offset that is asked for; an error if that lies beyond the package.
-  Status onRequest(Peer& peer, const sync::SceneRequest& request) const;
-  /// Sends chunks until the connection's backlog is full: only after the Welcome has left.
-  void sendChunks(Peer& peer);
+  Status onRequest(Peer& peer, const sync::SceneRequest& request);
+  /// Sends chunks to everybody who waits for some, until the connection's backlog is full: only after the
+  /// Welcome has left.
+  void sendChunks(Peers& peers);
+  bool anyActive() const { return !active_.empty(); }
 
  private:
+  void sendChunks(Peer& peer);
+
+  std::vector<PeerSerial> active_;  // who asked and has not got all
   std::span<const std::byte> package_;
   std::size_t chunkBytes_;
   std::size_t maxBacklogBytes_;

@@ -86,7 +86,7 @@ class Session::Dispatcher {
   void receiveEvents();
   void onControl(Peer& peer, std::span<const std::byte> bytes);
   /// Charges the site's ControlBudget, and holds the site if that is spent.
-  void charge(const Peer& peer, std::size_t bytes);
+  void charge(const Peer& peer, double messages);
   /// Hears again whoever may resume; parts from whoever was held for too long.
   void releaseHeld();
   void dispatch(Peer& peer, const sync::ControlMessage& message);
@@ -122,13 +122,13 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   commands.continueReset();
   parts.publishCoHolders();
   publisher.flush([&](sync::ConnectionId connection) { admission.onLost(connection, "refused"); });
-  for (auto& [connection, peer] : peers) transfer.sendChunks(peer);
+  transfer.sendChunks(peers);
 }
 
 sync::Micros Session::Dispatcher::nextDeadline() const {
   const sync::Micros local = context.now() - offset_;
   if (eventsLeft_ || commands.resetting()) return local;
-  if (publisher.waiting() || peers.anyTransfer()) return local + kBusyPeriod;
+  if (publisher.waiting() || transfer.anyActive()) return local + kBusyPeriod;
   if (peers.empty() && publisher.writable() && !parts.table().recovering(context.now()))
     return local + kIdlePeriod;
   return std::min({nextLeases_, nextPoses_, nextHousekeeping_, fanOut.nextDeadline()}) - offset_;
@@ -169,20 +169,25 @@ void Session::Dispatcher::receiveEvents() {
 
 void Session::Dispatcher::onControl(Peer& peer, std::span<const std::byte> bytes) {
   context.counts.received.countControl(bytes.size());
-  charge(peer, bytes.size());
+  const SiteId site = peer.site;
+  charge(peer, 1.0 + static_cast<double>(bytes.size()) / ControlBudget::kBytesPerMessage);
+  const std::uint64_t published = publisher.published();
   peer.lastReceived = context.now();
   const Result<sync::ControlMessage> message = sync::decodeControl(bytes);
   if (!message) {
     admission.refuse(peer, sync::Refusal::malformed, message.error().message);
     return;
   }
+  const sync::ConnectionId connection = peer.connection;
   dispatch(peer, *message);
+  if (const auto told = static_cast<double>(publisher.published() - published); told > 0.0 && site != kNoSite)
+    if (const Peer* still = peers.find(connection)) charge(*still, told / ControlBudget::kToldPerMessage);
 }
 
-void Session::Dispatcher::charge(const Peer& peer, std::size_t bytes) {
+void Session::Dispatcher::charge(const Peer& peer, double messages) {
   if (peer.site == kNoSite) return;  // its one message is the Hello, which admission charges
   ControlBudget& budget = sites.at(peer.site).budget;
-  if (budget.spendMessage(context.now(), bytes)) return;
+  if (budget.spend(context.now(), messages)) return;
   ++context.counts.holds;
   transport.hold(peer.connection, true);
   if (budget.drainNotice(context.now()))

@@ -8,6 +8,7 @@ namespace tandem::server {
 namespace {
 
 constexpr sync::Micros kMaxAhead = 5 * sync::kSecond;  // of session time, by a site's estimate
+constexpr sync::Micros kFloodNoticePeriod = 10 * sync::kSecond;
 constexpr sync::Micros kMaxBehind = 60 * sync::kSecond;
 
 }  // namespace
@@ -31,6 +32,15 @@ bool StateRelay::withinRate(StateLeg& leg) const {
   return true;
 }
 
+/// Not more often than every kFloodNoticePeriod.
+void StateRelay::noteFlood(Peer& peer) {
+  StateLeg& leg = peer.states;
+  if (context_.now() < leg.nextFloodNotice || peer.site == kNoSite) return;
+  leg.nextFloodNotice = context_.now() + kFloodNoticePeriod;
+  context_.log.note(parts_.siteName(peer.site) + " sends more states than a site may: some are dropped",
+                    peer.site);
+}
+
 void StateRelay::onDatagram(Peer& peer, std::span<const std::byte> datagram) {
   while (onMessage(peer, sync::popMessage(datagram)) && !datagram.empty()) continue;
 }
@@ -39,6 +49,7 @@ bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
   context_.counts.received.countState(bytes);
   if (!withinRate(peer.states)) {
     ++context_.counts.droppedFlood;
+    noteFlood(peer);
     return false;
   }
   sync::StateMessage& message = sync::isStateUpdate(bytes) ? incoming_ : incomingShort_;

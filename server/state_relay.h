@@ -36,6 +36,7 @@ class StateRelay {
  private:
   /// False beyond kMaxDatagramRate: the rest of the datagram is dropped.
   bool onMessage(Peer& peer, std::span<const std::byte> bytes);
+  void noteFlood(Peer& peer);
   void onPing(Peer& peer, const sync::Ping& ping);
   void onLink(Peer& peer, sync::StateMessage& message);
   void onUpdate(Peer& peer, sync::StateMessage& message);

@@ -104,6 +104,7 @@ void writeDrops(Text& text, const SessionCounters& counts, const sync::Transport
       {"not_ready", counts.droppedEarly},
       {"link_without_part", counts.droppedLinks},
       {"over_rate", counts.droppedFlood},
+      {"over_rate_unopened", transport.droppedFlood},
       {"unknown_connection", transport.droppedUnknown},
       {"forged", transport.droppedForged},
       {"replayed", transport.droppedReplayed},

@@ -35,6 +35,8 @@ class Connection : public TlsStream::Listener {
   std::string farewell;         // the reason that the peer sent before it closed
   std::string refusal;          // the reason that this side sent before it closed
   std::size_t undelivered = 0;  // bytes of events not yet polled
+  double datagrams = 0.0;       // server: that may be opened at once
+  Micros datagramsAt = 0;       // when that was so; at first long ago
   Micros deadline = 0;          // for the handshake, or for the end of close()
   VisitorId visitor = 0;        // server: by which its place among strangers is known
   bool announced = false;       // `connected` is in the queue or was polled

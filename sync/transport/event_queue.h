@@ -3,11 +3,13 @@
 // Events on their way to the application, with a line for each connection and a turn for each line: a
 // connection that sends much waits for itself and not the others. Internal to the transport.
 //
-// 1. Events of one connection keep their order; those of several come by turns.
-// 2. A line that is held keeps its events until it is released. The end of its connection releases it, and
-//    what was held is dropped.
+// 1. Events of one line keep their order; those of several come by turns.
+// 2. State has a line beside the control of its connection, with turns of its own.
+// 3. A connection that is held keeps its control until it is released; its state passes, so that its pings
+//    count. The end of the connection releases it, and what was held is dropped, as is state that waits.
 
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
@@ -28,7 +30,7 @@ class EventQueue {
   };
 
   void push(Event event);
-  /// The next event of the connection whose turn it is.
+  /// The next event of the line whose turn it is.
   std::optional<Event> pop();
   /// No pop() would give an event.
   bool empty() const { return turns_.empty(); }
@@ -37,12 +39,19 @@ class EventQueue {
   void erase(ConnectionId connection);
 
  private:
+  /// A connection, and whether the line is that of its state.
+  using Key = std::uint64_t;
+  static Key keyOf(ConnectionId connection, bool state) {
+    return std::uint64_t{connection} << 1 | (state ? 1u : 0u);
+  }
   struct Line {
     std::deque<Event> events;
     bool held = false;
   };
-  std::unordered_map<ConnectionId, Line> lines_;
-  std::deque<ConnectionId> turns_;  // lines with events that are not held, each once
+  void eraseLine(Key key);
+
+  std::unordered_map<Key, Line> lines_;
+  std::deque<Key> turns_;  // lines with events that are not held, each once
 };
 
 }  // namespace tandem::sync

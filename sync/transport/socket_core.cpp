@@ -20,6 +20,9 @@ constexpr std::size_t kMaxBacklog = 4 << 20;         // bytes queued to a peer t
 constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // state beyond this would arrive too late
 // Bytes received that the application has not polled: of the scene at a site; of requests at a server.
 constexpr std::size_t kMaxUndeliveredOfOne = 4 << 20, kMaxUndeliveredOfMany = 256 << 10;
+// Datagrams of one connection that a server opens: a site sends a few hundred a second. More are dropped
+// before they cost a decryption.
+constexpr double kMaxDatagramRate = 4000.0, kDatagramBurst = 1000.0;
 constexpr std::size_t kEventBytes = 128;  // what an event takes besides its message
 constexpr std::size_t kMaxSpare = 16;
 constexpr std::size_t kMaxSpareBytes = 64 * 1024;
@@ -125,7 +128,7 @@ void SocketCore::payload(Connection& connection, FrameType type, std::span<const
 void SocketCore::announce(const std::shared_ptr<Connection>& connection, ConnectionId id) {
   connection->id = id;
   connection->announced = true;
-  connection->stream->allowFrames(kMaxFrameBytes);
+  connection->stream->allowFrames(maxMessageBytes_ + 1);
   connections_[id] = connection;
   push(*connection, TransportEvent::Kind::connected, {});
 }
@@ -265,11 +268,21 @@ bool SocketCore::findState() {
   return false;
 }
 
+bool SocketCore::withinRate(Connection& connection) const {
+  const double elapsed = toSeconds(datagramTime_ - connection.datagramsAt);
+  connection.datagrams = std::min(kDatagramBurst, connection.datagrams + elapsed * kMaxDatagramRate);
+  connection.datagramsAt = datagramTime_;
+  if (connection.datagrams < 1.0) return false;
+  connection.datagrams -= 1.0;
+  return true;
+}
+
 bool SocketCore::open(const UdpBatch::Datagram& datagram) {
   if (datagram.oversized) return ++counters_.droppedOversized, false;
   if (datagram.bytes.size() < kSealOverheadBytes) return ++counters_.droppedUnknown, false;
   Connection* connection = connectionOf(connectionIdOf(datagram.bytes));
   if (connection == nullptr || connection->closing) return ++counters_.droppedUnknown, false;
+  if (peers_ == Peers::many && !withinRate(*connection)) return ++counters_.droppedFlood, false;
   const auto received = connection->channel->receive(datagram.bytes, datagramTime_,
                                                      opened_[openedIndex_].data(), outgoing_.data());
   if (received.verdict == Opener::Verdict::forged) return ++counters_.droppedForged, false;

@@ -79,6 +79,7 @@ class SocketCore : public SocketTransport {
   boost::asio::ip::udp::socket udp_;
   std::unordered_map<ConnectionId, std::shared_ptr<Connection>> connections_;
   TransportCounters counters_;
+  std::size_t maxMessageBytes_ = kMaxControlBytes;  // of control, from the other end
 
  private:
   using Event = EventQueue::Event;
@@ -88,6 +89,7 @@ class SocketCore : public SocketTransport {
   /// Opens received datagrams until one is state for the application.
   bool findState();
   bool open(const UdpBatch::Datagram& datagram);
+  bool withinRate(Connection& connection) const;
   bool eventReady();
   void receiveUdp();
   void armTimer(Micros at);

@@ -24,7 +24,7 @@ using asio::ip::tcp;
 using asio::ip::udp;
 using boost::system::error_code;
 
-constexpr int kPortAttempts = 16;  // for a port that is free for TCP and UDP alike
+constexpr int kPortAttempts = 16;     // for a port that is free for TCP and UDP alike
 constexpr int kListenBacklog = 4096;  // the system may have a lower limit
 
 /// HOST:PORT of the other end; an IPv4 address in its own form.
@@ -48,7 +48,9 @@ class ServerTransport final : public SocketCore {
         options_(options),
         acceptor_(io_),
         doorEvents_(io_),
-        door_(options) {}
+        door_(options) {
+    maxMessageBytes_ = options.maxRequestBytes;
+  }
   ~ServerTransport() override;
 
   Status listen(const std::string& host, std::uint16_t port);

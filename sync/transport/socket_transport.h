@@ -58,7 +58,8 @@ struct ListenOptions {
   // From the handshake's begin to trust(). Beyond, one makes way as above; known ones come last.
   std::size_t maxStrangers = 256;
   HandshakeRules handshakes{};
-  std::function<bool(const Knock&)> knows{};  // whether this server made the knock
+  std::function<bool(const Knock&)> knows{};       // whether this server made the knock
+  std::size_t maxRequestBytes = kMaxRequestBytes;  // of a control message; a longer one ends its connection
 };
 /// host: an address or name to listen on ("" or "::": every address, IPv4 and IPv6); port 0: any free one,
 /// for TCP and UDP alike.

@@ -32,6 +32,7 @@ struct TransportCounters {
   std::uint64_t droppedForged = 0;    // authentication failed
   std::uint64_t droppedReplayed = 0;  // counter already seen or too old
   std::uint64_t droppedOversized = 0;
+  std::uint64_t droppedFlood = 0;      // more datagrams than a server opens of one connection
   std::uint64_t droppedFull = 0;       // a send or receive queue was full
   std::uint64_t failedHandshakes = 0;  // TCP connections that never became a connection here
 };

@@ -19,6 +19,8 @@ inline constexpr std::size_t kMaxStateBytes = 1200;       // a whole datagram
 inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;
 // A Welcome with kMaxSites sites and kMaxParts records fits.
 inline constexpr std::size_t kMaxControlBytes = (1 << 20) + (1 << 17);
+// A control message from a site to the server. The largest, a Hello, takes some 600.
+inline constexpr std::size_t kMaxRequestBytes = 16 * 1024;
 inline constexpr std::size_t kMaxSites = 1024;    // that a session lists at a time
 inline constexpr std::size_t kMaxCoHolders = 64;  // of one part, its owner aside
 inline constexpr std::size_t kMaxStateParts = 255;           // in one StateUpdate; fewer fit as a rule

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "server/control_budget.h"
+#include "server/operation/log_limiter.h"
 #include "tests/server/session_rig.h"
 
 namespace tandem::server {
@@ -77,6 +79,55 @@ TEST(Session, AnswersAHundredRequestsAtOnceWithoutPause) {
   rig.run(30 * kMillisecond);
   EXPECT_EQ(busy.count<GrabReply>(), 100u);
   EXPECT_EQ(rig.session->counters().holds, 0u);
+}
+
+TEST(Session, AFloodLeavesAFewLinesThatSayWhoAndHowMuch) {
+  for (const int kind : {0, 1, 2}) {
+    Rig rig;
+    FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");
+    rig.session->drainLog();
+    LogLimiter limiter;
+    int written = 0, slowed = 0;
+    RequestId request = 1000;
+    for (int i = 0; i < 800; ++i) {
+      for (int k = 0; k < 30; ++k) {
+        if (kind == 0) flooder.send(Grab{++request, 0});
+        if (kind == 0) flooder.send(Release{request, 0, 0, Pose{}});
+        if (kind == 1)
+          flooder.send(k % 2 == 0 ? ControlMessage(Engage{++request, 1}) : Disengage{++request, 1});
+        if (kind == 2) flooder.send(StateMessage(rig.update(flooder, 0, 1, 0.1)));
+      }
+      rig.run(10 * kMillisecond);
+      for (const LogLine& line : rig.session->drainLog()) {
+        written += limiter.admit(line, rig.now) ? 1 : 0;
+        slowed += line.text.find("\"flooder\" sends more") != std::string::npos ? 1 : 0;
+      }
+    }
+    EXPECT_LE(written, 60) << "kind " << kind;
+    EXPECT_GE(slowed, 1) << "kind " << kind;
+    EXPECT_LE(slowed, 2) << "kind " << kind;
+    EXPECT_FALSE(honest.closed);
+  }
+}
+
+TEST(Session, ARequestThatManyAreToldOfCountsForMore) {
+  const auto answeredAmong = [](std::size_t others) {
+    Rig rig;
+    FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");
+    rig.grab(honest, 1, 1);
+    for (std::size_t i = 0; i < others; ++i) rig.join("other " + std::to_string(i), Role::observer);
+    rig.run(3 * kSecond);
+    RequestId request = 1000;
+    for (int i = 0; i < 2000; ++i) {
+      flooder.send(Engage{++request, 1});
+      flooder.send(Disengage{++request, 1});
+    }
+    rig.run(2 * kSecond);
+    return flooder.count<EngageReply>();
+  };
+  const std::size_t alone = answeredAmong(0), among = answeredAmong(60);
+  EXPECT_NEAR(static_cast<double>(alone), 800.0 / (1.0 + 2.0 / ControlBudget::kToldPerMessage), 110.0);
+  EXPECT_NEAR(static_cast<double>(among), 800.0 / (1.0 + 62.0 / ControlBudget::kToldPerMessage), 60.0);
 }
 
 TEST(Session, RefillsNoBudgetOfASiteThatConnectsAnew) {

@@ -318,6 +318,51 @@ TEST_F(Hostile, RequestsThatPileUpDelayNoStateAndNoOtherSitesRequests) {
   EXPECT_LE(floodBefore + floodBetween, 1000);
 }
 
+TEST_F(Hostile, ARequestThatIsTooLongEndsItsConnectionBeforeItIsTakenIn) {
+  listen();
+  End greedy = joined();
+  greedy.transport->sendControl(0, randomBytes(kMaxRequestBytes));
+  ASSERT_TRUE(runUntil({&greedy}, [&] { return server_.count(Kind::control) == 1; }));
+  greedy.transport->sendControl(0, randomBytes(kMaxRequestBytes + 1));
+  ASSERT_TRUE(runUntil({&greedy}, [&] { return server_.count(Kind::closed) == 1; }));
+  EXPECT_EQ(server_.count(Kind::control), 1u);
+  expectService();
+}
+
+TEST_F(Hostile, StateOfAHeldConnectionPassesOverTlsToo) {
+  listen();
+  End held = joined(false);
+  const ConnectionId holding = newest();
+  server_.transport->hold(holding, true);
+  held.transport->sendControl(0, bytesOf("a request"));
+  held.transport->sendState(0, bytesOf("a ping"));
+  ASSERT_TRUE(runUntil({&held}, [&] { return server_.count(Kind::state) == 1; }));
+  EXPECT_EQ(server_.count(Kind::control), 0u);
+  held.transport->sendState(0, bytesOf("another ping"));
+  ASSERT_TRUE(runUntil({&held}, [&] { return server_.count(Kind::state) == 2; }));
+  server_.transport->hold(holding, false);
+  ASSERT_TRUE(runUntil({&held}, [&] { return server_.count(Kind::control) == 1; }));
+}
+
+TEST_F(Hostile, DatagramsBeyondASitesRateAreDroppedBeforeTheyAreOpened) {
+  listen();
+  End flooder = joined(), honest = joined();
+  const ConnectionId calm = newest();
+  ASSERT_TRUE(runUntil({&flooder, &honest}, [&] {
+    return flooder.transport->stateOverUdp(0) && honest.transport->stateOverUdp(0);
+  }));
+  for (int i = 0; i < 100; ++i) {
+    for (int k = 0; k < 60; ++k) flooder.transport->sendState(0, bytesOf("again"));
+    if (i % 10 == 0) honest.transport->sendState(0, bytesOf("here"));
+    server_.turn(0);
+  }
+  for (int i = 0; i < 300; ++i) server_.turn(0);
+  EXPECT_GT(server_.counters().droppedFlood, 1000u);
+  EXPECT_EQ(std::count_if(server_.seen.begin(), server_.seen.end(),
+                          [&](const Seen& s) { return s.kind == Kind::state && s.connection == calm; }),
+            10);
+}
+
 TEST_F(Hostile, AConnectionThatIsHeldWaitsInItsOwnNetwork) {
   listen();
   End flooder = joined();

@@ -47,7 +47,7 @@ TEST_F(Sockets, CarryStateOverTlsWhereUdpIsNotUsed) {
 }
 
 TEST_F(Sockets, CarryTheLargestControlMessageAndStateWhole) {
-  listen();
+  listen({.maxRequestBytes = kMaxControlBytes});
   End site = joined();
   const Bytes control = randomBytes(kMaxControlBytes), state = randomBytes(kMaxStateBytes);
   site.transport->sendControl(0, control);
@@ -114,7 +114,7 @@ TEST_F(Sockets, ServeManySitesAtOnce) {
 }
 
 TEST_F(Sockets, CloseSendsWhatIsQueuedFirst) {
-  listen();
+  listen({.maxRequestBytes = kMaxControlBytes});
   End site = joined();
   for (unsigned i = 0; i < 40; ++i) site.transport->sendControl(0, randomBytes(64 * 1024, i));
   site.transport->close(0);
@@ -183,7 +183,7 @@ TEST_F(Sockets, APeerThatDoesNotReadIsClosed) {
 }
 
 TEST_F(Sockets, AnApplicationThatDoesNotPollHoldsTheSenderBack) {
-  listen();
+  listen({.maxRequestBytes = kMaxControlBytes});
   End site = joined();
   std::size_t sent = 0;
   for (int i = 0; i < 300; ++i) {
