@@ -58,9 +58,10 @@ struct StateLeg {
   sync::Micros unsentBy = kNotWaiting;  // session time at which they leave
   Shown shown;
   Reach reach;
-  std::size_t place = 0;              // among the ready sites, or the ready observers
-  double allowance = kDatagramBurst;  // messages that the site may send at once
-  sync::Micros allowanceAt = 0;       // session time at which `allowance` was computed
+  std::size_t place = 0;                  // among the ready sites, or the ready observers
+  double allowance = kDatagramBurst;      // messages that the site may send at once, without those of links
+  double linkAllowance = kDatagramBurst;  // the same, of links
+  sync::Micros allowanceAt = 0;           // session time at which both were computed
 };
 
 /// How far the scene package has been sent to one connection; see server/scene_transfer.h.

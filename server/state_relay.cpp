@@ -20,15 +20,18 @@ StateRelay::StateRelay(const sync::WireFrame& frame, SessionContext& context, Pe
   std::get<sync::StateUpdate>(incoming_).parts.reserve(256);
 }
 
-/// A token bucket: kMaxDatagramRate messages a second, kDatagramBurst at once.
-bool StateRelay::withinRate(StateLeg& leg) const {
+/// Two token buckets, because a site with many links must keep its parts and pings: kMaxDatagramRate or
+/// kMaxLinkRate messages a second, kDatagramBurst at once.
+bool StateRelay::withinRate(StateLeg& leg, bool ofLink) const {
   ASSERT(context_.now() >= leg.allowanceAt);
   const double elapsed = sync::toSeconds(context_.now() - leg.allowanceAt);
   leg.allowance = std::min(kDatagramBurst, leg.allowance + elapsed * kMaxDatagramRate);
+  leg.linkAllowance = std::min(kDatagramBurst, leg.linkAllowance + elapsed * kMaxLinkRate);
   leg.allowanceAt = context_.now();
-  if (leg.allowance < 1.0) return false;
-  leg.allowance -= 1.0;
-  ASSERT(leg.allowance >= 0.0 && leg.allowance <= kDatagramBurst);
+  double& allowance = ofLink ? leg.linkAllowance : leg.allowance;
+  if (allowance < 1.0) return false;
+  allowance -= 1.0;
+  ASSERT(allowance >= 0.0 && allowance <= kDatagramBurst);
   return true;
 }
 
@@ -47,7 +50,7 @@ void StateRelay::onDatagram(Peer& peer, std::span<const std::byte> datagram) {
 
 bool StateRelay::onMessage(Peer& peer, std::span<const std::byte> bytes) {
   context_.counts.received.countState(bytes);
-  if (!withinRate(peer.states)) {
+  if (!withinRate(peer.states, sync::isLinkUpdate(bytes))) {
     ++context_.counts.droppedFlood;
     noteFlood(peer);
     return false;

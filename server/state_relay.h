@@ -19,8 +19,12 @@
 
 namespace tandem::server {
 
-/// State messages a second that one site may send; the protocol's own rates stay under a quarter of it.
+/// State messages a second that one site may send, without those of links; the protocol's own rates stay
+/// under a quarter of it.
 inline constexpr double kMaxDatagramRate = 2000.0;
+/// Messages of links a second that one site may send besides: a site in a row of eight owners has 14 links,
+/// no site has more than 16, and each sends 250 messages a second.
+inline constexpr double kMaxLinkRate = 5000.0;
 
 class StateRelay {
  public:
@@ -34,7 +38,7 @@ class StateRelay {
   void forget(SiteId origin) { fanOut_.forget(origin); }
 
  private:
-  /// False beyond kMaxDatagramRate: the rest of the datagram is dropped.
+  /// False beyond kMaxDatagramRate or kMaxLinkRate: the rest of the datagram is dropped.
   bool onMessage(Peer& peer, std::span<const std::byte> bytes);
   void noteFlood(Peer& peer);
   void onPing(Peer& peer, const sync::Ping& ping);
@@ -42,7 +46,7 @@ class StateRelay {
   void onUpdate(Peer& peer, sync::StateMessage& message);
   void acknowledge(Peer& peer);
   bool plausible(const sync::StateUpdate& update) const;
-  bool withinRate(StateLeg& leg) const;
+  bool withinRate(StateLeg& leg, bool ofLink) const;
 
   sync::WireFrame frame_;
   SessionContext& context_;

@@ -49,6 +49,7 @@ void encodeState(const StateMessage& message, const WireFrame& frame, std::vecto
                  EncodeLosses* losses = nullptr);
 /// Whether a datagram's kind is that of a StateUpdate, whole or streamed.
 bool isStateUpdate(std::span<const std::byte> bytes);
+bool isLinkUpdate(std::span<const std::byte> bytes);
 /// Decodes every kind but the streamed one, which StateReceiver reads. Reuses the storage of `message` (a
 /// StateUpdate keeps its vector's capacity). After an error its content is unspecified.
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message);

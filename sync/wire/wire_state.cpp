@@ -199,6 +199,10 @@ bool isStateUpdate(std::span<const std::byte> bytes) {
                               bytes[1] == static_cast<std::byte>(Kind::streamed));
 }
 
+bool isLinkUpdate(std::span<const std::byte> bytes) {
+  return bytes.size() > 1 && bytes[1] == static_cast<std::byte>(Kind::link);
+}
+
 Status decodeState(std::span<const std::byte> bytes, const WireFrame& frame, StateMessage& message) {
   if (bytes.size() > kMaxStateBytes) return Error{"state datagram: too long"};
   BitReader reader(bytes);

@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "server/state_relay.h"
 #include "sync/wire/site_colours.h"
 #include "tests/server/session_rig.h"
 
@@ -172,6 +173,33 @@ TEST(Session, PassesLinksOnBetweenThoseThatAPartTies) {
   sendLink(b, ann);
   EXPECT_EQ(rig.session->counters().droppedLinks, 4u);
   EXPECT_TRUE(c.links.empty());
+}
+
+TEST(Session, PassesOnAllLinksOfASiteInARowOfEightOwnersAndNoFlood) {
+  Rig rig;
+  FakeSite &a = rig.join("a"), &b = rig.join("b");
+  const Epoch epoch = rig.grab(a, 0, 1).part.epoch;
+  b.send(Engage{1, 0});
+  rig.run(40 * kMillisecond);
+  LinkUpdate link;
+  link.part = 0;
+  link.peer = b.last<Welcome>()->site;
+  const auto sendFor = [&](int periods, int links, int updates) {  // of 4 ms each
+    for (int i = 0; i < periods; ++i) {
+      for (int k = 0; k < links; ++k) a.send(link);
+      for (int k = 0; k < updates; ++k) a.send(rig.update(a, 0, epoch, 0.0));
+      rig.run(4 * kMillisecond);
+    }
+    rig.run(40 * kMillisecond);
+  };
+  sendFor(500, 14, 1);  // to each of seven others, of its own part and of theirs
+  EXPECT_EQ(rig.session->counters().droppedFlood, 0u);
+  EXPECT_EQ(b.links.size(), 7000u);
+  sendFor(500, 28, 1);
+  EXPECT_NEAR(static_cast<double>(b.links.size()), 7000.0 + 2.0 * kMaxLinkRate + kDatagramBurst, 300.0);
+  EXPECT_EQ(rig.session->counters().relayedUpdates, 1000u) << "a flood of links costs no update";
+  sendFor(500, 0, 28);
+  EXPECT_LE(rig.session->counters().relayedUpdates, 1000.0 + 2.1 * kMaxDatagramRate + kDatagramBurst);
 }
 
 TEST(Session, SendsTheCoHoldersToASiteThatJoinsLater) {

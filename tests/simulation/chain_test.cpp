@@ -43,7 +43,7 @@ void expectQuiet(const Chain& chain) {
 
 TEST(OwnersInARow, MakeNoEnergyWithDevicesAtTheirLimit) {
   const bool full = std::getenv("TANDEM_FULL_SIZE") != nullptr;
-  for (const int owners : full ? std::vector<int>{2, 3, 4, 6} : std::vector<int>{3})
+  for (const int owners : full ? std::vector<int>{2, 3, 4, 6, 8} : std::vector<int>{3})
     for (const double delay : full ? std::vector<double>{10.0, 50.0} : std::vector<double>{50.0})
       for (const bool wall : full ? std::vector<bool>{true, false} : std::vector<bool>{true}) {
         Chain chain = unequalChain(owners);
