@@ -2,59 +2,32 @@
 
 #include <fcntl.h>
 #include <sys/file.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <optional>
 #include <system_error>
 
+#include "server/durable_file.h"
+
 namespace tandem::server {
 namespace {
 
-constexpr std::size_t kMaxFileBytes = 64 * 1024;
+constexpr char kHex[] = "0123456789abcdef";
 
 Error failed(const std::string& path, int error) {
   return Error{path + ": " + std::generic_category().message(error)};
 }
 
-/// The content of a small file; nothing if there is no such file.
-Result<std::optional<std::string>> readFile(const std::string& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
-  if (file < 0 && errno == ENOENT) return std::optional<std::string>();
-  if (file < 0) return failed(path, errno);
-  std::string content(kMaxFileBytes, '\0');
-  const ssize_t size = ::read(file, content.data(), content.size());
-  const int error = errno;
-  ::close(file);
-  if (size < 0) return failed(path, error);
-  content.resize(static_cast<std::size_t>(size));
-  return std::optional<std::string>(std::move(content));
-}
-
-/// Writes a file with mode 0600 whole or not at all: it is synced to the disk under another name, then
-/// renamed.
-Status writePrivateFile(const std::string& path, const std::string& content) {
-  const std::string temporary = path + ".new";
-  ::unlink(temporary.c_str());
-  const int file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) return failed(temporary, errno);
-  const bool written =
-      ::write(file, content.data(), content.size()) == static_cast<ssize_t>(content.size()) &&
-      ::fsync(file) == 0;
-  const int error = errno;
-  ::close(file);
-  if (!written) return failed(temporary, error);
-  if (::rename(temporary.c_str(), path.c_str()) != 0) return failed(path, errno);
-  return {};
-}
-
 std::string toHex(const SigningKey& key) {
-  constexpr char digits[] = "0123456789abcdef";
   std::string text;
-  for (const std::uint8_t byte : key.seed) text += {digits[byte >> 4], digits[byte & 15]};
+  for (const std::uint8_t byte : key.seed) text += {kHex[byte >> 4], kHex[byte & 15]};
   return text;
 }
 
@@ -71,7 +44,7 @@ std::optional<SigningKey> keyFromHex(const std::string& text) {
 
 /// A key's file; nothing if there is none.
 Result<std::optional<SigningKey>> readKey(const std::string& path) {
-  const auto text = readFile(path);
+  const auto text = readSmallFile(path);
   if (!text) return text.error();
   if (!text->has_value()) return std::optional<SigningKey>();
   const auto key = keyFromHex(**text);
@@ -88,11 +61,8 @@ Result<DataDirectory> DataDirectory::open(const std::string& path) {
   if (error) return Error{parent.string() + ": " + error.message()};
   if (::mkdir(path.c_str(), 0700) != 0 && errno != EEXIST) return failed(path, errno);
 
-  const std::string lockPath = path + "/lock";
-  const int lock = ::open(lockPath.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (lock < 0) return failed(lockPath, errno);
-  DataDirectory directory(path, lock);
-  if (::flock(lock, LOCK_EX | LOCK_NB) != 0) return Error{path + ": in use by another tandem-server"};
+  DataDirectory directory(path);
+  if (Status locked = directory.lock(); !locked) return locked.error();
   if (Status key = directory.loadSigningKey(); !key) return key.error();
   if (Status key = directory.loadLinkKey(); !key) return key.error();
   if (Status identity = directory.loadIdentity(); !identity) return identity.error();
@@ -102,12 +72,50 @@ Result<DataDirectory> DataDirectory::open(const std::string& path) {
 DataDirectory::DataDirectory(DataDirectory&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::exchange(other.lock_, -1)),
+      name_(std::exchange(other.name_, -1)),
+      used_(other.used_),
       signingKey_(other.signingKey_),
       linkKey_(other.linkKey_),
       identity_(std::move(other.identity_)) {}
 
 DataDirectory::~DataDirectory() {
   if (lock_ >= 0) ::close(lock_);
+  if (name_ >= 0) ::close(name_);
+}
+
+Status DataDirectory::lock() {
+  if (Status named = lockPathName(); !named) return named;
+  lock_ = ::open(lockPath().c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600);
+  if (lock_ < 0) return failed(lockPath(), errno);
+  if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) return Error{path_ + ": in use by another tandem-server"};
+  return {};
+}
+
+Status DataDirectory::lockPathName() {
+  std::error_code error;
+  const auto absolute = std::filesystem::weakly_canonical(path_, error);
+  if (error) return Error{path_ + ": " + error.message()};
+  const Digest hash = digestOf(absolute.string());
+  std::string name = "tandem-server-" + std::to_string(::geteuid()) + "-";
+  for (const std::uint8_t byte : hash) name += {kHex[byte >> 4], kHex[byte & 15]};
+  name_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+  if (name_ < 0) return failed(path_, errno);
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  std::memcpy(address.sun_path + 1, name.data(), name.size());  // the leading zero: no file
+  const auto size = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + 1 + name.size());
+  if (::bind(name_, reinterpret_cast<const sockaddr*>(&address), size) == 0) return {};
+  if (errno != EADDRINUSE) return failed(path_, errno);
+  return Error{path_ + ": in use by another tandem-server"};
+}
+
+Digest DataDirectory::fingerprint() const { return digestOf(identity_.certificate); }
+
+Status DataDirectory::keepSigningKey() {
+  if (used_) return {};
+  if (Status kept = writeDurably(path_ + "/signing.key", toHex(signingKey_) + "\n"); !kept) return kept;
+  used_ = true;
+  return {};
 }
 
 Status DataDirectory::loadSigningKey() {
@@ -115,7 +123,8 @@ Status DataDirectory::loadSigningKey() {
   const auto kept = readKey(path);
   if (!kept) return kept.error();
   signingKey_ = kept->value_or(makeSigningKey());
-  return kept->has_value() ? Status{} : writePrivateFile(path, toHex(signingKey_) + "\n");
+  used_ = kept->has_value();
+  return {};
 }
 
 /// Links had no key of their own once, and those that are open stay good.
@@ -128,20 +137,19 @@ Status DataDirectory::loadLinkKey() {
 
 Status DataDirectory::replaceKeys(bool all) {
   const SigningKey links = makeSigningKey(), tickets = makeSigningKey();
-  if (Status written = writePrivateFile(path_ + "/links.key", toHex(links) + "\n"); !written) return written;
+  if (Status written = writeDurably(path_ + "/links.key", toHex(links) + "\n"); !written) return written;
   linkKey_ = links;
   if (!all) return {};
-  if (Status written = writePrivateFile(path_ + "/signing.key", toHex(tickets) + "\n"); !written)
-    return written;
+  if (Status written = writeDurably(path_ + "/signing.key", toHex(tickets) + "\n"); !written) return written;
   signingKey_ = tickets;
   return {};
 }
 
 Status DataDirectory::loadIdentity() {
   const std::string keyPath = path_ + "/tls.key", certificatePath = path_ + "/tls.crt";
-  const auto key = readFile(keyPath);
+  const auto key = readSmallFile(keyPath);
   if (!key) return key.error();
-  const auto certificate = readFile(certificatePath);
+  const auto certificate = readSmallFile(certificatePath);
   if (!certificate) return certificate.error();
   if (key->has_value() && certificate->has_value()) {
     identity_ = {**key, **certificate};
@@ -154,8 +162,8 @@ Status DataDirectory::loadIdentity() {
   Result<sync::TlsIdentity> made = sync::makeTlsIdentity();
   if (!made) return made.error();
   identity_ = std::move(*made);
-  if (Status written = writePrivateFile(keyPath, identity_.privateKey); !written) return written;
-  return writePrivateFile(certificatePath, identity_.certificate);
+  if (Status written = writeDurably(keyPath, identity_.privateKey); !written) return written;
+  return writeDurably(certificatePath, identity_.certificate);
 }
 
 }  // namespace tandem::server

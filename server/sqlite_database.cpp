@@ -8,6 +8,10 @@ Result<SqliteDatabase> SqliteDatabase::open(const std::string& path) {
   return open(path, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE);
 }
 
+Result<SqliteDatabase> SqliteDatabase::openExisting(const std::string& path) {
+  return open(path, SQLITE_OPEN_READWRITE);
+}
+
 Result<SqliteDatabase> SqliteDatabase::openToRead(const std::string& path) {
   return open(path, SQLITE_OPEN_READONLY);
 }
@@ -58,6 +62,24 @@ bool SqliteDatabase::checkpoint() {
          copied == inLog;
 }
 
+Status SqliteDatabase::emptyLog() {
+  if (sqlite3_wal_checkpoint_v2(handle_, nullptr, SQLITE_CHECKPOINT_TRUNCATE, nullptr, nullptr) != SQLITE_OK)
+    return Error{error()};
+  return {};
+}
+
+Status SqliteDatabase::copyTo(const std::string& path) {
+  Result<SqliteDatabase> copy = open(path);
+  if (!copy) return Error{path + ": " + copy.error().message};
+  sqlite3_backup* backup = sqlite3_backup_init(copy->handle_, "main", handle_, "main");
+  if (backup == nullptr) return Error{path + ": " + copy->error()};
+  sqlite3_busy_timeout(handle_, 5000);
+  const int code = sqlite3_backup_step(backup, -1);  // all pages under one read lock: a snapshot
+  sqlite3_backup_finish(backup);
+  if (code != SQLITE_DONE) return Error{path + ": " + copy->error()};
+  return {};
+}
+
 std::string SqliteDatabase::error() const {
   return handle_ == nullptr ? "out of memory" : sqlite3_errmsg(handle_);
 }
@@ -84,6 +106,11 @@ SqliteStatement& SqliteStatement::bind(int parameter, const std::string& value) 
   return *this;
 }
 
+SqliteStatement& SqliteStatement::bindBytes(int parameter, const void* bytes, std::size_t size) {
+  sqlite3_bind_blob64(handle_, parameter + 1, bytes, size, SQLITE_TRANSIENT);
+  return *this;
+}
+
 bool SqliteStatement::run() {
   const int code = sqlite3_step(handle_);
   sqlite3_reset(handle_);
@@ -104,7 +131,7 @@ SqliteStatement::Row SqliteStatement::next() {
 std::int64_t SqliteStatement::integer(int column) const { return sqlite3_column_int64(handle_, column); }
 double SqliteStatement::real(int column) const { return sqlite3_column_double(handle_, column); }
 std::string SqliteStatement::text(int column) const {
-  const auto* bytes = reinterpret_cast<const char*>(sqlite3_column_text(handle_, column));
+  const auto* bytes = static_cast<const char*>(sqlite3_column_blob(handle_, column));
   return bytes == nullptr
              ? std::string()
              : std::string(bytes, static_cast<std::size_t>(sqlite3_column_bytes(handle_, column)));

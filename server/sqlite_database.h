@@ -17,6 +17,8 @@ namespace tandem::server {
 class SqliteDatabase {
  public:
   static Result<SqliteDatabase> open(const std::string& path);
+  /// Opens a database that must be there.
+  static Result<SqliteDatabase> openExisting(const std::string& path);
   /// Opens a database that is there, also while another process writes to it.
   static Result<SqliteDatabase> openToRead(const std::string& path);
   SqliteDatabase(SqliteDatabase&& other) noexcept
@@ -35,6 +37,10 @@ class SqliteDatabase {
   void watchLog();
   /// Frames in the write-ahead log after the last commit that wrote.
   int framesInLog() const { return *frames_; }
+  /// Copies the log into the database with writes of its own, syncs, and empties the log.
+  Status emptyLog();
+  /// Copies the whole database to another file, while others write.
+  Status copyTo(const std::string& path);
   /// Copies the log into the database and syncs both; true if nothing was left over.
   bool checkpoint();
 
@@ -60,6 +66,7 @@ class SqliteStatement {
   SqliteStatement& bind(int parameter, std::int64_t value);
   SqliteStatement& bind(int parameter, double value);
   SqliteStatement& bind(int parameter, const std::string& value);
+  SqliteStatement& bindBytes(int parameter, const void* bytes, std::size_t size);
   /// Runs to the end and rewinds; false: SqliteDatabase::error() says why.
   bool run();
 
@@ -67,6 +74,7 @@ class SqliteStatement {
   Row next();
   std::int64_t integer(int column) const;
   double real(int column) const;
+  /// Text or bytes.
   std::string text(int column) const;
 
  private:

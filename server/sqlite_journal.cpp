@@ -1,26 +1,22 @@
 #include "server/sqlite_journal.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <atomic>
-#include <cerrno>
 #include <chrono>
 #include <condition_variable>
-#include <cstring>
+#include <filesystem>
 #include <mutex>
+#include <optional>
 #include <thread>
 
-#include "server/sqlite_database.h"
-#include "sync/wire/limits.h"
+#include "assets/base/assert.h"
+#include "server/session_database.h"
+#include "server/session_mark.h"
+#include "server/watched_files.h"
 
 namespace tandem::server {
 namespace {
 
-constexpr const char* kApplicationId = "1414417741";  // "TNDM"
-constexpr const char* kSchemaVersion = "1";
 // The session time in the database leads the session by an amount between these two.
 constexpr sync::Micros kTimeAhead = 4 * sync::kSecond, kLeastAhead = 2 * sync::kSecond;
 
@@ -28,210 +24,43 @@ constexpr sync::Micros kTimeAhead = 4 * sync::kSecond, kLeastAhead = 2 * sync::k
 // start again from the front. Checkpoints cost several fsyncs, so they wait for a quiet moment unless the log
 // is full.
 constexpr int kMaxFrames = 1000, kIdleFrames = 100;
-constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
 constexpr auto kQuiet = std::chrono::milliseconds(150);
+constexpr auto kLook = std::chrono::milliseconds(1000);  // between two looks at the files while nothing comes
+constexpr auto kRetry = std::chrono::milliseconds(500);  // between two attempts after a failure
 
-constexpr const char* kSchema = R"(
-PRAGMA application_id = 1414417741;
-PRAGMA user_version = 1;
-CREATE TABLE meta (key TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
-CREATE TABLE parts (part INTEGER PRIMARY KEY, owner INTEGER NOT NULL, epoch INTEGER NOT NULL,
-  px REAL NOT NULL, py REAL NOT NULL, pz REAL NOT NULL,
-  qw REAL NOT NULL, qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL);
-CREATE TABLE sites (site INTEGER PRIMARY KEY, role INTEGER NOT NULL, name TEXT NOT NULL,
-  red INTEGER NOT NULL, green INTEGER NOT NULL, blue INTEGER NOT NULL, gone INTEGER NOT NULL);
-CREATE TABLE nonces (nonce TEXT PRIMARY KEY, expires INTEGER NOT NULL) WITHOUT ROWID;
-INSERT INTO meta VALUES ('session_time', '0');
-)";
+// Reserved in the mark beyond what is needed; the next block is reserved when half of it is used.
+constexpr Epoch kEpochBlock = 1024;
+constexpr std::uint32_t kSiteBlock = 64;
 
-/// Marks a new database as a journal of this program, or checks that it is one.
-Status checkIdentity(SqliteDatabase& database) {
-  // The first read of a file that is no database fails here.
-  const Result<std::string> tables = database.ask("SELECT count(*) FROM sqlite_schema");
-  if (!tables) return tables.error();
-  if (*tables == "0") {
-    if (Status made = database.run((std::string("BEGIN IMMEDIATE;") + kSchema + "COMMIT;").c_str()); !made)
-      return made;
-    return {};
-  }
-  const Result<std::string> id = database.ask("PRAGMA application_id");
-  if (!id) return id.error();
-  if (*id != kApplicationId) return Error{"a database of another program"};
-  const Result<std::string> version = database.ask("PRAGMA user_version");
-  if (!version) return version.error();
-  if (*version != kSchemaVersion)
-    return Error{"schema version " + *version + ", this server knows version " + kSchemaVersion};
-  const Result<std::string> sound = database.ask("PRAGMA quick_check(1)");
-  if (!sound) return sound.error();
-  if (*sound != "ok") return Error{"damaged: " + *sound};
+constexpr const char* kAdvice =
+    ": put the files back as they were, or run tandem-server --recover, which keeps what is sound";
+
+/// Whether the database ends where the mark says.
+Status checkAgainst(const SessionMark& mark, const DatabaseHead& head) {
+  const MarkState& told = mark.state();
+  if (told.session != head.session) return Error{"belongs to another session than session.mark"};
+  if (head.sequence < told.sequence)
+    return Error{"rolled back: it ends at commit " + std::to_string(head.sequence) + ", but commit " +
+                 std::to_string(told.sequence) + " was durable"};
+  const bool same = head.sequence == told.sequence && head.chain == told.chain;
+  // The process may have died between a commit and its note; a loss of power may have taken many notes.
+  const bool next = head.previous == told.sequence && head.previousChain == told.chain;
+  const bool afterPowerLoss = !mark.sameBoot() && head.sequence > told.sequence;
+  if (!same && !next && !afterPowerLoss)
+    return Error{"commit " + std::to_string(told.sequence) + " is not the one that session.mark knows"};
   return {};
 }
-
-Status checkScene(SqliteDatabase& database, const std::string& sceneHash) {
-  const Result<std::string> kept = database.ask("SELECT value FROM meta WHERE key = 'scene'");
-  if (!kept) return kept.error();
-  if (*kept == sceneHash) return {};
-  if (!kept->empty())
-    return Error{"belongs to another scene (" + kept->substr(0, 12) + "..., this one is " +
-                 sceneHash.substr(0, 12) + "...): choose another --data"};
-  Result<SqliteStatement> note = SqliteStatement::prepare(database, "INSERT INTO meta VALUES ('scene', ?)");
-  if (!note) return note.error();
-  if (!note->bind(0, sceneHash).run()) return Error{database.error()};
-  return {};
-}
-
-/// Runs a query and hands each row to `read`, which returns whether the row is sound.
-template <typename Read>
-Status readRows(SqliteDatabase& database, const char* sql, const char* table, Read read) {
-  Result<SqliteStatement> rows = SqliteStatement::prepare(database, sql);
-  if (!rows) return rows.error();
-  for (;;) {
-    const auto row = rows->next();
-    if (row == SqliteStatement::Row::end) return {};
-    if (row == SqliteStatement::Row::failed) return Error{database.error()};
-    if (!read(*rows)) return Error{std::string("damaged: table ") + table + " holds a value out of range"};
-  }
-}
-
-bool within(std::int64_t value, std::int64_t least, std::int64_t most) {
-  return value >= least && value <= most;
-}
-
-bool readPart(const SqliteStatement& row, JournalContents& contents) {
-  if (!within(row.integer(0), 0, kNoPart - 1) || !within(row.integer(1), 0, 0xffff) ||
-      !within(row.integer(2), 0, 0xffffffff))
-    return false;
-  sync::PartRecord part;
-  part.part = static_cast<PartId>(row.integer(0));
-  part.owner = static_cast<SiteId>(row.integer(1));
-  part.epoch = static_cast<Epoch>(row.integer(2));
-  part.worldFromPart.position = glm::dvec3(row.real(3), row.real(4), row.real(5));
-  part.worldFromPart.orientation = glm::dquat(row.real(6), row.real(7), row.real(8), row.real(9));
-  contents.parts.push_back(part);
-  return isValid(part.worldFromPart);
-}
-
-bool readSite(const SqliteStatement& row, JournalContents& contents) {
-  if (!within(row.integer(0), 1, 0xffff) ||
-      !within(row.integer(1), 0, static_cast<int>(sync::Role::instructor)))
-    return false;
-  SiteRecord site;
-  site.info.site = static_cast<SiteId>(row.integer(0));
-  site.info.role = static_cast<sync::Role>(row.integer(1));
-  site.info.name = row.text(2);
-  for (int i = 0; i < 3; ++i) {
-    if (!within(row.integer(3 + i), 0, 255)) return false;
-    site.info.colour[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(row.integer(3 + i));
-  }
-  site.info.connected = false;
-  site.left = row.integer(6) != 0;
-  contents.sites.push_back(site);
-  return site.info.name.size() <= sync::kMaxNameLength;
-}
-
-Result<JournalContents> readContents(SqliteDatabase& database) {
-  JournalContents contents;
-  Status status =
-      readRows(database, "SELECT part, owner, epoch, px, py, pz, qw, qx, qy, qz FROM parts ORDER BY part",
-               "parts", [&](const SqliteStatement& row) { return readPart(row, contents); });
-  if (!status) return status.error();
-  status = readRows(database, "SELECT site, role, name, red, green, blue, gone FROM sites ORDER BY site",
-                    "sites", [&](const SqliteStatement& row) { return readSite(row, contents); });
-  if (!status) return status.error();
-  status = readRows(database, "SELECT nonce, expires FROM nonces", "nonces", [&](const SqliteStatement& row) {
-    contents.nonces.push_back({row.text(0), row.integer(1)});
-    return true;
-  });
-  if (!status) return status.error();
-  status = readRows(database, "SELECT CAST(value AS INTEGER) FROM meta WHERE key = 'session_time'", "meta",
-                    [&](const SqliteStatement& row) {
-                      contents.sessionTime = row.integer(0);
-                      return contents.sessionTime >= 0;
-                    });
-  if (!status) return status.error();
-  return contents;
-}
-
-/// Writes zeros behind the log's end, once, so that a commit finds its blocks in place: fdatasync then has no
-/// new file size or block map to write, which would be a second access to the disk. SQLite reads zeros as the
-/// end of the log (they have no valid checksum), and its locks are on other files.
-Status growLog(const std::string& path) {
-  const int file = ::open((path + "-wal").c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, 0600);
-  if (file < 0) return Error{std::strerror(errno)};
-  struct stat now {};
-  bool good = ::fstat(file, &now) == 0;
-  const std::vector<char> zeros(std::size_t{64} * 1024, 0);
-  constexpr auto kWanted = static_cast<off_t>(kLogHeaderBytes + kMaxFrames * kFrameBytes);
-  for (off_t at = now.st_size; good && at < kWanted;) {
-    const auto size = std::min(zeros.size(), static_cast<std::size_t>(kWanted - at));
-    const ssize_t written = ::pwrite(file, zeros.data(), size, at);
-    good = written > 0;
-    at += written;
-  }
-  good = good && ::fsync(file) == 0;
-  const int error = errno;
-  ::close(file);
-  return good ? Status{} : Error{std::string("write-ahead log: ") + std::strerror(error)};
-}
-
-/// The statements by which records are written.
-struct Writer {
-  SqliteStatement begin, commit, rollback, part, site, nonce, time;
-
-  static Result<Writer> prepare(const SqliteDatabase& database) {
-    Writer writer;
-    const struct {
-      SqliteStatement* statement;
-      const char* sql;
-    } all[] = {
-        {&writer.begin, "BEGIN IMMEDIATE"},
-        {&writer.commit, "COMMIT"},
-        {&writer.rollback, "ROLLBACK"},
-        {&writer.part, "INSERT OR REPLACE INTO parts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
-        {&writer.site, "INSERT OR REPLACE INTO sites VALUES (?, ?, ?, ?, ?, ?, ?)"},
-        {&writer.nonce, "INSERT OR REPLACE INTO nonces VALUES (?, ?)"},
-        {&writer.time, "UPDATE meta SET value = ? WHERE key = 'session_time'"},
-    };
-    for (const auto& [statement, sql] : all) {
-      Result<SqliteStatement> prepared = SqliteStatement::prepare(database, sql);
-      if (!prepared) return prepared.error();
-      *statement = std::move(*prepared);
-    }
-    return writer;
-  }
-
-  bool write(const sync::PartRecord& r) {
-    const auto& p = r.worldFromPart.position;
-    const auto& q = r.worldFromPart.orientation;
-    part.bind(0, std::int64_t{r.part}).bind(1, std::int64_t{r.owner}).bind(2, std::int64_t{r.epoch});
-    part.bind(3, p.x).bind(4, p.y).bind(5, p.z);
-    return part.bind(6, q.w).bind(7, q.x).bind(8, q.y).bind(9, q.z).run();
-  }
-  bool write(const SiteRecord& r) {
-    site.bind(0, std::int64_t{r.info.site})
-        .bind(1, static_cast<std::int64_t>(r.info.role))
-        .bind(2, r.info.name);
-    for (int i = 0; i < 3; ++i) site.bind(3 + i, std::int64_t{r.info.colour[static_cast<std::size_t>(i)]});
-    return site.bind(6, std::int64_t{r.left}).run();
-  }
-  bool write(const UsedNonce& r) { return nonce.bind(0, r.nonce).bind(1, r.expires).run(); }
-  bool writeTime(sync::Micros value) { return time.bind(0, std::to_string(value)).run(); }
-
-  /// One transaction. Any failure undoes all of it.
-  bool commitBatch(const std::vector<JournalRecord>& records, sync::Micros sessionTime) {
-    if (!begin.run()) return false;
-    for (const JournalRecord& record : records)
-      if (!std::visit([&](const auto& r) { return write(r); }, record)) return false;
-    return (sessionTime == 0 || writeTime(sessionTime)) && commit.run();
-  }
-};
 
 }  // namespace
 
+std::string markPathOf(const std::string& databasePath) {
+  return std::filesystem::path(databasePath).replace_extension(".mark").string();
+}
+
 struct SqliteJournal::State {
   std::string path;
-  SqliteDatabase database;
-  Writer writer;
+  SqliteJournalOptions options;
+  SessionMark mark;
   JournalContents contents;
 
   // The caller's thread.
@@ -250,23 +79,63 @@ struct SqliteJournal::State {
   std::atomic<bool> failed{false};
   std::thread thread;
 
-  State(std::string thePath, SqliteDatabase theDatabase, Writer theWriter, JournalContents theContents)
+  State(std::string thePath, SqliteJournalOptions theOptions, SessionMark theMark,
+        SessionDatabase theDatabase)
       : path(std::move(thePath)),
-        database(std::move(theDatabase)),
-        writer(std::move(theWriter)),
-        contents(std::move(theContents)),
-        latestTime(contents.sessionTime),
-        timeAhead(contents.sessionTime) {}
+        options(std::move(theOptions)),
+        mark(std::move(theMark)),
+        contents(theDatabase.contents()),
+        database(std::move(theDatabase)) {
+    latestTime = timeAhead = contents.sessionTime;
+    // After a loss of power a disk that lied may have lost what the mark still knows.
+    if (!mark.sameBoot()) contents.epochFloor = std::max(contents.epochFloor, mark.state().epochCeiling);
+  }
 
   // The writer's thread.
-  int frames = 0;                  // in the log, as of the last commit
-  int checkpointAt = kIdleFrames;  // frames from which a quiet moment is used
+  std::optional<SessionDatabase> database;  // none while it cannot be opened
+  DatabaseHead head, attempted;             // of the last commit that is told, and of one that failed
+  WatchedFiles files, log;                  // the log is another file whenever the database is opened
+  int frames = 0;                           // in the log, as of the last commit
+  int checkpointAt = kIdleFrames;           // frames from which a quiet moment is used
+  std::vector<JournalRecord> pending;       // what a failure kept from the disk
+  sync::Micros pendingTime = 0;
 
+  Status start();
+  Status settle();
   void work();
   bool drain(std::vector<JournalRecord>& batch, sync::Micros& time);
   void checkpoint();
-  void finish(bool good, std::size_t count);
+  void finish(const Status& status, std::size_t count);
+  Status write(const std::vector<JournalRecord>& batch, sync::Micros time);
+  Status reserveFor(const std::vector<JournalRecord>& batch);
+  void reserveAhead();
+  bool waitToRetry();
+  void retry();
+  Status reopen();
 };
+
+/// Prepares the opened database for commits.
+Status SqliteJournal::State::settle() {
+  database->sqlite().watchLog();
+  frames = 0;
+  checkpointAt = kIdleFrames;
+  if (Status grown = database->growLog(path, kMaxFrames); !grown)
+    return Error{path + ": " + grown.error().message};
+  log = WatchedFiles();
+  return log.add(path + "-wal");
+}
+
+Status SqliteJournal::State::start() {
+  if (Status ready = settle(); !ready) return ready;
+  head = attempted = database->head();
+  for (const std::string& file : options.watched)
+    if (Status added = files.add(file); !added) return added;
+  if (Status added = files.add(path); !added) return added;
+  if (Status added = files.add(markPathOf(path)); !added) return added;
+  if (Status noted = mark.note(head.sequence, head.chain); !noted) return noted;
+  // Ceilings that are reserved already stay; a new session has none yet.
+  return head.sequence > 1 ? mark.reserve(0, 0) : Status{};
+}
 
 /// Waits for work and drains the queue; makes a checkpoint in a quiet moment. False when the thread is to
 /// stop.
@@ -278,9 +147,10 @@ bool SqliteJournal::State::drain(std::vector<JournalRecord>& batch, sync::Micros
     checkpoint();
     lock.lock();
   }
-  wanted.wait(lock, some);
-  if (queue.empty() && queuedTime == 0) return false;
   batch.clear();
+  time = 0;
+  if (!wanted.wait_for(lock, kLook, some)) return true;
+  if (queue.empty() && queuedTime == 0) return false;
   std::swap(batch, queue);
   time = std::exchange(queuedTime, 0);
   return true;
@@ -289,64 +159,211 @@ bool SqliteJournal::State::drain(std::vector<JournalRecord>& batch, sync::Micros
 /// Moves what the log holds into the database, so that the log starts again from the front. If that fails
 /// nothing is lost: the records are safe in the log, which keeps growing.
 void SqliteJournal::State::checkpoint() {
-  const bool done = database.checkpoint();
+  const bool done = database->sqlite().checkpoint();
   checkpointAt = done ? kIdleFrames : frames + kIdleFrames;
   if (done) frames = 0;
 }
 
+/// No epoch and no site number is told beyond the ceilings of the mark.
+Status SqliteJournal::State::reserveFor(const std::vector<JournalRecord>& batch) {
+  Epoch epoch = 0;
+  std::uint32_t site = 0;
+  for (const JournalRecord& record : batch) {
+    if (const auto* part = std::get_if<sync::PartRecord>(&record)) epoch = std::max(epoch, part->epoch);
+    if (const auto* known = std::get_if<SiteRecord>(&record))
+      site = std::max(site, std::uint32_t{known->info.site});
+  }
+  const MarkState& state = mark.state();
+  if (epoch <= state.epochCeiling && site <= state.siteCeiling && state.epochCeiling > 0) return {};
+  return mark.reserve(epoch + std::min(kEpochBlock, ~epoch), site + kSiteBlock);
+}
+
+/// Reserves the next block while nobody waits. A failure shows at the next commit.
+void SqliteJournal::State::reserveAhead() {
+  Epoch epoch = 0;
+  std::uint32_t site = 0;
+  for (const JournalRecord& record : pending) {
+    if (const auto* part = std::get_if<sync::PartRecord>(&record)) epoch = std::max(epoch, part->epoch);
+    if (const auto* known = std::get_if<SiteRecord>(&record))
+      site = std::max(site, std::uint32_t{known->info.site});
+  }
+  const MarkState& state = mark.state();
+  const bool half = epoch + std::min(kEpochBlock / 2, ~epoch) > state.epochCeiling ||
+                    site + kSiteBlock / 2 > state.siteCeiling;
+  if (half) (void)mark.reserve(epoch + std::min(kEpochBlock, ~epoch), site + kSiteBlock);
+}
+
+Status SqliteJournal::State::write(const std::vector<JournalRecord>& batch, sync::Micros time) {
+  if (Status same = files.check(); !same) return same;
+  if (Status same = log.check(); !same) return same;
+  if (batch.empty() && time == 0) return {};
+  if (Status reserved = reserveFor(batch); !reserved) return reserved;
+  Status written = database->commit(batch, time);
+  attempted = database->attempted();
+  if (!written) return Error{path + ": " + written.error().message};
+  if (Status noted = mark.note(attempted.sequence, attempted.chain); !noted) return noted;
+  head = attempted;
+  return {};
+}
+
 /// The writer's thread: writes everything that is queued as one transaction, then notifies.
 void SqliteJournal::State::work() {
-  std::vector<JournalRecord> batch;
-  sync::Micros time = 0;
-  while (drain(batch, time)) {
-    const bool good = writer.commitBatch(batch, time);
-    finish(good, batch.size());
-    if (!good) return;
-    frames = database.framesInLog();
+  for (;;) {
+    if (failed.load(std::memory_order_relaxed)) {
+      if (!waitToRetry()) return;
+      retry();
+      continue;
+    }
+    if (!drain(pending, pendingTime)) return;
+    const Status status = write(pending, pendingTime);
+    finish(status, pending.size());
+    if (!status) continue;
+    reserveAhead();
+    pending.clear();
+    pendingTime = 0;
+    frames = database->sqlite().framesInLog();
     if (frames >= std::max(kMaxFrames, checkpointAt)) checkpoint();
   }
 }
 
-void SqliteJournal::State::finish(bool good, std::size_t count) {
+void SqliteJournal::State::finish(const Status& status, std::size_t count) {
   std::function<void()> notify;
   {
     const std::lock_guard lock(mutex);
-    if (good) {
+    if (status) {
       durable.fetch_add(count, std::memory_order_release);
     } else {
-      failure = path + ": " + database.error();
-      writer.rollback.run();
-      queue.clear();
+      failure = status.error().message;
       failed.store(true, std::memory_order_release);
     }
     notify = callback;
   }
-  if (notify && (count > 0 || !good)) notify();
+  if (notify && (count > 0 || !status)) notify();
 }
+
+/// False when the thread is to stop.
+bool SqliteJournal::State::waitToRetry() {
+  std::unique_lock lock(mutex);
+  return !wanted.wait_for(lock, kRetry, [&] { return stopping; });
+}
+
+/// Opens the files anew, and writes what was pending and what was appended meanwhile.
+void SqliteJournal::State::retry() {
+  if (!reopen()) return;
+  for (;;) {
+    if (!write(pending, pendingTime)) return;
+    std::function<void()> notify;
+    {
+      const std::lock_guard lock(mutex);
+      durable.fetch_add(pending.size(), std::memory_order_release);
+      pending.clear();
+      pendingTime = std::exchange(queuedTime, 0);
+      std::swap(pending, queue);
+      if (pending.empty() && pendingTime == 0) {
+        failure.clear();
+        failed.store(false, std::memory_order_release);
+        notify = callback;
+      }
+    }
+    if (!failed.load(std::memory_order_relaxed)) {
+      if (notify) notify();
+      return;
+    }
+  }
+}
+
+/// A sync that failed may have marked pages as written that are not, and a later one then says nothing. So
+/// the log is copied into the database, by writes of their own, before anything counts as durable.
+Status SqliteJournal::State::reopen() {
+  if (Status same = files.check(); !same) return same;
+  database.reset();
+  auto opened = SessionDatabase::open(path, options.maxPages);
+  if (!opened) return opened.error();
+  const DatabaseHead& found = opened->head();
+  const bool before = found.sequence == head.sequence && found.chain == head.chain;
+  const bool after = found.sequence == attempted.sequence && found.chain == attempted.chain;
+  if (!before && !after) return Error{path + ": it is not as this server left it"};
+  database.emplace(std::move(*opened));
+  if (Status emptied = database->sqlite().emptyLog(); !emptied) return emptied;
+  if (Status ready = settle(); !ready) return ready;
+  if (before) return {};
+  // The commit that failed has come through all the same.
+  if (Status noted = mark.note(attempted.sequence, attempted.chain); !noted) return noted;
+  head = attempted;
+  const std::lock_guard lock(mutex);
+  durable.fetch_add(pending.size(), std::memory_order_release);
+  pending.clear();
+  pendingTime = 0;
+  return {};
+}
+
+namespace {
+
+/// A new session, if nothing of an earlier one is here.
+Result<SessionDatabase> begin(const std::string& path, const SqliteJournalOptions& options) {
+  DatabaseHead head;
+  head.session = randomDigest();
+  head.scene = options.sceneHash;
+  // The mark first: it says that nothing was told yet, so that a start that is cut off here can begin again.
+  auto mark = SessionMark::create(markPathOf(path), {head.session, options.key, 0, 0, 0, {}});
+  if (!mark) return mark.error();
+  return SessionDatabase::create(path, head, {}, options.maxPages);
+}
+
+/// Whether the files are those of a first start that was cut off: nothing of the session was ever told.
+bool isUntold(const SessionMark& mark) {
+  return mark.state().epochCeiling == 0 && mark.state().siteCeiling == 0 && mark.state().sequence <= 1;
+}
+
+void removeDatabase(const std::string& path) {
+  std::error_code ignored;
+  for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix, ignored);
+}
+
+Result<SessionDatabase> openOrBegin(const std::string& path, const SqliteJournalOptions& options) {
+  const std::string markPath = markPathOf(path);
+  const bool there = std::filesystem::exists(path);
+  auto mark = SessionMark::open(markPath);
+  if (!mark) return Error{mark.error().message + kAdvice};
+  if (!*mark && !there && !options.mustExist) return begin(path, options);
+  if (!*mark && !there)
+    return Error{path + " and " + markPath + ": missing, though a session was kept here" + kAdvice};
+  if (!*mark && std::filesystem::file_size(path) == 0 && !options.mustExist) {
+    removeDatabase(path);
+    return begin(path, options);
+  }
+  const bool untold = *mark && !options.mustExist && isUntold(**mark);
+  if (!there && untold) return begin(path, options);
+  if (!there)
+    return Error{path + ": missing, though " + markPath + " says that a session was kept" + kAdvice};
+  if (!*mark) return Error{markPath + ": missing, so how far epochs had come is not known" + kAdvice};
+  if ((*mark)->state().key != options.key && !untold)
+    return Error{markPath + ": belongs to a session of another server" + kAdvice};
+  if (untold && ((*mark)->state().key != options.key || !SessionDatabase::open(path, options.maxPages))) {
+    removeDatabase(path);
+    return begin(path, options);
+  }
+  auto database = SessionDatabase::open(path, options.maxPages);
+  if (!database) return Error{database.error().message + kAdvice};
+  if (Status whole = checkAgainst(**mark, database->head()); !whole)
+    return Error{path + ": " + whole.error().message + kAdvice};
+  return database;
+}
+
+}  // namespace
 
 Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& path,
                                                            const SqliteJournalOptions& options) {
-  const auto failed = [&](const Error& error) { return Error{path + ": " + error.message}; };
-  Result<SqliteDatabase> database = SqliteDatabase::open(path);
-  if (!database) return failed(database.error());
-  if (Status ours = checkIdentity(*database); !ours) return failed(ours.error());
-  if (Status scene = checkScene(*database, options.sceneHash); !scene) return failed(scene.error());
-  const std::string settings =
-      "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL; PRAGMA busy_timeout = 2000;" +
-      (options.maxPages == 0 ? std::string()
-                             : "PRAGMA max_page_count = " + std::to_string(options.maxPages) + ";") +
-      "DELETE FROM nonces WHERE expires <= " + std::to_string(options.unixNow) + ";";
-  if (Status set = database->run(settings.c_str()); !set) return failed(set.error());
-  const Result<std::string> mode = database->ask("PRAGMA journal_mode");
-  if (!mode || *mode != "wal") return failed(Error{"the file system does not support a write-ahead log"});
-  database->watchLog();
-  if (Status grown = growLog(path); !grown) return failed(grown.error());
-  Result<JournalContents> contents = readContents(*database);
-  if (!contents) return failed(contents.error());
-  Result<Writer> writer = Writer::prepare(*database);
-  if (!writer) return failed(writer.error());
-  return std::unique_ptr<SqliteJournal>(new SqliteJournal(
-      std::make_unique<State>(path, std::move(*database), std::move(*writer), std::move(*contents))));
+  Result<SessionDatabase> database = openOrBegin(path, options);
+  if (!database) return database.error();
+  if (Status ready = database->prepare(options.sceneHash, options.unixNow); !ready)
+    return Error{path + ": " + ready.error().message};
+  auto mark = SessionMark::open(markPathOf(path));
+  if (!mark) return mark.error();
+  if (!*mark) return Error{markPathOf(path) + ": was removed"};
+  auto state = std::make_unique<State>(path, options, std::move(**mark), std::move(*database));
+  if (Status started = state->start(); !started) return started.error();
+  return std::unique_ptr<SqliteJournal>(new SqliteJournal(std::move(state)));
 }
 
 SqliteJournal::SqliteJournal(std::unique_ptr<State> state) : state_(std::move(state)) {
@@ -362,6 +379,7 @@ SqliteJournal::~SqliteJournal() {
   }
   state_->wanted.notify_one();
   state_->thread.join();
+  if (state_->failure.empty()) (void)state_->mark.reserve(0, 0);  // syncs it
 }
 
 void SqliteJournal::onProgress(std::function<void()> callback) {
@@ -373,13 +391,11 @@ JournalContents SqliteJournal::contents() const { return state_->contents; }
 
 std::uint64_t SqliteJournal::append(const JournalRecord& record) {
   ++state_->appended;
-  if (!state_->failed.load(std::memory_order_acquire)) {
-    {
-      const std::lock_guard lock(state_->mutex);
-      state_->queue.push_back(record);
-    }
-    state_->wanted.notify_one();
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->queue.push_back(record);
   }
+  state_->wanted.notify_one();
   return state_->appended;
 }
 

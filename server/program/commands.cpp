@@ -1,12 +1,17 @@
 #include "server/program/commands.h"
 
+#include <sys/stat.h>
+
 #include <algorithm>
 #include <cstdio>
+#include <ctime>
+#include <filesystem>
 #include <optional>
 
 #include "assets/base/assert.h"
 #include "server/operation/audit_log.h"
 #include "server/operation/operator_socket.h"
+#include "server/session_recovery.h"
 
 namespace tandem::server {
 namespace {
@@ -32,6 +37,28 @@ int showAudit(const std::string& data, bool json) {
   return std::fflush(stdout) == 0 ? kExitDone : failed(kExitFailed, "standard output cannot be written");
 }
 
+std::int64_t unixNow() { return static_cast<std::int64_t>(::time(nullptr)); }
+
+Result<Report> mend(const CommandOptions& options, const std::string& data) {
+  if (!options.restore.empty())
+    if (Status taken = takeIdentity(data, options.restore); !taken) return taken.error();
+  Result<DataDirectory> directory = DataDirectory::open(data);
+  if (!directory) return directory.error();
+  return options.recover ? recoverSession(*directory, unixNow())
+                         : restoreSession(*directory, options.restore, unixNow());
+}
+
+int keepSession(const CommandOptions& options, const std::string& data) {
+  ::umask(077);
+  if (options.recover && !std::filesystem::is_directory(data))
+    return failed(kExitBadInput, data + ": no such data directory");
+  const Result<Report> report =
+      options.backup.empty() ? mend(options, data) : backUpSession(data, options.backup);
+  if (!report) return failed(kExitBadInput, report.error().message);
+  for (const std::string& line : *report) std::printf("%s\n", line.c_str());
+  return kExitDone;
+}
+
 OperatorRequest requestOf(const CommandOptions& options) {
   using Kind = OperatorRequest::Kind;
   OperatorRequest request;
@@ -51,7 +78,8 @@ OperatorRequest requestOf(const CommandOptions& options) {
 }
 
 int count(const CommandOptions& options) {
-  return (options.audit ? 1 : 0) + (options.kick.empty() ? 0 : 1) + (options.revokeTicket.empty() ? 0 : 1) +
+  return (options.backup.empty() ? 0 : 1) + (options.restore.empty() ? 0 : 1) + (options.recover ? 1 : 0) +
+         (options.audit ? 1 : 0) + (options.kick.empty() ? 0 : 1) + (options.revokeTicket.empty() ? 0 : 1) +
          (options.inviteNow.empty() ? 0 : 1) + (options.revokeLinks ? 1 : 0) + (options.rotateKeys ? 1 : 0);
 }
 
@@ -73,6 +101,13 @@ void addCommandOptions(assets::CommandLine& app, CommandOptions& options) {
   app.flag("--revoke-links", options.revokeLinks, "makes every open link void; the server prints new ones");
   app.flag("--rotate-keys", options.rotateKeys,
            "new keys: every link and ticket is void but for the sites that are connected");
+  app.option("--backup", options.backup, "copies the session of --data to a new folder, also while it runs")
+      .typeName("DIR");
+  app.option("--restore", options.restore,
+             "puts a backup in place of the session of --data; parts are free, links and tickets are void")
+      .typeName("DIR");
+  app.flag("--recover", options.recover,
+           "keeps what is sound of a damaged session; parts are free, links and tickets are void");
   app.option("--invite-now", options.inviteNow, "prints one more link of the server that runs with --data")
       .typeName("ROLE");
 }
@@ -80,7 +115,8 @@ void addCommandOptions(assets::CommandLine& app, CommandOptions& options) {
 Status check(const CommandOptions& options) {
   if (count(options) > 1)
     return Error{
-        "one of --audit, --kick, --revoke-ticket, --revoke-links, --rotate-keys, --invite-now at once"};
+        "one of --audit, --kick, --revoke-ticket, --revoke-links, --rotate-keys, --invite-now, --backup, "
+        "--restore, --recover at once"};
   if (!options.inviteNow.empty() && !roleFrom(options.inviteNow))
     return Error{"--invite-now " + options.inviteNow + ": must be instructor, participant or observer"};
   return {};
@@ -89,6 +125,8 @@ Status check(const CommandOptions& options) {
 int runCommand(const CommandOptions& options, const std::string& data) {
   ASSERT(options.asked());
   if (options.audit) return showAudit(data, options.json);
+  if (options.recover || !options.backup.empty() || !options.restore.empty())
+    return keepSession(options, data);
   const OperatorAnswer answer = askServer(data, requestOf(options));
   switch (answer.outcome) {
     case OperatorAnswer::Outcome::done:

@@ -1,7 +1,7 @@
 #pragma once
 
-// What tandem-server does beside serving: shows the audit table, and gives orders to the server that runs on
-// a data directory.
+// What tandem-server does beside serving: shows the audit table, gives orders to the server that runs on a
+// data directory, backs the session up, and recovers or restores it.
 
 #include <string>
 
@@ -15,6 +15,8 @@ inline constexpr int kExitDone = 0, kExitFailed = 1, kExitBadInput = 2;
 struct CommandOptions {
   bool audit = false, json = false;
   std::string kick, revokeTicket, inviteNow;  // empty: not asked for
+  std::string backup, restore;
+  bool recover = false;
   bool ban = false, revokeLinks = false, rotateKeys = false;
 
   bool asked() const;

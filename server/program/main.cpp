@@ -136,8 +136,11 @@ Result<Server> prepare(Options& options, int& exitCode) {
   Result<DataDirectory> directory = DataDirectory::open(options.data);
   if (!directory) return directory.error();
   const auto hash = assets::contentHash(package);
-  auto journal = SqliteJournal::open(directory->journalPath(), {assets::toHex(hash), unixNow(), 0});
+  SqliteJournalOptions kept{assets::toHex(hash),      unixNow(),         0,
+                            directory->fingerprint(), directory->used(), {directory->lockPath()}};
+  auto journal = SqliteJournal::open(directory->journalPath(), kept);
   if (!journal) return journal.error();
+  if (Status key = directory->keepSigningKey(); !key) return key.error();
   std::optional<sync::RecordingWriter> recording;
   if (!options.record.empty()) {
     auto writer = sync::RecordingWriter::create(options.record, {hash, sync::wireFrame(scene->bounds)});

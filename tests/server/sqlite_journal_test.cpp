@@ -49,7 +49,7 @@ bool durable(Journal& journal, std::uint64_t number) {
 
 TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
   {
-    auto journal = SqliteJournal::open(path(), {"abc", 100, 0});
+    auto journal = SqliteJournal::open(path(), {"abc", 100, 0, {}, false, {}});
     ASSERT_TRUE(journal.ok()) << journal.error().message;
     (*journal)->append(record(4, 1));
     (*journal)->append(record(4, 9));
@@ -58,7 +58,7 @@ TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
     (*journal)->append(UsedNonce{"new", 300});
     (*journal)->noteTime(5 * sync::kSecond);
   }
-  auto journal = SqliteJournal::open(path(), {"abc", 200, 0});
+  auto journal = SqliteJournal::open(path(), {"abc", 200, 0, {}, false, {}});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   const auto contents = (*journal)->contents();
   ASSERT_EQ(contents.parts.size(), 1u);
@@ -78,7 +78,7 @@ TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
     ASSERT_EQ(::pipe(pipe), 0);
     const pid_t child = ::fork();
     if (child == 0) {
-      auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+      auto journal = SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}});
       if (!journal.ok()) ::_exit(1);
       const auto contents = (*journal)->contents();
       Epoch epoch = contents.parts.empty() ? 0 : contents.parts[0].epoch;
@@ -104,7 +104,7 @@ TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
     ::close(pipe[0]);
     EXPECT_TRUE(WIFSIGNALED(status));
     ASSERT_GT(last, 0u);
-    auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+    auto journal = SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}});
     ASSERT_TRUE(journal.ok()) << journal.error().message;
     ASSERT_EQ((*journal)->contents().parts.size(), 1u);
     EXPECT_GE((*journal)->contents().parts[0].epoch, last);
@@ -114,7 +114,7 @@ TEST_F(SqliteJournalTest, LosesNothingReportedDurableWhenKilled) {
 TEST_F(SqliteJournalTest, ReusesTheLogThatItMadeAtTheStart) {
   constexpr PartId kParts = 2000;  // about 45 pages, so that 60 rounds would make a log of 11 MB
   {
-    auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+    auto journal = SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}});
     ASSERT_TRUE(journal.ok()) << journal.error().message;
     const auto made = fs::file_size(path() + "-wal");
     EXPECT_GT(made, 4'000'000u);
@@ -125,7 +125,7 @@ TEST_F(SqliteJournalTest, ReusesTheLogThatItMadeAtTheStart) {
     }
     EXPECT_LT(fs::file_size(path() + "-wal"), made + made / 4);
   }
-  auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   ASSERT_EQ((*journal)->contents().parts.size(), kParts);
   for (const auto& part : (*journal)->contents().parts) ASSERT_EQ(part.epoch, 60u);
@@ -133,18 +133,18 @@ TEST_F(SqliteJournalTest, ReusesTheLogThatItMadeAtTheStart) {
 
 TEST_F(SqliteJournalTest, RefusesWhatIsNotItsOwn) {
   std::ofstream(path()) << std::string(8192, 'x');
-  EXPECT_FALSE(SqliteJournal::open(path(), {"abc", 0, 0}).ok());
+  EXPECT_FALSE(SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}}).ok());
   fs::remove(path());
-  { ASSERT_TRUE(SqliteJournal::open(path(), {"abc", 0, 0}).ok()); }
-  const auto other = SqliteJournal::open(path(), {"def", 0, 0});
+  { ASSERT_TRUE(SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}}).ok()); }
+  const auto other = SqliteJournal::open(path(), {"def", 0, 0, {}, false, {}});
   ASSERT_FALSE(other.ok());
   EXPECT_NE(other.error().message.find("another scene"), std::string::npos);
   EXPECT_EQ(other.error().message.find('\n'), std::string::npos);
-  EXPECT_FALSE(SqliteJournal::open((folder / "none" / "x.db").string(), {"abc", 0, 0}).ok());
+  EXPECT_FALSE(SqliteJournal::open((folder / "none" / "x.db").string(), {"abc", 0, 0, {}, false, {}}).ok());
 }
 
 TEST_F(SqliteJournalTest, StopsAndReportsWhenTheDiskIsFull) {
-  auto journal = SqliteJournal::open(path(), {"abc", 0, 6});
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 6, {}, false, {}});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   std::uint64_t number = 0;
   for (PartId part = 0; part < 2000; ++part) number = (*journal)->append(record(part, 1));
@@ -156,7 +156,7 @@ TEST_F(SqliteJournalTest, StopsAndReportsWhenTheDiskIsFull) {
 }
 
 TEST_F(SqliteJournalTest, NotifiesWhenRecordsBecomeDurable) {
-  auto journal = SqliteJournal::open(path(), {"abc", 0, 0});
+  auto journal = SqliteJournal::open(path(), {"abc", 0, 0, {}, false, {}});
   ASSERT_TRUE(journal.ok());
   std::atomic<std::uint64_t> durable{0};
   (*journal)->onProgress([&] { durable = (*journal)->durableUpTo(); });
@@ -182,6 +182,7 @@ TEST_F(SqliteJournalTest, ADirectoryServesOneServerAndKeepsItsKeys) {
     ASSERT_TRUE(first.ok()) << first.error().message;
     certificate = first->identity().certificate;
     key = first->signingKey();
+    ASSERT_TRUE(first->keepSigningKey().ok());
     EXPECT_FALSE(DataDirectory::open(data).ok());
     EXPECT_EQ(fs::status(data).permissions(), fs::perms::owner_all);
     EXPECT_EQ(fs::status(data + "/signing.key").permissions(),

@@ -1,0 +1,96 @@
+#pragma once
+
+// The database of a session on a disk: tables of parts, sites and used tokens, with checksums.
+//
+// 1. Every row has the number of the commit that wrote it, and a checksum over that number, its values and
+//    the session's identity: a page of another session is found.
+// 2. The row of `head` has the sum of all checksums and is a link in a chain: its `chain` hashes the one
+//    before with what was written. A page that is older than the others is found by the sum.
+// 3. open() verifies all of it, and names the table and the row that is damaged.
+
+#include <memory>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "assets/base/result.h"
+#include "server/journal.h"
+#include "server/record_digest.h"
+#include "server/sqlite_database.h"
+
+namespace tandem::server {
+
+struct DatabaseHead {
+  Digest session{};
+  std::string scene;           // hash, hexadecimal; empty: that of the next start
+  std::uint64_t sequence = 0;  // of the last commit
+  Digest chain{};
+  std::uint64_t previous = 0;  // the commit before
+  Digest previousChain{};
+  DigestSum sum;  // in the database as its value
+  sync::Micros sessionTime = 0;
+  Epoch epochFloor = 0;
+  SiteId lastSite = 0;
+};
+
+/// What a damaged database still holds.
+struct Salvage {
+  JournalContents contents;
+  std::string scene;
+  std::size_t damagedRows = 0;
+  std::string damage;  // the first that was met; empty: none
+  bool headSound = false;
+  Digest session{};
+};
+
+class SessionDatabase {
+ public:
+  static Result<SessionDatabase> create(const std::string& path, const DatabaseHead& head,
+                                        const std::vector<JournalRecord>& records,
+                                        std::uint32_t maxPages = 0);
+  /// Opens a database that must be there, and verifies it.
+  static Result<SessionDatabase> open(const std::string& path, std::uint32_t maxPages = 0);
+  /// Reads what is sound in a database that may be damaged or of an earlier version.
+  static Salvage salvage(const std::string& path);
+
+  const DatabaseHead& head() const { return head_; }
+  /// The head that the last commit() meant to leave, also where it failed.
+  const DatabaseHead& attempted() const { return attempted_; }
+  /// What it held when it was opened.
+  const JournalContents& contents() const { return contents_; }
+  /// Writes records, and a time unless it is 0, as one transaction. Any failure undoes all of it.
+  Status commit(const std::vector<JournalRecord>& records, sync::Micros sessionTime);
+  /// Forgets tokens that expired before, and takes the scene if it has none.
+  Status prepare(const std::string& scene, std::int64_t unixNow);
+  /// Grows the write-ahead log once, so that commits find their blocks in place.
+  Status growLog(const std::string& path, int frames);
+  SqliteDatabase& sqlite() { return database_; }
+
+ private:
+  struct Rows {
+    std::unordered_map<std::uint32_t, Digest> parts, sites;
+    std::unordered_map<std::string, Digest> nonces;
+  };
+  struct Statements;
+  explicit SessionDatabase(SqliteDatabase database);
+
+ public:
+  SessionDatabase(SessionDatabase&&) noexcept;
+  SessionDatabase& operator=(SessionDatabase&&) = delete;
+  ~SessionDatabase();
+
+ private:
+  Status readHead();
+  Status readTables();
+  Status write(const JournalRecord& record, std::uint64_t sequence, Rows& staged, DatabaseHead& next);
+  Status writeHead(DatabaseHead& next, const std::string& written);
+  Status prepareStatements();
+
+  SqliteDatabase database_;
+  std::unique_ptr<Statements> statements_;
+  DatabaseHead head_, attempted_;
+  Rows rows_;
+  JournalContents contents_;
+};
+
+}  // namespace tandem::server
