@@ -1,6 +1,7 @@
 #include "client/session/part_requests.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/base/assert.h"
 
@@ -74,8 +75,24 @@ void PartRequests::release(const HandIntent& intent) {
   ASSERT(ownership_->exists(intent.part));
   const Release release{nextRequest_++, intent.part, intent.epoch, intent.worldFromPart};
   givenBack_[intent.part] = intent.epoch;
+  send(release);
+}
+
+void PartRequests::send(const Release& release) {
+  unanswered_.push_back(release);
   if (watchers_.observer) watchers_.observer->onRelease(release);
   sender_.send(release);
+}
+
+void PartRequests::releaseAgain(Micros now) {
+  if (refused_.empty() || now < releaseAgainAt_) return;
+  releaseAgainAt_ = now + kReleaseAgain;
+  for (Release release : std::exchange(refused_, {})) {
+    const PartRecord& record = ownership_->view().part(release.part);
+    if (record.owner != people_.self() || record.epoch != release.epoch) continue;  // it is over
+    release.request = nextRequest_++;
+    send(release);
+  }
 }
 
 void PartRequests::sendIntents() {
@@ -119,6 +136,8 @@ void PartRequests::engageAgain() {
 
 void PartRequests::connectionLost() {
   open_.clear();
+  unanswered_.clear();
+  refused_.clear();
   ++lost_;
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::lost;
@@ -169,7 +188,14 @@ bool PartRequests::handle(const EngageReply& message) {
 }
 
 void PartRequests::handle(const ReleaseReply& message) {
-  if (ownership_ != nullptr && ownership_->exists(message.part.part)) ownership_->apply(message.part);
+  if (ownership_ == nullptr || !ownership_->exists(message.part.part)) return;
+  const auto asked = std::find_if(unanswered_.begin(), unanswered_.end(),
+                                  [&](const Release& each) { return each.request == message.request; });
+  if (asked != unanswered_.end()) {
+    if (message.denial == Denial::recovering) refused_.push_back(*asked);
+    unanswered_.erase(asked);
+  }
+  ownership_->apply(message.part);
 }
 
 void PartRequests::handle(const CommandReply& message) {

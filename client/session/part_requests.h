@@ -10,7 +10,9 @@
 //    denied to the hand.
 // 3. Only the answer to what was asked since the lease last lapsed confirms anything
 //    (OwnershipView::lapses()).
-// 4. A lost connection voids the open requests, and those that the hand made before it was notified of the
+// 4. A release that a server with a sick disk refused is sent again until it is answered otherwise: the hand
+//    has let go, so nobody could take the part else.
+// 5. A lost connection voids the open requests, and those that the hand made before it was notified of the
 //    loss.
 //
 // Network thread.
@@ -44,6 +46,8 @@ class PartRequests {
   /// Reclaims parts in their old epoch: all that this site owned before an outage, or only those whose lease
   /// lapsed.
   void reclaim(bool all);
+  /// Sends the refused releases again, every kReleaseAgain at most. `now` is local time.
+  void releaseAgain(sync::Micros now);
   /// Engages again in the parts of which this site was a co-holder before an outage, as of the last
   /// reclaim(): a restarted server knows no co-holders.
   void engageAgain();
@@ -69,6 +73,7 @@ class PartRequests {
   bool mayEngage(PartId part) const;
   void askFor(PartId part, int before);
   void release(const HandIntent& intent);
+  void send(const sync::Release& release);
   void reportDenial(const sync::GrabReply& reply, bool reclaim);
   void reportDenied(const sync::PartRecord& record, const std::string& why);
   std::string partName(PartId part) const;
@@ -84,8 +89,11 @@ class PartRequests {
   sync::RequestId nextRequest_ = 1;
   std::uint32_t lost_ = 0;  // lost connections; the hand counts the events
   std::vector<OpenRequest> open_;
-  std::vector<Epoch> givenBack_;  // by part: the epoch in which it was last released
-  HandOutput hand_;               // as of the last reclaim()
+  static constexpr sync::Micros kReleaseAgain = 500 * sync::kMillisecond;
+  std::vector<sync::Release> unanswered_, refused_;  // releases on this connection
+  sync::Micros releaseAgainAt_ = 0;                  // local time
+  std::vector<Epoch> givenBack_;                     // by part: the epoch in which it was last released
+  HandOutput hand_;                                  // as of the last reclaim()
 };
 
 }  // namespace tandem::client

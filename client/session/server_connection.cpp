@@ -252,6 +252,7 @@ void ServerConnection::handle(const Pong& message) {
   if (!pings_.observe(message)) return;
   inScene_->ownership.view().renewed(message.siteTime, clock_.now());
   requests_.reclaim(false);
+  requests_.releaseAgain(clock_.now());
 }
 
 /// Keeps the Welcome's list of parts up to date while the scene is made ready, which may take minutes.

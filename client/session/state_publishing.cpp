@@ -58,9 +58,9 @@ void StatePublishing::offerParts() {
 }
 
 void StatePublishing::publish(const Pose& worldFromCamera) {
-  hand_ = exchange_.output.latest();
   const Micros now = clock_.now();
   if (!clock_.known() || !publisher_.mayBeDue(now)) return;
+  hand_ = exchange_.output.latest();
   offerParts();
   Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
                     hand_.tick.hands[0].toHand.force, hand_.tick.touched};
