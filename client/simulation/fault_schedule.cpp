@@ -51,10 +51,11 @@ void FaultSchedule::advanceTo(Micros now) {
   ASSERT(now >= now_);
   now_ = now;
   if (!calm_ && scenario_.calmFrom >= 0.0 && now >= micros(scenario_.calmFrom)) becomeCalm();
-  while (!calm_ && !due_.empty() && due_.back().at <= now) {
+  while (!due_.empty() && due_.back().at <= now) {
     const Entry entry = due_.back();
     due_.pop_back();
     const Fault& fault = scenario_.faults[entry.fault];
+    if (calm_ && !fault.isDeed()) continue;
     if (entry.ends) {
       end(fault);
       continue;
@@ -73,7 +74,7 @@ void FaultSchedule::advanceTo(Micros now) {
 
 Micros FaultSchedule::nextDue(Micros never) const {
   Micros next = never;
-  if (!calm_ && !due_.empty()) next = std::min(next, due_.back().at);
+  if (!due_.empty()) next = std::min(next, due_.back().at);
   if (!calm_ && scenario_.calmFrom >= 0.0) next = std::min(next, micros(scenario_.calmFrom));
   if (serverRestartsAt_ >= 0) next = std::min(next, serverRestartsAt_);
   for (const auto& [at, site] : rejoin_)

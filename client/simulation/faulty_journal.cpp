@@ -1,6 +1,7 @@
 #include "client/simulation/faulty_journal.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "assets/base/assert.h"
 
@@ -25,8 +26,10 @@ void FaultyJournal::setLying(bool lying) {
 
 void FaultyJournal::advanceTo(Micros now) {
   now_ = std::max(now_, now);
-  if (failed_) return;
-  while (!pending_.empty() && pending_.front().durableAt <= now_) {
+  if (failing_ && failed_) return;
+  // A journal that is well again has first written everything that was appended.
+  const bool writesAll = std::exchange(failed_, false);
+  while (!pending_.empty() && (writesAll || pending_.front().durableAt <= now_)) {
     if (failing_) {
       failed_ = true;
       return;
@@ -37,7 +40,7 @@ void FaultyJournal::advanceTo(Micros now) {
 }
 
 Micros FaultyJournal::nextDurable(Micros never) const {
-  return pending_.empty() || failed_ ? never : pending_.front().durableAt;
+  return pending_.empty() || (failing_ && failed_) ? never : pending_.front().durableAt;
 }
 
 void FaultyJournal::rot() {
@@ -95,7 +98,6 @@ bool FaultyJournal::restart() {
 }
 
 std::uint64_t FaultyJournal::append(const server::JournalRecord& record) {
-  ASSERT(!failed_);
   const Micros last = pending_.empty() ? 0 : pending_.back().durableAt;
   pending_.push_back({std::max(last, now_ + delay_), record});
   return ++appended_;

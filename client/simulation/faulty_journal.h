@@ -22,7 +22,11 @@ class FaultyJournal : public server::Journal {
   // Faults, each until it is set back.
   void setFailing(bool failing) { failing_ = failing; }
   void setDelay(sync::Micros delay) { delay_ = delay; }
-  void setTearing(bool tearing) { tearing_ = tearing; }
+  /// A record takes longer, so that a kill finds one under way.
+  void setTearing(bool tearing) {
+    tearing_ = tearing;
+    delay_ = tearing ? 50 * sync::kMillisecond : sync::kMillisecond;
+  }
   void setLying(bool lying);
   /// A record that is on the disk cannot be read any more.
   void rot();

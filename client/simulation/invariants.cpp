@@ -19,6 +19,7 @@ constexpr Micros kAnswerLimit = 10 * sync::kSecond;  // L1: far above any round 
 constexpr Micros kInFlight = 4 * sync::kSecond;
 /// S3, S8: for which an instructor's command explains that a part is taken from its owner at once.
 constexpr Micros kCommanded = 10 * sync::kSecond;
+constexpr double kStateTolerance = 1e-4;    // m, S2: the same state, quantised
 constexpr double kReplicaTolerance = 1e-5;  // m, L4: a few quanta of the wire
 
 std::string text(const PartRecord& record) {
@@ -103,9 +104,15 @@ void Invariants::onAccepted(std::size_t site, const sync::PartState& state) {
   else if (state.sequence <= applied.sequence)
     reportBroken(Rule::S2, "site applied an older state of part " + std::to_string(state.part));
   applied.sequence = std::max(applied.sequence, state.sequence);
+  const auto published = published_.find({state.part, state.epoch, state.sequence});
+  if (published == published_.end()) return;
+  if (glm::length(published->second - state.worldFromPart.position) > kStateTolerance)
+    reportBroken(Rule::S2,
+                 "site applied a state that nobody published, of part " + std::to_string(state.part));
 }
 
 void Invariants::onPublished(SiteId self, const sync::PartState& state) {
+  published_[{state.part, state.epoch, state.sequence}] = state.worldFromPart.position;
   // S3: once the server has granted the part to another site, the former owner publishes nothing of it,
   // whether or not it has received word of the grant.
   const auto beyond = beyondBoundAt_.find(self);
@@ -177,7 +184,9 @@ void Invariants::onServerRecord(const PartRecord& record) {
     checked(Rule::R1);
     // A server that can write again takes back the grants that it had to deny meanwhile.
     const bool writesAgain = hinderedAt_ >= 0 && now_ < hinderedAt_ + sync::kSecond;
-    if (!commandedOf(record.part) && !writesAgain) takenAway_.push_back({record.part, record.epoch});
+    const bool strangersAbout = strangerAt_ >= 0 && now_ < strangerAt_ + kInFlight;  // are told, and gone
+    if (!commandedOf(record.part) && !writesAgain && !strangersAbout)
+      takenAway_.push_back({record.part, record.epoch});
   }
   before = record;
 }

@@ -67,6 +67,8 @@ class Invariants {
   void onServerRestart(const std::vector<sync::PartRecord>& restored);
   /// The server stands still or cannot write, so that it frees nothing.
   void onServerHindered() { hinderedAt_ = now_; }
+  /// A hostile peer is connected.
+  void onStranger() { strangerAt_ = now_; }
   sync::Micros hinderedAt() const { return hinderedAt_; }
 
   /// Checks at the end of a run that every request was answered and that the replicas of each part agree
@@ -99,7 +101,7 @@ class Invariants {
   bool commandedOf(PartId part) const;
 
   sync::LeaseRules lease_;
-  sync::Micros now_ = 0, restartedAt_ = -1, hinderedAt_ = -1;
+  sync::Micros now_ = 0, restartedAt_ = -1, hinderedAt_ = -1, strangerAt_ = -1;
   std::vector<Violation> violations_;
   std::array<std::uint64_t, kRules> checks_{};
   std::vector<Grant> grants_;
@@ -110,8 +112,10 @@ class Invariants {
   std::vector<std::map<PartId, AppliedState>> applied_;               // S2, a site each
   std::map<std::tuple<PartId, Epoch, bool>, glm::dvec3> handedOver_;  // S6: with what pose; whether it ended
   std::map<SiteId, sync::Micros> beyondBoundAt_;                      // S3
-  std::map<PartId, sync::Micros> commandedAt_;                        // S3, R1
-  std::vector<std::pair<PartId, Epoch>> takenAway_;                   // R1, by no known command
+  std::map<std::tuple<PartId, Epoch, std::uint32_t>, glm::dvec3>
+      published_;                                    // S2: where states say a part is
+  std::map<PartId, sync::Micros> commandedAt_;       // S3, R1
+  std::vector<std::pair<PartId, Epoch>> takenAway_;  // R1, by no known command
   struct OpenGrab {
     PartId part = kNoPart;
     sync::Micros at = 0;

@@ -10,8 +10,14 @@ namespace tandem::client {
 
 using sync::Micros;
 
+namespace {
+
+constexpr Micros kEmptyPeriod = 200 * sync::kMillisecond;
+
+}  // namespace
+
 LightHand::LightHand(const assets::Scene& scene, const std::vector<ScriptStep>& script, Exchange& exchange)
-    : script_(script), exchange_(exchange) {
+    : script_(script), exchange_(exchange), frame_(sync::wireFrame(scene.bounds)) {
   for (const assets::Part& part : scene.parts) poses_.push_back(part.worldFromPart);
 }
 
@@ -34,8 +40,14 @@ double LightHand::nextDue() const {
 void LightHand::step(double t, Micros now) {
   NetworkEvent event;
   while (exchange_.events.pop(event)) handle(event);
-  const double moved = std::max(0.0, std::min(t, movesUntil_) - t_);
-  if (held_ != kNoPart && moved > 0.0) poses_[held_].position += velocity_ * moved;
+  const double moved = t_ < 0.0 ? 0.0 : std::max(0.0, std::min(t, movesUntil_) - t_);
+  if (held_ != kNoPart && moved > 0.0) {
+    // A part that somebody has put to the edge of the scene's reach is moved no further.
+    const glm::dvec3 goal = poses_[held_].position + velocity_ * moved;
+    if (sync::contains(frame_, goal)) poses_[held_].position = goal;
+  }
+  // What the script says of the time before this client was started is over.
+  while (t_ < 0.0 && next_ < script_.size() && script_[next_].at < t) ++next_;
   t_ = t;
   while (next_ < script_.size() && script_[next_].at <= t) play(script_[next_++]);
   // What settles here without a hand is given back, as after a grant that comes too late.
@@ -186,6 +198,8 @@ void LightHand::sendLinkPackets(Micros now) {
 }
 
 void LightHand::publish(Micros now) {
+  // An empty hand is published seldom: the copies cost more than the rest of its step.
+  if (mine_.empty() && output_.tick.ownedCount == 0 && now - output_.time < kEmptyPeriod) return;
   output_.time = now;
   output_.tick.ownedCount = 0;
   for (const Mine& mine : mine_) {

@@ -11,6 +11,7 @@
 #include "assets/scene/scene.h"
 #include "client/hand/hand_script.h"
 #include "client/session/exchange.h"
+#include "sync/wire/wire_frame.h"
 
 namespace tandem::client {
 
@@ -49,8 +50,9 @@ class LightHand {
 
   const std::vector<ScriptStep>& script_;
   Exchange& exchange_;
+  sync::WireFrame frame_;
   std::size_t next_ = 0;
-  double t_ = 0.0;  // s, scenario time of the last step
+  double t_ = -1.0;  // s, scenario time of the last step
   PartId asked_ = kNoPart, held_ = kNoPart;
   std::vector<Mine> mine_;   // parts that are simulated here
   std::vector<Pose> poses_;  // of every part

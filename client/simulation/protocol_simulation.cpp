@@ -27,14 +27,15 @@ constexpr Micros kSettling = 8 * kSecond;
 
 class ProtocolSimulation::Run {
  public:
-  Run(const Scenario& scenario, const assets::Scene& scene, std::uint64_t seed)
+  Run(const Scenario& scenario, const assets::Scene& scene, std::uint64_t seed, Mistake mistake)
       : scenario_(scenario),
         scene_(scene),
         network_(seed, scenario.network),
         invariants_(scenario.sites.size(), LeaseRules{}),
-        server_(scene, network_, seed, Mistake::none),
+        server_(scene, network_, seed, mistake),
         faults_(scenario, scene, network_, server_, invariants_, seed),
-        end_(static_cast<Micros>(std::llround(scenario.duration * 1e3)) * kMillisecond) {}
+        end_(static_cast<Micros>(std::llround(scenario.duration * 1e3)) * kMillisecond),
+        settledAt_(static_cast<Micros>(scenario.calmFrom * 1e6) + kSettling) {}
 
   Status addSites(ExchangePool& pool, std::uint64_t seed);
   void run();
@@ -45,7 +46,6 @@ class ProtocolSimulation::Run {
   void step();
   void judgeLiveness();
   double replicaError(PartId part) const;
-  bool shouldBeThere(const LightSite& site) const;
 
   const Scenario& scenario_;
   const assets::Scene& scene_;
@@ -55,6 +55,7 @@ class ProtocolSimulation::Run {
   FaultSchedule faults_;
   std::vector<std::unique_ptr<LightSite>> sites_;
   Micros now_ = 0, end_, serverDue_ = 0;
+  Micros settledAt_;
   bool settled_ = false;
   std::uint64_t steps_ = 0, serverSteps_ = 0, siteSteps_ = 0;
 };
@@ -106,41 +107,44 @@ void ProtocolSimulation::Run::step() {
 void ProtocolSimulation::Run::run() {
   server_.start(0, invariants_);
   const bool judges = scenario_.calmFrom >= 0.0;
-  const Micros settledAt = static_cast<Micros>(scenario_.calmFrom * 1e6) + kSettling;
   for (step(); now_ < end_; step()) {
     now_ = std::min(nextInstant(), end_);
-    if (!judges || settled_ || now_ < settledAt) continue;
+    if (!judges || settled_ || now_ < settledAt_) continue;
     settled_ = true;
     for (auto& site : sites_) static_cast<void>(site->drainGranted());
   }
 }
-
-bool ProtocolSimulation::Run::shouldBeThere(const LightSite& site) const { return site.takesPart(); }
 
 /// What must hold at the end of a session that was calm for long enough.
 void ProtocolSimulation::Run::judgeLiveness() {
   if (!settled_) return;
   for (std::size_t i = 0; i < sites_.size(); ++i) {
     LightSite& site = *sites_[i];
-    if (!shouldBeThere(site)) continue;
+    if (!site.takesPart()) continue;
     invariants_.checked(Rule::L4);
     if (!site.inSession()) {
       invariants_.reportBroken(Rule::L4, site.name() + " is not in the session, though nothing keeps it out");
       continue;
     }
-    if (scenario_.sites[i].role == "observer") continue;
+    const bool late = scenario_.sites[i].joins * 1e6 > static_cast<double>(settledAt_);
+    if (scenario_.sites[i].role == "observer" || late) continue;
     invariants_.checked(Rule::L3);
     if (site.drainGranted() == 0)
       invariants_.reportBroken(Rule::L3, site.name() + " got no part since all is calm");
   }
 }
 
-/// By how much the poses of a part that nobody owns differ between the sites, m.
+/// By how much the poses of a part that nobody owns differ between the sites, and from the server's, m.
 double ProtocolSimulation::Run::replicaError(PartId part) const {
   const LightSite* first = nullptr;
   double error = 0.0;
+  const PartRecord* record =
+      server_.session() != nullptr ? &server_.session()->ownership().part(part) : nullptr;
   for (const auto& site : sites_) {
     if (!site->inSession() || site->ownerOf(part) != kNoSite) continue;
+    if (record != nullptr && record->owner == kNoSite)
+      error =
+          std::max(error, glm::length(site->worldFromPart(part).position - record->worldFromPart.position));
     if (first != nullptr)
       error = std::max(error,
                        glm::length(site->worldFromPart(part).position - first->worldFromPart(part).position));
@@ -183,13 +187,13 @@ ProtocolResult ProtocolSimulation::Run::result() {
   return result;
 }
 
-ProtocolSimulation::ProtocolSimulation(const assets::Scene& scene)
-    : scene_(scene), pool_(std::make_unique<ExchangePool>()) {}
+ProtocolSimulation::ProtocolSimulation(const assets::Scene& scene, Mistake mistake)
+    : scene_(scene), mistake_(mistake), pool_(std::make_unique<ExchangePool>()) {}
 ProtocolSimulation::~ProtocolSimulation() = default;
 
 Result<ProtocolResult> ProtocolSimulation::run(const Scenario& scenario, std::uint64_t seed) {
   ASSERT(!scenario.sites.empty() && scenario.duration > 0.0);
-  Run run(scenario, scene_, seed);
+  Run run(scenario, scene_, seed, mistake_);
   if (Status status = run.addSites(*pool_, seed); !status) return status.error();
   run.run();
   return run.result();

@@ -13,6 +13,7 @@
 
 #include "client/simulation/invariants.h"
 #include "client/simulation/scenario.h"
+#include "client/simulation/simulation.h"
 #include "server/session_context.h"
 
 namespace tandem::client {
@@ -35,7 +36,7 @@ struct ProtocolResult {
 class ProtocolSimulation {
  public:
   /// The scene must outlive this object.
-  explicit ProtocolSimulation(const assets::Scene& scene);
+  explicit ProtocolSimulation(const assets::Scene& scene, Mistake mistake = Mistake::none);
   ~ProtocolSimulation();
   /// The scripts of the scenario must be good (parseHandScript()).
   Result<ProtocolResult> run(const Scenario& scenario, std::uint64_t seed);
@@ -43,6 +44,7 @@ class ProtocolSimulation {
  private:
   class Run;
   const assets::Scene& scene_;
+  const Mistake mistake_;
   std::unique_ptr<ExchangePool> pool_;
 };
 

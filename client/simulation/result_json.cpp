@@ -1,9 +1,25 @@
 #include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "client/base/traffic_json.h"
+#include "client/simulation/protocol_simulation.h"
 #include "client/simulation/simulation.h"
 
 namespace tandem::client {
+
+std::string toJson(const ProtocolResult& result) {
+  Json json = Json::object();
+  for (std::size_t rule = 0; rule < kRules; ++rule)
+    json["checks"][toString(static_cast<Rule>(rule))] = result.checks[rule];
+  json["grants"] = Json::array();
+  for (const auto& grant : result.grants)
+    json["grants"].push(
+        {{"t", grant.at}, {"part", grant.part}, {"site", grant.site}, {"epoch", grant.epoch}});
+  json["violations"] = Json::array();
+  for (const Violation& violation : result.violations)
+    json["violations"].push({{"rule", violation.rule}, {"t", violation.at}, {"what", violation.what}});
+  json["hash"] = result.hash;
+  return json.dump(2);
+}
 
 std::string toJson(const SimulationResult& result) {
   Json json;

@@ -74,6 +74,8 @@ struct Fault {
   std::string part{};   // of a revoke
 
   bool ofServer() const { return kind == Kind::killServer || kind == Kind::pauseServer; }
+  /// What somebody does by right, which goes on when nothing goes wrong any more.
+  bool isDeed() const { return kind == Kind::leave || kind == Kind::revoke || kind == Kind::reset; }
   bool ofStranger() const { return kind >= Kind::malformed; }
 };
 

@@ -47,6 +47,9 @@ class SimulatedClient : public FaultySite, public ConnectionObserver {
   void onConnection(bool up) override;
 
  protected:
+  bool observes() const { return description_.role == "observer"; }
+  bool commands() const { return description_.role == "instructor"; }
+
   Invariants& invariants_;
   const assets::Scene& scene_;
   const std::size_t index_;

@@ -33,6 +33,7 @@ std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClock_ + no
 
 void SimulatedServer::start(Micros now, Invariants& invariants) {
   ASSERT(!running());
+  now_ = now;
   if (journal_.restart()) ++key_.seed[0];
   server::SessionConfig config;
   config.key = key_;
@@ -55,6 +56,7 @@ void SimulatedServer::kill() {
 }
 
 void SimulatedServer::step(Micros now, Invariants& invariants) {
+  now_ = now;
   if (!running()) return invariants.onServerHindered();
   if (pausedUntil_ > 0) {
     invariants.onServerHindered();
@@ -81,7 +83,7 @@ Micros SimulatedServer::nextStep(Micros now) const {
 }
 
 std::string SimulatedServer::makeToken(const std::string& role) const {
-  return running() ? session_->makeToken(roleOf(role), wallClock_ + kTokenLasts) : "";
+  return running() ? session_->makeToken(roleOf(role), unixNow(now_) + kTokenLasts) : "";
 }
 
 std::string SimulatedServer::makeToken(Role role, std::int64_t seconds, Micros now) const {

@@ -67,7 +67,7 @@ class SimulatedServer {
   std::unique_ptr<server::Session> session_;
   DriftingClock clock_;
   sync::Micros clockOffset_ = 0;  // session time less what the clock shows
-  sync::Micros pausedUntil_ = 0;
+  sync::Micros now_ = 0, pausedUntil_ = 0;
   std::int64_t wallClock_;  // Unix time at virtual time 0
 };
 

@@ -39,6 +39,7 @@ Micros Stranger::nextDue(Micros never) const {
 void Stranger::step(Micros now) {
   now_ = now;
   if (now >= until_) return transport_.reset();
+  if (transport_) ground_.invariants.onStranger();
   if (transport_) receive();
   judgePatience();
   if (now < next_) return;

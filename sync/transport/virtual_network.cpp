@@ -435,9 +435,7 @@ std::optional<Micros> VirtualNetwork::nextArrival() const {
 }
 
 bool VirtualNetwork::hasEvents(const Transport& transport) {
-  const auto* end = dynamic_cast<const VirtualTransport*>(&transport);
-  ASSERT(end != nullptr);
-  return end->hasEvents();
+  return static_cast<const VirtualTransport&>(transport).hasEvents();
 }
 
 }  // namespace tandem::sync

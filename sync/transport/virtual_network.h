@@ -65,7 +65,7 @@ class VirtualNetwork {
 
   /// When the next message arrives; nothing if none is under way.
   std::optional<Micros> nextArrival() const;
-  /// Whether an end of this network has events to be polled.
+  /// Whether an end of this network has events to be polled. It must be one of a VirtualNetwork.
   static bool hasEvents(const Transport& transport);
 
  private:

@@ -2,8 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <random>
+#include <utility>
 
 #include "assets/gltf/load_gltf.h"
 
@@ -38,7 +42,7 @@ class Draw {
     scenario_.scene = "shared_blocks.gltf";
     scenario_.duration = kEnd;
     scenario_.calmFrom = kCalm;
-    scenario_.packetHz = in(15.0, 40.0);
+    scenario_.packetHz = in(10.0, 30.0);
     drawSites();
     drawNetwork();
     for (std::size_t i = 0; i < kFaultClasses; ++i)
@@ -83,9 +87,11 @@ class Draw {
     client::ScenarioSite site;
     site.name = std::string(1, static_cast<char>('a' + scenario_.sites.size()));
     site.role = role;
-    if (on(FaultClass::lateJoiners) && chance(0.5)) site.joins = rounded(in(0.5, 30.0));
+    const bool late = on(FaultClass::lateJoiners) && !scenario_.sites.empty() && chance(0.6);
+    if (late) site.joins = rounded(chance(0.3) ? in(kLastRelease - 5.0, kLastRelease + 1.0) : in(0.5, 30.0));
     json steps = json::array();
-    play(steps, rounded(in(0.3, 3.0)), kCalm, chance(0.3) ? 4.0 : 1.0);
+    const double begins = rounded(in(0.3, 3.0));
+    play(steps, begins, kCalm, chance(0.3) ? 4.0 : 1.0);
     play(steps, rounded(kCalm + in(0.3, 3.0)), kLastRelease, 1.0);
     site.script = steps.dump();
     scenario_.sites.push_back(site);
@@ -109,6 +115,8 @@ class Draw {
     if (on(FaultClass::reordering)) network.reorder = rounded(in(0.02, 0.4));
   }
 
+  /// Draws nothing but the time. What else is drawn has a statement of its own before the call: the order in
+  /// which arguments are evaluated is the compiler's, and a seed means one session.
   void add(Kind kind, double lasts, const std::string& site = "", double amount = 0.0) {
     Fault fault;
     fault.kind = kind;
@@ -118,6 +126,8 @@ class Draw {
     fault.amount = rounded(amount);
     scenario_.faults.push_back(fault);
   }
+
+  void addToSite(Kind kind, double lasts, double amount = 0.0) { add(kind, lasts, anySite(), amount); }
 
   void drawFaults(FaultClass faults) {
     for (std::size_t n = 1 + below(4); n > 0; --n) drawFault(faults);
@@ -138,18 +148,20 @@ class Draw {
       case FaultClass::serverPaused:
         return add(Kind::pauseServer, in(0.1, 3.0), "server");
       case FaultClass::siteKilled:
-        return add(Kind::killSite, chance(0.3) ? -1.0 : in(0.2, 3.0), anySite());
+        return addToSite(Kind::killSite, chance(0.3) ? -1.0 : in(0.2, 3.0));
       case FaultClass::sitePaused:
-        return add(Kind::pauseSite, in(0.1, 4.0), anySite());
+        return addToSite(Kind::pauseSite, in(0.1, 4.0));
       case FaultClass::leaves:
         if (chance(0.4)) add(Kind::leave, -1.0, anySite());
         return;
       case FaultClass::revokes:
-        add(Kind::revoke, -1.0, scenario_.sites[0].name);
+        add(Kind::revoke, -1.0, chance(0.7) ? scenario_.sites[0].name : anySite());
         scenario_.faults.back().part = anyPart();
         return;
       default:
-        return add(Kind::reset, -1.0, scenario_.sites[0].name);
+        add(Kind::reset, -1.0, chance(0.7) ? scenario_.sites[0].name : anySite());
+        if (chance(0.5)) scenario_.faults.back().at = kLastRelease + 1.0;
+        return;
     }
   }
 
@@ -160,7 +172,7 @@ class Draw {
         if (chance(0.7)) restartAfter(in(0.5, 4.0));
         return;
       case FaultClass::diskSlow:
-        return add(Kind::diskSlow, in(0.5, 5.0), "", in(0.01, chance(0.2) ? 2.0 : 0.2));
+        return drawDiskSlow();
       case FaultClass::tornWrites:
         add(Kind::diskTears, 10.0);
         return restartAfter(in(0.5, 4.0));
@@ -171,18 +183,40 @@ class Draw {
         add(Kind::diskLies, 5.0);
         return restartAfter(in(0.5, 4.0));
       case FaultClass::drift:
-        return add(Kind::drift, chance(0.5) ? -1.0 : in(2.0, 20.0), chance(0.3) ? "server" : anySite(),
-                   in(-240.0, 240.0));
-      case FaultClass::driftBeyondBound:
-        return add(Kind::drift, in(2.0, 10.0), anySite(), in(-2e5, 2e5));
+        return drawDrift();
+      case FaultClass::driftBeyondBound: {
+        const double ppm = in(-2e5, 2e5);
+        return addToSite(Kind::drift, in(2.0, 10.0), ppm);
+      }
       default:
-        add(Kind::wallStep, -1.0, "", std::round(in(-1e5, 1e5)));
-        if (chance(0.5)) {  // and back
-          const Fault step = scenario_.faults.back();
-          add(Kind::wallStep, -1.0, "", -step.amount);
-          scenario_.faults.back().at = std::min(step.at + rounded(in(1.2, 4.0)), kCalm - 0.5);
-        }
+        return drawWallSteps();
     }
+  }
+
+  void drawDiskSlow() {
+    const double delay = in(0.01, chance(0.2) ? 2.0 : 0.2);
+    add(Kind::diskSlow, in(0.5, 5.0), "", delay);
+    if (chance(0.5)) restartAfter(in(0.2, 2.0));
+  }
+
+  void drawDrift() {
+    const double ppm = in(-240.0, 240.0), lasts = chance(0.5) ? -1.0 : in(2.0, 20.0);
+    add(Kind::drift, lasts, chance(0.3) ? "server" : anySite(), ppm);
+    addBlackout(in(1.9, 4.0));  // leases lapse by it
+  }
+
+  void addBlackout(double lasts) {
+    const double at = anyTime();
+    scenario_.blackouts.push_back({anySite(), at, rounded(lasts)});
+  }
+
+  void drawWallSteps() {
+    if (chance(0.3)) add(Kind::replay, 8.0);  // somebody is there who keeps a used token
+    add(Kind::wallStep, -1.0, "", std::round(in(-1e5, 1e5)));
+    if (chance(0.5)) return;
+    const Fault step = scenario_.faults.back();  // and back
+    add(Kind::wallStep, -1.0, "", -step.amount);
+    scenario_.faults.back().at = std::min(step.at + rounded(in(1.2, 4.0)), kCalm - 0.5);
   }
 
   /// Kills the server within the fault that was drawn last, or soon after.
@@ -194,21 +228,30 @@ class Draw {
 
   void drawOfNetwork(FaultClass faults) {
     switch (faults) {
-      case FaultClass::oneWayCuts:
-        return add(chance(0.5) ? Kind::cutUp : Kind::cutDown, in(0.1, 5.0), anySite());
+      case FaultClass::oneWayCuts: {
+        const double lasts = in(0.1, 5.0);
+        return addToSite(chance(0.5) ? Kind::cutUp : Kind::cutDown, lasts);
+      }
       case FaultClass::blackouts:
-        scenario_.blackouts.push_back({anySite(), anyTime(), rounded(in(0.05, 4.0))});
+        return addBlackout(in(0.05, 4.0));
+      case FaultClass::delayPerSite: {
+        if (chance(0.3)) addToSite(Kind::cutUp, in(1.9, 4.0));  // leases lapse by it
+        const double delay = in(0.001, chance(0.2) ? 3.0 : 0.2);
+        return addToSite(Kind::delay, chance(0.3) ? -1.0 : in(0.5, 10.0), delay);
+      }
+      case FaultClass::delaySteps: {
+        const double at = anyTime();
+        scenario_.steps.push_back({at, static_cast<sync::Micros>(1e3 * std::round(in(2.0, 400.0)))});
         return;
-      case FaultClass::delayPerSite:
-        return add(Kind::delay, chance(0.3) ? -1.0 : in(0.5, 10.0), anySite(),
-                   in(0.001, chance(0.2) ? 1.2 : 0.2));
-      case FaultClass::delaySteps:
-        scenario_.steps.push_back({anyTime(), static_cast<sync::Micros>(1e3 * std::round(in(2.0, 400.0)))});
-        return;
-      case FaultClass::bursts:
-        return add(Kind::burst, in(0.05, 3.0), chance(0.5) ? "all" : anySite(), in(0.3, 1.0));
-      case FaultClass::slowUplinks:
-        return add(Kind::uplink, in(1.0, 10.0), anySite(), std::round(in(100.0, 8000.0)));
+      }
+      case FaultClass::bursts: {
+        const double loss = in(0.3, 1.0), lasts = in(0.05, 3.0);
+        return add(Kind::burst, lasts, chance(0.5) ? "all" : anySite(), loss);
+      }
+      case FaultClass::slowUplinks: {
+        const double rate = std::round(in(100.0, 8000.0));
+        return addToSite(Kind::uplink, in(1.0, 10.0), rate);
+      }
       default:
         return;  // conditions of the whole session
     }
@@ -219,28 +262,111 @@ class Draw {
   client::Scenario scenario_;
 };
 
-/// The rule that the session breaks first; empty if it keeps all.
-std::string brokenFirst(client::ProtocolSimulation& simulation, const client::Scenario& scenario,
-                        std::uint64_t seed) {
+/// What the session breaks first; nothing if it keeps all rules.
+std::optional<client::Violation> brokenFirst(client::ProtocolSimulation& simulation,
+                                             const client::Scenario& scenario, std::uint64_t seed) {
   const Result<client::ProtocolResult> result = simulation.run(scenario, seed);
-  return !result.ok() || result->violations.empty() ? "" : result->violations.front().rule;
+  if (!result.ok() || result->violations.empty()) return std::nullopt;
+  return result->violations.front();
 }
 
-/// Leaves out runs of entries, of half of the list first, as long as a rule is still broken.
-template <typename List, typename StillBreaks>
-void shrink(List& list, const StillBreaks& stillBreaks) {
-  for (std::size_t run = std::max<std::size_t>(1, list.size() / 2); run > 0; run /= 2) {
-    for (std::size_t at = 0; at < list.size();) {
-      const List before = list;
-      const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at);
-      list.erase(begin, begin + static_cast<std::ptrdiff_t>(std::min(run, list.size() - at)));
-      if (!stillBreaks()) {
+/// Leaves entries out of a scenario as long as it still breaks the same rule first.
+class Minimiser {
+ public:
+  Minimiser(client::ProtocolSimulation& simulation, client::Scenario scenario, std::uint64_t seed)
+      : simulation_(simulation), scenario_(std::move(scenario)), seed_(seed) {}
+
+  client::Scenario run() {
+    const std::optional<client::Violation> broken = brokenFirst(simulation_, scenario_, seed_);
+    if (!broken) return scenario_;
+    rule_ = broken->rule;
+    endAfter(broken->at);
+    for (std::size_t before = size() + 1; size() < before;) {
+      before = size();
+      shrink(scenario_.faults);
+      shrink(scenario_.blackouts);
+      shrink(scenario_.steps);
+      for (client::ScenarioSite& site : scenario_.sites) shrinkScript(site);
+      shrinkSites();
+    }
+    return scenario_;
+  }
+
+ private:
+  bool stillBreaks() {
+    const std::optional<client::Violation> broken = brokenFirst(simulation_, scenario_, seed_);
+    return broken && broken->rule == rule_;
+  }
+  std::size_t size() const {
+    std::size_t steps = 0;
+    for (const client::ScenarioSite& site : scenario_.sites) steps += site.script.size();
+    return scenario_.faults.size() + scenario_.blackouts.size() + scenario_.steps.size() +
+           scenario_.sites.size() + steps;
+  }
+
+  /// Nothing happens after the rule is broken, unless it is judged at the end.
+  void endAfter(double seconds) {
+    const double before = std::exchange(scenario_.duration, std::ceil(seconds * 10.0 + 1.0) * 0.1);
+    if (scenario_.duration >= before || !stillBreaks()) scenario_.duration = before;
+  }
+
+  /// Leaves out runs of entries, of half of the list first.
+  template <typename List, typename Apply>
+  void shrink(List& list, const Apply& apply) {
+    for (std::size_t run = std::max<std::size_t>(1, list.size() / 2); run > 0; run /= 2) {
+      for (std::size_t at = 0; at < list.size();) {
+        const List before = list;
+        const auto begin = list.begin() + static_cast<std::ptrdiff_t>(at);
+        list.erase(begin, begin + static_cast<std::ptrdiff_t>(std::min(run, list.size() - at)));
+        apply();
+        if (stillBreaks()) continue;
         list = before;
+        apply();
         at += run;
       }
     }
   }
-}
+  template <typename List>
+  void shrink(List& list) {
+    shrink(list, [] {});
+  }
+
+  void shrinkScript(client::ScenarioSite& site) {
+    std::vector<json> steps = json::parse(site.script), kept;
+    // A hand that asks for nothing gets nothing: what it asks for in the calm is what L3 is judged by.
+    if (rule_ == toString(client::Rule::L3)) {
+      const auto calm = std::find_if(steps.begin(), steps.end(), [&](const json& step) {
+        return step.at("t").get<double>() >= scenario_.calmFrom;
+      });
+      kept.assign(calm, steps.end());
+      steps.erase(calm, steps.end());
+    }
+    shrink(steps, [&] {
+      std::vector<json> whole = steps;
+      whole.insert(whole.end(), kept.begin(), kept.end());
+      site.script = json(whole).dump();
+    });
+  }
+
+  bool isNamed(const std::string& name) const {
+    const auto uses = [&](const auto& entry) { return entry.site == name; };
+    return std::any_of(scenario_.faults.begin(), scenario_.faults.end(), uses) ||
+           std::any_of(scenario_.blackouts.begin(), scenario_.blackouts.end(), uses);
+  }
+  void shrinkSites() {
+    for (std::size_t i = scenario_.sites.size(); i-- > 0 && scenario_.sites.size() > 1;) {
+      if (isNamed(scenario_.sites[i].name)) continue;
+      const std::vector<client::ScenarioSite> before = scenario_.sites;
+      scenario_.sites.erase(scenario_.sites.begin() + static_cast<std::ptrdiff_t>(i));
+      if (!stillBreaks()) scenario_.sites = before;
+    }
+  }
+
+  client::ProtocolSimulation& simulation_;
+  client::Scenario scenario_;
+  const std::uint64_t seed_;
+  std::string rule_;
+};
 
 }  // namespace
 
@@ -250,34 +376,9 @@ client::Scenario drawProtocolSession(std::uint64_t seed, FaultMask mask, bool ev
   return Draw(seed, mask, every).scenario();
 }
 
-client::Scenario minimised(client::ProtocolSimulation& simulation, client::Scenario scenario,
+client::Scenario minimised(client::ProtocolSimulation& simulation, const client::Scenario& scenario,
                            std::uint64_t seed) {
-  const std::string rule = brokenFirst(simulation, scenario, seed);
-  const auto stillBreaks = [&] { return brokenFirst(simulation, scenario, seed) == rule; };
-  if (rule.empty()) return scenario;
-  shrink(scenario.faults, stillBreaks);
-  shrink(scenario.blackouts, stillBreaks);
-  shrink(scenario.steps, stillBreaks);
-  for (client::ScenarioSite& site : scenario.sites) {
-    std::vector<json> steps = json::parse(site.script);
-    shrink(steps, [&] {
-      site.script = json(steps).dump();
-      return stillBreaks();
-    });
-    site.script = json(steps).dump();
-  }
-  const auto named = [&](const std::string& name) {
-    const auto uses = [&](const auto& entry) { return entry.site == name; };
-    return std::any_of(scenario.faults.begin(), scenario.faults.end(), uses) ||
-           std::any_of(scenario.blackouts.begin(), scenario.blackouts.end(), uses);
-  };
-  for (std::size_t i = scenario.sites.size(); i-- > 0 && scenario.sites.size() > 1;) {
-    if (named(scenario.sites[i].name)) continue;
-    const std::vector<client::ScenarioSite> before = scenario.sites;
-    scenario.sites.erase(scenario.sites.begin() + static_cast<std::ptrdiff_t>(i));
-    if (!stillBreaks()) scenario.sites = before;
-  }
-  return scenario;
+  return Minimiser(simulation, scenario, seed).run();
 }
 
 const assets::Scene& protocolScene() {

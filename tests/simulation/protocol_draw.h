@@ -58,9 +58,9 @@ inline constexpr FaultMask kAnyFaults = (FaultMask{1} << kFaultClasses) - 1;
 /// mask happen; `every`: all of the mask do.
 client::Scenario drawProtocolSession(std::uint64_t seed, FaultMask mask = kAnyFaults, bool every = false);
 
-/// The smallest scenario that still breaks a rule with this seed, found by leaving out faults, steps of
-/// scripts and sites.
-client::Scenario minimised(client::ProtocolSimulation& simulation, client::Scenario scenario,
+/// A scenario that breaks the same rule first with this seed, and of which no fault and no step of a script
+/// can be left out. Sites that no fault names are left out likewise.
+client::Scenario minimised(client::ProtocolSimulation& simulation, const client::Scenario& scenario,
                            std::uint64_t seed);
 
 /// The scene of all of these sessions.
