@@ -228,7 +228,10 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                    if (const Status status = transfer.onRequest(peer, m); !status)
                      refuse(status.error().message);
                  },
-                 [&](const sync::Ready&) { peer.stage = Stage::ready; },
+                 [&](const sync::Ready&) {
+                   peer.stage = Stage::ready;
+                   peer.figures.since = context.now();
+                 },
                  [&](const sync::Grab& m) { parts.onGrab(peer, m); },
                  [&](const sync::Release& m) { parts.onRelease(peer, m); },
                  [&](const sync::Reclaim& m) { parts.onReclaim(peer, m); },
@@ -237,7 +240,9 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::Engage& m) { parts.onEngage(peer, m); },
                  [&](const sync::Disengage& m) { parts.onDisengage(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
-                 [&](const sync::SiteReport& m) { peer.figures.add(m); },
+                 [&](const sync::SiteReport& m) {
+                   if (!peer.figures.add(m, context.now())) ++context.counts.refusedReports;
+                 },
                  [&](const auto&) { refuse("only the server says this"); },
              },
              message);

@@ -26,6 +26,7 @@ struct SessionCounters {
   std::uint64_t holds = 0;             // times that a site had spent its ControlBudget
   std::uint64_t refusedPoses = 0;      // of releases and reclaims, outside the wire's frame
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
+  std::uint64_t refusedReports = 0;  // SiteReports that cannot be true
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
   DurationHistogram journal;  // from append to durable

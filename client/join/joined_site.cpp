@@ -153,12 +153,15 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
     haptics::fitToDevice(secondDevice_->limits(), 0.0, settings_.parameters[1]);
   }
   exchange_->settings.write(settings_);
+  connection_->setLoopTotals([this] { return loopTotals(); });
   connection_->sceneReady(scene_, *exchange_);
   const auto tick = [this, prepare = std::move(prepare)](const haptics::DeviceSample& sample,
                                                          const haptics::DeviceSample* other, double now) {
     const double began = haptics::ServoLoop::now();
     if (prepare) prepare(*hand_);
     const Wrench wrench = hand_->tick(sample, static_cast<Micros>(now * 1e6), other);
+    if ((hand_->output().tick.flags & haptics::kFlagForceLimited) != 0)
+      forceLimited_.fetch_add(1, std::memory_order_relaxed);
     hand_->took(haptics::ServoLoop::kUsualRate * (haptics::ServoLoop::now() - began));
     return wrench;
   };
@@ -185,6 +188,12 @@ void JoinedSite::waitForNetwork() {
     sockets->wait(kNetworkPeriod);
   else
     std::this_thread::sleep_for(std::chrono::microseconds(kNetworkPeriod));
+}
+
+LoopTotals JoinedSite::loopTotals() const {
+  const haptics::ServoStatistics servo = servoStatistics();
+  return {servo.ticks,          servo.late + servo.skipped, forceLimited_.load(std::memory_order_relaxed),
+          servo.compute_us_p50, servo.compute_us_p99,       servo.compute_us_max};
 }
 
 void JoinedSite::runNetwork() {

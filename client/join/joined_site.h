@@ -76,6 +76,7 @@ class JoinedSite {
   Status enterSession(const Progress& progress);
   Status prepareScene(const Progress& progress);
   void runNetwork();
+  LoopTotals loopTotals() const;
   void waitForNetwork();
   void updateHand(ViewModel& model);
   void updateTool(const HandOutput& output, std::size_t hand, ToolView& tool) const;
@@ -93,6 +94,7 @@ class JoinedSite {
   std::unique_ptr<HandLoop> hand_;                          // servo thread, once started
   std::unique_ptr<haptics::Device> device_, secondDevice_;  // the second may be null
   std::unique_ptr<haptics::ServoLoop> servo_;
+  std::atomic<std::uint64_t> forceLimited_{0};  // ticks
   std::thread network_;
   std::atomic<bool> stop_{false};
 

@@ -66,6 +66,7 @@ void ServerConnection::step(Micros now) {
 void ServerConnection::stepInSession() {
   ASSERT(inScene_ != nullptr);
   requests_.sendIntents();
+  if (reports_.due(clock_.now())) sender_.send(reports_.next(clock_.now(), pings_.roundTrip_ms()));
   inScene_->ownership.exchangeLinks();
   if (inScene_->ownership.linkPacketIsNear()) return;
   if (pings_.due())
@@ -113,8 +114,7 @@ bool ServerConnection::serverIsSilent() const {
 
 void ServerConnection::sendHello() {
   enter(Stage::entering);
-  sender_.send(
-      Hello{kProtocolVersion, !resumeTicket_.empty(), credential(), options_.name, options_.colour});
+  sender_.send(Hello{kProtocolVersion, !resumeTicket_.empty(), credential(), options_.name, options_.colour});
 }
 
 void ServerConnection::leave() {
@@ -306,6 +306,7 @@ void ServerConnection::enterReady() {
   ownership.enter(welcome_.site);
   enter(Stage::ready);
   pings_.reset();
+  reports_.reset(clock_.now());
   inScene_->publishing.reset();
   inScene_->receiving.reset();
   inScene_->receiving.publishTimeBase();

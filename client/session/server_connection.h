@@ -23,6 +23,7 @@
 #include "client/session/part_requests.h"
 #include "client/session/pings.h"
 #include "client/session/scene_fetch.h"
+#include "client/session/site_reports.h"
 #include "client/session/state_publishing.h"
 #include "client/session/state_receiving.h"
 #include "sync/wire/admission_messages.h"
@@ -79,6 +80,8 @@ class ServerConnection {
   ConnectionStatistics statistics() const;
   std::vector<Notice> drainNotices() { return people_.drainNotices(); }
 
+  /// What the site reports of its haptic loop. Before sceneReady().
+  void setLoopTotals(SiteReports::Source source) { reports_.setSource(std::move(source)); }
   void setObserver(ConnectionObserver* observer) { watchers_.observer = observer; }
   void setRecording(sync::RecordingWriter* recording) { watchers_.recording = recording; }
 
@@ -129,6 +132,7 @@ class ServerConnection {
 
   SessionClock clock_;
   Pings pings_;
+  SiteReports reports_;
   MessageSender sender_;
   Participants people_;
   SceneFetch fetch_;

@@ -121,10 +121,11 @@ void writeDecisions(Text& text, const SessionCounters& counts, const sync::Trans
   text.sample(label("kind", "denial"), counts.denials);
   text.sample(label("kind", "release"), counts.releases);
   text.sample(label("kind", "expiry"), counts.expiries);
-  text.family("refused_total", "counter", "Hellos, messages and poses that were refused.");
+  text.family("refused_total", "counter", "Hellos, messages, poses and reports that were refused.");
   text.sample(label("what", "hello"), counts.refusedHellos);
   text.sample(label("what", "message"), counts.refusedMessages);
   text.sample(label("what", "pose"), counts.refusedPoses);
+  text.sample(label("what", "report"), counts.refusedReports);
   text.family("failed_handshakes_total", "counter", "Connections that ended before their greeting.");
   text.sample("", transport.failedHandshakes);
   text.family("budget_holds_total", "counter", "Times that a site had spent its budget of requests.");
@@ -146,13 +147,14 @@ void writeReports(Text& text, const SessionFigures& figures) {
   };
   each("site_ticks_total", "counter", "Ticks of the haptic loop, as reported.",
        [](const SiteFigures& s) { return std::to_string(s.ticks); });
-  each("site_ticks_missed_total", "counter", "Ticks that began late, as reported.",
+  each("site_ticks_missed_total", "counter", "Ticks that began late or were left out, as reported.",
        [](const SiteFigures& s) { return std::to_string(s.missed); });
   each("site_ticks_force_limited_total", "counter", "Ticks at the device's force limit, as reported.",
        [](const SiteFigures& s) { return std::to_string(s.forceLimited); });
-  each("site_round_trip_seconds", "gauge", "Round trip of a ping, as reported.",
+  each("site_round_trip_seconds", "gauge", "Round trip of the newest ping, as reported.",
        [](const SiteFigures& s) { return inSeconds(s.latest.roundTrip); });
-  text.family("site_tick_seconds", "gauge", "Time of computation of a tick, as reported.");
+  text.family("site_tick_seconds", "gauge",
+              "Time of computation of a tick since the site's loop began, as reported.");
   for (const ConnectedSite& site : figures.sites) {
     if (site.figures.reports == 0) continue;
     const sync::SiteReport& latest = site.figures.latest;
@@ -160,6 +162,11 @@ void writeReports(Text& text, const SessionFigures& figures) {
     text.sample(labelsOf(site) + ',' + label("quantile", "0.99"), inSeconds(latest.tick99));
     text.sample(labelsOf(site) + ',' + label("quantile", "1"), inSeconds(latest.tickMax));
   }
+}
+
+void writeRefusedReports(Text& text, const SessionFigures& figures) {
+  text.family("site_reports_refused_total", "counter", "Reports of a site that cannot be true.");
+  for (const ConnectedSite& site : figures.sites) text.sample(labelsOf(site), site.figures.refused);
 }
 
 }  // namespace
@@ -175,6 +182,7 @@ std::string metricsText(const ServerFigures& figures) {
   writeHistogram(text, "loop_round_seconds", "A round of the server's loop, its wait left out.",
                  figures.rounds);
   writeReports(text, session);
+  writeRefusedReports(text, session);
   return text.take();
 }
 

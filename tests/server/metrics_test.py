@@ -42,13 +42,19 @@ def metrics(port):
             for line in text.splitlines() if not line.startswith("#")}
 
 
-def a_site_is_counted_by_its_role_and_named(binaries, folder):
+def a_site_is_counted_by_its_role_named_and_reports(binaries, folder):
     with Server(binaries, folder, "--metrics", ":0") as server:
         port = metrics_port(server)
         wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 0, "figures are served")
         with Site(binaries, folder, server.links("participant")[0], 'Be"n\\'):
             wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 1, "Ben is counted")
             assert r'tandem_site_info{site="1",role="participant",name="Be\"n\\"}' in metrics(port)
+            ticks = 'tandem_site_ticks_total{site="1",role="participant"}'
+            wait_for(lambda: metrics(port).get(ticks, 0) > 0, "Ben has reported")
+            of = 'tandem_site_tick_seconds{site="1",role="participant",quantile="%s"}'
+            times = [metrics(port)[of % quantile] for quantile in ("0.5", "0.99", "1")]
+            assert 0 < times[0] <= times[1] <= times[2], times
+            assert metrics(port)['tandem_site_round_trip_seconds{site="1",role="participant"}'] > 0
         wait_for(lambda: metrics(port).get('tandem_sites{role="participant"}') == 0, "Ben has left")
         assert metrics(port)['tandem_journal_durable_seconds_bucket{le="+Inf"}'] > 0
 
@@ -109,5 +115,5 @@ def what_cannot_be_served_is_one_line_and_an_end(binaries, folder):
 
 
 if __name__ == "__main__":
-    sys.exit(run(a_site_is_counted_by_its_role_and_named, a_sick_journal_is_told,
+    sys.exit(run(a_site_is_counted_by_its_role_named_and_reports, a_sick_journal_is_told,
                  clients_that_hang_delay_nobody, what_cannot_be_served_is_one_line_and_an_end))

@@ -1,0 +1,124 @@
+// The reports of honest sites, through the connection, a network and the session: the server has the figures
+// of the site, and refuses none of them.
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <random>
+
+#include "client/session/server_connection.h"
+#include "tests/server/session_rig.h"
+
+namespace tandem::client {
+namespace {
+
+using namespace sync;
+
+/// A site of which only the connection and the totals of a loop exist, in a real session.
+struct Reporting : server::SessionRig {
+  LoopTotals totals;
+  Exchange exchange;
+  std::unique_ptr<ServerConnection> site;
+
+  void enter() {
+    ConnectionOptions options;
+    options.token = token(Role::participant);
+    site = std::make_unique<ServerConnection>(
+        options, [this]() -> Result<std::unique_ptr<Transport>> { return network.connect("site"); });
+    site->setLoopTotals([this] { return totals; });
+    runUntil(ServerConnection::Stage::needScene);
+    site->skipTransfer();
+    site->sceneReady(scene, exchange);
+    runUntil(ServerConnection::Stage::ready);
+  }
+  void runUntil(ServerConnection::Stage stage) {
+    for (int i = 0; i < 5000 && site->stage() != stage; ++i) run(kMillisecond);
+    ASSERT_EQ(site->stage(), stage) << site->reason();
+  }
+  void afterStep() override {
+    if (site) site->step(now);
+  }
+  server::SiteFigures atServer() const {
+    const auto figures = session->figures();
+    return figures.sites.empty() ? server::SiteFigures{} : figures.sites[0].figures;
+  }
+};
+
+TEST(SiteReports, OfAnHonestSiteReachTheServerWholeWhateverItsLoopGoesThrough) {
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    std::mt19937 random(seed);
+    Reporting rig;
+    rig.totals.ticks = random() % 1000000;  // before it entered
+    const LoopTotals before = rig.totals;
+    rig.enter();
+    for (int second = 0; second < 31; ++second) {
+      const std::uint64_t missed = random() % 4 == 0 ? random() % 900 : random() % 3;
+      rig.totals.ticks += 1000 - missed;
+      rig.totals.missed += missed;
+      rig.totals.forceLimited += random() % 100;
+      rig.totals.compute_us_max = std::max<double>(rig.totals.compute_us_max, random() % 90000);
+      rig.totals.compute_us_p99 = rig.totals.compute_us_max * 0.4;
+      rig.totals.compute_us_p50 = rig.totals.compute_us_max * 0.1;
+      rig.run(kSecond);
+    }
+    const server::SiteFigures got = rig.atServer();
+    EXPECT_EQ(got.refused, 0u) << "seed " << seed;
+    EXPECT_EQ(got.reports, 6u);
+    EXPECT_GE(got.ticks + got.missed, 29000u);
+    EXPECT_LE(got.ticks, rig.totals.ticks - before.ticks);
+    EXPECT_GE(got.forceLimited + 200, rig.totals.forceLimited);
+    EXPECT_LE(got.latest.tickMax, rig.totals.compute_us_max);
+    EXPECT_GT(got.latest.tickMax, got.latest.tick50);
+    EXPECT_NEAR(got.latest.roundTrip, 10000, 1000) << "of the network of the rig";
+  }
+}
+
+TEST(SiteReports, CountAnewWithEachConnectionAndLeaveOutWhatWasBetween) {
+  Reporting rig;
+  rig.enter();
+  rig.totals.ticks += 5000;
+  rig.run(6 * kSecond);
+  EXPECT_EQ(rig.atServer().ticks, 5000u);
+  rig.crash();
+  rig.totals.ticks += 3600000;  // an hour
+  rig.run(3 * kSecond);
+  rig.start();
+  rig.runUntil(ServerConnection::Stage::ready);
+  rig.totals.ticks += 4000;
+  rig.run(6 * kSecond);
+  EXPECT_EQ(rig.atServer().ticks, 4000u);
+  EXPECT_EQ(rig.atServer().refused, 0u);
+}
+
+TEST(SiteReports, AreWithinTheirBoundsWhateverTheLoopSays) {
+  constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const double times[] = {0.0, -5.0, kNaN, kInfinity, -kInfinity, 1e300, 59e6, 61e6, 130.0};
+  for (const double p50 : times)
+    for (const double p99 : times)
+      for (const double most : times) {
+        SiteReports reports;
+        LoopTotals totals;
+        reports.setSource([&] { return totals; });
+        reports.reset(0);
+        totals = {5000, 3, 9000, p50, p99, most};
+        ASSERT_TRUE(reports.due(kReportPeriod));
+        server::SiteFigures figures;
+        EXPECT_TRUE(figures.add(reports.next(kReportPeriod, p50), kReportPeriod))
+            << p50 << ' ' << p99 << ' ' << most;
+        EXPECT_FALSE(reports.due(kReportPeriod)) << "once in a period";
+        totals.ticks = 700;  // the loop began anew
+        EXPECT_EQ(reports.next(2 * kReportPeriod, 0.0).ticks, 700u);
+      }
+}
+
+TEST(SiteReports, AreNotSentBySitesWithoutALoop) {
+  Reporting rig;
+  rig.enter();
+  rig.site->setLoopTotals({});
+  rig.run(12 * kSecond);
+  EXPECT_EQ(rig.atServer().reports, 0u);
+}
+
+}  // namespace
+}  // namespace tandem::client
