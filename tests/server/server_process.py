@@ -26,9 +26,11 @@ def wait_for(condition, what, seconds=20.0):
 
 
 class Server:
-    """A server on a free port. As a context it is ready inside, and stopped afterwards."""
+    """A server on a free port. As a context it is ready inside, and stopped afterwards. `under`: a command
+    that becomes the server."""
 
-    def __init__(self, binaries, folder, *options, environment=None):
+    def __init__(self, binaries, folder, *options, listen="127.0.0.1:0", environment=None,
+                 under=()):
         folder.mkdir(exist_ok=True)
         self.program, self.data = binaries / "tandem-server", folder / "data"
         self.out, self.err = folder / "out", folder / "err"
@@ -36,7 +38,7 @@ class Server:
         # restore_signals=False: Python ignores SIGXFSZ, and so shall the server, so that a write fails
         # instead.
         self.process = subprocess.Popen(
-            [self.program, SCENE, "--listen", "127.0.0.1:0", "--data", self.data, *options],
+            [*under, self.program, SCENE, "--listen", listen, "--data", self.data, *options],
             stdout=open(self.out, "w"), stderr=open(self.err, "w"), restore_signals=False,
             env=dict(os.environ, **(environment or {})))
 
