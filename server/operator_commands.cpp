@@ -79,7 +79,7 @@ Result<std::string> OperatorCommands::kick(const std::string& who, bool ban) {
                         : "the operator of the server has parted from this site");
   const std::string done = sites_.nameOf(*id) + (ban ? " is banned" : " is parted from");
   context_.log.note(done + " by the operator", *id);
-  return done + (ban ? ": its ticket admits nobody any more" : ": it may come back with its ticket");
+  return done + (site.left ? ": its ticket admits nobody any more" : ": its ticket is still good");
 }
 
 Result<std::string> OperatorCommands::revokeTicket(const std::string& who) {

@@ -59,15 +59,29 @@ def a_site_is_counted_by_its_role_named_and_reports(binaries, folder):
         assert metrics(port)['tandem_journal_durable_seconds_bucket{le="+Inf"}'] > 0
 
 
-def a_sick_journal_is_told(binaries, folder):
+def a_sick_journal_is_told_and_so_is_its_cure(binaries, folder):
     with Server(binaries, folder, "--metrics", ":0") as server:
         port = metrics_port(server)
+        away = folder / "away"
+
+        def limit(size):
+            resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (size, resource.RLIM_INFINITY))
+
+        def illness():
+            status, text = get(port, "/healthz")
+            return text if status == 503 else ""
+
         wait_for(lambda: get(port, "/healthz")[0] == 200, "the server is well")
-        resource.prlimit(server.process.pid, resource.RLIMIT_FSIZE, (DISK_LIMIT, DISK_LIMIT))
-        wait_for(lambda: get(port, "/healthz")[0] == 503, "the journal fails")
-        said = json.loads(get(port, "/healthz")[1])
-        assert said["status"] == "failing" and not said["journal"] and "session.db" in said["reason"], said
-        assert metrics(port)["tandem_journal_sound"] == 0
+        for harm, cure in ((lambda: limit(DISK_LIMIT), lambda: limit(resource.RLIM_INFINITY)),
+                           (lambda: server.data.rename(away), lambda: away.rename(server.data))):
+            harm()
+            said = json.loads(wait_for(illness, "the journal fails"))
+            assert said["status"] == "failing" and not said["journal"], said
+            assert str(server.data) in said["reason"], said
+            assert metrics(port)["tandem_journal_sound"] == 0
+            cure()
+            wait_for(lambda: get(port, "/healthz")[0] == 200, "the journal is well again")
+            assert metrics(port)["tandem_journal_sound"] == 1
 
 
 def clients_that_hang_delay_nobody(binaries, folder):
@@ -115,5 +129,6 @@ def what_cannot_be_served_is_one_line_and_an_end(binaries, folder):
 
 
 if __name__ == "__main__":
-    sys.exit(run(a_site_is_counted_by_its_role_named_and_reports, a_sick_journal_is_told,
+    sys.exit(run(a_site_is_counted_by_its_role_named_and_reports,
+                 a_sick_journal_is_told_and_so_is_its_cure,
                  clients_that_hang_delay_nobody, what_cannot_be_served_is_one_line_and_an_end))
