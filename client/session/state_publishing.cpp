@@ -61,6 +61,7 @@ void StatePublishing::publish(const Pose& worldFromCamera) {
   const Micros now = clock_.now();
   if (!clock_.known() || !publisher_.mayBeDue(now)) return;
   hand_ = exchange_.output.latest();
+  if (hand_.time == 0) return;  // it has not ticked yet, so there is no pose and no time of it
   offerParts();
   Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
                     hand_.tick.hands[0].toHand.force, hand_.tick.touched};

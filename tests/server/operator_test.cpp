@@ -64,6 +64,7 @@ TEST(Operator, KickTellsTheSiteAndFreesItsPartsAsAGoodbyeDoes) {
   desk.grab(ben, 0);
   const auto done = desk.session->kick("Ben", false);
   ASSERT_TRUE(done.ok());
+  EXPECT_NE(done->find("its ticket is still good"), std::string::npos) << *done;
   desk.run(30 * kMillisecond);
   EXPECT_TRUE(wasRefused(ben, Refusal::removed));
   EXPECT_TRUE(ben.closed);
@@ -122,7 +123,7 @@ TEST(Operator, ANameThatSeveralSitesHaveIsRefusedWithTheirNumbers) {
   EXPECT_TRUE(desk.session->kick("2", false).ok());
 }
 
-TEST(Operator, ARevokedTicketLeavesTheSiteInUntilItsConnectionEnds) {
+TEST(Operator, ARevokedTicketLeavesTheSiteInUntilItIsPartedFrom) {
   Desk desk;
   FakeSite& ben = desk.join("Ben");
   desk.grab(ben, 0);
@@ -131,8 +132,11 @@ TEST(Operator, ARevokedTicketLeavesTheSiteInUntilItsConnectionEnds) {
   EXPECT_FALSE(ben.closed);
   EXPECT_NE(desk.session->ownership().part(0).owner, kNoSite);
   EXPECT_FALSE(desk.session->revokeTicket("Ben").ok()) << "it is void already";
-  ben.transport->close(0);
+  const auto kicked = desk.session->kick("Ben", false);
+  ASSERT_TRUE(kicked.ok());
+  EXPECT_NE(kicked->find("admits nobody"), std::string::npos) << *kicked;
   desk.run(30 * kMillisecond);
+  EXPECT_TRUE(ben.closed);
   EXPECT_TRUE(wasRefused(desk.hello("Ben", true, ben.last<Welcome>()->resumeTicket), Refusal::badCredential));
 }
 

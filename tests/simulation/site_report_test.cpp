@@ -20,6 +20,10 @@ struct Reporting : server::SessionRig {
   Exchange exchange;
   std::unique_ptr<ServerConnection> site;
 
+  void restart() {
+    crash();
+    start();
+  }
   void enter() {
     ConnectionOptions options;
     options.token = token(Role::participant);
@@ -110,6 +114,22 @@ TEST(SiteReports, AreWithinTheirBoundsWhateverTheLoopSays) {
         totals.ticks = 700;  // the loop began anew
         EXPECT_EQ(reports.next(2 * kReportPeriod, 0.0).ticks, 700u);
       }
+}
+
+TEST(HonestSite, SendsNoUpdateOfAHandThatHasNotTicked) {
+  Reporting rig;
+  rig.now = 1000 * kSecond;  // as a machine's clock, which began when it was started
+  rig.restart();
+  rig.enter();
+  rig.run(kSecond);
+  EXPECT_EQ(rig.session->counters().droppedMalformed, 0u);
+  EXPECT_EQ(rig.session->counters().received.presence.packets, 0u);
+  HandOutput ticked;
+  ticked.time = rig.now;
+  rig.exchange.output.write(ticked);
+  rig.run(kSecond);
+  EXPECT_GT(rig.session->counters().received.presence.packets, 0u);
+  EXPECT_EQ(rig.session->counters().droppedMalformed, 0u);
 }
 
 TEST(SiteReports, AreNotSentBySitesWithoutALoop) {
