@@ -96,6 +96,27 @@ void writeTraffic(Text& text, const SessionCounters& counts) {
   }
 }
 
+void writeTransport(Text& text, const sync::TransportCounters& transport) {
+  text.family("transport_bytes_total", "counter",
+              "Bytes of messages and datagrams, without what encryption adds.");
+  const auto bytes = [&](const char* channel, std::uint64_t in, std::uint64_t out) {
+    text.sample(label("direction", "in") + ',' + label("channel", channel), in);
+    text.sample(label("direction", "out") + ',' + label("channel", channel), out);
+  };
+  bytes("control", transport.controlBytesIn, transport.controlBytesOut);
+  bytes("state", transport.stateBytesIn, transport.stateBytesOut);
+  text.family("transport_datagrams_total", "counter", "Datagrams of state.");
+  text.sample(label("direction", "in"), transport.statePacketsIn);
+  text.sample(label("direction", "out"), transport.statePacketsOut);
+}
+
+void writeRelayed(Text& text, const SessionCounters& counts) {
+  text.family("relayed_total", "counter", "What sites sent for others and the server passed on.");
+  text.sample(label("kind", "update"), counts.relayedUpdates);
+  text.sample(label("kind", "part"), counts.relayedParts);
+  text.sample(label("kind", "link"), counts.relayedLinks);
+}
+
 void writeDrops(Text& text, const SessionCounters& counts, const sync::TransportCounters& transport) {
   const std::pair<const char*, std::uint64_t> all[] = {
       {"stale_or_not_owner", counts.droppedStates},
@@ -176,6 +197,8 @@ std::string metricsText(const ServerFigures& figures) {
   Text text;
   writeSites(text, session);
   writeTraffic(text, session.counters);
+  writeTransport(text, session.transport);
+  writeRelayed(text, session.counters);
   writeDrops(text, session.counters, session.transport);
   writeDecisions(text, session.counters, session.transport);
   writeJournal(text, session);

@@ -3,7 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
+#include <cstring>
+#include <numeric>
 #include <random>
+#include <type_traits>
 
 #include "tests/server/operation/prometheus_text.h"
 #include "tests/server/session_rig.h"
@@ -88,6 +92,28 @@ TEST(MetricsText, IsReadBackWithEveryFigureWhateverSitesAreCalled) {
       EXPECT_EQ(text.value("tandem_site_ticks_total", labels), static_cast<double>(site.figures.ticks));
     }
   }
+}
+
+/// Gives every counter of a struct of them a number of its own, from `first` on.
+template <typename Counters>
+std::vector<std::uint64_t> numbered(Counters& counters, std::size_t bytes, std::uint64_t first) {
+  static_assert(std::is_trivially_copyable_v<Counters>);
+  std::vector<std::uint64_t> numbers(bytes / sizeof(std::uint64_t));
+  std::iota(numbers.begin(), numbers.end(), first);
+  std::memcpy(static_cast<void*>(&counters), numbers.data(), bytes);
+  return numbers;
+}
+
+TEST(MetricsText, HasEveryCounterOfTheSessionAndOfTheTransport) {
+  ServerFigures figures;
+  SessionCounters& counters = figures.session.counters;
+  std::vector<std::uint64_t> numbers = numbered(counters, offsetof(SessionCounters, journal), 100000);
+  const auto more = numbered(figures.session.transport, sizeof(sync::TransportCounters), 200000);
+  numbers.insert(numbers.end(), more.begin(), more.end());
+  const std::string text = metricsText(figures);
+  for (const std::uint64_t number : numbers)
+    EXPECT_NE(text.find(' ' + std::to_string(number) + '\n'), std::string::npos)
+        << "counter " << number % 100000 << (number < 200000 ? " of the session" : " of the transport");
 }
 
 TEST(MetricsText, CountsADurationInItsBucket) {
