@@ -35,10 +35,13 @@ class Connection : public TlsStream::Listener {
   std::string farewell;         // the reason that the peer sent before it closed
   std::string refusal;          // the reason that this side sent before it closed
   std::size_t undelivered = 0;  // bytes of events not yet polled
-  double datagrams = 0.0;       // server: that may be opened at once
-  Micros datagramsAt = 0;       // when that was so; at first long ago
+  double states = 0.0;          // server: messages of state that may be opened at once
+  Micros statesAt = 0;          // when that was so; at first long ago
+  Micros strangeUntil = 0;      // server: its datagrams are treated as those of strangers
   Micros deadline = 0;          // for the handshake, or for the end of close()
   VisitorId visitor = 0;        // server: by which its place among strangers is known
+  bool trusted = false;         // server: trust() was called
+  bool resting = false;         // server: not read until the next housekeeping, for it sends too much
   bool announced = false;       // `connected` is in the queue or was polled
   bool closing = false;         // by this side
 

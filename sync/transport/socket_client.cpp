@@ -70,7 +70,7 @@ ClientTransport::~ClientTransport() {
 
 std::uint16_t ClientTransport::port() const {
   error_code ignored;
-  return udp_.is_open() ? udp_.local_endpoint(ignored).port() : std::uint16_t{0};
+  return datagrams_.socket.is_open() ? datagrams_.socket.local_endpoint(ignored).port() : std::uint16_t{0};
 }
 
 void ClientTransport::start() {
@@ -120,14 +120,14 @@ void ClientTransport::openUdp() {
   // Without a socket the probes are not sent, and state stays on TLS.
   const udp::endpoint server(server_.address(), server_.port());
   error_code failure;
-  udp_.open(server.protocol(), failure);
-  if (!failure) udp_.connect(server, failure);
-  if (!failure) udp_.non_blocking(true, failure);
+  datagrams_.socket.open(server.protocol(), failure);
+  if (!failure) datagrams_.socket.connect(server, failure);
+  if (!failure) datagrams_.socket.non_blocking(true, failure);
   if (failure) {
-    udp_.close(failure);
+    datagrams_.socket.close(failure);
     return;
   }
-  enlargeBuffers(udp_.native_handle());
+  enlargeBuffers(datagrams_.socket.native_handle());
   watchUdp();
   sendProbe(*connection_, now());
 }
@@ -151,7 +151,8 @@ void ClientTransport::housekeeping(Micros at) {
     const auto seconds = std::to_string((options_.timeout + kSecond / 2) / kSecond);
     return fail("no answer from " + place_ + " within " + seconds + " s");
   }
-  if (udp_.is_open() && connection_->channel != nullptr && !connection_->closing) sendProbe(*connection_, at);
+  if (datagrams_.socket.is_open() && connection_->channel != nullptr && !connection_->closing)
+    sendProbe(*connection_, at);
 }
 
 Connection* ClientTransport::connectionOf(std::uint64_t wireId) {

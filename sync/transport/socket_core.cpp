@@ -20,9 +20,12 @@ constexpr std::size_t kMaxBacklog = 4 << 20;         // bytes queued to a peer t
 constexpr std::size_t kMaxStateBacklog = 32 * 1024;  // state beyond this would arrive too late
 // Bytes received that the application has not polled: of the scene at a site; of requests at a server.
 constexpr std::size_t kMaxUndeliveredOfOne = 4 << 20, kMaxUndeliveredOfMany = 256 << 10;
-// Datagrams of one connection that a server opens: a site sends a few hundred a second. More are dropped
-// before they cost a decryption.
-constexpr double kMaxDatagramRate = 4000.0, kDatagramBurst = 1000.0;
+// Messages of state of one connection that a server opens: a site sends a few hundred a second, in a row of
+// owners a few thousand.
+constexpr double kMaxStateRate = 8000.0, kStateBurst = 1000.0;
+// Batches of strangers' datagrams that a server receives between two housekeepings; the kernel drops the
+// rest. What is genuine among them: probes of sites that have just come in.
+constexpr std::size_t kOtherBatches = 2;
 constexpr std::size_t kEventBytes = 128;  // what an event takes besides its message
 constexpr std::size_t kMaxSpare = 16;
 constexpr std::size_t kMaxSpareBytes = 64 * 1024;
@@ -32,7 +35,12 @@ constexpr std::size_t kMaxSpareBytes = 64 * 1024;
 // One thread runs the sockets. Only wake() is called from another one, and Asio may resolve a name on a
 // thread of its own.
 SocketCore::SocketCore(Peers peers)
-    : io_(BOOST_ASIO_CONCURRENCY_HINT_1), udp_(io_), peers_(peers), work_(io_.get_executor()), timer_(io_) {}
+    : io_(BOOST_ASIO_CONCURRENCY_HINT_1),
+      datagrams_(io_),
+      others_(io_),
+      peers_(peers),
+      work_(io_.get_executor()),
+      timer_(io_) {}
 SocketCore::~SocketCore() = default;
 
 Micros SocketCore::now() {
@@ -76,7 +84,8 @@ bool SocketCore::pollQueue(TransportEvent& event) {
     if (connection != nullptr) {
       const bool wasFull = connection->undelivered > maxUndelivered();
       connection->undelivered -= next->bytes.size() + kEventBytes;
-      if (wasFull && connection->undelivered <= maxUndelivered()) connection->stream->pauseReading(false);
+      if (wasFull && connection->undelivered <= maxUndelivered() && !connection->resting)
+        connection->stream->pauseReading(false);
     }
     const bool closed = next->kind == TransportEvent::Kind::closed;
     if (connection != nullptr && connection->closing && !closed) continue;
@@ -118,6 +127,9 @@ void SocketCore::payload(Connection& connection, FrameType type, std::span<const
     push(connection, TransportEvent::Kind::control, bytes);
   } else if (bytes.size() > kMaxStateBytes) {
     ++counters_.droppedOversized;
+  } else if (peers_ == Peers::many && !withinRate(connection, now())) {
+    ++counters_.droppedFlood;
+    rest(connection, true);
   } else {
     ++counters_.statePacketsIn;
     counters_.stateBytesIn += bytes.size();
@@ -210,13 +222,13 @@ bool SocketCore::sendSealed(Connection& connection, std::span<const std::byte> b
     return true;
   }
   const UdpAddress* to = connection.peer.size == 0 ? nullptr : &connection.peer;
-  const bool sent = sendDatagram(udp_.native_handle(), to, {out, size});
+  const bool sent = sendDatagram(datagrams_.socket.native_handle(), to, {out, size});
   if (!sent) ++counters_.droppedFull;
   return sent;
 }
 
 void SocketCore::flush() {
-  if (!unsent_.empty()) counters_.droppedFull += unsent_.send(udp_.native_handle());
+  if (!unsent_.empty()) counters_.droppedFull += unsent_.send(datagrams_.socket.native_handle());
 }
 
 std::size_t SocketCore::controlBacklog(ConnectionId id) const {
@@ -251,30 +263,40 @@ bool SocketCore::agree(Connection& connection, SealAlgorithm algorithm, std::uin
 
 void SocketCore::sendProbe(Connection& connection, Micros at) {
   if (const std::size_t size = connection.channel->probeIfDue(at, outgoing_.data()); size != 0) {
-    sendDatagram(udp_.native_handle(), nullptr, {outgoing_.data(), size});
+    sendDatagram(datagrams_.socket.native_handle(), nullptr, {outgoing_.data(), size});
   }
 }
 
 void SocketCore::receiveUdp() {
-  if (!udpReadable_ || !batch_.empty()) return;
-  datagramTime_ = now();
-  udpReadable_ = batch_.receive(udp_.native_handle());
+  const auto receive = [this](Intake& intake) {
+    datagramTime_ = now();
+    intake.readable = intake.batch.receive(intake.socket.native_handle());
+  };
+  if (datagrams_.readable && datagrams_.batch.empty()) receive(datagrams_);
+  if (!others_.readable || !others_.batch.empty() || othersLeft_ == 0) return;
+  --othersLeft_;
+  receive(others_);
 }
 
 bool SocketCore::findState() {
-  while (!batch_.empty()) {
-    if (open(batch_.pop())) return stateReady_ = true;
-  }
+  for (Intake* intake : {&datagrams_, &others_})
+    while (!intake->batch.empty())
+      if (open(intake->batch.pop())) return stateReady_ = true;
   return false;
 }
 
-bool SocketCore::withinRate(Connection& connection) const {
-  const double elapsed = toSeconds(datagramTime_ - connection.datagramsAt);
-  connection.datagrams = std::min(kDatagramBurst, connection.datagrams + elapsed * kMaxDatagramRate);
-  connection.datagramsAt = datagramTime_;
-  if (connection.datagrams < 1.0) return false;
-  connection.datagrams -= 1.0;
+bool SocketCore::withinRate(Connection& connection, Micros at) {
+  const double elapsed = toSeconds(std::max<Micros>(0, at - connection.statesAt));
+  connection.states = std::min(kStateBurst, connection.states + elapsed * kMaxStateRate);
+  connection.statesAt = std::max(connection.statesAt, at);
+  if (connection.states < 1.0) return false;
+  connection.states -= 1.0;
   return true;
+}
+
+void SocketCore::rest(Connection& connection, bool resting) {
+  connection.resting = resting;
+  connection.stream->pauseReading(resting || connection.undelivered > maxUndelivered());
 }
 
 bool SocketCore::open(const UdpBatch::Datagram& datagram) {
@@ -282,14 +304,17 @@ bool SocketCore::open(const UdpBatch::Datagram& datagram) {
   if (datagram.bytes.size() < kSealOverheadBytes) return ++counters_.droppedUnknown, false;
   Connection* connection = connectionOf(connectionIdOf(datagram.bytes));
   if (connection == nullptr || connection->closing) return ++counters_.droppedUnknown, false;
-  if (peers_ == Peers::many && !withinRate(*connection)) return ++counters_.droppedFlood, false;
+  if (peers_ == Peers::many && !withinRate(*connection, datagramTime_)) {
+    sendsTooMuch(*connection);
+    return ++counters_.droppedFlood, false;
+  }
   const auto received = connection->channel->receive(datagram.bytes, datagramTime_,
                                                      opened_[openedIndex_].data(), outgoing_.data());
   if (received.verdict == Opener::Verdict::forged) return ++counters_.droppedForged, false;
   if (received.verdict == Opener::Verdict::replayed) return ++counters_.droppedReplayed, false;
   if (received.newest && peers_ == Peers::many) connection->peer = *datagram.from;
   if (received.replyBytes != 0) {
-    sendDatagram(udp_.native_handle(), connection->peer.size == 0 ? nullptr : &connection->peer,
+    sendDatagram(datagrams_.socket.native_handle(), connection->peer.size == 0 ? nullptr : &connection->peer,
                  {outgoing_.data(), received.replyBytes});
   }
   if (!received.isState) return false;
@@ -301,11 +326,16 @@ bool SocketCore::open(const UdpBatch::Datagram& datagram) {
 }
 
 void SocketCore::watchUdp() {
-  if (udpWatched_ || udpReadable_ || !udp_.is_open()) return;
-  udpWatched_ = true;
-  udp_.async_wait(asio::ip::udp::socket::wait_read, [this](const error_code& failure) {
-    udpWatched_ = false;
-    udpReadable_ = !failure;
+  watch(datagrams_);
+  watch(others_);
+}
+
+void SocketCore::watch(Intake& intake) {
+  if (intake.watched || intake.readable || !intake.socket.is_open()) return;
+  intake.watched = true;
+  intake.socket.async_wait(asio::ip::udp::socket::wait_read, [&intake](const error_code& failure) {
+    intake.watched = false;
+    intake.readable = !failure;
   });
 }
 
@@ -320,7 +350,9 @@ void SocketCore::keepHouse() {
   const Micros at = now();
   if (at < nextHousekeeping_) return;
   nextHousekeeping_ = at + kHousekeeping;
+  othersLeft_ = kOtherBatches;
   for (const auto& [id, connection] : std::unordered_map(connections_)) {
+    if (connection->resting) rest(*connection, false);
     if (connection->channel != nullptr) connection->channel->update(at);
     if ((connection->closing || !connection->refusal.empty()) && at > connection->deadline) {
       connection->stream->abandon();

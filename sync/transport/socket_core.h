@@ -71,12 +71,22 @@ class SocketCore : public SocketTransport {
   void queueClosed(ConnectionId id, std::string reason);
   /// For destructors: gives close() half a second to finish, then cuts all connections.
   void shutDown();
+  /// A socket for datagrams, and what was received last.
+  struct Intake {
+    explicit Intake(boost::asio::io_context& io) : socket(io) {}
+    boost::asio::ip::udp::socket socket;
+    UdpBatch batch;
+    bool watched = false, readable = false;
+  };
   void watchUdp();
+  /// A server's connection sends more state than a site may.
+  virtual void sendsTooMuch(Connection&) {}
   void sendProbe(Connection& connection, Micros now);
   bool agree(Connection& connection, SealAlgorithm algorithm, std::uint64_t wireId, StateChannel::Side side);
 
   boost::asio::io_context io_;
-  boost::asio::ip::udp::socket udp_;
+  Intake datagrams_;
+  Intake others_;  // of a server that tells them apart: datagrams of others than its sites
   std::unordered_map<ConnectionId, std::shared_ptr<Connection>> connections_;
   TransportCounters counters_;
   std::size_t maxMessageBytes_ = kMaxControlBytes;  // of control, from the other end
@@ -89,9 +99,11 @@ class SocketCore : public SocketTransport {
   /// Opens received datagrams until one is state for the application.
   bool findState();
   bool open(const UdpBatch::Datagram& datagram);
-  bool withinRate(Connection& connection) const;
+  static bool withinRate(Connection& connection, Micros at);
+  void rest(Connection& connection, bool resting);
   bool eventReady();
   void receiveUdp();
+  void watch(Intake& intake);
   void armTimer(Micros at);
   void keepHouse();
   void overflow(Connection& connection);
@@ -103,15 +115,15 @@ class SocketCore : public SocketTransport {
   boost::asio::steady_timer timer_;
   std::atomic<bool> woken_{false};
   Micros armedAt_ = 0, nextHousekeeping_ = 0, datagramTime_ = 0;
-  bool timerArmed_ = false, udpWatched_ = false, udpReadable_ = false;
+  bool timerArmed_ = false;
 
   EventQueue queue_;
   std::vector<std::vector<std::byte>> spare_;  // storage of polled events, to be used again
   std::vector<std::byte> current_;             // of the event polled last
   std::vector<std::shared_ptr<Connection>> retired_;
 
-  UdpBatch batch_;
-  UdpSendBatch unsent_;  // a server's datagrams, until flush()
+  std::size_t othersLeft_ = 0;  // batches of others_ that may be received until the next housekeeping
+  UdpSendBatch unsent_;         // a server's datagrams, until flush()
   std::array<std::array<std::byte, kMaxDatagramBytes>, 2>
       opened_;  // one is the application's, one is being filled
   std::array<std::byte, kMaxDatagramBytes> outgoing_;

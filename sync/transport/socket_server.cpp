@@ -10,7 +10,9 @@
 #include <boost/asio/ip/v6_only.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <cstring>
+#include <limits>
 
+#include "sync/transport/datagram_sorter.h"
 #include "sync/transport/front_door.h"
 #include "sync/transport/socket_core.h"
 #include "sync/transport/tls_greeting.h"
@@ -26,6 +28,10 @@ using boost::system::error_code;
 
 constexpr int kPortAttempts = 16;     // for a port that is free for TCP and UDP alike
 constexpr int kListenBacklog = 4096;  // the system may have a lower limit
+// A site that sends too many datagrams is treated as a stranger for so long.
+constexpr Micros kStrangeTime = 2 * kSecond;
+// Of strangers' datagrams few are kept, so that those that are read are not old.
+constexpr int kOthersBufferBytes = 256 * 1024;
 
 /// HOST:PORT of the other end; an IPv4 address in its own form.
 std::string addressText(const tcp::socket& socket) {
@@ -65,8 +71,11 @@ class ServerTransport final : public SocketCore {
   Micros attend(Micros now, bool idle) override;
   void housekeeping(Micros now) override;
   Connection* connectionOf(std::uint64_t wireId) override;
+  void sendsTooMuch(Connection& connection) override;
 
  private:
+  Status bindDatagrams(const asio::ip::address& address);
+  void sort(Micros at);
   Status bind(const asio::ip::address& address, std::uint16_t port);
   void watchDoor();
   void begin(const FrontDoor::Guest& guest, Micros at);
@@ -90,6 +99,8 @@ class ServerTransport final : public SocketCore {
   std::unordered_map<VisitorId, Stranger> strangers_;
   Crowd known_, unknown_;  // the strangers, by whether they have shown a genuine knock
   std::unordered_map<std::uint64_t, Connection*> byWireId_;
+  bool sorts_ = false;                                  // the kernel tells known sites' datagrams from others
+  Micros sortAt_ = std::numeric_limits<Micros>::max();  // when it is to be told of others
   ConnectionId nextId_ = 0;
 };
 
@@ -106,7 +117,6 @@ Status ServerTransport::bind(const asio::ip::address& address, std::uint16_t por
   error_code failure;
   const tcp::endpoint endpoint(address, port);
   acceptor_ = tcp::acceptor(io_);
-  udp_ = udp::socket(io_);
   acceptor_.open(endpoint.protocol(), failure);
   if (!failure) acceptor_.set_option(tcp::acceptor::reuse_address(true), failure);
   if (!failure && address.is_v6())
@@ -115,14 +125,52 @@ Status ServerTransport::bind(const asio::ip::address& address, std::uint16_t por
   if (!failure) acceptor_.listen(kListenBacklog, failure);
   if (failure) return Error{"TCP: " + failure.message()};
   port_ = acceptor_.local_endpoint(failure).port();
-  const udp::endpoint datagrams(address, port_);
-  udp_.open(datagrams.protocol(), failure);
-  if (!failure && address.is_v6()) udp_.set_option(asio::ip::v6_only(!address.is_unspecified()), failure);
-  if (!failure) udp_.bind(datagrams, failure);
-  if (!failure) udp_.non_blocking(true, failure);
+  return bindDatagrams(address);
+}
+
+/// Two sockets on one port: the kernel sorts what comes, or, where it cannot, all comes to one of them.
+Status ServerTransport::bindDatagrams(const asio::ip::address& address) {
+  const udp::endpoint here(address, port_);
+  using ReusePort = asio::detail::socket_option::boolean<SOL_SOCKET, SO_REUSEPORT>;
+  const auto bindTo = [&](udp::socket& socket, bool together) {
+    error_code failure;
+    socket = udp::socket(io_);
+    socket.open(here.protocol(), failure);
+    if (!failure && address.is_v6()) socket.set_option(asio::ip::v6_only(!address.is_unspecified()), failure);
+    if (!failure && together) socket.set_option(ReusePort(true), failure);
+    if (!failure) socket.bind(here, failure);
+    if (!failure) socket.non_blocking(true, failure);
+    return failure;
+  };
+  error_code failure = bindTo(others_.socket, true);
+  sorts_ = !failure && sortDatagrams(others_.socket.native_handle(), {});
+  if (!sorts_) others_.socket.close(failure);
+  failure = bindTo(datagrams_.socket, sorts_);
   if (failure) return Error{"UDP: " + failure.message()};
-  enlargeBuffers(udp_.native_handle());
+  enlargeBuffers(datagrams_.socket.native_handle());
+  if (sorts_) others_.socket.set_option(asio::socket_base::receive_buffer_size(kOthersBufferBytes), failure);
   return {};
+}
+
+/// Tells the kernel which datagrams are known sites'.
+void ServerTransport::sort(Micros at) {
+  sortAt_ = std::numeric_limits<Micros>::max();
+  std::vector<std::uint64_t> known;
+  for (const auto& [wireId, connection] : byWireId_) {
+    if (!connection->trusted) continue;
+    if (connection->strangeUntil > at)
+      sortAt_ = std::min(sortAt_, connection->strangeUntil);
+    else
+      known.push_back(wireId);
+  }
+  if (sorts_) sortDatagrams(datagrams_.socket.native_handle(), std::move(known));
+}
+
+void ServerTransport::sendsTooMuch(Connection& connection) {
+  const Micros at = now();
+  if (!connection.trusted || connection.strangeUntil > at) return;
+  connection.strangeUntil = at + kStrangeTime;
+  sort(at);
 }
 
 Status ServerTransport::listen(const std::string& host, std::uint16_t port) {
@@ -217,6 +265,8 @@ void ServerTransport::trust(ConnectionId id) {
   const Connection* connection = find(id);
   const auto found = connection == nullptr ? strangers_.end() : strangers_.find(connection->visitor);
   if (found == strangers_.end()) return;
+  found->second.connection->trusted = true;
+  sortAt_ = 0;
   if (unknown_.contains(connection->visitor)) door_.takeBack(found->second.network, found->second.begun);
   removeStranger(*connection);
 }
@@ -243,6 +293,7 @@ void ServerTransport::greeting(Connection& connection, FrameType type, std::span
 
 void ServerTransport::connectionClosed(Connection& connection, const std::string& reason) {
   if (connection.channel != nullptr) byWireId_.erase(connection.channel->wireId());
+  if (connection.trusted) sortAt_ = 0;
   auto stranger = removeStranger(connection);
   if (connection.announced) return drop(connection, reason);
   ++counters_.failedHandshakes;
@@ -252,6 +303,7 @@ void ServerTransport::connectionClosed(Connection& connection, const std::string
 void ServerTransport::housekeeping(Micros at) {
   door_.expire(at);
   counters_.failedHandshakes += door_.drainDropped();
+  if (sortAt_ <= at) sort(at);
   std::vector<std::shared_ptr<Connection>> late;
   for (const auto& [visitor, stranger] : strangers_)
     if (!stranger.connection->announced && stranger.connection->deadline < at)

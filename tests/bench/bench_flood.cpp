@@ -2,9 +2,16 @@
 // round trips of its pings, every 5 ms, against those of quiet stretches in the same run, and how much memory
 // the whole process takes more. The server runs as tandem-server does, with its journal on a disk; the
 // flooder sends as fast as its connection takes it, and comes back with its ticket when it is parted from.
+// The last floods are of strangers: datagrams from a plain socket.
 //
 // The flooder, the honest site and the server share the machine: with two cores and other work a scheduler's
-// turn is in every figure, so that what counts is the difference to quiet.
+// turn is in every figure, so that what counts is the difference to quiet. Started with `chrt -f 1`, the
+// server and the honest site run before other work, and the flooder, which stands for another machine, does
+// not.
+
+#include <arpa/inet.h>
+#include <sched.h>
+#include <sys/socket.h>
 
 #include <algorithm>
 #include <fstream>
@@ -123,6 +130,66 @@ void sendState(Flooder& flooder) {
   flooder.state(flooder.bytes);
 }
 
+/// Takes the calling thread back to the share of the processor that a program has without `chrt`.
+void giveWay() {
+  const sched_param none{};
+  if (sched_setscheduler(0, SCHED_OTHER, &none) != 0) fail("no ordinary scheduling for the flooder");
+}
+
+sockaddr_in loopback(std::uint16_t port) {
+  sockaddr_in address{};
+  address.sin_family = AF_INET;
+  address.sin_port = htons(port);
+  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  return address;
+}
+
+/// A port whose datagrams nobody reads.
+class DeafPort {
+ public:
+  DeafPort() : socket_(::socket(AF_INET, SOCK_DGRAM, 0)), address_(loopback(0)) {
+    socklen_t size = sizeof address_;
+    auto* address = reinterpret_cast<sockaddr*>(&address_);
+    if (::bind(socket_, address, size) != 0 || ::getsockname(socket_, address, &size) != 0) fail("no socket");
+  }
+  ~DeafPort() { ::close(socket_); }
+  DeafPort(const DeafPort&) = delete;
+  DeafPort& operator=(const DeafPort&) = delete;
+  std::uint16_t port() const { return ntohs(address_.sin_port); }
+
+ private:
+  int socket_;
+  sockaddr_in address_;
+};
+
+/// Sends datagrams from a plain socket until told to stop; returns how many left, a second. The server knows
+/// none of them; with `sealed` they have the size and form of sealed ones.
+double floodAsStranger(std::uint16_t port, bool sealed, const std::atomic<bool>& stop) {
+  constexpr unsigned kBurst = 64;
+  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
+  const sockaddr_in to = loopback(port);
+  if (::connect(socket, reinterpret_cast<const sockaddr*>(&to), sizeof to) != 0) fail("no socket");
+  std::mt19937 random{11};
+  std::array<std::array<std::uint32_t, 300>, kBurst> bytes{};
+  std::array<iovec, kBurst> vectors{};
+  std::array<mmsghdr, kBurst> headers{};
+  for (unsigned i = 0; i < kBurst; ++i) {
+    for (std::uint32_t& word : bytes[i]) word = static_cast<std::uint32_t>(random());
+    vectors[i] = {bytes[i].data(), sealed ? 200 : 1 + random() % sizeof bytes[i]};
+    headers[i].msg_hdr.msg_iov = &vectors[i];
+    headers[i].msg_hdr.msg_iovlen = 1;
+  }
+  std::uint64_t sent = 0;
+  const Stopwatch watch;
+  while (!stop) {
+    for (auto& datagram : bytes) datagram[0] = static_cast<std::uint32_t>(random());
+    const int left = ::sendmmsg(socket, headers.data(), kBurst, 0);
+    sent += left > 0 ? static_cast<std::uint64_t>(left) : 0;
+  }
+  ::close(socket);
+  return static_cast<double>(sent) / watch.seconds();
+}
+
 struct Flood {
   const char* name;
   bool udp;
@@ -163,7 +230,7 @@ std::vector<Flood> floods() {
 
 struct Measured {
   std::vector<double> ping_ms;
-  double sent = 0.0, memory_MB = 0.0;
+  double sent = 0.0, memory_MB = 0.0, processor = 0.0;  // processor: of the server's loop, s/s
   int partings = 0, lost = 0;
 };
 
@@ -174,6 +241,61 @@ std::vector<double> pings(Site& honest, double seconds) {
     std::this_thread::sleep_for(std::chrono::milliseconds(5));
   }
   return ms;
+}
+
+/// Pings of the honest site while `flood` runs in a thread; it returns how much it sent.
+template <typename Send>
+Measured beside(Send&& flood, ServerThread& server, Site& honest, double seconds) {
+  Measured result;
+  std::atomic<bool> stop{false};
+  const double before = residentMB();
+  std::thread thread([&] {
+    giveWay();
+    result.sent = flood(stop);
+  });
+  honest.lost = 0;
+  const double used = server.processor_s();
+  const Stopwatch watch;
+  result.ping_ms = pings(honest, seconds);
+  result.processor = (server.processor_s() - used) / watch.seconds();
+  result.lost = honest.lost;
+  result.memory_MB = residentMB() - before;
+  stop = true;
+  thread.join();
+  return result;
+}
+
+Measured besideSite(const Flood& flood, Flooder& flooder, ServerThread& server, Site& honest,
+                    double seconds) {
+  flooder.udp = flood.udp;
+  if (!flood.udp) flooder.comeAnew();
+  for (const Micros end = now() + kPatience; !flooder.ready() || flooder.overUdp() != flood.udp;) {
+    if (now() > end) fail("a flooder did not come in");
+    flooder.turn(sync::kMillisecond);
+  }
+  Measured result = beside([&](const std::atomic<bool>& stop) { return flooder.flood(flood.burst, stop); },
+                           server, honest, seconds);
+  result.partings = flooder.partings;
+  return result;
+}
+
+using Results = std::vector<std::pair<std::string, Measured>>;
+
+bool write(Report& report, const std::vector<double>& quiet, const Results& results) {
+  const Percentiles still = percentiles(quiet);
+  report.row("ping, quiet", "ms", still);
+  bool met = true;
+  for (const auto& [name, result] : results) {
+    const Percentiles p = percentiles(result.ping_ms);
+    report.row(name + ": ping", "ms", p);
+    report.value(name + ": sent", "1/s", result.sent);
+    report.value(name + ": pings lost", "", result.lost);
+    report.value(name + ": parted from", "times", result.partings);
+    report.value(name + ": server's processor", "s/s", result.processor);
+    report.value(name + ": memory", "MB more", result.memory_MB);
+    met = report.bound(name + ": ping - quiet, p99 (ms)", p.p99 - still.p99, kAllowance_ms) && met;
+  }
+  return met;
 }
 
 bool run(Report& report, const std::string& data, double seconds) {
@@ -187,46 +309,27 @@ bool run(Report& report, const std::string& data, double seconds) {
   Site honest(server, server.token(0), identity, frame);
   honest.grab_ms(kOwned, sync::Denial::none);
   std::vector<double> quiet = pings(honest, seconds);
-  std::vector<std::pair<std::string, Measured>> results;
+  Results results;
+  const auto keep = [&](const char* name, Measured result) {
+    results.emplace_back(name, std::move(result));
+    const std::vector<double> more = pings(honest, 0.4 * seconds);
+    quiet.insert(quiet.end(), more.begin(), more.end());
+  };
   std::size_t used = 1;
   for (const Flood& flood : floods()) {
     Flooder flooder(server, server.token(used++), identity, frame);
-    flooder.udp = flood.udp;
-    if (!flood.udp) flooder.comeAnew();
-    for (const Micros end = now() + kPatience; !flooder.ready() || flooder.overUdp() != flood.udp;) {
-      if (now() > end) fail("a flooder did not come in");
-      flooder.turn(sync::kMillisecond);
-    }
-    Measured result;
-    std::atomic<bool> stop{false};
-    const double before = residentMB();
-    std::thread thread([&] { result.sent = flooder.flood(flood.burst, stop); });
-    honest.lost = 0;
-    result.ping_ms = pings(honest, seconds);
-    result.lost = honest.lost;
-    std::fprintf(stderr, "%s\n", flood.name);
-    result.memory_MB = residentMB() - before;
-    stop = true;
-    thread.join();
-    result.partings = flooder.partings;
-    results.emplace_back(flood.name, std::move(result));
-    const std::vector<double> more = pings(honest, 0.4 * seconds);
-    quiet.insert(quiet.end(), more.begin(), more.end());
+    keep(flood.name, besideSite(flood, flooder, server, honest, seconds));
   }
-  const Percentiles still = percentiles(quiet);
-  report.row("ping, quiet", "ms", still);
-  bool met = true;
-  for (auto& [name, result] : results) {
-    const Percentiles p = percentiles(result.ping_ms);
-    report.row(name + ": ping", "ms", p);
-    report.value(name + ": sent", "1/s", result.sent);
-    report.value(name + ": pings lost", "", result.lost);
-    report.value(name + ": parted from", "times", result.partings);
-    report.value(name + ": memory", "MB more", result.memory_MB);
-    met = report.bound(name + ": ping - quiet, p99 (ms)", p.p99 - still.p99, kAllowance_ms) && met;
-  }
+  const DeafPort elsewhere;  // the control: the machine has as much to do, and the server gets nothing of it
+  keep("datagrams to another port",
+       beside([&](const auto& stop) { return floodAsStranger(elsewhere.port(), true, stop); }, server, honest,
+              seconds));
+  for (const bool sealed : {false, true})
+    keep(sealed ? "sealed datagrams of strangers" : "garbage of strangers over UDP",
+         beside([&](const auto& stop) { return floodAsStranger(server.port(), sealed, stop); }, server,
+                honest, seconds));
   honest.release_ms(kOwned);  // fails if its lease ran out meanwhile
-  return met;
+  return write(report, quiet, results);
 }
 
 }  // namespace

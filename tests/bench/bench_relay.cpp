@@ -166,6 +166,7 @@ struct End {
       if (event.kind == Kind::connected) {
         connected = true;
         peer = event.connection;
+        transport->trust(peer);
       }
       take(event);
     }

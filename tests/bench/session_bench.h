@@ -3,6 +3,8 @@
 // A server in a thread, with its journal on a disk, and a site that asks one thing at a time: for benches of
 // what one site feels of a server.
 
+#include <pthread.h>
+#include <time.h>
 #include <unistd.h>
 
 #include <array>
@@ -75,6 +77,14 @@ class ServerThread {
     thread_.join();
   }
   std::uint16_t port() const { return transport_->port(); }
+  /// Processor time that the loop has used, s.
+  double processor_s() {
+    clockid_t clock{};
+    timespec t{};
+    if (pthread_getcpuclockid(thread_.native_handle(), &clock) != 0 || clock_gettime(clock, &t) != 0)
+      fail("no clock of the server's thread");
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+  }
   /// Only after the thread's end, in effect: figures that it may be changing.
   const server::SessionCounters& counters() const { return session_->counters(); }
   static constexpr std::size_t kTokens = 16;

@@ -102,6 +102,7 @@ class Sockets : public testing::Test {
              site.transport->stateOverUdp(0) == udp &&
              server_.transport->stateOverUdp(server_.last(Kind::connected)->connection) == udp;
     }));
+    server_.transport->trust(newest());
     return site;
   }
 
