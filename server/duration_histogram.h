@@ -11,8 +11,8 @@
 namespace tandem::server {
 
 struct DurationHistogram {
-  static constexpr std::array<sync::Micros, 10> kBounds = {250,   500,   1000,   2500,   5000,
-                                                           10000, 25000, 100000, 500000, 2500000};
+  static constexpr std::array<sync::Micros, 12> kBounds = {50,   100,   250,   500,    1000,   2500,
+                                                           5000, 10000, 25000, 100000, 500000, 2500000};
   std::array<std::uint64_t, kBounds.size() + 1> counts{};  // each within its bound and beyond the one below
   sync::Micros sum = 0;
 

@@ -55,6 +55,10 @@ struct MetricsEndpoint::State {
   std::atomic<std::int64_t> steppedAt{nowInMilliseconds()};
   std::mutex mutex;                                // held to copy a pointer only
   std::shared_ptr<const ServerFigures> published;  // null: none yet
+  // Of the HTTP thread: the text of the figures that were asked for last, so that a flood of questions costs
+  // little.
+  std::shared_ptr<const ServerFigures> written;
+  std::string text;
 
   std::shared_ptr<const ServerFigures> newest() {
     const std::lock_guard lock(mutex);
@@ -70,7 +74,11 @@ struct MetricsEndpoint::State {
 Answer MetricsEndpoint::State::metrics() {
   const auto figures = newest();
   if (!figures) return {MHD_HTTP_SERVICE_UNAVAILABLE, kText, "the server is starting\n"};
-  return {MHD_HTTP_OK, kText, metricsText(*figures)};
+  if (figures != written) {
+    text = metricsText(*figures);
+    written = figures;
+  }
+  return {MHD_HTTP_OK, kText, text};
 }
 
 Answer MetricsEndpoint::State::health() {
