@@ -47,7 +47,9 @@ Digest randomDigest() {
 }
 
 Bytes& Bytes::number(std::uint64_t value) {
-  for (int i = 0; i < 8; ++i) bytes_.push_back(static_cast<char>(value >> (8 * i)));
+  char bytes[8];
+  for (int i = 0; i < 8; ++i) bytes[i] = static_cast<char>(value >> (8 * i));
+  bytes_.append(bytes, sizeof bytes);
   return *this;
 }
 Bytes& Bytes::real(double value) { return number(std::bit_cast<std::uint64_t>(value)); }

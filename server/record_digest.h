@@ -21,6 +21,7 @@ Digest randomDigest();
 /// Bytes to be hashed or stored: numbers little-endian, texts with their length.
 class Bytes {
  public:
+  Bytes() { bytes_.reserve(256); }
   Bytes& number(std::uint64_t value);
   Bytes& real(double value);
   Bytes& text(std::string_view value);

@@ -6,113 +6,101 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cstdlib>
 #include <cstring>
 
-#include "assets/base/assert.h"
-#include "sync/wire/limits.h"
+#include "server/session_rows.h"
 
 namespace tandem::server {
 namespace {
 
 constexpr const char* kApplicationId = "1414417741";  // "TNDM"
-constexpr const char* kSchemaVersion = "2";
 constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
 
 constexpr const char* kSchema = R"(
 PRAGMA application_id = 1414417741;
-PRAGMA user_version = 2;
+PRAGMA user_version = 3;
 CREATE TABLE head (id INTEGER PRIMARY KEY, session BLOB NOT NULL, scene TEXT NOT NULL,
-  sequence INTEGER NOT NULL, chain BLOB NOT NULL, previous INTEGER NOT NULL, previous_chain BLOB NOT NULL,
-  sum BLOB NOT NULL, session_time INTEGER NOT NULL, epoch_floor INTEGER NOT NULL,
-  last_site INTEGER NOT NULL, checksum BLOB NOT NULL);
+  sequence INTEGER NOT NULL, previous_chain BLOB NOT NULL, sum BLOB NOT NULL, session_time INTEGER NOT NULL,
+  epoch_floor INTEGER NOT NULL, last_site INTEGER NOT NULL, chain BLOB NOT NULL);
 CREATE TABLE parts (part INTEGER PRIMARY KEY, owner INTEGER NOT NULL, epoch INTEGER NOT NULL,
   px REAL NOT NULL, py REAL NOT NULL, pz REAL NOT NULL,
   qw REAL NOT NULL, qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL);
+  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL);
 CREATE TABLE sites (site INTEGER PRIMARY KEY, role INTEGER NOT NULL, name TEXT NOT NULL,
   red INTEGER NOT NULL, green INTEGER NOT NULL, blue INTEGER NOT NULL, gone INTEGER NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL);
+  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL);
 CREATE TABLE nonces (nonce TEXT PRIMARY KEY, expires INTEGER NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL) WITHOUT ROWID;
+  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL) WITHOUT ROWID;
 )";
-// Tables of later versions are made here, IF NOT EXISTS, at every start: they are outside the chain, and the
-// version stays.
-constexpr const char* kAddedTables = "";
-
 constexpr const char* kSelectParts =
-    "SELECT part, owner, epoch, px, py, pz, qw, qx, qy, qz, sequence, checksum FROM parts ORDER BY part";
+    "SELECT part, owner, epoch, px, py, pz, qw, qx, qy, qz, sequence, checksum, head FROM parts ORDER BY "
+    "part";
 constexpr const char* kSelectSites =
-    "SELECT site, role, name, red, green, blue, gone, sequence, checksum FROM sites ORDER BY site";
-constexpr const char* kSelectNonces = "SELECT nonce, expires, sequence, checksum FROM nonces";
+    "SELECT site, role, name, red, green, blue, gone, sequence, checksum, head FROM sites ORDER BY site";
+constexpr const char* kSelectNonces = "SELECT nonce, expires, sequence, checksum, head FROM nonces";
 
-bool within(std::int64_t value, std::int64_t least, std::int64_t most) {
-  return value >= least && value <= most;
-}
-
-std::optional<sync::PartRecord> partOf(const SqliteStatement& row) {
-  if (!within(row.integer(0), 0, kNoPart - 1) || !within(row.integer(1), 0, 0xffff) ||
-      !within(row.integer(2), 0, 0xffffffff))
-    return std::nullopt;
-  sync::PartRecord part;
-  part.part = static_cast<PartId>(row.integer(0));
-  part.owner = static_cast<SiteId>(row.integer(1));
-  part.epoch = static_cast<Epoch>(row.integer(2));
-  part.worldFromPart.position = glm::dvec3(row.real(3), row.real(4), row.real(5));
-  part.worldFromPart.orientation = glm::dquat(row.real(6), row.real(7), row.real(8), row.real(9));
-  if (!isValid(part.worldFromPart)) return std::nullopt;
-  return part;
-}
-
-std::optional<SiteRecord> siteOf(const SqliteStatement& row) {
-  if (!within(row.integer(0), 1, 0xffff) ||
-      !within(row.integer(1), 0, static_cast<int>(sync::Role::instructor)))
-    return std::nullopt;
-  SiteRecord site;
-  site.info.site = static_cast<SiteId>(row.integer(0));
-  site.info.role = static_cast<sync::Role>(row.integer(1));
-  site.info.name = row.text(2);
-  for (int i = 0; i < 3; ++i) {
-    if (!within(row.integer(3 + i), 0, 255)) return std::nullopt;
-    site.info.colour[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(row.integer(3 + i));
-  }
-  site.info.connected = false;
-  site.left = row.integer(6) != 0;
-  if (site.info.name.size() > sync::kMaxNameLength) return std::nullopt;
-  return site;
-}
-
-std::optional<UsedNonce> nonceOf(const SqliteStatement& row) {
-  return UsedNonce{row.text(0), row.integer(1)};
-}
-
-Digest digestIn(const SqliteStatement& row, int column) {
-  Digest digest{};
-  const std::string bytes = row.text(column);
-  if (bytes.size() == digest.size()) std::copy(bytes.begin(), bytes.end(), digest.begin());
-  return digest;
-}
-
-std::string headBytes(const DatabaseHead& head) {
+/// The hash of a head: a link in the chain.
+Digest chainOf(const DatabaseHead& head) {
   Bytes bytes;
-  bytes.text("head").digest(head.session).text(head.scene).number(head.sequence).digest(head.chain);
-  bytes.number(head.previous).digest(head.previousChain).digest(head.sum.value());
-  bytes.number(static_cast<std::uint64_t>(head.sessionTime)).number(head.epochFloor).number(head.lastSite);
-  return bytes.view();
+  bytes.text("head").digest(head.session).text(head.scene).number(head.sequence).digest(head.previousChain);
+  bytes.digest(head.sum.value()).number(static_cast<std::uint64_t>(head.sessionTime));
+  bytes.number(head.epochFloor).number(head.lastSite);
+  return digestOf(bytes.view());
 }
 
-/// Whether it is a journal of this program and version, and its pages hang together.
-Status checkForm(SqliteDatabase& database) {
+DigestSum sumOf(const Digest& value) {
+  DigestSum sum;
+  sum.add(value);
+  return sum;
+}
+
+/// What of a head changes with every commit, as it stands in the last row of one.
+std::string inRow(const DatabaseHead& head) {
+  Bytes bytes;
+  bytes.digest(head.previousChain).digest(head.sum.value()).digest(head.chain);
+  return bytes.number(static_cast<std::uint64_t>(head.sessionTime)).view();
+}
+
+/// False if these are not the bytes of a head.
+bool takeFromRow(const std::string& bytes, DatabaseHead& head) {
+  Digest parts[3];
+  std::uint64_t time = 0;
+  if (bytes.size() != sizeof parts + sizeof time) return false;
+  std::memcpy(parts, bytes.data(), sizeof parts);
+  for (std::size_t i = 0; i < sizeof time; ++i)
+    time |= std::uint64_t{static_cast<std::uint8_t>(bytes[sizeof parts + i])} << (8 * i);
+  head.previousChain = parts[0];
+  head.sum = sumOf(parts[1]);
+  head.chain = parts[2];
+  head.sessionTime = static_cast<sync::Micros>(time);
+  return true;
+}
+
+Result<int> versionOf(SqliteDatabase& database) {
   const Result<std::string> id = database.ask("PRAGMA application_id");
   if (!id) return id.error();
   if (*id != kApplicationId) return Error{"damaged, or a database of another program"};
   const Result<std::string> version = database.ask("PRAGMA user_version");
   if (!version) return version.error();
-  if (*version != kSchemaVersion)
-    return Error{"schema version " + *version + ", this server knows version " + kSchemaVersion};
+  return std::atoi(version->c_str());
+}
+
+Status checkPages(SqliteDatabase& database) {
   const Result<std::string> sound = database.ask("PRAGMA quick_check(1)");
   if (!sound) return sound.error();
   if (*sound != "ok") return Error{"damaged: " + *sound};
   return {};
+}
+
+/// Whether it is a journal of this program and version, and its pages hang together.
+Status checkForm(SqliteDatabase& database) {
+  const Result<int> version = versionOf(database);
+  if (!version) return version.error();
+  if (*version != SessionDatabase::kSchemaVersion)
+    return Error{"schema version " + std::to_string(*version) + ", this server knows version " +
+                 std::to_string(SessionDatabase::kSchemaVersion)};
+  return checkPages(database);
 }
 
 Status setUp(SqliteDatabase& database, std::uint32_t maxPages) {
@@ -125,17 +113,16 @@ Status setUp(SqliteDatabase& database, std::uint32_t maxPages) {
   return {};
 }
 
-/// Hands each row to `read(row)`, which returns an error text, empty if the row is sound.
-template <typename Read>
-Status readRows(SqliteDatabase& database, const char* sql, Read read) {
-  Result<SqliteStatement> rows = SqliteStatement::prepare(database, sql);
-  if (!rows) return rows.error();
-  for (;;) {
-    const auto row = rows->next();
-    if (row == SqliteStatement::Row::end) return {};
-    if (row == SqliteStatement::Row::failed) return Error{database.error()};
-    if (const std::string bad = read(*rows); !bad.empty()) return Error{bad};
+Salvage salvageVersion1(SqliteDatabase& database, Salvage found) {
+  const Result<Version1> old = readVersion1(database);
+  if (!old) {
+    found.damage += "; " + old.error().message;
+    return found;
   }
+  found.contents = old->contents;
+  found.scene = old->scene;
+  found.headSound = true;
+  return found;
 }
 
 }  // namespace
@@ -144,23 +131,52 @@ Status readRows(SqliteDatabase& database, const char* sql, Read read) {
 struct SessionDatabase::Statements {
   SqliteStatement begin, commit, rollback, part, site, nonce, head;
 
-  bool write(const sync::PartRecord& r, std::uint64_t sequence, const Digest& check) {
+  /// What the rows of all tables end with.
+  struct Ending {
+    std::uint64_t sequence = 0;
+    Digest check{};
+    std::string head;
+  };
+  static bool finish(SqliteStatement& row, int column, const Ending& ending) {
+    row.bind(column, static_cast<std::int64_t>(ending.sequence));
+    row.bindBytes(column + 1, ending.check.data(), ending.check.size());
+    return row.bindBytes(column + 2, ending.head.data(), ending.head.size()).run();
+  }
+  bool write(const sync::PartRecord& r, const Ending& ending) {
     const auto& p = r.worldFromPart.position;
     const auto& q = r.worldFromPart.orientation;
     part.bind(0, std::int64_t{r.part}).bind(1, std::int64_t{r.owner}).bind(2, std::int64_t{r.epoch});
     part.bind(3, p.x).bind(4, p.y).bind(5, p.z).bind(6, q.w).bind(7, q.x).bind(8, q.y).bind(9, q.z);
-    return part.bind(10, static_cast<std::int64_t>(sequence)).bindBytes(11, check.data(), check.size()).run();
+    return finish(part, 10, ending);
   }
-  bool write(const SiteRecord& r, std::uint64_t sequence, const Digest& check) {
+  bool write(const SiteRecord& r, const Ending& ending) {
     site.bind(0, std::int64_t{r.info.site}).bind(1, static_cast<std::int64_t>(r.info.role));
     site.bind(2, r.info.name);
     for (int i = 0; i < 3; ++i) site.bind(3 + i, std::int64_t{r.info.colour[static_cast<std::size_t>(i)]});
-    site.bind(6, std::int64_t{r.left}).bind(7, static_cast<std::int64_t>(sequence));
-    return site.bindBytes(8, check.data(), check.size()).run();
+    return finish(site.bind(6, std::int64_t{r.left}), 7, ending);
   }
-  bool write(const UsedNonce& r, std::uint64_t sequence, const Digest& check) {
-    nonce.bind(0, r.nonce).bind(1, r.expires).bind(2, static_cast<std::int64_t>(sequence));
-    return nonce.bindBytes(3, check.data(), check.size()).run();
+  bool write(const UsedNonce& r, const Ending& ending) {
+    return finish(nonce.bind(0, r.nonce).bind(1, r.expires), 2, ending);
+  }
+  bool write(const DatabaseHead& h) {
+    const Digest sum = h.sum.value();
+    head.bindBytes(0, h.session.data(), h.session.size()).bind(1, h.scene);
+    head.bind(2, static_cast<std::int64_t>(h.sequence));
+    head.bindBytes(3, h.previousChain.data(), h.previousChain.size()).bindBytes(4, sum.data(), sum.size());
+    head.bind(5, std::int64_t{h.sessionTime}).bind(6, std::int64_t{h.epochFloor});
+    return head.bind(7, std::int64_t{h.lastSite}).bindBytes(8, h.chain.data(), h.chain.size()).run();
+  }
+};
+
+/// The row of the last commit that holds its head.
+struct SessionDatabase::LastRow {
+  std::uint64_t sequence = 0;
+  std::string head;
+
+  void meet(std::uint64_t rowSequence, const std::string& rowHead) {
+    if (rowSequence < sequence || (rowSequence == sequence && rowHead.empty())) return;
+    sequence = rowSequence;
+    head = rowHead;
   }
 };
 
@@ -177,16 +193,32 @@ Status SessionDatabase::prepareStatements() {
       {&statements_->begin, "BEGIN IMMEDIATE"},
       {&statements_->commit, "COMMIT"},
       {&statements_->rollback, "ROLLBACK"},
-      {&statements_->part, "INSERT OR REPLACE INTO parts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
-      {&statements_->site, "INSERT OR REPLACE INTO sites VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?)"},
-      {&statements_->nonce, "INSERT OR REPLACE INTO nonces VALUES (?, ?, ?, ?)"},
-      {&statements_->head, "INSERT OR REPLACE INTO head VALUES (0, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
+      {&statements_->part, "INSERT OR REPLACE INTO parts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
+      {&statements_->site, "INSERT OR REPLACE INTO sites VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
+      {&statements_->nonce, "INSERT OR REPLACE INTO nonces VALUES (?, ?, ?, ?, ?)"},
+      {&statements_->head, "INSERT OR REPLACE INTO head VALUES (0, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
   };
   for (const auto& each : all) {
     Result<SqliteStatement> prepared = SqliteStatement::prepare(database_, each.sql);
     if (!prepared) return prepared.error();
     *each.statement = std::move(*prepared);
   }
+  return {};
+}
+
+/// Makes the tables and writes them full, within a transaction that is open.
+Status SessionDatabase::fill(const DatabaseHead& head, const std::vector<JournalRecord>& records) {
+  if (Status made = database_.run(kSchema); !made) return made;
+  if (Status ready = prepareStatements(); !ready) return ready;
+  head_ = head;
+  DatabaseHead next = successor();
+  Rows staged;
+  for (const JournalRecord& record : records)
+    if (Status written = write(record, count(record, staged, next), next.sequence, {}); !written)
+      return written;
+  next.chain = chainOf(next);
+  if (!statements_->write(next) || !statements_->commit.run()) return Error{database_.error()};
+  adopt(next, staged);
   return {};
 }
 
@@ -201,16 +233,42 @@ Result<SessionDatabase> SessionDatabase::create(const std::string& path, const D
   if (!tables) return failed(tables.error());
   if (*tables != "0") return failed(Error{"is there already"});
   if (Status set = setUp(database.database_, maxPages); !set) return failed(set.error());
-  if (Status made = database.database_.run((std::string("BEGIN;") + kSchema + "COMMIT;").c_str()); !made)
-    return failed(made.error());
-  if (Status ready = database.prepareStatements(); !ready) return failed(ready.error());
-  database.head_ = head;
-  if (Status written = database.commit(records, 0); !written) return failed(written.error());
+  if (Status begun = database.database_.run("BEGIN IMMEDIATE"); !begun) return failed(begun.error());
+  if (Status filled = database.fill(head, records); !filled) return failed(filled.error());
   for (const JournalRecord& record : records) apply(database.contents_, record);
-  database.contents_.epochFloor = head.epochFloor;
-  database.contents_.lastSite = head.lastSite;
-  database.contents_.sessionTime = head.sessionTime;
+  database.takeContentsOfHead();
   return database;
+}
+
+Result<int> SessionDatabase::versionOf(const std::string& path) {
+  Result<SqliteDatabase> file = SqliteDatabase::openExisting(path);
+  Result<int> version = file ? server::versionOf(*file) : Result<int>(file.error());
+  if (!version) return Error{path + ": " + version.error().message};
+  return version;
+}
+
+Result<Version1> SessionDatabase::readVersion1(const std::string& path) {
+  const auto failed = [&](const Error& error) { return Error{path + ": " + error.message}; };
+  Result<SqliteDatabase> file = SqliteDatabase::openExisting(path);
+  if (!file) return failed(file.error());
+  if (Status sound = checkPages(*file); !sound) return failed(sound.error());
+  Result<Version1> found = server::readVersion1(*file);
+  if (!found) return failed(found.error());
+  return found;
+}
+
+Status SessionDatabase::migrate(const std::string& path, const DatabaseHead& head,
+                                const std::vector<JournalRecord>& records) {
+  const auto failed = [&](const Error& error) { return Error{path + ": not migrated: " + error.message}; };
+  Result<SqliteDatabase> file = SqliteDatabase::openExisting(path);
+  if (!file) return failed(file.error());
+  SessionDatabase database(std::move(*file));
+  if (Status set = setUp(database.database_, 0); !set) return failed(set.error());
+  constexpr const char* kDrop =
+      "BEGIN IMMEDIATE; DROP TABLE meta; DROP TABLE parts; DROP TABLE sites; DROP TABLE nonces;";
+  if (Status dropped = database.database_.run(kDrop); !dropped) return failed(dropped.error());
+  if (Status filled = database.fill(head, records); !filled) return failed(filled.error());
+  return {};
 }
 
 Result<SessionDatabase> SessionDatabase::open(const std::string& path, std::uint32_t maxPages) {
@@ -220,52 +278,60 @@ Result<SessionDatabase> SessionDatabase::open(const std::string& path, std::uint
   SessionDatabase database(std::move(*file));
   if (Status form = checkForm(database.database_); !form) return failed(form.error());
   if (Status set = setUp(database.database_, maxPages); !set) return failed(set.error());
+  LastRow last;
   if (Status read = database.readHead(); !read) return failed(read.error());
-  if (Status read = database.readTables(); !read) return failed(read.error());
-  if (*kAddedTables != '\0')
-    if (Status added = database.database_.run(kAddedTables); !added) return failed(added.error());
+  DigestSum sum;
+  if (Status read = database.readTables(last, sum); !read) return failed(read.error());
+  if (Status taken = database.takeHeadOf(last); !taken) return failed(taken.error());
+  if (!(sum == database.head_.sum))
+    return failed(
+        Error{"damaged: rows are missing or older than commit " + std::to_string(database.head_.sequence)});
+  database.takeContentsOfHead();
   if (Status ready = database.prepareStatements(); !ready) return failed(ready.error());
   database.attempted_ = database.head_;
   return database;
 }
 
+void SessionDatabase::takeContentsOfHead() {
+  contents_.sessionTime = head_.sessionTime;
+  contents_.epochFloor = head_.epochFloor;
+  contents_.lastSite = head_.lastSite;
+}
+
 Status SessionDatabase::readHead() {
   int count = 0;
-  Digest sum{};
-  Status read =
-      readRows(database_,
-               "SELECT session, scene, sequence, chain, previous, previous_chain, session_time, epoch_floor, "
-               "last_site, sum, checksum FROM head",
-               [&](const SqliteStatement& row) {
-                 ++count;
-                 head_.session = digestIn(row, 0);
-                 head_.scene = row.text(1);
-                 head_.sequence = static_cast<std::uint64_t>(row.integer(2));
-                 head_.chain = digestIn(row, 3);
-                 head_.previous = static_cast<std::uint64_t>(row.integer(4));
-                 head_.previousChain = digestIn(row, 5);
-                 head_.sessionTime = row.integer(6);
-                 head_.epochFloor = static_cast<Epoch>(row.integer(7));
-                 head_.lastSite = static_cast<SiteId>(row.integer(8));
-                 sum = digestIn(row, 9);
-                 head_.sum = DigestSum();
-                 head_.sum.add(sum);
-                 const bool sound = digestOf(headBytes(head_)) == digestIn(row, 10) && head_.sessionTime >= 0;
-                 return sound ? std::string() : "damaged: the row of table head has a wrong checksum";
-               });
+  const auto take = [&](const SqliteStatement& row) {
+    ++count;
+    head_.session = digestIn(row, 0);
+    head_.scene = row.text(1);
+    head_.sequence = static_cast<std::uint64_t>(row.integer(2));
+    head_.previousChain = digestIn(row, 3);
+    head_.sum = sumOf(digestIn(row, 4));
+    head_.sessionTime = row.integer(5);
+    head_.epochFloor = static_cast<Epoch>(row.integer(6));
+    head_.lastSite = static_cast<SiteId>(row.integer(7));
+    head_.chain = digestIn(row, 8);
+    const bool sound = chainOf(head_) == head_.chain && head_.sessionTime >= 0;
+    return sound ? std::string() : "damaged: the row of table head has a wrong checksum";
+  };
+  Status read = readRows(database_,
+                         "SELECT session, scene, sequence, previous_chain, sum, session_time, epoch_floor, "
+                         "last_site, chain FROM head",
+                         take);
   if (read && count != 1) return Error{"damaged: table head has " + std::to_string(count) + " rows, not 1"};
   return read;
 }
 
-Status SessionDatabase::readTables() {
-  DigestSum sum;
-  const auto check = [&](const SqliteStatement& row, auto value, int at, const char* table,
+Status SessionDatabase::readTables(LastRow& last, DigestSum& sum) {
+  const auto check = [&](const SqliteStatement& row, const auto& value, int at, const char* table,
                          const std::string& name) {
     const std::string where = std::string("damaged: row ") + name + " of table " + table;
     if (!value) return where + " holds a value out of range";
-    const Digest digest = digestOf(*value, static_cast<std::uint64_t>(row.integer(at)), head_.session);
+    const auto sequence = static_cast<std::uint64_t>(row.integer(at));
+    const Digest digest = digestOf(*value, sequence, head_.session);
     if (digest != digestIn(row, at + 1)) return where + " has a wrong checksum";
     sum.add(digest);
+    last.meet(sequence, row.text(at + 2));
     return std::string();
   };
   Status read = readRows(database_, kSelectParts, [&](const SqliteStatement& row) {
@@ -286,7 +352,7 @@ Status SessionDatabase::readTables() {
     return bad;
   });
   if (!read) return read;
-  read = readRows(database_, kSelectNonces, [&](const SqliteStatement& row) {
+  return readRows(database_, kSelectNonces, [&](const SqliteStatement& row) {
     const auto nonce = nonceOf(row);
     std::string bad = check(row, nonce, 2, "nonces", nonce->nonce.substr(0, 32));
     if (!bad.empty()) return bad;
@@ -294,24 +360,36 @@ Status SessionDatabase::readTables() {
     contents_.nonces.push_back(*nonce);
     return bad;
   });
-  if (!read) return read;
-  if (!(sum == head_.sum))
-    return Error{"damaged: rows are missing or older than commit " + std::to_string(head_.sequence)};
-  contents_.sessionTime = head_.sessionTime;
-  contents_.epochFloor = head_.epochFloor;
-  contents_.lastSite = head_.lastSite;
+}
+
+/// The head of the last commit is in table `head` or in the last row written.
+Status SessionDatabase::takeHeadOf(const LastRow& last) {
+  if (last.sequence <= head_.sequence) return {};
+  DatabaseHead found = head_;
+  found.sequence = last.sequence;
+  const std::string commit = "commit " + std::to_string(last.sequence);
+  if (!takeFromRow(last.head, found)) return Error{"damaged: the last row of " + commit + " is missing"};
+  if (chainOf(found) != found.chain || found.sessionTime < 0)
+    return Error{"damaged: the head of " + commit + " has a wrong checksum"};
+  head_ = found;
   return {};
 }
 
-Status SessionDatabase::write(const JournalRecord& record, std::uint64_t sequence, Rows& staged,
-                              DatabaseHead& next) {
-  const Digest check = digestOf(record, sequence, head_.session);
-  const auto replace = [&](auto& committed, auto& changed, const auto& key) {
+DatabaseHead SessionDatabase::successor() const {
+  DatabaseHead next = head_;
+  ++next.sequence;
+  next.previousChain = head_.chain;
+  return next;
+}
+
+/// Puts a record into the sum in place of its older one, and returns its checksum.
+Digest SessionDatabase::count(const JournalRecord& record, Rows& staged, DatabaseHead& next) const {
+  const Digest check = digestOf(record, next.sequence, next.session);
+  const auto replace = [&](const auto& committed, auto& changed, const auto& key) {
     if (const auto at = changed.find(key); at != changed.end())
       next.sum.remove(at->second);
     else if (const auto old = committed.find(key); old != committed.end())
       next.sum.remove(old->second);
-    next.sum.add(check);
     changed[key] = check;
   };
   if (const auto* part = std::get_if<sync::PartRecord>(&record))
@@ -320,54 +398,52 @@ Status SessionDatabase::write(const JournalRecord& record, std::uint64_t sequenc
     replace(rows_.sites, staged.sites, std::uint32_t{site->info.site});
   else if (const auto* nonce = std::get_if<UsedNonce>(&record))
     replace(rows_.nonces, staged.nonces, nonce->nonce);
-  if (!std::visit([&](const auto& r) { return statements_->write(r, sequence, check); }, record))
-    return Error{database_.error()};
-  return {};
+  next.sum.add(check);
+  return check;
 }
 
-Status SessionDatabase::writeHead(DatabaseHead& next, const std::string& written) {
-  Bytes link;
-  link.digest(head_.chain).text(written).number(static_cast<std::uint64_t>(next.sessionTime));
-  next.previous = head_.sequence;
-  next.previousChain = head_.chain;
-  next.chain = digestOf(link.view());
-  attempted_ = next;
-  const Digest check = digestOf(headBytes(next)), sum = next.sum.value();
-  SqliteStatement& head = statements_->head;
-  head.bindBytes(0, next.session.data(), next.session.size()).bind(1, next.scene);
-  head.bind(2, static_cast<std::int64_t>(next.sequence)).bindBytes(3, next.chain.data(), next.chain.size());
-  head.bind(4, static_cast<std::int64_t>(next.previous));
-  head.bindBytes(5, next.previousChain.data(), next.previousChain.size());
-  head.bindBytes(6, sum.data(), sum.size()).bind(7, std::int64_t{next.sessionTime});
-  head.bind(8, std::int64_t{next.epochFloor}).bind(9, std::int64_t{next.lastSite});
-  if (!head.bindBytes(10, check.data(), check.size()).run() || !statements_->commit.run())
+Status SessionDatabase::write(const JournalRecord& record, const Digest& check, std::uint64_t sequence,
+                              const std::string& head) {
+  const Statements::Ending ending{sequence, check, head};
+  if (!std::visit([&](const auto& r) { return statements_->write(r, ending); }, record))
     return Error{database_.error()};
   return {};
 }
 
 Status SessionDatabase::commit(const std::vector<JournalRecord>& records, sync::Micros sessionTime) {
-  DatabaseHead next = head_;
-  attempted_ = head_;
-  Rows staged;
-  ++next.sequence;
+  DatabaseHead next = successor();
   if (sessionTime != 0) next.sessionTime = sessionTime;
-  const auto write = [&]() -> Status {
-    if (!statements_->begin.run()) return Error{database_.error()};
-    for (const JournalRecord& record : records)
-      if (Status written = this->write(record, next.sequence, staged, next); !written) return written;
-    Bytes link;
-    link.digest(next.sum.value()).number(next.sequence);
-    return writeHead(next, link.view());
+  Rows staged;
+  std::vector<Digest> checks;
+  checks.reserve(records.size());
+  for (const JournalRecord& record : records) checks.push_back(count(record, staged, next));
+  next.chain = chainOf(next);
+  attempted_ = next;
+  // One statement is a transaction of its own.
+  const bool several = records.size() > 1;
+  const auto writeAll = [&]() -> Status {
+    if (several && !statements_->begin.run()) return Error{database_.error()};
+    for (std::size_t i = 0; i < records.size(); ++i) {
+      const bool isLast = i + 1 == records.size();
+      Status written = write(records[i], checks[i], next.sequence, isLast ? inRow(next) : std::string());
+      if (!written) return written;
+    }
+    const bool closed = records.empty() ? statements_->write(next) : !several || statements_->commit.run();
+    return closed ? Status{} : Error{database_.error()};
   };
-  if (Status written = write(); !written) {
-    statements_->rollback.run();
+  if (Status written = writeAll(); !written) {
+    if (several) statements_->rollback.run();
     return written;
   }
-  head_ = next;
+  adopt(next, staged);
+  return {};
+}
+
+void SessionDatabase::adopt(const DatabaseHead& next, const Rows& staged) {
+  head_ = attempted_ = next;
   for (const auto& [part, digest] : staged.parts) rows_.parts[part] = digest;
   for (const auto& [site, digest] : staged.sites) rows_.sites[site] = digest;
-  for (auto& [nonce, digest] : staged.nonces) rows_.nonces[nonce] = digest;
-  return {};
+  for (const auto& [nonce, digest] : staged.nonces) rows_.nonces[nonce] = digest;
 }
 
 Status SessionDatabase::prepare(const std::string& scene, std::int64_t unixNow) {
@@ -377,22 +453,21 @@ Status SessionDatabase::prepare(const std::string& scene, std::int64_t unixNow) 
   const auto expired = [&](const UsedNonce& nonce) { return nonce.expires <= unixNow; };
   if (head_.scene == scene && std::none_of(contents_.nonces.begin(), contents_.nonces.end(), expired))
     return {};
-  DatabaseHead next = head_;
+  DatabaseHead next = successor();
   next.scene = scene;
-  ++next.sequence;
-  if (!statements_->begin.run()) return Error{database_.error()};
   for (const UsedNonce& nonce : contents_.nonces)
     if (expired(nonce)) next.sum.remove(rows_.nonces[nonce.nonce]);
-  const std::string sql = "DELETE FROM nonces WHERE expires <= " + std::to_string(unixNow);
-  Status written = database_.run(sql.c_str());
-  Bytes link;
-  link.digest(next.sum.value()).number(next.sequence).text(scene);
-  if (written) written = writeHead(next, link.view());
+  next.chain = chainOf(next);
+  const std::string remove = "DELETE FROM nonces WHERE expires <= " + std::to_string(unixNow);
+  if (!statements_->begin.run()) return Error{database_.error()};
+  Status written = database_.run(remove.c_str());
+  if (written && (!statements_->write(next) || !statements_->commit.run()))
+    written = Error{database_.error()};
   if (!written) {
     statements_->rollback.run();
     return written;
   }
-  head_ = next;
+  adopt(next, {});
   for (const UsedNonce& nonce : contents_.nonces)
     if (expired(nonce)) rows_.nonces.erase(nonce.nonce);
   std::erase_if(contents_.nonces, expired);
@@ -402,34 +477,34 @@ Status SessionDatabase::prepare(const std::string& scene, std::int64_t unixNow) 
 Salvage SessionDatabase::salvage(const std::string& path) {
   Salvage found;
   const auto note = [&](const std::string& damage) {
-    if (found.damage.empty()) found.damage = damage;
+    if (found.damage.empty()) found.damage = path + ": " + damage;
   };
   Result<SqliteDatabase> file = SqliteDatabase::openExisting(path);
   if (!file) {
-    note(path + ": " + file.error().message);
+    note(file.error().message);
     return found;
   }
   SessionDatabase database(std::move(*file));
-  if (Status form = checkForm(database.database_); !form) note(path + ": " + form.error().message);
+  if (Status form = checkForm(database.database_); !form) note(form.error().message);
+  const Result<int> version = server::versionOf(database.database_);
+  if (version && *version == 1) return salvageVersion1(database.database_, std::move(found));
   const Status head = database.readHead();
-  if (!head) note(path + ": " + head.error().message);
+  if (!head) note(head.error().message);
   found.headSound = head.ok();
+  found.newer = !head && version && *version > kSchemaVersion;
   found.session = database.head_.session;
-  if (found.headSound) {
-    found.scene = database.head_.scene;
-    found.contents.sessionTime = database.head_.sessionTime;
-    found.contents.epochFloor = database.head_.epochFloor;
-    found.contents.lastSite = database.head_.lastSite;
-  }
+  LastRow last;
   // A row is taken only if its own checksum holds; for that the session's identity must be known.
-  const auto take = [&](const SqliteStatement& row, auto value, int at, auto& into) {
+  const auto take = [&](const SqliteStatement& row, const auto& value, int at, auto& into) {
+    const auto sequence = static_cast<std::uint64_t>(row.integer(at));
     const bool sound =
-        value && found.headSound &&
-        digestOf(*value, static_cast<std::uint64_t>(row.integer(at)), found.session) == digestIn(row, at + 1);
-    if (sound)
+        value && found.headSound && digestOf(*value, sequence, found.session) == digestIn(row, at + 1);
+    if (sound) {
       into.push_back(*value);
-    else
+      last.meet(sequence, row.text(at + 2));
+    } else {
       ++found.damagedRows;
+    }
     return std::string();
   };
   const auto parts = [&](const SqliteStatement& row) {
@@ -440,7 +515,13 @@ Salvage SessionDatabase::salvage(const std::string& path) {
   };
   if (Status read = readRows(database.database_, kSelectParts, parts); !read) note(read.error().message);
   if (Status read = readRows(database.database_, kSelectSites, sites); !read) note(read.error().message);
-  if (found.damagedRows > 0) note(path + ": " + std::to_string(found.damagedRows) + " rows are damaged");
+  if (found.damagedRows > 0) note(std::to_string(found.damagedRows) + " rows are damaged");
+  if (!found.headSound) return found;
+  (void)database.takeHeadOf(last);  // a later session time, if it is sound
+  found.scene = database.head_.scene;
+  found.contents.sessionTime = database.head_.sessionTime;
+  found.contents.epochFloor = database.head_.epochFloor;
+  found.contents.lastSite = database.head_.lastSite;
   return found;
 }
 

@@ -4,9 +4,12 @@
 //
 // 1. Every row has the number of the commit that wrote it, and a checksum over that number, its values and
 //    the session's identity: a page of another session is found.
-// 2. The row of `head` has the sum of all checksums and is a link in a chain: its `chain` hashes the one
-//    before with what was written. A page that is older than the others is found by the sum.
-// 3. open() verifies all of it, and names the table and the row that is damaged.
+// 2. Every commit ends in a head: the sum of all checksums, the session's time, and a hash over these and the
+//    hash of the head before. A page that is older than the others is found by the sum, another history by
+//    the chain of hashes.
+// 3. The head of a commit stands in the last row that it wrote, so that a grant changes one page. The table
+//    `head` holds what seldom changes, and the head of a commit that wrote no row.
+// 4. open() verifies all of it, and names the table and the row that is damaged.
 
 #include <memory>
 #include <string>
@@ -16,6 +19,7 @@
 #include "assets/base/result.h"
 #include "server/journal.h"
 #include "server/record_digest.h"
+#include "server/session_rows.h"
 #include "server/sqlite_database.h"
 
 namespace tandem::server {
@@ -24,10 +28,9 @@ struct DatabaseHead {
   Digest session{};
   std::string scene;           // hash, hexadecimal; empty: that of the next start
   std::uint64_t sequence = 0;  // of the last commit
-  Digest chain{};
-  std::uint64_t previous = 0;  // the commit before
-  Digest previousChain{};
-  DigestSum sum;  // in the database as its value
+  Digest chain{};              // the hash of this head
+  Digest previousChain{};      // of the one before
+  DigestSum sum;               // of all rows
   sync::Micros sessionTime = 0;
   Epoch epochFloor = 0;
   SiteId lastSite = 0;
@@ -40,17 +43,27 @@ struct Salvage {
   std::size_t damagedRows = 0;
   std::string damage;  // the first that was met; empty: none
   bool headSound = false;
+  bool newer = false;  // of a later schema version
   Digest session{};
 };
 
 class SessionDatabase {
  public:
+  static constexpr int kSchemaVersion = 3;
+
   static Result<SessionDatabase> create(const std::string& path, const DatabaseHead& head,
                                         const std::vector<JournalRecord>& records,
                                         std::uint32_t maxPages = 0);
   /// Opens a database that must be there, and verifies it.
   static Result<SessionDatabase> open(const std::string& path, std::uint32_t maxPages = 0);
-  /// Reads what is sound in a database that may be damaged or of an earlier version.
+  /// The schema version of a database that must be there; an error where it is none of this program.
+  static Result<int> versionOf(const std::string& path);
+  /// Reads a database of schema version 1.
+  static Result<Version1> readVersion1(const std::string& path);
+  /// Puts tables of this version in place of those of version 1, in one transaction.
+  static Status migrate(const std::string& path, const DatabaseHead& head,
+                        const std::vector<JournalRecord>& records);
+  /// Reads what is sound in a database that may be damaged, also one of version 1.
   static Salvage salvage(const std::string& path);
 
   const DatabaseHead& head() const { return head_; }
@@ -72,6 +85,7 @@ class SessionDatabase {
     std::unordered_map<std::string, Digest> nonces;
   };
   struct Statements;
+  struct LastRow;
   explicit SessionDatabase(SqliteDatabase database);
 
  public:
@@ -80,10 +94,16 @@ class SessionDatabase {
   ~SessionDatabase();
 
  private:
+  Status fill(const DatabaseHead& head, const std::vector<JournalRecord>& records);
   Status readHead();
-  Status readTables();
-  Status write(const JournalRecord& record, std::uint64_t sequence, Rows& staged, DatabaseHead& next);
-  Status writeHead(DatabaseHead& next, const std::string& written);
+  Status readTables(LastRow& last, DigestSum& sum);
+  Status takeHeadOf(const LastRow& last);
+  void takeContentsOfHead();
+  DatabaseHead successor() const;
+  Digest count(const JournalRecord& record, Rows& staged, DatabaseHead& next) const;
+  Status write(const JournalRecord& record, const Digest& check, std::uint64_t sequence,
+               const std::string& head);
+  void adopt(const DatabaseHead& next, const Rows& staged);
   Status prepareStatements();
 
   SqliteDatabase database_;

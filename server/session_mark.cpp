@@ -1,6 +1,7 @@
 #include "server/session_mark.h"
 
 #include <fcntl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -150,6 +151,11 @@ SessionMark::SessionMark(SessionMark&& other) noexcept
 
 SessionMark::~SessionMark() {
   if (file_ >= 0) ::close(file_);
+}
+
+bool SessionMark::isDeleted() const {
+  struct statx now {};
+  return ::statx(file_, "", AT_EMPTY_PATH | AT_STATX_DONT_SYNC, STATX_NLINK, &now) != 0 || now.stx_nlink == 0;
 }
 
 Status SessionMark::writeSlot(std::size_t slot) {

@@ -47,6 +47,8 @@ class SessionMark {
   Status note(std::uint64_t sequence, const Digest& chain);
   /// Raises the ceilings to at least these, and syncs all that was noted.
   Status reserve(Epoch epoch, std::uint32_t site);
+  /// Whether no path leads to the file any more.
+  bool isDeleted() const;
 
  private:
   SessionMark(std::string path, int file) : path_(std::move(path)), file_(file) {}

@@ -146,6 +146,8 @@ Result<Report> recoverSession(DataDirectory& directory, std::int64_t unixNow) {
     salvage = SessionDatabase::salvage(*aside + "/session.db");
   else
     salvage.damage = directory.journalPath() + ": missing";
+  if (salvage.newer)
+    return Error{directory.journalPath() + ": of a newer tandem-server: recover it with that"};
   if (salvage.headSound && isForeign(salvage, directory)) {
     salvage = Salvage();
     salvage.damage = directory.journalPath() + ": belongs to another session than this directory's";

@@ -25,7 +25,7 @@ constexpr sync::Micros kTimeAhead = 4 * sync::kSecond, kLeastAhead = 2 * sync::k
 // is full.
 constexpr int kMaxFrames = 1000, kIdleFrames = 100;
 constexpr auto kQuiet = std::chrono::milliseconds(150);
-constexpr auto kLook = std::chrono::milliseconds(1000);  // between two looks at the files while nothing comes
+constexpr auto kLook = std::chrono::milliseconds(1000);  // between two looks at the files
 constexpr auto kRetry = std::chrono::milliseconds(500);  // between two attempts after a failure
 
 // Reserved in the mark beyond what is needed; the next block is reserved when half of it is used.
@@ -34,6 +34,20 @@ constexpr std::uint32_t kSiteBlock = 64;
 
 constexpr const char* kAdvice =
     ": put the files back as they were, or run tandem-server --recover, which keeps what is sound";
+
+/// How far records go.
+struct Reach {
+  Epoch epoch = 0;
+  std::uint32_t site = 0;
+
+  void include(const JournalRecord& record) {
+    if (const auto* part = std::get_if<sync::PartRecord>(&record)) epoch = std::max(epoch, part->epoch);
+    if (const auto* known = std::get_if<SiteRecord>(&record))
+      site = std::max(site, std::uint32_t{known->info.site});
+  }
+  Epoch epochBlock() const { return epoch + std::min(kEpochBlock, ~epoch); }
+  std::uint32_t siteBlock() const { return site + kSiteBlock; }
+};
 
 /// Whether the database ends where the mark says.
 Status checkAgainst(const SessionMark& mark, const DatabaseHead& head) {
@@ -44,7 +58,7 @@ Status checkAgainst(const SessionMark& mark, const DatabaseHead& head) {
                  std::to_string(told.sequence) + " was durable"};
   const bool same = head.sequence == told.sequence && head.chain == told.chain;
   // The process may have died between a commit and its note; a loss of power may have taken many notes.
-  const bool next = head.previous == told.sequence && head.previousChain == told.chain;
+  const bool next = head.sequence == told.sequence + 1 && head.previousChain == told.chain;
   const bool afterPowerLoss = !mark.sameBoot() && head.sequence > told.sequence;
   if (!same && !next && !afterPowerLoss)
     return Error{"commit " + std::to_string(told.sequence) + " is not the one that session.mark knows"};
@@ -95,9 +109,10 @@ struct SqliteJournal::State {
   std::optional<SessionDatabase> database;  // none while it cannot be opened
   DatabaseHead head, attempted;             // of the last commit that is told, and of one that failed
   WatchedFiles files, log;                  // the log is another file whenever the database is opened
-  int frames = 0;                           // in the log, as of the last commit
-  int checkpointAt = kIdleFrames;           // frames from which a quiet moment is used
-  std::vector<JournalRecord> pending;       // what a failure kept from the disk
+  std::chrono::steady_clock::time_point looked{};
+  int frames = 0;                      // in the log, as of the last commit
+  int checkpointAt = kIdleFrames;      // frames from which a quiet moment is used
+  std::vector<JournalRecord> pending;  // what a failure kept from the disk
   sync::Micros pendingTime = 0;
 
   Status start();
@@ -112,6 +127,7 @@ struct SqliteJournal::State {
   bool waitToRetry();
   void retry();
   Status reopen();
+  Status look();
 };
 
 /// Prepares the opened database for commits.
@@ -166,36 +182,36 @@ void SqliteJournal::State::checkpoint() {
 
 /// No epoch and no site number is told beyond the ceilings of the mark.
 Status SqliteJournal::State::reserveFor(const std::vector<JournalRecord>& batch) {
-  Epoch epoch = 0;
-  std::uint32_t site = 0;
-  for (const JournalRecord& record : batch) {
-    if (const auto* part = std::get_if<sync::PartRecord>(&record)) epoch = std::max(epoch, part->epoch);
-    if (const auto* known = std::get_if<SiteRecord>(&record))
-      site = std::max(site, std::uint32_t{known->info.site});
-  }
+  Reach reach;
+  for (const JournalRecord& record : batch) reach.include(record);
   const MarkState& state = mark.state();
-  if (epoch <= state.epochCeiling && site <= state.siteCeiling && state.epochCeiling > 0) return {};
-  return mark.reserve(epoch + std::min(kEpochBlock, ~epoch), site + kSiteBlock);
+  if (reach.epoch <= state.epochCeiling && reach.site <= state.siteCeiling && state.epochCeiling > 0)
+    return {};
+  return mark.reserve(reach.epochBlock(), reach.siteBlock());
 }
 
 /// Reserves the next block while nobody waits. A failure shows at the next commit.
 void SqliteJournal::State::reserveAhead() {
-  Epoch epoch = 0;
-  std::uint32_t site = 0;
-  for (const JournalRecord& record : pending) {
-    if (const auto* part = std::get_if<sync::PartRecord>(&record)) epoch = std::max(epoch, part->epoch);
-    if (const auto* known = std::get_if<SiteRecord>(&record))
-      site = std::max(site, std::uint32_t{known->info.site});
-  }
+  Reach reach;
+  for (const JournalRecord& record : pending) reach.include(record);
   const MarkState& state = mark.state();
-  const bool half = epoch + std::min(kEpochBlock / 2, ~epoch) > state.epochCeiling ||
-                    site + kSiteBlock / 2 > state.siteCeiling;
-  if (half) (void)mark.reserve(epoch + std::min(kEpochBlock, ~epoch), site + kSiteBlock);
+  const bool half = reach.epoch + std::min(kEpochBlock / 2, ~reach.epoch) > state.epochCeiling ||
+                    reach.site + kSiteBlock / 2 > state.siteCeiling;
+  if (half) (void)mark.reserve(reach.epochBlock(), reach.siteBlock());
+}
+
+/// The paths once a second, and at every commit whether the directory was deleted: then nothing counts as
+/// durable any more.
+Status SqliteJournal::State::look() {
+  const auto now = std::chrono::steady_clock::now();
+  if (!mark.isDeleted() && now - looked < kLook) return {};
+  looked = now;
+  if (Status same = files.check(); !same) return same;
+  return log.check();
 }
 
 Status SqliteJournal::State::write(const std::vector<JournalRecord>& batch, sync::Micros time) {
-  if (Status same = files.check(); !same) return same;
-  if (Status same = log.check(); !same) return same;
+  if (Status same = look(); !same) return same;
   if (batch.empty() && time == 0) return {};
   if (Status reserved = reserveFor(batch); !reserved) return reserved;
   Status written = database->commit(batch, time);
@@ -320,9 +336,47 @@ void removeDatabase(const std::string& path) {
   for (const char* suffix : {"", "-wal", "-shm"}) std::filesystem::remove(path + suffix, ignored);
 }
 
+/// The mark comes first, with commit 0: a start that is cut off between it and the database migrates again.
+Status migrate(const std::string& path, const SqliteJournalOptions& options) {
+  const std::string markPath = markPathOf(path);
+  const auto mark = SessionMark::open(markPath);
+  if (!mark) return Error{mark.error().message + kAdvice};
+  if (*mark && (*mark)->state().sequence > 0)
+    return Error{path + ": rolled back: schema version 1, but " + markPath + " is of a later one" + kAdvice};
+  const Result<Version1> found = SessionDatabase::readVersion1(path);
+  if (!found) return Error{found.error().message + kAdvice};
+  const JournalContents& contents = found->contents;
+  DatabaseHead head;
+  head.session = randomDigest();
+  head.scene = found->scene;
+  head.sessionTime = contents.sessionTime;
+  Reach reach;
+  std::vector<JournalRecord> records;
+  records.insert(records.end(), contents.parts.begin(), contents.parts.end());
+  records.insert(records.end(), contents.sites.begin(), contents.sites.end());
+  records.insert(records.end(), contents.nonces.begin(), contents.nonces.end());
+  for (const JournalRecord& record : records) reach.include(record);
+  const MarkState begun{head.session, options.key, reach.epochBlock(), reach.siteBlock(), 0, {}};
+  if (auto made = SessionMark::create(markPath, begun); !made) return made.error();
+  return SessionDatabase::migrate(path, head, records);
+}
+
+/// Migrates a database of schema version 1, and refuses one of a version that is not known.
+Status bringUpToDate(const std::string& path, const SqliteJournalOptions& options) {
+  const Result<int> version = SessionDatabase::versionOf(path);
+  if (!version) return {};  // damaged: whoever opens it says so
+  if (*version > SessionDatabase::kSchemaVersion)
+    return Error{path + ": schema version " + std::to_string(*version) +
+                 " of a newer tandem-server, this one knows version " +
+                 std::to_string(SessionDatabase::kSchemaVersion)};
+  return *version == 1 ? migrate(path, options) : Status{};
+}
+
 Result<SessionDatabase> openOrBegin(const std::string& path, const SqliteJournalOptions& options) {
   const std::string markPath = markPathOf(path);
   const bool there = std::filesystem::exists(path);
+  if (there)
+    if (Status current = bringUpToDate(path, options); !current) return current.error();
   auto mark = SessionMark::open(markPath);
   if (!mark) return Error{mark.error().message + kAdvice};
   if (!*mark && !there && !options.mustExist) return begin(path, options);

@@ -1,0 +1,90 @@
+#include "server/session_rows.h"
+
+#include <algorithm>
+
+#include "sync/wire/limits.h"
+
+namespace tandem::server {
+namespace {
+
+bool within(std::int64_t value, std::int64_t least, std::int64_t most) {
+  return value >= least && value <= most;
+}
+
+}  // namespace
+
+std::optional<sync::PartRecord> partOf(const SqliteStatement& row) {
+  if (!within(row.integer(0), 0, kNoPart - 1) || !within(row.integer(1), 0, 0xffff) ||
+      !within(row.integer(2), 0, 0xffffffff))
+    return std::nullopt;
+  sync::PartRecord part;
+  part.part = static_cast<PartId>(row.integer(0));
+  part.owner = static_cast<SiteId>(row.integer(1));
+  part.epoch = static_cast<Epoch>(row.integer(2));
+  part.worldFromPart.position = glm::dvec3(row.real(3), row.real(4), row.real(5));
+  part.worldFromPart.orientation = glm::dquat(row.real(6), row.real(7), row.real(8), row.real(9));
+  if (!isValid(part.worldFromPart)) return std::nullopt;
+  return part;
+}
+
+std::optional<SiteRecord> siteOf(const SqliteStatement& row) {
+  if (!within(row.integer(0), 1, 0xffff) ||
+      !within(row.integer(1), 0, static_cast<int>(sync::Role::instructor)))
+    return std::nullopt;
+  SiteRecord site;
+  site.info.site = static_cast<SiteId>(row.integer(0));
+  site.info.role = static_cast<sync::Role>(row.integer(1));
+  site.info.name = row.text(2);
+  for (int i = 0; i < 3; ++i) {
+    if (!within(row.integer(3 + i), 0, 255)) return std::nullopt;
+    site.info.colour[static_cast<std::size_t>(i)] = static_cast<std::uint8_t>(row.integer(3 + i));
+  }
+  site.info.connected = false;
+  site.left = row.integer(6) != 0;
+  if (site.info.name.size() > sync::kMaxNameLength) return std::nullopt;
+  return site;
+}
+
+std::optional<UsedNonce> nonceOf(const SqliteStatement& row) {
+  return UsedNonce{row.text(0), row.integer(1)};
+}
+
+Digest digestIn(const SqliteStatement& row, int column) {
+  Digest digest{};
+  const std::string bytes = row.text(column);
+  if (bytes.size() == digest.size()) std::copy(bytes.begin(), bytes.end(), digest.begin());
+  return digest;
+}
+
+Result<Version1> readVersion1(SqliteDatabase& database) {
+  Version1 found;
+  const auto take = [](const char* table, const auto& record, auto& into) {
+    if (!record) return std::string("damaged: table ") + table + " holds a value out of range";
+    into.push_back(*record);
+    return std::string();
+  };
+  JournalContents& contents = found.contents;
+  Status read =
+      readRows(database, "SELECT part, owner, epoch, px, py, pz, qw, qx, qy, qz FROM parts ORDER BY part",
+               [&](const SqliteStatement& row) { return take("parts", partOf(row), contents.parts); });
+  if (!read) return read.error();
+  read = readRows(database, "SELECT site, role, name, red, green, blue, gone FROM sites ORDER BY site",
+                  [&](const SqliteStatement& row) { return take("sites", siteOf(row), contents.sites); });
+  if (!read) return read.error();
+  read = readRows(database, "SELECT nonce, expires FROM nonces",
+                  [&](const SqliteStatement& row) { return take("nonces", nonceOf(row), contents.nonces); });
+  if (!read) return read.error();
+  read = readRows(database,
+                  "SELECT CAST(max(CASE key WHEN 'session_time' THEN value END) AS INTEGER), "
+                  "max(CASE key WHEN 'scene' THEN value END) FROM meta",
+                  [&](const SqliteStatement& row) {
+                    contents.sessionTime = row.integer(0);
+                    found.scene = row.text(1);
+                    const bool sound = contents.sessionTime >= 0;
+                    return sound ? std::string() : "damaged: table meta holds a value out of range";
+                  });
+  if (!read) return read.error();
+  return found;
+}
+
+}  // namespace tandem::server
