@@ -20,19 +20,12 @@
 #include "server/session_recovery.h"
 #include "server/sqlite_database.h"
 #include "server/sqlite_journal.h"
+#include "tests/server/told_session.h"
 
 namespace tandem::server {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// All that sites could know.
-struct Told {
-  std::map<PartId, std::pair<Epoch, SiteId>> parts;
-  std::set<std::string> nonces;
-  SiteId lastSite = 0;
-  Epoch highest = 0;
-};
 
 std::string contentOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -112,51 +105,6 @@ class DeadSession {
   Digest key_{};
   bool mustExist_ = false;
 };
-
-/// Why a start must not have continued as it did; empty if it may.
-std::string wrong(const JournalContents& now, const Told& told) {
-  std::map<PartId, sync::PartRecord> parts;
-  for (const auto& part : now.parts) parts[part.part] = part;
-  std::set<std::string> nonces;
-  for (const auto& nonce : now.nonces) nonces.insert(nonce.nonce);
-  for (const auto& [part, known] : told.parts) {
-    const auto at = parts.find(part);
-    if (at == parts.end()) return "part " + std::to_string(part) + " is forgotten";
-    if (at->second.epoch < known.first) return "part " + std::to_string(part) + " is back in an older epoch";
-    if (at->second.epoch == known.first && at->second.owner != known.second)
-      return "part " + std::to_string(part) + " has another owner";
-  }
-  for (const auto& part : now.parts)
-    if (!told.parts.contains(part.part)) return "part " + std::to_string(part.part) + " is invented";
-  for (const std::string& nonce : told.nonces)
-    if (!nonces.contains(nonce)) return "token " + nonce + " is good again";
-  return {};
-}
-
-/// What a server would continue with that trusts its database, as one without checksums and mark does.
-std::string wrongWithoutChecks(const fs::path& folder, const Told& told) {
-  auto database = SqliteDatabase::openExisting((folder / "session.db").string());
-  if (!database) return {};
-  JournalContents contents;
-  const auto read = [&](const char* sql, auto take) {
-    auto rows = SqliteStatement::prepare(*database, sql);
-    if (!rows) return false;
-    auto row = rows->next();
-    for (; row == SqliteStatement::Row::row; row = rows->next()) take(*rows);
-    return row == SqliteStatement::Row::end;
-  };
-  const bool readable = read("SELECT part, owner, epoch FROM parts",
-                             [&](const SqliteStatement& row) {
-                               contents.parts.push_back({static_cast<PartId>(row.integer(0)),
-                                                         static_cast<SiteId>(row.integer(1)),
-                                                         static_cast<Epoch>(row.integer(2)),
-                                                         {}});
-                             }) &&
-                        read("SELECT nonce FROM nonces", [&](const SqliteStatement& row) {
-                          contents.nonces.push_back({row.text(0), 0});
-                        });
-  return readable ? wrong(contents, told) : std::string();
-}
 
 /// Why a recovery was not safe; empty if it was.
 std::string wrongAfterRecovery(DeadSession& session) {
