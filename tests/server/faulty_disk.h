@@ -1,7 +1,7 @@
 #pragma once
 
 // A disk with faults below SQLite, as its default VFS while an object of this class lives. It passes all on
-// to the real one, and remembers what is durable of every sector of 512 bytes that was written and not synced.
+// to the real one, and remembers what is durable of every sector of 512 bytes that was not synced.
 // Locks and the shared memory of the write-ahead log are the real ones. One at a time.
 
 #include <cstdint>
