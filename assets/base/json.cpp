@@ -69,6 +69,41 @@ void sortMembers(std::vector<Json::Member>& members) {
 
 }  // namespace
 
+/// A place in a text that says how far it has got.
+class WatchedText {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  explicit WatchedText(std::string_view text) : at_(text.data() + text.size()) {}
+  WatchedText(std::string_view text, const std::function<void(double)>& progress)
+      : progress_(&progress), at_(text.data()), begin_(at_), size_(text.size()) {}
+  reference operator*() const { return *at_; }
+  WatchedText& operator++() {
+    ++at_;
+    const auto done = static_cast<std::size_t>(at_ - begin_);
+    if (done % kStep == 0) (*progress_)(static_cast<double>(done) / static_cast<double>(size_));
+    return *this;
+  }
+  WatchedText operator++(int) {
+    const WatchedText before = *this;
+    ++*this;
+    return before;
+  }
+  bool operator==(const WatchedText& other) const { return at_ == other.at_; }
+  bool operator!=(const WatchedText& other) const { return at_ != other.at_; }
+
+ private:
+  static constexpr std::size_t kStep = 1 << 20;
+  const std::function<void(double)>* progress_ = nullptr;
+  const char* at_;
+  const char* begin_ = nullptr;
+  std::size_t size_ = 0;
+};
+
 /// Builds a value from the events of the library's parser, which is not recursive.
 class JsonBuilder final : public nlohmann::json_sax<nlohmann::json> {
  public:
@@ -270,11 +305,26 @@ int Json::nesting(std::string_view text) {
   return deepest;
 }
 
-Result<Json> Json::parse(std::string_view text) {
+std::size_t Json::structureBytes(std::string_view text) {
+  std::size_t bytes = text.size();
+  for (std::size_t at = text.find('"'); at != std::string_view::npos; at = text.find('"', at + 1)) {
+    const std::size_t begin = at + 1;
+    for (++at; at < text.size() && text[at] != '"'; ++at)
+      if (text[at] == '\\') ++at;
+    const std::size_t length = std::min(at, text.size()) - begin;
+    bytes -= length - std::min(length, kShortText);
+  }
+  return bytes;
+}
+
+Result<Json> Json::parse(std::string_view text, const std::function<void(double)>& progress) {
   if (nesting(text) > kMaxNesting)
     return Error{"is nested deeper than " + std::to_string(kMaxNesting) + " levels"};
   JsonBuilder builder;
-  if (!nlohmann::json::sax_parse(text.begin(), text.end(), &builder)) return Error{builder.error};
+  const bool read = progress
+                        ? nlohmann::json::sax_parse(WatchedText(text, progress), WatchedText(text), &builder)
+                        : nlohmann::json::sax_parse(text.begin(), text.end(), &builder);
+  if (!read) return Error{builder.error};
   return std::move(builder.root);
 }
 

@@ -13,6 +13,7 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <initializer_list>
 #include <stdexcept>
 #include <string>
@@ -121,10 +122,15 @@ class Json {
 
   /// Reads hostile text. The error is the reason and the place on one line, without a file's name. Text that
   /// nests deeper than kMaxNesting is refused, so that what recurses over a value stays within the stack.
-  static Result<Json> parse(std::string_view text);
+  /// `progress` is called with the share of the text that has been read, every megabyte.
+  static Result<Json> parse(std::string_view text, const std::function<void(double)>& progress = {});
   static constexpr int kMaxNesting = 96;
   /// How deep the brackets outside of strings nest.
   static int nesting(std::string_view text);
+  /// Bytes without what strings have beyond their first kShortText bytes: what memory and time go by, because
+  /// a value takes them however short its text is.
+  static std::size_t structureBytes(std::string_view text);
+  static constexpr std::size_t kShortText = 256;
 
  private:
   friend class JsonBuilder;

@@ -15,6 +15,9 @@ namespace {
 
 constexpr std::uintmax_t kMaxFileBytes = std::numeric_limits<std::int32_t>::max();
 constexpr std::size_t kMaxTextBytes = 200;
+constexpr double kJsonShare = 0.05;  // of the progress of loading
+
+std::string inMebibytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20); }
 
 std::uint32_t readU32(ByteView bytes, std::size_t at) {
   std::uint32_t value;  // glTF and every machine this runs on are little-endian
@@ -89,6 +92,20 @@ std::filesystem::path externalPath(const std::string& uri, const std::string& di
   if (hasScheme || escapes || relative.empty())
     throw GltfError(place, "'" + uri.substr(0, 80) + "' does not lie in the directory of the file");
   return std::filesystem::path(directory) / relative;
+}
+
+Json readJson(std::string_view text, const LoadOptions& options) {
+  if (text.size() > options.maxJsonBytes) {
+    if (const std::size_t bytes = Json::structureBytes(text); bytes > options.maxJsonBytes)
+      throw GltfError("json", "has " + inMebibytes(bytes) + " MiB without long texts; at most " +
+                                  inMebibytes(options.maxJsonBytes) + " are read (--max-json)");
+  }
+  std::function<void(double)> progress;
+  if (options.progress)
+    progress = [&options](double share) { options.progress(kJsonShare * share, "reading the JSON"); };
+  Result<Json> parsed = Json::parse(text, progress);
+  if (!parsed) throw GltfError("json", parsed.error().message);
+  return std::move(*parsed);
 }
 
 bool isMeshoptFallback(const Json& buffer) {
@@ -182,12 +199,10 @@ const Json& findExtension(const Json& object, const char* name) {
   return extension.isObject() ? extension : Json::absent();
 }
 
-void openGltf(Bytes file, const std::string* directory, GltfDocument& document) {
+void openGltf(Bytes file, const std::string* directory, const LoadOptions& options, GltfDocument& document) {
   document.file = std::move(file);
   const Container container = splitContainer(document.file);
-  Result<Json> parsed = Json::parse(container.json);
-  if (!parsed) throw GltfError("json", parsed.error().message);
-  document.json = std::move(*parsed);
+  document.json = readJson(container.json, options);
   const Json& root = document.json;
   if (!root.isObject()) throw GltfError("json", "is not an object");
   const Json& asset = root.member("asset");

@@ -18,6 +18,7 @@
 #include "assets/base/json.h"
 #include "assets/gltf/gltf_error.h"
 #include "assets/gltf/gltf_model.h"
+#include "assets/gltf/load_gltf.h"
 
 namespace tandem::assets {
 
@@ -45,7 +46,7 @@ struct GltfDocument {
 
 /// Opens a file that is already in memory: .glb by its magic number, else .gltf. Fills all but the model.
 /// `directory` is where external buffers lie; a null pointer forbids them.
-void openGltf(Bytes file, const std::string* directory, GltfDocument& document);
+void openGltf(Bytes file, const std::string* directory, const LoadOptions& options, GltfDocument& document);
 
 /// The whole content of a regular file below 2 GiB.
 Bytes readWholeFile(const std::string& path, const std::string& place);

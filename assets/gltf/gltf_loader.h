@@ -11,7 +11,7 @@
 namespace tandem::assets {
 
 /// Opens the file and its external buffers; throws GltfError.
-void openFromDisk(const std::string& path, GltfDocument& document);
+void openFromDisk(const std::string& path, const LoadOptions& options, GltfDocument& document);
 
 /// The scene of an opened file; throws GltfError.
 Scene buildScene(const std::string& name, GltfDocument& document, const LoadOptions& options);

@@ -377,12 +377,12 @@ Error oneLine(std::string message) {
 
 }  // namespace
 
-void openFromDisk(const std::string& path, GltfDocument& document) {
+void openFromDisk(const std::string& path, const LoadOptions& options, GltfDocument& document) {
   const std::string directory = std::filesystem::path(path).parent_path().string();
   const std::string base = directory.empty() ? "." : directory;
   Bytes file = readWholeFile(path, "file");
   if (const std::optional<std::string> foreign = foreignFile(path, file)) throw GltfError("file", *foreign);
-  openGltf(std::move(file), &base, document);
+  openGltf(std::move(file), &base, options, document);
 }
 
 Scene buildScene(const std::string& name, GltfDocument& document, const LoadOptions& options) {
@@ -420,7 +420,7 @@ Result<double> parseUnits(const std::string& name) {
 Result<Scene> loadGltf(const std::string& path, const LoadOptions& options) {
   try {
     GltfDocument document;
-    openFromDisk(path, document);
+    openFromDisk(path, options, document);
     return buildScene(std::filesystem::path(path).filename().string(), document, options);
   } catch (...) {
     return describeError(path);
@@ -431,7 +431,7 @@ Result<Scene> loadGltfFromMemory(const std::string& name, const std::vector<unsi
                                  const LoadOptions& options) {
   try {
     GltfDocument document;
-    openGltf(bytes, nullptr, document);
+    openGltf(bytes, nullptr, options, document);
     return buildScene(name, document, options);
   } catch (...) {
     return describeError(name);

@@ -21,6 +21,9 @@ struct LoadOptions {
   bool normals = true;                      // the file's normals are read, and felt
   glm::dvec3 gravity{0.0, 0.0, 0.0};        // m/s^2; zero leaves it to the file, which by default has none
   std::size_t maxTriangles = 20'000'000;    // of all distinct meshes; a file with more is refused
+  // Of JSON, without what texts (embedded data) have beyond 256 bytes; a file with more is refused. 32 MiB
+  // take up to 2 GiB of memory.
+  std::size_t maxJsonBytes = 32 << 20;
   /// Called from the loading thread with the share done, 0..1, and what is being done.
   std::function<void(double, const char*)> progress;
 };

@@ -70,7 +70,7 @@ Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
   if (cacheDirectory.empty()) return loadGltf(path, options);
   try {
     GltfDocument document;
-    openFromDisk(path, document);
+    openFromDisk(path, options, document);
     const std::string name = std::filesystem::path(path).filename().string();
     const std::filesystem::path cached =
         std::filesystem::path(cacheDirectory) / (cacheKey(name, document, options) + ".scene");

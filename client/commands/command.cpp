@@ -33,6 +33,11 @@ void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments) {
       "--movable", arguments.movable,
       "Part that a hand may take, beside those that the file says; 'all' for every part; repeatable [none]");
   command.flag("--no-cache", arguments.noCache, "Neither read nor write the cache of prepared scenes");
+  command
+      .option("--max-json", arguments.maxJson,
+              "Largest JSON of a scene file to read, MiB; 32 take up to 2 GiB")
+      .integerFrom(1, 2048)
+      .showDefault();
   command.flag("--facets", arguments.facets,
                "Feel flat facets also where the file's normals say that the surface is curved");
 }
@@ -43,6 +48,7 @@ Result<assets::LoadOptions> loadOptions(const SceneArguments& arguments) {
   if (!scale) return Error{"--units " + arguments.units + ": " + scale.error().message};
   options.unitScale = *scale;
   options.normals = !arguments.facets;
+  options.maxJsonBytes = static_cast<std::size_t>(arguments.maxJson) << 20;
   for (const std::string& name : arguments.movable) {
     if (name == "all")
       options.allMovable = true;

@@ -35,6 +35,7 @@ struct SceneArguments {
   std::string units = "m";
   std::vector<std::string> movable;
   bool noCache = false;
+  std::int64_t maxJson = std::int64_t(assets::LoadOptions{}.maxJsonBytes >> 20);  // MiB
   bool facets = false;  // the file's normals are not felt
 };
 void addSceneOptions(assets::CommandLine& command, SceneArguments& arguments);

@@ -73,6 +73,7 @@ struct Raw {
   std::int64_t maxParticipants = Places::kDefaultParticipants;
   std::int64_t maxObservers = kRest;
   double lease_ms = 2000.0;
+  std::int64_t maxJson = std::int64_t(assets::LoadOptions{}.maxJsonBytes >> 20);  // MiB
   bool noCache = false;
 };
 
@@ -94,6 +95,7 @@ Status understand(const Raw& raw, Options& options) {
   const auto units = assets::parseUnits(options.units);
   if (!units) return Error{"--units: " + units.error().message};
   options.load.unitScale = *units;
+  options.load.maxJsonBytes = static_cast<std::size_t>(raw.maxJson) << 20;
   for (const std::string& name : raw.movable) {
     if (name == "all")
       options.load.allMovable = true;
@@ -139,6 +141,9 @@ void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
       .typeName("DIR")
       .showDefault();
   app.option("--units", options.units, "what one unit of the file is: m, cm, mm, inch, foot").showDefault();
+  app.option("--max-json", raw.maxJson, "largest JSON of the scene file, MiB; 32 take up to 2 GiB of memory")
+      .integerFrom(1, 2048)
+      .showDefault();
   app.option("--movable", raw.movable, "a part that can be picked up, or all; may be given again")
       .typeName("NAME|all")
       .oneValue();

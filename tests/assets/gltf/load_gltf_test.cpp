@@ -1,5 +1,6 @@
 #include "assets/gltf/load_gltf.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -505,6 +506,44 @@ TEST(LoadGltfRefuses, BadOptions) {
   LoadOptions few;
   few.maxTriangles = 5;
   EXPECT_NE(refusal(load(oneBox(), few)).find("more than 5 triangles"), std::string::npos);
+}
+
+TEST(LoadGltfRefuses, MoreJsonThanTheLimitWithoutReadingIt) {
+  for (const std::size_t limit : {1u << 20, 3u << 20}) {
+    LoadOptions options;
+    options.maxJsonBytes = limit;
+    // Numbers, short texts and what is no JSON at all count; the contents of long texts do not.
+    for (const std::string& part : {std::string("0,"), std::string("\"some\\\"text\","), std::string("[")}) {
+      std::string text = "[";
+      while (text.size() <= limit) text += part;
+      const std::string message =
+          refusal(loadGltfFromMemory("big.gltf", {text.begin(), text.end()}, options));
+      EXPECT_NE(message.find("at most " + std::to_string(limit >> 20) + " are read (--max-json)"),
+                std::string::npos)
+          << message;
+    }
+    GltfBuilder b = oneBox();
+    b.json["extras"] = std::string(2 * limit, 'x');
+    EXPECT_TRUE(load(b, options).ok());
+    b.json["extras"] = std::vector<int>(limit / 2, 1);
+    EXPECT_NE(refusal(load(b, options)).find("--max-json"), std::string::npos);
+    options.maxJsonBytes = 2 * limit;
+    EXPECT_TRUE(load(b, options).ok());
+  }
+}
+
+TEST(LoadGltf, SaysHowMuchOfTheJsonIsRead) {
+  GltfBuilder b = oneBox();
+  b.json["extras"] = std::vector<int>(3 << 20, 1);
+  LoadOptions options;
+  std::vector<double> shares;
+  options.progress = [&](double share, const char* what) {
+    if (std::string(what) == "reading the JSON") shares.push_back(share);
+  };
+  ASSERT_TRUE(load(b, options).ok());
+  EXPECT_GE(shares.size(), 6u);
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_LE(shares.back(), 0.05);
 }
 
 TEST(LoadGltf, NeverLooksAtImages) {
