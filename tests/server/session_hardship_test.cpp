@@ -264,31 +264,6 @@ TEST(Session, TellsOfAReleaseThatTheDiskKeptBack) {
             rig.session->ownership().part(0).owner != held.part.owner);
 }
 
-TEST(MemoryJournal, NoticesALyingDiskAndRotAndRecoversBeyondWhatWasTold) {
-  for (const bool lies : {false, true}) {
-    MemoryJournal journal;
-    const auto part = [](Epoch epoch) { return PartRecord{2, 7, epoch, {}}; };
-    journal.append(part(1));
-    journal.advanceTo(kSecond);
-    journal.lie(lies);
-    journal.append(part(2));
-    const auto told = journal.durableUpTo();
-    EXPECT_EQ(told, lies ? 2u : 1u);
-    journal.crash();
-    EXPECT_EQ(journal.damage().empty(), !lies);
-    if (!lies) {
-      EXPECT_EQ(journal.contents().parts.at(0).epoch, 1u);
-      journal.rot(2);
-      EXPECT_FALSE(journal.damage().empty());
-    }
-    journal.recover();
-    EXPECT_TRUE(journal.damage().empty());
-    EXPECT_GE(journal.contents().epochFloor, 2u);
-    EXPECT_EQ(journal.generation(), 1u);
-    for (const auto& record : journal.contents().parts) EXPECT_EQ(record.owner, kNoSite);
-  }
-}
-
 TEST(Session, CallsAFailedJournalAnErrorOnceAndNothingElse) {
   Rig rig;
   rig.grab(rig.join("a"), 0, 1);
