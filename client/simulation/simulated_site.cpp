@@ -39,7 +39,9 @@ HandSettingsInput SimulatedSite::settings() const {
   HandSettingsInput settings;
   haptics::TickParameters& parameters = settings.parameters[0];
   if (description_.fit) haptics::fitToDevice(device_.limits(), 0.0, parameters);
-  parameters.forceLimit = description_.device.forceMax;
+  constexpr double kUnlimited = 1e9;  // N
+  parameters.forceLimit =
+      context_.mistake == Mistake::limitsUnknown ? kUnlimited : description_.device.forceMax;
   parameters.gravity = context_.scene.gravity;
   if (description_.stiffness > 0.0) {
     parameters.stiffness = parameters.graspStiffness = description_.stiffness;
@@ -111,7 +113,9 @@ void SimulatedSite::tickHand(Micros now) {
     hand_->setControl(device_.control());
     toHand = hand_->tick(reading, local(now));
   }
-  if (context_.pushesHands && running) pushAlong(toHand);
+  if (context_.mistake == Mistake::negativeDamping && running) pushAlong(toHand);
+  if (context_.mistake == Mistake::limitsUnknown)
+    toHand.force = haptics::limited(toHand.force, description_.device.forceMax);
   device_.apply(toHand);
   const HandSample sample = measure(toHand);
   if (running) addSources(tick());

@@ -32,7 +32,7 @@ struct SimulationContext {
         network(options.seed, script.network),
         invariants(script.sites.size(), sync::LeaseRules{}),
         server(scene, network, options.seed, options.mistake),
-        pushesHands(options.mistake == Mistake::negativeDamping),
+        mistake(options.mistake),
         everOwned(scene.parts.size(), false) {}
 
   const Scenario& scenario;
@@ -41,7 +41,7 @@ struct SimulationContext {
   sync::VirtualNetwork network;
   Invariants invariants;
   SimulatedServer server;
-  const bool pushesHands;  // Mistake::negativeDamping
+  const Mistake mistake;
   Fingerprint fingerprint;
   std::ofstream trace;          // open where a trace was asked for
   std::vector<bool> everOwned;  // a part each

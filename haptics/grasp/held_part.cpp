@@ -75,22 +75,43 @@ Wrench endedPull(SimulatedPart& entry, double dt) {
   return {now.force, now.torque + glm::cross(arm, now.force)};
 }
 
-/// A hand's coupling to a part. `tied`: other sites simulate the part too.
+constexpr double kFar = 0.15;          // s, of play-out
+constexpr double kRoundingTime = 0.5;  // s
+constexpr double kShort = 0.1;         // of the stretch at the limit: rounding takes 0.5 % of the force
+
+/// What other sites have to do with a part in the hand.
+struct Tie {
+  bool tied = false;    // they simulate it too
+  bool far = false;     // at least one of them is beyond kFar
+  double weight = 0.0;  // N, of the replica here
+};
+
+/// A hand's coupling to a part.
 ///
 /// Beyond the force that the device can give, the hand would stretch the spring without paying for it, and
 /// other sites' hands would be given that energy. So the spring of a tied part gives the part no more than
-/// that, and the part's `weight` (N), which the hand need not feel: it is linear up to the limit, then of
-/// constant force (Huber's function as its potential), so it stores what the hand has paid. A part that is
-/// tied no longer keeps the limit until its spring is short, so that nothing jumps.
-Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, bool tied, double weight) {
+/// that, and the part's weight, which the hand need not feel: it is linear up to the limit, then of constant
+/// force (Huber's function as its potential), so it stores what the hand has paid.
+///
+/// Where others are far, a pushed row yields long before their resistance comes back, and runs after the hand
+/// while the spring is beyond its limit. The kink of the force would then be a step to the hand, so it is
+/// rounded: F = limit s / sqrt(1 + s^2), s the stretch as a share of that at the limit. Rounding comes
+/// gradually, which only takes energy. A part that is tied no longer keeps limit and rounding until its
+/// spring is short, so that nothing jumps.
+Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, const Tie& tie, double dt) {
   const DeviceSample& device = *hand.device;
   CouplingGains gains = hand.gains;
   const double gap = glm::length(device.worldFromDevice.position -
                                  transformPoint(worldFromBody, grip.bodyFromGrip.position));
-  const double limit = hand.forceLimit + weight, force = gains.stiffness * gap;
-  const bool beyond = hand.forceLimit > 0.0 && force > limit;
-  grip.limited = tied || (grip.limited && beyond);
-  if (grip.limited && beyond) gains.stiffness *= limit / force;
+  const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);  // 1: at the limit
+  grip.limited = tie.tied || (grip.limited && stretch > 1.0);
+  grip.rounded =
+      tie.far ? std::min(1.0, grip.rounded + dt / kRoundingTime) : (stretch > kShort ? grip.rounded : 0.0);
+  if (hand.forceLimit > 0.0 && (grip.limited || grip.rounded > 0.0)) {
+    const double kinked = std::min(1.0, 1.0 / std::max(stretch, 1e-300));
+    const double round = 1.0 / std::sqrt(1.0 + stretch * stretch);
+    gains.stiffness *= kinked + grip.rounded * (round - kinked);
+  }
   return {grip.bodyFromGrip, device.worldFromDevice, device.twist, gains};
 }
 
@@ -165,7 +186,7 @@ bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParame
   if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
   letGo(parameters, hand);
   if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
-  entry->grips[index] = {true, false, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
+  entry->grips[index] = {true, false, 0.0, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
   return true;
 }
 
@@ -262,12 +283,13 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
   std::array<Coupling, kMaxCouplings> couplings;
   std::size_t count = 0;
   const bool linked = links_.has(entry.part);
-  const double weight = entry.body.mass * glm::length(gravity);
+  const Tie tie{linked, linked && links_.playOutDelay(entry.part) > kFar,
+                entry.body.mass * glm::length(gravity)};
   for (std::size_t h = 0; h < kHands; ++h) {
     Grip& grip = entry.grips[h];
     grip.onHand = Wrench{};
     if (!grip.holds || hands[h].device == nullptr) continue;
-    couplings[count++] = couplingOf(grip, hands[h], entry.body.worldFromBody, linked, weight);
+    couplings[count++] = couplingOf(grip, hands[h], entry.body.worldFromBody, tie, dt);
   }
   if (count == 0 && !linked) return false;
   const bool held = count > 0;

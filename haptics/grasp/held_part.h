@@ -49,6 +49,7 @@ struct FieldPull {
 struct Grip {
   bool holds = false;
   bool limited = false;  // its spring gives the part no more than the device gives the hand
+  double rounded = 0.0;  // 0..1: how far it approaches that limit smoothly
   Pose bodyFromGrip;
   Wrench onHand;  // of the last step
 };

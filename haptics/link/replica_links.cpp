@@ -174,6 +174,14 @@ LinkPull ReplicaLinks::pull(PartId part, RigidBody& body, bool held, double now,
   return sum;
 }
 
+double ReplicaLinks::playOutDelay(PartId part) const {
+  double longest = 0.0;
+  for (const std::optional<LinkEnd>& end : ends_)
+    if (end && end->terms.id.part == part && end->link.regime() != LinkRegime::apart)
+      longest = std::max(longest, end->link.delay());
+  return longest;
+}
+
 const OutageSpring* ReplicaLinks::outageSpring(PartId part) const {
   for (const std::optional<LinkEnd>& end : ends_)
     if (end && end->terms.id.part == part && end->outageSpring.share() > 0.0) return &end->outageSpring;

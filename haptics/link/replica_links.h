@@ -65,6 +65,8 @@ class ReplicaLinks {
   /// Begins the step of a linked part: ramps its mass, and returns the sum of its links' pulls. `now` is in
   /// s, session clock; `held` says that a hand here holds the part.
   LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
+  /// The longest play-out delay of a part's links that couple, s.
+  double playOutDelay(PartId part) const;
   /// The outage spring that leads a part while its link does not carry it, or null.
   const OutageSpring* outageSpring(PartId part) const;
   /// Ends the step with the velocity of the centre of mass and the spin that the body took, and the wrench of
