@@ -32,7 +32,7 @@ SiteAdmission::SiteAdmission(const Ground& ground) : ground_(ground) { ASSERT(gr
 
 void SiteAdmission::restore(const std::vector<UsedNonce>& nonces) {
   ASSERT(usedNonces_.empty());
-  for (const auto& record : nonces) usedNonces_[record.nonce] = record.expires;
+  for (const auto& record : nonces) usedNonces_.insert(record.nonce);
 }
 
 void SiteAdmission::onConnected(sync::ConnectionId connection) {
@@ -68,8 +68,7 @@ void SiteAdmission::onHello(Peer& peer, const sync::Hello& hello) {
     refuse(peer, sync::Refusal::badCredential,
            hello.resume ? "credential: a join token, not a resume ticket"
                         : "credential: a resume ticket, not a join token");
-  } else if (ticket->expires <= ground_.context.unixNow() ||
-             (!ticket->resume && ticket->expires <= forgottenUpTo_)) {
+  } else if (ticket->expires <= ground_.context.unixNow()) {
     refuse(peer, sync::Refusal::expired,
            hello.resume ? "the resume ticket has expired: ask for a new link"
                         : "the link has expired: ask for a new one");
@@ -99,7 +98,7 @@ void SiteAdmission::join(Peer& peer, const sync::Hello& hello, const Ticket& tic
     return;
   }
   // The nonce first: the Welcome waits for it, so that no crash lets a token in twice.
-  usedNonces_[ticket.nonce] = ticket.expires;
+  usedNonces_.insert(ticket.nonce);
   ground_.publisher.keep(UsedNonce{ticket.nonce, ticket.expires});
   usedTokens_.push_back(ticket.role);
   admit(peer, ground_.sites.add(ticket.role), hello);
@@ -300,11 +299,6 @@ void SiteAdmission::relist() {
 void SiteAdmission::housekeeping() {
   dropSilent();
   relist();
-  std::erase_if(usedNonces_, [&](const auto& entry) {
-    if (entry.second > ground_.context.unixNow()) return false;
-    forgottenUpTo_ = std::max(forgottenUpTo_, entry.second);
-    return true;
-  });
 }
 
 std::vector<sync::Role> SiteAdmission::drainUsedTokens() { return std::exchange(usedTokens_, {}); }

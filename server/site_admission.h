@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
-#include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "server/part_service.h"
@@ -87,10 +87,9 @@ class SiteAdmission {
   void audit(AuditEvent event, const Peer& peer, const std::string& detail);
 
   Ground ground_;
-  std::unordered_map<std::string, std::int64_t> usedNonces_;  // and when each expires, Unix time in s
-  /// The latest expiry of a nonce that was forgotten. Whatever expires no later stays expired, even if the
-  /// wall clock is put back.
-  std::int64_t forgottenUpTo_ = 0;
+  /// None is forgotten while the server runs: a wall clock that is put back makes expired tokens good again.
+  /// There are no more of them than numbers of sites.
+  std::unordered_set<std::string> usedNonces_;
   std::vector<sync::Role> usedTokens_;  // since the last drainUsedTokens()
 };
 

@@ -162,7 +162,13 @@ TEST(Session, ATokenStaysUsedWhenTheWallClockIsPutForwardAndBack) {
   rig.run(3 * kSecond);
   rig.wallStep = 0;
   rig.run(100 * kMillisecond);
-  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::expired);
+  EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::alreadyUsed);
+  rig.wallStep = -24 * 3600;  // behind all that has expired: a new link is good nevertheless
+  rig.run(100 * kMillisecond);
+  FakeSite& second = rig.connect("b");
+  second.send(Hello{kProtocolVersion, false, rig.token(Role::participant), "b", {}});
+  rig.run(40 * kMillisecond);
+  EXPECT_NE(second.last<Welcome>(), nullptr);
 }
 
 TEST(Session, HearsTheEndOfAConnectionThatIsHeld) {
