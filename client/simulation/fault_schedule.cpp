@@ -69,6 +69,8 @@ void FaultSchedule::advanceTo(Micros now) {
   }
   restart();
   applyNetworkSteps();
+  for (std::size_t i = 0; i < sites_.size(); ++i)
+    invariants_.onHeardFromTheDead(i, network_.lastFromTheDead(sites_[i]->name()));
   for (const auto& stranger : strangers_) stranger->step(now);
 }
 

@@ -15,7 +15,9 @@ using sync::PartRecord;
 namespace {
 
 constexpr Micros kAnswerLimit = 10 * sync::kSecond;  // L1: far above any round trip
-/// L2: for which the last ping of a site may be under way when it dies, by the slowest network of a scenario.
+/// L2: in which the server notices that a lease is over. What was under way when a site died is known.
+constexpr Micros kNoticed = 500 * sync::kMillisecond;
+/// R1: for which what a hostile peer was told may be under way after it has gone.
 constexpr Micros kInFlight = 4 * sync::kSecond;
 /// S3, S8: for which an instructor's command explains that a part is taken from its owner at once.
 constexpr Micros kCommanded = 10 * sync::kSecond;
@@ -36,7 +38,7 @@ const char* toString(Rule rule) {
 }
 
 Invariants::Invariants(std::size_t sites, sync::LeaseRules lease)
-    : lease_(lease), applied_(sites), open_(sites) {}
+    : lease_(lease), applied_(sites), open_(sites), heardFromTheDead_(sites, 0) {}
 
 void Invariants::setTime(Micros now) {
   ASSERT(now >= now_);
@@ -160,7 +162,12 @@ void Invariants::onDead(std::size_t site, SiteId self) {
   // The client that starts in its place is another site: it numbers its requests, and receives states, anew.
   answers_.erase(answers_.lower_bound({site, 0}), answers_.lower_bound({site + 1, 0}));
   applied_[site].clear();
-  if (self != kNoSite) deadSince_[self] = now_;
+  if (self != kNoSite) dead_[self] = {site, now_};
+}
+
+void Invariants::onHeardFromTheDead(std::size_t site, Micros at) {
+  ASSERT(site < heardFromTheDead_.size());
+  heardFromTheDead_[site] = at;
 }
 
 void Invariants::onServerRecord(const PartRecord& record) {
@@ -193,14 +200,15 @@ void Invariants::onServerRecord(const PartRecord& record) {
 
 /// L2: a part of a dead site is free after the lease and the drift of clocks. A restart begins a new lease.
 void Invariants::checkDead(const PartRecord& record) {
-  const auto dead = deadSince_.find(record.owner);
-  if (dead == deadSince_.end()) return;
+  const auto dead = dead_.find(record.owner);
+  if (dead == dead_.end()) return;
   checked(Rule::L2);
   const auto drift = static_cast<Micros>(static_cast<double>(lease_.lease) * lease_.driftPpm * 1e-6);
-  const Micros since = std::max({dead->second, restartedAt_, hinderedAt_});
-  if (now_ <= since + lease_.lease + drift + kInFlight) return;
+  const Micros since =
+      std::max({dead->second.since, heardFromTheDead_[dead->second.site], restartedAt_, hinderedAt_});
+  if (now_ <= since + lease_.lease + drift + kNoticed) return;
   reportBroken(Rule::L2, "a dead site still owns: " + text(record));
-  deadSince_.erase(dead);
+  dead_.erase(dead);
 }
 
 void Invariants::onServerCoHolders(const std::vector<sync::CoHolderRecord>& lists) {

@@ -51,6 +51,8 @@ class Invariants {
   void onPublished(SiteId self, const sync::PartState& state);
   void onConnection(std::size_t site, bool up);
   void onDead(std::size_t site, SiteId self);
+  /// When the server last received what a dead client of this site had sent, whose lease that renews.
+  void onHeardFromTheDead(std::size_t site, sync::Micros at);
   /// The site said goodbye: it publishes nothing more.
   void onLeft(std::size_t site, SiteId self);
   /// An instructor orders that the part be taken from its owner, who may not know yet and goes on; or that
@@ -122,7 +124,12 @@ class Invariants {
   };
   std::vector<std::map<sync::RequestId, OpenGrab>> open_;                       // L1, a site each
   std::map<std::pair<std::size_t, sync::RequestId>, sync::GrabReply> answers_;  // S7
-  std::map<SiteId, sync::Micros> deadSince_;                                    // L2
+  struct Dead {
+    std::size_t site = 0;
+    sync::Micros since = 0;
+  };
+  std::map<SiteId, Dead> dead_;                // L2
+  std::vector<sync::Micros> heardFromTheDead_;  // L2, a site each
 };
 
 }  // namespace tandem::client

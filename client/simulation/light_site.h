@@ -50,6 +50,7 @@ class LightSite final : public SimulatedClient {
 
   /// Whether the person is still there: it was not killed for good and has not left.
   bool takesPart() const { return connection_ != nullptr && !left_; }
+  const std::vector<ScriptStep>& script() const { return script_.steps; }
   const Pose& worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
   std::uint64_t granted() const { return granted_ + (hand_ ? hand_->granted() : 0); }
   /// Grants since the last call.

@@ -56,7 +56,8 @@ enum Side : int { kServerSide = 0, kSiteSide = 1 };
 struct SitePath {
   Micros cutUntil[2] = {0, 0};  // toward the server, toward the site
   VirtualNetwork::Path path;
-  Micros uplinkFreeAt = 0;  // when what queues in a slow uplink will have left
+  Micros uplinkFreeAt = 0;     // when what queues in a slow uplink will have left
+  Micros lastFromTheDead = 0;  // when the server received something of an end that is destroyed
 };
 
 struct Connection {
@@ -91,6 +92,12 @@ class Deliveries {
   void push(Delivery delivery) {
     heap_.push_back(std::move(delivery));
     std::push_heap(heap_.begin(), heap_.end(), Later{});
+  }
+  /// Changes each by `change`, in any order.
+  template <typename Change>
+  void forEach(const Change& change) {
+    for (Delivery& delivery : heap_) change(delivery);
+    std::make_heap(heap_.begin(), heap_.end(), Later{});
   }
   Delivery pop() {
     std::pop_heap(heap_.begin(), heap_.end(), Later{});
@@ -158,6 +165,16 @@ struct Core {
               .connection = connection,
               .bytes = {}});
   }
+  /// What a bad way has held back is sent again at once, in its order.
+  void resendNow() {
+    const Micros latest = now + 2 * conditions.oneWay + kResendPause;
+    deliveries.forEach([&](Delivery& delivery) {
+      if (delivery.kind != Delivery::Kind::control) return;
+      delivery.at = std::min(delivery.at, latest);
+      Micros& last = delivery.connection->toward[delivery.to].lastArrival;
+      last = std::min(last, latest);
+    });
+  }
   void sendState(const std::shared_ptr<Connection>& connection, Side to, std::span<const std::byte> bytes) {
     // Every draw is made whatever its outcome, so that one condition does not shift the others' random
     // numbers.
@@ -186,6 +203,11 @@ struct Core {
     const ConnectionId id = side == kServerSide ? connection.id : 0;
     connection.end[side]->inbox.push_back({TransportEvent::Kind::closed, id, {}, reason});
   }
+  void noteTheDead(const Delivery& delivery) {
+    const Connection& connection = *delivery.connection;
+    if (delivery.to == kServerSide && connection.end[kSiteSide] == nullptr)
+      connection.path->lastFromTheDead = now;
+  }
   void deliverConnect(Delivery& delivery) {
     Connection& connection = *delivery.connection;
     if (connection.end[kSiteSide] == nullptr) return;
@@ -207,6 +229,7 @@ struct Core {
     if (item.closes) return close(connection, delivery.to, item.reason);
     Endpoint* end = connection.end[delivery.to];
     if (end == nullptr || !connection.open[delivery.to]) return;
+    noteTheDead(delivery);
     end->counters.controlBytesIn += item.bytes.size();
     const ConnectionId id = delivery.to == kServerSide ? connection.id : 0;
     end->inbox.push_back({TransportEvent::Kind::control, id, std::move(item.bytes), {}});
@@ -215,6 +238,7 @@ struct Core {
     Connection& connection = *delivery.connection;
     Endpoint* end = connection.end[delivery.to];
     if (end == nullptr || !connection.open[delivery.to]) return;
+    noteTheDead(delivery);
     end->counters.stateBytesIn += delivery.bytes.size();
     ++end->counters.statePacketsIn;
     const ConnectionId id = delivery.to == kServerSide ? connection.id : 0;
@@ -423,11 +447,17 @@ void VirtualNetwork::healAll() {
     path.cutUntil[kServerSide] = path.cutUntil[kSiteSide] = 0;
     path.path = {};
   }
+  impl_->resendNow();
 }
 
 void VirtualNetwork::setPath(const std::string& site, const Path& path) { impl_->paths[site].path = path; }
 
 VirtualNetwork::Path VirtualNetwork::path(const std::string& site) const { return impl_->paths[site].path; }
+
+Micros VirtualNetwork::lastFromTheDead(const std::string& site) const {
+  const auto found = impl_->paths.find(site);
+  return found == impl_->paths.end() ? 0 : found->second.lastFromTheDead;
+}
 
 std::optional<Micros> VirtualNetwork::nextArrival() const {
   if (impl_->deliveries.empty()) return std::nullopt;

@@ -60,9 +60,11 @@ class VirtualNetwork {
   };
   void setPath(const std::string& site, const Path& path);
   Path path(const std::string& site) const;
-  /// Ends all cuts, and takes back every setPath().
+  /// Ends all cuts, takes back every setPath(), and sends again at once what losses had held back.
   void healAll();
 
+  /// When the server last received what an end of this site had sent that is destroyed by now; 0: never.
+  Micros lastFromTheDead(const std::string& site) const;
   /// When the next message arrives; nothing if none is under way.
   std::optional<Micros> nextArrival() const;
   /// Whether an end of this network has events to be polled. It must be one of a VirtualNetwork.

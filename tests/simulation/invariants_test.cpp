@@ -131,6 +131,19 @@ TEST_F(InvariantsTest, FindsAPartThatADeadSiteKeeps) {
   EXPECT_EQ(rules(invariants), "L2 ");
 }
 
+TEST_F(InvariantsTest, ADeadSitesLeaseRunsFromTheLastOfItsMessagesToArrive) {
+  invariants.onServerRecord(record(1, 1));
+  invariants.onDead(0, 1);
+  invariants.setTime(6 * sync::kSecond);
+  invariants.onHeardFromTheDead(0, 6 * sync::kSecond);
+  invariants.setTime(7 * sync::kSecond);
+  invariants.onServerRecord(record(1, 1));
+  EXPECT_EQ(rules(invariants), "");
+  invariants.setTime(9 * sync::kSecond);
+  invariants.onServerRecord(record(1, 1));
+  EXPECT_EQ(rules(invariants), "L2 ");
+}
+
 TEST_F(InvariantsTest, FindsReplicasThatDiffer) {
   invariants.finish({{"peg", 1e-3}});
   EXPECT_EQ(rules(invariants), "L4 ");

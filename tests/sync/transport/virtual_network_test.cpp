@@ -163,6 +163,39 @@ TEST(VirtualNetwork, ACrashedSiteIsNoticedLate) {
   EXPECT_EQ(drain(*server).at(0).kind, Kind::closed);
 }
 
+TEST(VirtualNetwork, TellsWhenTheServerLastReceivedSomethingOfADeadSite) {
+  VirtualNetwork network(1, {.oneWay = 20 * kMillisecond});
+  auto server = network.listen();
+  auto site = network.connect("a");
+  network.advanceTo(20 * kMillisecond);
+  site->sendState(0, number(1));
+  network.advanceTo(25 * kMillisecond);
+  site->sendState(0, number(2));
+  network.advanceTo(31 * kMillisecond);
+  EXPECT_EQ(network.lastFromTheDead("a"), 0) << "it lives";
+  site.reset();
+  network.advanceTo(2 * kSecond);
+  EXPECT_EQ(network.lastFromTheDead("a"), 35 * kMillisecond);
+}
+
+TEST(VirtualNetwork, WhatLossesHaveHeldBackArrivesInOrderOnceTheWayIsGoodAgain) {
+  VirtualNetwork network(1, {.oneWay = 20 * kMillisecond});
+  auto server = network.listen();
+  auto site = network.connect("a");
+  network.advanceTo(20 * kMillisecond);
+  drain(*server);
+  network.setPath("a", {.delay = kSecond, .loss = 1.0});
+  for (std::uint32_t n = 0; n < 20; ++n) site->sendControl(0, number(n));
+  network.advanceTo(kSecond);
+  ASSERT_TRUE(drain(*server).empty());
+  network.healAll();
+  site->sendControl(0, number(20));
+  network.advanceTo(kSecond + 60 * kMillisecond);
+  const auto seen = drain(*server);
+  ASSERT_EQ(seen.size(), 21u);
+  for (std::uint32_t n = 0; n < 21; ++n) EXPECT_EQ(seen[n].number, n);
+}
+
 TEST(VirtualNetwork, CloseSendsWhatIsQueuedAndClosesBothEnds) {
   VirtualNetwork network(1, {});
   auto server = network.listen();
