@@ -13,6 +13,12 @@
 
 #include "tests/simulation/protocol_draw.h"
 
+// The counters of branches of server and sync. Null unless tests/coverage.py has built them in.
+extern "C" {
+[[gnu::weak]] std::uint64_t* __llvm_profile_begin_counters();
+[[gnu::weak]] std::uint64_t* __llvm_profile_end_counters();
+}
+
 namespace tandem::test {
 namespace {
 
@@ -28,11 +34,13 @@ std::string describe(const client::ProtocolResult& result) {
   return text;
 }
 
-/// What a session reached: each counter of the checker, the server and the sites, to a power of two.
+/// What sessions reached: branches, in a build that counts them; else each counter of the checker, the server
+/// and the sites, to a power of two.
 class Reached {
  public:
-  /// Whether the session reached something new.
+  /// Whether the session that has just run reached something new.
   bool add(const client::ProtocolResult& result) {
+    if (__llvm_profile_begin_counters != nullptr) return addBranches();
     const std::size_t before = seen_.size();
     int counter = 0;
     const auto count = [&](std::uint64_t value) { seen_.insert({counter++, std::bit_width(value)}); };
@@ -48,8 +56,27 @@ class Reached {
   }
 
  private:
+  bool addBranches() {
+    std::uint64_t* const begin = __llvm_profile_begin_counters();
+    const auto count = static_cast<std::size_t>(__llvm_profile_end_counters() - begin);
+    branches_.resize(count, false);
+    bool isNew = false;
+    for (std::size_t i = 0; i < count; ++i) {
+      if (begin[i] == 0 || branches_[i]) continue;
+      branches_[i] = isNew = true;
+    }
+    return isNew;
+  }
+
   std::set<std::pair<int, int>> seen_;
+  std::vector<bool> branches_;
 };
+
+/// Of all sessions of this program.
+Reached& reached() {
+  static Reached all;
+  return all;
+}
 
 constexpr int kParts = 4;  // test cases, which can run side by side
 
@@ -60,24 +87,24 @@ TEST_P(ProtocolSessions, KeepEveryRuleAndServeEverybodyInTheEnd) {
   const std::uint64_t first = number("TANDEM_FIRST_SEED", 1), count = number("TANDEM_PROTOCOL_SEEDS", 200);
   std::array<std::uint64_t, client::kRules> checks{};
   const char* corpus = std::getenv("TANDEM_PROTOCOL_CORPUS");
-  Reached reached;
   std::uint64_t grants = 0, failed = 0;
   for (std::uint64_t i = static_cast<std::uint64_t>(GetParam()); i < count && failed < 5; i += kParts) {
-    const client::Scenario scenario = drawProtocolSession(first + i);
-    const Result<client::ProtocolResult> result = simulation.run(scenario, first + i);
+    const std::uint64_t seed = first + i;
+    const client::Scenario scenario = drawProtocolSession(seed);
+    const Result<client::ProtocolResult> result = simulation.run(scenario, seed);
     ASSERT_TRUE(result.ok()) << result.error().message;
     for (std::size_t rule = 0; rule < checks.size(); ++rule) checks[rule] += result->checks[rule];
-    if (reached.add(*result) && corpus != nullptr) std::ofstream(corpus, std::ios::app) << first + i << "\n";
+    if (reached().add(*result) && corpus != nullptr) std::ofstream(corpus, std::ios::app) << seed << "\n";
     grants += result->grants.size();
     if (result->violations.empty()) continue;
     ++failed;
-    const client::Scenario small = minimised(simulation, scenario, first + i);
-    ADD_FAILURE() << "TANDEM_FIRST_SEED=" << first + i << " TANDEM_PROTOCOL_SEEDS=1\n"
+    const client::Scenario small = minimised(simulation, scenario, seed);
+    ADD_FAILURE() << "TANDEM_FIRST_SEED=" << seed << " TANDEM_PROTOCOL_SEEDS=1\n"
                   << describe(*result) << "the session:\n"
-                  << toJson(scenario) << "\nthe smallest that breaks a rule with --seed " << first + i
+                  << toJson(scenario) << "\nthe smallest that breaks a rule with --seed " << seed
                   << ":\n"
                   << toJson(small) << "\n"
-                  << describe(*simulation.run(small, first + i));
+                  << describe(*simulation.run(small, seed));
   }
   std::printf("%lu grants;", static_cast<unsigned long>(grants));
   for (std::size_t rule = 0; rule < checks.size(); ++rule)
@@ -97,6 +124,7 @@ TEST(ProtocolSessionsKept, SeedsThatOnceReachedSomethingNewKeepEveryRule) {
     const auto result = simulation.run(drawProtocolSession(seed), seed);
     ASSERT_TRUE(result.ok()) << result.error().message;
     EXPECT_TRUE(result->violations.empty()) << "seed " << seed << "\n" << describe(*result);
+    reached().add(*result);
   }
   EXPECT_GT(seeds, 10);
 }
