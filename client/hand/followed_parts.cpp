@@ -1,12 +1,5 @@
 #include "client/hand/followed_parts.h"
 
-#include <algorithm>
-
-#include <glm/common.hpp>
-#include <glm/geometric.hpp>
-
-#include "client/hand/near_parts.h"
-
 namespace tandem::client {
 namespace {
 
@@ -20,15 +13,6 @@ void keepToStops(const assets::Control& control, sync::PlayOut::Shown& shown) {
 }
 
 }  // namespace
-
-FollowedParts::FollowedParts(const assets::Scene& scene)
-    : scene_(scene), distrustedUntil_(scene.parts.size(), 0) {
-  radii_.reserve(scene.parts.size());
-  for (const assets::Part& part : scene.parts) {
-    const assets::Bounds box = boxOf(scene, part);
-    radii_.push_back(glm::length(glm::max(glm::abs(box.min), glm::abs(box.max))));
-  }
-}
 
 FollowedPart* FollowedParts::find(PartId part) {
   for (FollowedPart& slot : slots_)
@@ -46,7 +30,6 @@ FollowedPart* FollowedParts::findOrAdd(PartId part, const Pose& worldFromPart, s
   slot->control = assets::controlOf(scene_, part);
   slot->playOut.restart(worldFromPart, sessionNow, 0);
   slot->display.restart(worldFromPart, sessionNow);
-  slot->trust = {scene_.parts[part].massProperties.mass, radii_[part], worldFromPart};
   return slot;
 }
 
@@ -58,21 +41,13 @@ void FollowedParts::forgetRequests() {
   for (FollowedPart& slot : slots_) slot.asked = false;
 }
 
-void FollowedParts::distrust(PartId part, sync::Micros until) {
-  distrustedUntil_[part] = std::max(distrustedUntil_[part], until);
-}
-
 void FollowedParts::playOut(sync::Micros sessionNow, sync::Micros playOutDelay, DisplayPoses& display) {
   moved_.clear();
-  const double elapsed = sync::toSeconds(sessionNow - playedAt_);
-  playedAt_ = sessionNow;
   for (FollowedPart& slot : slots_) {
     if (slot.part == kNoPart) continue;
     sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, playOutDelay);
     if (slot.control != nullptr) keepToStops(*slot.control, shown);
-    const bool suspect =
-        slot.trust.advance(shown.worldFromPart, elapsed) || sessionNow < distrustedUntil_[slot.part];
-    moved_.push_back({slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist, suspect});
+    moved_.push_back({slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist});
     const Pose drawn = slot.control != nullptr ? shown.worldFromPart : slot.display.at(sessionNow);
     // The last display pose stays on the screen, so it must be where the part is.
     const bool over = !slot.owned && shown.still && sync::PosePrediction::near(drawn, shown.worldFromPart);

@@ -157,8 +157,6 @@ void HandLoop::handle(const NetworkEvent& event, sync::Micros sessionNow) {
       return state_.endLink(event.link.id);
     case NetworkEvent::Kind::simulators:
       return parts_.links().setSimulators(event.link.id.part, event.simulators);
-    case NetworkEvent::Kind::distrusted:
-      return parts_.followed().distrust(event.state.part, sessionNow + event.time);
     case NetworkEvent::Kind::lost:
       return onConnectionLost();
   }

@@ -30,7 +30,6 @@ struct NetworkEvent {
     link,        // a coordination link is to begin by the terms `link`
     unlink,      // the link `link.id` has ended
     simulators,  // `simulators` sites simulate the part of `link`
-    distrusted,  // what `state.part` does for `time` is suspect (sync/replica/motion_judge.h)
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;

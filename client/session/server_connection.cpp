@@ -357,8 +357,6 @@ ConnectionStatistics ServerConnection::statistics() const {
   statistics.lossDown = receiving.loss();
   statistics.playOut_ms = toSeconds(receiving.playOutDelay()) * 1e3;
   statistics.receivedUpdates = receiving.counts().updates;
-  statistics.impossibleStates = receiving.counts().impossible;
-  statistics.motionReports = receiving.counts().reports;
   statistics.droppedStates = receiving.counts().droppedStates + inScene_->events.droppedStates();
   statistics.droppedBaselines = receiving.counts().droppedBaselines;
   statistics.sentUpdates = inScene_->publishing.updates();

@@ -112,7 +112,6 @@ void SimulatedSite::tickHand(Micros now) {
     hand_->setWish(device_.wish());
     hand_->setControl(device_.control());
     toHand = hand_->tick(reading, local(now));
-    guardedTicks_ += (tick().flags & haptics::kFlagForeignLimited) != 0 ? 1 : 0;
   }
   if (context_.mistake == Mistake::negativeDamping && running) pushAlong(toHand);
   if (context_.mistake == Mistake::limitsUnknown)

@@ -46,9 +46,7 @@ struct SimulationResult {
   std::map<std::string, Pose>
       finalPoses;  // by part, of parts that were ever granted, as the first live site has them
   std::uint64_t droppedStates = 0, denials = 0;
-  std::uint64_t impossibleStates = 0, motionReports = 0;  // as the sites that are up at the end counted them
-  std::uint64_t guardedTicks = 0;  // in which a hand was given less than what others moved would have given
-  std::string hash;                // of every pose and force of every tick
+  std::string hash;  // of every pose and force of every tick
 };
 
 /// A site after a tick, in the order of the scenario.
