@@ -57,7 +57,7 @@ struct SitePath {
   Micros cutUntil[2] = {0, 0};  // toward the server, toward the site
   VirtualNetwork::Path path;
   Micros uplinkFreeAt = 0;     // when what queues in a slow uplink will have left
-  Micros lastFromTheDead = 0;  // when the server received something of an end that is destroyed
+  Micros lastFromTheDead = 0;  // when the server received something of an end that is closed
 };
 
 struct Connection {
@@ -205,7 +205,7 @@ struct Core {
   }
   void noteTheDead(const Delivery& delivery) {
     const Connection& connection = *delivery.connection;
-    if (delivery.to == kServerSide && connection.end[kSiteSide] == nullptr)
+    if (delivery.to == kServerSide && !connection.open[kSiteSide])
       connection.path->lastFromTheDead = now;
   }
   void deliverConnect(Delivery& delivery) {

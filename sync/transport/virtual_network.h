@@ -63,7 +63,8 @@ class VirtualNetwork {
   /// Ends all cuts, takes back every setPath(), and sends again at once what losses had held back.
   void healAll();
 
-  /// When the server last received what an end of this site had sent that is destroyed by now; 0: never.
+  /// When the server last received what an end of this site had sent that is closed by now, or destroyed; 0:
+  /// never.
   Micros lastFromTheDead(const std::string& site) const;
   /// When the next message arrives; nothing if none is under way.
   std::optional<Micros> nextArrival() const;

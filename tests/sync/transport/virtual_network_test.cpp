@@ -178,6 +178,17 @@ TEST(VirtualNetwork, TellsWhenTheServerLastReceivedSomethingOfADeadSite) {
   EXPECT_EQ(network.lastFromTheDead("a"), 35 * kMillisecond);
 }
 
+TEST(VirtualNetwork, TellsWhenTheServerLastReceivedSomethingOfASiteThatClosed) {
+  VirtualNetwork network(1, {.oneWay = 20 * kMillisecond});
+  auto server = network.listen();
+  auto site = network.connect("a");
+  network.advanceTo(20 * kMillisecond);
+  site->sendState(0, number(1));
+  site->close(0);
+  network.advanceTo(2 * kSecond);
+  EXPECT_EQ(network.lastFromTheDead("a"), 40 * kMillisecond);
+}
+
 TEST(VirtualNetwork, WhatLossesHaveHeldBackArrivesInOrderOnceTheWayIsGoodAgain) {
   VirtualNetwork network(1, {.oneWay = 20 * kMillisecond});
   auto server = network.listen();
