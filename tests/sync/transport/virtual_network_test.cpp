@@ -186,7 +186,7 @@ TEST(VirtualNetwork, TellsWhenTheServerLastReceivedSomethingOfASiteThatClosed) {
   site->sendState(0, number(1));
   site->close(0);
   network.advanceTo(2 * kSecond);
-  EXPECT_EQ(network.lastFromTheDead("a"), 40 * kMillisecond);
+  EXPECT_EQ(network.lastFromTheDead("a"), 30 * kMillisecond);
 }
 
 TEST(VirtualNetwork, WhatLossesHaveHeldBackArrivesInOrderOnceTheWayIsGoodAgain) {
