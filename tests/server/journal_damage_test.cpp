@@ -21,6 +21,7 @@
 #include "server/sqlite_database.h"
 #include "server/sqlite_journal.h"
 #include "tests/server/told_session.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
 namespace {
@@ -201,17 +202,8 @@ const char* damage(DeadSession& session, const fs::path& other, unsigned kind, s
 }
 
 struct JournalDamage : testing::Test {
-  fs::path folder;
-  void SetUp() override {
-    // In memory where there is one: what is tested is what a start makes of files, not the disk.
-    const fs::path memory = "/dev/shm";
-    std::error_code ignored;
-    const bool inMemory = fs::is_directory(memory, ignored) && ::access(memory.c_str(), W_OK) == 0;
-    std::string pattern = ((inMemory ? memory : fs::temp_directory_path()) / "tandem-damage-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder); }
+  test::TemporaryFolder temporary{test::folderInMemory()};
+  const fs::path& folder = temporary.path();
 };
 
 TEST_F(JournalDamage, IsRefusedOrHarmless) {

@@ -17,6 +17,7 @@
 #include "server/sqlite_journal.h"
 #include "tests/server/faulty_disk.h"
 #include "tests/server/told_session.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
 namespace {
@@ -119,17 +120,9 @@ struct DiskSession {
 };
 
 struct JournalDisk : testing::Test {
-  fs::path folder;
+  test::TemporaryFolder temporary{test::folderInMemory()};
+  const fs::path& folder = temporary.path();
   const int seeds = std::getenv("TANDEM_FULL_SIZE") != nullptr ? 400 : 24;
-  void SetUp() override {
-    const fs::path memory = "/dev/shm";
-    std::error_code ignored;
-    const fs::path parent = fs::is_directory(memory, ignored) ? memory : fs::temp_directory_path();
-    std::string pattern = (parent / "tandem-disk-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder); }
   fs::path home(int seed) const { return folder / std::to_string(seed); }
 };
 

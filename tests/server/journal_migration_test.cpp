@@ -12,6 +12,7 @@
 #include "server/session_recovery.h"
 #include "server/sqlite_database.h"
 #include "server/sqlite_journal.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
 namespace {
@@ -39,17 +40,14 @@ COMMIT;
 )";
 
 struct JournalMigration : testing::Test {
-  fs::path folder;
+  test::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   std::string data, path;
   void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "tandem-migration-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
     data = (folder / "data").string();
     fs::create_directories(data);
     path = data + "/session.db";
   }
-  void TearDown() override { fs::remove_all(folder); }
 
   void writeVersion1() const { run(kVersion1, /*create=*/true); }
   void run(const char* sql, bool create = false) const {

@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "server/data_directory.h"
+#include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
 namespace {
@@ -21,13 +22,8 @@ namespace {
 namespace fs = std::filesystem;
 
 struct SqliteJournalTest : testing::Test {
-  fs::path folder;
-  void SetUp() override {
-    std::string pattern = (fs::temp_directory_path() / "tandem-journal-XXXXXX").string();
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder = pattern;
-  }
-  void TearDown() override { fs::remove_all(folder); }
+  test::TemporaryFolder temporary;
+  const fs::path& folder = temporary.path();
   std::string path() const { return (folder / "session.db").string(); }
 };
 
