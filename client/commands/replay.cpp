@@ -252,7 +252,10 @@ void print(const Recording& recording, const Summary& summary) {
 
 Result<assets::Scene> sceneOf(const Arguments& arguments, const Recording& recording) {
   if (!arguments.scenePath.empty()) {
-    SceneArguments scene{arguments.scenePath, arguments.units, arguments.movable, false, false};
+    SceneArguments scene;
+    scene.path = arguments.scenePath;
+    scene.units = arguments.units;
+    scene.movable = arguments.movable;
     return loadScene(scene);
   }
   const SceneStore store(arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache);
