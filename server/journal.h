@@ -23,10 +23,11 @@ struct SiteRecord {
   sync::SiteInfo info;
   bool left = false;
 };
-/// A token's nonce that was used.
+/// A token's nonce that was used. None is ever forgotten: a wall clock that ran ahead and is put back makes
+/// expired tokens good again. There are no more of them than numbers of sites.
 struct UsedNonce {
   std::string nonce;
-  std::int64_t expires = 0;  // Unix time in s, after which the nonce is forgotten
+  std::int64_t expires = 0;  // Unix time in s
 };
 using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce>;
 

@@ -446,31 +446,20 @@ void SessionDatabase::adopt(const DatabaseHead& next, const Rows& staged) {
   for (const auto& [nonce, digest] : staged.nonces) rows_.nonces[nonce] = digest;
 }
 
-Status SessionDatabase::prepare(const std::string& scene, std::int64_t unixNow) {
-  if (!head_.scene.empty() && head_.scene != scene)
+Status SessionDatabase::takeScene(const std::string& scene) {
+  if (head_.scene == scene) return {};
+  if (!head_.scene.empty())
     return Error{"belongs to another scene (" + head_.scene.substr(0, 12) + "..., this one is " +
                  scene.substr(0, 12) + "...): choose another --data"};
-  const auto expired = [&](const UsedNonce& nonce) { return nonce.expires <= unixNow; };
-  if (head_.scene == scene && std::none_of(contents_.nonces.begin(), contents_.nonces.end(), expired))
-    return {};
   DatabaseHead next = successor();
   next.scene = scene;
-  for (const UsedNonce& nonce : contents_.nonces)
-    if (expired(nonce)) next.sum.remove(rows_.nonces[nonce.nonce]);
   next.chain = chainOf(next);
-  const std::string remove = "DELETE FROM nonces WHERE expires <= " + std::to_string(unixNow);
-  if (!statements_->begin.run()) return Error{database_.error()};
-  Status written = database_.run(remove.c_str());
-  if (written && (!statements_->write(next) || !statements_->commit.run()))
-    written = Error{database_.error()};
-  if (!written) {
+  if (!statements_->begin.run() || !statements_->write(next) || !statements_->commit.run()) {
+    const Error error{database_.error()};
     statements_->rollback.run();
-    return written;
+    return error;
   }
   adopt(next, {});
-  for (const UsedNonce& nonce : contents_.nonces)
-    if (expired(nonce)) rows_.nonces.erase(nonce.nonce);
-  std::erase_if(contents_.nonces, expired);
   return {};
 }
 

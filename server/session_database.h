@@ -73,8 +73,8 @@ class SessionDatabase {
   const JournalContents& contents() const { return contents_; }
   /// Writes records, and a time unless it is 0, as one transaction. Any failure undoes all of it.
   Status commit(const std::vector<JournalRecord>& records, sync::Micros sessionTime);
-  /// Forgets tokens that expired before, and takes the scene if it has none.
-  Status prepare(const std::string& scene, std::int64_t unixNow);
+  /// Takes the scene if it has none; an error if it has another.
+  Status takeScene(const std::string& scene);
   /// Grows the write-ahead log once, so that commits find their blocks in place.
   Status growLog(const std::string& path, int frames);
   SqliteDatabase& sqlite() { return database_; }

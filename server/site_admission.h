@@ -63,7 +63,7 @@ class SiteAdmission {
   /// Sends every connected site that can come back a ticket signed by the present key.
   std::size_t renewTickets();
 
-  /// Drops silent connections, forgets sites that were lost long ago and nonces that have expired.
+  /// Drops silent connections, forgets sites that were lost long ago.
   void housekeeping();
   /// Brings the list of sites up to date and publishes who is off it.
   void relist();
@@ -87,8 +87,6 @@ class SiteAdmission {
   void audit(AuditEvent event, const Peer& peer, const std::string& detail);
 
   Ground ground_;
-  /// None is forgotten while the server runs: a wall clock that is put back makes expired tokens good again.
-  /// There are no more of them than numbers of sites.
   std::unordered_set<std::string> usedNonces_;
   std::vector<sync::Role> usedTokens_;  // since the last drainUsedTokens()
 };

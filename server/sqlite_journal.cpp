@@ -288,8 +288,11 @@ void SqliteJournal::State::retry() {
   }
 }
 
-/// A sync that failed may have marked pages as written that are not, and a later one then says nothing. So
-/// the log is copied into the database, by writes of their own, before anything counts as durable.
+/// Opens the files anew and verifies that they end with the last commit, or with the one that failed.
+///
+/// After a sync that failed, the system may hold pages of the log in memory that it takes for written, and
+/// the next sync passes over them. Nothing in the log counts as durable before a checkpoint has written it
+/// again, into the database, and synced that.
 Status SqliteJournal::State::reopen() {
   if (Status same = files.check(); !same) return same;
   database.reset();
@@ -410,7 +413,7 @@ Result<std::unique_ptr<SqliteJournal>> SqliteJournal::open(const std::string& pa
                                                            const SqliteJournalOptions& options) {
   Result<SessionDatabase> database = openOrBegin(path, options);
   if (!database) return database.error();
-  if (Status ready = database->prepare(options.sceneHash, options.unixNow); !ready)
+  if (Status ready = database->takeScene(options.sceneHash); !ready)
     return Error{path + ": " + ready.error().message};
   auto mark = SessionMark::open(markPathOf(path));
   if (!mark) return mark.error();

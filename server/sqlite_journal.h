@@ -25,7 +25,6 @@ namespace tandem::server {
 
 struct SqliteJournalOptions {
   std::string sceneHash;                  // hexadecimal; a journal of another scene is refused
-  std::int64_t unixNow = 0;               // s; used tokens that expired before are forgotten
   std::uint32_t maxPages = 0;             // of the database; 0 = no limit beyond SQLite's
   Digest key{};                           // of the server's identity; a mark with another one is refused
   bool mustExist = false;                 // a session was kept here: do not begin a new one

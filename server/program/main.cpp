@@ -136,8 +136,8 @@ Result<Server> prepare(Options& options, int& exitCode) {
   Result<DataDirectory> directory = DataDirectory::open(options.data);
   if (!directory) return directory.error();
   const auto hash = assets::contentHash(package);
-  SqliteJournalOptions kept{assets::toHex(hash),      unixNow(),         0,
-                            directory->fingerprint(), directory->used(), {directory->lockPath()}};
+  const SqliteJournalOptions kept{
+      assets::toHex(hash), 0, directory->fingerprint(), directory->used(), {directory->lockPath()}};
   auto journal = SqliteJournal::open(directory->journalPath(), kept);
   if (!journal) return journal.error();
   if (Status key = directory->keepSigningKey(); !key) return key.error();

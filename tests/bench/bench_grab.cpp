@@ -62,7 +62,7 @@ class PlainFile {
 class JournalAlone {
  public:
   explicit JournalAlone(const std::string& path)
-      : journal_(must(server::SqliteJournal::open(path, {"bench", 0, 0}))) {
+      : journal_(must(server::SqliteJournal::open(path, {"bench", 0}))) {
     journal_->onProgress([this] {
       const std::lock_guard lock(mutex_);
       progress_.notify_one();

@@ -56,7 +56,7 @@ class ServerThread {
   ServerThread(const assets::Scene& scene, const std::string& journalPath, const sync::TlsIdentity& identity)
       : package_(assets::packScene(scene)),
         transport_(must(sync::listenOn("127.0.0.1", 0, identity))),
-        journal_(must(server::SqliteJournal::open(journalPath, {"bench", 0, 0}))) {
+        journal_(must(server::SqliteJournal::open(journalPath, {"bench", 0}))) {
     journal_->onProgress([this] { transport_->wake(); });
     server::SessionConfig config;
     config.key = server::makeSigningKey();

@@ -66,7 +66,7 @@ class DeadSession {
     copyFiles(live, dead = folder / "dead");
     early = folder / "early";
   }
-  SqliteJournalOptions options() const { return {"scene", 0, 0, key_, mustExist_, {}}; }
+  SqliteJournalOptions options() const { return {"scene", 0, key_, mustExist_, {}}; }
   SqliteJournalOptions asBefore() {
     mustExist_ = true;
     return options();
@@ -248,7 +248,7 @@ TEST_F(JournalDamage, IsRefusedOrHarmless) {
 TEST_F(JournalDamage, OfTheDirectoryStopsTheJournalUntilItIsBack) {
   const fs::path home = folder / "home", away = folder / "away";
   fs::create_directories(home);
-  auto journal = SqliteJournal::open((home / "session.db").string(), {"scene", 0, 0, {}, false, {}});
+  auto journal = SqliteJournal::open((home / "session.db").string(), {"scene", 0, {}, false, {}});
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   const auto appended = [&](Epoch epoch) { return (*journal)->append(sync::PartRecord{1, 2, epoch, {}}); };
   const auto waitFor = [&](auto condition) {
@@ -272,7 +272,7 @@ TEST_F(JournalDamage, OfTheDirectoryStopsTheJournalUntilItIsBack) {
     EXPECT_GE((*journal)->durableUpTo(), number);
   }
   journal->reset();
-  auto again = SqliteJournal::open((home / "session.db").string(), {"scene", 0, 0, {}, true, {}});
+  auto again = SqliteJournal::open((home / "session.db").string(), {"scene", 0, {}, true, {}});
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ((*again)->contents().parts.at(0).epoch, 3u);
 }

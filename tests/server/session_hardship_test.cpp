@@ -171,6 +171,29 @@ TEST(Session, ATokenStaysUsedWhenTheWallClockIsPutForwardAndBack) {
   EXPECT_NE(second.last<Welcome>(), nullptr);
 }
 
+TEST(Session, ATokenStaysUsedWhenTheWallClockRunsAheadOverARestartAndIsPutBack) {
+  for (const std::int64_t ahead : {2 * 3600, 365 * 24 * 3600}) {
+    Rig rig;
+    const std::string token = rig.token(Role::participant);
+    FakeSite& first = rig.connect("a");
+    first.send(Hello{kProtocolVersion, false, token, "a", {}});
+    rig.run(40 * kMillisecond);
+    ASSERT_NE(first.last<Welcome>(), nullptr);
+    rig.wallStep = ahead;
+    rig.crash();
+    rig.start();
+    rig.run(3 * kSecond);
+    EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "b", {}}), Refusal::expired);
+    for (const std::int64_t back : {std::int64_t{0}, std::int64_t{-24 * 3600}}) {
+      rig.wallStep = back;
+      rig.crash();
+      rig.start();
+      rig.run(100 * kMillisecond);
+      EXPECT_EQ(rig.refusalOf({kProtocolVersion, false, token, "c", {}}), Refusal::alreadyUsed);
+    }
+  }
+}
+
 TEST(Session, HearsTheEndOfAConnectionThatIsHeld) {
   Rig rig;
   FakeSite &flooder = rig.join("flooder"), &honest = rig.join("honest");

@@ -55,7 +55,8 @@ struct SessionRig {
   virtual ~SessionRig() = default;
   void start() {
     transport = network.listen();
-    session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
+    session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now,
+                                        kUnix + wallStep + now / kSecond);
   }
   void crash() {
     session.reset();
