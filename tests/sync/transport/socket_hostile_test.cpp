@@ -366,9 +366,13 @@ TEST_F(Hostile, StateBeyondASitesRateIsDroppedBeforeItIsOpened) {
     }
     ASSERT_TRUE(runUntil({&flooder, &honest}, [&] { return of(true) == 10; }));
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begun;
-    EXPECT_GT(server_.counters().droppedFlood, 0u) << udp;
-    EXPECT_LT(static_cast<double>(of(false)), 1010.0 + 8000.0 * took.count()) << udp;
-    EXPECT_LT(static_cast<std::size_t>(of(false)), sent);
+    const double allowed = 1010.0 + 8000.0 * took.count();
+    EXPECT_LT(static_cast<double>(of(false)), allowed) << udp;
+    // A machine that takes over a second to send all this sends no more than the rate.
+    if (static_cast<double>(sent) > allowed) {
+      EXPECT_GT(server_.counters().droppedFlood, 0u) << udp;
+      EXPECT_LT(static_cast<std::size_t>(of(false)), sent);
+    }
     // Once it is calm it is heard again.
     ASSERT_TRUE(runUntil({&flooder, &honest}, [&] {
       flooder.transport->sendState(0, bytesOf("calm"));
