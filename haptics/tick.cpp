@@ -124,7 +124,7 @@ class Tick {
       case PartCommand::Kind::own:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
         movePart(command.part, command.pose, Twist{});
-        own(command.part);
+        own(command.part, command.twist);
         return;
       case PartCommand::Kind::grasp:
         if (TICK_ASSERT(data_.fault, command.hand < kHands)) grasp(command.part, command.hand);
@@ -148,9 +148,9 @@ class Tick {
     }
   }
 
-  void own(PartId part) {
+  void own(PartId part, const Twist& twist) {
     const bool free = isFree(part);
-    if (!data_.held.own(data_.world, part, free)) out_.flags |= kFlagOverflow;
+    if (!data_.held.own(data_.world, part, free, twist)) out_.flags |= kFlagOverflow;
     if (free) beginContact(part);
   }
 

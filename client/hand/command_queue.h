@@ -22,9 +22,10 @@ class CommandQueue {
   /// Whether one more event may be handled: it causes fewer commands than a tick takes.
   bool hasRoom() const { return count_ + haptics::kMaxPartCommands < ring_.size(); }
 
-  void push(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {}, std::uint8_t hand = 0) {
+  void push(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {}, std::uint8_t hand = 0,
+            const Twist& twist = {}) {
     ASSERT(count_ < ring_.size());
-    ring_[(first_ + count_) % ring_.size()] = {kind, part, pose, hand};
+    ring_[(first_ + count_) % ring_.size()] = {kind, part, pose, hand, twist};
     ++count_;
   }
   /// Removes the oldest commands, at most as many as a tick takes. Valid until the next call.

@@ -27,6 +27,7 @@ FollowedPart* FollowedParts::findOrAdd(PartId part, const Pose& worldFromPart, s
   slot->part = part;
   slot->owned = true;
   slot->asked = false;
+  slot->twist = {};
   slot->control = assets::controlOf(scene_, part);
   slot->playOut.restart(worldFromPart, sessionNow, 0);
   slot->display.restart(worldFromPart, sessionNow);
@@ -47,7 +48,8 @@ void FollowedParts::playOut(sync::Micros sessionNow, sync::Micros playOutDelay, 
     if (slot.part == kNoPart) continue;
     sync::PlayOut::Shown shown = slot.playOut.at(sessionNow, playOutDelay);
     if (slot.control != nullptr) keepToStops(*slot.control, shown);
-    moved_.push_back({slot.part, shown.worldFromPart, shown.still ? Twist{} : shown.twist});
+    slot.twist = shown.still ? Twist{} : shown.twist;
+    moved_.push_back({slot.part, shown.worldFromPart, slot.twist});
     const Pose drawn = slot.control != nullptr ? shown.worldFromPart : slot.display.at(sessionNow);
     // The last display pose stays on the screen, so it must be where the part is.
     const bool over = !slot.owned && shown.still && sync::PosePrediction::near(drawn, shown.worldFromPart);

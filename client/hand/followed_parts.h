@@ -20,6 +20,7 @@ struct FollowedPart {
   PartId part = kNoPart;
   bool owned = false;  // by somebody: keep the slot
   const assets::Control* control = nullptr;
+  Twist twist;                     // of the last tick, as played out
   bool asked = false;              // asked for, because it comes near to what is held here
   sync::PlayOut playOut;           // pose for the hand
   sync::PosePrediction display{};  // display pose

@@ -11,6 +11,12 @@ namespace tandem::client {
 
 using haptics::PartCommand;
 
+namespace {
+
+constexpr double kFirstFadeTime = 0.25;  // s, of a link to a replica that no hand holds yet
+
+}  // namespace
+
 HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
     : scene_(scene),
       exchange_(exchange),
@@ -217,25 +223,31 @@ void HandLoop::onDenial(const sync::PartRecord& record, sync::Micros sessionNow)
 
 void HandLoop::onLink(const NetworkEvent& order, sync::Micros sessionNow) {
   const PartId part = order.link.id.part;
-  if (!order.ownedByPeer) return state_.orderLink(order.link);
+  haptics::LinkTerms terms = order.link;
+  terms.firstFadeTime = kFirstFadeTime;
+  if (!order.ownedByPeer) return state_.orderLink(terms);
   const SimulatedHere* mine = parts_.find(part);
-  if (!mine) mine = joinAsCoHolder(part, sessionNow);
+  const bool carried =
+      haptics::regimeAt(terms.delay, haptics::longestDelay(true)) != haptics::LinkRegime::apart;
+  const bool takes = !mine && carried && grasps_.wants(part);
+  if (!mine) mine = joinAsCoHolder(part, takes, sessionNow);
   if (!mine) {  // the hand that asked has let go since: it may ask again
     static_cast<void>(intents_.leave(part));
     return grasps_.onDenial(part);
   }
-  haptics::LinkTerms terms = order.link;
-  terms.outageSpring = !mine->handled;
+  terms.outageSpring = takes || !mine->handled;
+  if (!takes) terms.firstFadeTime = 0.0;
   terms.parameters.longestDelay = haptics::longestDelay(mine->handled);
   state_.orderLink(terms);
 }
 
-/// Simulates another site's part from where it is shown; null if nothing here wants that any more.
-SimulatedHere* HandLoop::joinAsCoHolder(PartId part, sync::Micros sessionNow) {
+/// Simulates another site's part, which a hand here `takes` as it moves, or which comes near; null if nothing
+/// here wants that any more.
+SimulatedHere* HandLoop::joinAsCoHolder(PartId part, bool takes, sync::Micros sessionNow) {
   const FollowedPart* slot = parts_.followed().find(part);
   const bool wanted = controls_.asked(part) || (slot != nullptr && slot->asked) || grasps_.wants(part);
   if (!wanted || !parts_.hasRoom()) return nullptr;
-  SimulatedHere& mine = parts_.coHold(part, sessionNow);
+  SimulatedHere& mine = parts_.coHold(part, sessionNow, takes);
   static_cast<void>(controls_.granted(part));
   grasps_.onSimulated(part);
   return &mine;

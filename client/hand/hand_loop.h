@@ -86,7 +86,7 @@ class HandLoop {
   void lose(SimulatedHere& mine, const sync::PartRecord& record, sync::Micros sessionNow);
   void noteOwner(const sync::PartRecord& record);
 
-  SimulatedHere* joinAsCoHolder(PartId part, sync::Micros sessionNow);
+  SimulatedHere* joinAsCoHolder(PartId part, bool takes, sync::Micros sessionNow);
   void noteReached();
   bool meetsReached(const NearParts::Moving& other, double near);
   NearParts::Moving simulatedAt(PartId part) const;

@@ -28,17 +28,23 @@ bool HandParts::own(PartId part, Epoch epoch, const Pose& worldFromPart) {
   return true;
 }
 
-SimulatedHere& HandParts::coHold(PartId part, sync::Micros sessionNow) {
+SimulatedHere& HandParts::coHold(PartId part, sync::Micros sessionNow, bool moving) {
   SimulatedHere* entry = find(kNoPart);
   ASSERT(entry != nullptr);
   *entry = {.part = part, .idleSince = sessionNow};
+  Twist twist;
+  Pose pose = worldFromPart(part);
   if (FollowedPart* slot = followed_.find(part)) {
     entry->display = slot->display;
+    if (moving) {
+      pose = slot->display.at(sessionNow);
+      twist = slot->twist;
+    }
     slot->part = kNoPart;
   } else {
     entry->display.restart(worldFromPart(part), sessionNow);
   }
-  commands_.push(PartCommand::Kind::own, part, worldFromPart(part));
+  commands_.push(PartCommand::Kind::own, part, pose, 0, twist);
   return *entry;
 }
 

@@ -45,8 +45,10 @@ class HandParts {
 
   /// Begins to simulate a part from this pose, in the epoch of its grant; false if there is no room.
   bool own(PartId part, Epoch epoch, const Pose& worldFromPart);
-  /// Begins to simulate another site's part from where it is now. There must be room.
-  SimulatedHere& coHold(PartId part, sync::Micros sessionNow);
+  /// Begins to simulate another site's part from where it is played out, at rest; or, where a link carries it
+  /// before a hand closes on it, `moving`, from where it is by now as far as its states tell. There must be
+  /// room.
+  SimulatedHere& coHold(PartId part, sync::Micros sessionNow, bool moving);
   /// Stops simulating a co-held part; it is followed from where it is here.
   void leave(SimulatedHere& mine, sync::Micros sessionNow);
   /// Stops simulating a part that this site has lost; it moves to where the record has it.

@@ -72,6 +72,7 @@ struct PartCommand {
   PartId part = kNoPart;
   Pose pose;
   std::uint8_t hand = 0;  // of grasp and letGo: which of TickInput::hands
+  Twist twist{};          // of own: with which the part moves
 };
 
 /// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what the bare
@@ -123,12 +124,15 @@ enum TickFlag : std::uint32_t {
 };
 
 /// The coordination links of a part to other sites' replicas of it, as one.
+inline constexpr double kLinkSilence = 0.3;  // s, after which a peer counts as not heard
 struct LinkReport {
   int count = 0;                          // includes links whose force decays; 0: the part is not linked
+  int live = 0;                           // of them, not about to end; the states below are theirs, if any
   LinkRegime regime = LinkRegime::stiff;  // the worst of them
   double fade = 0.0;                      // 0..1: the least fade-in of them
   bool fresh = true;                      // false: the play-out of one is starved, and its force decays
   double delay = 0.0;                     // s, the longest of the play-out delays
+  bool heard = true;                      // a packet of each has arrived within kLinkSilence
   double share = 1.0;                     // of the part's mass, that the replica here goes to
   Wrench pull;                            // on the replica about its centre of mass, in this tick
   Wrench outagePull;                      // the same, of the outage spring (outage_spring.h)

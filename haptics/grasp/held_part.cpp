@@ -9,6 +9,9 @@
 namespace tandem::haptics {
 namespace {
 
+constexpr double kClosingTime = 0.5;  // s, in which a hand closes on a part that other sites hold too
+constexpr double kLongestWait = 1.0;  // s, for the link that is to carry the part before
+
 /// Mass properties fit for integration. Where the scene has none, or an inertia that no body can have, those
 /// of a ball of aluminium of half the part's extent: heavy enough to feel, and of the right order in every
 /// unit.
@@ -34,6 +37,35 @@ bool isPulled(const SimulatedPart& entry, const HandPulls& hands) {
     if (entry.grips[h].holds && hands[h].device != nullptr) return true;
   }
   return false;
+}
+
+/// Stiffness of a grasp as a share of its full one. It begins with a slope of zero: a part that moves when it
+/// is taken is caught gradually.
+double stiffnessAt(double firmness) { return firmness * firmness; }
+
+CouplingGains firm(CouplingGains gains, double firmness) {
+  const double share = stiffnessAt(firmness);
+  gains.stiffness *= share;
+  gains.damping *= share;
+  gains.rotStiffness *= share;
+  gains.rotDamping *= share;
+  return gains;
+}
+
+/// Closes the fingers of a hand a little further; they stay open for a while if nothing carries the part yet.
+/// As the spring becomes stiffer it keeps its force, so that it receives no energy: the grip moves towards
+/// the device.
+void close(Grip& grip, const Pose& worldFromBody, const Pose& worldFromDevice, bool carried, double dt) {
+  const double before = stiffnessAt(grip.firmness);
+  grip.waited += dt;
+  if (grip.firmness == 0.0 && !carried && grip.waited < kLongestWait) {
+    grip.bodyFromGrip = inverse(worldFromBody) * worldFromDevice;
+    return;
+  }
+  grip.firmness = std::min(1.0, grip.firmness + dt / kClosingTime);
+  const Pose worldFromGrip =
+      interpolate(worldFromDevice, worldFromBody * grip.bodyFromGrip, before / stiffnessAt(grip.firmness));
+  grip.bodyFromGrip = inverse(worldFromBody) * worldFromGrip;
 }
 
 /// One step of a part that is a control; adds what the hand that holds it feels.
@@ -100,7 +132,7 @@ struct Tie {
 /// spring is short, so that nothing jumps.
 Coupling couplingOf(Grip& grip, const HandPull& hand, const Pose& worldFromBody, const Tie& tie, double dt) {
   const DeviceSample& device = *hand.device;
-  CouplingGains gains = hand.gains;
+  CouplingGains gains = firm(hand.gains, grip.firmness);
   const double gap = glm::length(device.worldFromDevice.position -
                                  transformPoint(worldFromBody, grip.bodyFromGrip.position));
   const double stretch = gains.stiffness * gap / (hand.forceLimit + tie.weight);  // 1: at the limit
@@ -159,13 +191,20 @@ bool isLost(const RigidBody& body, const assets::Scene& scene) {
 
 }  // namespace
 
-bool HeldParts::own(const ContactWorld& world, PartId part, bool awake) {
+bool SimulatedPart::grasped() const {
+  return std::any_of(grips.begin(), grips.end(),
+                     [](const Grip& grip) { return grip.holds && grip.firmness > 0.0; });
+}
+
+bool HeldParts::own(const ContactWorld& world, PartId part, bool awake, const Twist& twist) {
   if (owns(part)) return true;
   if (parts_.full()) return false;
   SimulatedPart& entry = parts_.push_back({});
   entry.part = part;
   entry.body = bodyOf(world, part);
-  entry.sinceLetGo = awake ? 0.0 : kSettleTime;
+  entry.body.twist = twist;
+  const bool moves = twist.linear != glm::dvec3(0.0) || twist.angular != glm::dvec3(0.0);
+  entry.sinceLetGo = awake || moves ? 0.0 : kSettleTime;
   entry.restPose = entry.body.worldFromBody;
   entry.moved = takeControl(world, part, entry.body);
   if (entry.moved.control != nullptr) entry.sinceLetGo = 0.0;  // its springs may move it from here
@@ -186,7 +225,9 @@ bool HeldParts::grasp(PartId part, const Pose& worldFromDevice, const TickParame
   if (entry->moved.control != nullptr && entry->grips[1 - index].holds) return false;
   letGo(parameters, hand);
   if (hand == 0) entry->tool = ToolPush{};  // the tool does not touch what its own hand holds
-  entry->grips[index] = {true, false, 0.0, inverse(entry->body.worldFromBody) * worldFromDevice, {}};
+  const double firmness = links_.knows(part) ? 0.0 : 1.0;
+  const Pose bodyFromGrip = inverse(entry->body.worldFromBody) * worldFromDevice;
+  entry->grips[index] = {true, false, 0.0, bodyFromGrip, {}, firmness, 0.0};
   return true;
 }
 
@@ -289,6 +330,8 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
     Grip& grip = entry.grips[h];
     grip.onHand = Wrench{};
     if (!grip.holds || hands[h].device == nullptr) continue;
+    if (grip.firmness < 1.0)
+      close(grip, entry.body.worldFromBody, hands[h].device->worldFromDevice, links_.carry(entry.part), dt);
     couplings[count++] = couplingOf(grip, hands[h], entry.body.worldFromBody, tie, dt);
   }
   if (count == 0 && !linked) return false;
@@ -296,7 +339,7 @@ bool HeldParts::pulledStep(SimulatedPart& entry, const HandPulls& hands, const g
   Wrench load = endedPull(entry, dt) + (held ? entry.rubbed : Wrench{});
   double weighs = 1.0;
   if (linked) {
-    const LinkPull link = links_.pull(entry.part, entry.body, held, now, dt);
+    const LinkPull link = links_.pull(entry.part, entry.body, {held, entry.grasped()}, now, dt);
     load = load + link.held;
     couplings[count++] = couplingOf(link, entry.body);
     if (const OutageSpring* spring = links_.outageSpring(entry.part)) {

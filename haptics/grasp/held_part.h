@@ -51,7 +51,9 @@ struct Grip {
   bool limited = false;  // its spring gives the part no more than the device gives the hand
   double rounded = 0.0;  // 0..1: how far it approaches that limit smoothly
   Pose bodyFromGrip;
-  Wrench onHand;  // of the last step
+  Wrench onHand;          // of the last step
+  double firmness = 1.0;  // 0..1: how far the fingers have closed
+  double waited = 0.0;    // s, with open fingers, for the link to carry the part
 };
 
 /// A part simulated here.
@@ -69,6 +71,8 @@ struct SimulatedPart {
   MovedControl moved;       // a control moves along its axis only
 
   bool held() const { return grips[0].holds || grips[1].holds; }
+  /// Whether a hand that holds it has begun to close.
+  bool grasped() const;
 };
 
 /// What pulls at the part that a hand holds.
@@ -90,9 +94,9 @@ class HeldParts {
   static constexpr double kSettleDecay = 0.03;
   static constexpr double kSettleTime = 0.3;
 
-  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it.
-  /// False if there is no room. Again: no effect.
-  bool own(const ContactWorld& world, PartId part, bool awake = false);
+  /// Begins to simulate a part from its pose in `world`: at rest, or `awake`, to fall if nothing holds it, or
+  /// moving with `twist`. False if there is no room. Again: no effect.
+  bool own(const ContactWorld& world, PartId part, bool awake = false, const Twist& twist = {});
   void disown(PartId part);
   /// A hand takes an owned part at its device's pose, and lets go of what it held; false if the part is not
   /// owned, or is a control that the other hand holds. `parameters` are the hand's.

@@ -16,16 +16,19 @@ constexpr double kCalmDecay = 1.5;     // N/s, where an end has been switched of
 constexpr double kMaxDecay = 100.0;    // N/s
 constexpr double kJump = 0.1;          // change of the counted share of the wave that counts as a jump
 constexpr double kGapIgnored =
-    1e-3;                           // m: dead band, else the noise of the waves would be rectified into creep
-constexpr double kGapRate = 2.0;    // 1/s
-constexpr double kGapSpeed = 0.05;  // m/s: the hand feels b / 2 times that
+    1e-3;  // m: dead band, else the noise of the waves would be rectified into creep
+constexpr double kNewGapIgnored = 2e-4, kNewFor = 2.0;        // m, s: the same of a link that has just begun
+constexpr double kLedWithin = 2e-3, kLongestLead = 1.0;       // m, s
+constexpr double kGapRate = 2.0;                              // 1/s
+constexpr double kGapSpeed = 0.05;                            // m/s: the hand feels b / 2 times that
 constexpr double kForceFilterTime = 0.05;                     // s
 constexpr double kReserveKept = 0.002, kReserveEasy = 0.004;  // J
+constexpr double kTicksKept = 3.0;                            // of the last tick's cost
 constexpr double kFull = 0.999;
 
 }  // namespace
 
-void CoordinationLink::begin(std::uint32_t epoch, double delay) {
+void CoordinationLink::begin(std::uint32_t epoch, double delay, double firstFadeTime, bool isLed) {
   ASSERT(p_.period > 0.0 && p_.packetPeriod > 0.0);
   epoch_ = epoch;
   sequence_ = 0;
@@ -34,6 +37,10 @@ void CoordinationLink::begin(std::uint32_t epoch, double delay) {
   playOut_.restart(epoch);
   regime_.restart(delay);
   on_ = true;
+  fadeTime_ = firstFadeTime > 0.0 ? firstFadeTime : p_.fadeTime;
+  newFor_ = firstFadeTime > 0.0 ? kNewFor : 0.0;
+  isLed_ = isLed;
+  ledFor_ = isLed ? kLongestLead : 0.0;
   enterRegime();
 }
 
@@ -67,12 +74,14 @@ void CoordinationLink::follow(double now, const Pose& worldFromCentre, const Twi
   watchRegime(now);
   playOut_.play(now - delay());
   starvedFor_ = 1.0;
-  ramp_ = fade_ = share_ = announcedShare_ = unannounced_ = 0.0;
+  ramp_ = counted_ = fade_ = share_ = announcedShare_ = unannounced_ = 0.0;
   stretch_ = force_ = excess_ = {};
   drawn_ = worldFromCentre;
   twist_ = twist;
   asks_ = asks;
 }
+
+bool CoordinationLink::carries() const { return share_ > kFull; }
 
 bool CoordinationLink::receives(const PlayedWave& peer) const {
   return peer.fresh && peer.state.on && playOut_.newest().on && on_ && regime() != LinkRegime::apart;
@@ -106,7 +115,7 @@ CoordinationLink::LinkGoal CoordinationLink::goalOf(const PlayedWave& peer, cons
                                                     const SixAxes& v) {
   if (starvedFor_ > kOutage) resume(peer);
   starvedFor_ = 0.0;
-  fadeIn(peer);
+  fadeIn(peer, pose);
   LinkGoal goal;
   goal.acceptedShare = reserve_.acceptedShare();
   SixAxes wave = goal.acceptedShare * catchUp(peer);
@@ -119,30 +128,42 @@ CoordinationLink::LinkGoal CoordinationLink::goalOf(const PlayedWave& peer, cons
 }
 
 // Starved play-out: the last wave is never repeated; the force decays. For up to kOutage the end borrows the
-// energy that this costs from its reserve. After that it may spend the wave that it sends itself, and does
-// not announce that wave to the peer.
+// energy that this costs from its reserve. After that, or where the reserve does not hold the next ticks, it
+// may spend the wave that it sends itself, and does not announce that wave to the peer: else the force of two
+// hands that hold still would break off, since they have filled no reserve.
 CoordinationLink::LinkGoal CoordinationLink::onStarved(const PlayedWave& peer) {
   starvedFor_ += p_.period;
   share_ = 0.0;
   LinkGoal goal;
   goal.energy = std::max(0.0, peer.state.energy - spentEnergy_);
-  if (starvedFor_ > kOutage) fade_ = ramp_ = announcedShare_ = 0.0;
+  if (reserve_.energy() < kTicksKept * 0.5 * dot(wave_, wave_) * p_.period) announcedShare_ = 0.0;
+  if (starvedFor_ > kOutage) fade_ = ramp_ = counted_ = announcedShare_ = 0.0;
   goal.energy += unannounced_;
   return goal;
 }
 
 // After an outage neither the missed displacement nor the missed energy is made up.
 void CoordinationLink::resume(const PlayedWave& peer) {
-  ramp_ = 0.0;
+  ramp_ = counted_ = 0.0;
   consumedWave_ = peer.state.wave;
   spentEnergy_ = std::max(spentEnergy_, peer.state.energy);
 }
 
-// The lesser fade of both ends counts, so neither end spends more than the other end pays for.
-void CoordinationLink::fadeIn(const PlayedWave& peer) {
-  ramp_ = std::min(1.0, ramp_ + p_.period / p_.fadeTime);
+// The lesser fade of both ends counts, so neither end spends more than the other end pays for. A replica that
+// is still led to its peer does not fade in: what leads it has no account, and it would drive the peer as far
+// as it goes. Once it is there it counts the waves a round trip later than it says so, because only then do
+// those arrive that the peer has paid for: without them the link would brake the replica, and what leads it
+// would pay for the wave to the peer.
+void CoordinationLink::fadeIn(const PlayedWave& peer, const Pose& pose) {
+  ledFor_ = length(gapTo(peer, pose)) > kLedWithin ? std::max(0.0, ledFor_ - p_.period) : 0.0;
+  if (ramp_ == 0.0) unpaidFor_ = isLed_ ? 2.0 * delay() : 0.0;
+  const double step = p_.period / fadeTime_;
+  ramp_ = ledFor_ > 0.0 ? 0.0 : std::min(1.0, ramp_ + step);
+  if (ramp_ > 0.0) unpaidFor_ -= p_.period;
+  counted_ = unpaidFor_ > 0.0 ? 0.0 : std::min(ramp_, counted_ + step);
+  if (counted_ == 1.0) fadeTime_ = p_.fadeTime, isLed_ = false;
   fade_ = minimumJerk(ramp_);
-  share_ = announcedShare_ = std::min(fade_, peer.state.fade);
+  share_ = announcedShare_ = std::min(minimumJerk(counted_), peer.state.fade);
   if (share_ <= kFull) consumedWave_ = peer.state.wave - p_.period * peer.rate;
 }
 
@@ -153,16 +174,20 @@ SixAxes CoordinationLink::catchUp(const PlayedWave& peer) const {
   return peer.rate + (1.0 / kCatchUpTime) * (peer.state.wave - consumedWave_ - p_.period * peer.rate);
 }
 
-// Sums of waves keep the poses together except for what energy bound, fade and outage have cut off. The
-// peer's pose is extrapolated to the present, and F D_p / b is the gap that belongs to the force. The
-// correction is free as far as it cancels the wave; beyond that the reserve pays for it. Both have no jump
-// where the wave changes sign.
+// The peer's pose is extrapolated to the present.
+SixAxes CoordinationLink::gapTo(const PlayedWave& peer, const Pose& pose) const {
+  return displacementBetween(applied(pose, stretch_, p_.lever), peer.state.worldFromDrawn, p_.lever) +
+         delay() * axesOf(peer.state.twist, p_.lever);
+}
+
+// Sums of waves keep the poses together except for what energy bound, fade and outage have cut off.
+// F D_p / b is the gap that belongs to the force. The correction is free as far as it cancels the wave;
+// beyond that the reserve pays for it. Both have no jump where the wave changes sign.
 SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave) {
   slowForce_ += (p_.period / kForceFilterTime) * (force_ - slowForce_);
-  const SixAxes ahead = delay() * axesOf(peer.state.twist, p_.lever);
-  SixAxes gap = displacementBetween(applied(pose, stretch_, p_.lever), peer.state.worldFromDrawn, p_.lever) +
-                ahead - (delay() / b_) * slowForce_;
-  gap -= shortened(gap, kGapIgnored);
+  SixAxes gap = gapTo(peer, pose) - (delay() / b_) * slowForce_;
+  gap -= shortened(gap, newFor_ > 0.0 ? kNewGapIgnored : kGapIgnored);
+  newFor_ = std::max(0.0, newFor_ - p_.period);
   const SixAxes correction = std::sqrt(0.5 * b_) * shortened(kGapRate * gap, kGapSpeed);
   const double square = dot(correction, correction);
   if (square == 0.0) return correction;

@@ -54,7 +54,8 @@ class CoordinationLink {
       : p_(parameters), regime_(parameters.longestDelay), playOutDelay_(parameters.playOutMargin) {}
 
   /// Restarts under an epoch; `delay` s is the known network delay. The present force decays.
-  void begin(std::uint32_t epoch, double delay);
+  /// `firstFadeTime`: as in LinkTerms. A replica that `isLed` to its peer fades in once it is there.
+  void begin(std::uint32_t epoch, double delay, double firstFadeTime = 0.0, bool isLed = false);
   /// Continues the link under a new epoch. Sums and sequence go on, and packets of the previous epoch are
   /// accepted until the first one of the new epoch arrives. For a change of owner, which the two ends learn
   /// at different times.
@@ -96,6 +97,11 @@ class CoordinationLink {
   double addedMass() const { return regime() == LinkRegime::apart || !on_ ? 0.0 : b_ * delay(); }
   /// Fade-in of this end, 0..1.
   double fade() const { return fade_; }
+  /// Whether both ends have begun to fade in, and whether they have faded in, as far as is known here.
+  bool acts() const { return share_ > 0.0; }
+  bool carries() const;
+  /// What the link leaves of the replica, 0..1, to what leads it.
+  double leftToLead() const { return isLed_ ? 1.0 - share_ : 1.0; }
   bool fresh() const { return starvedFor_ == 0.0; }
   const LinkAccount& account() const { return account_; }
 
@@ -114,7 +120,8 @@ class CoordinationLink {
   LinkGoal goalOf(const PlayedWave& peer, const Pose& pose, const SixAxes& v);
   LinkGoal onStarved(const PlayedWave& peer);
   void resume(const PlayedWave& peer);
-  void fadeIn(const PlayedWave& peer);
+  void fadeIn(const PlayedWave& peer, const Pose& pose);
+  SixAxes gapTo(const PlayedWave& peer, const Pose& pose) const;
   SixAxes catchUp(const PlayedWave& peer) const;
   SixAxes closeGap(const PlayedWave& peer, const Pose& pose, const SixAxes& wave);
   void decayExcess(const SixAxes& v);
@@ -152,7 +159,13 @@ class CoordinationLink {
   SixAxes slowForce_;            // N, low-passed
   SixAxes excess_;               // N: force in excess of its target, decaying
   double starvedFor_ = 1.0;      // s since play-out starved; 0 while fresh
+  double fadeTime_ = 0.0;        // s, of this fade-in
+  double newFor_ = 0.0;          // s, for which a new link still closes small gaps too
+  double ledFor_ = 0.0;          // s, for which the link may yet wait until its replica is near the peer's
+  bool isLed_ = false;           // in the first fade-in, by something without an energy account
+  double unpaidFor_ = 0.0;       // s, until waves arrive that the peer has paid for
   double ramp_ = 0.0;            // 0..1 of the fade-in time
+  double counted_ = 0.0;         // 0..1: the same of the waves that arrive
   double fade_ = 0.0;            // 0..1: m
   double share_ = 0.0;           // 0..1: g, counted share of the wave, the lesser fade of both ends
   double longestAge_ = 0.0;      // s: greatest age of the newest packet while starved

@@ -42,6 +42,8 @@ struct LinkTerms {
   /// Continues the same link under a new epoch without a felt change. Both ends must agree; a peer that lost
   /// its end may not.
   bool carriesOn = false;
+  /// s, of the first fade-in of a new link whose replica no hand presses on yet; 0: parameters.fadeTime.
+  double firstFadeTime = 0.0;
   /// The outage spring (outage_spring.h) leads the replica while the link does not carry it; for the replica
   /// of a co-holder whose hand has not held the part.
   bool outageSpring = false;

@@ -27,6 +27,7 @@ class OutageSpring {
     double delay = 0.0;                // s, play-out delay of the peer
     bool wanted = false;               // else it releases: the link carries the replica, or no peer leads it
     bool held = false;                 // by a hand here: it releases, and its end follows the replica
+    double most = 1.0;                 // 0..1: what the link leaves of the replica to the spring
   };
   static Target targetOf(const CoordinationLink& link, double now, bool held) {
     constexpr double kLongest = 0.4;  // s: an outage can make a delay of any length
@@ -43,9 +44,10 @@ class OutageSpring {
   void advance(const Pose& worldFromCentre, const Twist& twist, const Target& target, double lever,
                double dt) {
     const double before = share_;
-    share_ = std::clamp(share_ + (target.wanted && !target.held ? dt / kTaking : -dt / kReleasing), 0.0, 1.0);
+    share_ = std::clamp(share_ + (target.wanted && !target.held ? dt / kTaking : -dt / kReleasing), 0.0,
+                        target.most);
     const bool isNews = receives(target, dt);
-    news_ = isNews && !target.held ? std::min(1.0, news_ + dt / kNews) : 0.0;
+    if (target.peer != nullptr) news_ = isNews && !target.held ? std::min(1.0, news_ + dt / kNews) : 0.0;
     if (share_ == 0.0) return;
     // A rise of the stiffness keeps the force: the end moves closer.
     if (share_ > before)
@@ -69,6 +71,9 @@ class OutageSpring {
         shortened((1.0 / std::max(kClosing, 2.0 * target.delay)) * gap, kMaxPressedSpeed + yielding);
     moveEnd(theirs + closing, news_ * (theirs + shortened(closing, yielding)), lever, dt);
   }
+
+  /// For a replica that nothing presses on yet: the damper follows the peer from the first packet on.
+  void beginFree() { news_ = 1.0; }
 
   /// Share of the gains and of the replica's weight, 0..1.
   double share() const { return share_; }

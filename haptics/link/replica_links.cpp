@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -58,7 +59,8 @@ bool ReplicaLinks::begin(const LinkTerms& terms, const RigidBody& body) {
     (*slot)->terms.outageSpring = terms.outageSpring;
     return true;
   }
-  if (slot == nullptr) {
+  const bool isNew = slot == nullptr;
+  if (isNew) {
     slot = std::find_if(ends_.begin(), ends_.end(), [](const auto& end) { return !end.has_value(); });
     if (slot == ends_.end()) return false;
     if (find(terms.id.part) == nullptr) {
@@ -66,8 +68,10 @@ bool ReplicaLinks::begin(const LinkTerms& terms, const RigidBody& body) {
       parts_.push_back({terms.id.part, 1, {body.mass, body.centreOfMass, body.inertia}, {}, 1.0});
     }
     slot->emplace(terms);
+    if (terms.firstFadeTime > 0.0) (*slot)->outageSpring.beginFree();
   }
   LinkEnd& end = **slot;
+  end.heardAt = now_;
   end.terms.outageSpring = terms.outageSpring;
   // The outage spring of the part passes on to the link with the new owner.
   if (terms.outageSpring)
@@ -77,7 +81,8 @@ bool ReplicaLinks::begin(const LinkTerms& terms, const RigidBody& body) {
     });
   end.link.setLongestDelay(terms.parameters.longestDelay);
   end.link.setImpedance(terms.parameters.impedance, terms.parameters.softImpedance);
-  end.link.begin(terms.epoch, terms.delay);
+  const double firstFadeTime = isNew ? terms.firstFadeTime : 0.0;
+  end.link.begin(terms.epoch, terms.delay, firstFadeTime, firstFadeTime > 0.0 && terms.outageSpring);
   return true;
 }
 
@@ -106,7 +111,9 @@ void ReplicaLinks::forget(PartId part) {
 
 bool ReplicaLinks::receive(const AddressedPacket& packet) {
   std::optional<LinkEnd>* slot = slotOf(packet.link);
-  return slot != nullptr && (*slot)->link.receive(packet.packet);
+  if (slot == nullptr || !(*slot)->link.receive(packet.packet)) return false;
+  (*slot)->heardAt = now_;
+  return true;
 }
 
 std::size_t ReplicaLinks::drainPackets(std::span<AddressedPacket> packets) {
@@ -141,34 +148,61 @@ assets::MassProperties ReplicaLinks::shareOf(LinkedPart& linked) {
   return replicaMass(linked.whole, simulators, added, lever);
 }
 
-void ReplicaLinks::setMass(LinkedPart& linked, RigidBody& body, double dt) {
+void ReplicaLinks::setMass(LinkedPart& linked, RigidBody& body, bool grasped, double dt) {
   const assets::MassProperties target = shareOf(linked);
   if (body.mass == target.mass && body.inertia == target.inertia) return;
-  linked.ramp.advance(body, target, dt);
+  int ends = 0, newEnds = 0;
+  forEachEnd(linked.part, [&](const LinkEnd& end) {
+    ++ends;
+    if (end.terms.outageSpring && end.terms.firstFadeTime > 0.0 && !end.hasFadedIn) ++newEnds;
+  });
+  if (!grasped && ends > 0 && newEnds == ends) {  // no hand has pulled at this replica yet: it begins light
+    const double light = std::min(1.0, kMinReplicaMass / target.mass);
+    changeMass(body, {light * target.mass, target.centreOfMass, light * target.inertia},
+               std::numeric_limits<double>::infinity());
+  } else {
+    linked.ramp.advance(body, target, dt);
+  }
   if (std::abs(body.mass - target.mass) > 1e-9 * target.mass) return;
   body.mass = target.mass;  // equal to the bit: a part that is alone again is what it was
   body.inertia = target.inertia;
 }
 
-LinkPull ReplicaLinks::pull(PartId part, RigidBody& body, bool held, double now, double dt) {
+bool ReplicaLinks::knows(PartId part) const {
+  const auto ordered = [part](const LinkTerms& terms) { return terms.id.part == part; };
+  return has(part) || std::any_of(orders_.begin(), orders_.end(), ordered);
+}
+
+bool ReplicaLinks::carry(PartId part) const {
+  if (!has(part)) return !knows(part);
+  return std::all_of(ends_.begin(), ends_.end(), [part](const std::optional<LinkEnd>& end) {
+    return !end || end->terms.id.part != part || !end->terms.outageSpring || end->link.carries() ||
+           end->link.regime() == LinkRegime::apart;
+  });
+}
+
+LinkPull ReplicaLinks::pull(PartId part, RigidBody& body, Holding holding, double now, double dt) {
   now_ = now;
   ASSERT(find(part) != nullptr);
   LinkedPart& linked = *find(part);
-  setMass(linked, body, dt);
+  setMass(linked, body, holding.grasped, dt);
   const Pose centre = centreOf(body);
   const Twist twist{velocityAt(body.worldFromBody, body.twist, centre.position), body.twist.angular};
   LinkPull sum;
   forEachEnd(part, [&](LinkEnd& end) {
-    if (end.terms.outageSpring) end.link.setLongestDelay(longestDelay(held));
+    if (end.terms.outageSpring) end.link.setLongestDelay(longestDelay(holding.held));
     const LinkPull pull = end.link.pull(now, centre, twist);
     if (end.terms.outageSpring || end.outageSpring.share() > 0.0) {
-      OutageSpring::Target target = OutageSpring::targetOf(end.link, now, held);
+      OutageSpring::Target target = OutageSpring::targetOf(end.link, now, holding.grasped);
       target.wanted = target.wanted && end.terms.outageSpring;
+      target.most = end.link.leftToLead();
       end.outageSpring.advance(centre, twist, target, end.terms.parameters.lever, dt);
     }
     sum.held = sum.held + pull.held;
     sum.damping += pull.damping;
     sum.rotDamping += pull.rotDamping;
+    if (holding.grasped) end.terms.outageSpring = false;
+    end.hasFadedIn = end.hasFadedIn || end.link.acts();
     end.sinceSent += dt;
   });
   return sum;
@@ -209,19 +243,38 @@ void ReplicaLinks::account(PartId part, const RigidBody& body, const glm::dvec3&
   if (!isLinked && body.mass == linked.whole.mass && body.inertia == linked.whole.inertia) drop(linked);
 }
 
+namespace {
+
+void forgetState(LinkReport& report) {
+  report.regime = LinkRegime::stiff;
+  report.fade = 1.0;
+  report.fresh = report.heard = true;
+  report.delay = 0.0;
+}
+
+/// Adds the state of a link whose peer has been silent for `silence` s.
+void addState(const CoordinationLink& link, double silence, LinkReport& report) {
+  report.fade = std::min(report.fade, link.fade());
+  report.regime = std::max(report.regime, link.regime());
+  report.fresh = report.fresh && link.fresh();
+  report.delay = std::max(report.delay, link.delay());
+  report.heard = report.heard && silence < kLinkSilence;
+}
+
+}  // namespace
+
 LinkReport ReplicaLinks::report(PartId part) const {
   LinkReport report;
   const LinkedPart* linked = any() ? find(part) : nullptr;
   if (linked == nullptr) return report;
   report.share = linked->share;
+  forgetState(report);
   for (const std::optional<LinkEnd>& end : ends_) {
     if (!end || end->terms.id.part != part) continue;
     const CoordinationLink& link = end->link;
-    report.fade = report.count == 0 ? link.fade() : std::min(report.fade, link.fade());
     ++report.count;
-    report.regime = std::max(report.regime, link.regime());
-    report.fresh = report.fresh && link.fresh();
-    report.delay = std::max(report.delay, link.delay());
+    if (link.on() && report.live++ == 0) forgetState(report);  // an ending link counts only beside none
+    if (link.on() || report.live == 0) addState(link, now_ - end->heardAt, report);
     report.pull.force += end->acting.force;
     report.pull.torque += end->acting.torque;
     report.outagePull.force += end->outagePull.force;
@@ -229,6 +282,7 @@ LinkReport ReplicaLinks::report(PartId part) const {
     report.work += link.account().work;
     report.borrowed += link.account().borrowed;
   }
+  if (report.count == 0) report.fade = 0.0;
   return report;
 }
 

@@ -62,9 +62,17 @@ class ReplicaLinks {
 
   bool any() const { return !parts_.empty(); }
   bool has(PartId part) const { return any() && find(part) != nullptr; }
+  /// Whether there is a link of the part, or an order for one.
+  bool knows(PartId part) const;
+  /// Whether a hand may close on the part: no link that has just begun has yet to take its replica over.
+  bool carry(PartId part) const;
+  struct Holding {
+    bool held = false;     // by a hand here
+    bool grasped = false;  // and its fingers have begun to close
+  };
   /// Begins the step of a linked part: ramps its mass, and returns the sum of its links' pulls. `now` is in
-  /// s, session clock; `held` says that a hand here holds the part.
-  LinkPull pull(PartId part, RigidBody& body, bool held, double now, double dt);
+  /// s, session clock.
+  LinkPull pull(PartId part, RigidBody& body, Holding holding, double now, double dt);
   /// The longest play-out delay of a part's links that couple, s.
   double playOutDelay(PartId part) const;
   /// The outage spring that leads a part while its link does not carry it, or null.
@@ -87,6 +95,8 @@ class ReplicaLinks {
     OutageSpring outageSpring;
     Wrench acting, outagePull;  // of the last step
     double sinceSent;           // s; nothing is due before the first step
+    double heardAt = 0.0;       // s, session clock: when it began, or its last packet arrived
+    bool hasFadedIn = false;    // has begun to, at both ends
   };
   /// A part with links, or whose mass is ramping back.
   struct LinkedPart {
@@ -105,7 +115,7 @@ class ReplicaLinks {
   template <typename F>
   void forEachEnd(PartId part, const F& f);
   assets::MassProperties shareOf(LinkedPart& linked);
-  void setMass(LinkedPart& linked, RigidBody& body, double dt);
+  void setMass(LinkedPart& linked, RigidBody& body, bool grasped, double dt);
   void drop(LinkedPart& linked);
 
   FixedVector<LinkTerms, kMaxLinks> orders_;            // of links that have yet to begin, oldest first

@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <tuple>
 
 namespace tandem::test {
 
@@ -22,15 +23,20 @@ struct SharedSession::Loaded {
       : scenario(std::move(described)), scene(std::move(loadedScene)), contact(scene) {}
 };
 
-std::shared_ptr<const SharedSession::Loaded> SharedSession::load(const std::string& name, Contact contact) {
-  static std::map<std::pair<std::string, Contact>, std::shared_ptr<const Loaded>> made;
-  std::shared_ptr<const Loaded>& entry = made[{name, contact}];
+std::shared_ptr<const SharedSession::Loaded> SharedSession::load(const std::string& name, Contact contact,
+                                                                 double massFactor) {
+  static std::map<std::tuple<std::string, Contact, double>, std::shared_ptr<const Loaded>> made;
+  std::shared_ptr<const Loaded>& entry = made[{name, contact, massFactor}];
   if (entry) return entry;
   const std::string path = std::string(TANDEM_SOURCE_DIR) + "/tests/simulation/scenarios/" + name + ".json";
   Result<client::Scenario> loaded = client::loadScenario(path);
   EXPECT_TRUE(loaded.ok()) << (loaded.ok() ? "" : loaded.error().message);
   Result<assets::Scene> scene = assets::loadGltf(loaded->scene, loaded->load);
   EXPECT_TRUE(scene.ok()) << (scene.ok() ? "" : scene.error().message);
+  for (assets::Part& part : scene->parts) {
+    part.massProperties.mass *= massFactor;
+    part.massProperties.inertia *= massFactor;
+  }
   const auto session = std::make_shared<Loaded>(std::move(*loaded), std::move(*scene));
   if (contact == Contact::models) {
     EXPECT_TRUE(session->contact.modelParts());
@@ -39,7 +45,8 @@ std::shared_ptr<const SharedSession::Loaded> SharedSession::load(const std::stri
   return entry;
 }
 
-SharedSession::SharedSession(const std::string& name, Contact contact) : loaded_(load(name, contact)) {
+SharedSession::SharedSession(const std::string& name, Contact contact, double massFactor)
+    : loaded_(load(name, contact, massFactor)) {
   scenario = loaded_->scenario;
   options.leaderLoad = false;
 }

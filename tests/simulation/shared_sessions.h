@@ -20,7 +20,8 @@ haptics::ArmParameters lightArm();
 class SharedSession {
  public:
   enum class Contact { models, none };  // with models, held parts collide
-  explicit SharedSession(const std::string& name, Contact contact = Contact::models);
+  /// `massFactor`: by which all movable parts are heavier than in the scene.
+  explicit SharedSession(const std::string& name, Contact contact = Contact::models, double massFactor = 1.0);
 
   client::Scenario scenario;
   client::SimulationOptions options;
@@ -35,7 +36,7 @@ class SharedSession {
 
  private:
   struct Loaded;
-  static std::shared_ptr<const Loaded> load(const std::string& name, Contact contact);
+  static std::shared_ptr<const Loaded> load(const std::string& name, Contact contact, double massFactor);
   std::shared_ptr<const Loaded> loaded_;
 };
 
