@@ -35,13 +35,14 @@ std::string readableBytes(std::size_t bytes) {
 }
 
 std::string linkInWords(const haptics::LinkReport& links) {
-  if (links.count == 0) return "";
+  if (links.live == 0) return "";
+  const bool one = links.live == 1;
   char delay[32];
   std::snprintf(delay, sizeof delay, " (%.0f ms)", 1e3 * links.delay);
+  if (!links.heard) return one ? "nothing is heard of the other hand" : "nothing is heard of one of them";
   if (links.regime == haptics::LinkRegime::apart)
     return std::string("one at a time: too far away to be felt") + delay;
-  if (!links.fresh) return "nothing is heard of the other hand";
-  if (links.fade < 0.99) return "coming up";
+  if (links.fade < 0.99 || !links.fresh) return "coming up";
   return (links.regime == haptics::LinkRegime::stiff ? "stiff" : "soft: far away") + std::string(delay);
 }
 

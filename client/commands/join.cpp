@@ -460,7 +460,7 @@ class JoinRun {
       if (Status written = writeFile(arguments_.json, reportJson(site_, model_, report_, end_) + "\n");
           !written)
         return badInput(written.error());
-    if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size());
+    if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size(), site_.sharedParts());
     return failed_ ? kExitFailed : kExitDone;
   }
 

@@ -86,6 +86,7 @@ class Playback {
     model_.worldFromPart.clear();
     for (const assets::Part& part : scene_.parts) model_.worldFromPart.push_back(part.worldFromPart);
     model_.owner.assign(scene_.parts.size(), kNoSite);
+    model_.coHolders.assign(scene_.parts.size(), {});
     model_.sites.clear();
   }
 
@@ -93,6 +94,8 @@ class Playback {
     if (const auto* control = std::get_if<sync::ControlMessage>(&entry.message)) {
       if (const auto* changed = std::get_if<sync::OwnershipChanged>(control)) applyRecord(changed->part);
       if (const auto* reply = std::get_if<sync::GrabReply>(control)) applyRecord(reply->part);
+      if (const auto* changed = std::get_if<sync::MembersChanged>(control))
+        applyCoHolders(changed->coHolders);
       if (const auto* site = std::get_if<sync::SiteChanged>(control))
         siteOf(site->site.site).info = site->site;
       return;
@@ -110,6 +113,11 @@ class Playback {
     if (record.part >= scene_.parts.size() || !ownership_->apply(record)) return;
     model_.owner[record.part] = record.owner;
     model_.worldFromPart[record.part] = record.worldFromPart;
+  }
+
+  void applyCoHolders(const sync::CoHolderRecord& record) {
+    if (record.part < scene_.parts.size() && ownership_->apply(record))
+      model_.coHolders[record.part] = record.sites;
   }
 
   SiteView& siteOf(SiteId id) {

@@ -68,6 +68,7 @@ class JoinedSite {
   haptics::ServoStatistics servoStatistics() const;
   std::vector<OwnershipNote> drainOwnershipNotes() { return notes_.drainOwnership(); }
   std::vector<GrabNote> drainGrabNotes() { return notes_.drainGrabs(); }
+  std::size_t sharedParts() { return notes_.sharedParts(); }
   /// Called in update() for every pose that a part had at this site, in the order of time.
   std::function<void(const ShownPose&)> onShown;
 

@@ -6,25 +6,18 @@
 
 #include <glm/geometric.hpp>
 
-#include "assets/base/assert.h"
-#include "client/base/readable.h"
+#include "client/session/holding_words.h"
 
 namespace tandem::client {
 
 namespace {
 
-std::string partName(const ViewModel& model, PartId part) {
-  if (part == kNoPart || !model.scene) return "-";
-  ASSERT(part < model.scene->parts.size());
-  return model.scene->parts[part].name;
-}
+std::string orDash(const std::string& text) { return text.empty() ? "-" : text; }
 
-std::string ownedBy(const ViewModel& model, SiteId site) {
-  std::string names;
-  ASSERT(model.owner.size() <= model.scene->parts.size());
-  for (std::size_t i = 0; i < model.owner.size(); ++i)
-    if (model.owner[i] == site) names += (names.empty() ? "" : ", ") + model.scene->parts[i].name;
-  return names.empty() ? "-" : names;
+/// "block with ben: stiff (27 ms)".
+std::string heldHere(const ViewModel& model) {
+  const std::string shared = sharingInWords(model);
+  return orDash(partName(model, model.hand.held)) + (shared.empty() ? "" : " " + shared);
 }
 
 /// A number, or a dash while it is not known.
@@ -53,7 +46,7 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
                 model.connection.status.c_str(), model.sites.size(),
                 figure(model.connection.roundTrip_ms > 0.0, "%.1f", model.connection.roundTrip_ms).c_str(),
                 figure(model.loop.ticks > 0, "%.0f", model.loop.compute_us_p99).c_str(),
-                glm::length(model.hand.force), partName(model, model.hand.held).c_str());
+                glm::length(model.hand.force), heldHere(model).c_str());
     std::fflush(stdout);
     return;
   }
@@ -76,19 +69,17 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
               model.loop.realtime ? "" : "  (not real-time)");
   end();
-  const std::string shared = linkInWords(model.hand.links);
-  std::printf("hand  %.2f N  touches %s  holds %s%s%s", glm::length(model.hand.force),
-              partName(model, model.hand.touched).c_str(), partName(model, model.hand.held).c_str(),
-              shared.empty() ? "" : ", shared: ", shared.c_str());
+  std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
+              orDash(partName(model, model.hand.touched)).c_str(), heldHere(model).c_str());
   end();
   if (!model.hand.fault.empty()) {
     std::fputs(("  ! " + faultLine(model)).c_str(), stdout);
     end();
   }
   for (const SiteView& site : model.sites) {
-    std::printf("  %s%-16s %-11s %-5s owns %s", site.self ? "*" : " ", site.info.name.c_str(),
+    std::printf("  %s%-16s %-11s %-5s %s", site.self ? "*" : " ", site.info.name.c_str(),
                 sync::toString(site.info.role), site.info.connected ? "here" : "away",
-                ownedBy(model, site.info.site).c_str());
+                holdingInWords(model, site).c_str());
     end();
   }
   for (const Notice& notice : model.notices) {
@@ -114,14 +105,18 @@ void LiveTable::printNews(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
-void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs) {
+void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs,
+                        std::size_t shared) {
   const bool known = model.connection.roundTrip_ms > 0.0;
-  std::printf("%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %s ms, loss %s/%s %%; %zu grab%s\n",
-              end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
-              model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
-              figure(known, "%.2f", model.connection.roundTrip_ms).c_str(),
-              figure(known, "%.1f", 100.0 * model.connection.lossUp).c_str(),
-              figure(known, "%.1f", 100.0 * model.connection.lossDown).c_str(), grabs, grabs == 1 ? "" : "s");
+  std::printf(
+      "%s: %llu ticks, %.1f/%.1f us p50/p99, %llu late; rtt %s ms, loss %s/%s %%; %zu grab%s, %zu part%s "
+      "shared with others\n",
+      end.c_str(), static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
+      model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
+      figure(known, "%.2f", model.connection.roundTrip_ms).c_str(),
+      figure(known, "%.1f", 100.0 * model.connection.lossUp).c_str(),
+      figure(known, "%.1f", 100.0 * model.connection.lossDown).c_str(), grabs, grabs == 1 ? "" : "s", shared,
+      shared == 1 ? "" : "s");
 }
 
 }  // namespace tandem::client

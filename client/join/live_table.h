@@ -16,8 +16,8 @@ class LiveTable {
   explicit LiveTable(bool quiet);
   /// `elapsed` in s since the start; draws a few times a second at most.
   void show(const ViewModel& model, double elapsed);
-  /// A summary at the end.
-  static void summary(const ViewModel& model, const std::string& end, std::size_t grabs);
+  /// A summary at the end: `grabs` were answered, and `shared` parts of others were held or pushed with them.
+  static void summary(const ViewModel& model, const std::string& end, std::size_t grabs, std::size_t shared);
 
  private:
   void printNews(const ViewModel& model, double elapsed);

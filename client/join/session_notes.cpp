@@ -30,6 +30,16 @@ void SessionNotes::onGrabReply(const GrabReply& reply) {
   grabs_.push_back({elapsed(), wait_ms, reply.part.part, reply.denial, reply.part.owner});
 }
 
+void SessionNotes::onEngaged(const EngageReply& reply) {
+  const std::lock_guard lock(mutex_);
+  shared_.insert(reply.coHolders.part);
+}
+
+std::size_t SessionNotes::sharedParts() {
+  const std::lock_guard lock(mutex_);
+  return shared_.size();
+}
+
 std::vector<OwnershipNote> SessionNotes::drainOwnership() {
   const std::lock_guard lock(mutex_);
   return std::exchange(ownership_, {});

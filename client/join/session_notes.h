@@ -5,6 +5,7 @@
 
 #include <map>
 #include <mutex>
+#include <set>
 #include <vector>
 
 #include "client/session/connection_observer.h"
@@ -35,10 +36,13 @@ class SessionNotes : public ConnectionObserver {
   void onOwnership(const sync::PartRecord& record) override;
   void onGrab(const sync::Grab& grab) override;
   void onGrabReply(const sync::GrabReply& reply) override;
+  void onEngaged(const sync::EngageReply& reply) override;
 
   /// The notes since the last call, oldest first.
   std::vector<OwnershipNote> drainOwnership();
   std::vector<GrabNote> drainGrabs();
+  /// How many parts of others this site has been a co-holder of.
+  std::size_t sharedParts();
 
  private:
   double elapsed() const;  // s since the site started
@@ -48,6 +52,7 @@ class SessionNotes : public ConnectionObserver {
   std::mutex mutex_;                                     // guards what follows
   std::vector<OwnershipNote> ownership_;
   std::vector<GrabNote> grabs_;
+  std::set<PartId> shared_;
 };
 
 }  // namespace tandem::client

@@ -1,5 +1,6 @@
 #include "client/join/shared_session.h"
 
+#include <span>
 #include <utility>
 
 #include "assets/base/assert.h"
@@ -16,7 +17,13 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
     const std::lock_guard lock(mutex_);
     toMain_.sites = connection.sites();
     toMain_.owner.resize(partCount);
-    for (std::size_t i = 0; i < partCount; ++i) toMain_.owner[i] = connection.owner(static_cast<PartId>(i));
+    toMain_.coHolders.resize(partCount);
+    for (std::size_t i = 0; i < partCount; ++i) {
+      const auto part = static_cast<PartId>(i);
+      toMain_.owner[i] = connection.owner(part);
+      const std::span<const SiteId> coHolders = connection.coHolders(part);
+      toMain_.coHolders[i].assign(coHolders.begin(), coHolders.end());
+    }
     for (Notice& notice : connection.drainNotices()) toMain_.notices.push_back(std::move(notice));
     const TransportCounters before = toMain_.statistics.transport;
     toMain_.statistics = connection.statistics();
@@ -58,6 +65,7 @@ std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount)
   model.sites = toMain_.sites;
   model.owner = toMain_.owner;
   model.owner.resize(partCount, kNoSite);
+  model.coHolders = toMain_.coHolders;
   for (const SiteView& site : model.sites)
     if (site.self) model.role = site.info.role;
   model.connection.connected = toMain_.stage == ServerConnection::Stage::ready;

@@ -35,7 +35,8 @@ class SharedSession {
  private:
   struct ToMain {
     std::vector<SiteView> sites;
-    std::vector<SiteId> owner;  // by part
+    std::vector<SiteId> owner;                   // by part
+    std::vector<std::vector<SiteId>> coHolders;  // by part
     std::vector<Notice> notices;
     ConnectionStatistics statistics;
     std::string reason;

@@ -5,6 +5,7 @@
 #include "assets/base/ids.h"
 
 namespace tandem::sync {
+struct EngageReply;
 struct Grab;
 struct GrabReply;
 struct PartRecord;
@@ -23,6 +24,7 @@ class ConnectionObserver {
   virtual void onGrab(const sync::Grab&) {}
   virtual void onRelease(const sync::Release&) {}
   virtual void onGrabReply(const sync::GrabReply&) {}
+  virtual void onEngaged(const sync::EngageReply&) {}  // this site is a co-holder now
   virtual void onAccepted(SiteId, const sync::PartState&) {}
   virtual void onPublished(const sync::PartState&) {}
   virtual void onConnection(bool) {}

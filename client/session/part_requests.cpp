@@ -177,6 +177,7 @@ bool PartRequests::handle(const EngageReply& message) {
   sync::OwnershipView& view = ownership_->view();
   if (message.denial == Denial::none) {
     if (asked->lapses == view.lapses()) view.coHoldingConfirmed(part);
+    if (watchers_.observer) watchers_.observer->onEngaged(message);
     people_.notice(Notice::Level::info,
                    partName(part) + " is shared with " + people_.nameOf(view.part(part).owner));
   } else if (message.denial == Denial::notOwned && asked->before < kMaxRepeats) {

@@ -343,6 +343,11 @@ SiteId ServerConnection::owner(PartId part) const {
   return inScene_ ? inScene_->ownership.view().part(part).owner : kNoSite;
 }
 
+std::span<const SiteId> ServerConnection::coHolders(PartId part) const {
+  if (!inScene_) return {};
+  return inScene_->ownership.view().coHolders(part).sites;
+}
+
 ConnectionStatistics ServerConnection::statistics() const {
   ConnectionStatistics statistics;
   statistics.roundTrip_ms = pings_.roundTrip_ms();

@@ -13,6 +13,7 @@
 
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -77,6 +78,8 @@ class ServerConnection {
   const std::vector<SiteView>& sites() const { return people_.sites(); }
   /// kNoSite before the scene is ready.
   SiteId owner(PartId part) const;
+  /// Valid until the next step.
+  std::span<const SiteId> coHolders(PartId part) const;
   ConnectionStatistics statistics() const;
   std::vector<Notice> drainNotices() { return people_.drainNotices(); }
 

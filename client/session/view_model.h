@@ -104,9 +104,10 @@ struct HandSettings {
 };
 
 struct ViewModel {
-  const assets::Scene* scene = nullptr;  // never changes while a viewer lives
-  std::vector<Pose> worldFromPart;       // one a part
-  std::vector<SiteId> owner;             // one a part
+  const assets::Scene* scene = nullptr;        // never changes while a viewer lives
+  std::vector<Pose> worldFromPart;             // one a part
+  std::vector<SiteId> owner;                   // one a part
+  std::vector<std::vector<SiteId>> coHolders;  // by part, the longest co-holder first
   std::vector<SiteView> sites;
   HandView hand;
   LoopView loop;

@@ -4,6 +4,7 @@
 #include <cctype>
 
 #include "assets/base/assert.h"
+#include "client/session/holding_words.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 
@@ -184,11 +185,11 @@ void PartTree::drawRow(const PanelContext& context, const Row& row) {
   const SiteId owner =
       row.part != kNoPart && row.part < context.model.owner.size() ? context.model.owner[row.part] : kNoSite;
   const SiteView* site = owner != kNoSite ? findSite(context.model, owner) : nullptr;
+  const std::string holders = row.part != kNoPart ? holdersInWords(context.model, row.part) : std::string();
   if (!visible) ImGui::PushStyleColor(ImGuiCol_Text, theme::kMuted);
   const bool selected = row.part != kNoPart && row.part == display.selected;
   const std::string name = nameOf(row);
-  const float ownerWidth =
-      site ? ImGui::CalcTextSize(site->info.name.c_str()).x + 24.0f * context.scale : 0.0f;
+  const float ownerWidth = site ? ImGui::CalcTextSize(holders.c_str()).x + 24.0f * context.scale : 0.0f;
   const std::string shown = shortened(name, ImGui::GetContentRegionAvail().x - ownerWidth) + "###name";
   if (ImGui::Selectable(shown.c_str(), selected, ImGuiSelectableFlags_AllowItemOverlap)) {
     if (row.part != kNoPart) {
@@ -208,7 +209,7 @@ void PartTree::drawRow(const PanelContext& context, const Row& row) {
     ImGui::SameLine(std::max(ImGui::GetContentRegionMax().x - ownerWidth + 6.0f * context.scale, 60.0f));
     colourDot(srgb(site->info.colour));
     ImGui::SameLine(0.0f, 4.0f);
-    ImGui::TextColored(theme::kMuted, "%s", site->info.name.c_str());
+    ImGui::TextColored(theme::kMuted, "%s", holders.c_str());
   }
   ImGui::PopID();
 }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
-#include "client/base/readable.h"
+#include "client/session/holding_words.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/strip_chart.h"
@@ -50,10 +50,6 @@ void valueLine(const char* name, const std::string& value, const ImVec4& colour 
   } else {
     wrapped(colour, value);
   }
-}
-
-std::string partName(const ViewModel& model, PartId part) {
-  return model.scene && part < model.scene->parts.size() ? model.scene->parts[part].name : std::string();
 }
 
 void drawPerson(const PanelContext& context, const SiteView& site) {
@@ -180,12 +176,7 @@ bool numberSlider(const PanelContext& context, const char* id, float& value, con
 
 std::string activityOf(const ViewModel& model, const SiteView& site) {
   if (!site.info.connected) return "away";
-  int owned = 0;
-  PartId first = kNoPart;
-  for (std::size_t p = 0; p < model.owner.size(); ++p)
-    if (model.owner[p] == site.info.site && owned++ == 0) first = static_cast<PartId>(p);
-  if (owned == 1) return "holds " + partName(model, first);
-  if (owned > 1) return format("holds %d parts", owned);
+  if (const std::string holding = holdingInWords(model, site); !holding.empty()) return holding;
   const PartId touched = site.self ? model.hand.touched : site.presence.touched;
   const bool feels = glm::length(site.self ? model.hand.force : site.presence.force) > 0.02;
   if (touched != kNoPart && feels) return "touches " + partName(model, touched);
@@ -209,7 +200,7 @@ void drawHand(const PanelContext& context) {
   std::string part = hand.held != kNoPart ? partName(model, hand.held) : partName(model, hand.touched);
   const char* verb = hand.held != kNoPart ? "Holds" : hand.grabPending ? "Asks for" : "At";
   valueLine(verb, part.empty() ? "\xE2\x80\x93" : part);
-  if (hand.links.count > 0) valueLine("Shared", linkInWords(hand.links));
+  if (const std::string shared = sharingInWords(model); !shared.empty()) valueLine("Shared", shared);
   drawNearest(model);
   StripChart chart;
   chart.id = "force";

@@ -30,17 +30,35 @@ TEST(Readable, MassesComeInTheUnitThatSuitsThem) {
 TEST(Readable, TiesAreSaidInPlainWords) {
   haptics::LinkReport links;
   EXPECT_EQ(linkInWords(links), "");
-  links.count = 1;
+  links.count = links.live = 1;
   links.delay = 0.0272;
   EXPECT_EQ(linkInWords(links), "coming up");
   links.fade = 1.0;
   EXPECT_EQ(linkInWords(links), "stiff (27 ms)");
   links.regime = haptics::LinkRegime::soft;
   EXPECT_EQ(linkInWords(links), "soft: far away (27 ms)");
-  links.fresh = false;
-  EXPECT_EQ(linkInWords(links), "nothing is heard of the other hand");
   links.regime = haptics::LinkRegime::apart;
+  links.fresh = false;
   EXPECT_EQ(linkInWords(links), "one at a time: too far away to be felt (27 ms)");
+}
+
+TEST(Readable, APeerThatIsSilentIsNotCalledFarAway) {
+  haptics::LinkReport links;
+  links.count = links.live = 1;
+  links.regime = haptics::LinkRegime::apart;  // the age of the last packet grows
+  links.delay = 3.022;
+  links.fresh = links.heard = false;
+  EXPECT_EQ(linkInWords(links), "nothing is heard of the other hand");
+  links.count = links.live = 2;
+  EXPECT_EQ(linkInWords(links), "nothing is heard of one of them");
+}
+
+TEST(Readable, ALinkThatEndsIsNotSaid) {
+  haptics::LinkReport links;
+  links.count = 1;
+  links.regime = haptics::LinkRegime::apart;
+  links.delay = 0.384;
+  EXPECT_EQ(linkInWords(links), "");
 }
 
 TEST(Readable, MemoryComesInDecimalUnits) {

@@ -33,5 +33,16 @@ TEST(SessionNotes, ChangesOfOwnershipAreDrainedOnceAndInOrder) {
   EXPECT_TRUE(notes.drainOwnership().empty());
 }
 
+TEST(SessionNotes, APartThatIsSharedAgainCountsOnce) {
+  SessionNotes notes;
+  EXPECT_EQ(notes.sharedParts(), 0u);
+  for (const PartId part : {PartId{3}, PartId{3}, PartId{4}}) {
+    sync::EngageReply reply;
+    reply.coHolders.part = part;
+    notes.onEngaged(reply);
+  }
+  EXPECT_EQ(notes.sharedParts(), 2u);
+}
+
 }  // namespace
 }  // namespace tandem::client
