@@ -192,8 +192,8 @@ void JoinedSite::waitForNetwork() {
 
 LoopTotals JoinedSite::loopTotals() const {
   const haptics::ServoStatistics servo = servoStatistics();
-  return {servo.ticks,          servo.late + servo.skipped, forceLimited_.load(std::memory_order_relaxed),
-          servo.compute_us_p50, servo.compute_us_p99,       servo.compute_us_max};
+  return {servo.ticks, servo.late + servo.skipped, forceLimited_.load(std::memory_order_relaxed),
+          servo_ ? servo_->computeTimes() : haptics::DurationCounts{}};
 }
 
 void JoinedSite::runNetwork() {

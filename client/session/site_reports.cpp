@@ -39,9 +39,10 @@ SiteReport SiteReports::next(Micros now, double roundTrip_ms) {
   report.ticks = grown(reported_.ticks, totals.ticks);
   report.missed = grown(reported_.missed, totals.missed);
   report.forceLimited = std::min(report.ticks, grown(reported_.forceLimited, totals.forceLimited));
-  report.tickMax = inMicros(totals.compute_us_max);
-  report.tick99 = std::min(report.tickMax, inMicros(totals.compute_us_p99));
-  report.tick50 = std::min(report.tick99, inMicros(totals.compute_us_p50));
+  const haptics::DurationCounts compute = totals.compute.since(reported_.compute);
+  report.tickMax = inMicros(1e-3 * compute.quantile_ns(1.0));
+  report.tick99 = inMicros(1e-3 * compute.quantile_ns(0.99));
+  report.tick50 = inMicros(1e-3 * compute.quantile_ns(0.5));
   report.roundTrip = inMicros(1000.0 * roundTrip_ms);
   reported_ = totals;
   return report;

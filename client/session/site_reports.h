@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 
+#include "haptics/base/duration_histogram.h"
 #include "sync/wire/report_messages.h"
 
 namespace tandem::client {
@@ -15,7 +16,7 @@ namespace tandem::client {
 /// The haptic loop so far.
 struct LoopTotals {
   std::uint64_t ticks = 0, missed = 0, forceLimited = 0;
-  double compute_us_p50 = 0.0, compute_us_p99 = 0.0, compute_us_max = 0.0;  // since it began
+  haptics::DurationCounts compute;
 };
 
 class SiteReports {

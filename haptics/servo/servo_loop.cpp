@@ -226,11 +226,12 @@ ServoStatistics ServoLoop::statistics() const {
   out.skipped = s.skipped.load();
   out.zeroed = s.zeroed.load();
   out.exceptions = s.exceptions.load();
-  out.compute_us_p50 = 1e-3 * s.compute.quantile_ns(0.5);
-  out.compute_us_p99 = 1e-3 * s.compute.quantile_ns(0.99);
-  out.compute_us_max = 1e-3 * static_cast<double>(s.compute.max_ns());
-  out.period_us_p99 = 1e-3 * s.period.quantile_ns(0.99);
-  out.period_us_max = 1e-3 * static_cast<double>(s.period.max_ns());
+  const DurationCounts compute = s.compute.counts(), period = s.period.counts();
+  out.compute_us_p50 = 1e-3 * compute.quantile_ns(0.5);
+  out.compute_us_p99 = 1e-3 * compute.quantile_ns(0.99);
+  out.compute_us_max = 1e-3 * static_cast<double>(compute.max_ns);
+  out.period_us_p99 = 1e-3 * period.quantile_ns(0.99);
+  out.period_us_max = 1e-3 * static_cast<double>(period.max_ns);
   const int realtime = s.realtimeError.load(), lock = s.lockError.load();
   out.realtime = realtime == 0;
   out.memoryLocked = lock == 0;
@@ -250,6 +251,8 @@ ServoStatistics ServoLoop::statistics() const {
   }
   return out;
 }
+
+DurationCounts ServoLoop::computeTimes() const { return state_->compute.counts(); }
 
 std::array<float, 256> ServoLoop::recentComputeTimes() const {
   std::array<float, 256> out{};

@@ -20,6 +20,7 @@
 #include <thread>
 
 #include "haptics/base/device.h"
+#include "haptics/base/duration_histogram.h"
 
 namespace tandem::haptics {
 
@@ -57,6 +58,9 @@ class ServoLoop {
   /// Stops the thread and leaves the device at zero force. Idempotent.
   void stop();
   ServoStatistics statistics() const;
+
+  /// Compute times of all ticks since start(), as a copy to compare with a later one; any thread.
+  DurationCounts computeTimes() const;
 
   /// Compute time of recent ticks for a live plot, us, oldest first; any thread.
   std::array<float, 256> recentComputeTimes() const;

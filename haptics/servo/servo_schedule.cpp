@@ -51,46 +51,4 @@ ContactEffort EffortGuard::limited(ContactEffort set) const {
           set.exact};
 }
 
-int DurationHistogram::bucketOf(std::int64_t duration_ns) {
-  const auto value = static_cast<std::uint64_t>(std::max<std::int64_t>(duration_ns, 0));
-  if (value < kSubBuckets) return static_cast<int>(value);
-  const int octave = std::bit_width(value) - 4;  // 1 for 16..31
-  const int sub = static_cast<int>((value >> (octave - 1)) & (kSubBuckets - 1));
-  return std::min(octave * kSubBuckets + sub, kBuckets - 1);
-}
-
-double DurationHistogram::upperEdge(int bucket) {
-  ASSERT(bucket >= 0 && bucket < kBuckets);
-  const int octave = bucket / kSubBuckets, sub = bucket % kSubBuckets;
-  if (octave == 0) return sub;
-  return static_cast<double>((static_cast<std::uint64_t>(kSubBuckets + sub + 1) << (octave - 1)) - 1);
-}
-
-void DurationHistogram::record(std::int64_t duration_ns) {
-  auto& slot = counts_[static_cast<std::size_t>(bucketOf(duration_ns))];
-  slot.store(slot.load(std::memory_order_relaxed) + 1,
-             std::memory_order_relaxed);  // one writer: no read-modify-write
-  if (duration_ns > max_ns_.load(std::memory_order_relaxed))
-    max_ns_.store(duration_ns, std::memory_order_relaxed);
-}
-
-std::uint64_t DurationHistogram::count() const {
-  std::uint64_t sum = 0;
-  for (const auto& slot : counts_) sum += slot.load(std::memory_order_relaxed);
-  return sum;
-}
-
-double DurationHistogram::quantile_ns(double q) const {
-  const std::uint64_t total = count();
-  if (total == 0) return 0.0;
-  const double wanted = std::clamp(q, 0.0, 1.0) * static_cast<double>(total);
-  std::uint64_t sum = 0;
-  for (int i = 0; i < kBuckets; ++i) {
-    sum += counts_[static_cast<std::size_t>(i)].load(std::memory_order_relaxed);
-    if (sum > 0 && static_cast<double>(sum) >= wanted)
-      return std::min(upperEdge(i), static_cast<double>(max_ns()));
-  }
-  return static_cast<double>(max_ns());
-}
-
 }  // namespace tandem::haptics

@@ -2,8 +2,6 @@
 
 // Bookkeeping of the servo loop, separate from clock and thread so that tests run it on virtual times.
 
-#include <array>
-#include <atomic>
 #include <cstdint>
 
 #include "haptics/base/contact_effort.h"
@@ -63,27 +61,6 @@ class EffortGuard {
  private:
   std::uint64_t history_ = 0;  // bit i: i ticks ago
   int stage_ = 0, calm_ = 0;
-};
-
-/// Histogram of durations from 0 to about 1 s in buckets of 1/16 of an octave (6 % wide). One thread records,
-/// any thread reads.
-class DurationHistogram {
- public:
-  void record(std::int64_t duration_ns);
-  std::uint64_t count() const;
-  /// The duration in ns that a share `q` in [0, 1] of the records does not exceed, to one bucket; 0 when
-  /// empty.
-  double quantile_ns(double q) const;
-  std::int64_t max_ns() const { return max_ns_.load(std::memory_order_relaxed); }
-
- private:
-  static constexpr int kSubBuckets = 16, kOctaves = 27;
-  static constexpr int kBuckets = kSubBuckets * kOctaves;
-  static int bucketOf(std::int64_t duration_ns);
-  static double upperEdge(int bucket);
-
-  std::array<std::atomic<std::uint64_t>, kBuckets> counts_{};
-  std::atomic<std::int64_t> max_ns_{0};
 };
 
 }  // namespace tandem::haptics

@@ -175,7 +175,7 @@ void writeReports(Text& text, const SessionFigures& figures) {
   each("site_round_trip_seconds", "gauge", "Round trip of the newest ping, as reported.",
        [](const SiteFigures& s) { return inSeconds(s.latest.roundTrip); });
   text.family("site_tick_seconds", "gauge",
-              "Time of computation of a tick since the site's loop began, as reported.");
+              "Time of computation of a tick in the last period of 5 s, as reported.");
   for (const ConnectedSite& site : figures.sites) {
     if (site.figures.reports == 0) continue;
     const sync::SiteReport& latest = site.figures.latest;

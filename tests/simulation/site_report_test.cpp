@@ -17,9 +17,14 @@ using namespace sync;
 /// A site of which only the connection and the totals of a loop exist, in a real session.
 struct Reporting : server::SessionRig {
   LoopTotals totals;
+  haptics::DurationHistogram histogram;
   Exchange exchange;
   std::unique_ptr<ServerConnection> site;
 
+  void compute(std::int64_t time_us) {
+    histogram.record(1000 * time_us);
+    totals.compute = histogram.counts();
+  }
   void restart() {
     crash();
     start();
@@ -60,9 +65,7 @@ TEST(SiteReports, OfAnHonestSiteReachTheServerWholeWhateverItsLoopGoesThrough) {
       rig.totals.ticks += 1000 - missed;
       rig.totals.missed += missed;
       rig.totals.forceLimited += random() % 100;
-      rig.totals.compute_us_max = std::max<double>(rig.totals.compute_us_max, random() % 90000);
-      rig.totals.compute_us_p99 = rig.totals.compute_us_max * 0.4;
-      rig.totals.compute_us_p50 = rig.totals.compute_us_max * 0.1;
+      for (int i = 0; i < 1000; ++i) rig.compute(1 + random() % (i == 0 ? 90000 : 900));
       rig.run(kSecond);
     }
     const server::SiteFigures got = rig.atServer();
@@ -71,10 +74,28 @@ TEST(SiteReports, OfAnHonestSiteReachTheServerWholeWhateverItsLoopGoesThrough) {
     EXPECT_GE(got.ticks + got.missed, 29000u);
     EXPECT_LE(got.ticks, rig.totals.ticks - before.ticks);
     EXPECT_GE(got.forceLimited + 200, rig.totals.forceLimited);
-    EXPECT_LE(got.latest.tickMax, rig.totals.compute_us_max);
+    EXPECT_LE(got.latest.tickMax, 90000u);
     EXPECT_GT(got.latest.tickMax, got.latest.tick50);
     EXPECT_NEAR(got.latest.roundTrip, 10000, 1000) << "of the network of the rig";
   }
+}
+
+TEST(SiteReports, SayHowLongTicksTookInTheLastPeriodOnly) {
+  Reporting rig;
+  for (int i = 0; i < 100000; ++i) rig.compute(80000);  // before it entered
+  rig.enter();
+  for (const std::int64_t time_us : {100, 20000, 300, 5000, 50}) {
+    for (int i = 0; i < 5000; ++i) rig.compute(i < 4000 ? time_us : i < 4999 ? 2 * time_us : 3 * time_us);
+    rig.totals.ticks += 5000;
+    rig.run(kReportPeriod + 20 * kMillisecond);  // and the way to the server
+    const SiteReport latest = rig.atServer().latest;
+    const auto time = static_cast<double>(time_us);
+    EXPECT_NEAR(latest.tick50, time, 0.07 * time + 1.0);
+    EXPECT_NEAR(latest.tick99, 2.0 * time, 0.14 * time + 1.0);
+    EXPECT_NEAR(latest.tickMax, 3.0 * time, 0.21 * time + 1.0);
+  }
+  rig.run(kReportPeriod + 20 * kMillisecond);
+  EXPECT_EQ(rig.atServer().latest.tickMax, 0u) << "the loop stood still";
 }
 
 TEST(SiteReports, CountAnewWithEachConnectionAndLeaveOutWhatWasBetween) {
@@ -97,23 +118,26 @@ TEST(SiteReports, CountAnewWithEachConnectionAndLeaveOutWhatWasBetween) {
 TEST(SiteReports, AreWithinTheirBoundsWhateverTheLoopSays) {
   constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
-  const double times[] = {0.0, -5.0, kNaN, kInfinity, -kInfinity, 1e300, 59e6, 61e6, 130.0};
-  for (const double p50 : times)
-    for (const double p99 : times)
-      for (const double most : times) {
-        SiteReports reports;
-        LoopTotals totals;
-        reports.setSource([&] { return totals; });
-        reports.reset(0);
-        totals = {5000, 3, 9000, p50, p99, most};
-        ASSERT_TRUE(reports.due(kReportPeriod));
-        server::SiteFigures figures;
-        EXPECT_TRUE(figures.add(reports.next(kReportPeriod, p50), kReportPeriod))
-            << p50 << ' ' << p99 << ' ' << most;
-        EXPECT_FALSE(reports.due(kReportPeriod)) << "once in a period";
-        totals.ticks = 700;  // the loop began anew
-        EXPECT_EQ(reports.next(2 * kReportPeriod, 0.0).ticks, 700u);
-      }
+  constexpr std::int64_t kLongest = std::numeric_limits<std::int64_t>::max();
+  constexpr std::int64_t kSecond_ns = 1000000000;
+  for (const std::int64_t time_ns :
+       {std::int64_t{-5}, std::int64_t{0}, 59 * kSecond_ns, 61 * kSecond_ns, kLongest})
+    for (const double roundTrip_ms : {0.0, -5.0, kNaN, kInfinity, -kInfinity, 1e300, 59e3, 61e3, 0.13}) {
+      SiteReports reports;
+      LoopTotals totals;
+      reports.setSource([&] { return totals; });
+      reports.reset(0);
+      haptics::DurationHistogram histogram;
+      for (const std::int64_t each : {std::int64_t{1000}, time_ns}) histogram.record(each);
+      totals = {5000, 3, 9000, histogram.counts()};
+      ASSERT_TRUE(reports.due(kReportPeriod));
+      server::SiteFigures figures;
+      EXPECT_TRUE(figures.add(reports.next(kReportPeriod, roundTrip_ms), kReportPeriod))
+          << time_ns << ' ' << roundTrip_ms;
+      EXPECT_FALSE(reports.due(kReportPeriod)) << "once in a period";
+      totals.ticks = 700;  // the loop began anew
+      EXPECT_EQ(reports.next(2 * kReportPeriod, 0.0).ticks, 700u);
+    }
 }
 
 TEST(HonestSite, SendsNoUpdateOfAHandThatHasNotTicked) {

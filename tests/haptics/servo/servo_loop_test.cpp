@@ -120,28 +120,6 @@ TEST(OverrunGuard, ForgivesAFewOverrunsAndHoldsZeroAfterMany) {
   EXPECT_FALSE(guard.note(false));
 }
 
-TEST(DurationHistogram, GivesQuantilesWithinOneBucket) {
-  DurationHistogram histogram;
-  EXPECT_EQ(histogram.quantile_ns(0.5), 0.0);
-  for (int i = 1; i <= 10000; ++i) histogram.record(i * 100);
-  EXPECT_EQ(histogram.count(), 10000u);
-  EXPECT_EQ(histogram.max_ns(), 1'000'000);
-  for (const double q : {0.01, 0.5, 0.9, 0.99}) {
-    EXPECT_GE(histogram.quantile_ns(q), q * 1e6 * 0.999) << q;
-    EXPECT_LE(histogram.quantile_ns(q), q * 1e6 * 1.07) << q;
-  }
-  EXPECT_EQ(histogram.quantile_ns(1.0), 1e6);
-}
-
-TEST(DurationHistogram, TakesEveryDuration) {
-  DurationHistogram histogram;
-  for (const std::int64_t duration : {std::int64_t{-5}, std::int64_t{0}, std::int64_t{15}, std::int64_t{16},
-                                      std::int64_t{1} << 40, std::numeric_limits<std::int64_t>::max()})
-    histogram.record(duration);
-  EXPECT_EQ(histogram.count(), 6u);
-  EXPECT_EQ(histogram.quantile_ns(0.0), 0.0);
-}
-
 TEST(ServoLoop, GivesADeviceNoMoreTorqueThanItHas) {
   RecordingDevice device;
   ServoLoop loop(device, [](const DeviceSample&, double) {
