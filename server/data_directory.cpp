@@ -14,7 +14,7 @@
 #include <optional>
 #include <system_error>
 
-#include "server/durable_file.h"
+#include "server/journal/durable_file.h"
 
 namespace tandem::server {
 namespace {

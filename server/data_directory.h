@@ -13,7 +13,7 @@
 
 #include "assets/base/result.h"
 #include "server/admission.h"
-#include "server/record_digest.h"
+#include "server/journal/record_digest.h"
 #include "sync/transport/socket_transport.h"
 
 namespace tandem::server {

@@ -12,7 +12,7 @@
 #include <optional>
 #include <string>
 
-#include "server/journal.h"
+#include "server/journal/journal.h"
 #include "server/outbox.h"
 #include "server/peers.h"
 #include "server/session_context.h"

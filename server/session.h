@@ -26,7 +26,7 @@
 #include "assets/base/result.h"
 #include "assets/scene/scene.h"
 #include "server/admission.h"
-#include "server/journal.h"
+#include "server/journal/journal.h"
 #include "server/session_config.h"
 #include "server/session_context.h"
 #include "server/session_figures.h"

@@ -9,10 +9,10 @@
 #include <limits>
 #include <system_error>
 
-#include "server/durable_file.h"
-#include "server/session_database.h"
-#include "server/session_mark.h"
-#include "server/sqlite_journal.h"
+#include "server/journal/durable_file.h"
+#include "server/journal/session_database.h"
+#include "server/journal/session_mark.h"
+#include "server/journal/sqlite_journal.h"
 
 namespace tandem::server {
 namespace {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "server/control_budget.h"
-#include "server/journal.h"
+#include "server/journal/journal.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/site_colours.h"
 #include "sync/wire/time.h"

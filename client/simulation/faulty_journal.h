@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "client/simulation/split_mix.h"
-#include "server/journal.h"
+#include "server/journal/journal.h"
 
 namespace tandem::client {
 

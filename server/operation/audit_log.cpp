@@ -15,7 +15,7 @@
 #include <utility>
 
 #include "assets/base/assert.h"
-#include "server/sqlite_database.h"
+#include "server/journal/sqlite_database.h"
 
 namespace tandem::server {
 namespace {

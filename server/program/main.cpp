@@ -26,7 +26,7 @@
 #include "server/program/operation.h"
 #include "server/program/options.h"
 #include "server/session.h"
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_journal.h"
 #include "sync/transport/socket_transport.h"
 
 namespace tandem::server {

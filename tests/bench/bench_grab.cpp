@@ -20,7 +20,7 @@
 #include <mutex>
 #include <thread>
 
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_journal.h"
 #include "tests/bench/session_bench.h"
 
 namespace {

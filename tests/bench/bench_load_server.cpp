@@ -27,7 +27,7 @@
 #include <thread>
 
 #include "assets/scene/scene_package.h"
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/socket_transport.h"
 #include "sync/wire/state_bundle.h"

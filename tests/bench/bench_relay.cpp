@@ -31,7 +31,7 @@
 #include <thread>
 
 #include "assets/scene/scene_package.h"
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/seal.h"
 #include "sync/transport/socket_transport.h"

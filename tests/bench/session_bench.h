@@ -17,7 +17,7 @@
 
 #include "assets/scene/scene_package.h"
 #include "server/session.h"
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_journal.h"
 #include "sync/transport/socket_transport.h"
 #include "sync/wire/state_bundle.h"
 #include "sync/wire/wire.h"

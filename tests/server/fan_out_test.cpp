@@ -8,7 +8,7 @@
 #include <map>
 #include <random>
 
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/virtual_network.h"
 #include "sync/wire/state_sender.h"

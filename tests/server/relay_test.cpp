@@ -10,7 +10,7 @@
 #include <optional>
 
 #include "server/program/invitations.h"
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/state_sender.h"

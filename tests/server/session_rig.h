@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/virtual_network.h"
 #include "sync/wire/site_colours.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "client/session/server_connection.h"
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 #include "server/session.h"
 #include "sync/transport/virtual_network.h"
 #include "sync/wire/recording.h"

@@ -1,4 +1,4 @@
-#include "server/session_database.h"
+#include "server/journal/session_database.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -9,7 +9,7 @@
 #include <cstdlib>
 #include <cstring>
 
-#include "server/session_rows.h"
+#include "server/journal/session_rows.h"
 
 namespace tandem::server {
 namespace {

@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "server/journal.h"
-#include "server/sqlite_database.h"
+#include "server/journal/journal.h"
+#include "server/journal/sqlite_database.h"
 
 namespace tandem::server {
 

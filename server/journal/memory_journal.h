@@ -8,7 +8,7 @@
 #include <deque>
 #include <string>
 
-#include "server/journal.h"
+#include "server/journal/journal.h"
 
 namespace tandem::server {
 

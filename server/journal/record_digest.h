@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "server/journal.h"
+#include "server/journal/journal.h"
 
 namespace tandem::server {
 

@@ -1,4 +1,4 @@
-#include "tests/server/faulty_disk.h"
+#include "tests/server/journal/faulty_disk.h"
 
 #include <fcntl.h>
 #include <sqlite3.h>

@@ -8,10 +8,10 @@
 #include <thread>
 
 #include "server/data_directory.h"
-#include "server/session_mark.h"
+#include "server/journal/session_mark.h"
 #include "server/session_recovery.h"
-#include "server/sqlite_database.h"
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_database.h"
+#include "server/journal/sqlite_journal.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {

@@ -1,4 +1,4 @@
-#include "server/session_rows.h"
+#include "server/journal/session_rows.h"
 
 #include <algorithm>
 

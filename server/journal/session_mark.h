@@ -16,7 +16,7 @@
 #include <string>
 
 #include "assets/base/result.h"
-#include "server/record_digest.h"
+#include "server/journal/record_digest.h"
 
 namespace tandem::server {
 

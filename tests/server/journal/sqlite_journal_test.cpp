@@ -1,4 +1,4 @@
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_journal.h"
 
 #include <gtest/gtest.h>
 #include <signal.h>

@@ -18,9 +18,9 @@
 
 #include "server/data_directory.h"
 #include "server/session_recovery.h"
-#include "server/sqlite_database.h"
-#include "server/sqlite_journal.h"
-#include "tests/server/told_session.h"
+#include "server/journal/sqlite_database.h"
+#include "server/journal/sqlite_journal.h"
+#include "tests/server/journal/told_session.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {

@@ -1,4 +1,4 @@
-#include "server/memory_journal.h"
+#include "server/journal/memory_journal.h"
 
 #include <algorithm>
 

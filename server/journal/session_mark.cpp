@@ -1,4 +1,4 @@
-#include "server/session_mark.h"
+#include "server/journal/session_mark.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -12,7 +12,7 @@
 #include <utility>
 
 #include "assets/base/assert.h"
-#include "server/durable_file.h"
+#include "server/journal/durable_file.h"
 
 namespace tandem::server {
 namespace {

@@ -17,10 +17,10 @@
 #include <vector>
 
 #include "assets/base/result.h"
-#include "server/journal.h"
-#include "server/record_digest.h"
-#include "server/session_rows.h"
-#include "server/sqlite_database.h"
+#include "server/journal/journal.h"
+#include "server/journal/record_digest.h"
+#include "server/journal/session_rows.h"
+#include "server/journal/sqlite_database.h"
 
 namespace tandem::server {
 

@@ -1,4 +1,4 @@
-#include "server/watched_files.h"
+#include "server/journal/watched_files.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -1,4 +1,4 @@
-#include "server/sqlite_journal.h"
+#include "server/journal/sqlite_journal.h"
 
 #include <algorithm>
 #include <atomic>
@@ -10,9 +10,9 @@
 #include <thread>
 
 #include "assets/base/assert.h"
-#include "server/session_database.h"
-#include "server/session_mark.h"
-#include "server/watched_files.h"
+#include "server/journal/session_database.h"
+#include "server/journal/session_mark.h"
+#include "server/journal/watched_files.h"
 
 namespace tandem::server {
 namespace {

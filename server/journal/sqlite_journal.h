@@ -18,8 +18,8 @@
 #include <vector>
 
 #include "assets/base/result.h"
-#include "server/journal.h"
-#include "server/record_digest.h"
+#include "server/journal/journal.h"
+#include "server/journal/record_digest.h"
 
 namespace tandem::server {
 

@@ -1,4 +1,4 @@
-#include "server/record_digest.h"
+#include "server/journal/record_digest.h"
 
 #include <sodium.h>
 

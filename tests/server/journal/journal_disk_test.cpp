@@ -13,10 +13,10 @@
 #include <thread>
 #include <vector>
 
-#include "server/record_digest.h"
-#include "server/sqlite_journal.h"
-#include "tests/server/faulty_disk.h"
-#include "tests/server/told_session.h"
+#include "server/journal/record_digest.h"
+#include "server/journal/sqlite_journal.h"
+#include "tests/server/journal/faulty_disk.h"
+#include "tests/server/journal/told_session.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {

@@ -1,4 +1,4 @@
-#include "server/durable_file.h"
+#include "server/journal/durable_file.h"
 
 #include <fcntl.h>
 #include <sys/stat.h>
