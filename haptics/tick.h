@@ -54,6 +54,10 @@ class TickState {
   /// unchanged until here, may end. A part that had no triangles when this state was made stays untouchable.
   void adopt(const ContactScene& next);
 
+  /// The same for a ContactScene whose models alone differ, made by withModel(): a hand feels nothing of it.
+  /// At no cost, so it may be called before every tick.
+  void refine(const ContactScene& next);
+
   /// What follows is about coordination links to other sites' replicas of parts that are owned here
   /// (replica_links.h): by the thread that ticks, between ticks, free of allocation.
 

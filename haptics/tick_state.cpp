@@ -39,6 +39,11 @@ void TickState::adopt(const ContactScene& next) {
   data_->tool.afterMeshesChange();
 }
 
+void TickState::refine(const ContactScene& next) {
+  data_->scene = &next.data();
+  data_->world.refine(next);
+}
+
 bool TickState::beginLink(const LinkTerms& terms) {
   for (const SimulatedPart& entry : data_->held.parts()) {
     const bool moves = entry.held() || data_->held.links().has(entry.part);

@@ -215,7 +215,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const Report& r
   json["fault_clears"] = report.faultClears;
   json["tool_radius_m"] = model.hand.toolRadius;
   json["stiffest_contact_n_per_m"] = model.hand.stiffest;
-  json["models_s"] = report.modelSeconds;
+  json["models"] = {{"coarse_s", report.modelSeconds}, {"refined", model.loop.refined}};
   if (const SecondHandView& second = model.hand.second; !second.deviceName.empty()) {
     json["second_hand"] = {{"device", second.deviceName},
                            {"held", nullptr},
@@ -588,7 +588,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
   command.flag("--tcp", arguments->tcp, "State over TLS, not UDP (which falls back to TLS by itself)");
   command.flag("--facets", arguments->facets, "Feel flat facets where normals say that a surface is curved");
   command.flag("--no-part-contact", arguments->noPartContact,
-               "A part in the hand passes through others, which saves minutes at a first visit");
+               "A part in the hand passes through others, which costs less of every tick");
   command.flag("--quiet", arguments->quiet, "Print nothing but errors");
   command.footer(
       "In the window F1 shows all keys. Space stops all force.\n"

@@ -18,7 +18,7 @@ constexpr double kFirstFadeTime = 0.25;  // s, of a link to a replica that no ha
 }  // namespace
 
 HandLoop::HandLoop(const haptics::ContactScene& scene, Exchange& exchange)
-    : scene_(scene),
+    : scene_(&scene),
       exchange_(exchange),
       state_(scene),
       intents_(exchange),
@@ -36,7 +36,7 @@ void HandLoop::setControl(const ControlWish& wish, std::size_t hand) {
   controls_.set(wish.part, wish.value);
 }
 
-void HandLoop::addSecondHand() { bareTool_ = std::make_unique<BareTool>(scene_); }
+void HandLoop::addSecondHand() { bareTool_ = std::make_unique<BareTool>(*scene_); }
 
 void HandLoop::readSettings() {
   settings_ = exchange_.settings.latest();
@@ -82,7 +82,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                                  .sessionTime = static_cast<double>(sessionNow) * 1e-6,
                                  .handCount = both ? 2 : 1};
   parts_.links().receive(exchange_, state_);
-  output_.tick = haptics::tick(input, scene_, settings_.parameters[0], state_);
+  output_.tick = haptics::tick(input, *scene_, settings_.parameters[0], state_);
   noteReached();
   parts_.links().update(output_.tick, state_, exchange_);
   if (effort_.stage() > 0) output_.tick.flags |= haptics::kFlagLessEffort;
@@ -192,7 +192,7 @@ void HandLoop::onOwnership(const sync::PartRecord& record, sync::Micros sessionN
     return parts_.follow(record, sessionNow, Grasps::kBlend);
   }
   const bool canBeShared =
-      record.owner != kNoSite && assets::controlOf(scene_.scene(), record.part) == nullptr;
+      record.owner != kNoSite && assets::controlOf(scene_->scene(), record.part) == nullptr;
   if (canBeShared && mine->coHeld()) return;  // the link to the new owner follows
   if (canBeShared && grasps_.holds(record.part) && intents_.grab(record.part)) {
     mine->epoch = 0;

@@ -53,6 +53,13 @@ class HandLoop {
   Wrench tick(const haptics::DeviceSample& reading, sync::Micros now,
               const haptics::DeviceSample* second = nullptr);
 
+  /// Goes on with a scene that differs in its models alone (haptics::ModelRefiner). It must outlive this, or
+  /// the next call. Haptic thread, between ticks; it costs nothing.
+  void refine(const haptics::ContactScene& next) {
+    scene_ = &next;
+    state_.refine(next);
+  }
+
   /// What the last tick() took, as a share of its period: ticks that run short give held parts less effort.
   /// Haptic thread, after tick(), where ticks run in real time.
   void took(double share) { effort_.note(share); }
@@ -101,7 +108,7 @@ class HandLoop {
   void noteSecondHand();
   void publish(const haptics::DeviceSample& sample, sync::Micros now);
 
-  const haptics::ContactScene& scene_;
+  const haptics::ContactScene* scene_;
   Exchange& exchange_;
   haptics::TickState state_;
   HandOutput output_;

@@ -109,7 +109,7 @@ Status JoinedSite::modelParts(const Progress& progress) {
   std::atomic<double> done{0.0};
   std::atomic<bool> stop{false};
   haptics::ModelOptions models;
-  models.cacheDirectory = options_.cacheDirectory;
+  models.coarse = true;
   models.progress = [&](double share, const char*) {
     done = share;
     return !stop;
@@ -143,6 +143,10 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
                        std::unique_ptr<haptics::Device> second) {
   ASSERT(device != nullptr && contact_ != nullptr && exchange_ != nullptr && servo_ == nullptr);
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
+  haptics::ModelOptions fine;
+  fine.cacheDirectory = options_.cacheDirectory;
+  refiner_ = std::make_unique<haptics::ModelRefiner>(
+      *contact_, fine, [this] { return glm::dvec3(tip_[0].load(), tip_[1].load(), tip_[2].load()); });
   device_ = std::move(device);
   secondDevice_ = std::move(second);
   settings_.parameters[0].toolRadius = toolRadius();
@@ -159,6 +163,10 @@ void JoinedSite::start(std::unique_ptr<haptics::Device> device, std::function<vo
                                                          const haptics::DeviceSample* other, double now) {
     const double began = haptics::ServoLoop::now();
     if (prepare) prepare(*hand_);
+    hand_->refine(refiner_->newest());
+    for (int axis = 0; axis < 3; ++axis)
+      tip_[static_cast<std::size_t>(axis)].store(sample.worldFromDevice.position[axis],
+                                                 std::memory_order_relaxed);
     const Wrench wrench = hand_->tick(sample, static_cast<Micros>(now * 1e6), other);
     if ((hand_->output().tick.flags & haptics::kFlagForceLimited) != 0)
       forceLimited_.fetch_add(1, std::memory_order_relaxed);
@@ -301,6 +309,7 @@ void JoinedSite::updateHand(ViewModel& model) {
   model.loop.ticks = servo.ticks;
   model.loop.late = servo.late;
   model.loop.realtime = servo.realtime;
+  model.loop.refined = refined();
   if (servo_) {
     const std::array<float, 256> recent = servo_->recentComputeTimes();
     model.loop.recentCompute_us.assign(recent.begin(), recent.end());

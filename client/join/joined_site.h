@@ -4,6 +4,7 @@
 // and the interface by which the main thread displays and controls both. All public functions are for the
 // main thread.
 
+#include <array>
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -21,6 +22,7 @@
 #include "client/session/exchange.h"
 #include "client/session/server_connection.h"
 #include "client/session/view_model.h"
+#include "haptics/scene/model_refiner.h"
 #include "haptics/servo/servo_loop.h"
 #include "sync/wire/recording.h"
 
@@ -35,6 +37,8 @@ class JoinedSite {
 
   const assets::Scene& scene() const { return scene_; }
   const haptics::ContactScene& contact() const { return *contact_; }
+  /// Share of the contact models that are refined, 0..1; what is still coarse costs the ticks more.
+  double refined() const { return refiner_ ? refiner_->done() : 1.0; }
   sync::Role role() const { return connection_->welcome().role; }
   SiteId id() const { return connection_->welcome().site; }
   /// Radius of the ball that the hands touch with, m; 0: a point.
@@ -42,9 +46,9 @@ class JoinedSite {
   /// Servo thread, once started.
   Pose worldFromPart(PartId part) const { return hand_->worldFromPart(part); }
 
-  /// Makes the contact models by which a part in the hand collides, where JoinOptions::partContact asks for
-  /// it. This takes seconds, for large scenes minutes, and less from the cache; the site stays in the session
-  /// meanwhile. Called before start(). An error if `progress` stopped it or the session ended.
+  /// Makes coarse contact models, by which a part in the hand collides, where JoinOptions::partContact asks
+  /// for it; start() has them refined while they are felt. This takes a second or two; the site stays in the
+  /// session meanwhile. Called before start(). An error if `progress` stopped it or the session ended.
   Status modelParts(const Progress& progress);
 
   /// Starts both threads with this device, which must be open. `prepare`, if given, is called before each
@@ -92,10 +96,12 @@ class JoinedSite {
   assets::Scene scene_;
   std::unique_ptr<haptics::ContactScene> contact_;
   std::unique_ptr<Exchange> exchange_;
+  std::unique_ptr<haptics::ModelRefiner> refiner_;          // null: no part can be held
   std::unique_ptr<HandLoop> hand_;                          // servo thread, once started
   std::unique_ptr<haptics::Device> device_, secondDevice_;  // the second may be null
   std::unique_ptr<haptics::ServoLoop> servo_;
   std::atomic<std::uint64_t> forceLimited_{0};  // ticks
+  std::array<std::atomic<double>, 3> tip_{};    // m, world: where the first hand is
   std::thread network_;
   std::atomic<bool> stop_{false};
 

@@ -68,6 +68,7 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
               static_cast<unsigned long long>(model.loop.ticks), model.loop.compute_us_p50,
               model.loop.compute_us_p99, static_cast<unsigned long long>(model.loop.late),
               model.loop.realtime ? "" : "  (not real-time)");
+  if (model.loop.refined < 1.0) std::printf("  contact is refined: %.0f %%", 100.0 * model.loop.refined);
   end();
   std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
               orDash(partName(model, model.hand.touched)).c_str(), heldHere(model).c_str());

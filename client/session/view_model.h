@@ -63,6 +63,7 @@ struct LoopView {
   double compute_us_p50 = 0.0, compute_us_p99 = 0.0, compute_us_max = 0.0;
   std::uint64_t ticks = 0, late = 0;
   bool realtime = false;
+  double refined = 1.0;  // share of the contact models that are refined; the others cost the ticks more
   std::vector<float> recentCompute_us;  // oldest first
   std::vector<float> recentForce_n;     // oldest first
 };

@@ -172,9 +172,12 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
   ImGui::SameLine(0.0f, 4.0f);
   ImGui::TextUnformatted(model.replay ? "replay" : model.connection.status.c_str());
   model.replay ? drawFollowed(context) : drawOwnHand(context);
-  char right[64] = "F1 help";
+  char refining[48] = "", right[96] = "F1 help";
+  if (model.loop.refined < 1.0)
+    std::snprintf(refining, sizeof refining, "contact is refined: %.0f %%     ", 100.0 * model.loop.refined);
   if (context.live)
-    std::snprintf(right, sizeof right, "%.0f fps     F1 help", static_cast<double>(ImGui::GetIO().Framerate));
+    std::snprintf(right, sizeof right, "%s%.0f fps     F1 help", refining,
+                  static_cast<double>(ImGui::GetIO().Framerate));
   ImGui::SameLine(ImGui::GetContentRegionMax().x - ImGui::CalcTextSize(right).x);
   ImGui::TextColored(theme::kMuted, "%s", right);
   ImGui::End();

@@ -108,6 +108,7 @@ Collider makeCollider(const assets::Scene& scene, const assets::Part& part, cons
 }  // namespace
 
 ContactScene::Data::Data() = default;
+ContactScene::Data::Data(const Data&) = default;
 ContactScene::Data::~Data() = default;
 
 ContactScene::ContactScene(const assets::Scene& scene, int threads, double leastToolShare)
@@ -166,32 +167,41 @@ void ContactScene::Data::measure(std::uint32_t mesh) {
   surfaces = makeSurfaceScene(*scene, colliders, moved);
 }
 
-bool ContactScene::modelParts(const ModelOptions& options) {
-  ASSERT(data_->models.empty());
-  double smallestHeld = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < data_->colliders.size(); ++i) {
-    const Collider& collider = data_->colliders[i];
+double ContactScene::Data::smallestHeld() const {
+  double smallest = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < colliders.size(); ++i) {
     // A held control moves only along its axis, whatever stands in the way.
-    const bool free =
-        data_->scene->parts[i].movable && assets::controlOf(*data_->scene, static_cast<PartId>(i)) == nullptr;
-    if (free && collider.radius > 0.0) smallestHeld = std::min(smallestHeld, 2.0 * collider.radius);
+    const bool free = scene->parts[i].movable && assets::controlOf(*scene, static_cast<PartId>(i)) == nullptr;
+    if (free && colliders[i].radius > 0.0) smallest = std::min(smallest, 2.0 * colliders[i].radius);
   }
-  if (!std::isfinite(smallestHeld)) return true;
-  data_->tolerances = partTolerances(*data_->scene, data_->colliders, smallestHeld, options.threads);
-  // Parts that share a mesh share its model, so the strictest part decides.
+  return smallest;
+}
+
+std::vector<double> ContactScene::Data::treeTolerances(const std::vector<PartTolerance>& ofParts) const {
   std::map<const TriangleBvh*, double> toleranceOf;
-  for (std::size_t i = 0; i < data_->colliders.size(); ++i)
-    if (const TriangleBvh* tree = data_->colliders[i].tree; tree != nullptr) {
-      const double own = data_->tolerances[i].tolerance;
+  for (std::size_t i = 0; i < colliders.size(); ++i)
+    if (const TriangleBvh* tree = colliders[i].tree; tree != nullptr) {
+      const double own = ofParts[i].tolerance;
       const auto [it, isNew] = toleranceOf.emplace(tree, own);
       if (!isNew) it->second = std::min(it->second, own);
     }
-  std::vector<double> tolerances;
-  for (const auto& tree : data_->trees) {
+  std::vector<double> found;
+  for (const auto& tree : trees) {
     const auto it = toleranceOf.find(tree.get());
-    tolerances.push_back(it == toleranceOf.end() ? 0.0 : it->second);
+    found.push_back(it == toleranceOf.end() ? 0.0 : it->second);
   }
-  data_->models = bakeModels(data_->trees, tolerances, data_->shapes, smallestHeld, options);
+  return found;
+}
+
+bool ContactScene::modelParts(const ModelOptions& options) {
+  ASSERT(data_->models.empty());
+  const double smallestHeld = data_->smallestHeld();
+  if (!std::isfinite(smallestHeld)) return true;
+  data_->tolerances = options.coarse
+                          ? tolerancesWithoutClearance(*data_->scene, data_->colliders, smallestHeld)
+                          : partTolerances(*data_->scene, data_->colliders, smallestHeld, options.threads);
+  data_->models = bakeModels(data_->trees, data_->treeTolerances(data_->tolerances), data_->shapes,
+                             smallestHeld, options);
   if (data_->models.empty()) return false;
   std::map<const TriangleBvh*, const PartModel*> modelOf;
   for (std::size_t i = 0; i < data_->trees.size(); ++i)
@@ -212,19 +222,8 @@ void ContactScene::refitMesh(std::uint32_t mesh, int threads) {
 ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const assets::Mesh> replacement,
                                     int threads) const {
   ASSERT(mesh < data_->scene->meshes.size() && data_->trees[mesh] != nullptr);
-  ContactScene next;
-  next.data_ = std::make_unique<Data>();
-  next.data_->scene = data_->scene;
-  next.data_->leastToolShare = data_->leastToolShare;
-  next.data_->shapeMeshes = data_->shapeMeshes;
-  next.data_->shapes = data_->shapes;
-  next.data_->replacements = data_->replacements;
-  next.data_->trees = data_->trees;
-  next.data_->models = data_->models;
+  ContactScene next(*data_);
   if (!next.data_->models.empty()) next.data_->models[mesh] = nullptr;
-  next.data_->colliders = data_->colliders;
-  next.data_->tolerances = data_->tolerances;
-  next.data_->deformed = data_->deformed;
   next.data_->deformed[mesh] = false;
   next.data_->trees[mesh] = std::make_shared<TriangleBvh>(*replacement, threads);
   next.data_->replacements[mesh] = std::move(replacement);
@@ -232,7 +231,17 @@ ContactScene ContactScene::withMesh(std::uint32_t mesh, std::shared_ptr<const as
   return next;
 }
 
-ContactScene::ContactScene() = default;
+ContactScene ContactScene::withModel(std::size_t tree, std::shared_ptr<const PartModel> model) const {
+  ASSERT(model != nullptr && tree < data_->models.size() && data_->models[tree] != nullptr);
+  ASSERT(model->features == data_->models[tree]->features);
+  ContactScene next(*data_);
+  for (Collider& collider : next.data_->colliders)
+    if (collider.model == data_->models[tree].get()) collider.model = model.get();
+  next.data_->models[tree] = std::move(model);
+  return next;
+}
+
+ContactScene::ContactScene(const Data& data) : data_(std::make_unique<Data>(data)) {}
 ContactScene::~ContactScene() = default;
 ContactScene::ContactScene(ContactScene&&) noexcept = default;
 ContactScene& ContactScene::operator=(ContactScene&&) noexcept = default;

@@ -13,6 +13,8 @@
 
 namespace tandem::haptics {
 
+struct PartModel;
+
 /// Options of ContactScene::modelParts().
 struct ModelOptions {
   std::string cacheDirectory;  // where distance fields are cached; empty: nowhere
@@ -20,6 +22,7 @@ struct ModelOptions {
   double fieldScale = 1.0;     // factor on the tolerance and smallest cell of the fields
   double sampleScale = 1.0;    // factor on the spacing of the contact samples
   bool onlyCached = false;     // a mesh whose field is not in the cache gets no model
+  bool coarse = false;         // models that are there at once and cost more to feel, see ModelRefiner
   /// Receives the share done, 0..1, and a description, in the calling thread. False stops, possibly only
   /// after the current mesh.
   std::function<bool(double, const char*)> progress;
@@ -68,11 +71,15 @@ class ContactScene {
   /// TickState is made for this scene and before any withMesh() or refitMesh().
   bool modelParts(const ModelOptions& options = {});
 
+  /// The same scene with a model refined: that of tree `tree` is `model`, which has the features of the one
+  /// before. Between ticks the ticking thread passes on to it, see TickState::refine(). Any thread.
+  ContactScene withModel(std::size_t tree, std::shared_ptr<const PartModel> model) const;
+
   struct Data;
   const Data& data() const { return *data_; }
 
  private:
-  ContactScene();
+  explicit ContactScene(const Data& data);
 
   std::unique_ptr<Data> data_;
 };

@@ -29,9 +29,14 @@ struct SurfaceScene;  // surface_scene.h
 
 struct ContactScene::Data {
   Data();
+  Data(const Data&);
   ~Data();
   /// Derives the colliders of the parts that use a mesh, and the surfaces.
   void measure(std::uint32_t mesh);
+  /// m, diagonal of the smallest part that a hand can hold; infinite if there is none.
+  double smallestHeld() const;
+  /// m, of each tree: parts that share a mesh share its model, so the strictest part decides.
+  std::vector<double> treeTolerances(const std::vector<PartTolerance>& ofParts) const;
 
   const assets::Scene* scene = nullptr;
   double leastToolShare = 0.0;
@@ -41,10 +46,10 @@ struct ContactScene::Data {
   std::vector<std::shared_ptr<TriangleBvh>> trees;  // scene meshes first, in order; null if no part uses one
   /// One a tree, or none at all; null for a mesh that was exchanged or refitted.
   std::vector<std::shared_ptr<const PartModel>> models;
-  std::vector<Collider> colliders;         // one a part
-  std::vector<PartTolerance> tolerances;   // one a part once models exist, else none
-  std::vector<bool> deformed;              // one a scene mesh: refitted, so that its normals do not hold
-  std::unique_ptr<SurfaceScene> surfaces;  // null: no material has surface effects
+  std::vector<Collider> colliders;        // one a part
+  std::vector<PartTolerance> tolerances;  // one a part once models exist, else none
+  std::vector<bool> deformed;             // one a scene mesh: refitted, so that its normals do not hold
+  std::shared_ptr<const SurfaceScene> surfaces;  // null: no material has surface effects
 };
 
 }  // namespace tandem::haptics

@@ -43,6 +43,8 @@ class ContactWorld {
   /// Takes the geometry from another ContactScene of the same Scene and measures the parts that differ; the
   /// previous scene must still exist. The cost is that of a mesh change.
   void adopt(const ContactScene& scene);
+  /// Takes the models from a ContactScene that differs in them alone.
+  void refine(const ContactScene& scene) { data_ = &scene.data(); }
 
   // Moves many parts in one tick: call beginMotions(), noteMotion() for each part, endMotions(), then
   // setNearPose() for each part that noteMotion() reported near. Queries are correct at any time, and fastest

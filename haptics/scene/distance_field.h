@@ -11,6 +11,7 @@
 // 4. A part of implicit shapes needs no cells: a formula gives its distance everywhere.
 
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,9 +34,11 @@ class DistanceField {
     double tolerance = 0.0;  // m, wanted error where the surface is smooth; 0 = 2^-14 of the part's diagonal
     double smallestCell = 0.0;  // m, side; 0 = 80 tolerances, within 1/1024 and 1/128 of the diagonal
     double band = 0.0;          // m, around the surface where the tolerance matters; 0 = two smallest cells
-    std::size_t memory = 64u << 20;        // bytes; smallestCell is doubled until the field fits
-    int threads = 0;                       // 0 = all cores
-    std::function<void(double)> progress;  // share done, from the calling thread
+    std::size_t memory = 64u << 20;  // bytes; smallestCell is doubled until the field fits
+    bool onlyCulls = false;  // cells say how near the surface may be, and have no model of it: far less work
+    int threads = 0;         // 0 = all cores
+    std::function<void(double)> progress;     // share done, from the calling thread
+    const std::atomic<bool>* stop = nullptr;  // once true, the bake ends early, and the field is of no use
   };
 
   /// |signed distance(p) - distance| <= error within the grid. The gradient is that of the cell's model: not
@@ -93,6 +96,8 @@ class DistanceField {
   double tolerance() const { return tolerance_; }
   double smallestCell() const { return smallestCell_; }
   double band() const { return band_; }
+  /// Whether the bake was stopped: the field cannot be read then.
+  bool stopped() const { return stopped_; }
   /// Whether the memory allowed made the smallest cell larger than asked for.
   bool coarsened() const { return coarsened_; }
   /// The largest error, m, of a cell that the surface passes and where it turns by less than 20 degrees.
@@ -155,7 +160,7 @@ class DistanceField {
   glm::vec3 boxLow_{0.0f, 0.0f, 0.0f}, boxHigh_{0.0f, 0.0f, 0.0f};  // m, of the mesh, relative to the origin
   glm::dvec3 origin_{0.0, 0.0, 0.0};                                // m, part frame
   double tolerance_ = 0.0, smallestCell_ = 0.0, band_ = 0.0, worstSmoothError_ = 0.0;  // m
-  bool solid_ = false, coarsened_ = false;
+  bool solid_ = false, coarsened_ = false, stopped_ = false;
 };
 
 }  // namespace tandem::haptics

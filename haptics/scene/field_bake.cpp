@@ -122,6 +122,7 @@ class FieldBake {
     glm::dvec3 centre{0.0, 0.0, 0.0};
     double distance = -1.0;
     MeshSides::Side side{1.0, false};
+    glm::dvec3 point{0.0, 0.0, 0.0};  // of the surface, at that distance
   };
   using Lists = std::array<std::vector<std::uint32_t>, kLevels>;
   struct Worker {
@@ -131,12 +132,17 @@ class FieldBake {
 
   void setLengths();
   void setGrid();
+  bool isStopped() const {
+    return options_.stop != nullptr && options_.stop->load(std::memory_order_relaxed);
+  }
   bool bakePieces(std::vector<Piece>& pieces);
   void join(std::vector<Piece>& pieces);
   void bakePiece(std::size_t index, Worker& worker, Piece& piece) const;
   void refine(const Job& job, std::span<const std::uint32_t> candidates, const Known& around, Worker& worker,
               Piece& piece) const;
-  /// Finds the nearest point to a cube's centre, and all triangles (and few more) within two radii beyond it.
+  /// The nearest point to a cube's centre. `bound`: m, it is no further away, if anything is known.
+  MeshPoint nearestByTree(const FieldCube& cube, const Known& around, double bound) const;
+  /// The nearest point to a cube's centre, and all triangles (and few more) within two radii beyond it.
   MeshPoint nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates, const Known& around,
                       Worker& worker, std::vector<std::uint32_t>& near) const;
   MeshSides::Side sideOf(const FieldCube& cube, const MeshPoint& nearest, const Known& around) const;
@@ -158,7 +164,8 @@ class FieldBake {
   MeshSides sides_;
   CubeFit fit_;
   std::vector<Ball> balls_;
-  double rounding_ = 0.0;  // m
+  double largestCapError_ = 0.0;  // m
+  double rounding_ = 0.0;         // m
   bool unlimited_ = false;
 };
 
@@ -177,6 +184,7 @@ void FieldBake::run() {
   if (sides_.hasMouth()) sides_.forgetInside();
   setLengths();
   field_.solid_ = sides_.solid();
+  for (const double error : capped_.error) largestCapError_ = std::max(largestCapError_, error);
   balls_.resize(tree_.mesh().triangles.size());
   for (std::uint32_t t = 0; t < balls_.size(); ++t) {
     const Triangle corners = tree_.triangle(t);
@@ -191,7 +199,12 @@ void FieldBake::run() {
   std::vector<Piece> pieces;
   for (;;) {
     setGrid();
-    if (bakePieces(pieces)) break;
+    const bool fits = bakePieces(pieces);
+    if (isStopped()) {
+      field_.stopped_ = true;
+      return;
+    }
+    if (fits) break;
     // A field of so few cells cannot shrink further.
     if (16.0 * field_.smallestCell_ > glm::length(tree_.bounds().max - tree_.bounds().min)) unlimited_ = true;
     field_.smallestCell_ *= 2.0;
@@ -249,7 +262,7 @@ bool FieldBake::bakePieces(std::vector<Piece>& pieces) {
     for (;;) {
       const std::size_t index = next.fetch_add(1);
       // The sum of all cubes decides, in any order: past the limit it stays past it.
-      if (index >= pieces.size() || memory.load() > limit) break;
+      if (index >= pieces.size() || memory.load() > limit || isStopped()) break;
       Piece& piece = pieces[index];
       bakePiece(index, worker, piece);
       piece.cells.shrink_to_fit();
@@ -272,6 +285,10 @@ void FieldBake::bakePiece(std::size_t index, Worker& worker, Piece& piece) const
           {0, 0, 0},
           DistanceField::kSpan,
           0};
+  if (options_.onlyCulls) {
+    refine(job, {}, {}, worker, piece);
+    return;
+  }
   MeshPoint nearest;
   tree_.closestPoint(job.cube.centre, 1e300, nearest);
   const double reach = nearest.distance + 2.0 * job.cube.radius();
@@ -280,6 +297,12 @@ void FieldBake::bakePiece(std::size_t index, Worker& worker, Piece& piece) const
   tree_.gather(box, candidates);
   std::sort(candidates.begin(), candidates.end());
   refine(job, candidates, {}, worker, piece);
+}
+
+MeshPoint FieldBake::nearestByTree(const FieldCube& cube, const Known& around, double bound) const {
+  MeshPoint nearest;
+  tree_.closestPoint(cube.centre, around.distance >= 0.0 ? bound + rounding_ : 1e300, nearest);
+  return nearest;
 }
 
 MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint32_t> candidates,
@@ -293,16 +316,15 @@ MeshPoint FieldBake::nearestOf(const FieldCube& cube, std::span<const std::uint3
     return glm::dot(off, off) > beyond * beyond || std::abs(glm::dot(off, ball.normal)) > reach;
   };
   MeshPoint nearest;
-  nearest.distance = 1e300;
   near.clear();
   if (candidates.size() > kMany) {
-    const double bound = around.distance + glm::distance(around.centre, cube.centre) + rounding_;
-    tree_.closestPoint(cube.centre, around.distance >= 0.0 ? bound : 1e300, nearest);
+    nearest = nearestByTree(cube, around, around.distance + glm::distance(around.centre, cube.centre));
     const float reach = roundUp(nearest.distance + within + rounding_);
     for (const std::uint32_t t : candidates)
       if (!isFar(t, reach)) near.push_back(t);
     return nearest;
   }
+  nearest.distance = 1e300;
   float reach = 1e38f;
   worker.measured.clear();
   for (const std::uint32_t t : candidates) {
@@ -329,15 +351,20 @@ MeshSides::Side FieldBake::sideOf(const FieldCube& cube, const MeshPoint& neares
 
 void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates, const Known& around,
                        Worker& worker, Piece& piece) const {
+  if (isStopped()) return;
   std::vector<std::uint32_t>& near = worker.near[static_cast<std::size_t>(job.level)];
   const double radius = job.cube.radius();
-  const MeshPoint nearest = nearestOf(job.cube, candidates, around, worker, near);
+  MeshPoint nearest;
+  if (options_.onlyCulls)
+    nearest = nearestByTree(job.cube, around, glm::distance(job.cube.centre, around.point));
+  else
+    nearest = nearestOf(job.cube, candidates, around, worker, near);
   // Where the surface passes the middle of a cube, a model through it needs no side.
   const bool passed = nearest.distance < job.cube.half;
   MeshSides::Side side{0.0, false};
   if (!passed) side = sideOf(job.cube, nearest, around);
   const bool certain = passed ? sides_.isCertain(job.cube.centre, radius) : side.certain;
-  const double caps = errorOfCaps(near);
+  const double caps = options_.onlyCulls ? largestCapError_ : errorOfCaps(near);
   const double enough = std::max(0.0, allowed(nearest.distance, radius) - caps);
   // The smallest cells are for cubes that the surface may pass, and for narrow slits and grooves with surface
   // on several sides.
@@ -345,7 +372,7 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
   CubeModel model;
   model.error = radius;
   bool found = false;
-  if (certain && radius > enough) {
+  if (certain && radius > enough && !options_.onlyCulls) {
     found = fit_.fit(job.cube, near, nearest, side.sign, enough,
                      last ? std::max(kSecondTry * enough, 0.25 * radius) : kSecondTry * enough, model);
   }
@@ -362,7 +389,7 @@ void FieldBake::refine(const Job& job, std::span<const std::uint32_t> candidates
       piece.worstSmooth = std::max(piece.worstSmooth, model.error + rounding_);
     return;
   }
-  const Known known{job.cube.centre, nearest.distance, side};
+  const Known known{job.cube.centre, nearest.distance, side, nearest.point};
   const double half = 0.5 * job.cube.half;
   const std::uint32_t step = job.side / 2;
   for (std::uint32_t i = 0; i < 8; ++i) {

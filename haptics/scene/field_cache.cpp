@@ -91,7 +91,7 @@ DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options&
     return std::move(*field);
   }
   DistanceField field(tree, options);
-  write(path, key, field);
+  if (!field.stopped()) write(path, key, field);
   return field;
 }
 

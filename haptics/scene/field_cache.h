@@ -11,8 +11,9 @@
 namespace tandem::haptics {
 
 /// The field of a mesh with `options`: read from `directory` (empty: no cache) if an intact file exists, else
-/// baked and stored there. Files that cannot be read, written or validated cost only time. `cached` reports
-/// whether the field was read. The number of threads affects neither the field nor its key.
+/// baked and stored there, unless it was stopped. Files that cannot be read, written or validated cost only
+/// time. `cached` reports whether the field was read. The number of threads affects neither the field nor its
+/// key.
 DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options& options,
                           const std::string& directory, bool& cached);
 

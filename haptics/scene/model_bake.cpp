@@ -25,7 +25,48 @@ constexpr double kShared = 4096.0, kCoarsest = 1.0 / 128.0, kFinest = 1.0 / 1024
 constexpr double kGroove = 1.0 / 16.0;
 // Default tolerance of a DistanceField.
 constexpr double kCellOfTolerance = 80.0;
+// Smallest cells of a coarse field, as a share of the mesh's diagonal.
+constexpr double kCoarse = 1.0 / 16.0;
 constexpr const char* kWhat = "making parts ready to collide";
+
+double sizeOf(const TriangleBvh& tree) { return glm::length(tree.bounds().max - tree.bounds().min); }
+
+ContactSamples::Options samplingOf(const TriangleBvh& tree, double scale) {
+  ContactSamples::Options sampling;
+  sampling.spacing = scale * ContactSamples::usualSpacing(tree.mesh());
+  return sampling;
+}
+
+bool hasField(const std::shared_ptr<TriangleBvh>& tree, const std::vector<assets::ImplicitShape>& shapes) {
+  return tree != nullptr && !tree->empty() && shapes.empty();
+}
+
+/// The field of a mesh that is as exact as its tolerance asks.
+DistanceField::Options fineField(const TriangleBvh& tree, const MeshEdges& edges, double tolerance,
+                                 const BakePlan& plan) {
+  const double size = sizeOf(tree);
+  DistanceField::Options field;
+  field.tolerance = usableTolerance(tolerance, size);
+  const double finest = std::min(kCoarsest, static_cast<double>(plan.fields) / kShared);
+  // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
+  // bring them within tolerance.
+  const double ofEdges = kCellOfTolerance * usualTolerance(plan.smallestHeld, size),
+               ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
+  const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
+  field.smallestCell = std::clamp(cell, std::max(kFinest, finest) * size, kCoarsest * size);
+  field.tolerance *= plan.fieldScale;
+  field.smallestCell *= plan.fieldScale;
+  return field;
+}
+
+/// The field of a mesh that is there at once: the triangles are asked wherever it is not exact enough.
+DistanceField::Options coarseField(const TriangleBvh& tree, double tolerance) {
+  DistanceField::Options field;
+  field.tolerance = usableTolerance(tolerance, sizeOf(tree));
+  field.smallestCell = kCoarse * sizeOf(tree);
+  field.onlyCulls = true;
+  return field;
+}
 
 class Bake {
  public:
@@ -35,8 +76,8 @@ class Bake {
       : trees_(trees),
         tolerances_(tolerances),
         shapes_(shapes),
-        smallestHeld_(smallestHeld),
         options_(options),
+        plan_{smallestHeld, fieldsOf(trees, shapes), options.fieldScale, options.sampleScale, options.coarse},
         models_(trees.size()) {
     const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
     threads_ = options.threads > 0 ? options.threads : cores;
@@ -77,13 +118,11 @@ class Bake {
   void modelShapes(std::size_t i) {
     const auto start = std::chrono::steady_clock::now();
     const TriangleBvh& tree = *trees_[i];
-    const double size = glm::length(tree.bounds().max - tree.bounds().min);
-    ContactSamples::Options sampling;
-    sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
     // The tolerance follows the smallest part, however large this one is: it costs nothing.
-    const double tolerance =
-        std::min(usableTolerance(tolerances_[i], size), usualTolerance(smallestHeld_, smallestHeld_));
-    auto model = std::make_shared<PartModel>(tree, shapes_[i], sampling, tolerance);
+    const double tolerance = std::min(usableTolerance(tolerances_[i], sizeOf(tree)),
+                                      usualTolerance(plan_.smallestHeld, plan_.smallestHeld));
+    auto model =
+        std::make_shared<PartModel>(tree, shapes_[i], samplingOf(tree, plan_.sampleScale), tolerance);
     model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     models_[i] = std::move(model);
   }
@@ -95,38 +134,14 @@ class Bake {
   }
 
   void bake(std::size_t i, int threads, bool telling) {
-    const auto start = std::chrono::steady_clock::now();
     if (telling) tell(0.0);
-    const TriangleBvh& tree = *trees_[i];
-    const double size = glm::length(tree.bounds().max - tree.bounds().min);
-    DistanceField::Options field;
-    field.tolerance = usableTolerance(tolerances_[i], size);
-    MeshEdges edges(tree.mesh());
-    const double finest = std::min(kCoarsest, static_cast<double>(order_.size()) / kShared);
-    // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
-    // bring them within tolerance.
-    const double ofEdges = kCellOfTolerance * usualTolerance(smallestHeld_, size),
-                 ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
-    const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
-    field.smallestCell = std::clamp(cell, std::max(kFinest, finest) * size, kCoarsest * size);
-    field.tolerance *= options_.fieldScale;
-    field.smallestCell *= options_.fieldScale;
-    ContactSamples::Options sampling;
-    sampling.spacing = options_.sampleScale * ContactSamples::usualSpacing(tree.mesh());
-    field.threads = threads;
-    if (telling) field.progress = [this, i](double share) { tell(share * weight(i)); };
-    bool cached = options_.onlyCached;
-    std::optional<DistanceField> found;
-    if (options_.onlyCached)
-      found = readField(tree, field, options_.cacheDirectory);
-    else
-      found = cachedField(tree, field, options_.cacheDirectory, cached);
-    if (found) {
-      auto model = std::make_shared<PartModel>(tree, std::move(edges), sampling, std::move(*found));
-      model->cached = cached;
-      model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      models_[i] = std::move(model);
-    }
+    BakeHow how;
+    how.cacheDirectory = options_.cacheDirectory;
+    how.onlyCached = options_.onlyCached;
+    how.threads = threads;
+    how.stop = &stopped_;
+    if (telling) how.progress = [this, i](double share) { tell(share * weight(i)); };
+    models_[i] = bakeModel(*trees_[i], tolerances_[i], plan_, how);
     done_ += static_cast<std::uint64_t>(weight(i));
     if (telling) tell(0.0);
   }
@@ -134,8 +149,8 @@ class Bake {
   const std::vector<std::shared_ptr<TriangleBvh>>& trees_;
   const std::vector<double>& tolerances_;  // m, one per tree
   const std::vector<std::vector<assets::ImplicitShape>>& shapes_;
-  double smallestHeld_;  // m
   const ModelOptions& options_;
+  BakePlan plan_;
   int threads_ = 1;
   double total_ = 0.0;
   std::vector<std::size_t> order_;  // indices of trees
@@ -145,6 +160,39 @@ class Bake {
 };
 
 }  // namespace
+
+std::shared_ptr<const PartModel> bakeModel(const TriangleBvh& tree, double tolerance, const BakePlan& plan,
+                                           const BakeHow& how, std::shared_ptr<const PartFeatures> features) {
+  const auto start = std::chrono::steady_clock::now();
+  MeshEdges edges(tree.mesh());
+  DistanceField::Options options =
+      plan.coarse ? coarseField(tree, tolerance) : fineField(tree, edges, tolerance, plan);
+  options.threads = how.threads;
+  options.progress = how.progress;
+  options.stop = how.stop;
+  bool cached = how.onlyCached;
+  std::optional<DistanceField> field;
+  if (how.onlyCached)
+    field = readField(tree, options, how.cacheDirectory);
+  else
+    field = cachedField(tree, options, plan.coarse ? std::string() : how.cacheDirectory, cached);
+  if (!field || field->stopped()) return nullptr;
+  if (features == nullptr)
+    features = std::make_shared<PartFeatures>(tree.mesh(), std::move(edges), field->solid(),
+                                              samplingOf(tree, plan.sampleScale));
+  auto model = std::make_shared<PartModel>(tree, std::move(features), std::move(*field));
+  model->coarse = plan.coarse;
+  model->cached = cached;
+  model->seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return model;
+}
+
+std::size_t fieldsOf(const std::vector<std::shared_ptr<TriangleBvh>>& trees,
+                     const std::vector<std::vector<assets::ImplicitShape>>& shapes) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < trees.size(); ++i) count += hasField(trees[i], shapes[i]) ? 1 : 0;
+  return count;
+}
 
 std::vector<std::shared_ptr<const PartModel>> bakeModels(
     const std::vector<std::shared_ptr<TriangleBvh>>& trees, const std::vector<double>& tolerances,

@@ -1,9 +1,10 @@
 #pragma once
 
-// Part model: what contact between parts needs of a mesh, made once. It consists of samples (where the part
-// can touch), edges (where its surface turns) and a field (the distance to it). Instances share it;
-// immutable.
+// Part model: what contact between parts needs of a mesh. It consists of features, which are samples (where
+// the part can touch) and edges (where its surface turns), and of a field (the distance to it). Instances
+// share it; immutable. A coarse field may be followed by a finer one with the same features.
 
+#include <memory>
 #include <span>
 #include <utility>
 
@@ -14,26 +15,33 @@
 
 namespace tandem::haptics {
 
-struct PartModel {
-  struct Options {
-    ContactSamples::Options samples;
-    DistanceField::Options field;
-  };
+/// Where a part can touch, and how its surface turns there: the same whatever the cells of its field.
+struct PartFeatures {
+  PartFeatures(const assets::Mesh& mesh, MeshEdges found, bool solid, const ContactSamples::Options& sampling)
+      : edges(solid ? std::move(found).ofSolid() : std::move(found)), samples(mesh, edges, sampling) {}
+  /// Of implicit shapes; the mesh represents them elsewhere.
+  PartFeatures(const assets::Mesh& mesh, std::span<const assets::ImplicitShape> shapes,
+               const ContactSamples::Options& sampling)
+      : samples(shapes, mesh, sampling) {}
 
-  PartModel(const TriangleBvh& bvh, const Options& options)
-      : PartModel(bvh, MeshEdges(bvh.mesh()), options.samples, DistanceField(bvh, options.field)) {}
-  /// Model with edges and a field of this mesh that were made before.
-  PartModel(const TriangleBvh& bvh, MeshEdges found, const ContactSamples::Options& sampling,
-            DistanceField made)
+  MeshEdges edges;
+  ContactSamples samples;
+};
+
+struct PartModel {
+  /// Model of a mesh with a field of it.
+  PartModel(const TriangleBvh& bvh, std::shared_ptr<const PartFeatures> found, DistanceField made)
       : tree(&bvh),
-        edges(made.solid() ? std::move(found).ofSolid() : std::move(found)),
-        samples(bvh.mesh(), edges, sampling),
+        features(std::move(found)),
+        edges(features->edges),
+        samples(features->samples),
         field(std::move(made)) {}
 
   /// Model of implicit shapes, by formula. The tree is that of the mesh that represents them elsewhere.
   PartModel(const TriangleBvh& bvh, std::span<const assets::ImplicitShape> shapes,
             const ContactSamples::Options& sampling, double tolerance)
-      : tree(&bvh), samples(shapes, bvh.mesh(), sampling), field(shapes, bvh.mesh(), tolerance) {}
+      : PartModel(bvh, std::make_shared<PartFeatures>(bvh.mesh(), shapes, sampling),
+                  DistanceField(shapes, bvh.mesh(), tolerance)) {}
 
   bool byFormula() const { return !field.shapes().empty(); }
   /// The patch that a sample represents, part frame; false if that is a point.
@@ -43,9 +51,11 @@ struct PartModel {
   std::size_t memory() const { return edges.memory() + samples.memory() + field.memory(); }
 
   const TriangleBvh* tree;  // must outlive this
-  MeshEdges edges;
-  ContactSamples samples;
+  std::shared_ptr<const PartFeatures> features;
+  const MeshEdges& edges;         // of `features`
+  const ContactSamples& samples;  // of `features`
   DistanceField field;
+  bool coarse = false;  // a finer field is to follow
   // Statistics for reports.
   double seconds = 0.0;
   bool cached = false;  // the field was read from the cache

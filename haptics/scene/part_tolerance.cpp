@@ -145,8 +145,9 @@ double usableTolerance(double tolerance, double diagonal) {
   return std::clamp(tolerance, kFinest * diagonal, kCoarsest * diagonal);
 }
 
-std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
-                                          double smallestHeld, int threads) {
+std::vector<PartTolerance> tolerancesWithoutClearance(const assets::Scene& scene,
+                                                      std::span<const Collider> colliders,
+                                                      double smallestHeld) {
   std::vector<PartTolerance> tolerances(colliders.size());
   for (std::size_t i = 0; i < tolerances.size(); ++i) {
     const double diagonal = 2.0 * colliders[i].radius, given = scene.parts[i].contactTolerance;
@@ -154,6 +155,12 @@ std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<
     tolerances[i].tolerance = given > 0.0 ? given : usualTolerance(smallestHeld, diagonal);
     if (given > 0.0) tolerances[i].from = PartTolerance::From::given;
   }
+  return tolerances;
+}
+
+std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
+                                          double smallestHeld, int threads) {
+  std::vector<PartTolerance> tolerances = tolerancesWithoutClearance(scene, colliders, smallestHeld);
   const int cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   Clearances(scene, colliders, tolerances).run(threads > 0 ? threads : cores);
   for (std::size_t i = 0; i < tolerances.size(); ++i) {

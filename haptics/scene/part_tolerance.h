@@ -39,6 +39,11 @@ inline constexpr double kShareOfClearance = 1.0 / 8.0;
 std::vector<PartTolerance> partTolerances(const assets::Scene& scene, std::span<const Collider> colliders,
                                           double smallestHeld, int threads);
 
+/// The same without a search for clearances: at once, and too large where a fit is tight.
+std::vector<PartTolerance> tolerancesWithoutClearance(const assets::Scene& scene,
+                                                      std::span<const Collider> colliders,
+                                                      double smallestHeld);
+
 /// Tolerance of a part with this diagonal where the smallest part that can be held has the diagonal
 /// `smallestHeld`, m.
 double usualTolerance(double smallestHeld, double diagonal);

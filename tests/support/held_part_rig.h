@@ -73,10 +73,18 @@ class HeldPartRig {
 
   /// Takes the part and leads it to the end of the path. Measures the depth every `depthEvery` ticks; 0 =
   /// never.
-  const HeldPartRig& run(int depthEvery = 10) {
-    const int count = static_cast<int>(case_.duration / parameters_.dt + 0.5);
-    for (int i = 0; i < count; ++i) step(i, depthEvery);
+  const HeldPartRig& run(int depthEvery = 10) { return runTo(case_.duration, depthEvery); }
+  /// The same to a time on the path, from where it is.
+  const HeldPartRig& runTo(double time, int depthEvery = 10) {
+    const int count = static_cast<int>(time / parameters_.dt + 0.5);
+    for (int i = static_cast<int>(ticks_.size()); i < count; ++i) step(i, depthEvery);
     return *this;
+  }
+  const haptics::ContactScene& contact() const { return *present_; }
+  /// Goes on with a scene whose models are refined, which must outlive this.
+  void refine(const haptics::ContactScene& next) {
+    present_ = &next;
+    state_.refine(next);
   }
 
   const std::vector<RigTick>& ticks() const { return ticks_; }
@@ -193,7 +201,7 @@ class HeldPartRig {
         {Kind::own, case_.held, case_.scene.parts[case_.held].worldFromPart}, {Kind::grasp, case_.held, {}}};
     if (index == 0) input.commands = take;
     const double begin = cpuNow();
-    const haptics::TickOutput out = haptics::tick(input, contact_, parameters_, state_);
+    const haptics::TickOutput out = haptics::tick(input, *present_, parameters_, state_);
     t.cpu = cpuNow() - begin;
     t.part = state_.worldFromPart(case_.held);
     t.toHand = out.hands[0].toHand;
@@ -206,6 +214,7 @@ class HeldPartRig {
 
   PartCase case_;
   haptics::ContactScene contact_;
+  const haptics::ContactScene* present_ = &contact_;
   haptics::TickState state_;
   haptics::HeldPartDepthMeter meter_;
   haptics::TickParameters parameters_;

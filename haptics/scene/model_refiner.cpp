@@ -1,0 +1,113 @@
+#include "haptics/scene/model_refiner.h"
+
+#include <algorithm>
+#include <limits>
+#include <map>
+#include <utility>
+
+#include <sys/resource.h>
+#include <glm/geometric.hpp>
+
+#include "assets/base/assert.h"
+#include "haptics/scene/contact_scene_data.h"
+#include "haptics/scene/model_bake.h"
+#include "haptics/scene/part_tolerance.h"
+
+namespace tandem::haptics {
+namespace {
+
+constexpr int kNice = 10;  // behind everything that a person waits for
+
+double weightOf(const TriangleBvh& tree) { return 5e3 + static_cast<double>(tree.mesh().triangles.size()); }
+
+}  // namespace
+
+ModelRefiner::ModelRefiner(const ContactScene& coarse, const ModelOptions& options,
+                           std::function<glm::dvec3()> hand)
+    : coarse_(coarse), options_(options), hand_(std::move(hand)), newest_(&coarse), inUse_(&coarse) {
+  options_.coarse = false;
+  const bool any = std::any_of(coarse.data().models.begin(), coarse.data().models.end(),
+                               [](const auto& model) { return model != nullptr && model->coarse; });
+  if (any)
+    worker_ = std::thread([this] { run(); });
+  else
+    done_ = 1.0;
+}
+
+ModelRefiner::~ModelRefiner() {
+  stop_ = true;
+  if (worker_.joinable()) worker_.join();
+}
+
+void ModelRefiner::run() {
+  // On Linux this concerns the calling thread, and those that it starts.
+  static_cast<void>(setpriority(PRIO_PROCESS, 0, kNice));
+  const ContactScene::Data& data = coarse_.data();
+  const std::vector<double> tolerances =
+      data.treeTolerances(partTolerances(*data.scene, data.colliders, data.smallestHeld(), options_.threads));
+  findCoarse();
+  double refined = 0.0;
+  const BakePlan plan{data.smallestHeld(), fieldsOf(data.trees, data.shapes), options_.fieldScale,
+                      options_.sampleScale, false};
+  BakeHow how;
+  how.cacheDirectory = options_.cacheDirectory;
+  how.threads = options_.threads > 0 ? options_.threads
+                                     : static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  how.stop = &stop_;
+  while (left_ > 0 && !stop_) {
+    const std::size_t tree = nearest();
+    std::shared_ptr<const PartModel> model =
+        bakeModel(*data.trees[tree], tolerances[tree], plan, how, data.models[tree]->features);
+    if (model == nullptr) return;
+    publish(newest_.load()->withModel(tree, std::move(model)));
+    isCoarse_[tree] = false;
+    --left_;
+    refined += weightOf(*data.trees[tree]);
+    done_ = left_ == 0 ? 1.0 : refined / weight_;
+  }
+}
+
+void ModelRefiner::findCoarse() {
+  const ContactScene::Data& data = coarse_.data();
+  std::map<const TriangleBvh*, std::size_t> indexOf;
+  for (std::size_t i = 0; i < data.models.size(); ++i) {
+    isCoarse_.push_back(data.models[i] != nullptr && data.models[i]->coarse);
+    if (!isCoarse_.back()) continue;
+    indexOf[data.trees[i].get()] = i;
+    weight_ += weightOf(*data.trees[i]);
+    ++left_;
+  }
+  for (const Collider& collider : data.colliders) {
+    const auto found = indexOf.find(collider.tree);
+    treeOfPart_.push_back(found == indexOf.end() ? assets::kNone : found->second);
+  }
+}
+
+std::size_t ModelRefiner::nearest() const {
+  const ContactScene::Data& data = coarse_.data();
+  const glm::dvec3 at = hand_();
+  std::size_t best = assets::kNone;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < data.colliders.size(); ++i) {
+    if (treeOfPart_[i] == assets::kNone || !isCoarse_[treeOfPart_[i]]) continue;
+    const Collider& collider = data.colliders[i];
+    const glm::dvec3 centre = transformPoint(data.scene->parts[i].worldFromPart, collider.centre);
+    const double away = glm::distance(centre, at) - collider.radius;
+    if (best != assets::kNone && !(away < least)) continue;
+    least = away;
+    best = treeOfPart_[i];
+  }
+  ASSERT(best != assets::kNone);
+  return best;
+}
+
+void ModelRefiner::publish(ContactScene scene) {
+  scenes_.push_back(std::move(scene));
+  newest_.store(&scenes_.back(), std::memory_order_release);
+  // The ticking thread uses one scene, and may take any later one.
+  const ContactScene* used = inUse_.load(std::memory_order_acquire);
+  while (&scenes_.front() != &scenes_.back() && used != &coarse_ && used != &scenes_.front())
+    scenes_.pop_front();
+}
+
+}  // namespace tandem::haptics
