@@ -19,7 +19,8 @@ constexpr TickFlagName kNames[] = {{haptics::kFlagInvalidSample, "invalid_sample
                                    {haptics::kFlagPopThrough, "pop_through"},
                                    {haptics::kFlagFieldLimited, "field_limited"},
                                    {haptics::kFlagLessEffort, "less_effort"},
-                                   {haptics::kFlagInside, "inside_part"}};
+                                   {haptics::kFlagInside, "inside_part"},
+                                   {haptics::kFlagForeignLimited, "foreign_limited"}};
 
 }  // namespace
 
