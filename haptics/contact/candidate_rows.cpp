@@ -12,8 +12,6 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kFreshSteps = 8;  // steps for which the planes of an answer are trusted at least
-constexpr float kLevel = 0.25f;           // share of the trusted error up to which a dip is none
-constexpr float kBlade = 0.7f;            // rad (some 40 degrees) between the faces of a blade at least
 
 }  // namespace
 
@@ -92,100 +90,65 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (query_.contained) return;
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error + allowed_;
-  if (read.error > query_.rough)
-    return addAnsweredRows(i, place, nullptr, least - query_.from->samples.spread(i));
-  Dip dip;
-  if (sample.along > 0.0f) dip = edgeDip(sample, place, read);
-  if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
-  if (ContactSamples::isSmooth(sample)) dip.depth = smoothDip(sample, read);
-  if (allowed_ > 0.0f) dip.depth = 0.0f;
-  if (least - dip.depth > query_.limit) return;
-  if (dip.depth > kLevel * query_.smooth) {
-    if (const SampleAnswer* const answer = trustedAnswer(i, place))
-      return addPlanes(i, place, *answer, nullptr);
-  }
+  if (read.error > query_.rough || (sample.along > 0.0f && crossesBlade(sample, place, read)))
+    return addAnsweredRows(i, place, nullptr, least - sample.along);
+  // Before a smooth surface the least gap along the rest of a piece of edge is at its end, where the next
+  // sample stands.
+  if (least > query_.limit) return;
   glm::vec3 normal = read.gradient;
-  // A reading is taken to be too low, so that a contact at rest is not queried in every step, but by no more
-  // than leaves the sample a tolerance deep.
-  float gap = read.distance + std::min(read.error, query_.tolerance - read.error);
+  float gap = read.distance + read.error;
   if (read.error > query_.smooth) {
     gap = read.distance - read.error;
     alignToFace(i, read, normal, gap);
   }
-  rows_.addPlane(query_.world(normal), query_.armOf(place), gap - dip.depth + allowed_, query_.source(i));
+  rows_.addPlane(query_.world(normal), query_.armOf(place), gap + allowed_, query_.source(i));
 }
 
-const SampleAnswer* CandidateRows::trustedAnswer(std::uint32_t sample, const glm::vec3& place) const {
-  const SampleAnswer* const answer = memory_.find(query_.sampled, sample, query_.target);
-  if (answer == nullptr || glm::length(place - answer->place) > query_.trusted) return nullptr;
+bool CandidateRows::trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const {
   // The age differs from sample to sample, so that they are not all queried in the same step.
-  return memory_.age(*answer) <= kFreshSteps + sample % kFreshSteps ? answer : nullptr;
-}
-
-void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
-                              const ContactPatch* patch) {
-  for (std::size_t k = 0; k < static_cast<std::size_t>(answer.planes); ++k) {
-    const AnsweredPlane& plane = answer.plane[k];
-    const glm::vec3 &normal = plane.normal, seat = place + rotation_ * plane.aside;
-    glm::vec3 arm = query_.armOf(seat);
-    float gap = plane.gap + glm::dot(normal, seat - plane.seat) + allowed_;
-    if (patch != nullptr) {
-      // The gap is that of the place of the patch that is lowest over the plane now.
-      const glm::dvec3 up(normal), lowest = patch->pointAt(patch->lowest(up, evenness(*query_.to)));
-      arm = query_.arm(lowest);
-      gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
-    }
-    rows_.addPlane(query_.world(normal), arm, gap, query_.source(i));
-  }
+  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps && length <= query_.trusted;
 }
 
 void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch,
                                     float room) {
-  if (const SampleAnswer* const trusted = trustedAnswer(i, place))
-    return addPlanes(i, place, *trusted, patch);
+  const glm::vec3 arm = query_.armOf(place);
   if (const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target)) {
-    const float length = glm::length(place - answer->place);
+    const glm::vec3 path = place - answer->place;
+    const float length = glm::length(path);
+    if (trusts(*answer, i, length)) {
+      for (std::size_t k = 0; k < static_cast<std::size_t>(answer->planes); ++k) {
+        const glm::vec3& normal = answer->normals[k];
+        glm::vec3 at = arm;
+        float gap = answer->gaps[k] + glm::dot(normal, path) + allowed_;
+        if (patch != nullptr) {
+          // The gap is that of the place of the patch that is lowest over the plane now.
+          const glm::dvec3 up(normal), lowest = patch->pointAt(patch->lowest(up, evenness(*query_.to)));
+          at = query_.arm(lowest);
+          gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
+        }
+        rows_.addPlane(query_.world(normal), at, gap, query_.source(i));
+      }
+      return;
+    }
     room = std::max(room, answer->room + allowed_ - (patch != nullptr ? 2.0f : 1.0f) * length);
   }
-  if (room <= query_.limit) rows_.addBall(query_.armOf(place), room, query_.source(i));
+  if (room <= query_.limit) rows_.addBall(arm, room, query_.source(i));
 }
 
-CandidateRows::Dip CandidateRows::edgeDip(const ContactSample& sample, const glm::vec3& place,
-                                          const Reading& read) const {
+bool CandidateRows::crossesBlade(const ContactSample& sample, const glm::vec3& place,
+                                 const Reading& read) const {
   ContactPatch edge;
-  if (!query_.from->patchOf(sample, edge)) return {};
-  const glm::vec3 along = sample.along * (rotation_ * glm::vec3(edge.axis));
-  const Dip ahead = dipTowards(along, place, read), behind = dipTowards(-along, place, read);
-  return ahead.depth > behind.depth ? ahead : behind;
-}
-
-CandidateRows::Dip CandidateRows::dipTowards(const glm::vec3& along, const glm::vec3& place,
-                                             const Reading& read) const {
-  // Two errors over a cell are what a model's slope may be off by.
-  const float length = glm::length(along),
-              offPerError = 2.0f * length / static_cast<float>(query_.to->field.smallestCell());
-  const float seen = -glm::dot(read.gradient, along), down = seen + offPerError * read.error;
-  if (down <= kLevel * query_.smooth) return {};
-  const Reading next = query_.to->field.read(place + along);
-  if (next.error > query_.rough) return {down, false};
-  const float seenNext = glm::dot(next.gradient, along), up = seenNext + offPerError * next.error;
-  if (up <= 0.0f) return {};
-  const float depth = std::max(0.0f, down * (read.distance - next.distance + up) / (down + up));
-  const bool ofBlade = seen + seenNext >= kBlade * length &&
-                       std::min(depth, depth + next.distance - read.distance) > query_.smooth;
-  return {depth + next.error, ofBlade};
-}
-
-float CandidateRows::smoothDip(const ContactSample& sample, const Reading& read) const {
-  const glm::vec3 down = -(glm::transpose(rotation_) * read.gradient);
-  float sine = 1.0f;
-  for (const glm::dvec3& normal : query_.from->samples.normals(sample)) {
-    const float cosine = std::clamp(glm::dot(down, glm::vec3(normal)), 0.0f, 1.0f);
-    sine = std::min(sine, std::sqrt(1.0f - cosine * cosine));
-  }
-  const auto& samples = query_.from->samples;
-  return static_cast<float>(
-      std::min(static_cast<double>(sine) * samples.smoothSpacing(), samples.smoothDip(sample)));
+  if (!query_.from->patchOf(sample, edge)) return false;
+  const glm::vec3 along = sample.along * glm::vec3(query_.toFromSamples.orientation * edge.axis);
+  const float slope = glm::dot(read.gradient, along);
+  if (std::abs(slope) <= query_.smooth) return false;
+  const float towards = slope > 0.0f ? -1.0f : 1.0f;
+  const Reading next = query_.to->field.read(place + towards * along);
+  const float down = std::abs(slope), up = towards * glm::dot(next.gradient, along);
+  // A surface whose normal changes by less than some 40 degrees between them is round rather than a blade.
+  if (up <= 0.0f || down + up < 0.7f * sample.along) return false;
+  const float least = read.distance - down * (read.distance - next.distance + up) / (down + up);
+  return least - read.error <= query_.limit && std::min(read.distance, next.distance) - least > query_.smooth;
 }
 
 void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {

@@ -17,10 +17,7 @@ namespace tandem::haptics {
 class CandidateRows {
  public:
   CandidateRows(const SideQuery& query, const SampleMemory& memory, ContactRows& rows)
-      : query_(query),
-        memory_(memory),
-        rows_(rows),
-        rotation_(glm::mat3_cast(query.toFromSamples.orientation)) {}
+      : query_(query), memory_(memory), rows_(rows) {}
 
   /// Adds the rows. Returns m, an upper bound of how deep any sample is in the target; 0 if all are outside.
   double gather();
@@ -43,24 +40,12 @@ class CandidateRows {
   /// the room that the answer leaves where that is more. `patch` is null for a sample that is a point.
   void addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch, float room);
 
-  /// The last answer of a sample while its planes are trusted, else null.
-  const SampleAnswer* trustedAnswer(std::uint32_t sample, const glm::vec3& place) const;
-  /// Adds the planes of an answer for the sample at `place`.
-  void addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
-                 const ContactPatch* patch);
-
-  /// How much nearer (m) to the target than its sample the part may be between it and the next ones.
-  struct Dip {
-    float depth = 0.0f;
-    bool ofBlade = false;  // the target is a thin blade or rib there, so that its field has no direction
-  };
-  /// Of a piece of edge. Where the target is convex, the distance along the edge is a convex function and
-  /// lies above its tangents. The slope of a tangent is known to within what a cell of the field may hide.
-  Dip edgeDip(const ContactSample& sample, const glm::vec3& place, const Reading& read) const;
-  /// The same on the way to the next sample, in the direction and length of `along`.
-  Dip dipTowards(const glm::vec3& along, const glm::vec3& place, const Reading& read) const;
-  /// Of a smooth surface, which falls away from its tangent plane.
-  float smoothDip(const ContactSample& sample, const Reading& read) const;
+  /// Whether the planes of an answer are trusted for a sample that has moved `length` m since.
+  bool trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const;
+  /// Whether a piece of edge may come nearer to the target between its sample and the next one than at
+  /// both, because it crosses a thin blade or rib there. Where the target is convex, the distance is a
+  /// convex function along the edge and lies above its tangents.
+  bool crossesBlade(const ContactSample& sample, const glm::vec3& place, const Reading& read) const;
   /// Replaces the normal and gap of a field whose error is between smooth and rough by those of the face of
   /// the last answer, while the sample is still before that face.
   void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
@@ -68,9 +53,8 @@ class CandidateRows {
   const SideQuery& query_;
   const SampleMemory& memory_;
   ContactRows& rows_;
-  const glm::mat3 rotation_;  // target from samples
-  float allowed_ = 0.0f;      // m, depth that the present sample had at rest
-  float deepest_ = 0.0f;      // m
+  float allowed_ = 0.0f;  // m, depth that the present sample had at rest
+  float deepest_ = 0.0f;  // m
 };
 
 }  // namespace tandem::haptics

@@ -16,19 +16,12 @@
 
 namespace tandem::haptics {
 
-/// One plane of an exact query's answer, frame of the target.
-struct AnsweredPlane {
-  glm::vec3 normal{0.0f, 0.0f, 0.0f};  // unit
-  float gap = 0.0f;                    // m, of the place that touches
-  glm::vec3 seat{0.0f, 0.0f, 0.0f};    // m, that place, relative to the origin of the target's field
-  glm::vec3 aside{0.0f, 0.0f, 0.0f};   // m, from the sample to that place, frame of the sample's part
-};
-
 /// The answer of one exact query.
 struct SampleAnswer {
   glm::vec3 place{0.0f, 0.0f, 0.0f};  // m, where the sample was, relative to the origin of the target's field
   float room = 0.0f;                  // m that it can move from there without touching; below 0 inside
-  std::array<AnsweredPlane, 4> plane;  // of its contact
+  std::array<glm::vec3, 2> normals{};  // of the planes of its contact, frame of the target
+  std::array<float, 2> gaps{};         // m, over those planes
   int planes = 0;
   std::uint32_t triangle = kNoTriangle;  // of the target, the nearest one
   PartId target = kNoPart;

@@ -6,13 +6,10 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/fixed_vector.h"
-#include "haptics/contact/sample_descent.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr double kEven = 0.1;            // tolerances by which a deeper place near a sample is deeper
-constexpr double kLong = 10.0;           // tolerances that a sample goes in a long step
 constexpr std::size_t kMaxNormals = 16;  // of one sample
 constexpr double kToleranceAcross =
     8.0;  // tolerances that a sample may be across a sheet and still on its old side
@@ -26,7 +23,7 @@ void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tol
     TouchingPlane& plane = found.planes[k];
     bool behind = plane.gap < 0.0;
     if (last != nullptr && last->planes > 0 && std::abs(plane.gap) < kToleranceAcross * tolerance)
-      behind = glm::dot(glm::dvec3(last->plane[0].normal), plane.normal) < 0.0;
+      behind = glm::dot(glm::dvec3(last->normals[0]), plane.normal) < 0.0;
     if (!behind) continue;
     plane.normal = -plane.normal;
     plane.gap = -plane.gap;
@@ -35,12 +32,11 @@ void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tol
 
 }  // namespace
 
-void SampleRefiner::beginStep(double dt, double reach, const ContactEffort& effort) {
+void SampleRefiner::beginStep(double dt, double reach, bool exact) {
   TICK_ASSERT(fault_, dt > 0.0 && reach >= 0.0);
   dt_ = dt;
   reach_ = reach;
-  exact_ = effort.exact;
-  descend_ = effort.descend;
+  exact_ = exact;
   queries_ = 0;
   memory_.beginStep();
 }
@@ -103,76 +99,23 @@ bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, c
   const std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
   if (to.byFormula()) return touchShapes(query, sample, sampleQuery, found);
   if (query.from->samples.isRound(sample)) return touchPatch(query, sample, sampleQuery, hint, exact_, found);
-  return exact_ ? touchMesh(query, sample, sampleQuery, hint, found) : fieldFeature(to, sampleQuery, found);
-}
-
-bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sample,
-                              const SampleQuery& sampleQuery, std::uint32_t hint,
-                              TouchingFeature& found) const {
-  const PartModel &from = *query.from, &to = *query.to;
-  const auto touchAt = [&](const SampleQuery& at, TouchingFeature& feature) {
-    return touchingFeature(*to.tree, to.edges, at, 1e300, hint, feature);
-  };
-  // The depth that an overlap at rest allows was measured at the samples alone.
-  const bool descends = descend_ && sample.edge != assets::kNone && !(query.allowed(sample) > 0.0);
-  if (!descends) return touchAt(sampleQuery, found);
-  const DescentBounds bounds{kEven * to.field.tolerance(), sampleQuery.range};
-  Seat seat = deepestNear(query, sample, bounds, hint);
-  hint = seat.triangle;
-  found.least = seat.least;
-  // In a long step the deepest place may be another one at its end.
-  if (seat.edge == assets::kNone && glm::length(sampleQuery.motion) > kLong * to.field.tolerance()) {
-    SampledModels ahead = query;
-    ahead.toFromSamples.position += sampleQuery.motion;
-    seat = deepestNear(ahead, sample, bounds, hint);
-    seat.point -= sampleQuery.motion;
-  }
-  // Beside a flush face the planes of a place over it are those of the face's border, in any direction: the
-  // place counts only where it may be inside.
-  const bool counts = ContactSamples::isSmooth(sample) || seat.least < glm::length(sampleQuery.motion);
-  if (seat.edge == assets::kNone || !counts) return touchAt(sampleQuery, found);
-  const MeshEdge& edge = from.edges.edges()[seat.edge];
-  const glm::dquat& rotation = query.toFromSamples.orientation;
-  const std::array<glm::dvec3, 2> normals{rotation * edge.normals[0], rotation * edge.normals[1]};
-  SampleQuery seated = sampleQuery;
-  seated.point = seat.point;
-  seated.normals = normals;
-  seated.edge = rotation * glm::normalize(edge.b - edge.a);
-  seated.along = seat.along;
-  if (!touchAt(seated, found)) return false;
-  // A piece of sharp edge may lie over a hollow, and touch at both places.
-  TouchingFeature beside;
-  if (!ContactSamples::isSmooth(sample) && touchAt(sampleQuery, beside)) found.add(beside);
-  return true;
+  return exact_ ? touchingFeature(*to.tree, to.edges, sampleQuery, 1e300, hint, found)
+                : fieldFeature(to, sampleQuery, found);
 }
 
 void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                              const TouchingFeature& found) {
   SampleAnswer& answer = memory_.slot(query.sampled, sample, query.target);
-  const glm::dvec3& origin = query.to->field.origin();
-  answer.place = glm::vec3(sampleQuery.point - origin);
-  answer.room = static_cast<float>(std::min(found.distance, found.least));
-  answer.planes = 0;
+  answer.place = glm::vec3(sampleQuery.point - query.to->field.origin());
+  answer.room = static_cast<float>(std::min(found.distance, found.planes[0].gap));
+  answer.planes = found.count;
   const bool round = query.from->samples.isRound(query.from->samples.samples()[sample]);
-  const auto predicted = [&](const TouchingPlane& plane) {
-    return plane.gap + glm::dot(plane.normal, sampleQuery.motion);
-  };
-  // The lowest planes, as many as there is room for.
-  std::array<const TouchingPlane*, TouchingFeature::kMaxPlanes> lowest;
-  const auto end = lowest.begin() + found.count;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) lowest[k] = &found.planes[k];
-  std::sort(lowest.begin(), end,
-            [&](const TouchingPlane* a, const TouchingPlane* b) { return predicted(*a) < predicted(*b); });
-  for (auto at = lowest.begin(); at != end; ++at) {
-    const TouchingPlane& plane = **at;
-    answer.room = std::min(answer.room, static_cast<float>(plane.gap));
-    if (answer.planes == static_cast<int>(answer.plane.size())) continue;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    const TouchingPlane& plane = found.planes[k];
+    answer.normals[k] = glm::vec3(plane.normal);
     // The gap of a patch is stored at its sample, from which that of any of its places follows.
-    const glm::dvec3 seat = round ? sampleQuery.point : plane.point;
-    answer.plane[static_cast<std::size_t>(answer.planes++)] = {
-        glm::vec3(plane.normal), static_cast<float>(plane.gap + glm::dot(plane.normal, seat - plane.point)),
-        glm::vec3(seat - origin),
-        glm::vec3(glm::conjugate(query.toFromSamples.orientation) * (seat - sampleQuery.point))};
+    const double above = round ? glm::dot(plane.normal, sampleQuery.point - plane.point) : 0.0;
+    answer.gaps[k] = static_cast<float>(plane.gap + above);
   }
   answer.triangle = found.triangle;
   answer.target = query.target;
@@ -181,7 +124,7 @@ void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const
 
 void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
                             RowSource source, ContactRows& rows) const {
-  if (!TICK_ASSERT(fault_, found.count >= 0 && found.count <= TouchingFeature::kMaxPlanes)) return;
+  if (!TICK_ASSERT(fault_, found.count >= 0 && found.count <= 2)) return;
   const assets::Material &mine = world_.material(query.sampled, sample.triangle),
                          &its = world_.material(query.target, found.triangle);
   const double tolerance = query.to->field.tolerance(), allowed = query.allowed(sample);

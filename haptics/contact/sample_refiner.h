@@ -7,7 +7,6 @@
 
 #include <cstdint>
 
-#include "haptics/base/contact_effort.h"
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/overlaps.h"
@@ -24,8 +23,9 @@ class SampleRefiner final : public RowRefiner {
                 FaultLatch& fault)
       : world_(world), island_(island), overlaps_(overlaps), fault_(fault), memory_(world) {}
 
-  /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m.
-  void beginStep(double dt, double reach, const ContactEffort& effort);
+  /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact`
+  /// false fields are read where meshes would be queried.
+  void beginStep(double dt, double reach, bool exact);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
   glm::dvec3 surfaceMotion(const ExactRow& row) const override;
@@ -42,9 +42,6 @@ class SampleRefiner final : public RowRefiner {
   /// False if nothing constrains the sample.
   bool touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
              const SampleAnswer* last, TouchingFeature& found) const;
-  /// The same on a mesh, at the deepest place near the sample.
-  bool touchMesh(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-                 std::uint32_t hint, TouchingFeature& found) const;
   void remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                 const TouchingFeature& found);
   void addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
@@ -57,7 +54,7 @@ class SampleRefiner final : public RowRefiner {
   SampleMemory memory_;
   double dt_ = 0.0;     // s
   double reach_ = 0.0;  // m
-  bool exact_ = true, descend_ = true;
+  bool exact_ = true;
   int queries_ = 0;
 };
 

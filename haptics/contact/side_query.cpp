@@ -17,8 +17,7 @@ SideQuery::SideQuery(const ContactIsland& on, const Overlaps& known, std::uint16
   shift = glm::vec3(transformPoint(worldFromTo, to->field.origin()) - body.centre);
   sign = ofFirst() ? 1.0f : -1.0f;
   limit = static_cast<float>(reach);
-  tolerance = static_cast<float>(to->field.tolerance());
-  smooth = 2.0f * tolerance;
+  smooth = 2.0f * static_cast<float>(to->field.tolerance());
   rough = std::max(smooth, 0.12f * static_cast<float>(to->field.smallestCell()));
   trusted = static_cast<float>(kTrustedShare * from->samples.spacing());
   contained = known.contained(pair);

@@ -48,7 +48,6 @@ struct SideQuery : SampledModels {
       0.0f};  // m, world axes, from the first body's centre of mass to the origin of the target's field
   float sign = 1.0f;       // -1 where a normal of the target points towards the first part's own outside
   float limit = 0.0f;      // m, reach of the step
-  float tolerance = 0.0f;  // m, of the target's field
   float smooth = 0.0f;     // m, error of the field up to which its reading is trusted
   float rough = 0.0f;      // m, error of the field above which its gradient is no direction
   float trusted = 0.0f;    // m that a sample may move before it is queried again

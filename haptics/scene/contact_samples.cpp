@@ -47,11 +47,7 @@ void ContactSamples::sort() {
   set_.samples = std::move(sorted);
   points_.reserve(set_.samples.size());
   for (const ContactSample& sample : set_.samples)
-    points_.emplace_back(glm::vec3(sample.point), spreadOf(sample));
-}
-
-float ContactSamples::spreadOf(const ContactSample& sample) const {
-  return isSmooth(sample) ? roundUp(smoothDip(sample)) : sample.along;
+    points_.emplace_back(glm::vec3(sample.point), sample.along);
 }
 
 std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint32_t begin,
@@ -73,7 +69,7 @@ std::uint32_t ContactSamples::build(std::vector<std::uint32_t>& order, std::uint
   double radius = 0.0;
   for (std::uint32_t i = begin; i < end; ++i) {
     const ContactSample& sample = set_.samples[order[i]];
-    radius = std::max(radius, glm::length(sample.point - rounded) + static_cast<double>(spreadOf(sample)));
+    radius = std::max(radius, glm::length(sample.point - rounded) + static_cast<double>(sample.along));
   }
   node.radius = roundUp(radius);
   if (end - begin > kMaxInLeaf) {

@@ -25,13 +25,11 @@ struct ContactSample {
   glm::dvec3 point{0.0, 0.0, 0.0};     // m
   std::uint32_t firstNormal = 0;       // into ContactSamples::normals()
   std::uint32_t normalCount = 0;       // of the faces that meet here
-  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on implicit shapes
+  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
   std::uint32_t triangle = 0;          // one of those that meet here
-  // m: half length of the sharp edge's piece, or the radius of the patch, that the sample represents; 0 on a
-  // smooth surface.
+  // m: half length of the edge piece, or the radius of the patch, that the sample represents.
   float along = 0.0f;
   std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); kNone for a mesh
-  float turn = 0.0f;  // sine of the angle by which a smooth surface turns between here and its next samples
 };
 
 /// Samples with the lists that they index, part frame.
@@ -69,8 +67,7 @@ class ContactSamples {
                  const Options& options);
 
   std::span<const ContactSample> samples() const { return set_.samples; }
-  /// Points of the samples, m, and how much nearer to another part the surface between them may be, in the
-  /// layout that a tick reads.
+  /// Points and lengths `along` of the samples, m, in the layout that a tick reads.
   std::span<const glm::vec4> points() const { return points_; }
   std::span<const glm::dvec3> normals(const ContactSample& sample) const {
     return {set_.normals.data() + sample.firstNormal, sample.normalCount};
@@ -82,18 +79,6 @@ class ContactSamples {
   bool isRound(const ContactSample& sample) const {
     return sample.patch != assets::kNone && set_.patches[sample.patch].kind != ContactPatch::Kind::straight;
   }
-  /// Whether the sample lies on a smooth surface of a mesh.
-  static bool isSmooth(const ContactSample& sample) {
-    return sample.edge != assets::kNone && !(sample.along > 0.0f);
-  }
-  /// Upper bound (m) of how much nearer to another part a smooth convex surface can be between its samples
-  /// than at this one.
-  double smoothDip(const ContactSample& sample) const {
-    return static_cast<double>(sample.turn) * smoothSpacing_;
-  }
-  /// m by which the surface about sample i, or the piece of edge that it stands for, may be nearer to another
-  /// part than the sample.
-  float spread(std::uint32_t i) const { return points_[i].w; }
   /// Root first; empty without samples.
   std::span<const Node> nodes() const { return nodes_; }
   /// Spacings as used, m.
@@ -107,8 +92,6 @@ class ContactSamples {
   /// Builds the tree and sorts the samples into its order.
   void sort();
   std::uint32_t build(std::vector<std::uint32_t>& order, std::uint32_t begin, std::uint32_t end);
-
-  float spreadOf(const ContactSample& sample) const;
 
   double spacing_ = 0.0, smoothSpacing_ = 0.0;
   SampleSet set_;
