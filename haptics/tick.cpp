@@ -10,7 +10,6 @@
 
 #include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
-#include "haptics/foreign_motions.h"
 #include "haptics/tick_data.h"
 
 namespace tandem::haptics {
@@ -142,10 +141,7 @@ class Tick {
       case PartCommand::Kind::setPose:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
         // A part that is put somewhere does not move there: it does not sweep the tool along.
-        if (data_.tool.pressesOn(command.part)) {
-          data_.tool.noteForeignChange(0.0);
-          foreign_.notePut(command);
-        }
+        if (data_.tool.pressesOn(command.part)) data_.tool.noteForeignChange(0.0);
         data_.world.setPose(command.part, command.pose, Twist{});
         if (data_.tool.started()) data_.tool.ignoreOverlapping();
         return;
@@ -210,7 +206,7 @@ class Tick {
         data_.world, input_.moved, data_.tool.reachInTick(),
         [&](PartId part) { return data_.held.owns(part); },
         [&](PartId part, const Pose& before, const Twist& twistBefore) {
-          foreign_.noteTool(part, data_.tool.follow(part, before, twistBefore, false));
+          data_.tool.follow(part, before, twistBefore, false);
         });
     if (!usable) out_.flags |= kFlagOverflow;
   }
@@ -362,7 +358,6 @@ class Tick {
     const std::array<Wrench, kHands> onHands =
         data_.held.step(pulls, parameters_, data_.world.scene(), data_.partContact.get(), now);
     for (int h = 0; h < count_; ++h) handOf(h).setCoupling(onHands[static_cast<std::size_t>(h)]);
-    foreign_.noteTouches(data_.partContact.get());
     for (const SimulatedPart& entry : data_.held.parts()) {
       if (!TICK_ASSERT(data_.fault, isValid(entry.body.worldFromBody))) continue;
       movePart(entry.part, entry.body.worldFromBody, entry.body.twist,
@@ -496,9 +491,6 @@ class Tick {
       const int h = handsSent_;
       Hand& hand = handOf(h);
       HandFeedback& out = out_.hands[static_cast<std::size_t>(h)];
-      const TickParameters& own = hand.parameters();
-      const double stiffness = h == 0 ? stiffnessInPlay() : std::max(own.stiffness, own.graspStiffness);
-      hand.noteForeign(foreign_.tickOf(h, out_, stiffness));
       out.toHand =
           h == 0 ? hand.send(&touches, cause_, data_.fault)
                  : hand.send(out.held != kNoPart ? &data_.throughPart[1] : hand.tool(false), {}, data_.fault);
@@ -515,7 +507,6 @@ class Tick {
   const int count_ = std::clamp(input_.handCount, 1, kHands);
   Hand& first_ = data_.hands[0];  // the one whose bare tool is part of the tick
   ForceCause cause_;
-  ForeignMotions foreign_{input_.moved};
   std::size_t commandsBegun_ = 0;
   int handsSent_ = 0;  // a hand's limits and fade advance once a tick
   TickOutput out_;

@@ -5,7 +5,6 @@
 #include "assets/base/assert.h"
 #include "server/fan_out.h"
 #include "server/instructor_commands.h"
-#include "server/motion_reports.h"
 #include "server/operator_commands.h"
 #include "server/part_service.h"
 #include "server/peers.h"
@@ -57,7 +56,6 @@ class Session::Dispatcher {
         publisher(context, transport, journal, peers, recording),
         parts(scene, config.lease, context, publisher, sites),
         commands(context, peers, sites, publisher, parts),
-        reports(context, sites, publisher, parts),
         fanOut(scene, sync::wireFrame(scene.bounds), context, transport, peers, parts),
         relay(sync::wireFrame(scene.bounds), context, peers, parts, publisher, fanOut),
         transfer(package, config, context, transport, publisher),
@@ -78,7 +76,6 @@ class Session::Dispatcher {
   Publisher publisher;
   PartService parts;
   InstructorCommands commands;
-  MotionReports reports;
   FanOut fanOut;
   StateRelay relay;
   SceneTransfer transfer;
@@ -240,7 +237,6 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::Reclaim& m) { parts.onReclaim(peer, m); },
                  [&](const sync::Revoke& m) { commands.onRevoke(peer, m); },
                  [&](const sync::ResetParts& m) { commands.onReset(peer, m); },
-                 [&](const sync::MotionReport& m) { reports.onReport(peer, m); },
                  [&](const sync::Engage& m) { parts.onEngage(peer, m); },
                  [&](const sync::Disengage& m) { parts.onDisengage(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },

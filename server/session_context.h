@@ -24,7 +24,6 @@ struct SessionCounters {
   std::uint64_t droppedLinks = 0;      // LinkUpdates between sites that are not owner and co-holder
   std::uint64_t droppedFlood = 0;      // messages beyond kMaxDatagramRate or kMaxLinkRate
   std::uint64_t holds = 0;             // times that a site had spent its ControlBudget
-  std::uint64_t droppedReports = 0;    // MotionReports that were too many, or about no owner
   std::uint64_t refusedPoses = 0;      // of releases and reclaims, outside the wire's frame
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   std::uint64_t refusedReports = 0;  // SiteReports that cannot be true

@@ -19,8 +19,7 @@ constexpr TickFlagName kNames[] = {{haptics::kFlagInvalidSample, "invalid_sample
                                    {haptics::kFlagPopThrough, "pop_through"},
                                    {haptics::kFlagFieldLimited, "field_limited"},
                                    {haptics::kFlagLessEffort, "less_effort"},
-                                   {haptics::kFlagInside, "inside_part"},
-                                   {haptics::kFlagForeignLimited, "foreign_limited"}};
+                                   {haptics::kFlagInside, "inside_part"}};
 
 }  // namespace
 

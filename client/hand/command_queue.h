@@ -25,8 +25,7 @@ class CommandQueue {
   void push(haptics::PartCommand::Kind kind, PartId part, const Pose& pose = {}, std::uint8_t hand = 0,
             const Twist& twist = {}) {
     ASSERT(count_ < ring_.size());
-    const bool suspect = kind == haptics::PartCommand::Kind::setPose;  // another site says so, without a way
-    ring_[(first_ + count_) % ring_.size()] = {kind, part, pose, hand, twist, suspect};
+    ring_[(first_ + count_) % ring_.size()] = {kind, part, pose, hand, twist};
     ++count_;
   }
   /// Removes the oldest commands, at most as many as a tick takes. Valid until the next call.

@@ -68,7 +68,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
   const haptics::DeviceSample& sample = hands_[0].device;
   if (both) hands_[1] = {afterStall(*second, 1), &settings_.parameters[1], {}};
   handleEvents(sessionNow);
-  parts_.followed().playOut(sessionNow, now - output_.time, timeBase_.playOutDelay, display_);
+  parts_.followed().playOut(sessionNow, timeBase_.playOutDelay, display_);
   for (std::size_t hand = 0; hand < haptics::kHands; ++hand) grasps_.advance(hand, sessionNow);
   askForControls();
   askForNear();
@@ -163,8 +163,6 @@ void HandLoop::handle(const NetworkEvent& event, sync::Micros sessionNow) {
       return state_.endLink(event.link.id);
     case NetworkEvent::Kind::simulators:
       return parts_.links().setSimulators(event.link.id.part, event.simulators);
-    case NetworkEvent::Kind::distrusted:
-      return parts_.followed().distrust(event.state.part, sessionNow + event.time);
     case NetworkEvent::Kind::lost:
       return onConnectionLost();
   }
@@ -371,7 +369,6 @@ void HandLoop::publish(const haptics::DeviceSample& sample, sync::Micros now) {
   if (output_.tick.flags & haptics::kFlagPopThrough) poppedThroughUntil_ = now + kShown;
   output_.poppedThrough = now < poppedThroughUntil_;
   output_.fault = state_.fault().condition;
-  output_.impossible = parts_.followed().impossible();
   output_.grabPending = grasps_.isPending();
   for (int i = 0; i < output_.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);

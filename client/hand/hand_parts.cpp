@@ -52,10 +52,8 @@ void HandParts::leave(SimulatedHere& mine, sync::Micros sessionNow) {
   commands_.push(PartCommand::Kind::disown, mine.part);
   links_.forget(mine.part, state_);
   const SimulatedHere left = std::exchange(mine, {});
-  if (FollowedPart* slot = followed_.findOrAdd(left.part, worldFromPart(left.part), sessionNow)) {
+  if (FollowedPart* slot = followed_.findOrAdd(left.part, worldFromPart(left.part), sessionNow))
     slot->display = left.display;
-    slot->trust.remember(kSpeedHere);
-  }
 }
 
 void HandParts::lose(SimulatedHere& mine, const sync::PartRecord& record, sync::Micros sessionNow) {
@@ -63,15 +61,12 @@ void HandParts::lose(SimulatedHere& mine, const sync::PartRecord& record, sync::
   commands_.push(PartCommand::Kind::disown, mine.part);
   links_.forget(mine.part, state_);
   mine = {};
-  if (FollowedPart* slot = followed_.findOrAdd(record.part, worldFromPart(record.part), sessionNow))
-    slot->trust.remember(kSpeedHere);
   follow(record, sessionNow, isAt(record) ? 0 : kLossBlend);
 }
 
 void HandParts::follow(const sync::PartRecord& record, sync::Micros sessionNow, sync::Micros blend) {
   if (FollowedPart* slot = followed_.findOrAdd(record.part, worldFromPart(record.part), sessionNow)) {
     slot->owned = record.owner != kNoSite;
-    slot->trust.jump(worldFromPart(record.part), record.worldFromPart);
     slot->playOut.restart(record.worldFromPart, sessionNow, blend);
     slot->display.standAt(record.worldFromPart, sessionNow);
   } else {

@@ -67,7 +67,6 @@ class HandParts {
   FollowedParts& followed() { return followed_; }
   HandLinks& links() { return links_; }
 
-  static constexpr double kSpeedHere = 2.0;  // m/s, at which a hand may have let go of a part
   static constexpr sync::Micros kLossBlend = 300 * sync::kMillisecond;
 
  private:

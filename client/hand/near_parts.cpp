@@ -9,6 +9,7 @@
 #include "haptics/geometry/placed_bounds.h"
 
 namespace tandem::client {
+namespace {
 
 assets::Bounds boxOf(const assets::Scene& scene, const assets::Part& part) {
   if (part.shapes.empty())
@@ -21,6 +22,8 @@ assets::Bounds boxOf(const assets::Scene& scene, const assets::Part& part) {
   }
   return box;
 }
+
+}  // namespace
 
 NearParts::NearParts(const assets::Scene& scene) : scene_(scene) {
   for (const assets::Part& part : scene.parts) boxes_.push_back(boxOf(scene, part));

@@ -11,9 +11,6 @@
 
 namespace tandem::client {
 
-/// m, part frame: what a part takes up.
-assets::Bounds boxOf(const assets::Scene& scene, const assets::Part& part);
-
 class NearParts {
  public:
   /// The scene must outlive this.

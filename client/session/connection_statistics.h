@@ -15,8 +15,6 @@ struct ConnectionStatistics {
   std::uint64_t sentUpdates = 0, receivedUpdates = 0, droppedStates = 0, malformed = 0;
   // Updates encoded against a baseline that this end does not have, or with a checksum that does not match.
   std::uint64_t droppedBaselines = 0;
-  std::uint64_t impossibleStates = 0;  // of other sites' parts, as no hand moves them (motion_judge.h)
-  std::uint64_t motionReports = 0;     // to the server, of sites that send such
   std::uint64_t reconnects = 0;
   sync::TransportCounters transport;  // of the present connection
   sync::Traffic sent, received;       // of all connections

@@ -30,7 +30,6 @@ struct NetworkEvent {
     link,        // a coordination link is to begin by the terms `link`
     unlink,      // the link `link.id` has ended
     simulators,  // `simulators` sites simulate the part of `link`
-    distrusted,  // what `state.part` does for `time` is suspect (sync/replica/motion_judge.h)
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;
@@ -81,7 +80,6 @@ struct HandOutput {
   std::array<HandRecord, haptics::kHands> hands;
   haptics::TickOutput tick;
   std::array<Epoch, haptics::kMaxOwnedParts> ownedEpoch{};  // beside tick.owned; 0: not to be published
-  PartId impossible = kNoPart;  // that another site moves as no hand can (sync/replica/motion_trust.h)
   bool grabPending = false;
   std::uint32_t stalls = 0;     // pauses of the loop of over HandLoop::kStall
   bool poppedThrough = false;   // the proxy popped through a surface within the last second

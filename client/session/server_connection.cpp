@@ -68,7 +68,6 @@ void ServerConnection::stepInSession() {
   requests_.sendIntents();
   if (reports_.due(clock_.now())) sender_.send(reports_.next(clock_.now(), pings_.roundTrip_ms()));
   inScene_->ownership.exchangeLinks();
-  inScene_->receiving.judgePlayed();
   if (inScene_->ownership.linkPacketIsNear()) return;
   if (pings_.due())
     sender_.sendState(pings_.next(inScene_->publishing.updatesOfConnection()), inScene_->ownership.frame());
@@ -363,8 +362,6 @@ ConnectionStatistics ServerConnection::statistics() const {
   statistics.lossDown = receiving.loss();
   statistics.playOut_ms = toSeconds(receiving.playOutDelay()) * 1e3;
   statistics.receivedUpdates = receiving.counts().updates;
-  statistics.impossibleStates = receiving.counts().impossible;
-  statistics.motionReports = receiving.counts().reports;
   statistics.droppedStates = receiving.counts().droppedStates + inScene_->events.droppedStates();
   statistics.droppedBaselines = receiving.counts().droppedBaselines;
   statistics.sentUpdates = inScene_->publishing.updates();

@@ -115,7 +115,6 @@ class ServerConnection {
   void handle(const sync::Pong& message);
   bool handleBeforeScene(const sync::OwnershipChanged& message);
   bool handleBeforeScene(const sync::MembersChanged& message);
-  bool handleBeforeScene(const sync::MotionReported&) { return true; }  // there is nothing to show yet
 
   void enter(Stage stage);
   void enterReady();

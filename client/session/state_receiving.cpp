@@ -9,21 +9,6 @@ namespace tandem::client {
 
 using namespace sync;
 
-namespace {
-
-constexpr Micros kBetweenReports = 5 * kSecond;  // of this site; the server passes on no more
-constexpr Micros kBetweenOpinions = kSecond;     // of other sites, shown to the person
-constexpr Micros kSuspects = 2 * kSecond;        // after a state that no hand makes
-constexpr Micros kDistrusts = 60 * kSecond;      // after the report of its owner
-
-std::vector<double> massesOf(const assets::Scene& scene) {
-  std::vector<double> masses;
-  for (const assets::Part& part : scene.parts) masses.push_back(part.massProperties.mass);
-  return masses;
-}
-
-}  // namespace
-
 StateReceiving::StateReceiving(PartOwnership& ownership, Participants& people, Exchange& exchange,
                                HandEvents& events, MessageSender& sender, SessionClock& clock,
                                const Watchers& watchers)
@@ -33,13 +18,10 @@ StateReceiving::StateReceiving(PartOwnership& ownership, Participants& people, E
       events_(events),
       sender_(sender),
       clock_(clock),
-      watchers_(watchers),
-      judge_(massesOf(ownership.scene())),
-      distrustedUntil_(ownership.scene().parts.size(), 0) {}
+      watchers_(watchers) {}
 
 void StateReceiving::reset() {
   receiver_.reset();
-  judge_.restart();
   newestOf_.clear();
   expected_ = arrived_ = 0;
   loss_ = {};
@@ -91,63 +73,11 @@ void StateReceiving::accept(const StateUpdate& update, const PartState& state) {
   }
   ASSERT(ownership_.exists(state.part));
   if (watchers_.observer) watchers_.observer->onAccepted(update.site, state);
-  judge(update, state);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::state;
   event.time = update.time;
   event.state = state;
   events_.push(event);
-}
-
-std::string StateReceiving::partOf(PartId part, SiteId site) const {
-  const std::string& name = ownership_.scene().parts[part].name;
-  return (site == people_.self() ? "your" : people_.nameOf(site) + "'s") + " part " + name;
-}
-
-/// The hand guards itself against what it plays out already (sync/replica/motion_trust.h); this adds what
-/// play-out smooths.
-void StateReceiving::judge(const StateUpdate& update, const PartState& state) {
-  const bool calls = judge_.judge(state, update.time, clock_.now());
-  if (judge_.impossible() == counts_.impossible) return;
-  counts_.impossible = judge_.impossible();
-  distrust(state.part, kSuspects);
-  if (calls) name(state.part, update.site);
-}
-
-void StateReceiving::judgePlayed() {
-  const PartId part = exchange_.output.latest().impossible;
-  if (part == kNoPart) return;
-  const SiteId owner = ownership_.view().part(part).owner;
-  if (owner != kNoSite && owner != people_.self()) name(part, owner);
-}
-
-/// Nobody who was named is trusted for a while.
-void StateReceiving::name(PartId part, SiteId site) {
-  distrust(part, kDistrusts);
-  if (clock_.now() < nextReport_) return;
-  nextReport_ = clock_.now() + kBetweenReports;
-  ++counts_.reports;
-  people_.notice(Notice::Level::warning, partOf(part, site) + " moves as no hand moves it");
-  sender_.send(MotionReport{part, site});
-}
-
-void StateReceiving::distrust(PartId part, Micros lasts) {
-  Micros& until = distrustedUntil_[part];
-  if (clock_.now() + lasts < until + kSecond) return;  // a flood is few events
-  until = clock_.now() + lasts;
-  NetworkEvent event;
-  event.kind = NetworkEvent::Kind::distrusted;
-  event.state.part = part;
-  event.time = lasts + kSecond;
-  events_.push(event);
-}
-
-void StateReceiving::handle(const MotionReported& report) {
-  if (report.reporter == people_.self() || !ownership_.exists(report.part) || clock_.now() < nextOpinion_)
-    return;
-  nextOpinion_ = clock_.now() + kBetweenOpinions;
-  people_.notice(Notice::Level::warning, people_.nameOf(report.reporter) + "'s site says that " +
-                                             partOf(report.part, report.site) + " moves impossibly");
 }
 
 void StateReceiving::acknowledge() {

@@ -7,16 +7,13 @@
 
 #include <cstdint>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "client/base/loss_meter.h"
 #include "client/session/part_ownership.h"
 #include "client/session/participants.h"
-#include "sync/replica/motion_judge.h"
 #include "sync/replica/play_out.h"
-#include "sync/wire/motion_messages.h"
 #include "sync/wire/state_receiver.h"
 
 namespace tandem::client {
@@ -25,8 +22,6 @@ class StateReceiving {
  public:
   struct Counts {
     std::uint64_t updates = 0, droppedStates = 0;
-    std::uint64_t impossible = 0;        // states that no hand makes of their part
-    std::uint64_t reports = 0;           // to the server, of sites that send such
     std::uint64_t droppedBaselines = 0;  // updates whose baseline is missing or whose checksum does not match
   };
 
@@ -44,10 +39,6 @@ class StateReceiving {
   const sync::StateMessage& message() const { return message_; }
   /// `update` is that of message().
   void handle(const sync::StateUpdate& update);
-  /// Names the owner of what the hand has seen move as no hand moves it, however possible its states.
-  void judgePlayed();
-  /// Another site's opinion of a third one's part: a line for the person, one a second at most.
-  void handle(const sync::MotionReported& report);
   /// Acknowledges the updates that have arrived, so that the server may encode later ones against them.
   void acknowledge();
   /// Gives the hand the session's time and the play-out delay.
@@ -61,10 +52,6 @@ class StateReceiving {
   void countLoss(std::uint32_t sequence);
   bool isNewest(const sync::StateUpdate& update);
   void accept(const sync::StateUpdate& update, const sync::PartState& state);
-  void judge(const sync::StateUpdate& update, const sync::PartState& state);
-  void name(PartId part, SiteId site);
-  void distrust(PartId part, sync::Micros lasts);
-  std::string partOf(PartId part, SiteId site) const;
 
   PartOwnership& ownership_;
   Participants& people_;
@@ -75,9 +62,6 @@ class StateReceiving {
   const Watchers& watchers_;
 
   sync::StateReceiver receiver_;
-  sync::MotionJudge judge_;
-  std::vector<sync::Micros> distrustedUntil_;      // local time, by part: as the hand was told
-  sync::Micros nextReport_ = 0, nextOpinion_ = 0;  // local time
   sync::StateMessage message_;
   std::vector<std::pair<SiteId, std::uint32_t>> newestOf_;  // sequence of the newest update of each site
   // Of all updates on this connection, of whichever site: the server numbers them in one sequence.

@@ -125,8 +125,6 @@ void LightHand::handle(const NetworkEvent& event) {
       return;
     case NetworkEvent::Kind::simulators:
       return;
-    case NetworkEvent::Kind::distrusted:  // it feels nothing
-      return;
     case NetworkEvent::Kind::lost:
       return onLost();
   }

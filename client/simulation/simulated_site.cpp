@@ -42,7 +42,6 @@ HandSettingsInput SimulatedSite::settings() const {
   constexpr double kUnlimited = 1e9;  // N
   parameters.forceLimit =
       context_.mistake == Mistake::limitsUnknown ? kUnlimited : description_.device.forceMax;
-  if (context_.mistake == Mistake::allTrusted) parameters.foreign.slew = 0.0;
   parameters.gravity = context_.scene.gravity;
   if (description_.stiffness > 0.0) {
     parameters.stiffness = parameters.graspStiffness = description_.stiffness;
@@ -113,7 +112,6 @@ void SimulatedSite::tickHand(Micros now) {
     hand_->setWish(device_.wish());
     hand_->setControl(device_.control());
     toHand = hand_->tick(reading, local(now));
-    guardedTicks_ += (tick().flags & haptics::kFlagForeignLimited) != 0 ? 1 : 0;
   }
   if (context_.mistake == Mistake::negativeDamping && running) pushAlong(toHand);
   if (context_.mistake == Mistake::limitsUnknown)

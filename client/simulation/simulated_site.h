@@ -71,10 +71,6 @@ class SimulatedSite final : public SimulatedClient {
   const HandMeasures& measures() const { return measures_; }
   std::uint64_t denials() const { return denials_; }
   std::uint64_t droppedStates() const;
-  /// Ticks with kFlagForeignLimited.
-  std::uint64_t guardedTicks() const { return guardedTicks_; }
-  /// Only while it is started.
-  ConnectionStatistics statistics() const { return connection_->statistics(); }
   /// The figures of this site over a run of `duration` s; `undisturbed` as for HandMeasures::calm().
   SimulatedSiteResult result(double duration, const std::vector<bool>& undisturbed) const;
 
@@ -106,7 +102,6 @@ class SimulatedSite final : public SimulatedClient {
   double sourceEnergy_ = 0.0;         // J, that the scene itself has given to this hand
   std::vector<Pose> lastPoses_;       // of every part, as of the last tick here
   std::vector<Pose> worldFromDrawn_;  // of every part
-  std::uint64_t guardedTicks_ = 0;
   std::uint64_t denials_ = 0;
   // By clients and connections of this site that are gone.
   std::uint64_t packetsBefore_ = 0, bytesBefore_ = 0, droppedBefore_ = 0;

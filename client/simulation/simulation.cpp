@@ -207,12 +207,6 @@ SimulationResult Simulation::result() {
     result.stable = result.stable && site->measures().stable(allStill_);
     result.siteNames[site->id()] = site->name();
     result.droppedStates += site->droppedStates();
-    result.guardedTicks += site->guardedTicks();
-    if (site->started()) {
-      const ConnectionStatistics statistics = site->statistics();
-      result.impossibleStates += statistics.impossibleStates;
-      result.motionReports += statistics.motionReports;
-    }
     result.denials += site->denials();
   }
   result.displayedRms = displayed_.rms();

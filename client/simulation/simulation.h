@@ -46,9 +46,7 @@ struct SimulationResult {
   std::map<std::string, Pose>
       finalPoses;  // by part, of parts that were ever granted, as the first live site has them
   std::uint64_t droppedStates = 0, denials = 0;
-  std::uint64_t impossibleStates = 0, motionReports = 0;  // as the sites that are up at the end counted them
-  std::uint64_t guardedTicks = 0;  // in which a hand was given less than what others moved would have given
-  std::string hash;                // of every pose and force of every tick
+  std::string hash;  // of every pose and force of every tick
 };
 
 /// A site after a tick, in the order of the scenario.
@@ -65,7 +63,6 @@ enum class Mistake : std::uint8_t {
   regrantedEarly,    // the server frees a part after a tenth of its owner's lease
   negativeDamping,   // every device pushes its hand along, with 0.5 N·s/m: a source of energy
   limitsUnknown,     // ticks do not know what their device can give
-  allTrusted,        // hands do not guard themselves (haptics/safety/foreign_guard.h)
 };
 
 struct SimulationOptions {

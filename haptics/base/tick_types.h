@@ -23,13 +23,6 @@ inline constexpr int kMaxPartCommands = 8;
 inline constexpr int kMaxPushed = 4;
 inline constexpr int kHands = 2;  // of one person, each on a device of its own
 
-/// What parts whose motion is suspect may do to a hand (safety/foreign_guard.h).
-struct ForeignLimits {
-  double slew = 8.0;     // N/s, of a change of the force that the hand did not make; 0 = any
-  double energy = 5e-3;  // J, that they may give to the hand at once
-  double refill = 5e-5;  // W, at which that comes back
-};
-
 /// Settings of one hand. Changing them between ticks is allowed; the force is still slew-limited.
 struct TickParameters {
   double dt = 1e-3;                   // s
@@ -57,7 +50,6 @@ struct TickParameters {
   bool zeroForce = false;             // the user's emergency key
   glm::dvec3 gravity{0.0, 0.0, 0.0};  // m/s^2, felt as the weight of the held part
   ContactEffort effort;               // of parts that move here
-  ForeignLimits foreign;              // of parts that other sites move as no hand moves them
 };
 
 /// A part that others move: its pose and velocity for this tick.
@@ -65,7 +57,6 @@ struct PartMotion {
   PartId part = kNoPart;
   Pose worldFromPart;
   Twist twist;
-  bool suspect = false;  // nobody moves it like that: ForeignLimits apply to what the hand feels of it
 };
 
 /// What the owner's side decides about parts; carried out in order at the start of a tick.
@@ -82,7 +73,6 @@ struct PartCommand {
   Pose pose;
   std::uint8_t hand = 0;  // of grasp and letGo: which of TickInput::hands
   Twist twist{};          // of own: with which the part moves
-  bool suspect = false;   // of setPose: as PartMotion
 };
 
 /// What one hand of a person brings to a tick. The first hand's bare tool is part of the tick; what the bare
@@ -131,7 +121,6 @@ enum TickFlag : std::uint32_t {
   kFlagFieldLimited = 1u << 12,  // a force field met its own maximum where that makes it inexact
   kFlagLessEffort = 1u << 13,    // held parts are given less effort than set, for ticks took too long
   kFlagInside = 1u << 14,  // a part is not felt: the tool is inside it, and passes through until it leaves
-  kFlagForeignLimited = 1u << 15,  // what others move is felt with less force than it would exert
 };
 
 /// The coordination links of a part to other sites' replicas of it, as one.

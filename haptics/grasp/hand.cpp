@@ -62,8 +62,7 @@ void Hand::endCoupling(double springs) {
 Wrench Hand::send(const Wrench* touches, const ForceCause& cause, FaultLatch& fault) {
   if (fade_.active()) fade_.advance(displacement_, rotation_, parameters_.dt);
   const Wrench lasting = touches != nullptr ? *touches + coupling_ : coupling_;
-  const Wrench wanted = foreignGuard_.step(lasting + fade_.now(), foreign_, parameters_, flags_);
-  foreign_ = {};
+  const Wrench wanted = lasting + fade_.now();
   const Wrench toHand =
       limitOutput(wanted, valid_ ? &device_ : nullptr, cause, parameters_, fault, limits_, flags_);
   sentShare_ = shareOf(wanted.force);

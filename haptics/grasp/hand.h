@@ -12,7 +12,6 @@
 #include "haptics/base/tick_types.h"
 #include "haptics/body/fade.h"
 #include "haptics/grasp/held_part.h"
-#include "haptics/safety/foreign_guard.h"
 #include "haptics/safety/output_limits.h"
 #include "haptics/safety/resting_reading.h"
 #include "haptics/safety/sample_guard.h"
@@ -66,11 +65,6 @@ class Hand {
   void endTool() { fadeOut(lastTool_, {parameters_.stiffness, 0.0}); }
   Fade& fade() { return fade_; }
 
-  /// Before send(): what other sites may have done to this hand; its displacement is filled in here.
-  void noteForeign(const ForeignGuard::Tick& tick) {
-    foreign_ = tick;
-    foreign_.displacement = motion_;
-  }
   /// Ends a tick: what the wrenches of coupling and fade, and that of what the tool `touches` if not null,
   /// become on the device. `cause` explains the change of the sum. Adds to flags().
   Wrench send(const Wrench* touches, const ForceCause& cause, FaultLatch& fault);
@@ -96,7 +90,6 @@ class Hand {
   RestingReading reading_;
   Fade fade_;
   OutputLimits limits_;
-  ForeignGuard foreignGuard_;
   TickParameters parameters_;  // of this tick
   DeviceSample device_, steadyDevice_;
   Wrench coupling_;                               // of the last tick, before limits
@@ -105,7 +98,6 @@ class Hand {
   glm::dvec3 motion_{0.0};                        // m, of the hand since the last tick
   double invalidTime_ = 0.0, silence_ = 0.0;      // s since the last valid reading: now, and before this tick
   double sentShare_ = 0.0;
-  ForeignGuard::Tick foreign_;  // of this tick
   bool valid_ = false, started_ = false, elsewhere_ = false, stalled_ = false;
   std::uint32_t flags_ = 0;
 };

@@ -8,11 +8,6 @@
 #include "haptics/proxy/contact_force.h"
 
 namespace tandem::haptics {
-namespace {
-
-constexpr double kNotFelt = -1.0;
-
-}  // namespace
 
 Tool::Tool(ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) { measureReach(); }
 
@@ -38,19 +33,17 @@ void Tool::reset() {
   ignoreOverlapping();
 }
 
-double Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand) {
-  if (!started_) return kNotFelt;
+void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand) {
+  if (!started_) return;
   const glm::dvec3 proxyBefore = proxy_.position;
   const bool free = pushProxy(world_, part, before, radius_, proxy_);
-  const bool felt = !byHand && (proxy_.position != proxyBefore || pressesOn(part));
-  if (felt) noteForeignChange(expectedDisplacement(before, twistBefore, proxyBefore));
+  if (!byHand && (proxy_.position != proxyBefore || pressesOn(part))) {
+    noteForeignChange(expectedDisplacement(before, twistBefore, proxyBefore));
+  }
   if (!free) {
     flags_ |= kFlagSqueezed;
     ignore(part);
   }
-  if (!felt) return kNotFelt;
-  const glm::dvec3 after = transformPoint(world_.pose(part), transformPoint(inverse(before), proxyBefore));
-  return glm::length(after - proxyBefore);
 }
 
 void Tool::ignore(PartId part) {

@@ -51,9 +51,8 @@ class Tool {
   // What parts do to the tool. All but ignore() have no effect before the first place().
 
   /// A part has moved from `before`, where it had `twistBefore`, to its present pose: takes the proxy
-  /// along. `byHand`: this hand pushed it. Returns the displacement of the
-  /// surface under the proxy, m, if that changes what the tool feels without its hand; else less than zero.
-  double follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand);
+  /// along. `byHand`: this hand pushed it.
+  void follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand);
   /// A part is passed through from now on; sets kFlagOverflow if the list is full.
   void ignore(PartId part);
   /// The same for every touchable part that overlaps the proxy.

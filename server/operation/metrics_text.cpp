@@ -147,7 +147,6 @@ void writeDecisions(Text& text, const SessionCounters& counts, const sync::Trans
   text.sample(label("what", "message"), counts.refusedMessages);
   text.sample(label("what", "pose"), counts.refusedPoses);
   text.sample(label("what", "report"), counts.refusedReports);
-  text.sample(label("what", "motion_report"), counts.droppedReports);
   text.family("failed_handshakes_total", "counter", "Connections that ended before their greeting.");
   text.sample("", transport.failedHandshakes);
   text.family("budget_holds_total", "counter", "Times that a site had spent its budget of requests.");

@@ -7,7 +7,6 @@
 
 #include "sync/wire/admission_messages.h"
 #include "sync/wire/command_messages.h"
-#include "sync/wire/motion_messages.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/report_messages.h"
@@ -18,7 +17,6 @@ namespace tandem::sync {
 using ControlMessage =
     std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome,
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
-                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport,
-                 MotionReport, MotionReported>;
+                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport>;
 
 }  // namespace tandem::sync

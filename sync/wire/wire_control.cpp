@@ -352,18 +352,9 @@ void fields(auto& a, Is<SiteReport> auto& m) {
   a.number(m.tickMax);
   a.number(m.roundTrip);
 }
-void fields(auto& a, Is<MotionReport> auto& m) {
-  a.part(m.part);
-  a.number(m.site);
-}
-void fields(auto& a, Is<MotionReported> auto& m) {
-  a.number(m.reporter);
-  a.part(m.part);
-  a.number(m.site);
-}
 
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 26, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 24, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

@@ -38,9 +38,6 @@ struct Spread {
 
 void expectHonest(const client::SimulationResult& result) {
   EXPECT_TRUE(result.violations.empty()) << describe(result);
-  EXPECT_EQ(result.motionReports, 0u) << result.impossibleStates << " states of nobody's hand";
-  EXPECT_EQ(result.guardedTicks, 0u);
-  EXPECT_EQ(result.impossibleStates, 0u);
   EXPECT_LE(result.energyOfLinks, kEnergyBound);
   for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
 }

@@ -84,9 +84,6 @@ void forSeeds(const char* scenario, double delay, std::uint64_t seeds, const Cha
     const client::SimulationResult result = session.run();
     SCOPED_TRACE(std::string(scenario) + ", " + std::to_string(delay) + " ms, seed " + std::to_string(seed));
     EXPECT_TRUE(result.violations.empty()) << describe(result);
-    EXPECT_EQ(result.motionReports, 0u) << result.impossibleStates << " states of nobody's hand";
-    EXPECT_EQ(result.guardedTicks, 0u);
-    EXPECT_EQ(result.impossibleStates, 0u);
     EXPECT_LE(result.energyOfLinks, kEnergyBound);
     for (const auto& [name, site] : result.sites) EXPECT_LE(site.energyCreated, kEnergyBound) << name;
     check(result, watch);

@@ -105,18 +105,9 @@ class RandomMessages {
         return MembersChanged{coHolders()};
       case 22:
         return NewTicket{credential()};
-      case 23:
+      default:
         return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
                           number(~0u), number(~0u), number(~0u)};
-      case 24: {
-        const PartId part = partId();
-        return MotionReport{part, static_cast<SiteId>(number(65536))};
-      }
-      default: {
-        const auto reporter = static_cast<SiteId>(number(65536));
-        const PartId part = partId();
-        return MotionReported{reporter, part, static_cast<SiteId>(number(65536))};
-      }
     }
   }
   Welcome welcome() {

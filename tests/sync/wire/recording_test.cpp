@@ -33,7 +33,7 @@ class Recording : public ::testing::Test {
     for (int i = 0; i < entries; ++i) {
       times.push_back(i * 4000);
       if (i % 3 == 0) {
-        writer->write(times.back(), random.control(static_cast<std::size_t>(i % 26)));
+        writer->write(times.back(), random.control(static_cast<std::size_t>(i % 22)));
       } else {
         writer->write(times.back(), StateMessage(random.update(3, header.frame)));
       }
