@@ -40,7 +40,8 @@ ModelRefiner::~ModelRefiner() {
 }
 
 void ModelRefiner::run() {
-  // On Linux this concerns the calling thread, and those that it starts.
+  // On Linux a priority belongs to a thread, and the threads that it starts inherit it; the rest of the
+  // process keeps its own.
   static_cast<void>(setpriority(PRIO_PROCESS, 0, kNice));
   const ContactScene::Data& data = coarse_.data();
   const std::vector<double> tolerances =

@@ -302,7 +302,7 @@ TEST_F(JournalDamage, RestoringAnOldBackupGoesBeyondWhatWasTold) {
   for (const auto& part : (*journal)->contents().parts) EXPECT_GT(part.epoch, told);
   journal->reset();
   std::string bytes = contentOf(backup + "/session.db");
-  // Of every page but the first, so that some of it is in a record and not in the room between records.
+  // One bit in every 64 bytes after the first page: some of them are in a record, not in unused space.
   for (std::size_t i = 4096; i < bytes.size(); i += 64) bytes[i] ^= 1;
   write(backup + "/session.db", bytes);
   EXPECT_FALSE(restoreSession(*session.directory, backup, 1'790'000'000).ok()) << "a damaged backup";
