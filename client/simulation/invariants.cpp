@@ -17,7 +17,7 @@ namespace {
 constexpr Micros kAnswerLimit = 10 * sync::kSecond;  // L1: far above any round trip
 /// L2: in which the server notices that a lease is over. What was under way when a site died is known.
 constexpr Micros kNoticed = 500 * sync::kMillisecond;
-/// R1: for which what a hostile peer was told may be under way after it has gone.
+/// R1: for which what a peer was told or has said may be under way after it has gone.
 constexpr Micros kInFlight = 4 * sync::kSecond;
 /// S3, S8: for which an instructor's command explains that a part is taken from its owner at once.
 constexpr Micros kCommanded = 10 * sync::kSecond;
@@ -130,6 +130,7 @@ void Invariants::onPublished(SiteId self, const sync::PartState& state) {
 
 /// After a release its owner publishes nothing of the part, so that the server may grant it at once (S8).
 void Invariants::onRelease(const sync::Release& release) {
+  released_.insert({release.part, release.epoch});
   const auto kept = restored_.find(release.part);
   if (kept != restored_.end() && kept->second.epoch == release.epoch) restored_.erase(kept);
 }
@@ -158,6 +159,7 @@ void Invariants::onConnection(std::size_t site, bool up) {
 
 void Invariants::onDead(std::size_t site, SiteId self) {
   ASSERT(site < open_.size());
+  for (const auto& [request, open] : open_[site]) askerGoneAt_[open.part] = now_;
   open_[site].clear();
   // The client that starts in its place is another site: it numbers its requests, and receives states, anew.
   answers_.erase(answers_.lower_bound({site, 0}), answers_.lower_bound({site + 1, 0}));
@@ -186,16 +188,24 @@ void Invariants::onServerRecord(const PartRecord& record) {
       reportBroken(Rule::S8, "granted while an earlier owner may still hold it: " + text(record));
   }
   // An ownership ends in its epoch. Only a command takes the part away with a new one (R1), unless that was
-  // an heir's who gave it back at once, of which finish() knows.
+  // an heir's who gave it back at once: finish() knows of who was told, heirIsGone() of who had left.
   if (before.owner != kNoSite && record.owner == kNoSite && record.epoch == before.epoch + 1) {
     checked(Rule::R1);
     // A server that can write again takes back the grants that it had to deny meanwhile.
     const bool writesAgain = hinderedAt_ >= 0 && now_ < hinderedAt_ + sync::kSecond;
     const bool strangersAbout = strangerAt_ >= 0 && now_ < strangerAt_ + kInFlight;  // are told, and gone
-    if (!commandedOf(record.part) && !writesAgain && !strangersAbout)
+    if (!commandedOf(record.part) && !writesAgain && !strangersAbout && !heirIsGone(before))
       takenAway_.push_back({record.part, record.epoch});
   }
   before = record;
+}
+
+/// Whether the owner gave the part up and somebody else, or the same site, had asked for it and has gone
+/// since, so that the server may have granted it and freed it in one step.
+bool Invariants::heirIsGone(const PartRecord& owned) const {
+  const auto asker = askerGoneAt_.find(owned.part);
+  if (asker == askerGoneAt_.end() || now_ > asker->second + kInFlight) return false;
+  return released_.contains({owned.part, owned.epoch}) || dead_.contains(owned.owner);
 }
 
 /// L2: a part of a dead site is free after the lease and the drift of clocks. A restart begins a new lease.

@@ -101,6 +101,7 @@ class Invariants {
   void checkHandOver(const sync::PartRecord& record);
   void checkDead(const sync::PartRecord& record);
   bool commandedOf(PartId part) const;
+  bool heirIsGone(const sync::PartRecord& owned) const;
 
   sync::LeaseRules lease_;
   sync::Micros now_ = 0, restartedAt_ = -1, hinderedAt_ = -1, strangerAt_ = -1;
@@ -118,6 +119,8 @@ class Invariants {
       published_;                                    // S2: where states say a part is
   std::map<PartId, sync::Micros> commandedAt_;       // S3, R1
   std::vector<std::pair<PartId, Epoch>> takenAway_;  // R1, by no known command
+  std::set<std::pair<PartId, Epoch>> released_;      // R1, whether or not the server knows yet
+  std::map<PartId, sync::Micros> askerGoneAt_;       // R1, with its request unanswered
   struct OpenGrab {
     PartId part = kNoPart;
     sync::Micros at = 0;

@@ -144,6 +144,33 @@ TEST_F(InvariantsTest, ADeadSitesLeaseRunsFromTheLastOfItsMessagesToArrive) {
   EXPECT_EQ(rules(invariants), "L2 ");
 }
 
+TEST_F(InvariantsTest, FindsAPartThatIsTakenAwayByNobody) {
+  invariants.onServerRecord(record(1, 1));
+  invariants.onServerRecord(record(kNoSite, 2));
+  invariants.finish({});
+  EXPECT_EQ(rules(invariants), "R1 ");
+}
+
+/// Release, request and goodbye of site 1 arrive together, after a blackout.
+TEST_F(InvariantsTest, AnHeirThatIsGoneWhenItIsGrantedThePartTakesItFromNobody) {
+  invariants.onServerRecord(record(1, 1));
+  invariants.onRelease({1, 0, 1, {}});
+  invariants.onGrab(0, {1, 0});
+  invariants.onLeft(0, 1);
+  invariants.onServerRecord(record(kNoSite, 2));
+  invariants.finish({});
+  EXPECT_EQ(rules(invariants), "");
+}
+
+TEST_F(InvariantsTest, WhoAskedAndIsGoneExplainsNothingOfAnOwnerThatKeptThePart) {
+  invariants.onServerRecord(record(2, 1));
+  invariants.onGrab(0, {1, 0});
+  invariants.onLeft(0, 1);
+  invariants.onServerRecord(record(kNoSite, 2));
+  invariants.finish({});
+  EXPECT_EQ(rules(invariants), "R1 ");
+}
+
 TEST_F(InvariantsTest, FindsReplicasThatDiffer) {
   invariants.finish({{"peg", 1e-3}});
   EXPECT_EQ(rules(invariants), "L4 ");
