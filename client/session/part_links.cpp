@@ -109,9 +109,9 @@ PartLinks::Link& PartLinks::add(LinkId id) {
   return link;
 }
 
-void PartLinks::newEpoch(PartId part, Micros now) {
+std::uint32_t PartLinks::newEpoch(PartId part, Micros now) {
   ASSERT(part < lastEpoch_.size());
-  lastEpoch_[part] = std::max(lastEpoch_[part] + 1, epochOf(now));
+  return std::max(lastEpoch_[part] + 1, epochOf(now));
 }
 
 LinkAgreement PartLinks::agreementWith(SiteId peer, std::size_t links) const {
@@ -120,10 +120,14 @@ LinkAgreement PartLinks::agreementWith(SiteId peer, std::size_t links) const {
   return {rounded(b.stiff, kImpedanceQuantum), rounded(b.soft, kImpedanceQuantum), packetPeriod_};
 }
 
-/// Begins a link, or begins it anew, by this agreement and in the newest epoch of its part.
-void PartLinks::begin(Link& link, const LinkAgreement& agreement, Micros now, bool ownedByPeer) {
+/// Begins a link, or begins it anew, by this agreement.
+void PartLinks::begin(Link& link, std::uint32_t epoch, const LinkAgreement& agreement, Micros now,
+                      bool ownedByPeer) {
   haptics::LinkTerms& terms = link.terms;
-  terms.epoch = lastEpoch_[terms.id.part];
+  std::uint32_t& last = lastEpoch_[terms.id.part];
+  last = std::max(last, epoch);
+  begun_[{terms.id.part, terms.id.peer}] = epoch;
+  terms.epoch = epoch;
   terms.delay = ageOf(terms.id.peer);
   terms.parameters.lever = leverOf(scene_.parts[terms.id.part].massProperties);
   terms.parameters.impedance = agreement.impedance;
@@ -182,8 +186,7 @@ void PartLinks::linkCoHolders(PartId part, const std::vector<SiteId>& coHolders,
     Link* link = find({part, peer});
     if (link != nullptr && link->terms.parameters.impedance <= 1.1 * agreement.impedance) continue;
     if (link == nullptr) link = &add({part, peer});
-    newEpoch(part, now);
-    begin(*link, agreement, now, false);
+    begin(*link, newEpoch(part, now), agreement, now, false);
   }
 }
 
@@ -191,8 +194,7 @@ void PartLinks::beginSilentAnew(const OwnershipView& view, Micros now) {
   for (Link& link : links_) {
     const PartId part = link.terms.id.part;
     if (!view.owns(part) || now - link.receivedAt < kSilence) continue;
-    newEpoch(part, now);
-    begin(link, agreementOf(link.terms), now, false);
+    begin(link, newEpoch(part, now), agreementOf(link.terms), now, false);
   }
 }
 
@@ -200,13 +202,12 @@ void PartLinks::beginSilentAnew(const OwnershipView& view, Micros now) {
 PartLinks::Link* PartLinks::linkToOwner(const LinkUpdate& update, Micros now) {
   const LinkId id{update.part, update.peer};
   Link* link = find(id);
-  std::uint32_t& last = lastEpoch_[update.part];
-  const bool known = update.epoch <= last,
-             absurd = update.epoch > std::max(last, epochOf(now)) + kEpochsAhead;
+  const auto begun = begun_.find({update.part, update.peer});
+  const bool known = update.epoch <= (begun == begun_.end() ? 0 : begun->second),
+             absurd = update.epoch > std::max(lastEpoch_[update.part], epochOf(now)) + kEpochsAhead;
   if (!update.posed || !update.on || known || absurd) return link;
   if (link == nullptr) link = &add(id);
-  last = update.epoch;
-  begin(*link, update.terms, now, true);
+  begin(*link, update.epoch, update.terms, now, true);
   return link;
 }
 

@@ -6,14 +6,17 @@
 //
 // 1. The owner of a part begins a link to each of its co-holders, and chooses its terms and its epoch. The
 //    co-holder takes both from the first packet that it receives.
-// 2. Epochs follow the session's clock, so a later link has a larger epoch whichever site begins it. The
-//    owner begins a link anew after kSilence without a packet: the other end may have forgotten it.
+// 2. Between two sites a later link of a part has a larger epoch, whichever of them begins it. Epochs follow
+//    the session's clock; those of different peers are not compared, because the peers' clocks may disagree.
+//    The owner begins a link anew after kSilence without a packet: the other end may have forgotten it.
 // 3. Orders to the hand leave as events, in the order in which they were decided.
 //
 // Network thread.
 
 #include <cstdint>
+#include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "assets/scene/scene.h"
@@ -70,9 +73,10 @@ class PartLinks {
   const Link* find(haptics::LinkId id) const;
   Link& add(haptics::LinkId id);
   double ageOf(SiteId peer) const;
-  void newEpoch(PartId part, sync::Micros now);
+  std::uint32_t newEpoch(PartId part, sync::Micros now);
   sync::LinkAgreement agreementWith(SiteId peer, std::size_t links) const;
-  void begin(Link& link, const sync::LinkAgreement& agreement, sync::Micros now, bool ownedByPeer);
+  void begin(Link& link, std::uint32_t epoch, const sync::LinkAgreement& agreement, sync::Micros now,
+             bool ownedByPeer);
   void linkCoHolders(PartId part, const std::vector<SiteId>& coHolders, sync::Micros now);
   void publishSimulators(const sync::OwnershipView& view, PartId part);
   Link* linkToOwner(const sync::LinkUpdate& update, sync::Micros now);
@@ -81,7 +85,8 @@ class PartLinks {
   double packetPeriod_;
   std::vector<Link> links_;
   std::vector<Age> ages_;
-  std::vector<std::uint32_t> lastEpoch_;  // by part, of any of its links
+  std::vector<std::uint32_t> lastEpoch_;                      // by part, of any of its links
+  std::map<std::pair<PartId, SiteId>, std::uint32_t> begun_;  // epoch of the newest link with each peer
   std::vector<NetworkEvent> events_;
 };
 

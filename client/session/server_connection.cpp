@@ -138,6 +138,8 @@ void ServerConnection::receiveEvents() {
   TransportEvent event;
   while (transport_ && transport_->poll(event)) {
     receivedAt_ = clock_.now();
+    // Whoever has left answers nothing more: a late Welcome or denial must not begin anything.
+    if (stage_ == Stage::ended && event.kind != TransportEvent::Kind::closed) continue;
     switch (event.kind) {
       case TransportEvent::Kind::connected:
         sendHello();

@@ -101,7 +101,7 @@ void LightHand::drop(PartId part) {
     movesUntil_ = -1.0;
   }
   std::erase_if(mine_, [&](const Mine& mine) { return mine.part == part; });
-  std::erase_if(links_, [&](const haptics::LinkTerms& link) { return link.id.part == part; });
+  std::erase_if(links_, [&](const Link& link) { return link.terms.id.part == part; });
 }
 
 void LightHand::handle(const NetworkEvent& event) {
@@ -121,7 +121,7 @@ void LightHand::handle(const NetworkEvent& event) {
     case NetworkEvent::Kind::link:
       return onLink(event);
     case NetworkEvent::Kind::unlink:
-      std::erase_if(links_, [&](const haptics::LinkTerms& link) { return link.id == event.link.id; });
+      std::erase_if(links_, [&](const Link& link) { return link.terms.id == event.link.id; });
       return;
     case NetworkEvent::Kind::simulators:
       return;
@@ -178,19 +178,19 @@ void LightHand::onLink(const NetworkEvent& event) {
     asked_ = kNoPart;
     ++granted_;
   }
-  std::erase_if(links_, [&](const haptics::LinkTerms& link) { return link.id == event.link.id; });
-  links_.push_back(event.link);
+  std::erase_if(links_, [&](const Link& link) { return link.terms.id == event.link.id; });
+  links_.push_back({event.link});
 }
 
 /// A packet of each link now and then: that they pass is the protocol's, what is in them the hand's.
 void LightHand::sendLinkPackets(Micros now) {
   haptics::AddressedPacket packet;
   while (exchange_.linksIn.pop(packet)) continue;
-  for (const haptics::LinkTerms& link : links_) {
+  for (Link& link : links_) {
     packet = {};
-    packet.link = link.id;
-    packet.packet.epoch = link.epoch;
-    packet.packet.sequence = packets_++;
+    packet.link = link.terms.id;
+    packet.packet.epoch = link.terms.epoch;
+    packet.packet.sequence = link.sent++;
     packet.packet.time = sync::toSeconds(now + exchange_.timeBase.latest().offset);
     packet.packet.on = true;
     static_cast<void>(exchange_.linksOut.push(packet));

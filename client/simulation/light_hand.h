@@ -36,6 +36,10 @@ class LightHand {
     Epoch epoch = 0;  // 0: as a co-holder
     bool releasing = false;
   };
+  struct Link {
+    haptics::LinkTerms terms;
+    std::uint32_t sent = 0;  // packets
+  };
   void handle(const NetworkEvent& event);
   void onOwnership(const sync::PartRecord& record);
   void onLink(const NetworkEvent& event);
@@ -56,10 +60,10 @@ class LightHand {
   PartId asked_ = kNoPart, held_ = kNoPart;
   std::vector<Mine> mine_;   // parts that are simulated here
   std::vector<Pose> poses_;  // of every part
-  std::vector<haptics::LinkTerms> links_;
+  std::vector<Link> links_;
   glm::dvec3 velocity_{0.0, 0.0, 0.0};  // m/s, of the held part
   double movesUntil_ = -1.0;            // s
-  std::uint32_t lost_ = 0, packets_ = 0;
+  std::uint32_t lost_ = 0;
   std::uint64_t granted_ = 0;
   HandOutput output_;
 };

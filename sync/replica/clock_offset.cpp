@@ -47,9 +47,11 @@ Micros ClockOffset::sessionTime(Micros local) {
   } else if (local <= lastLocal_) {
     return lastSession_ - (lastLocal_ - local);
   } else {
-    // Slewing: session time runs at 1 -+ kSlew against local time, and so never backwards.
-    const double most = kSlew * static_cast<double>(local - lastLocal_);
-    current_us_ += std::clamp(target_us_ - current_us_, -most, most);
+    // Slewing: session time runs at 1 -+ kFastestSlew against local time at most, and so never backwards.
+    const double error_us = target_us_ - current_us_;
+    const double rate = std::clamp(std::abs(error_us) / static_cast<double>(kCatchUp), kSlew, kFastestSlew);
+    const double most = rate * static_cast<double>(local - lastLocal_);
+    current_us_ += std::clamp(error_us, -most, most);
     lastLocal_ = local;
     // Rounding may take back a microsecond that was already given out.
     lastSession_ = std::max(lastSession_, local + static_cast<Micros>(std::llround(current_us_)));

@@ -3,7 +3,8 @@
 // Session time minus local time, estimated from pings. Of the recent samples the one with the least error
 // bound is used (NTP's clock filter, RFC 5905 section 10: half the round trip, plus the drift of the clocks
 // since the sample). The estimate slews toward it, so that session time never runs backwards and never jumps
-// while it is in use.
+// while it is in use. It slews faster the further it is off, because a clock that ran wrong for seconds would
+// otherwise be useless for minutes.
 //
 // After the slewing, |estimated - true session time| <= roundTrip / 2 + drift * age of that sample, because
 // the shares of ping and pong in the round trip are unknown.
@@ -30,7 +31,11 @@ class ClockOffset {
   Micros bestRoundTrip() const { return bestRoundTrip_; }
   Micros lastRoundTrip() const { return lastRoundTrip_; }
 
-  static constexpr double kSlew = 0.02;       // session time runs at 1 -+ this against local time
+  /// Session time runs at 1 -+ this against local time, and at 1 -+ error / kCatchUp where that is more:
+  /// errors above 50 ms fall by a factor of e every kCatchUp.
+  static constexpr double kSlew = 0.02;
+  static constexpr Micros kCatchUp = 2500 * kMillisecond;
+  static constexpr double kFastestSlew = 0.5;
   static constexpr double kDriftPpm = 100.0;  // two quartz clocks
 
  private:

@@ -86,6 +86,18 @@ TEST(LyingServer, ReservesNoMemoryForBytesThatDoNotCome) {
   EXPECT_LE(rig.site->scenePackage().capacity(), std::size_t{1} << 27);
 }
 
+TEST(LyingServer, BringsNobodyBackWhoHasLeft) {
+  Lied rig;
+  rig.server->sendControl(rig.peer, encodeControl(Lied::welcome(0)));
+  rig.server->close(rig.peer);
+  rig.now += 10 * kMillisecond;
+  rig.network.advanceTo(rig.now);  // the Welcome waits to be read on a connection that is over
+  rig.site->leave();
+  rig.run(10 * kMillisecond);
+  EXPECT_EQ(rig.site->stage(), ServerConnection::Stage::ended);
+  EXPECT_EQ(rig.site->reason(), "left");
+}
+
 TEST(LyingServer, TakesNoPartOutOfReach) {
   Lied rig;
   rig.say(Lied::welcome(0));

@@ -37,13 +37,13 @@ class PartLinksTest : public testing::Test {
   }
 
   /// The first packet of the first site for its link of the box, which is on.
-  sync::LinkUpdate firstUpdate(Epoch epoch) const {
+  sync::LinkUpdate firstUpdate(Epoch epoch, SiteId from = kFirst) const {
     sync::LinkState state;
     state.epoch = epoch;
     state.sequence = 1;
     state.time = now_;
     state.on = true;
-    return sync::toWire(state, kFirst, kBox);
+    return sync::toWire(state, from, kBox);
   }
 
   assets::Scene scene_ = test::rowOfBoxes();
@@ -125,6 +125,27 @@ TEST_F(PartLinksTest, ACoHolderTakesEpochAndTermsFromTheOwnersPacket) {
   EXPECT_EQ(out->terms, update.terms);
   answer.packet.epoch = 5999;
   EXPECT_FALSE(links_.toWire(answer).has_value());
+}
+
+TEST_F(PartLinksTest, TheNextOwnersLinkBeginsThoughItsClockIsBehindTheLastOwners) {
+  own(kFirst);
+  coHold({kSelf});
+  sync::LinkUpdate update = firstUpdate(6000);
+  update.posed = true;
+  EXPECT_TRUE(links_.receive(update, view_, now_).has_value());
+  own(kSecond);
+  coHold({kSelf});
+  EXPECT_EQ(follow(Kind::unlink).size(), 1u);
+  static_cast<void>(links_.drainEvents());
+  sync::LinkUpdate next = firstUpdate(5990, kSecond);
+  next.posed = true;
+  EXPECT_TRUE(links_.receive(next, view_, now_).has_value());
+  EXPECT_EQ(eventsOf(Kind::link).size(), 1u);
+  // What is late of a link that this peer began before stays without effect.
+  own(kFirst);
+  coHold({kSelf});
+  EXPECT_EQ(follow(Kind::unlink).size(), 1u);
+  EXPECT_FALSE(links_.receive(update, view_, now_).has_value());
 }
 
 TEST_F(PartLinksTest, APacketOfNobodysLinkIsDropped) {

@@ -56,19 +56,43 @@ TEST(ClockOffset, StaysWithinHalfTheBestRoundTripUnderAsymmetricJitter) {
   }
 }
 
-TEST(ClockOffset, SlewsAfterAStepInsteadOfJumping) {
+/// Session time of a clock that is right at local time 0 and, from then on, told to be off by `step`.
+ClockOffset steppedBy(Micros step) {
   ClockOffset clock;
   clock.observe(0, 0, 0);
-  Micros last = clock.sessionTime(0);
-  for (int i = 1; i <= 16; ++i) clock.observe(i, i + 100000, i);  // from here on the offset is 0.1 s
-  for (Micros t = 1000; t <= 6 * kSecond; t += 1000) {
-    const Micros now = clock.sessionTime(t);
-    EXPECT_GE(now - last, 980 - 1);
-    EXPECT_LE(now - last, 1020 + 1);
-    last = now;
+  clock.sessionTime(0);
+  for (int i = 1; i <= 16; ++i) clock.observe(i, i + step, i);
+  return clock;
+}
+
+TEST(ClockOffset, SlewsAfterAStepInsteadOfJumping) {
+  for (const Micros step : {40 * kMillisecond, -40 * kMillisecond}) {
+    ClockOffset clock = steppedBy(step);
+    Micros last = clock.sessionTime(0);
+    for (Micros t = 1000; t <= 3 * kSecond; t += 1000) {
+      const Micros now = clock.sessionTime(t);
+      EXPECT_GE(now - last, 980 - 1);
+      EXPECT_LE(now - last, 1020 + 1);
+      last = now;
+    }
+    EXPECT_EQ(last, 3 * kSecond + step);
+    EXPECT_LE(clock.sessionTime(2 * kSecond), last) << "an earlier local time";
   }
-  EXPECT_EQ(last, 6 * kSecond + 100000);
-  EXPECT_LE(clock.sessionTime(5 * kSecond), last) << "an earlier local time";
+}
+
+TEST(ClockOffset, RecoversWithinSecondsFromAClockThatRanFarOff) {
+  for (const Micros step : {-2 * kSecond, kSecond, 100 * kSecond}) {
+    ClockOffset clock = steppedBy(step);
+    Micros last = clock.sessionTime(0);
+    for (Micros t = 1000; t <= 10 * kSecond; t += 1000) {
+      const Micros now = clock.sessionTime(t);
+      EXPECT_GE(now - last, 500 - 1);
+      EXPECT_LE(now - last, 1500 + 1);
+      last = now;
+    }
+    if (std::abs(step) > 10 * kSecond) continue;  // it catches up half a second in each second
+    EXPECT_LE(std::abs(last - 10 * kSecond - step), 50 * kMillisecond);
+  }
 }
 
 TEST(ClockOffset, ForgetsOnReset) {
