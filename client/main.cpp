@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
   tandem::client::addJoin(program, exitCode);
   tandem::client::addCheck(program, exitCode);
   tandem::client::addProbe(program, exitCode);
+  tandem::client::addExtract(program, exitCode);
   tandem::client::addSimulate(program, exitCode);
   tandem::client::addDevices(program, exitCode);
   tandem::client::addReplay(program, exitCode);
