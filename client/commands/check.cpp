@@ -10,6 +10,7 @@
 #include "client/base/readable.h"
 #include "client/commands/check_clashes.h"
 #include "client/commands/check_contact.h"
+#include "client/commands/check_measure.h"
 #include "client/commands/command.h"
 #include "client/review/device_class.h"
 #include "client/review/part_stroke.h"
@@ -28,6 +29,7 @@ struct Arguments {
   double delay_ms = 0.0;
   bool json = false, models = false;
   ClashArguments clashes;
+  MeasureArguments measures;
 };
 
 /// The coupling to a held part on a device.
@@ -267,6 +269,7 @@ int run(const Arguments& arguments) {
     return badInput(Error{"--device " + arguments.device + ": must be one of " + deviceClassNames()});
   Result<assets::Scene> scene = loadScene(arguments.scene);
   if (!scene) return badInput(scene.error());
+  if (arguments.measures.requested()) return runMeasure(*scene, arguments.measures);
   if (arguments.clashes.requested()) return runClashes(*scene, arguments.clashes);
   for (assets::Finding& finding : assets::fitFindings(*scene)) scene->findings.push_back(std::move(finding));
   haptics::ContactScene contact(*scene);
@@ -320,11 +323,18 @@ void addCheck(assets::CommandLine& program, int& exitCode) {
               "With --clash: overlaps no deeper than this are touches, m [a millionth of the larger part]")
       .numberFrom(0.0, 1e6)
       .needs(clash);
+  assets::CommandLineOption distance =
+      command.option("--distance", arguments->clashes.distance,
+                     "Instead of the above: how far two parts are from each other, or how deep they overlap");
+  distance.values(2).typeName("PART PART");
   command
-      .option("--distance", arguments->clashes.distance,
-              "Instead of the above: how far two parts are from each other, or how deep they overlap")
-      .values(2)
-      .typeName("PART PART");
+      .option("--measure", arguments->measures.places,
+              "Instead of the above: the face, cylinder and edge nearest to a place (m); given twice, also "
+              "distance and angle between both and the clearance of their parts")
+      .oneValue()
+      .typeName("X,Y,Z")
+      .excludes(clash)
+      .excludes(distance);
   command.footer(
       "Examples:\n"
       "  tandem check engine.glb --units mm --movable all\n"
@@ -332,7 +342,7 @@ void addCheck(assets::CommandLine& program, int& exitCode) {
       "  tandem check engine.glb --units mm --clash --clearance 0.0005\n"
       "      Which parts overlap, touch, or stand nearer than half a millimetre to each other.");
   command.onRun([arguments, &exitCode] {
-    arguments->clashes.json = arguments->json;
+    arguments->clashes.json = arguments->measures.json = arguments->json;
     exitCode = run(*arguments);
   });
 }

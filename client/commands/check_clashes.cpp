@@ -33,23 +33,6 @@ const char* wordFor(const Clash& clash) {
 
 Json pointJson(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 
-Json toJson(const assets::Scene& scene, const Clash& clash) {
-  ASSERT(clash.a < scene.parts.size() && clash.b < scene.parts.size());
-  return {{"a", scene.parts[clash.a].name},
-          {"b", scene.parts[clash.b].name},
-          {"kind", wordFor(clash)},
-          {"depth_m", clash.open ? Json(nullptr) : Json(clash.depth)},
-          {"open", clash.open},
-          {"at_least_m", clash.depth},
-          {"distance_m", clash.distance},
-          {"deepest_m", clash.kind == ClashKind::hard ? pointJson(clash.deepest) : Json(nullptr)},
-          {"point_a_m", pointJson(clash.onA)},
-          {"point_b_m", pointJson(clash.onB)},
-          {"facet_sag_m", clash.facetSag},
-          {"sheets", clash.sheets},
-          {"may_collide", clash.mayCollide}};
-}
-
 /// Whether the facets of curved surfaces alone may explain an overlap.
 bool withinFacets(const Clash& clash) {
   return clash.kind == ClashKind::hard && !clash.open && clash.depth <= clash.facetSag;
@@ -100,7 +83,7 @@ Json toJson(const assets::Scene& scene, const ClashReport& report, double cleara
                         {"b", scene.parts[clash.b].name},
                         {"depth_m", clash.open ? Json(nullptr) : Json(clash.depth)}});
   json["found"] = Json::array();
-  for (const Clash& clash : report.clashes) json["found"].push(toJson(scene, clash));
+  for (const Clash& clash : report.clashes) json["found"].push(clashJson(scene, clash));
   return json;
 }
 
@@ -162,27 +145,6 @@ void print(const assets::Scene& scene, const ClashReport& report, double clearan
   printTable(scene, report.clashes);
 }
 
-void print(const assets::Scene& scene, const Clash& clash) {
-  const char *a = scene.parts[clash.a].name.c_str(), *b = scene.parts[clash.b].name.c_str();
-  const char* how = clash.contained ? "stand inside each other" : "overlap";
-  if (clash.open)
-    std::printf("%s and %s %s, how deep cannot be known because a shell is open; at least %s\n", a, b, how,
-                readableLength(clash.depth).c_str());
-  else if (clash.kind == ClashKind::hard)
-    std::printf("%s and %s %s, %s deep\n", a, b, how, readableLength(clash.depth).c_str());
-  else if (clash.kind == ClashKind::touch)
-    std::printf("%s and %s touch\n", a, b);
-  else
-    std::printf("%s and %s are %s apart\n", a, b, readableLength(clash.distance).c_str());
-  for (const auto& [name, p] : {std::pair{a, clash.onA}, std::pair{b, clash.onB}})
-    std::printf("  %s at %.6g %.6g %.6g m\n", name, p.x, p.y, p.z);
-  if (withinFacets(clash))
-    std::printf("  no deeper than the facets there may be off curved surfaces: %s\n",
-                readableLength(clash.facetSag).c_str());
-  if (clash.sheets) std::printf("  open surfaces that cross: by so much facets stand through each other\n");
-  if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
-}
-
 /// The two parts that --distance names.
 Result<std::pair<PartId, PartId>> namedPair(const assets::Scene& scene,
                                             const std::vector<std::string>& names) {
@@ -216,6 +178,44 @@ ClashReport findWithProgress(const haptics::ContactScene& contact, const ClashAr
 
 }  // namespace
 
+Json clashJson(const assets::Scene& scene, const Clash& clash) {
+  ASSERT(clash.a < scene.parts.size() && clash.b < scene.parts.size());
+  return {{"a", scene.parts[clash.a].name},
+          {"b", scene.parts[clash.b].name},
+          {"kind", wordFor(clash)},
+          {"depth_m", clash.open ? Json(nullptr) : Json(clash.depth)},
+          {"open", clash.open},
+          {"at_least_m", clash.depth},
+          {"distance_m", clash.distance},
+          {"deepest_m", clash.kind == ClashKind::hard ? pointJson(clash.deepest) : Json(nullptr)},
+          {"point_a_m", pointJson(clash.onA)},
+          {"point_b_m", pointJson(clash.onB)},
+          {"facet_sag_m", clash.facetSag},
+          {"sheets", clash.sheets},
+          {"may_collide", clash.mayCollide}};
+}
+
+void printClash(const assets::Scene& scene, const Clash& clash) {
+  const char *a = scene.parts[clash.a].name.c_str(), *b = scene.parts[clash.b].name.c_str();
+  const char* how = clash.contained ? "stand inside each other" : "overlap";
+  if (clash.open)
+    std::printf("%s and %s %s, how deep cannot be known because a shell is open; at least %s\n", a, b, how,
+                readableLength(clash.depth).c_str());
+  else if (clash.kind == ClashKind::hard)
+    std::printf("%s and %s %s, %s deep\n", a, b, how, readableLength(clash.depth).c_str());
+  else if (clash.kind == ClashKind::touch)
+    std::printf("%s and %s touch\n", a, b);
+  else
+    std::printf("%s and %s are %s apart\n", a, b, readableLength(clash.distance).c_str());
+  for (const auto& [name, p] : {std::pair{a, clash.onA}, std::pair{b, clash.onB}})
+    std::printf("  %s at %.6g %.6g %.6g m\n", name, p.x, p.y, p.z);
+  if (withinFacets(clash))
+    std::printf("  no deeper than the facets there may be off curved surfaces: %s\n",
+                readableLength(clash.facetSag).c_str());
+  if (clash.sheets) std::printf("  open surfaces that cross: by so much facets stand through each other\n");
+  if (!clash.mayCollide) std::printf("  may not collide, by collision filter or joint\n");
+}
+
 int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
   std::pair<PartId, PartId> pair{kNoPart, kNoPart};
   if (!arguments.distance.empty()) {
@@ -232,9 +232,9 @@ int runClashes(const assets::Scene& scene, const ClashArguments& arguments) {
                     scene.parts[pair.second].worldFromPart);
     if (!clash) return badInput(Error{"--distance: one of the parts has nothing that could be touched"});
     if (arguments.json)
-      json["distance"] = toJson(scene, *clash);
+      json["distance"] = clashJson(scene, *clash);
     else
-      print(scene, *clash);
+      printClash(scene, *clash);
   }
   if (arguments.all) {
     const ClashReport report = findWithProgress(contact, arguments);

@@ -5,7 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "assets/base/json.h"
 #include "assets/scene/scene.h"
+#include "client/review/clash_check.h"
 
 namespace tandem::client {
 
@@ -18,6 +20,10 @@ struct ClashArguments {
 
   bool requested() const { return all || !distance.empty(); }
 };
+
+/// One pair as --json has it, and as text.
+Json clashJson(const assets::Scene& scene, const Clash& clash);
+void printClash(const assets::Scene& scene, const Clash& clash);
 
 /// Prints the clashes and the distance that the arguments request; returns the exit code.
 int runClashes(const assets::Scene& scene, const ClashArguments& arguments);

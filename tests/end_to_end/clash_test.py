@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""tandem check --clash and --distance on the sample scenes, and on arguments that make no sense.
+"""tandem check --clash, --distance and --measure on the sample scenes, and on arguments that make no sense.
 
     python3 tests/end_to_end/clash_test.py --bin build/release/bin
 """
@@ -86,6 +86,25 @@ def check_distance(binaries):
     expect((found["a"], found["b"], found["kind"]) == ("peg_0.5", "peg_0.1", "near"), f"{found}")
 
 
+def check_measure(binaries):
+    """Between two pegs as --distance says, and the places themselves."""
+    pegs = ("peg_0.5", "peg_0.1")
+    scene = SCENES / "peg_board.glb"
+    distance = json.loads(run(binaries, scene, "--distance", *pegs, "--json").stdout)["distance"]
+    places = [",".join(str(x) for x in distance[key]) for key in ("point_a_m", "point_b_m")]
+    arguments = ("--measure", places[0], "--measure", places[1])
+    found = json.loads(run(binaries, scene, *arguments, "--json").stdout)
+    expect([place["part"] for place in found["places"]] == list(pegs), f"{found}")
+    expect(found["parts"] == distance, f"{found['parts']} {distance}")
+    expect(abs(found["between"]["distance_m"] - distance["distance_m"]) < 1e-12, f"{found}")
+    text = run(binaries, scene, *arguments).stdout
+    expect("peg_0.5 and peg_0.1 are" in text and "nearest edge" in text and "degrees" in text, text)
+    # The pump's shaft has a seat of 24 mm for the impeller.
+    shaft = json.loads(run(binaries, SCENES / "pump.glb", "--measure", "-0.15,0.05,0.12", "--json").stdout)
+    cylinder = shaft["places"][0]["cylinder"]
+    expect(cylinder and abs(cylinder["diameter_m"] - 0.024) < 1e-7 and not cylinder["hollow"], f"{shaft}")
+
+
 def check_engine(binaries, engine):
     clashes = json.loads(run(binaries, engine, "--units", "mm", "--clash", "--json").stdout)["clashes"]
     expect(clashes["hard"] + clashes["touches"] > 90 and clashes["hard"] > 50,
@@ -104,6 +123,9 @@ def check_bad_arguments(binaries):
     for arguments, word in ((("--distance", "peg_0.5", "cork"), "cork"),
                             (("--distance", "board", "board"), "twice"),
                             (("--distance", "board"), "--distance"),
+                            (("--measure", "0,1"), "0,1"), (("--measure", "0,1,nan"), "0,1,nan"),
+                            (("--measure", "0,1,2,3"), "0,1,2,3"), (("--measure", "0,0,0") * 3, "two"),
+                            (("--measure", "0,0,0", "--clash"), "--measure"),
                             (("--clash", "--clearance", "-1"), "--clearance"),
                             (("--clash", "--clearance", "wide"), "--clearance"),
                             (("--clearance", "0.001"), "--clash"), (("--tolerance", "0.001"), "--clash"),
@@ -123,6 +145,7 @@ def main():
         os.environ["XDG_CACHE_HOME"] = folder
         check_open_shells(binaries, pathlib.Path(folder))
     check_distance(binaries)
+    check_measure(binaries)
     check_bad_arguments(binaries)
     engine = pathlib.Path(os.environ.get("TANDEM_DATA", "")) / "2CylinderEngine.glb"
     if engine.exists():
