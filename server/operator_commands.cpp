@@ -8,7 +8,7 @@
 namespace tandem::server {
 namespace {
 
-const Error kNoJournal{"the server cannot write its journal, so nothing is changed"};
+const Error kNothingChanged{"the server cannot write its journal, so nothing is changed"};
 
 std::optional<unsigned> numberFrom(const std::string& text) {
   unsigned number = 0;
@@ -66,7 +66,7 @@ void OperatorCommands::audit(AuditEvent event, SiteId site, const std::string& d
 }
 
 Result<std::string> OperatorCommands::kick(const std::string& who, bool ban) {
-  if (!publisher_.writable()) return kNoJournal;
+  if (!publisher_.writable()) return kNothingChanged;
   const Result<SiteId> id = find(who);
   if (!id) return id.error();
   KnownSite& site = *sites_.find(*id);
@@ -83,7 +83,7 @@ Result<std::string> OperatorCommands::kick(const std::string& who, bool ban) {
 }
 
 Result<std::string> OperatorCommands::revokeTicket(const std::string& who) {
-  if (!publisher_.writable()) return kNoJournal;
+  if (!publisher_.writable()) return kNothingChanged;
   const Result<SiteId> id = find(who);
   if (!id) return id.error();
   KnownSite& site = *sites_.find(*id);

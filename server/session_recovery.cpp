@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr Epoch kEpochJump = 1 << 20;
-constexpr std::uint32_t kSiteJump = 1024, kMaxLastSite = 0xfff0;
+constexpr std::uint32_t kSiteJump = 1024, kMaxRecoveredSite = 0xfff0;
 // Where nothing says how far epochs had come: no part changes hands once a second for years.
 constexpr std::int64_t kFirstSession = 1704067200;  // Unix time of 2024-01-01
 
@@ -52,7 +52,7 @@ Extent extentOf(const Salvage& salvage, const DataDirectory& directory, std::int
     extent.site += kSiteJump;
   }
   extent.epoch = added(extent.epoch, kEpochJump);
-  extent.site = std::min(extent.site, kMaxLastSite);
+  extent.site = std::min(extent.site, kMaxRecoveredSite);
   return extent;
 }
 

@@ -14,6 +14,7 @@
 // All: Physics-Based Planning for Generalizable Assembly by Disassembly" (ACM TOG 41, 6); there forces are
 // drawn at random, here the axes come from the shapes. Not complete: a way that needs a turn which no contact
 // brings about, such as unscrewing, is not found. Allocates.
+
 #include <vector>
 
 #include "client/extraction/straight_pull.h"

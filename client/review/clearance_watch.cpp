@@ -15,8 +15,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 constexpr auto kPeriod = std::chrono::milliseconds(100);
-constexpr int kRest = 3;       // pause before the next measurement, in durations of the last one
-constexpr int kNiceness = 10;  // the hand's thread comes first
+constexpr int kRest = 3;            // pause before the next measurement, in durations of the last one
+constexpr int kWatchNiceness = 10;  // the hand's thread comes first
 
 }  // namespace
 
@@ -50,7 +50,7 @@ class ClearanceWatch::Worker {
  private:
   void run() {
     // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
-    static_cast<void>(setpriority(PRIO_PROCESS, 0, kNiceness));
+    static_cast<void>(setpriority(PRIO_PROCESS, 0, kWatchNiceness));
     std::unique_lock lock(mutex_);
     while (true) {
       wake_.wait(lock, [this] { return stop_ || requested_; });

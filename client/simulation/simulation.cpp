@@ -17,8 +17,6 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kTick = kSimulationTick;
-
 /// Distances between two poses of one part, m.
 struct Distances {
   double squares = 0.0, max = 0.0;
@@ -169,7 +167,7 @@ void Simulation::run() {
   context_.server.start(0, context_.invariants);
   const auto ticks = static_cast<Micros>(std::llround(scenario_.duration * 1e3));
   for (Micros i = 0; i < ticks; ++i) {
-    now_ = i * kTick;
+    now_ = i * kSimulationTick;
     tick();
   }
 }
@@ -213,7 +211,7 @@ SimulationResult Simulation::result() {
   result.displayedMax = displayed_.max;
   result.discrepancyRms = shared_.rms();
   result.discrepancyMax = shared_.max;
-  result.shared = toSeconds(static_cast<Micros>(sharedTicks_) * kTick);
+  result.shared = toSeconds(static_cast<Micros>(sharedTicks_) * kSimulationTick);
   result.energyOfLinks = maxLinkWork_;
   result.grants = context_.invariants.grants();
   result.violations = context_.invariants.violations();

@@ -11,9 +11,9 @@
 namespace tandem::haptics {
 namespace {
 
-class Search {
+class VertexSearch {
  public:
-  Search(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance)
+  VertexSearch(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance)
       : goal_(goal), planes_(planes), tolerance_(tolerance) {}
 
   Projection run() {
@@ -106,7 +106,7 @@ class Search {
 
 Projection projectOntoPlanes(const glm::dvec3& goal, std::span<const HalfSpace> planes, double tolerance) {
   ASSERT(planes.size() <= static_cast<std::size_t>(kMaxPlanes));
-  return Search(goal, planes, tolerance).run();
+  return VertexSearch(goal, planes, tolerance).run();
 }
 
 }  // namespace tandem::haptics

@@ -13,7 +13,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kClusterSize = 32;
-constexpr int kMaxSplits = 20'000;  // of one interval: far more than convex facets ever need
+constexpr int kMaxCuts = 20'000;  // of one interval: far more than convex facets ever need
 
 }  // namespace
 
@@ -263,7 +263,7 @@ double RidgeDepth::farthest(const Interval& interval, double enough, DeepestPoin
   if (ends.fromFacet == kNoFacet) evaluate(ends.from, interval, whole.fromDistance, ends.fromFacet);
   if (ends.toFacet == kNoFacet) evaluate(ends.to, interval, whole.toDistance, ends.toFacet);
   limit(whole);
-  for (int split = 0; split < kMaxSplits && !open.empty(); ++split) {
+  for (int split = 0; split < kMaxCuts && !open.empty(); ++split) {
     std::pop_heap(open.begin(), open.end());
     const Stretch worst = open.back();
     open.pop_back();

@@ -21,7 +21,7 @@ constexpr double kPrecision = 0x1p-23;
 constexpr double kKnown = 0x1p-20;
 /// Of the larger part's size: triangles that stand through each other by less cross by rounding alone.
 constexpr double kCrosses = 0x1p-42;
-constexpr double kEverywhere = std::numeric_limits<double>::max();
+constexpr double kFarthest = std::numeric_limits<double>::max();
 
 struct NearPair {
   std::uint32_t a, b;
@@ -190,8 +190,8 @@ class Overlapping {
   /// The nearest point of both surfaces.
   bool nearest(const glm::dvec3& p, MeshPoint& at, bool& isOfA) const {
     MeshPoint ofB;
-    if (!a_.tree->closestPoint(p, kEverywhere, at) ||
-        !b_.tree->closestPoint(transformPoint(bFromA_, p), kEverywhere, ofB))
+    if (!a_.tree->closestPoint(p, kFarthest, at) ||
+        !b_.tree->closestPoint(transformPoint(bFromA_, p), kFarthest, ofB))
       return false;
     isOfA = at.distance <= ofB.distance;
     if (isOfA) return true;

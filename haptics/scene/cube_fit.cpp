@@ -18,7 +18,7 @@ constexpr int kSteps = 4;  // iterations of Frank & Wolfe
 constexpr double kWindow = 3.0;
 
 /// Cosine of the angle beyond which the mean of the faces' normals is no plane through them.
-constexpr double kLeastTurn = 0.5;
+constexpr double kLeastCosine = 0.5;
 
 /// Relative magnitude below which the sign of an edge function is unreliable.
 constexpr double kSure = 1e-9;
@@ -271,7 +271,7 @@ bool CubeFit::fit(const FieldCube& cube, std::span<const std::uint32_t> near, co
     }
     const glm::dvec3 mean = unitOrZero(attempt.normals());
     const double turn = glm::dot(mean, along);
-    if ((found && model.error <= enough) || std::abs(turn) < kLeastTurn) break;
+    if ((found && model.error <= enough) || std::abs(turn) < kLeastCosine) break;
     if (touching && turn * sides_.facing() < 0.0) break;
     along = turn < 0.0 ? -mean : mean;
   }

@@ -19,8 +19,8 @@ namespace {
 // Meshes above this many triangles are baked one after another on all threads, smaller ones in parallel.
 constexpr std::size_t kBakedAlone = 50'000;
 // The fields of a scene share a budget: each of `n` meshes may have smallest cells of n / kShared of its own
-// diagonal, and at most kCoarsest of it.
-constexpr double kShared = 4096.0, kCoarsest = 1.0 / 128.0, kFinest = 1.0 / 1024.0;
+// diagonal, and at most kCoarsestCell of it.
+constexpr double kShared = 4096.0, kCoarsestCell = 1.0 / 128.0, kFinestCell = 1.0 / 1024.0;
 // Sharp edges closer than this fraction of the diagonal belong to grooves, for which cells shrink.
 constexpr double kGroove = 1.0 / 16.0;
 // Default tolerance of a DistanceField.
@@ -47,13 +47,13 @@ DistanceField::Options fineField(const TriangleBvh& tree, const MeshEdges& edges
   const double size = sizeOf(tree);
   DistanceField::Options field;
   field.tolerance = usableTolerance(tolerance, size);
-  const double finest = std::min(kCoarsest, static_cast<double>(plan.fields) / kShared);
+  const double finest = std::min(kCoarsestCell, static_cast<double>(plan.fields) / kShared);
   // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
   // bring them within tolerance.
   const double ofEdges = kCellOfTolerance * usualTolerance(plan.smallestHeld, size),
-               ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsest / kGroove);
+               ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsestCell / kGroove);
   const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
-  field.smallestCell = std::clamp(cell, std::max(kFinest, finest) * size, kCoarsest * size);
+  field.smallestCell = std::clamp(cell, std::max(kFinestCell, finest) * size, kCoarsestCell * size);
   field.tolerance *= plan.fieldScale;
   field.smallestCell *= plan.fieldScale;
   return field;
