@@ -8,7 +8,7 @@
 namespace tandem::assets {
 namespace {
 
-enum class Kind { model, page, pointer, archive, document };
+enum class Kind { model, importable, page, pointer, archive, document };
 
 struct Known {
   const char* mark;  // the first bytes, or the end of the name
@@ -17,14 +17,14 @@ struct Known {
 };
 
 constexpr Known kBeginnings[] = {
-    {"ISO-10303-21", "a STEP file", Kind::model},
-    {"solid ", "an STL file", Kind::model},
+    {"ISO-10303-21", "a STEP file", Kind::importable},
+    {"solid ", "an STL file", Kind::importable},
     {"Kaydara FBX Binary", "an FBX file", Kind::model},
     {"; FBX", "an FBX file", Kind::model},
     {"#usda", "a USD file", Kind::model},
     {"PXR-USDC", "a USD file", Kind::model},
-    {"ply\n", "a PLY file", Kind::model},
-    {"ply\r", "a PLY file", Kind::model},
+    {"ply\n", "a PLY file", Kind::importable},
+    {"ply\r", "a PLY file", Kind::importable},
     {"AutoCAD", "a DXF file", Kind::model},
     {"version https://git-lfs", "a Git LFS pointer, not the file itself", Kind::pointer},
     {"<!doctype html", "a web page", Kind::page},
@@ -38,12 +38,12 @@ constexpr Known kBeginnings[] = {
 };
 
 constexpr Known kEndings[] = {
-    {".step", "a STEP file", Kind::model},  {".stp", "a STEP file", Kind::model},
-    {".iges", "an IGES file", Kind::model}, {".igs", "an IGES file", Kind::model},
-    {".stl", "an STL file", Kind::model},   {".obj", "an OBJ file", Kind::model},
-    {".fbx", "an FBX file", Kind::model},   {".dae", "a COLLADA file", Kind::model},
-    {".usd", "a USD file", Kind::model},    {".usdz", "a USD file", Kind::model},
-    {".3mf", "a 3MF file", Kind::model},    {".ply", "a PLY file", Kind::model},
+    {".step", "a STEP file", Kind::importable}, {".stp", "a STEP file", Kind::importable},
+    {".iges", "an IGES file", Kind::model},     {".igs", "an IGES file", Kind::model},
+    {".stl", "an STL file", Kind::importable},  {".obj", "an OBJ file", Kind::importable},
+    {".fbx", "an FBX file", Kind::model},       {".dae", "a COLLADA file", Kind::model},
+    {".usd", "a USD file", Kind::model},        {".usdz", "a USD file", Kind::model},
+    {".3mf", "a 3MF file", Kind::model},        {".ply", "a PLY file", Kind::importable},
 };
 
 /// The file's text without a leading byte-order mark and white space.
@@ -73,6 +73,8 @@ std::string sentence(const Known& known) {
       return what + ": unpack it first";
     case Kind::document:
       return what + "; Tandem reads glTF (.glb, .gltf)";
+    case Kind::importable:
+      return what + "; Tandem reads glTF (.glb, .gltf): tandem-import makes that of it";
     case Kind::model:
       break;
   }

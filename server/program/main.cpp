@@ -22,11 +22,12 @@
 #include "assets/scene/scene_size.h"
 #include "server/admission.h"
 #include "server/data_directory.h"
+#include "server/journal/sqlite_journal.h"
+#include "server/program/cad_file.h"
 #include "server/program/invitations.h"
 #include "server/program/operation.h"
 #include "server/program/options.h"
 #include "server/session.h"
-#include "server/journal/sqlite_journal.h"
 #include "sync/transport/socket_transport.h"
 
 namespace tandem::server {
@@ -76,8 +77,22 @@ Result<assets::Scene> load(Options& options) {
     options.load.progress = [](double share, const char* what) {
       std::fprintf(stderr, "\r\033[Kloading %3.0f %% %s", 100.0 * share, what);
     };
-  auto scene =
-      assets::loadScene(options.scene, options.load, options.cache ? assets::defaultCacheDirectory() : "");
+  const std::string cache = options.cache ? assets::defaultCacheDirectory() : "";
+  std::string file = options.scene;
+  if (isCadFile(file)) {
+    const auto progress = [&](double share) {
+      if (bar) std::fprintf(stderr, "\r\033[Kimporting %3.0f %%", 100.0 * share);
+    };
+    // m is what a scene's unit is unless stated: a CAD file states its own.
+    const std::string units = options.units == "m" ? "" : options.units;
+    const auto imported =
+        importCadFile(file, units, cache, options.data + ".glb", progress, [] { return stopAsked != 0; });
+    if (bar) std::fputs("\r\033[K", stderr);
+    if (!imported) return imported.error();
+    file = *imported;
+    options.load.unitScale = 1.0;
+  }
+  auto scene = assets::loadScene(file, options.load, cache);
   if (bar) std::fputs("\r\033[K", stderr);
   if (scene && scene->parts.empty()) return Error{options.scene + ": no parts in it"};
   return scene;

@@ -133,7 +133,8 @@ Status understand(const Raw& raw, Options& options) {
 }
 
 void addOptions(assets::CommandLine& app, Raw& raw, Options& options) {
-  app.option("scene", options.scene, "the scene, .gltf or .glb").typeName("SCENE");
+  app.option("scene", options.scene, "the scene, .gltf or .glb; or a CAD file: .step, .stl, .obj, .ply")
+      .typeName("SCENE");
   app.option("--listen", raw.listen, "address and port to listen on, TCP and UDP; port 0: any free one")
       .typeName("HOST:PORT")
       .showDefault();

@@ -1,0 +1,75 @@
+#include "server/program/cad_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cstdio>
+#include <filesystem>
+#include <system_error>
+#include <vector>
+
+#include "assets/base/cache_file.h"
+#include "assets/base/limited_process.h"
+#include "assets/scene/scene_package.h"
+
+namespace tandem::server {
+namespace {
+
+// A new one where tandem-import makes another scene of the same file.
+constexpr char kVersion = '1';
+
+std::string endingOf(const std::string& path) {
+  std::string ending = std::filesystem::path(path).extension().string();
+  std::transform(ending.begin(), ending.end(), ending.begin(),
+                 [](unsigned char c) { return std::tolower(c); });
+  return ending;
+}
+
+Status run(const std::vector<std::string>& command, const std::function<void(double)>& progress,
+           const std::function<bool()>& cancelled) {
+  // tandem-import keeps limits of its own; these are for what it may do in their place.
+  ProcessLimits limits;
+  limits.wallTime = 1800.0;
+  const auto onLine = [&](const std::string& line) {
+    double share = 0.0;
+    if (progress && std::sscanf(line.c_str(), "progress %lf", &share) == 1) progress(share);
+  };
+  const Result<ProcessEnd> end = runLimited(command, limits, onLine, cancelled);
+  if (!end)
+    return Error{end.error().message + ": tandem-import makes scenes of CAD files; build and install it"};
+  if (end->how == ProcessEnd::How::exited && end->code == 0) return {};
+  if (end->how == ProcessEnd::How::cancelled) return Error{"the import was stopped"};
+  constexpr const char* kPrefix = "tandem-import: ";
+  if (end->lastError.rfind(kPrefix, 0) == 0) return Error{end->lastError.substr(15)};
+  return Error{"tandem-import ended without a scene"};
+}
+
+}  // namespace
+
+bool isCadFile(const std::string& path) {
+  static const std::array<const char*, 5> kEndings{".step", ".stp", ".stl", ".obj", ".ply"};
+  const std::string ending = endingOf(path);
+  return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
+}
+
+Result<std::string> importCadFile(const std::string& path, const std::string& units,
+                                  const std::string& cacheDirectory, const std::string& fallback,
+                                  const std::function<void(double)>& progress,
+                                  const std::function<bool()>& cancelled) {
+  std::string output = fallback;
+  std::error_code ignored;
+  if (!cacheDirectory.empty()) {
+    auto content = assets::readCacheFile(path);
+    if (!content) return Error{path + ": cannot be read"};
+    for (const char c : endingOf(path) + ' ' + units + ' ' + kVersion) content->push_back(std::byte(c));
+    std::filesystem::create_directories(cacheDirectory, ignored);
+    output = cacheDirectory + "/import-" + assets::toHex(assets::contentHash(*content)) + ".glb";
+    if (std::filesystem::exists(output, ignored)) return output;
+  }
+  std::vector<std::string> command{besideThisProgram("tandem-import"), path, "-o", output, "--progress"};
+  if (!units.empty()) command.insert(command.end(), {"--units", units});
+  if (Status done = run(command, progress, cancelled); !done) return done.error();
+  return output;
+}
+
+}  // namespace tandem::server

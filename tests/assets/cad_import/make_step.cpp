@@ -1,0 +1,129 @@
+// make_step CASE OUT.step [UNIT]: STEP files with a known answer, for the tests of tandem-import.
+//   fixture    a block with two bores, a pin of their diameter in each, turned by odd angles; a sketch
+//   oversize   the same with pins 0.1 mm too thick
+//   thousand   a thousand parts of a hundred shapes
+
+#include <cmath>
+#include <cstdio>
+#include <string>
+
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakeFace.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <Interface_Static.hxx>
+#include <Message.hxx>
+#include <Message_Messenger.hxx>
+#include <Message_Printer.hxx>
+#include <Quantity_Color.hxx>
+#include <STEPCAFControl_Writer.hxx>
+#include <TCollection_HAsciiString.hxx>
+#include <TDataStd_Name.hxx>
+#include <TDocStd_Document.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <XCAFDoc_ColorTool.hxx>
+#include <XCAFDoc_DocumentTool.hxx>
+#include <XCAFDoc_MaterialTool.hxx>
+#include <XCAFDoc_ShapeTool.hxx>
+#include <gp_Pln.hxx>
+
+namespace {
+
+constexpr double kHoleRadius = 5.0;  // mm
+
+class StepFile {
+ public:
+  StepFile() : document_(new TDocStd_Document("BinXCAF")) {
+    XCAFDoc_DocumentTool::Set(document_->Main(), false);
+    shapes_ = XCAFDoc_DocumentTool::ShapeTool(document_->Main());
+    top_ = shapes_->NewShape();
+    name(top_, "fixture");
+  }
+
+  TDF_Label add(const TopoDS_Shape& shape, const char* called) {
+    const TDF_Label label = shapes_->AddShape(shape, false);
+    name(label, called);
+    return label;
+  }
+
+  void place(const TDF_Label& product, const char* called, const gp_Vec& at, double degrees) {
+    gp_Trsf turn, shift;
+    turn.SetRotation(gp_Ax1({0, 0, 0}, {0, 0, 1}), degrees * M_PI / 180.0);
+    shift.SetTranslation(at);
+    name(shapes_->AddComponent(top_, product, TopLoc_Location(shift * turn)), called);
+  }
+
+  void colour(const TDF_Label& label, const Quantity_Color& as) {
+    XCAFDoc_DocumentTool::ColorTool(document_->Main())->SetColor(label, as, XCAFDoc_ColorSurf);
+  }
+
+  void steel(const TDF_Label& label) {
+    const auto text = [](const char* of) {
+      return Handle(TCollection_HAsciiString)(new TCollection_HAsciiString(of));
+    };
+    XCAFDoc_DocumentTool::MaterialTool(document_->Main())
+        ->SetMaterial(label, text("Steel"), text(""), 7.85, text("density measure"),
+                      text("POSITIVE_RATIO_MEASURE"));
+  }
+
+  bool write(const char* path, const char* unit) {
+    shapes_->UpdateAssemblies();
+    Interface_Static::SetCVal("write.step.unit", unit);
+    STEPCAFControl_Writer writer;
+    writer.SetColorMode(true);
+    writer.SetNameMode(true);
+    return writer.Transfer(document_, STEPControl_AsIs) && writer.Write(path) == IFSelect_RetDone;
+  }
+
+ private:
+  static void name(const TDF_Label& label, const char* called) { TDataStd_Name::Set(label, called); }
+
+  Handle(TDocStd_Document) document_;
+  Handle(XCAFDoc_ShapeTool) shapes_;
+  TDF_Label top_;
+};
+
+TopoDS_Shape cylinder(double x, double y, double z, double radius, double length) {
+  return BRepPrimAPI_MakeCylinder(gp_Ax2({x, y, z}, {0, 0, 1}), radius, length).Shape();
+}
+
+TopoDS_Shape block(double thickness) {
+  TopoDS_Shape solid = BRepPrimAPI_MakeBox(60.0, 40.0, thickness).Shape();
+  for (const double x : {15.0, 45.0})
+    solid = BRepAlgoAPI_Cut(solid, cylinder(x, 20.0, -1.0, kHoleRadius, thickness + 2.0)).Shape();
+  return TopExp_Explorer(solid, TopAbs_SOLID).Current();
+}
+
+void addFixture(StepFile& file, double pinRadius) {
+  const TDF_Label body = file.add(block(20.0), "body");
+  const TDF_Label pin = file.add(cylinder(0.0, 0.0, 0.0, pinRadius, 40.0), "pin");
+  const TDF_Label sketch =
+      file.add(BRepBuilderAPI_MakeFace(gp_Pln(), -50.0, 50.0, -50.0, 50.0).Shape(), "sketch");
+  file.colour(pin, Quantity_Color(1.0, 0.0, 0.0, Quantity_TOC_RGB));
+  file.steel(pin);
+  file.place(body, "housing", {0, 0, 0}, 0.0);
+  file.place(pin, "left pin", {15, 20, -10}, 17.0);
+  file.place(pin, "", {45, 20, -10}, -33.0);
+  file.place(sketch, "sketch", {0, 0, 0}, 0.0);
+}
+
+void addThousand(StepFile& file) {
+  for (int shape = 0; shape < 100; ++shape) {
+    const TDF_Label product = file.add(block(5.0 + 0.1 * shape), ("plate " + std::to_string(shape)).c_str());
+    for (int k = 0; k < 10; ++k) file.place(product, "", {70.0 * k, 50.0 * shape, 0.0}, 0.0);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc < 3) return 2;
+  Message::DefaultMessenger()->ChangePrinters().Clear();
+  StepFile file;
+  const std::string which = argv[1];
+  if (which == "fixture") addFixture(file, kHoleRadius);
+  if (which == "oversize") addFixture(file, kHoleRadius + 0.1);
+  if (which == "thousand") addThousand(file);
+  return file.write(argv[2], argc > 3 ? argv[3] : "MM") ? 0 : 1;
+}
