@@ -36,12 +36,12 @@ Status run(const std::vector<std::string>& command, const std::function<void(dou
   };
   const Result<ProcessEnd> end = runLimited(command, limits, onLine, cancelled);
   if (!end)
-    return Error{end.error().message + ": tandem-import makes scenes of CAD files; build and install it"};
+    return Error{command[1] + ": a CAD file needs tandem-import (.ci/build import): " + end.error().message};
   if (end->how == ProcessEnd::How::exited && end->code == 0) return {};
-  if (end->how == ProcessEnd::How::cancelled) return Error{"the import was stopped"};
+  if (end->how == ProcessEnd::How::cancelled) return Error{command[1] + ": the import was stopped"};
   constexpr const char* kPrefix = "tandem-import: ";
   if (end->lastError.rfind(kPrefix, 0) == 0) return Error{end->lastError.substr(15)};
-  return Error{"tandem-import ended without a scene"};
+  return Error{command[1] + ": tandem-import ended without a scene"};
 }
 
 }  // namespace

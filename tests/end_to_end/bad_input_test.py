@@ -70,8 +70,10 @@ def cases(folder, binaries):
     yield ["tandem", "devices", "--test", "none", "--hid-record", str(folder / "no" / "r")], "--hid-record"
     (folder / "pump.step").write_text("ISO-10303-21;\nHEADER;\n")
     (folder / "pump.stl").write_bytes(bytes(84))
+    (folder / "pump.fbx").write_bytes(b"Kaydara FBX Binary  ")
     yield ["tandem", "check", str(folder / "pump.step")], "this is a STEP file; Tandem reads glTF"
-    yield ["tandem-server", str(folder / "pump.stl")], "this is an STL file; Tandem reads glTF"
+    yield ["tandem-server", str(folder / "pump.fbx")], "this is an FBX file; Tandem reads glTF"
+    yield ["tandem-server", str(folder / "pump.stl")], "pump.stl"
     yield ["tandem", "chekc", PUMP], "unknown command chekc; did you mean check?"
     yield ["tandem", "assemble", PUMP], "unknown command assemble"
     yield probe + ["--tool", "part:impelle"], "near it are 'impeller'"
