@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
   tandem::client::addDevices(program, exitCode);
   tandem::client::addReplay(program, exitCode);
   tandem::client::addReport(program, exitCode);
+  tandem::client::addDocument(program, exitCode);
   if (argc > 1 && unknownCommand(program, argv[1])) return tandem::client::kExitBadInput;
   return program.parse("tandem", argc, argv).value_or(exitCode);
 }

@@ -4,13 +4,15 @@
 //
 // 1. Iteration goes by connection id, so that a seed of the simulation gives one run.
 // 2. A pointer or reference to a Peer holds until that peer is erased.
-// 3. `Peer::states` is written by StateRelay and FanOut alone, `Peer::transfer` by SceneTransfer alone.
+// 3. `Peer::states` is written by StateRelay and FanOut alone, `Peer::transfer` by SceneTransfer alone,
+//    `Peer::document` by DocumentService alone.
 
 #include <limits>
 #include <map>
 #include <string>
 #include <unordered_map>
 
+#include "assets/document/entry.h"
 #include "server/interest.h"
 #include "server/outbox.h"
 #include "server/places.h"
@@ -70,6 +72,14 @@ struct TransferProgress {
   std::uint64_t offset = 0;  // into the package, of the next chunk
 };
 
+/// How far the document has been sent to one connection; see server/document_service.h.
+struct DocumentProgress {
+  bool active = false;
+  bool first = true;              // nothing was sent yet
+  document::Revision sent = 0;    // of the last entry that was sent
+  document::Revision target = 0;  // of the document when it was asked for
+};
+
 struct Peer {
   sync::ConnectionId connection = 0;
   PeerSerial serial = 0;
@@ -83,6 +93,7 @@ struct Peer {
   SiteFigures figures;
   StateLeg states;
   TransferProgress transfer;
+  DocumentProgress document;
 };
 
 class Peers {

@@ -29,6 +29,9 @@ class Publisher {
 
   /// Appends a record to the journal. Only while writable().
   void keep(const JournalRecord& record);
+  /// The number of the last record that was kept, and of the last that is durable.
+  std::uint64_t lastKept() const { return appended_; }
+  std::uint64_t durableUpTo() { return journal_.durableUpTo(); }
   /// Whether the journal still takes records. The network thread does not wait for it.
   bool writable() const { return journalFailure_.empty(); }
   /// Notices that the journal has failed, or is well again; then it returns what the failure kept from the

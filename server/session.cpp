@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "assets/base/assert.h"
+#include "server/document_service.h"
 #include "server/fan_out.h"
 #include "server/instructor_commands.h"
 #include "server/operator_commands.h"
@@ -38,6 +39,7 @@ bool belongs(Stage stage, const sync::ControlMessage& message) {
   const bool hello = std::holds_alternative<sync::Hello>(message);
   const bool whileLoading = std::holds_alternative<sync::SceneRequest>(message) ||
                             std::holds_alternative<sync::Ready>(message) ||
+                            std::holds_alternative<sync::DocumentRequest>(message) ||
                             std::holds_alternative<sync::Goodbye>(message);
   if (hello != (stage == Stage::hello)) return false;
   return stage != Stage::loading || whileLoading;
@@ -59,6 +61,7 @@ class Session::Dispatcher {
         fanOut(scene, sync::wireFrame(scene.bounds), context, transport, peers, parts),
         relay(sync::wireFrame(scene.bounds), context, peers, parts, publisher, fanOut),
         transfer(package, config, context, transport, publisher),
+        documents(config, context, transport, sites, publisher),
         admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}),
         operators(context, peers, sites, publisher, admission) {}
 
@@ -79,6 +82,7 @@ class Session::Dispatcher {
   FanOut fanOut;
   StateRelay relay;
   SceneTransfer transfer;
+  DocumentService documents;
   SiteAdmission admission;
   OperatorCommands operators;
 
@@ -105,6 +109,7 @@ void Session::Dispatcher::restore(sync::Micros callerNow, std::int64_t unixNow) 
   parts.restore(contents.parts, contents.epochFloor);
   sites.restore(contents.sites, contents.lastSite, context.now());
   admission.restore(contents.nonces);
+  documents.restore(contents);
   admission.relist();
   if (!publisher.recording()) return;
   for (const auto& site : sites.listed()) publisher.record(sync::SiteChanged{site});
@@ -123,12 +128,13 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   parts.publishCoHolders();
   publisher.flush([&](sync::ConnectionId connection) { admission.onLost(connection, "refused"); });
   transfer.sendChunks(peers);
+  documents.sendChunks(peers);
 }
 
 sync::Micros Session::Dispatcher::nextDeadline() const {
   const sync::Micros local = context.now() - offset_;
   if (eventsLeft_ || commands.resetting()) return local;
-  if (publisher.waiting() || transfer.anyActive()) return local + kBusyPeriod;
+  if (publisher.waiting() || transfer.anyActive() || documents.anyActive()) return local + kBusyPeriod;
   if (peers.empty() && publisher.writable() && !parts.table().recovering(context.now()))
     return local + kIdlePeriod;
   return std::min({nextLeases_, nextPoses_, nextHousekeeping_, fanOut.nextDeadline()}) - offset_;
@@ -239,6 +245,8 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::ResetParts& m) { commands.onReset(peer, m); },
                  [&](const sync::Engage& m) { parts.onEngage(peer, m); },
                  [&](const sync::Disengage& m) { parts.onDisengage(peer, m); },
+                 [&](const sync::PutEntry& m) { documents.onPut(peer, m); },
+                 [&](const sync::DocumentRequest& m) { documents.onRequest(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
                  [&](const sync::SiteReport& m) {
                    if (!peer.figures.add(m, context.now())) ++context.counts.refusedReports;
@@ -308,6 +316,7 @@ sync::Micros Session::sessionTime() const { return dispatcher_->context.now(); }
 void Session::shutDown() { dispatcher_->shutDown(); }
 const std::vector<sync::SiteInfo>& Session::sites() const { return dispatcher_->sites.listed(); }
 const sync::OwnershipTable& Session::ownership() const { return dispatcher_->parts.table(); }
+const document::Document& Session::document() const { return dispatcher_->documents.content(); }
 const SessionCounters& Session::counters() const { return dispatcher_->context.counts; }
 SessionFigures Session::figures() const {
   SessionFigures figures;

@@ -24,6 +24,7 @@
 #include <vector>
 
 #include "assets/base/result.h"
+#include "assets/document/document.h"
 #include "assets/scene/scene.h"
 #include "server/admission.h"
 #include "server/journal/journal.h"
@@ -80,6 +81,8 @@ class Session {
   /// Everybody who is connected, or was a short while ago.
   const std::vector<sync::SiteInfo>& sites() const;
   const sync::OwnershipTable& ownership() const;
+  /// The document, with changes that are not durable yet.
+  const document::Document& document() const;
   const SessionCounters& counters() const;
 
   /// A copy of all figures, for metrics.

@@ -90,6 +90,12 @@ Status syncFile(const std::string& path) {
   return syncDirectoryOf(path);
 }
 
+/// How many entries of the document are kept, if there is one.
+std::string entriesOf(const JournalContents& contents) {
+  if (contents.document.empty()) return {};
+  return ", " + std::to_string(contents.document.size()) + " entries of the document";
+}
+
 /// Writes a new session from what was salvaged.
 Result<Report> renew(DataDirectory& directory, const Salvage& salvage, std::int64_t unixNow) {
   const Extent extent = extentOf(salvage, directory, unixNow);
@@ -106,6 +112,7 @@ Result<Report> renew(DataDirectory& directory, const Salvage& salvage, std::int6
     part.epoch = floor;
     records.push_back(part);
   }
+  for (const auto& [id, entry] : salvage.contents.document) records.push_back(DocumentRecord{entry, 0});
   const std::string path = directory.journalPath(), made = path + ".new";
   removeDatabase(made);
   Digest chain{};
@@ -126,8 +133,8 @@ Result<Report> renew(DataDirectory& directory, const Salvage& salvage, std::int6
   if (error) return Error{path + ": " + error.message()};
   if (Status synced = syncDirectoryOf(path); !synced) return synced.error();
   return Report{
-      "kept: the poses of " + std::to_string(records.size()) + " parts" +
-          (salvage.headSound ? ", session time" : "") +
+      "kept: the poses of " + std::to_string(salvage.contents.parts.size()) + " parts" +
+          entriesOf(salvage.contents) + (salvage.headSound ? ", session time" : "") +
           (salvage.scene.empty() ? "; the next start decides the scene" : ", the scene"),
       "not kept: owners (all parts are free), sites (they join anew), and all links and tickets from before",
       "epochs continue beyond " + std::to_string(floor) +

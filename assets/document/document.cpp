@@ -73,6 +73,7 @@ Document::Outcome Document::apply(const Change& change, const By& by) {
   } else {
     entry.id = lastId_ + 1;
     entry.author = by.site;
+    entry.creation = by.request;
     entry.authorName = by.name;
     entry.made = by.time;
     if (removed_.size() > kMaxRemoved) outcome.forgotten = byRevision_.at(*removed_.begin());

@@ -113,13 +113,14 @@ inline constexpr std::array<const char*, std::variant_size_v<Body>> kKindNames{
 
 struct Entry {
   EntryId id = 0;
-  Revision revision = 0;      // of its last change
-  SiteId author = kNoSite;    // who made it; none: it was imported
-  std::string authorName;     // at that time
-  std::int64_t made = 0;      // Unix time, s
-  SiteId editor = kNoSite;    // who changed it last
-  std::uint32_t request = 0;  // of the editor, for that change
-  std::int64_t changed = 0;   // Unix time, s
+  Revision revision = 0;       // of its last change
+  SiteId author = kNoSite;     // who made it; none: it was read from a file
+  std::uint32_t creation = 0;  // the author's request that made it
+  std::string authorName;      // at that time
+  std::int64_t made = 0;       // Unix time, s
+  SiteId editor = kNoSite;     // who changed it last
+  std::uint32_t request = 0;   // of the editor, for that change
+  std::int64_t changed = 0;    // Unix time, s
   Body body;
 
   bool removed() const { return std::holds_alternative<Removed>(body); }

@@ -25,6 +25,7 @@ void addSimulate(assets::CommandLine& program, int& exitCode);
 void addDevices(assets::CommandLine& program, int& exitCode);
 void addReplay(assets::CommandLine& program, int& exitCode);
 void addReport(assets::CommandLine& program, int& exitCode);
+void addDocument(assets::CommandLine& program, int& exitCode);
 void addExtract(assets::CommandLine& program, int& exitCode);
 
 /// Prints one line on stderr and returns kExitBadInput.

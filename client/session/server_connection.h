@@ -113,6 +113,7 @@ class ServerConnection {
   void handle(sync::NewTicket& message);
   void handle(const sync::SiteLeft& message);
   void handle(const sync::Pong& message);
+  void handle(const sync::DocumentChanged&) {}  // nothing in a site shows the document; see document_visit.h
   bool handleBeforeScene(const sync::OwnershipChanged& message);
   bool handleBeforeScene(const sync::MembersChanged& message);
 

@@ -1,16 +1,18 @@
 #pragma once
 
-// What must survive a crash of the server: epochs, owners, poses, sites, used tokens. Written before the
-// reply that depends on it (S1, S7, S8).
+// What must survive a crash of the server: epochs, owners, poses, sites, used tokens, the document.
+// Written before the reply that depends on it (S1, S7, S8).
 //
 // One thread calls; a journal may write in a thread of its own. An append is durable once durableUpTo() has
 // reached its number; replies wait for that, the network thread does not.
 
 #include <cstdint>
+#include <map>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "assets/document/entry.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/time.h"
@@ -29,19 +31,25 @@ struct UsedNonce {
   std::string nonce;
   std::int64_t expires = 0;  // Unix time in s
 };
-using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce>;
+/// An entry of the document as a change has left it.
+struct DocumentRecord {
+  document::Entry entry;
+  document::EntryId forgotten = 0;  // a removed entry that is kept no longer; 0: none
+};
+using JournalRecord = std::variant<sync::PartRecord, SiteRecord, UsedNonce, DocumentRecord>;
 
 /// Everything that a journal held when it was opened.
 struct JournalContents {
   std::vector<sync::PartRecord> parts;
   std::vector<SiteRecord> sites;
   std::vector<UsedNonce> nonces;
+  std::map<document::EntryId, document::Entry> document;
   sync::Micros sessionTime = 0;  // at least as late as any time given out before the crash
   Epoch epochFloor = 0;          // at least as high as any epoch told that the records may have lost
   SiteId lastSite = 0;           // at least as high as any number of a site that they may have lost
 };
 
-/// Puts a record into what a journal holds: the latest of each part, site and nonce wins.
+/// Puts a record into what a journal holds: the latest of each part, site, nonce and entry wins.
 void apply(JournalContents& contents, const JournalRecord& record);
 
 class Journal {

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "assets/base/assert.h"
+#include "sync/wire/document_codec.h"
 
 namespace tandem::server {
 namespace {
@@ -24,6 +25,11 @@ void append(Bytes& bytes, const SiteRecord& site) {
 }
 void append(Bytes& bytes, const UsedNonce& nonce) {
   bytes.text("nonce").text(nonce.nonce).number(static_cast<std::uint64_t>(nonce.expires));
+}
+
+void append(Bytes& bytes, const DocumentRecord& change) {
+  const std::vector<std::uint8_t> entry = sync::encodeEntry(change.entry);
+  bytes.text("entry").text({reinterpret_cast<const char*>(entry.data()), entry.size()});
 }
 
 }  // namespace

@@ -10,35 +10,14 @@
 #include <cstring>
 
 #include "server/journal/session_rows.h"
+#include "server/journal/session_schema.h"
+#include "sync/wire/document_codec.h"
 
 namespace tandem::server {
 namespace {
 
 constexpr const char* kApplicationId = "1414417741";  // "TNDM"
 constexpr std::uintmax_t kFrameBytes = 4096 + 24, kLogHeaderBytes = 32;
-
-constexpr const char* kSchema = R"(
-PRAGMA application_id = 1414417741;
-PRAGMA user_version = 3;
-CREATE TABLE head (id INTEGER PRIMARY KEY, session BLOB NOT NULL, scene TEXT NOT NULL,
-  sequence INTEGER NOT NULL, previous_chain BLOB NOT NULL, sum BLOB NOT NULL, session_time INTEGER NOT NULL,
-  epoch_floor INTEGER NOT NULL, last_site INTEGER NOT NULL, chain BLOB NOT NULL);
-CREATE TABLE parts (part INTEGER PRIMARY KEY, owner INTEGER NOT NULL, epoch INTEGER NOT NULL,
-  px REAL NOT NULL, py REAL NOT NULL, pz REAL NOT NULL,
-  qw REAL NOT NULL, qx REAL NOT NULL, qy REAL NOT NULL, qz REAL NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL);
-CREATE TABLE sites (site INTEGER PRIMARY KEY, role INTEGER NOT NULL, name TEXT NOT NULL,
-  red INTEGER NOT NULL, green INTEGER NOT NULL, blue INTEGER NOT NULL, gone INTEGER NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL);
-CREATE TABLE nonces (nonce TEXT PRIMARY KEY, expires INTEGER NOT NULL,
-  sequence INTEGER NOT NULL, checksum BLOB NOT NULL, head BLOB NOT NULL) WITHOUT ROWID;
-)";
-constexpr const char* kSelectParts =
-    "SELECT part, owner, epoch, px, py, pz, qw, qx, qy, qz, sequence, checksum, head FROM parts ORDER BY "
-    "part";
-constexpr const char* kSelectSites =
-    "SELECT site, role, name, red, green, blue, gone, sequence, checksum, head FROM sites ORDER BY site";
-constexpr const char* kSelectNonces = "SELECT nonce, expires, sequence, checksum, head FROM nonces";
 
 /// The hash of a head: a link in the chain.
 Digest chainOf(const DatabaseHead& head) {
@@ -93,11 +72,11 @@ Status checkPages(SqliteDatabase& database) {
   return {};
 }
 
-/// Whether it is a journal of this program and version, and its pages hang together.
+/// Whether it is a journal of this program and a version that it reads, and its pages hang together.
 Status checkForm(SqliteDatabase& database) {
   const Result<int> version = versionOf(database);
   if (!version) return version.error();
-  if (*version != SessionDatabase::kSchemaVersion)
+  if (*version != SessionDatabase::kSchemaVersion && *version != kVersionWithoutDocument)
     return Error{"schema version " + std::to_string(*version) + ", this server knows version " +
                  std::to_string(SessionDatabase::kSchemaVersion)};
   return checkPages(database);
@@ -129,7 +108,7 @@ Salvage salvageVersion1(SqliteDatabase& database, Salvage found) {
 
 /// The statements by which records are written.
 struct SessionDatabase::Statements {
-  SqliteStatement begin, commit, rollback, part, site, nonce, head;
+  SqliteStatement begin, commit, rollback, part, site, nonce, entry, forget, head;
 
   /// What the rows of all tables end with.
   struct Ending {
@@ -157,6 +136,12 @@ struct SessionDatabase::Statements {
   }
   bool write(const UsedNonce& r, const Ending& ending) {
     return finish(nonce.bind(0, r.nonce).bind(1, r.expires), 2, ending);
+  }
+  bool write(const DocumentRecord& r, const Ending& ending) {
+    const auto id = [](document::EntryId value) { return static_cast<std::int64_t>(value); };
+    if (r.forgotten != 0 && !forget.bind(0, id(r.forgotten)).run()) return false;
+    const std::vector<std::uint8_t> bytes = sync::encodeEntry(r.entry);
+    return finish(entry.bind(0, id(r.entry.id)).bindBytes(1, bytes.data(), bytes.size()), 2, ending);
   }
   bool write(const DatabaseHead& h) {
     const Digest sum = h.sum.value();
@@ -196,6 +181,8 @@ Status SessionDatabase::prepareStatements() {
       {&statements_->part, "INSERT OR REPLACE INTO parts VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
       {&statements_->site, "INSERT OR REPLACE INTO sites VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
       {&statements_->nonce, "INSERT OR REPLACE INTO nonces VALUES (?, ?, ?, ?, ?)"},
+      {&statements_->entry, "INSERT OR REPLACE INTO document VALUES (?, ?, ?, ?, ?)"},
+      {&statements_->forget, "DELETE FROM document WHERE entry = ?"},
       {&statements_->head, "INSERT OR REPLACE INTO head VALUES (0, ?, ?, ?, ?, ?, ?, ?, ?, ?)"},
   };
   for (const auto& each : all) {
@@ -208,7 +195,7 @@ Status SessionDatabase::prepareStatements() {
 
 /// Makes the tables and writes them full, within a transaction that is open.
 Status SessionDatabase::fill(const DatabaseHead& head, const std::vector<JournalRecord>& records) {
-  if (Status made = database_.run(kSchema); !made) return made;
+  if (Status made = database_.run((std::string(kSchema) + kDocumentSchema).c_str()); !made) return made;
   if (Status ready = prepareStatements(); !ready) return ready;
   head_ = head;
   DatabaseHead next = successor();
@@ -287,9 +274,20 @@ Result<SessionDatabase> SessionDatabase::open(const std::string& path, std::uint
     return failed(
         Error{"damaged: rows are missing or older than commit " + std::to_string(database.head_.sequence)});
   database.takeContentsOfHead();
+  if (Status added = database.addDocument(); !added) return failed(added.error());
   if (Status ready = database.prepareStatements(); !ready) return failed(ready.error());
   database.attempted_ = database.head_;
   return database;
+}
+
+/// Gives a sound database of the version without a document an empty one, in one transaction.
+Status SessionDatabase::addDocument() {
+  const Result<int> version = server::versionOf(database_);
+  if (!version) return version.error();
+  if (*version != kVersionWithoutDocument) return {};
+  const std::string sql =
+      std::string("BEGIN IMMEDIATE;") + kDocumentSchema + "PRAGMA user_version = 4; COMMIT;";
+  return database_.run(sql.c_str());
 }
 
 void SessionDatabase::takeContentsOfHead() {
@@ -352,12 +350,22 @@ Status SessionDatabase::readTables(LastRow& last, DigestSum& sum) {
     return bad;
   });
   if (!read) return read;
-  return readRows(database_, kSelectNonces, [&](const SqliteStatement& row) {
+  read = readRows(database_, kSelectNonces, [&](const SqliteStatement& row) {
     const auto nonce = nonceOf(row);
     std::string bad = check(row, nonce, 2, "nonces", nonce->nonce.substr(0, 32));
     if (!bad.empty()) return bad;
     rows_.nonces[nonce->nonce] = digestIn(row, 3);
     contents_.nonces.push_back(*nonce);
+    return bad;
+  });
+  const Result<int> version = server::versionOf(database_);
+  if (!read || !version || *version == kVersionWithoutDocument) return read;
+  return readRows(database_, kSelectDocument, [&](const SqliteStatement& row) {
+    const auto change = entryOf(row);
+    std::string bad = check(row, change, 2, "document", std::to_string(row.integer(0)));
+    if (!bad.empty()) return bad;
+    rows_.document[change->entry.id] = digestIn(row, 3);
+    contents_.document[change->entry.id] = change->entry;
     return bad;
   });
 }
@@ -382,6 +390,25 @@ DatabaseHead SessionDatabase::successor() const {
   return next;
 }
 
+/// Takes out of the sum what an entry's row replaces, and the row of the entry that is forgotten with it.
+void SessionDatabase::countEntry(const DocumentRecord& change, const Digest& check, Rows& staged,
+                                 DatabaseHead& next) const {
+  const auto takeOut = [&](document::EntryId id) {
+    const auto written = staged.document.find(id);
+    const auto old = rows_.document.find(id);
+    if (written != staged.document.end())
+      next.sum.remove(written->second);
+    else if (old != rows_.document.end())
+      next.sum.remove(old->second);
+  };
+  takeOut(change.entry.id);
+  staged.document[change.entry.id] = check;
+  if (change.forgotten == 0) return;
+  takeOut(change.forgotten);
+  staged.document.erase(change.forgotten);
+  staged.forgotten.push_back(change.forgotten);
+}
+
 /// Puts a record into the sum in place of its older one, and returns its checksum.
 Digest SessionDatabase::count(const JournalRecord& record, Rows& staged, DatabaseHead& next) const {
   const Digest check = digestOf(record, next.sequence, next.session);
@@ -398,6 +425,8 @@ Digest SessionDatabase::count(const JournalRecord& record, Rows& staged, Databas
     replace(rows_.sites, staged.sites, std::uint32_t{site->info.site});
   else if (const auto* nonce = std::get_if<UsedNonce>(&record))
     replace(rows_.nonces, staged.nonces, nonce->nonce);
+  else if (const auto* change = std::get_if<DocumentRecord>(&record))
+    countEntry(*change, check, staged, next);
   next.sum.add(check);
   return check;
 }
@@ -410,6 +439,17 @@ Status SessionDatabase::write(const JournalRecord& record, const Digest& check, 
   return {};
 }
 
+namespace {
+
+bool forgetsEntry(const std::vector<JournalRecord>& records) {
+  return std::any_of(records.begin(), records.end(), [](const JournalRecord& record) {
+    const auto* change = std::get_if<DocumentRecord>(&record);
+    return change != nullptr && change->forgotten != 0;
+  });
+}
+
+}  // namespace
+
 Status SessionDatabase::commit(const std::vector<JournalRecord>& records, sync::Micros sessionTime) {
   DatabaseHead next = successor();
   if (sessionTime != 0) next.sessionTime = sessionTime;
@@ -420,7 +460,7 @@ Status SessionDatabase::commit(const std::vector<JournalRecord>& records, sync::
   next.chain = chainOf(next);
   attempted_ = next;
   // One statement is a transaction of its own.
-  const bool several = records.size() > 1;
+  const bool several = records.size() > 1 || forgetsEntry(records);
   const auto writeAll = [&]() -> Status {
     if (several && !statements_->begin.run()) return Error{database_.error()};
     for (std::size_t i = 0; i < records.size(); ++i) {
@@ -444,6 +484,8 @@ void SessionDatabase::adopt(const DatabaseHead& next, const Rows& staged) {
   for (const auto& [part, digest] : staged.parts) rows_.parts[part] = digest;
   for (const auto& [site, digest] : staged.sites) rows_.sites[site] = digest;
   for (const auto& [nonce, digest] : staged.nonces) rows_.nonces[nonce] = digest;
+  for (const auto& [entry, digest] : staged.document) rows_.document[entry] = digest;
+  for (const document::EntryId entry : staged.forgotten) rows_.document.erase(entry);
 }
 
 Status SessionDatabase::takeScene(const std::string& scene) {
@@ -504,6 +546,15 @@ Salvage SessionDatabase::salvage(const std::string& path) {
   };
   if (Status read = readRows(database.database_, kSelectParts, parts); !read) note(read.error().message);
   if (Status read = readRows(database.database_, kSelectSites, sites); !read) note(read.error().message);
+  const auto entries = [&](const SqliteStatement& row) {
+    std::vector<DocumentRecord> sound;
+    std::string bad = take(row, entryOf(row), 2, sound);
+    for (const DocumentRecord& change : sound) found.contents.document[change.entry.id] = change.entry;
+    return bad;
+  };
+  if (version && *version == kSchemaVersion)
+    if (Status read = readRows(database.database_, kSelectDocument, entries); !read)
+      note(read.error().message);
   if (found.damagedRows > 0) note(std::to_string(found.damagedRows) + " rows are damaged");
   if (!found.headSound) return found;
   (void)database.takeHeadOf(last);  // a later session time, if it is sound

@@ -1,6 +1,7 @@
 #pragma once
 
-// The database of a session on a disk: tables of parts, sites and used tokens, with checksums.
+// The database of a session on a disk: tables of parts, sites, used tokens and entries of the document,
+// with checksums.
 //
 // 1. Every row has the number of the commit that wrote it, and a checksum over that number, its values and
 //    the session's identity: a page of another session is found.
@@ -49,7 +50,7 @@ struct Salvage {
 
 class SessionDatabase {
  public:
-  static constexpr int kSchemaVersion = 3;
+  static constexpr int kSchemaVersion = 4;
 
   static Result<SessionDatabase> create(const std::string& path, const DatabaseHead& head,
                                         const std::vector<JournalRecord>& records,
@@ -83,6 +84,8 @@ class SessionDatabase {
   struct Rows {
     std::unordered_map<std::uint32_t, Digest> parts, sites;
     std::unordered_map<std::string, Digest> nonces;
+    std::unordered_map<document::EntryId, Digest> document;
+    std::vector<document::EntryId> forgotten;  // rows that a commit removes
   };
   struct Statements;
   struct LastRow;
@@ -99,7 +102,9 @@ class SessionDatabase {
   Status readTables(LastRow& last, DigestSum& sum);
   Status takeHeadOf(const LastRow& last);
   void takeContentsOfHead();
+  Status addDocument();
   DatabaseHead successor() const;
+  void countEntry(const DocumentRecord& change, const Digest& check, Rows& staged, DatabaseHead& next) const;
   Digest count(const JournalRecord& record, Rows& staged, DatabaseHead& next) const;
   Status write(const JournalRecord& record, const Digest& check, std::uint64_t sequence,
                const std::string& head);

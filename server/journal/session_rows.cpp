@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sync/wire/document_codec.h"
 #include "sync/wire/limits.h"
 
 namespace tandem::server {
@@ -47,6 +48,14 @@ std::optional<SiteRecord> siteOf(const SqliteStatement& row) {
 
 std::optional<UsedNonce> nonceOf(const SqliteStatement& row) {
   return UsedNonce{row.text(0), row.integer(1)};
+}
+
+std::optional<DocumentRecord> entryOf(const SqliteStatement& row) {
+  const std::string text = row.text(1);
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  const Result<document::Entry> entry = sync::decodeEntry(bytes);
+  if (!entry || static_cast<std::int64_t>(entry->id) != row.integer(0)) return std::nullopt;
+  return DocumentRecord{*entry, 0};
 }
 
 Digest digestIn(const SqliteStatement& row, int column) {

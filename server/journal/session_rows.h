@@ -20,6 +20,8 @@ std::optional<sync::PartRecord> partOf(const SqliteStatement& row);
 std::optional<SiteRecord> siteOf(const SqliteStatement& row);
 /// nonce, expires.
 std::optional<UsedNonce> nonceOf(const SqliteStatement& row);
+/// entry, bytes.
+std::optional<DocumentRecord> entryOf(const SqliteStatement& row);
 /// Zeros if the column holds something else.
 Digest digestIn(const SqliteStatement& row, int column);
 

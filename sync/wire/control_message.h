@@ -7,6 +7,7 @@
 
 #include "sync/wire/admission_messages.h"
 #include "sync/wire/command_messages.h"
+#include "sync/wire/document_messages.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/report_messages.h"
@@ -14,9 +15,13 @@
 
 namespace tandem::sync {
 
+/// A kind that no message has. Its bytes are refused.
+struct Unassigned {};
+
 using ControlMessage =
     std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome,
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
-                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport>;
+                 OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport,
+                 Unassigned, Unassigned, PutEntry, PutReply, DocumentChanged, DocumentRequest, DocumentChunk>;
 
 }  // namespace tandem::sync

@@ -10,58 +10,15 @@
 #include <cstring>
 #include <type_traits>
 
+#include "assets/base/printable.h"
+#include "assets/document/entry_check.h"
+#include "sync/wire/document_codec.h"
 #include "sync/wire/wire.h"
 
 namespace tandem::sync {
 namespace {
 
 constexpr double kMaxCoordinate = 1e9;  // m
-
-/// Length of the UTF-8 sequence at text[i] if it may be shown to a person (valid, shortest form, no control
-/// character), else 0.
-std::size_t printableSequence(const std::string& text, std::size_t i) {
-  const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(text[k]); };
-  const unsigned lead = byte(i);
-  if (lead < 0x80) return lead >= 0x20 && lead != 0x7f ? 1 : 0;
-  const std::size_t length = lead >= 0xf0 && lead < 0xf5   ? 4
-                             : lead >= 0xe0 && lead < 0xf0 ? 3
-                             : lead >= 0xc2 && lead < 0xe0 ? 2
-                                                           : 0;
-  if (length == 0 || i + length > text.size()) return 0;
-  std::uint32_t code = lead & (0xffu >> (length + 1));
-  for (std::size_t k = 1; k < length; ++k) {
-    if ((byte(i + k) & 0xc0u) != 0x80u) return 0;
-    code = code << 6 | (byte(i + k) & 0x3fu);
-  }
-  const std::uint32_t smallest = length == 2 ? 0x80 : length == 3 ? 0x800 : 0x10000;
-  const bool surrogate = code >= 0xd800 && code < 0xe000;
-  const bool control = code < 0xa0;  // C1 control characters, which some terminals execute
-  return code < smallest || code > 0x10ffff || surrogate || control ? 0 : length;
-}
-
-bool isPrintable(const std::string& text) {
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = printableSequence(text, i);
-    if (length == 0) return false;
-    i += length;
-  }
-  return true;
-}
-
-std::string printable(const std::string& text, std::size_t limit) {
-  std::string out;
-  for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = printableSequence(text, i);
-    if (out.size() + std::max<std::size_t>(length, 1) > limit) break;
-    if (length == 0) {
-      out += '?';
-    } else {
-      out.append(text, i, length);
-    }
-    i += std::max<std::size_t>(length, 1);
-  }
-  return out;
-}
 
 bool isCredential(const std::string& text) {
   for (const char c : text) {
@@ -97,6 +54,8 @@ class Writer {
     number(static_cast<std::uint32_t>(value.size()));
     for (const std::uint8_t byte : value) number(byte);
   }
+  void body(const document::Body& value) { sized(encodeBody(value)); }
+  void entry(const document::Entry& value) { sized(encodeEntry(value)); }
   /// `count` more elements follow.
   template <typename T>
   void count(const std::vector<T>& values, std::size_t limit, std::size_t /*smallest*/) {
@@ -110,6 +69,10 @@ class Writer {
   }
 
  private:
+  void sized(const std::vector<std::uint8_t>& value) {
+    number(static_cast<std::uint16_t>(value.size()));
+    for (const std::uint8_t byte : value) number(byte);
+  }
   void string(const std::string& value) {
     number(static_cast<std::uint16_t>(value.size()));
     for (const char c : value) bytes.push_back(static_cast<std::byte>(c));
@@ -190,6 +153,18 @@ class Reader {
     std::memcpy(value.data(), bytes_.data() + position_, size);
     position_ += size;
   }
+  void body(document::Body& value) {
+    if (Result<document::Body> body = decodeBody(sized()))
+      value = std::move(*body);
+    else
+      fail("the body of an entry is malformed");
+  }
+  void entry(document::Entry& value) {
+    if (Result<document::Entry> entry = decodeEntry(sized()))
+      value = std::move(*entry);
+    else
+      fail("an entry is malformed");
+  }
   template <typename T>
   void count(std::vector<T>& values, std::size_t limit, std::size_t smallest) {
     std::uint16_t size = 0;
@@ -217,6 +192,16 @@ class Reader {
       return false;
     }
     return ok();
+  }
+  /// The bytes behind a length; none after a failure.
+  std::vector<std::uint8_t> sized() {
+    std::uint16_t size = 0;
+    number(size);
+    std::vector<std::uint8_t> bytes;
+    if (!ok() || !need(size)) return bytes;
+    bytes.resize(size);
+    for (std::uint8_t& byte : bytes) byte = std::to_integer<std::uint8_t>(bytes_[position_++]);
+    return bytes;
   }
   void string(std::string& value, std::size_t limit) {
     value.clear();
@@ -353,8 +338,36 @@ void fields(auto& a, Is<SiteReport> auto& m) {
   a.number(m.roundTrip);
 }
 
+template <typename A>
+void fields(A& a, Is<Unassigned> auto&) {
+  if constexpr (requires { a.fail(""); }) a.fail("no message has this kind");
+}
+void fields(auto& a, Is<PutEntry> auto& m) {
+  a.number(m.request);
+  a.number(m.change.id);
+  a.number(m.change.base);
+  a.body(m.change.body);
+}
+static_assert(1 + 4 + 8 + 8 + 2 + document::kMaxBodyBytes <= kMaxRequestBytes);
+void fields(auto& a, Is<PutReply> auto& m) {
+  a.number(m.request);
+  a.enumeration(m.refusal, document::Refusal::notNow);
+  a.text(m.reason, kMaxTextLength);
+  a.number(m.entry);
+  a.number(m.revision);
+}
+void fields(auto& a, Is<DocumentChanged> auto& m) { a.entry(m.entry); }
+void fields(auto& a, Is<DocumentRequest> auto& m) { a.number(m.known); }
+void fields(auto& a, Is<DocumentChunk> auto& m) {
+  a.flag(m.first);
+  a.flag(m.last);
+  a.number(m.revision);
+  a.count(m.entries, kMaxChunkEntries, 2 + kMinEntryBytes);
+  for (auto& entry : m.entries) a.entry(entry);
+}
+
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 24, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 31, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

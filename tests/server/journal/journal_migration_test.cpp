@@ -9,9 +9,9 @@
 
 #include "server/data_directory.h"
 #include "server/journal/session_mark.h"
-#include "server/session_recovery.h"
 #include "server/journal/sqlite_database.h"
 #include "server/journal/sqlite_journal.h"
+#include "server/session_recovery.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
@@ -147,13 +147,33 @@ TEST_F(JournalMigration, RecoversVersion1WithoutMigratingIt) {
   for (const auto& part : (*journal)->contents().parts) EXPECT_GT(part.epoch, 5000u);
 }
 
+TEST_F(JournalMigration, GivesVersion3AnEmptyDocumentAndKeepsTheRest) {
+  {
+    auto journal = SqliteJournal::open(path, {"abc", 0, {}, false, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    (*journal)->append(UsedNonce{"used", 5000});
+  }
+  run("DROP TABLE document; PRAGMA user_version = 3");
+  for (int start = 0; start < 2; ++start) {
+    auto journal = SqliteJournal::open(path, {"abc", 0, {}, true, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    ASSERT_EQ((*journal)->contents().nonces.size(), 1u);
+    ASSERT_EQ((*journal)->contents().document.size(), static_cast<std::size_t>(start));
+    document::Entry entry;
+    entry.id = 7;
+    entry.revision = 9;
+    entry.body = document::Group{"pumps", {1, 2}};
+    if (start == 0) (*journal)->append(DocumentRecord{entry, 0});
+  }
+}
+
 TEST_F(JournalMigration, OfALaterVersionIsRefusedInOneLine) {
   auto directory = DataDirectory::open(data);
   ASSERT_TRUE(directory.ok()) << directory.error().message;
   ASSERT_TRUE(directory->keepSigningKey().ok());
-  run("PRAGMA application_id = 1414417741; PRAGMA user_version = 4; CREATE TABLE later (x)", /*create=*/true);
+  run("PRAGMA application_id = 1414417741; PRAGMA user_version = 5; CREATE TABLE later (x)", /*create=*/true);
   const std::string said = refusal();
-  EXPECT_NE(said.find("session.db: schema version 4 of a newer"), std::string::npos) << said;
+  EXPECT_NE(said.find("session.db: schema version 5 of a newer"), std::string::npos) << said;
   EXPECT_EQ(said.find('\n'), std::string::npos);
   EXPECT_EQ(said.find("--recover"), std::string::npos) << "which would throw it away";
   EXPECT_FALSE(recoverSession(*directory, 1'790'000'000).ok());

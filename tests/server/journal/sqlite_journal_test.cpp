@@ -43,6 +43,46 @@ bool durable(Journal& journal, std::uint64_t number) {
   return journal.durableUpTo() >= number;
 }
 
+DocumentRecord noteRecord(document::EntryId id, document::Revision revision, const std::string& text) {
+  document::Entry entry;
+  entry.id = id;
+  entry.revision = revision;
+  entry.author = entry.editor = 3;
+  entry.authorName = "Ann";
+  entry.creation = entry.request = static_cast<std::uint32_t>(revision);
+  document::Note note;
+  note.text = text;
+  entry.body = note;
+  return {entry, 0};
+}
+
+TEST_F(SqliteJournalTest, HoldsTheDocumentWithoutTheEntriesThatItForgot) {
+  for (const bool inOneCommit : {true, false}) {
+    const fs::path own = folder / (inOneCommit ? "one" : "several");
+    fs::create_directories(own);
+    const std::string file = (own / "session.db").string();
+    {
+      auto journal = SqliteJournal::open(file, {"abc", 0, {}, false, {}});
+      ASSERT_TRUE(journal.ok()) << journal.error().message;
+      const auto settle = [&](std::uint64_t number) { return inOneCommit || durable(**journal, number); };
+      ASSERT_TRUE(settle((*journal)->append(noteRecord(1, 1, "first"))));
+      ASSERT_TRUE(settle((*journal)->append(noteRecord(2, 2, std::string(2000, 'x')))));
+      ASSERT_TRUE(settle((*journal)->append(noteRecord(1, 3, "first, changed"))));
+      DocumentRecord third = noteRecord(3, 4, "third");
+      third.forgotten = 2;
+      ASSERT_TRUE(settle((*journal)->append(third)));
+    }
+    auto journal = SqliteJournal::open(file, {"abc", 0, {}, false, {}});
+    ASSERT_TRUE(journal.ok()) << journal.error().message;
+    const auto document = (*journal)->contents().document;
+    ASSERT_EQ(document.size(), 2u);
+    EXPECT_EQ(std::get<document::Note>(document.at(1).body).text, "first, changed");
+    EXPECT_EQ(document.at(1).revision, 3u);
+    EXPECT_EQ(document.at(3).authorName, "Ann");
+    EXPECT_EQ(document.at(3).creation, 4u);
+  }
+}
+
 TEST_F(SqliteJournalTest, HoldsWhatWasWrittenWhenReopened) {
   {
     auto journal = SqliteJournal::open(path(), {"abc", 0, {}, false, {}});

@@ -105,10 +105,54 @@ class RandomMessages {
         return MembersChanged{coHolders()};
       case 22:
         return NewTicket{credential()};
+      case 26:
+        return PutEntry{number(~0u), {random_() >> 1, random_() >> 1, body()}};
+      case 27:
+        return PutReply{number(~0u), static_cast<document::Refusal>(number(8)), text(kMaxTextLength),
+                        random_(), random_()};
+      case 28:
+        return DocumentChanged{entry()};
+      case 29:
+        return DocumentRequest{random_()};
+      case 30: {
+        DocumentChunk m{chance(0.5), chance(0.5), random_(), {}};
+        for (std::uint32_t n = number(5); n > 0; --n) m.entries.push_back(entry());
+        return m;
+      }
       default:
         return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
                           number(~0u), number(~0u), number(~0u)};
     }
+  }
+  document::Body body() {
+    switch (number(5)) {
+      case 0:
+        return document::Removed{};
+      case 1:
+        return document::NamedView{text(40),    pose(5.0), 0.5, {{vector(1.0), vector(1.0)}},
+                                   chance(0.5), {3, 4}};
+      case 2:
+        return document::Comment{1 + random_(), text(200)};
+      case 3:
+        return document::SavedPoses{text(40), {{PartId{7}, pose(5.0)}, {PartId{8}, pose(5.0)}}};
+      default:
+        return document::Note{text(200), partId(), vector(1.0), text(40),
+                              static_cast<document::NoteStatus>(number(4))};
+    }
+  }
+  document::Entry entry() {
+    document::Entry m;
+    m.id = 1 + number(~0u);
+    m.revision = 1 + number(~0u);
+    m.author = static_cast<SiteId>(number(65536));
+    m.creation = number(~0u);
+    m.authorName = text(document::kMaxName);
+    m.made = number(~0u);
+    m.editor = static_cast<SiteId>(number(65536));
+    m.request = number(~0u);
+    m.changed = number(~0u);
+    m.body = body();
+    return m;
   }
   Welcome welcome() {
     Welcome m;
