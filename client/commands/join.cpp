@@ -15,6 +15,7 @@
 #include "assets/base/json.h"
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
+#include "client/commands/colour_option.h"
 #include "client/commands/command.h"
 #include "client/commands/tool_option.h"
 #include "client/join/joined_site.h"
@@ -36,6 +37,8 @@ struct Arguments {
   bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false;
   double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
+  std::vector<std::string> sections;
+  AxisSections cut;  // what `sections` say
   double deadband = PublishRates{}.deadband;
 };
 
@@ -52,16 +55,6 @@ struct Report {
     for (GrabNote& note : site.drainGrabNotes()) grabs.push_back(note);
   }
 };
-
-Result<sync::SiteColour> parseColour(const std::string& text) {
-  unsigned value = 0;
-  char rest = 0;
-  if (text.size() != 7 || std::sscanf(text.c_str(), "#%6x%c", &value, &rest) != 1)
-    return Error{"--colour " + text + ": must be #RRGGBB"};
-  if (value == 0) value = 0x010101;  // zero leaves the choice to the server
-  return sync::SiteColour{static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
-                          static_cast<std::uint8_t>(value)};
-}
 
 std::string defaultName(const sync::JoinLink& link) {
   const char* user = std::getenv("USER");
@@ -254,9 +247,9 @@ class JoinRun {
     const bool window = !arguments_.headless && displayPresent();
     if (!arguments_.headless && !window && !arguments_.quiet) noteHeadless();
     if (window) {
-      Result<std::unique_ptr<Viewer>> viewer =
-          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
-                                       true, arguments_.device.empty() || arguments_.device == "stylus"});
+      Result<std::unique_ptr<Viewer>> viewer = Viewer::open(
+          site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height, true,
+                          arguments_.device.empty() || arguments_.device == "stylus", arguments_.cut});
       if (!viewer) return badInput(viewer.error());
       viewer_ = std::move(*viewer);
     }
@@ -391,6 +384,7 @@ class JoinRun {
   Status offscreenPicture() {
     ViewerOptions options;
     options.width = arguments_.width;
+    options.sections = arguments_.cut;
     options.height = arguments_.height;
     Result<std::unique_ptr<Viewer>> opened = Viewer::openOffscreen(*model_.scene, options);
     if (!opened) return opened.error();
@@ -486,6 +480,9 @@ int run(Arguments& arguments) {
   // A link works once, so everything on this side is checked before it is used.
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
+  for (const std::string& text : arguments.sections)
+    if (Status added = arguments.cut.add(text); !added)
+      return badInput(Error{"--section " + added.error().message});
   if (arguments.clashes >= 0.0 && arguments.headless && arguments.screenshot.empty())
     return badInput(Error{"--clashes: nobody sees the list without a window or --screenshot"});
   if (!arguments.hand.empty())
@@ -567,6 +564,8 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       .option("--clashes", arguments->clashes,
               "Open the list of clashes, and of parts that stand nearer than so many m to each other")
       .numberFrom(0.0, 1e6);
+  command.option("--section", arguments->sections,
+                 "Cut away to see, not to feel, what lies beyond x=M (or before: -x=M; y, z; m); repeatable");
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");
   command.option("--trace", arguments->trace, "Write each pose of moving parts, as had here (CSV)");

@@ -66,7 +66,8 @@ class GlProgram {
   GLuint id_ = 0;
 };
 
-/// A colour and depth target; with samples > 0 it is multisampled and must be resolved before it is read.
+/// A colour, depth and stencil target; with samples > 0 it is multisampled and must be resolved before it is
+/// read.
 class GlTarget {
  public:
   /// Makes or remakes the target; nothing happens if it is that size already.

@@ -28,10 +28,10 @@ void heading(const PanelContext& context, const char* text) {
 }
 
 template <typename Draw>
-void section(const PanelContext& context, const char* title, Draw draw) {
+void section(const PanelContext& context, const char* title, Draw draw, bool opens = true) {
   ImGui::PushFont(context.fonts.strong);
   ImGui::PushStyleVar(ImGuiStyleVar_FrameBorderSize, 0.0f);
-  const bool open = ImGui::CollapsingHeader(title, ImGuiTreeNodeFlags_DefaultOpen);
+  const bool open = ImGui::CollapsingHeader(title, opens ? ImGuiTreeNodeFlags_DefaultOpen : 0);
   ImGui::PopStyleVar();
   ImGui::PopFont();
   if (!open) return;
@@ -112,6 +112,7 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   if (context.model.scene && !context.model.scene->controls.empty())
     section(context, "Controls", drawControls);
   if (!context.model.replay) section(context, "Network", drawNetwork);
+  if (context.model.scene) section(context, "Sections", drawSections, context.ui.sections.any());
   section(context, "Settings", drawSettings);
   ImGui::End();
 }

@@ -82,6 +82,8 @@ struct SliderRange {
   int flags = 0;        // ImGuiSliderFlags
 };
 /// A slider with its number to the right, where the handle does not cover it. True if the person moved it.
+/// The section planes: for each axis what is cut away beyond a place, and before one.
+void drawSections(const PanelContext& context);
 bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range);
 /// The activity of a person in words: holds, touches, watches.
 std::string activityOf(const ViewModel& model, const SiteView& site);

@@ -53,8 +53,13 @@ void ScenePicture::sortParts(const Content& content) {
   }
 }
 
-std::uint64_t ScenePicture::hashOfLayer(const Content& content, const glm::ivec2& size) const {
+std::uint64_t ScenePicture::hashOfLayer(const Content& content, const glm::ivec2& size,
+                                        const SceneRenderer& parts) const {
   Fnv1a hash;
+  for (const document::SectionPlane& section : parts.sections()) {
+    hash.addComponents(section.point);
+    hash.addComponents(section.normal);
+  }
   add(hash, content.view.worldFromEye);
   hash.addComponents(content.view.size);
   hash.add(content.view.near);
@@ -94,7 +99,7 @@ void ScenePicture::drawLayer(const Content& content, const SceneRenderer& parts)
 void ScenePicture::update(const Content& content, const glm::ivec2& size, const SceneRenderer& parts,
                           const GlyphRenderer& glyphs) {
   sortParts(content);
-  const std::uint64_t layer = hashOfLayer(content, size), rest = hashOfRest(content);
+  const std::uint64_t layer = hashOfLayer(content, size, parts), rest = hashOfRest(content);
   if (layer == lastLayer_ && rest == lastRest_) return;
   layer_.resize(size, kSamples, GL_RGBA8);
   multisampled_.resize(size, kSamples, GL_RGBA8);

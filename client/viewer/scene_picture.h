@@ -33,7 +33,7 @@ class ScenePicture {
 
  private:
   void sortParts(const Content& content);
-  std::uint64_t hashOfLayer(const Content& content, const glm::ivec2& size) const;
+  std::uint64_t hashOfLayer(const Content& content, const glm::ivec2& size, const SceneRenderer& parts) const;
   std::uint64_t hashOfRest(const Content& content) const;
   void drawLayer(const Content& content, const SceneRenderer& parts) const;
 

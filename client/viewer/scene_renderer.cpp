@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
 
 #include <glm/gtc/matrix_transform.hpp>
+#include <glm/gtx/quaternion.hpp>
 
 #include "assets/base/assert.h"
 #include "client/viewer/shaders.h"
@@ -12,6 +14,7 @@
 namespace tandem::client {
 namespace {
 
+constexpr double kHair = 1e-5;        // of the size of the scene
 constexpr double kLinePull = 1.2e-3;  // share of the distance by which edges stand before their surfaces
 constexpr double kEdgesFrom = 14.0;   // pixels across a part below which its edges are not drawn
 constexpr double kEdgesFull = 90.0;   // pixels from which on they are fully dark
@@ -70,26 +73,41 @@ double depthFromBuffer(const View& view, double value) {
 
 }  // namespace
 
-Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& scene) {
-  const std::string header = std::string("#version 330 core\n") + shaders::kLighting;
-  auto part = GlProgram::make("part", shaders::kPartVertex, header + shaders::kPartFragment);
+Result<SceneRenderer::Programs> SceneRenderer::makePrograms(const char* sections) {
+  const std::string version = "#version 330 core\n", vertex = version + sections;
+  auto part = GlProgram::make("part", vertex + shaders::kPartVertex,
+                              version + shaders::kLighting + shaders::kPartFragment);
   if (!part) return part.error();
-  auto thin = GlProgram::make("thin line", shaders::kThinLineVertex, shaders::kFlatFragment);
+  auto thin = GlProgram::make("thin line", vertex + shaders::kThinLineVertex, shaders::kFlatFragment);
   if (!thin) return thin.error();
-  auto wide = GlProgram::make("line", shaders::kLineVertex, shaders::kFlatFragment);
+  auto wide = GlProgram::make("line", vertex + shaders::kLineVertex, shaders::kFlatFragment);
   if (!wide) return wide.error();
-  auto background = GlProgram::make("background", shaders::kBackgroundVertex, shaders::kBackgroundFragment);
-  if (!background) return background.error();
-  auto pick = GlProgram::make("pick", shaders::kPartVertex, shaders::kPickFragment);
+  auto pick = GlProgram::make("pick", vertex + shaders::kPartVertex, shaders::kPickFragment);
   if (!pick) return pick.error();
-  Programs programs{std::move(*part), std::move(*thin), std::move(*wide), std::move(*background),
-                    std::move(*pick)};
-  return std::unique_ptr<SceneRenderer>(new SceneRenderer(scene, std::move(programs)));
+  return Programs{std::move(*part), std::move(*thin), std::move(*wide), std::move(*pick)};
 }
 
-SceneRenderer::SceneRenderer(const assets::Scene& scene, Programs programs)
-    : scene_(scene), programs_(std::move(programs)), meshes_(scene.meshes.size()) {
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) upload(makeRenderMesh(scene.meshes[m]), meshes_[m]);
+Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& scene) {
+  auto background = GlProgram::make("background", shaders::kBackgroundVertex, shaders::kBackgroundFragment);
+  if (!background) return background.error();
+  auto whole = makePrograms(shaders::kNoSections);
+  if (!whole) return whole.error();
+  auto cut = makePrograms(shaders::kSections);
+  if (!cut) return cut.error();
+  return std::unique_ptr<SceneRenderer>(
+      new SceneRenderer(scene, std::move(*background), std::move(*whole), std::move(*cut)));
+}
+
+SceneRenderer::SceneRenderer(const assets::Scene& scene, GlProgram background, Programs whole, Programs cut)
+    : scene_(scene),
+      background_(std::move(background)),
+      whole_(std::move(whole)),
+      cut_(std::move(cut)),
+      meshes_(scene.meshes.size()) {
+  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
+    upload(makeRenderMesh(scene.meshes[m]), meshes_[m]);
+    meshes_[m].closed = scene.meshes[m].closed;
+  }
   const double extent =
       hasVolume(scene.bounds) ? 2.0 * glm::length(scene.bounds.max - scene.bounds.min) : 1.0;
   meshOfPart_.reserve(scene.parts.size());
@@ -100,7 +118,17 @@ SceneRenderer::SceneRenderer(const assets::Scene& scene, Programs programs)
     for (const assets::ImplicitShape& shape : part.shapes) append(merged, makeRenderMesh(shape, extent));
     meshOfPart_.back() = static_cast<std::uint32_t>(meshes_.size());
     upload(merged, meshes_.emplace_back());
+    meshes_.back().closed = std::none_of(part.shapes.begin(), part.shapes.end(), [](const auto& shape) {
+      return shape.kind == assets::ImplicitShape::Kind::plane;
+    });
   }
+  const std::vector<RenderVertex> corners{
+      {{-1, -1, 0}, {0, 0, 1}}, {{1, -1, 0}, {0, 0, 1}}, {{-1, 1, 0}, {0, 0, 1}}, {{1, 1, 0}, {0, 0, 1}}};
+  glBindVertexArray(cap_.id());
+  fill(capVertices_, GL_ARRAY_BUFFER, corners);
+  floatAttribute(0, 3, sizeof(RenderVertex), offsetof(RenderVertex, position));
+  floatAttribute(1, 3, sizeof(RenderVertex), offsetof(RenderVertex, normal));
+  glBindVertexArray(0);
   pickTarget_.resize({1, 1}, 0, GL_RGBA8);
 }
 
@@ -164,6 +192,13 @@ double SceneRenderer::reachFrom(const glm::dvec3& centre, std::span<const Pose> 
   return reach;
 }
 
+/// Notes what holds all parts, for the covers of cuts.
+void SceneRenderer::lookAround(std::span<const Pose> worldFromPart) const {
+  if (sections_.empty()) return;
+  around_.centre = 0.5 * (scene_.bounds.min + scene_.bounds.max);
+  around_.radius = reachFrom(around_.centre, worldFromPart);
+}
+
 bool SceneRenderer::inView(const View& view, const Sphere& sphere) const {
   const glm::dvec3 eye = transformPoint(view.eyeFromWorld, sphere.centre);
   const double depth = -eye.z;
@@ -176,9 +211,9 @@ bool SceneRenderer::inView(const View& view, const Sphere& sphere) const {
 
 void SceneRenderer::drawBackground(const Background& background) const {
   glDisable(GL_DEPTH_TEST);
-  programs_.background.use();
-  programs_.background.set("top", background.top);
-  programs_.background.set("bottom", background.bottom);
+  background_.use();
+  background_.set("top", background.top);
+  background_.set("bottom", background.bottom);
   glBindVertexArray(empty_.id());
   glDrawArrays(GL_TRIANGLES, 0, 3);
   glEnable(GL_DEPTH_TEST);
@@ -186,6 +221,7 @@ void SceneRenderer::drawBackground(const Background& background) const {
 
 void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
                          std::span<const PartLook> looks, std::span<const PartId> parts, bool edges) const {
+  lookAround(worldFromPart);
   ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
   std::vector<std::pair<double, PartId>> transparent;
   std::vector<PartId> opaque;
@@ -204,9 +240,14 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
   const glm::vec3 up(view.eyeFromWorld.orientation * glm::dvec3(0.0, 1.0, 0.0));
-  programs_.part.use();
-  programs_.part.set("clipFromEye", glm::mat4(view.eyeToClip));
-  programs_.part.set("upInEye", up);
+  for (const GlProgram* program : {&programs().part, &programs().thinLine, &programs().wideLine}) {
+    program->use();
+    program->set("clipFromEye", glm::mat4(view.eyeToClip));
+    setPlanes(*program, view);
+  }
+  programs().part.use();
+  programs().part.set("upInEye", up);
+  useCut(Cut::all);
   for (const PartId part : opaque) drawSurface(view, part, worldFromPart[part], looks[part]);
   if (edges)
     for (const PartId part : opaque) drawEdges(view, part, worldFromPart[part], looks[part]);
@@ -216,8 +257,76 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
     if (edges) drawEdges(view, part, worldFromPart[part], looks[part]);
   }
   glDepthMask(GL_TRUE);
+  useCut(Cut::none);
   glDisable(GL_BLEND);
   glBindVertexArray(0);
+}
+
+void SceneRenderer::setSections(std::span<const document::SectionPlane> sections) {
+  ASSERT(sections.size() <= document::kMaxSections);
+  sections_.assign(sections.begin(), sections.end());
+  for (document::SectionPlane& section : sections_) section.normal = glm::normalize(section.normal);
+}
+
+void SceneRenderer::setPlanes(const GlProgram& program, const View& view) const {
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    const glm::dvec3 kept = -(view.eyeFromWorld.orientation * sections_[i].normal);
+    const glm::dvec3 point = transformPoint(view.eyeFromWorld, sections_[i].point);
+    const std::string name = "sections[" + std::to_string(i) + "]";
+    program.set(name.c_str(), glm::vec4(glm::dvec4(kept, -glm::dot(kept, point))));
+  }
+}
+
+void SceneRenderer::useCut(Cut cut, std::size_t one) const {
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    const bool on = cut == Cut::all || (cut == Cut::one && i == one) || (cut == Cut::allButOne && i != one);
+    (on ? glEnable : glDisable)(GL_CLIP_DISTANCE0 + static_cast<GLenum>(i));
+  }
+}
+
+// Behind a plane that the eye stands in front of, a ray leaves a closed mesh once more than it enters it
+// exactly where it meets the plane inside the mesh: the stencil counts that.
+template <typename DrawMesh>
+void SceneRenderer::drawCaps(const View& view, const GlProgram& program, PartId part,
+                             const Pose& worldFromPart, DrawMesh drawMesh) const {
+  const GpuMesh& mesh = *meshOf(part);
+  if (!mesh.closed) return;
+  const Sphere sphere = worldSphere(part, worldFromPart);
+  for (std::size_t i = 0; i < sections_.size(); ++i) {
+    const document::SectionPlane& section = sections_[i];
+    const double eyeInFront = glm::dot(section.normal, view.worldFromEye.position - section.point);
+    // Seen from behind, a cap is hidden by the part itself.
+    if (eyeInFront <= 0.0) continue;
+    if (std::abs(glm::dot(section.normal, sphere.centre - section.point)) > sphere.radius) continue;
+
+    glEnable(GL_STENCIL_TEST);
+    glClear(GL_STENCIL_BUFFER_BIT);
+    glColorMask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
+    glDisable(GL_DEPTH_TEST);
+    glStencilFunc(GL_ALWAYS, 0, 0xff);
+    glStencilOpSeparate(GL_FRONT, GL_KEEP, GL_KEEP, GL_DECR_WRAP);
+    glStencilOpSeparate(GL_BACK, GL_KEEP, GL_KEEP, GL_INCR_WRAP);
+    useCut(Cut::one, i);
+    drawMesh();
+
+    glColorMask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);
+    glEnable(GL_DEPTH_TEST);
+    glStencilFunc(GL_NOTEQUAL, 0, 0xff);
+    glStencilOp(GL_KEEP, GL_KEEP, GL_KEEP);
+    useCut(Cut::allButOne, i);
+    // One square for all parts, so that the depths of their caps do not compete. It reaches no further than
+    // the parts: a rasteriser loses its precision on a square that passes behind the eye.
+    // It stands behind the plane by a hair, which no rasteriser may cut away.
+    const double height = glm::dot(section.normal, around_.centre - section.point) + kHair * around_.radius;
+    const glm::dvec3 foot = around_.centre - height * section.normal;
+    const Pose worldFromCap{foot, glm::rotation(glm::dvec3(0.0, 0.0, 1.0), section.normal)};
+    program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromCap) *
+                                   glm::mat4(glm::scale(glm::dmat4(1.0), glm::dvec3(around_.radius))));
+    glBindVertexArray(cap_.id());
+    glDrawArrays(GL_TRIANGLE_STRIP, 0, 4);
+    glDisable(GL_STENCIL_TEST);
+    useCut(Cut::all);
+  }
 }
 
 template <typename Test>
@@ -250,23 +359,36 @@ void SceneRenderer::drawClusters(const GpuMesh& mesh, std::uint32_t first, std::
 void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& worldFromPart,
                                 const PartLook& look) const {
   const GpuMesh& mesh = *meshOf(part);
-  const GlProgram& program = programs_.part;
+  const GlProgram& program = programs().part;
   program.use();
-  program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
   program.set("tint", look.tint);
   program.set("tintAmount", look.tintAmount);
   program.set("rimAmount", look.rimAmount);
-  glBindVertexArray(mesh.surface.id());
-  for (const RenderRange& range : mesh.ranges) {
+  const auto dress = [&](const RenderRange& range) {
     const assets::Material& material =
         scene_.materials[std::min<std::size_t>(range.material, scene_.materials.size() - 1)];
     const auto& c = material.baseColour;
     program.set("baseColour", glm::vec4(c[0], c[1], c[2], look.alpha));
     program.set("metallic", material.metallic);
     program.set("roughness", std::max(material.roughness, 0.2f));
-    drawClusters(mesh, range.firstIndex, range.indexCount, worldFromPart,
-                 [&](const Sphere& sphere) { return mesh.clusters.size() < 4 || inView(view, sphere); });
-  }
+  };
+  const RenderRange* largest = nullptr;
+  const auto drawMesh = [&](auto&& before) {
+    program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
+    glBindVertexArray(mesh.surface.id());
+    for (const RenderRange& range : mesh.ranges) {
+      before(range);
+      drawClusters(mesh, range.firstIndex, range.indexCount, worldFromPart,
+                   [&](const Sphere& sphere) { return mesh.clusters.size() < 4 || inView(view, sphere); });
+    }
+  };
+  drawMesh([&](const RenderRange& range) {
+    dress(range);
+    if (largest == nullptr || range.indexCount > largest->indexCount) largest = &range;
+  });
+  if (sections_.empty() || largest == nullptr) return;
+  dress(*largest);
+  drawCaps(view, program, part, worldFromPart, [&] { drawMesh([](const RenderRange&) {}); });
 }
 
 void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFromPart,
@@ -280,9 +402,8 @@ void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFr
   const auto fade =
       static_cast<float>(std::clamp((across - kEdgesFrom) / (kEdgesFull - kEdgesFrom), 0.0, 1.0));
   if (!wide && fade <= 0.0f) return;
-  const GlProgram& program = wide ? programs_.wideLine : programs_.thinLine;
+  const GlProgram& program = wide ? programs().wideLine : programs().thinLine;
   program.use();
-  program.set("clipFromEye", glm::mat4(view.eyeToClip));
   program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart));
   program.set("pull", static_cast<float>(kLinePull));
   const float opacity = look.alpha < kFaint ? look.alpha : std::max(look.alpha, 0.5f);
@@ -303,6 +424,7 @@ void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFr
 std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel,
                                        std::span<const Pose> worldFromPart, std::span<const PartLook> looks) {
   ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
+  lookAround(worldFromPart);
   const glm::dvec3 direction = glm::normalize(view.pointAt(pixel, 1.0) - view.worldFromEye.position);
   const double pixelAtFar = view.metresPerPixel(view.far);  // the target's pixel is a thin pyramid, not a ray
   const auto meetsRay = [&](const Sphere& sphere) {
@@ -313,20 +435,28 @@ std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel
   glEnable(GL_DEPTH_TEST);
   glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
   glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-  programs_.pick.use();
-  programs_.pick.set("clipFromEye", glm::mat4(pickProjection(view, pixel)));
+  const GlProgram& program = programs().pick;
+  program.use();
+  program.set("clipFromEye", glm::mat4(pickProjection(view, pixel)));
+  setPlanes(program, view);
+  useCut(Cut::all);
   for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
     const auto part = static_cast<PartId>(p);
     const GpuMesh* mesh = meshOf(part);
     if (!mesh || !looks[p].visible) continue;
     const Sphere sphere = worldSphere(part, worldFromPart[p]);
     if (!meetsRay(sphere) || !inView(view, sphere)) continue;
-    programs_.pick.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart[p]));
-    programs_.pick.set("partIndex", static_cast<float>(p));
-    glBindVertexArray(mesh->surface.id());
-    for (const RenderRange& range : mesh->ranges)
-      drawClusters(*mesh, range.firstIndex, range.indexCount, worldFromPart[p], meetsRay);
+    program.set("partIndex", static_cast<float>(p));
+    const auto drawMesh = [&] {
+      program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart[p]));
+      glBindVertexArray(mesh->surface.id());
+      for (const RenderRange& range : mesh->ranges)
+        drawClusters(*mesh, range.firstIndex, range.indexCount, worldFromPart[p], meetsRay);
+    };
+    drawMesh();
+    drawCaps(view, program, part, worldFromPart[p], drawMesh);
   }
+  useCut(Cut::none);
   glBindVertexArray(0);
   std::array<std::uint8_t, 4> colour{};
   float depth = 1.0f;

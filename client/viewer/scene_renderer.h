@@ -1,13 +1,14 @@
 #pragma once
 
-// Draws the parts of a scene: shaded surfaces, feature edges, marks of ownership and selection; answers which
-// part is under a pixel. Needs the context that made it to be current.
+// Draws the parts of a scene, whole or cut open by section planes: shaded surfaces, feature edges, marks of
+// ownership and selection; answers which part is under a pixel. Needs the context that made it to be current.
 
 #include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "assets/document/entry.h"
 #include "client/viewer/camera.h"
 #include "client/viewer/gl_objects.h"
 #include "client/viewer/render_mesh.h"
@@ -47,6 +48,12 @@ class SceneRenderer {
   /// The box around the chosen parts, world.
   assets::Bounds bounds(std::span<const Pose> worldFromPart, std::span<const PartId> parts) const;
 
+  /// What lies in front of any of these planes (at most kMaxSections) is neither drawn nor picked from now
+  /// on. The cut through a closed mesh is covered in the part's colour; that through an open one is not, for
+  /// nothing says where its inside is.
+  void setSections(std::span<const document::SectionPlane> sections);
+  std::span<const document::SectionPlane> sections() const { return sections_; }
+
   void drawBackground(const Background& background) const;
   /// Draws these parts, opaque ones first, into the bound framebuffer.
   void draw(const View& view, std::span<const Pose> worldFromPart, std::span<const PartLook> looks,
@@ -63,14 +70,27 @@ class SceneRenderer {
     std::vector<RenderRange> ranges;
     std::vector<RenderCluster> clusters;
     int edgeCount = 0;
+    bool closed = false;
     Sphere sphere;          // part frame
     assets::Bounds bounds;  // part frame
   };
   struct Programs {
-    GlProgram part, thinLine, wideLine, background, pick;
+    GlProgram part, thinLine, wideLine, pick;
   };
+  /// Which of the section planes cut what is drawn.
+  enum class Cut { none, all, one, allButOne };
 
-  SceneRenderer(const assets::Scene& scene, Programs programs);
+  SceneRenderer(const assets::Scene& scene, GlProgram background, Programs whole, Programs cut);
+  static Result<Programs> makePrograms(const char* sections);
+  /// The programs that draw parts as they are cut now.
+  const Programs& programs() const { return sections_.empty() ? whole_ : cut_; }
+  void useCut(Cut cut, std::size_t one = 0) const;
+  void lookAround(std::span<const Pose> worldFromPart) const;
+  void setPlanes(const GlProgram& program, const View& view) const;
+  /// Covers the cuts through a part with what `program` draws; `drawMesh` draws its triangles with the same.
+  template <typename DrawMesh>
+  void drawCaps(const View& view, const GlProgram& program, PartId part, const Pose& worldFromPart,
+                DrawMesh drawMesh) const;
   void upload(const RenderMesh& mesh, GpuMesh& gpu);
   const GpuMesh* meshOf(PartId part) const;
   Sphere worldSphere(PartId part, const Pose& worldFromPart) const;
@@ -84,7 +104,12 @@ class SceneRenderer {
   void drawEdges(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
 
   const assets::Scene& scene_;
-  Programs programs_;
+  GlProgram background_;
+  Programs whole_, cut_;
+  std::vector<document::SectionPlane> sections_;  // normals are unit
+  mutable Sphere around_;                         // all parts, in the present picture; world
+  GlVertexArray cap_;
+  GlBuffer capVertices_;
   std::vector<GpuMesh> meshes_;  // the scene's, then one for each part that has only implicit shapes
   std::vector<std::uint32_t> meshOfPart_;  // into meshes_, or kNone
   GlVertexArray empty_;

@@ -4,6 +4,16 @@
 
 namespace tandem::client::shaders {
 
+/// Put after the version of a vertex shader by programs that draw cut parts: a vertex is kept by a plane (eye
+/// space: unit normal, offset) while its distance is not negative.
+inline constexpr const char* kSections = R"(
+uniform vec4 sections[8];
+out float gl_ClipDistance[8];
+void clip(vec3 eye) { for (int i = 0; i < 8; ++i) gl_ClipDistance[i] = dot(sections[i], vec4(eye, 1.0)); }
+)";
+/// In place of kSections where nothing is cut.
+inline constexpr const char* kNoSections = "void clip(vec3 eye) {}\n";
+
 /// Shared by everything that is lit: a key light over the person's right shoulder, a weak fill, and a
 /// hemisphere of sky and floor. The highlight is Cook-Torrance with the GGX distribution (Walter et al. 2007)
 /// and Schlick's Fresnel term.
@@ -39,7 +49,7 @@ vec3 shade(vec3 base, float metallic, float roughness, vec3 n, vec3 v) {
 }
 )";
 
-inline constexpr const char* kPartVertex = R"(#version 330 core
+inline constexpr const char* kPartVertex = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec3 normal;
 uniform mat4 eyeFromPart, clipFromEye;
@@ -48,6 +58,7 @@ void main() {
   vec4 p = eyeFromPart * vec4(position, 1.0);
   eyePosition = p.xyz;
   eyeNormal = mat3(eyeFromPart) * normal;
+  clip(p.xyz);
   gl_Position = clipFromEye * p;
 }
 )";
@@ -70,7 +81,7 @@ void main() {
 )";
 
 /// A segment between two end points, drawn as a quad `width` pixels wide and pulled a little towards the eye.
-inline constexpr const char* kLineVertex = R"(#version 330 core
+inline constexpr const char* kLineVertex = R"(
 layout(location = 0) in vec3 start;
 layout(location = 1) in vec3 end;
 uniform mat4 eyeFromPart, clipFromEye;
@@ -90,16 +101,21 @@ void main() {
   vec4 p = (gl_VertexID & 1) == 0 ? ca : cb;
   float s = (gl_VertexID & 2) == 0 ? 1.0 : -1.0;
   p.xy += side * s * width / viewport * p.w;
+  clip((gl_VertexID & 1) == 0 ? a : b);
   gl_Position = p;
 }
 )";
 
 /// The same segments as plain GL lines, for the many edges of parts that nothing marks.
-inline constexpr const char* kThinLineVertex = R"(#version 330 core
+inline constexpr const char* kThinLineVertex = R"(
 layout(location = 0) in vec3 position;
 uniform mat4 eyeFromPart, clipFromEye;
 uniform float pull;
-void main() { gl_Position = clipFromEye * vec4((eyeFromPart * vec4(position, 1.0)).xyz * (1.0 - pull), 1.0); }
+void main() {
+  vec3 p = (eyeFromPart * vec4(position, 1.0)).xyz;
+  clip(p);
+  gl_Position = clipFromEye * vec4(p * (1.0 - pull), 1.0);
+}
 )";
 
 inline constexpr const char* kFlatFragment = R"(#version 330 core

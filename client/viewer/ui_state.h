@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "client/viewer/axis_sections.h"
 #include "client/viewer/clash_list.h"
 #include "client/viewer/part_display.h"
 
@@ -16,6 +17,7 @@ struct UiState {
 
   PartDisplay parts;
   ClashUi clashes;
+  AxisSections sections;
   bool showPanels = true;
   bool showHelp = false;
   bool showEdges = true;

@@ -129,6 +129,7 @@ class SceneViewer final : public Viewer {
         ui_(scene.parts.size()),
         sceneBounds_(scene.bounds) {
     camera_ = fitView(sceneBounds_, 1.0);
+    ui_.sections = options_.sections;
   }
 
   void keys(const ViewModel& model, const Input& input, ViewActions& actions);
@@ -467,6 +468,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (!viewport_.contains(input.pressedAt)) input.pressed.fill(false);
   const glm::dvec2 cursor = input.cursor - viewport_.min;
   const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
+  renderer_->setSections(ui_.sections.planes());
   View view = currentView(model);
   partLooks(model, ui_.parts, looks_);
   if (drag_ == Drag::none)

@@ -125,6 +125,60 @@ TEST_F(SceneRendererTest, PicksWhatIsDrawnAtEveryPixelTried) {
     }
 }
 
+TEST_F(SceneRendererTest, WhatIsCutAwayIsNeitherDrawnNorPickedAndTheCutIsCovered) {
+  // The ball is cut away whole, and half of the box; the eye looks at the cut from the front.
+  const document::SectionPlane front{{0.0, 0.0, 0.05}, {0.0, 0.0, 1.0}};
+  renderer_->setSections({&front, 1});
+  const auto hit = renderer_->pick(view_, {100.0, 100.0}, poses_, looks_);
+  ASSERT_TRUE(hit.has_value());
+  EXPECT_EQ(hit->part, 0);
+  EXPECT_NEAR(hit->point.z, 0.05, 2e-3) << "the cover of the cut";
+  const double side = 0.2 / view_.metresPerPixel(view_.worldFromEye.position.z - 0.05);
+  EXPECT_NEAR(drawnPixels(), side * side, 0.03 * side * side) << "the whole cut is covered";
+  // Two planes leave a quarter of it.
+  const document::SectionPlane both[] = {front, {{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}}};
+  renderer_->setSections(both);
+  EXPECT_FALSE(renderer_->pick(view_, {110.0, 100.0}, poses_, looks_).has_value());
+  EXPECT_NEAR(drawnPixels(), 0.5 * side * side, 0.03 * side * side);
+  renderer_->setSections({});
+  EXPECT_EQ(renderer_->pick(view_, {100.0, 100.0}, poses_, looks_)->part, 1) << "whole again";
+}
+
+TEST_F(SceneRendererTest, TheCutIsCoveredFromWhereverItIsSeen) {
+  const document::SectionPlane front{{0.0, 0.0, 0.05}, {0.0, 0.0, 1.0}};
+  renderer_->setSections({&front, 1});
+  for (const double yaw : {-1.1, -0.4, 0.3, 0.7, 1.2})
+    for (const double pitch : {-0.9, -0.2, 0.5})
+      for (const glm::dvec2& at :
+           {glm::dvec2(-0.09, -0.09), glm::dvec2(0.09, -0.05), glm::dvec2(0.03, 0.08)}) {
+        Camera camera;
+        camera.yaw = yaw;
+        camera.pitch = pitch;
+        camera.distance = 1.5;
+        const View view = makeView(camera, {kSize, kSize}, {{0.0, 0.0, 0.2}, 0.6});
+        const glm::dvec3 onCut(at.x, at.y, 0.05);
+        const auto pixel = view.project(onCut);
+        ASSERT_TRUE(pixel.has_value());
+        const auto hit = renderer_->pick(view, *pixel, poses_, looks_);
+        ASSERT_TRUE(hit.has_value()) << yaw << ' ' << pitch;
+        EXPECT_LT(glm::length(hit->point - onCut), 0.01) << yaw << ' ' << pitch;
+      }
+}
+
+TEST(AxisSections, AreReadFromTextOrRefused) {
+  AxisSections sections;
+  EXPECT_FALSE(sections.any());
+  ASSERT_TRUE(sections.add("x=0.05").ok());
+  ASSERT_TRUE(sections.add("-z=-1e-3").ok());
+  for (const char* wrong : {"", "x", "w=1", "x=", "x=1m", "x=nan", "x=1e9", "--x=1", "x=0.06"})
+    EXPECT_FALSE(sections.add(wrong).ok()) << wrong;
+  const std::vector<document::SectionPlane> planes = sections.planes();
+  ASSERT_EQ(planes.size(), 2u);
+  EXPECT_EQ(planes[0].point.x, 0.05);
+  EXPECT_EQ(planes[0].normal, glm::dvec3(1.0, 0.0, 0.0));
+  EXPECT_EQ(planes[1].normal, glm::dvec3(0.0, 0.0, -1.0));
+}
+
 TEST(PartDisplay, IsolatingTwiceShowsEverythingAgain) {
   PartDisplay display(3);
   display.setHidden(2, true);
