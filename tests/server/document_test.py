@@ -47,7 +47,7 @@ def what_was_told_survives_kill_9_and_an_import_may_be_repeated(binaries, folder
         importing = subprocess.Popen(
             [binaries / "tandem", "document", fresh(server, "participant", used), "import", file],
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        time.sleep(1.5)
+        time.sleep(3.0)  # of some seven; a sanitizer starts slowly
         server.process.kill()
         out, error = importing.communicate(timeout=60)
     assert importing.returncode == 1, (importing.returncode, out, error)
