@@ -5,7 +5,9 @@
 #include "assets/scene/scene_package.h"
 #include "client/base/json_input.h"
 #include "client/commands/command.h"
+#include "client/commands/document_file.h"
 #include "client/join/local_time.h"
+#include "client/join/scene_store.h"
 #include "client/session/document_visit.h"
 #include "sync/transport/join_link.h"
 #include "sync/transport/socket_transport.h"
@@ -16,30 +18,137 @@ namespace {
 constexpr sync::Micros kPatience = 20 * sync::kSecond;  // without any progress
 
 struct DocumentArguments {
-  std::string link, action, file, name = "document";
+  std::string link, action, file, name = "document", cache;
+  int maxScene = 2048;  // MiB
 };
+
+/// The session's scene with its parts where they are.
+struct VisitedScene {
+  assets::Scene scene;
+  std::vector<Pose> worldFromPart;
+};
+
+class DocumentRun {
+ public:
+  DocumentRun(const DocumentArguments& arguments, const sync::JoinLink& link, DocumentFormat format)
+      : arguments_(arguments), link_(link), format_(format) {}
+
+  /// What can be told before the link, which works once, is used.
+  Status readFile();
+  int run();
+
+ private:
+  template <typename Done>
+  Status stepUntil(const char* what, const Done& done);
+  double progress() const;
+  int failed(const Status& status) const;
+  std::string sceneHash() const { return assets::toHex(visit_->welcome().sceneHash); }
+
+  Result<VisitedScene> fetchScene();
+  int exportDocument();
+  int exportTopics();
+  int importEntries();
+  int report() const;
+
+  const DocumentArguments& arguments_;
+  const sync::JoinLink& link_;
+  DocumentFormat format_;
+  document::DocumentFile file_;
+  std::unique_ptr<sync::SocketTransport> transport_;
+  std::unique_ptr<DocumentVisit> visit_;
+  bool fetchesScene_ = false;
+};
+
+Status DocumentRun::readFile() {
+  const Result<std::string> text = readTextFile(arguments_.file);
+  if (!text) return text.error();
+  Result<document::DocumentFile> read = document::fromJson(*text, arguments_.file);
+  if (!read) return read.error();
+  file_ = std::move(*read);
+  return {};
+}
+
+double DocumentRun::progress() const {
+  if (visit_->bringing() != nullptr) return visit_->bringing()->progress();
+  return fetchesScene_ ? visit_->scene().progress() : static_cast<double>(visit_->content().entries().size());
+}
 
 /// Steps the visit until `done()` holds; an error if it ends before, or nothing goes on.
 template <typename Done>
-Status stepUntil(sync::SocketTransport& transport, DocumentVisit& visit, ProgressLine& line, const char* what,
-                 const Done& done) {
-  double progress = -1.0;
+Status DocumentRun::stepUntil(const char* what, const Done& done) {
+  ProgressLine line;
+  double shown = -1.0;
   sync::Micros moved = localTime();
   while (!done()) {
-    if (visit.stage() == DocumentVisit::Stage::ended) return Error{visit.reason()};
-    transport.wait(20 * sync::kMillisecond);
-    visit.step(localTime());
-    const double now = visit.bringing() != nullptr ? visit.bringing()->progress()
-                                                   : static_cast<double>(visit.content().entries().size());
-    if (now != progress) moved = localTime();
-    progress = now;
+    if (visit_->stage() == DocumentVisit::Stage::ended) return Error{visit_->reason()};
+    transport_->wait(20 * sync::kMillisecond);
+    visit_->step(localTime());
+    const double now = progress();
+    if (now != shown) moved = localTime();
+    shown = now;
     if (localTime() - moved > kPatience) return Error{"no answer"};
-    line.show(visit.bringing() != nullptr ? progress : 0.0, what);
+    line.show(visit_->bringing() != nullptr || fetchesScene_ ? shown : 0.0, what);
   }
   return {};
 }
 
-int report(const DocumentImport& import) {
+int DocumentRun::failed(const Status& status) const {
+  return badInput(Error{link_.host + ":" + std::to_string(link_.port) + ": " + status.error().message});
+}
+
+Result<VisitedScene> DocumentRun::fetchScene() {
+  const sync::Welcome& welcome = visit_->welcome();
+  if (welcome.sceneBytes > static_cast<std::uint64_t>(arguments_.maxScene) << 20)
+    return Error{"the server's scene is larger than --max-scene"};
+  const SceneStore store(arguments_.cache.empty() ? assets::defaultCacheDirectory() : arguments_.cache);
+  std::vector<std::byte> package = store.find(welcome.sceneHash);
+  if (package.empty()) {
+    visit_->fetchScene(store.beginning(welcome.sceneHash));
+    fetchesScene_ = true;
+    const Status fetched = stepUntil("fetching the scene", [&] { return visit_->scene().complete(); });
+    fetchesScene_ = false;
+    package = visit_->scene().package();
+    if (!fetched) {
+      store.keepBeginning(welcome.sceneHash, package);
+      return fetched.error();
+    }
+    if (assets::contentHash(package) != welcome.sceneHash) {
+      store.forgetBeginning(welcome.sceneHash);
+      return Error{"the scene arrived damaged (its hash is not the announced one)"};
+    }
+    store.keep(welcome.sceneHash, package);
+  }
+  Result<assets::Scene> scene = assets::unpackScene(package);
+  if (!scene) return Error{"the server's scene cannot be used: " + scene.error().message};
+  VisitedScene visited{std::move(*scene), {}};
+  for (const assets::Part& part : visited.scene.parts) visited.worldFromPart.push_back(part.worldFromPart);
+  for (const sync::PartRecord& record : welcome.parts)
+    if (record.part < visited.worldFromPart.size()) visited.worldFromPart[record.part] = record.worldFromPart;
+  return visited;
+}
+
+int DocumentRun::exportDocument() {
+  const std::string text = toJson(visit_->content(), sceneHash());
+  if (Status written = writeFile(arguments_.file, text); !written) return badInput(written.error());
+  std::printf("%zu entries written to %s\n", visit_->content().size(), arguments_.file.c_str());
+  return kExitDone;
+}
+
+int DocumentRun::exportTopics() {
+  const Result<VisitedScene> visited = fetchScene();
+  if (!visited) return failed(visited.error());
+  visit_->leave();
+  const PartGuids guids(visited->scene);
+  const std::vector<Topic> topics =
+      topicsOf({visit_->content(), visited->scene, guids, visited->worldFromPart, sceneHash()});
+  if (Status written = writeTopics(arguments_.file, format_, topics, visited->scene.name); !written)
+    return badInput(written.error());
+  std::printf("%zu topics written to %s\n", topics.size(), arguments_.file.c_str());
+  return kExitDone;
+}
+
+int DocumentRun::report() const {
+  const DocumentImport& import = *visit_->bringing();
   std::printf("%zu entries made, %zu there already, %zu refused\n", import.made(), import.known(),
               import.refused());
   if (import.refused() == 0) return kExitDone;
@@ -47,11 +156,34 @@ int report(const DocumentImport& import) {
   return kExitFailed;
 }
 
-int exportTo(const std::string& path, const DocumentVisit& visit) {
-  const std::string text = toJson(visit.content(), assets::toHex(visit.welcome().sceneHash));
-  if (Status written = writeFile(path, text); !written) return badInput(written.error());
-  std::printf("%zu entries written to %s\n", visit.content().size(), path.c_str());
-  return kExitDone;
+int DocumentRun::importEntries() {
+  if (file_.scene != sceneHash())
+    return badInput(Error{arguments_.file + ": is the document of another scene"});
+  visit_->bringIn(std::move(file_.entries));
+  const Status brought = stepUntil("bringing entries in", [&] { return visit_->bringing()->done(); });
+  const int exitCode = report();
+  if (brought) return exitCode;
+  failed(brought);
+  return kExitFailed;
+}
+
+int DocumentRun::run() {
+  sync::ConnectOptions options;
+  options.udp = false;  // it sends and needs no state
+  options.credential = link_.token;
+  Result<std::unique_ptr<sync::SocketTransport>> transport =
+      sync::connectTo(link_.host, link_.port, link_.pin, options);
+  if (!transport) return badInput(transport.error());
+  transport_ = std::move(*transport);
+  visit_ = std::make_unique<DocumentVisit>(
+      *transport_, sync::Hello{sync::kProtocolVersion, false, link_.token, arguments_.name, {}});
+  const auto there = [&] { return visit_->stage() == DocumentVisit::Stage::there; };
+  if (Status fetched = stepUntil("fetching the document", there); !fetched) return failed(fetched);
+  const int exitCode = arguments_.action == "import"     ? importEntries()
+                       : format_ == DocumentFormat::json ? exportDocument()
+                                                         : exportTopics();
+  visit_->leave();
+  return exitCode;
 }
 
 int run(const DocumentArguments& arguments) {
@@ -63,50 +195,14 @@ int run(const DocumentArguments& arguments) {
   // A link works once, so everything on this side is checked before it is used.
   if (arguments.name.empty() || arguments.name.size() > sync::kMaxNameLength)
     return badInput(Error{"--name: 1 to " + std::to_string(sync::kMaxNameLength) + " bytes"});
-  document::DocumentFile file;
-  if (imports) {
-    if (link->role == sync::Role::observer)
-      return badInput(Error{"document import: an observer's link changes nothing; take another"});
-    const Result<std::string> text = readTextFile(arguments.file);
-    if (!text) return badInput(text.error());
-    Result<document::DocumentFile> read = document::fromJson(*text, arguments.file);
-    if (!read) return badInput(read.error());
-    file = std::move(*read);
-  } else if (Status free = writable(arguments.file); !free) {
-    return badInput(free.error());
-  }
-
-  sync::ConnectOptions options;
-  options.udp = false;  // it sends and needs no state
-  options.credential = link->token;
-  const auto transport = sync::connectTo(link->host, link->port, link->pin, options);
-  if (!transport) return badInput(transport.error());
-  DocumentVisit visit(**transport,
-                      sync::Hello{sync::kProtocolVersion, false, link->token, arguments.name, {}});
-  const auto failed = [&](const Status& status) {
-    return badInput(Error{link->host + ":" + std::to_string(link->port) + ": " + status.error().message});
-  };
-  ProgressLine line;
-  const auto there = [&] { return visit.stage() == DocumentVisit::Stage::there; };
-  if (Status fetched = stepUntil(**transport, visit, line, "fetching the document", there); !fetched)
-    return failed(fetched);
-  int exitCode = kExitDone;
-  if (!imports) {
-    exitCode = exportTo(arguments.file, visit);
-  } else if (file.scene != assets::toHex(visit.welcome().sceneHash)) {
-    exitCode = badInput(Error{arguments.file + ": is the document of another scene"});
-  } else {
-    visit.bringIn(std::move(file.entries));
-    const auto done = [&] { return visit.bringing()->done(); };
-    const Status brought = stepUntil(**transport, visit, line, "bringing entries in", done);
-    exitCode = report(*visit.bringing());
-    if (!brought) {
-      failed(brought);
-      exitCode = kExitFailed;
-    }
-  }
-  visit.leave();
-  return exitCode;
+  const Result<DocumentFormat> format = documentFormat(arguments.file, imports);
+  if (!format) return badInput(format.error());
+  DocumentRun visit(arguments, *link, *format);
+  if (imports && link->role == sync::Role::observer)
+    return badInput(Error{"document import: an observer's link changes nothing; take another"});
+  if (Status ready = imports ? visit.readFile() : writable(arguments.file); !ready)
+    return badInput(ready.error());
+  return visit.run();
 }
 
 }  // namespace
@@ -117,12 +213,19 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
       program.command("document", "Export what a session has agreed on to a file, or import it");
   command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
   command.option("action", arguments->action, "export or import").required();
-  command.option("file", arguments->file, "JSON file to write or to read").required();
+  command.option("file", arguments->file, "File to write (.json, .csv, .html) or to read (.json)").required();
   command.option("--name", arguments->name, "Your name, as the others see it").showDefault();
+  command.option("--cache", arguments->cache, "Folder for scenes [" + assets::defaultCacheDirectory() + "]");
+  command.option("--max-scene", arguments->maxScene, "Largest scene to fetch, MiB")
+      .integerFrom(1, 1 << 20)
+      .showDefault();
   command.footer(
-      "The document holds notes, views, measures, verdicts on clashes, saved states, groups and names.\n"
-      "An import adds the entries that the session has not, as yours; it may be repeated. The file belongs\n"
-      "to one scene. Example: tandem document 'tandem://HOST:7480/observer?...' export review.json");
+      "The document holds notes, views, measures, verdicts on clashes, saved states, groups and names, and "
+      "its\n"
+      "JSON file all of them. Its topics (notes, clashes, views, measures) go into tables and pages too.\n"
+      "An import adds the entries that the session has not, as yours; it may be repeated. A JSON file "
+      "belongs\n"
+      "to one scene. Example: tandem document 'tandem://HOST:7480/observer?...' export review.html");
   command.onRun([arguments, &exitCode] { exitCode = run(*arguments); });
 }
 

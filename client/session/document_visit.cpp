@@ -46,6 +46,10 @@ void DocumentVisit::receive(std::span<const std::byte> bytes) {
     if (stage_ == Stage::fetching && replica_.complete()) stage_ = Stage::there;
   } else if (const auto* change = std::get_if<sync::DocumentChanged>(&*message)) {
     replica_.handle(*change);
+  } else if (const auto* bytesOfScene = std::get_if<sync::SceneChunk>(&*message)) {
+    if (scene_.handle(*bytesOfScene)) return;
+    transport_.close(0);
+    end("the server sent bytes of the scene that do not follow");
   } else if (const auto* reply = std::get_if<sync::PutReply>(&*message); reply != nullptr && import_) {
     import_->handle(*reply);
   }
@@ -60,6 +64,13 @@ void DocumentVisit::bringIn(std::vector<document::Entry> entries) {
   ASSERT(stage_ == Stage::there && !import_);
   send(sync::Ready{});
   import_.emplace(replica_.content(), std::move(entries));
+}
+
+void DocumentVisit::fetchScene(std::vector<std::byte> have) {
+  ASSERT(stage_ == Stage::there);
+  scene_.expect(welcome_.sceneBytes);
+  const sync::SceneRequest request = scene_.start(std::move(have));
+  if (!scene_.complete()) send(request);
 }
 
 void DocumentVisit::leave() {

@@ -1,7 +1,7 @@
 #pragma once
 
-// A short visit to a session for its document alone, without its scene: fetches it, and brings entries in.
-// One thread calls.
+// A short visit to a session for its document, without a hand in its scene: fetches it, brings entries in,
+// and fetches the bytes of the scene for who wants to draw it. One thread calls.
 
 #include <optional>
 #include <string>
@@ -9,6 +9,7 @@
 
 #include "client/session/document_import.h"
 #include "client/session/document_replica.h"
+#include "client/session/scene_fetch.h"
 #include "sync/transport/transport.h"
 #include "sync/wire/control_message.h"
 
@@ -40,6 +41,10 @@ class DocumentVisit {
   /// Null before bringIn().
   const DocumentImport* bringing() const { return import_ ? &*import_ : nullptr; }
 
+  /// Begins to fetch the scene package, after the bytes that are there already. In stage `there`, once.
+  void fetchScene(std::vector<std::byte> have);
+  const SceneFetch& scene() const { return scene_; }
+
   void leave();
 
  private:
@@ -54,6 +59,7 @@ class DocumentVisit {
   sync::Welcome welcome_;
   DocumentReplica replica_;
   std::optional<DocumentImport> import_;
+  SceneFetch scene_;
 };
 
 }  // namespace tandem::client

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""The session's topics through real processes, to other programs' files and back.
+
+    python3 tests/end_to_end/exchange_test.py --bin build/release/bin
+"""
+import csv
+import json
+import pathlib
+import subprocess
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
+from server_process import Server, run, wait_for  # noqa: E402
+
+
+class Visits:
+    """Runs of `tandem document`, each with a link of its own."""
+
+    def __init__(self, binaries, server, folder):
+        self.binaries, self.server, self.folder, self.used = binaries, server, folder, set()
+
+    def run(self, role, action, file, *options):
+        link = wait_for(lambda: next((each for each in self.server.links(role) if each not in self.used),
+                                     None), "a new link")
+        done = subprocess.run([self.binaries / "tandem", "document", link, action, self.folder / file,
+                               "--cache", self.folder / "cache", *options],
+                              capture_output=True, text=True, timeout=120)
+        if done.returncode != 2:
+            self.used.add(link)
+        return done
+
+    def done(self, role, action, file, *options):
+        result = self.run(role, action, file, *options)
+        assert result.returncode == 0, (file, result.stderr)
+        return result.stdout
+
+    def refused(self, role, action, file, word, *options):
+        result = self.run(role, action, file, *options)
+        lines = result.stderr.splitlines()
+        assert result.returncode == 2 and len(lines) == 1 and word in lines[0], (file, result)
+
+    def entries(self):
+        self.done("observer", "export", "now.json")
+        return json.loads((self.folder / "now.json").read_text())["entries"]
+
+    def fill(self):
+        """An entry of each kind that is a topic."""
+        self.done("observer", "export", "empty.json")
+        document = json.loads((self.folder / "empty.json").read_text())
+        bodies = [
+            {"kind": "note", "text": "The peg is tight. Ream the hole", "part": 1, "place_m": [0, 0.01, 0],
+             "assignee": "Ben", "status": "open"},
+            {"kind": "comment", "note": 1, "text": "=1+1"},
+            {"kind": "clash", "a": 0, "b": 1, "status": "reviewed", "depth_m": 0.0012, "text": "as drawn"},
+            {"kind": "view", "name": "From above", "distance_m": 0.4, "only_these": False, "parts": [],
+             "camera": {"position_m": [0, 0.4, 0], "orientation_wxyz": [0.5 ** 0.5, -0.5 ** 0.5, 0, 0]},
+             "sections": [{"point": [0, 0.02, 0], "normal": [0, 1, 0]}]},
+            {"kind": "measure", "name": "Pitch", "measures": "distance", "value": 0.1,
+             "anchors": [{"part": 0, "point_m": [0, 0, 0]}, {"part": 1, "point_m": [0, 0, 0]}]}]
+        document["entries"] = [{"id": i + 1, "author": "x", "made": 0, "changed": 0, **body}
+                               for i, body in enumerate(bodies)]
+        (self.folder / "fill.json").write_text(json.dumps(document))
+        assert self.done("participant", "import", "fill.json").startswith("5 entries made")
+
+
+def visits(binaries, server, folder):
+    visit = Visits(binaries, server, folder.parent)
+    visit.fill()
+    return visit
+
+
+def a_table_and_a_page_hold_every_topic(binaries, folder):
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        assert visit.done("observer", "export", "review.csv").startswith("4 topics")
+        with open(folder.parent / "review.csv", newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        assert [row["type"] for row in rows] == ["Note", "Clash", "View", "Measure"], rows
+        assert rows[0]["title"] == "The peg is tight", rows[0]
+        assert rows[0]["thread"].endswith("document: =1+1"), rows[0]
+        visit.done("observer", "export", "review.html")
+        page = (folder.parent / "review.html").read_text(encoding="utf-8")
+        assert page.count("<article") == 4 and "From above" in page
+
+
+def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        visit.refused("observer", "export", "review.docx", ".csv")
+        visit.refused("participant", "import", "review.csv", ".json")
+        assert len(visit.entries()) == 5
+
+
+if __name__ == "__main__":
+    sys.exit(run(a_table_and_a_page_hold_every_topic, files_that_cannot_be_are_refused_in_one_line))
