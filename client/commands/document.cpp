@@ -6,6 +6,7 @@
 #include "client/base/json_input.h"
 #include "client/commands/command.h"
 #include "client/commands/document_file.h"
+#include "client/exchange/document_topics.h"
 #include "client/join/local_time.h"
 #include "client/join/scene_store.h"
 #include "client/session/document_visit.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr sync::Micros kPatience = 20 * sync::kSecond;  // without any progress
 
 struct DocumentArguments {
-  std::string link, action, file, name = "document", cache;
+  std::string link, action, file, name = "document", cache, bcf = "3.0";
   int maxScene = 2048;  // MiB
 };
 
@@ -30,8 +31,9 @@ struct VisitedScene {
 
 class DocumentRun {
  public:
-  DocumentRun(const DocumentArguments& arguments, const sync::JoinLink& link, DocumentFormat format)
-      : arguments_(arguments), link_(link), format_(format) {}
+  DocumentRun(const DocumentArguments& arguments, const sync::JoinLink& link, DocumentFormat format,
+              BcfVersion version)
+      : arguments_(arguments), link_(link), format_(format), version_(version) {}
 
   /// What can be told before the link, which works once, is used.
   Status readFile();
@@ -53,6 +55,7 @@ class DocumentRun {
   const DocumentArguments& arguments_;
   const sync::JoinLink& link_;
   DocumentFormat format_;
+  BcfVersion version_;
   document::DocumentFile file_;
   std::unique_ptr<sync::SocketTransport> transport_;
   std::unique_ptr<DocumentVisit> visit_;
@@ -141,8 +144,8 @@ int DocumentRun::exportTopics() {
   const PartGuids guids(visited->scene);
   const std::vector<Topic> topics =
       topicsOf({visit_->content(), visited->scene, guids, visited->worldFromPart, sceneHash()});
-  if (Status written = writeTopics(arguments_.file, format_, topics, visited->scene.name); !written)
-    return badInput(written.error());
+  const TopicFile file{arguments_.file, format_, version_, visited->scene.name, sceneHash()};
+  if (Status written = writeTopics(file, topics); !written) return badInput(written.error());
   std::printf("%zu topics written to %s\n", topics.size(), arguments_.file.c_str());
   return kExitDone;
 }
@@ -197,7 +200,9 @@ int run(const DocumentArguments& arguments) {
     return badInput(Error{"--name: 1 to " + std::to_string(sync::kMaxNameLength) + " bytes"});
   const Result<DocumentFormat> format = documentFormat(arguments.file, imports);
   if (!format) return badInput(format.error());
-  DocumentRun visit(arguments, *link, *format);
+  const Result<BcfVersion> version = parseBcfVersion(arguments.bcf);
+  if (!version) return badInput(version.error());
+  DocumentRun visit(arguments, *link, *format, *version);
   if (imports && link->role == sync::Role::observer)
     return badInput(Error{"document import: an observer's link changes nothing; take another"});
   if (Status ready = imports ? visit.readFile() : writable(arguments.file); !ready)
@@ -213,8 +218,11 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
       program.command("document", "Export what a session has agreed on to a file, or import it");
   command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
   command.option("action", arguments->action, "export or import").required();
-  command.option("file", arguments->file, "File to write (.json, .csv, .html) or to read (.json)").required();
+  command
+      .option("file", arguments->file, "File to write (.json, .bcf, .bcfzip, .csv, .html) or to read (.json)")
+      .required();
   command.option("--name", arguments->name, "Your name, as the others see it").showDefault();
+  command.option("--bcf", arguments->bcf, "Version of BCF to write: 2.1 or 3.0").showDefault();
   command.option("--cache", arguments->cache, "Folder for scenes [" + assets::defaultCacheDirectory() + "]");
   command.option("--max-scene", arguments->maxScene, "Largest scene to fetch, MiB")
       .integerFrom(1, 1 << 20)
@@ -222,7 +230,8 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
   command.footer(
       "The document holds notes, views, measures, verdicts on clashes, saved states, groups and names, and "
       "its\n"
-      "JSON file all of them. Its topics (notes, clashes, views, measures) go into tables and pages too.\n"
+      "JSON file all of them. Its topics (notes, clashes, views, measures) go to review tools (BCF), tables, "
+      "pages.\n"
       "An import adds the entries that the session has not, as yours; it may be repeated. A JSON file "
       "belongs\n"
       "to one scene. Example: tandem document 'tandem://HOST:7480/observer?...' export review.html");

@@ -5,6 +5,7 @@
 
 #include "assets/base/assert.h"
 #include "client/commands/command.h"
+#include "client/exchange/bcf_file.h"
 #include "client/exchange/topic_csv.h"
 #include "client/exchange/topic_page.h"
 
@@ -16,7 +17,9 @@ struct Ending {
   DocumentFormat format;
   bool read;
 };
-constexpr std::array<Ending, 3> kEndings{{{".json", DocumentFormat::json, true},
+constexpr std::array<Ending, 5> kEndings{{{".json", DocumentFormat::json, true},
+                                          {".bcf", DocumentFormat::bcf, false},
+                                          {".bcfzip", DocumentFormat::bcf, false},
                                           {".csv", DocumentFormat::csv, false},
                                           {".html", DocumentFormat::html, false}}};
 
@@ -33,11 +36,18 @@ Result<DocumentFormat> documentFormat(const std::string& path, bool imports) {
                possible};
 }
 
-Status writeTopics(const std::string& path, DocumentFormat format, const std::vector<Topic>& topics,
-                   const std::string& sceneName) {
-  ASSERT(format != DocumentFormat::json);
-  if (format == DocumentFormat::csv) return writeFile(path, topicCsv(topics));
-  return writeFile(path, topicPage(sceneName.empty() ? "Review" : "Review of " + sceneName, topics));
+Status writeTopics(const TopicFile& file, const std::vector<Topic>& topics) {
+  ASSERT(file.format != DocumentFormat::json);
+  const std::string name = file.sceneName.empty() ? "Review" : "Review of " + file.sceneName;
+  if (file.format == DocumentFormat::csv) return writeFile(file.path, topicCsv(topics));
+  if (file.format == DocumentFormat::html) return writeFile(file.path, topicPage(name, topics));
+  return writeBcf(file.path, topics, file.version, name, file.sceneHash);
+}
+
+Result<BcfVersion> parseBcfVersion(const std::string& text) {
+  if (text == "2.1") return BcfVersion::v2_1;
+  if (text == "3.0") return BcfVersion::v3_0;
+  return Error{"--bcf " + text + ": is neither 2.1 nor 3.0"};
 }
 
 }  // namespace tandem::client

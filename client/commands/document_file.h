@@ -6,17 +6,25 @@
 #include <vector>
 
 #include "assets/base/result.h"
-#include "client/exchange/document_topics.h"
+#include "client/exchange/bcf_parts.h"
+#include "client/exchange/topic.h"
 
 namespace tandem::client {
 
-enum class DocumentFormat : std::uint8_t { json, csv, html };
+enum class DocumentFormat : std::uint8_t { json, bcf, csv, html };
 
 /// The format of a file by its ending, if it can be written, or read for an import.
 Result<DocumentFormat> documentFormat(const std::string& path, bool imports);
 
-/// Writes topics in any format but JSON, which holds the whole document.
-Status writeTopics(const std::string& path, DocumentFormat format, const std::vector<Topic>& topics,
-                   const std::string& sceneName);
+struct TopicFile {
+  std::string path;
+  DocumentFormat format = DocumentFormat::bcf;  // any but JSON, which holds the whole document
+  BcfVersion version = BcfVersion::v3_0;
+  std::string sceneName, sceneHash;  // of the session
+};
+Status writeTopics(const TopicFile& file, const std::vector<Topic>& topics);
+
+/// The version that --bcf names.
+Result<BcfVersion> parseBcfVersion(const std::string& text);
 
 }  // namespace tandem::client

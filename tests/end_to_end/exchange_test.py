@@ -8,6 +8,8 @@ import json
 import pathlib
 import subprocess
 import sys
+import zipfile
+from xml.etree import ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 from server_process import Server, run, wait_for  # noqa: E402
@@ -83,6 +85,25 @@ def a_table_and_a_page_hold_every_topic(binaries, folder):
         assert page.count("<article") == 4 and "From above" in page
 
 
+def an_archive_is_written_in_both_versions(binaries, folder):
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        for version, name in (("2.1", "old.bcfzip"), ("3.0", "review.bcf")):
+            assert visit.done("observer", "export", name, "--bcf", version).startswith("4 topics")
+            with zipfile.ZipFile(folder.parent / name) as archive:
+                assert archive.testzip() is None
+                names = archive.namelist()
+                root = ElementTree.fromstring(archive.read("bcf.version"))
+                assert root.get("VersionId") == version
+                topics = [each for each in names if each.endswith("/markup.bcf")]
+                assert len(topics) == 4 == len([each for each in names if each.endswith("/viewpoint.bcfv")])
+                assert ("extensions.xml" in names) == ("project.bcfp" in names) == (version == "3.0")
+                for each in topics:
+                    topic = ElementTree.fromstring(archive.read(each)).find("Topic")
+                    assert topic.get("Guid") == each.split("/")[0]
+        visit.refused("observer", "export", "review.bcf", "3.0", "--bcf", "4")
+
+
 def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
     with Server(binaries, folder) as server:
         visit = visits(binaries, server, folder)
@@ -92,4 +113,5 @@ def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
 
 
 if __name__ == "__main__":
-    sys.exit(run(a_table_and_a_page_hold_every_topic, files_that_cannot_be_are_refused_in_one_line))
+    sys.exit(run(a_table_and_a_page_hold_every_topic, an_archive_is_written_in_both_versions,
+                 files_that_cannot_be_are_refused_in_one_line))

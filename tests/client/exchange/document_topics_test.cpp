@@ -84,7 +84,7 @@ TEST(DocumentTopics, ATitleIsTheFirstSentenceOrALine) {
   EXPECT_EQ(titleOf("Short"), "Short");
   EXPECT_EQ(titleOf("One. Two."), "One");
   const std::string longText = std::string(60, 'a') + ' ' + std::string(60, 'b');
-  EXPECT_EQ(titleOf(longText), std::string(60, 'a') + "...");
+  EXPECT_EQ(titleOf(longText), longText.substr(0, 60) + "...");
   const std::string umlauts = [] {
     std::string text;
     for (int i = 0; i < 100; ++i) text += "\xc3\xbc";
