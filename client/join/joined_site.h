@@ -65,6 +65,8 @@ class JoinedSite {
   void clearFault();
   /// Passes the person's actions to both threads.
   void act(const ViewActions& actions);
+  /// A wish for the document, for a site without a window.
+  void want(const DocumentWish& wish) { shared_.want(wish); }
 
   /// Whether the site has left the session for good, and why.
   bool ended(std::string& reason) { return shared_.ended(reason); }

@@ -6,6 +6,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "client/session/document_words.h"
 #include "client/session/holding_words.h"
 
 namespace tandem::client {
@@ -47,6 +48,7 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
                 figure(model.connection.roundTrip_ms > 0.0, "%.1f", model.connection.roundTrip_ms).c_str(),
                 figure(model.loop.ticks > 0, "%.0f", model.loop.compute_us_p99).c_str(),
                 glm::length(model.hand.force), heldHere(model).c_str());
+    printDocument(model, elapsed);
     std::fflush(stdout);
     return;
   }
@@ -73,6 +75,10 @@ void LiveTable::show(const ViewModel& model, double elapsed) {
   std::printf("hand  %.2f N  touches %s  holds %s", glm::length(model.hand.force),
               orDash(partName(model, model.hand.touched)).c_str(), heldHere(model).c_str());
   end();
+  if (model.document != nullptr) {
+    std::fputs(("document  " + inWords(*model.document)).c_str(), stdout);
+    end();
+  }
   if (!model.hand.fault.empty()) {
     std::fputs(("  ! " + faultLine(model)).c_str(), stdout);
     end();
@@ -106,6 +112,13 @@ void LiveTable::printNews(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
+/// Prints how the document is, if it has changed.
+void LiveTable::printDocument(const ViewModel& model, double elapsed) {
+  if (model.document == nullptr || model.document->revision() == printedRevision_) return;
+  printedRevision_ = model.document->revision();
+  std::printf("%7.1f s  document: %s\n", elapsed, inWords(*model.document).c_str());
+}
+
 void LiveTable::summary(const ViewModel& model, const std::string& end, std::size_t grabs,
                         std::size_t shared) {
   const bool known = model.connection.roundTrip_ms > 0.0;
@@ -118,6 +131,7 @@ void LiveTable::summary(const ViewModel& model, const std::string& end, std::siz
       figure(known, "%.1f", 100.0 * model.connection.lossUp).c_str(),
       figure(known, "%.1f", 100.0 * model.connection.lossDown).c_str(), grabs, grabs == 1 ? "" : "s", shared,
       shared == 1 ? "" : "s");
+  if (model.document != nullptr) std::printf("document: %s\n", inWords(*model.document).c_str());
 }
 
 }  // namespace tandem::client

@@ -20,11 +20,13 @@ class LiveTable {
   static void summary(const ViewModel& model, const std::string& end, std::size_t grabs, std::size_t shared);
 
  private:
+  void printDocument(const ViewModel& model, double elapsed);
   void printNews(const ViewModel& model, double elapsed);
   bool quiet_, terminal_;
   double next_ = 0.0;          // s since the start
   std::uint64_t printed_ = 0;  // the number of the last notice that was printed
   std::string printedFault_;
+  std::uint64_t printedRevision_ = 0;  // of the document
   int lines_ = 0;
 };
 

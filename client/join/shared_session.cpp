@@ -1,5 +1,7 @@
 #include "client/join/shared_session.h"
 
+#include <algorithm>
+#include <iterator>
 #include <span>
 #include <utility>
 
@@ -24,6 +26,7 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
       const std::span<const SiteId> coHolders = connection.coHolders(part);
       toMain_.coHolders[i].assign(coHolders.begin(), coHolders.end());
     }
+    takeDocument(connection.document());
     for (Notice& notice : connection.drainNotices()) toMain_.notices.push_back(std::move(notice));
     const TransportCounters before = toMain_.statistics.transport;
     toMain_.statistics = connection.statistics();
@@ -35,10 +38,22 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
     commands.worldFromCamera = toNetwork_.worldFromCamera;
     std::swap(commands.revokes, toNetwork_.revokes);
     std::swap(commands.resetParts, toNetwork_.resetParts);
+    std::swap(commands.documentWishes, toNetwork_.documentWishes);
   }
   connection.setCamera(commands.worldFromCamera);
   for (const PartId part : commands.revokes) connection.revoke(part);
   if (commands.resetParts) connection.resetParts();
+  for (DocumentWish& wish : commands.documentWishes) connection.document().want(std::move(wish));
+}
+
+/// Adds what the document's news are to those that the main thread has not read yet.
+void SharedSession::takeDocument(SessionDocument& document) {
+  DocumentNews news = document.drainNews();
+  if (news.anew)
+    toMain_.document = std::move(news);
+  else
+    std::move(news.entries.begin(), news.entries.end(), std::back_inserter(toMain_.document.entries));
+  toMain_.documentStanding = document.standing();
 }
 
 /// Bytes since the last exchange as a rate, through a low-pass of the first order with a weight of 0.05.
@@ -61,7 +76,7 @@ void SharedSession::notice(Notice notice) {
 }
 
 std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount) {
-  const std::lock_guard lock(mutex_);
+  std::unique_lock lock(mutex_);
   model.sites = toMain_.sites;
   model.owner = toMain_.owner;
   model.owner.resize(partCount, kNoSite);
@@ -80,7 +95,14 @@ std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount)
   model.connection.sentKbit_s = toMain_.sentKbit_s;
   model.connection.receivedKbit_s = toMain_.receivedKbit_s;
   model.connection.stateOverUdp = toMain_.udp;
-  return std::exchange(toMain_.notices, {});
+  model.documentStanding = toMain_.documentStanding;
+  const DocumentNews news = std::exchange(toMain_.document, {});
+  std::vector<Notice> notices = std::exchange(toMain_.notices, {});
+  lock.unlock();
+  if (news.anew) document_.clear();
+  for (const document::Entry& entry : news.entries) document_.put(entry);
+  model.document = &document_;
+  return notices;
 }
 
 void SharedSession::act(const ViewActions& actions) {
@@ -88,6 +110,12 @@ void SharedSession::act(const ViewActions& actions) {
   toNetwork_.worldFromCamera = actions.worldFromCamera;
   if (actions.revoke != kNoPart) toNetwork_.revokes.push_back(actions.revoke);
   toNetwork_.resetParts = toNetwork_.resetParts || actions.resetParts;
+  for (const DocumentWish& wish : actions.documentWishes) toNetwork_.documentWishes.push_back(wish);
+}
+
+void SharedSession::want(const DocumentWish& wish) {
+  const std::lock_guard lock(mutex_);
+  toNetwork_.documentWishes.push_back(wish);
 }
 
 bool SharedSession::ended(std::string& reason) {

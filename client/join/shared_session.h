@@ -26,6 +26,7 @@ class SharedSession {
   /// Copies the session's state into the model and returns the notices since the last call, oldest first.
   std::vector<Notice> read(ViewModel& model, std::size_t partCount);
   void act(const ViewActions& actions);
+  void want(const DocumentWish& wish);
   /// Whether the site is out of the session for good, and why.
   bool ended(std::string& reason);
   ConnectionStatistics statistics();
@@ -37,6 +38,8 @@ class SharedSession {
     std::vector<SiteView> sites;
     std::vector<SiteId> owner;                   // by part
     std::vector<std::vector<SiteId>> coHolders;  // by part
+    DocumentNews document;
+    DocumentStanding documentStanding;
     std::vector<Notice> notices;
     ConnectionStatistics statistics;
     std::string reason;
@@ -48,13 +51,17 @@ class SharedSession {
     Pose worldFromCamera;
     std::vector<PartId> revokes;
     bool resetParts = false;
+    std::vector<DocumentWish> documentWishes;
   };
 
+  void takeDocument(SessionDocument& document);
   void measureRates(const sync::TransportCounters& before, const sync::TransportCounters& after);
 
   std::mutex mutex_;  // guards what follows
   ToMain toMain_;
   ToNetwork toNetwork_;
+
+  document::Document document_;  // main thread
 };
 
 }  // namespace tandem::client

@@ -40,6 +40,7 @@ ServerConnection::ServerConnection(ConnectionOptions options, Connector connecto
       connector_(std::move(connector)),
       backoff_(options_.retryFirst, options_.retryLongest),
       pings_(options_.pingInterval, clock_),
+      document_(people_, sender_),
       requests_(people_, sender_, watchers_) {}
 
 ServerConnection::~ServerConnection() = default;
@@ -66,6 +67,7 @@ void ServerConnection::step(Micros now) {
 void ServerConnection::stepInSession() {
   ASSERT(inScene_ != nullptr);
   requests_.sendIntents();
+  document_.step(clock_.now());
   if (reports_.due(clock_.now())) sender_.send(reports_.next(clock_.now(), pings_.roundTrip_ms()));
   inScene_->ownership.exchangeLinks();
   if (inScene_->ownership.linkPacketIsNear()) return;
@@ -98,6 +100,7 @@ void ServerConnection::disconnected(const std::string& reason) {
     ++reconnects_;
     if (watchers_.observer) watchers_.observer->onConnection(false);
     requests_.connectionLost();
+    document_.connectionLost();
   }
   people_.connectionLost();
   reason_ = reason;
@@ -170,6 +173,8 @@ bool ServerConnection::route(Message& message) {
     return handleBy(people_, message);
   } else if constexpr (Handles<SceneFetch, Message>) {
     return handleBy(fetch_, message);
+  } else if constexpr (Handles<SessionDocument, Message>) {
+    return handleBy(document_, message);
   } else if constexpr (Handles<PartRequests, Message>) {
     return handleBy(requests_, message);
   } else {
@@ -314,6 +319,7 @@ void ServerConnection::enterReady() {
   inScene_->receiving.publishTimeBase();
   if (watchers_.observer) watchers_.observer->onConnection(true);
   sender_.send(Ready{});
+  document_.enter();
   recordBeginning();
   requests_.reclaim(true);
   for (const PartRecord& record : welcome_.parts)

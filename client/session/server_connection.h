@@ -24,6 +24,7 @@
 #include "client/session/part_requests.h"
 #include "client/session/pings.h"
 #include "client/session/scene_fetch.h"
+#include "client/session/session_document.h"
 #include "client/session/site_reports.h"
 #include "client/session/state_publishing.h"
 #include "client/session/state_receiving.h"
@@ -68,6 +69,8 @@ class ServerConnection {
   void revoke(PartId part);
   void resetParts();
   void setCamera(const Pose& worldFromCamera) { worldFromCamera_ = worldFromCamera; }
+  /// The session's document, as far as it is known here; what is wanted before the site is ready waits.
+  SessionDocument& document() { return document_; }
   /// Sends a Goodbye: this site's parts are free at once.
   void leave();
 
@@ -113,7 +116,6 @@ class ServerConnection {
   void handle(sync::NewTicket& message);
   void handle(const sync::SiteLeft& message);
   void handle(const sync::Pong& message);
-  void handle(const sync::DocumentChanged&) {}  // nothing in a site shows the document; see document_visit.h
   bool handleBeforeScene(const sync::OwnershipChanged& message);
   bool handleBeforeScene(const sync::MembersChanged& message);
 
@@ -140,6 +142,7 @@ class ServerConnection {
   MessageSender sender_;
   Participants people_;
   SceneFetch fetch_;
+  SessionDocument document_;
   PartRequests requests_;
   std::unique_ptr<InScene> inScene_;
 

@@ -11,6 +11,7 @@
 
 #include "assets/scene/scene.h"
 #include "client/review/clash_view.h"
+#include "client/session/document_view.h"
 #include "haptics/tick.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/state_update.h"
@@ -114,6 +115,8 @@ struct ViewModel {
   LoopView loop;
   ConnectionView connection;
   ClashSearchView clashes;
+  const document::Document* document = nullptr;  // the session's; null: there is none
+  DocumentStanding documentStanding;
   std::vector<Notice> notices;  // newest last
   HandSettings settings;
   sync::Role role = sync::Role::observer;
@@ -152,6 +155,7 @@ struct ViewActions {
   bool resetFault = false;
   std::optional<ClashQuestion> findClashes;  // look for them now
   bool stopClashes = false;
+  std::vector<DocumentWish> documentWishes;
   Pose worldFromCamera;
   // replay only
   bool seek = false;

@@ -1,0 +1,99 @@
+#include "client/commands/join_report.h"
+
+#include <cstdio>
+
+#include "assets/base/json.h"
+#include "client/base/tick_flags.h"
+#include "client/base/traffic_json.h"
+#include "client/session/document_words.h"
+
+namespace tandem::client {
+
+namespace {
+
+Json flagNames(std::uint32_t flags) {
+  Json names = Json::array();
+  for (const auto& [flag, name] : tickFlagNames())
+    if ((flags & flag) != 0) names.push(name);
+  return names;
+}
+
+}  // namespace
+
+std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
+                       const std::string& end) {
+  Json json;
+  json["site"] = site.id();
+  json["role"] = sync::toString(site.role());
+  json["end"] = end;
+  const haptics::ServoStatistics servo = site.servoStatistics();
+  json["ticks"] = servo.ticks;
+  json["late"] = servo.late;
+  json["stalls"] = model.hand.stalls;
+  json["compute_us"] = {
+      {"p50", servo.compute_us_p50}, {"p99", servo.compute_us_p99}, {"max", servo.compute_us_max}};
+  const ConnectionStatistics connection = site.connectionStatistics();
+  json["round_trip_ms"] = connection.roundTrip_ms;
+  json["loss_up"] = connection.lossUp;
+  json["loss_down"] = connection.lossDown;
+  json["play_out_ms"] = connection.playOut_ms;
+  json["reconnects"] = connection.reconnects;
+  json["sent"] = trafficJson(connection.sent);
+  json["received"] = trafficJson(connection.received);
+  json["dropped_states"] = connection.droppedStates;
+  json["state_over_udp"] = model.connection.stateOverUdp;
+  json["flags_seen"] = flagNames(model.hand.flagsSeen);
+  json["fault"] = nullptr;
+  if (!model.hand.fault.empty()) json["fault"] = model.hand.fault;
+  json["fault_clears"] = report.faultClears;
+  json["tool_radius_m"] = model.hand.toolRadius;
+  json["stiffest_contact_n_per_m"] = model.hand.stiffest;
+  json["models"] = {{"coarse_s", report.modelSeconds}, {"refined", model.loop.refined}};
+  if (const SecondHandView& second = model.hand.second; !second.deviceName.empty()) {
+    json["second_hand"] = {{"device", second.deviceName},
+                           {"held", nullptr},
+                           {"largest_force_n", second.mostForce},
+                           {"flags_seen", flagNames(second.flagsSeen)}};
+    if (second.held != kNoPart) json["second_hand"]["held"] = site.scene().parts[second.held].name;
+  }
+  if (model.document != nullptr)
+    json["document"] = {{"entries", model.document->size()}, {"in_words", inWords(*model.document)}};
+  json["grabs"] = Json::array();
+  for (const GrabNote& grab : report.grabs)
+    json["grabs"].push({{"t", grab.time},
+                        {"wait_ms", grab.wait_ms},
+                        {"part", site.scene().parts[grab.part].name},
+                        {"answer", sync::toString(grab.denial)},
+                        {"owner", grab.owner}});
+  json["ownership"] = Json::array();
+  for (const OwnershipNote& note : report.ownership)
+    json["ownership"].push({{"t", note.time},
+                            {"part", site.scene().parts[note.record.part].name},
+                            {"owner", note.record.owner},
+                            {"epoch", note.record.epoch}});
+  for (std::size_t i = 0; i < site.scene().parts.size(); ++i) {
+    if (!site.scene().parts[i].movable) continue;
+    const Pose& pose = model.worldFromPart[i];
+    json["poses"][site.scene().parts[i].name] = {pose.position.x,    pose.position.y,    pose.position.z,
+                                                 pose.orientation.w, pose.orientation.x, pose.orientation.y,
+                                                 pose.orientation.z};
+  }
+  return json.rounded().dump(2);
+}
+
+PoseTrace::PoseTrace(const std::string& path) : file_(path) {
+  file_ << "session_us,part,owned,x,y,z,qw,qx,qy,qz\n";
+}
+
+void PoseTrace::add(const ShownPose& shown, const assets::Scene& scene) {
+  if (shown.time == 0) return;
+  const glm::dvec3& p = shown.worldFromPart.position;
+  const glm::dquat& q = shown.worldFromPart.orientation;
+  char line[320];
+  std::snprintf(line, sizeof line, "%lld,%s,%d,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g,%.9g\n",
+                static_cast<long long>(shown.time), scene.parts[shown.part].name.substr(0, 100).c_str(),
+                shown.owned ? 1 : 0, p.x, p.y, p.z, q.w, q.x, q.y, q.z);
+  file_ << line;
+}
+
+}  // namespace tandem::client
