@@ -21,6 +21,7 @@ constexpr sync::Micros kPatience = 20 * sync::kSecond;  // without any progress
 struct DocumentArguments {
   std::string link, action, file, name = "document", cache, bcf = "3.0";
   int maxScene = 2048;  // MiB
+  bool noPictures = false;
 };
 
 /// The session's scene with its parts where they are.
@@ -142,8 +143,14 @@ int DocumentRun::exportTopics() {
   if (!visited) return failed(visited.error());
   visit_->leave();
   const PartGuids guids(visited->scene);
-  const std::vector<Topic> topics =
-      topicsOf({visit_->content(), visited->scene, guids, visited->worldFromPart, sceneHash()});
+  const TopicSource source{visit_->content(), visited->scene, guids, visited->worldFromPart, sceneHash()};
+  std::vector<Topic> topics = topicsOf(source);
+  if (!arguments_.noPictures && format_ != DocumentFormat::csv) {
+    ProgressLine line;
+    const Status drawn =
+        drawTopics(topics, source, [&](double done) { line.show(done, "drawing pictures"); });
+    if (!drawn) return badInput(drawn.error());
+  }
   const TopicFile file{arguments_.file, format_, version_, visited->scene.name, sceneHash()};
   if (Status written = writeTopics(file, topics); !written) return badInput(written.error());
   std::printf("%zu topics written to %s\n", topics.size(), arguments_.file.c_str());
@@ -223,6 +230,7 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
       .required();
   command.option("--name", arguments->name, "Your name, as the others see it").showDefault();
   command.option("--bcf", arguments->bcf, "Version of BCF to write: 2.1 or 3.0").showDefault();
+  command.flag("--no-pictures", arguments->noPictures, "Leave the pictures of topics out");
   command.option("--cache", arguments->cache, "Folder for scenes [" + assets::defaultCacheDirectory() + "]");
   command.option("--max-scene", arguments->maxScene, "Largest scene to fetch, MiB")
       .integerFrom(1, 1 << 20)

@@ -2,12 +2,13 @@
 
 // The files to which `tandem document` takes a session's document, by their endings.
 
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "assets/base/result.h"
 #include "client/exchange/bcf_parts.h"
-#include "client/exchange/topic.h"
+#include "client/exchange/document_topics.h"
 
 namespace tandem::client {
 
@@ -23,6 +24,10 @@ struct TopicFile {
   std::string sceneName, sceneHash;  // of the session
 };
 Status writeTopics(const TopicFile& file, const std::vector<Topic>& topics);
+
+/// Draws a picture of each topic's view. `progress` is called with the share done.
+Status drawTopics(std::vector<Topic>& topics, const TopicSource& source,
+                  const std::function<void(double)>& progress);
 
 /// The version that --bcf names.
 Result<BcfVersion> parseBcfVersion(const std::string& text);

@@ -18,11 +18,15 @@ namespace {
 using pugi::xml_node;
 
 /// Text without the two characters that UTF-8 can hold and XML cannot.
-std::string xmlText(std::string text) {
-  for (const char* bad : {"\xef\xbf\xbe", "\xef\xbf\xbf"})
-    for (std::size_t at = text.find(bad); at != std::string::npos; at = text.find(bad, at))
-      text.replace(at, 3, "?");
-  return text;
+std::string xmlText(const std::string& text) {
+  std::string fit;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const bool bad = text.compare(i, 2, "\xef\xbf") == 0 && i + 2 < text.size() &&
+                     (text[i + 2] == '\xbe' || text[i + 2] == '\xbf');
+    fit += bad ? '?' : text[i];
+    if (bad) i += 2;
+  }
+  return fit;
 }
 
 void add(xml_node parent, const char* name, const std::string& text) {
@@ -37,7 +41,7 @@ void addFilled(xml_node parent, const char* name, const std::string& text) {
 
 void addNumber(xml_node parent, const char* name, double value) {
   std::array<char, 32> digits{};
-  std::to_chars(digits.data(), digits.data() + digits.size() - 1, value);
+  std::to_chars(digits.data(), digits.data() + digits.size() - 1, value + 0.0);  // no -0
   add(parent, name, digits.data());
 }
 

@@ -80,9 +80,11 @@ def a_table_and_a_page_hold_every_topic(binaries, folder):
         assert [row["type"] for row in rows] == ["Note", "Clash", "View", "Measure"], rows
         assert rows[0]["title"] == "The peg is tight", rows[0]
         assert rows[0]["thread"].endswith("document: =1+1"), rows[0]
-        visit.done("observer", "export", "review.html")
-        page = (folder.parent / "review.html").read_text(encoding="utf-8")
-        assert page.count("<article") == 4 and "From above" in page
+        for options, pictures in (((), 4), (("--no-pictures",), 0)):
+            visit.done("observer", "export", "review.html", *options)
+            page = (folder.parent / "review.html").read_text(encoding="utf-8")
+            assert page.count("<article") == 4 and "From above" in page
+            assert page.count("data:image/png;base64,iVBOR") == pictures
 
 
 def an_archive_is_written_in_both_versions(binaries, folder):
@@ -101,6 +103,8 @@ def an_archive_is_written_in_both_versions(binaries, folder):
                 for each in topics:
                     topic = ElementTree.fromstring(archive.read(each)).find("Topic")
                     assert topic.get("Guid") == each.split("/")[0]
+                    picture = archive.read(each.replace("markup.bcf", "snapshot.png"))
+                    assert picture.startswith(b"\x89PNG") and len(picture) > 5000, len(picture)
         visit.refused("observer", "export", "review.bcf", "3.0", "--bcf", "4")
 
 
