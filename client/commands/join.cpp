@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <csignal>
@@ -14,6 +15,7 @@
 #include "client/commands/command.h"
 #include "client/commands/join_report.h"
 #include "client/commands/tool_option.h"
+#include "client/hand/script_writer.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
 #include "client/review/clash_search.h"
@@ -51,6 +53,7 @@ struct Hand {
   haptics::VirtualStylus* stylus = nullptr;
   haptics::SteeredHand* steered = nullptr;
   ScriptedDevice* scripted = nullptr;
+  std::optional<ScriptWriter> writer;  // beside `scripted`
 };
 
 /// Opens the device `name`, placed by its calibration. `option` names the option in errors.
@@ -74,6 +77,7 @@ Result<Hand> scriptedHand(const std::string& path, JoinedSite& site, const Pose&
   if (!script) return script.error();
   script->toolRadius = site.toolRadius();
   Hand hand;
+  hand.writer.emplace(*script);
   auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
                                                  haptics::SimulatedDeviceParameters{}, start,
                                                  [&site](PartId part) { return site.worldFromPart(part); });
@@ -173,6 +177,7 @@ class JoinRun {
         loop.setControl(other->control(), 1);
       }
     };
+    scripts_ = {&*hand, &*second};
     site_.start(std::move(hand->device), prepare, std::move(second->device));
     loop(stylus, steered);
     return finish();
@@ -233,6 +238,7 @@ class JoinRun {
       report_.collect(site_);
       clearFaults();
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
+      writeByScript(elapsed);
       if (viewer_) {
         const ViewActions actions = viewer_->frame(model_);
         if (stylus) followMouse(*stylus, actions, elapsed);
@@ -327,6 +333,19 @@ class JoinRun {
     }
   }
 
+  /// Writes in the document what the scripts of the hands have come to.
+  void writeByScript(double elapsed) {
+    for (Hand* hand : scripts_) {
+      if (!hand->writer) continue;
+      const Camera camera = viewer_ ? viewer_->camera() : fitView(site_.scene().bounds, 1.6);
+      const ScriptWriter::Written written =
+          hand->writer->write(elapsed, hand->scripted->written(), model_, camera);
+      for (const DocumentWish& wish : written.wishes) site_.want(wish);
+      for (const std::string& problem : written.problems)
+        std::fprintf(stderr, "tandem: script: %s\n", problem.c_str());
+    }
+  }
+
   /// Sets the camera of a site without a window, which the others see, to the initial view of a window.
   void lookAtAll() {
     ViewActions actions;
@@ -360,6 +379,7 @@ class JoinRun {
   std::unique_ptr<ClearanceWatch> clearance_;  // null without a window and a picture
   std::unique_ptr<ClashSearch> clashes_;       // null before the first search
   std::unique_ptr<PoseTrace> trace_;
+  std::array<Hand*, 2> scripts_{};  // while run() runs
   ViewModel model_;
   ViewActions waiting_;  // input from before the hand exists
   JoinReport report_;

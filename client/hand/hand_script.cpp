@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
 #include "assets/base/json.h"
+#include "assets/document/entry_check.h"
 #include "client/base/json_input.h"
 #include "haptics/base/minimum_jerk.h"
 #include "haptics/geometry/primitive_distance.h"
@@ -90,11 +91,56 @@ PartId controlPart(const Json& step, const assets::Scene* scene) {
 
 /// A misspelt key would silently do something else.
 void refuseUnknown(const Json& step) {
-  static const char* const known[] = {"t",     "do",        "part", "over_s", "to",    "by",      "axis",
-                                      "angle", "amplitude", "hz",   "for_s",  "depth", "control", "value"};
+  static const char* const known[] = {"t",       "do",    "part",      "over_s", "to",    "by",
+                                      "axis",    "angle", "amplitude", "hz",     "for_s", "depth",
+                                      "control", "value", "text",      "name",   "status"};
   for (const auto& item : step.members())
     if (std::find(std::begin(known), std::end(known), item.first) == std::end(known))
       throw "does not know \"" + item.first + "\"";
+}
+
+std::string text(const Json& step, const char* key, std::size_t limit) {
+  if (!step.contains(key) || !step.at(key).isText() || step.at(key).text().empty())
+    throw std::string("needs \"") + key + "\": \"...\"";
+  document::Note note;
+  note.text = step.at(key).text();
+  if (note.text.size() > limit || !document::check(note))
+    throw std::string("\"") + key + "\" must be at most " + std::to_string(limit) +
+        " bytes of text without control characters";
+  return note.text;
+}
+
+document::NoteStatus status(const Json& step) {
+  const std::string name = text(step, "status", document::kMaxName);
+  for (std::size_t i = 0; i < document::kNoteStatusNames.size(); ++i)
+    if (name == document::kNoteStatusNames[i]) return static_cast<document::NoteStatus>(i);
+  throw std::string("\"status\" must be open, in progress, resolved or closed");
+}
+
+/// A step that writes in the session's document; false if the verb is another one.
+bool parseWriting(const Json& entry, const std::string& verb, const assets::Scene* scene, ScriptStep& step) {
+  using Verb = ScriptStep::Verb;
+  const bool answers = verb == "reply" || verb == "status";
+  if (answers && entry.contains("to")) step.to = text(entry, "to", document::kMaxText);
+  if (verb == "note") {
+    step.verb = Verb::note;
+    step.text = text(entry, "text", document::kMaxText);
+    if (entry.contains("part")) step.part = part(entry, scene);
+  } else if (verb == "reply") {
+    step.verb = Verb::reply;
+    step.text = text(entry, "text", document::kMaxText);
+  } else if (verb == "status") {
+    step.verb = Verb::status;
+    step.status = status(entry);
+  } else if (verb == "view") {
+    step.verb = Verb::view;
+    step.text = text(entry, "name", document::kMaxName);
+  } else if (verb == "undo" || verb == "redo") {
+    step.verb = verb == "undo" ? Verb::undo : Verb::redo;
+  } else {
+    return false;
+  }
+  return true;
 }
 
 ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
@@ -139,9 +185,10 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
     step.amount = number(entry, "value");
   } else if (verb == "let_go") {
     step.verb = Verb::letGo;
-  } else {
+  } else if (!parseWriting(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
-        "\"; verbs: grasp release move move_relative turn sine hold press set let_go";
+        "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
+        "undo redo";
   }
   return step;
 }
@@ -342,6 +389,14 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
     case ScriptStep::Verb::letGo:
       holdsStylus_ = false;
       break;
+    case ScriptStep::Verb::note:
+    case ScriptStep::Verb::reply:
+    case ScriptStep::Verb::status:
+    case ScriptStep::Verb::view:
+    case ScriptStep::Verb::undo:
+    case ScriptStep::Verb::redo:
+      ++written_;
+      break;
   }
 }
 
@@ -354,6 +409,7 @@ ScriptedPerson::Intent ScriptedPerson::evaluate(double t) {
   intent.graspButton = button_;
   intent.wish = wish_;
   intent.control = control_;
+  intent.written = written_;
   haptics::HandTarget& target = intent.target;
   target.holdsStylus = holdsStylus_;
   const double since = t - motionStart_;

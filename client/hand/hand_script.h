@@ -18,11 +18,18 @@
 //   press {part, depth [, over_s]}
 //                             the target goes to `depth` inside the nearest point of that part's surface
 //   let_go                    the person lets go of the stylus; what it has latched stays
+// and, in the session's document (script_writer.h; `tandem simulate` passes over them):
+//   note {text [, part]}      pins a note to the place that is touched, or to the nearest one of that part
+//   reply {text [, to]}       answers the note whose text begins so, or the last one
+//   status {status [, to]}    that note is now open, in progress, resolved or closed
+//   view {name}               keeps what this site's camera sees
+//   undo, redo                takes back what this person wrote last; writes it again
 
 #include <string>
 #include <vector>
 
 #include "assets/base/result.h"
+#include "assets/document/entry.h"
 #include "assets/scene/scene.h"
 #include "client/session/exchange.h"
 #include "haptics/operator/simulated_hand.h"
@@ -33,7 +40,24 @@ namespace tandem::client {
 inline constexpr double kFarthest = 1e6;
 
 struct ScriptStep {
-  enum class Verb : std::uint8_t { grasp, release, move, moveRelative, turn, sine, hold, press, letGo, set };
+  enum class Verb : std::uint8_t {
+    grasp,
+    release,
+    move,
+    moveRelative,
+    turn,
+    sine,
+    hold,
+    press,
+    letGo,
+    set,
+    note,  // the first of those that write in the document
+    reply,
+    status,
+    view,
+    undo,
+    redo
+  };
   double at = 0.0;  // s
   Verb verb = Verb::hold;
   PartId part = kNoPart;
@@ -41,6 +65,10 @@ struct ScriptStep {
   double over = 0.0;                 // s: over_s, for_s
   double amount = 0.0;               // angle, amplitude, depth or value
   double hz = 0.0;
+  std::string text, to;  // of a verb that writes; a view's name is its text
+  document::NoteStatus status = document::NoteStatus::open;  // of the verb `status`
+
+  bool writes() const { return verb >= Verb::note; }
 };
 
 struct HandScript {
@@ -73,7 +101,8 @@ class ScriptedPerson {
     haptics::HandTarget target;
     bool graspButton = false;
     PartId wish = kNoPart;
-    ControlWish control;  // of the last `set`
+    ControlWish control;        // of the last `set`
+    std::uint32_t written = 0;  // steps so far that write in the document
   };
   /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts
   /// are.
@@ -105,6 +134,7 @@ class ScriptedPerson {
   bool holdsStylus_ = true, button_ = false;
   PartId wish_ = kNoPart;
   ControlWish control_;
+  std::uint32_t written_ = 0;
   double buttonDownAt_ = -1.0;  // a grasp's button waits for the hand to arrive
 };
 

@@ -37,6 +37,7 @@ haptics::DeviceSample ScriptedDevice::poll(double now) {
   constexpr double kLongestStep = 0.02;
   elapsed_ = now - start_;
   intent_ = person_.at(elapsed_, hand_.devicePose(), worldFromPart_);
+  written_.store(intent_.written, std::memory_order_release);
   if (step > 0.0) hand_.step(intent_.target, force_, std::min(step, kLongestStep));
   haptics::DeviceSample sample = hand_.sample(now);
   if (intent_.graspButton) sample.buttons |= 1u;

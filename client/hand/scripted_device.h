@@ -3,6 +3,7 @@
 // A device in the hand of a scripted person: script, arm and device models in one, on whatever time it is
 // polled with. Used by simulations (virtual time) and by `tandem join --hand` (real time).
 
+#include <atomic>
 #include <functional>
 
 #include "client/hand/hand_script.h"
@@ -33,6 +34,8 @@ class ScriptedDevice : public haptics::Device {
   const haptics::HandTarget& target() const { return intent_.target; }
   PartId wish() const { return intent_.wish; }
   const ControlWish& control() const { return intent_.control; }
+  /// Steps so far that write in the document. Any thread.
+  std::uint32_t written() const { return written_.load(std::memory_order_acquire); }
   bool finished() const { return person_.finished(elapsed_); }
 
  private:
@@ -44,6 +47,7 @@ class ScriptedDevice : public haptics::Device {
   glm::dvec3 force_{0.0, 0.0, 0.0};
   double start_ = 0.0, elapsed_ = 0.0;
   bool started_ = false;
+  std::atomic<std::uint32_t> written_{0};
 };
 
 /// Where a hand begins when nothing says otherwise: in front of and above the scene, the n-th hand beside the

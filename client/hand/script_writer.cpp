@@ -1,0 +1,93 @@
+#include "client/hand/script_writer.h"
+
+#include <algorithm>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include "assets/base/assert.h"
+#include "client/session/document_words.h"
+
+namespace tandem::client {
+
+using namespace document;
+using Verb = ScriptStep::Verb;
+
+namespace {
+
+/// The newest note whose text begins so; null if there is none.
+const Entry* noteThatBegins(const Document& document, const std::string& text) {
+  const auto& entries = document.entries();
+  const auto found = std::find_if(entries.rbegin(), entries.rend(), [&](const auto& each) {
+    const Note* note = std::get_if<Note>(&each.second.body);
+    return note != nullptr && note->text.compare(0, text.size(), text) == 0;
+  });
+  return found == entries.rend() ? nullptr : &found->second;
+}
+
+bool needsNote(Verb verb) { return verb == Verb::reply || verb == Verb::status; }
+
+/// `note` is what the step answers, if it needs one.
+DocumentWish wishOf(const ScriptStep& step, const ViewModel& model, const Camera& camera, const Entry* note) {
+  using Kind = DocumentWish::Kind;
+  switch (step.verb) {
+    case Verb::undo:
+      return {Kind::undo, {}};
+    case Verb::redo:
+      return {Kind::redo, {}};
+    case Verb::reply:
+      return {Kind::change, {0, 0, Comment{note->id, step.text}}};
+    case Verb::status: {
+      Note changed = std::get<Note>(note->body);
+      changed.status = step.status;
+      return {Kind::change, {note->id, note->revision, std::move(changed)}};
+    }
+    case Verb::view:
+      return {Kind::change,
+              {0, 0, NamedView{step.text, worldFromCamera(camera), camera.distance, {}, false, {}}}};
+    default:
+      ASSERT(step.verb == Verb::note);
+      return {Kind::change, {0, 0, noteAtHand(model, step.part, step.text)}};
+  }
+}
+
+}  // namespace
+
+Note noteAtHand(const ViewModel& model, PartId part, std::string text) {
+  Note note;
+  note.text = std::move(text);
+  note.place = model.hand.worldFromProxy.position;
+  note.part = part != kNoPart ? part : model.hand.touched;
+  if (note.part == kNoPart) return note;
+  const Pose& worldFromPart = model.worldFromPart[note.part];
+  if (part != kNoPart) note.place = nearestSurfacePoint(*model.scene, part, worldFromPart, note.place).point;
+  note.place = transformPoint(inverse(worldFromPart), note.place);
+  return note;
+}
+
+ScriptWriter::ScriptWriter(const HandScript& script) {
+  std::copy_if(script.steps.begin(), script.steps.end(), std::back_inserter(steps_),
+               [](const ScriptStep& step) { return step.writes(); });
+}
+
+ScriptWriter::Written ScriptWriter::write(double now, std::uint32_t begun, const ViewModel& model,
+                                          const Camera& camera) {
+  Written written;
+  if (model.document == nullptr || !model.documentStanding.complete) return written;
+  for (; done_ < begun && !steps_.empty(); ++done_, steps_.pop_front()) {
+    const ScriptStep& step = steps_.front();
+    const Entry* note = needsNote(step.verb) ? noteThatBegins(*model.document, step.to) : nullptr;
+    if (!needsNote(step.verb) || note != nullptr) {
+      written.wishes.push_back(wishOf(step, model, camera, note));
+    } else if (waitsSince_ < 0.0 || now - waitsSince_ < kPatience) {
+      if (waitsSince_ < 0.0) waitsSince_ = now;
+      return written;
+    } else {
+      written.problems.push_back("there is no note that begins with \"" + shortened(step.to, 40) + '"');
+    }
+    waitsSince_ = -1.0;
+  }
+  return written;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,127 @@
+#include "client/hand/script_writer.h"
+
+#include <gtest/gtest.h>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::client {
+namespace {
+
+using namespace document;
+using Kind = DocumentWish::Kind;
+
+/// A hand in a scene with a ball of 0.1 m that was moved, and a document that it writes in at once.
+struct ScriptWriters : testing::Test {
+  assets::Scene scene;
+  ViewModel model;
+  Document document;
+  std::unique_ptr<ScriptWriter> writer;
+  double now = 0.0;
+
+  ScriptWriters() {
+    assets::Part ball;
+    ball.name = "ball";
+    ball.shapes.resize(1);
+    ball.shapes[0].kind = assets::ImplicitShape::Kind::sphere;
+    ball.shapes[0].radiusTop = ball.shapes[0].radiusBottom = 0.1;
+    scene.parts.push_back(ball);
+    model.scene = &scene;
+    model.worldFromPart = {{{1.0, 0.0, 0.0}, glm::angleAxis(0.5, glm::dvec3(0.0, 0.0, 1.0))}};
+    model.document = &document;
+    model.documentStanding.complete = true;
+    model.hand.worldFromProxy.position = {1.0, 0.3, 0.0};
+  }
+  void script(const std::string& json) {
+    const Result<HandScript> read = parseHandScript(json, "test", scene);
+    ASSERT_TRUE(read.ok()) << read.error().message;
+    writer = std::make_unique<ScriptWriter>(*read);
+  }
+  /// Comes to the `begun`th step, and makes the changes that it wants. Returns all that it wrote.
+  ScriptWriter::Written come(std::uint32_t begun) {
+    ScriptWriter::Written written = writer->write(now, begun, model, Camera{});
+    for (const DocumentWish& wish : written.wishes)
+      if (wish.kind == Kind::change) {
+        EXPECT_EQ(document.apply(wish.change, {1, "ada", 0, 0}).refusal, Refusal::none);
+      }
+    return written;
+  }
+  const Note& note(EntryId id) { return std::get<Note>(document.find(id)->body); }
+};
+
+TEST_F(ScriptWriters, ANoteIsPinnedToTheTouchedPartOrTheNamedOneOrTheWorld) {
+  script(R"([{"t": 0, "do": "note", "text": "here"}, {"t": 1, "do": "note", "text": "there", "part": "ball"},
+             {"t": 2, "do": "note", "text": "touched"}])");
+  EXPECT_TRUE(come(0).wishes.empty());
+  come(1);
+  EXPECT_EQ(note(1).part, kNoPart);
+  EXPECT_EQ(note(1).place, glm::dvec3(1.0, 0.3, 0.0));
+  come(2);
+  EXPECT_EQ(note(2).part, 0);
+  EXPECT_LT(glm::length(transformPoint(model.worldFromPart[0], note(2).place) - glm::dvec3(1.0, 0.1, 0.0)),
+            1e-12);
+  model.hand.touched = 0;
+  model.hand.worldFromProxy.position = {1.0, 0.0, 0.1};
+  come(3);
+  EXPECT_EQ(note(3).part, 0);
+  EXPECT_LT(glm::length(transformPoint(model.worldFromPart[0], note(3).place) - glm::dvec3(1.0, 0.0, 0.1)),
+            1e-12);
+}
+
+TEST_F(ScriptWriters, AnswersTheNoteThatBeginsSoOrTheLastOne) {
+  script(R"([{"t": 0, "do": "note", "text": "bolt is loose"}, {"t": 0, "do": "note", "text": "lid is bent"},
+             {"t": 1, "do": "reply", "text": "which?", "to": "bolt"}, {"t": 1, "do": "reply", "text": "yes"},
+             {"t": 2, "do": "status", "status": "in progress", "to": "bolt"},
+             {"t": 2, "do": "view", "name": "v"},
+             {"t": 3, "do": "undo"}, {"t": 3, "do": "redo"}])");
+  come(2);
+  come(6);
+  EXPECT_EQ(std::get<Comment>(document.find(3)->body).note, 1u);
+  EXPECT_EQ(std::get<Comment>(document.find(4)->body).note, 2u);
+  EXPECT_EQ(note(1).status, NoteStatus::inProgress);
+  EXPECT_EQ(note(1).text, "bolt is loose");
+  EXPECT_EQ(std::get<NamedView>(document.find(5)->body).name, "v");
+  const ScriptWriter::Written last = come(8);
+  ASSERT_EQ(last.wishes.size(), 2u);
+  EXPECT_EQ(last.wishes[0].kind, Kind::undo);
+  EXPECT_EQ(last.wishes[1].kind, Kind::redo);
+}
+
+TEST_F(ScriptWriters, AnAnswerWaitsForItsNoteAndIsPassedOverIfThereIsNone) {
+  script(R"([{"t": 0, "do": "note", "text": "bolt"}, {"t": 0, "do": "reply", "text": "which?"},
+             {"t": 1, "do": "reply", "text": "what?", "to": "nut"}, {"t": 1, "do": "undo"}])");
+  EXPECT_EQ(come(4).wishes.size(),
+            1u);  // the note; it is not in the document yet when the reply is to be written
+  now = 0.1;
+  EXPECT_EQ(come(4).wishes.size(), 1u);
+  now = 2.0;
+  EXPECT_TRUE(come(4).problems.empty());
+  now = 0.1 + ScriptWriter::kPatience;
+  const ScriptWriter::Written written = come(4);
+  EXPECT_EQ(written.problems, std::vector<std::string>{"there is no note that begins with \"nut\""});
+  EXPECT_EQ(written.wishes.size(), 1u);
+}
+
+TEST_F(ScriptWriters, WaitsUntilTheDocumentIsThere) {
+  script(R"([{"t": 0, "do": "note", "text": "bolt"}])");
+  model.documentStanding.complete = false;
+  EXPECT_TRUE(come(1).wishes.empty());
+  model.documentStanding.complete = true;
+  EXPECT_EQ(come(1).wishes.size(), 1u);
+  EXPECT_TRUE(come(1).wishes.empty());
+}
+
+TEST_F(ScriptWriters, WhatCannotBeWrittenIsRefusedWithTheScript) {
+  const auto refusal = [&](const std::string& json) {
+    const Result<HandScript> read = parseHandScript(json, "test", scene);
+    return read.ok() ? std::string() : read.error().message;
+  };
+  EXPECT_EQ(refusal(R"([{"t": 0, "do": "note"}])"), "test: step 1: needs \"text\": \"...\"");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "note", "text": "x", "part": "lid"}])"), "");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "note", "text": "a\u0007b"}])"), "");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "view", "name": ")" + std::string(129, 'x') + R"("}])"), "");
+  EXPECT_EQ(refusal(R"([{"t": 0, "do": "status", "status": "done"}])"),
+            "test: step 1: \"status\" must be open, in progress, resolved or closed");
+}
+
+}  // namespace
+}  // namespace tandem::client
