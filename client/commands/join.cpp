@@ -32,7 +32,7 @@ namespace {
 struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
       record, json, trace, name, colour, cache, tool;
-  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false;
+  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false, notes = false;
   double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   std::vector<std::string> sections;
@@ -229,6 +229,7 @@ class JoinRun {
     const Clock::time_point start = Clock::now();
     if (!viewer_) lookAtAll();
     if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
+    if (viewer_ && arguments_.notes) viewer_->openNotes();
     if (viewer_ && arguments_.clashes >= 0.0) viewer_->openClashes({arguments_.clashes, false});
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
@@ -297,6 +298,10 @@ class JoinRun {
     viewer.fitAll();                            // parts and hands may be far from their initial poses
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
+    if (arguments_.notes) {
+      viewer.openNotes();
+      for (int i = 0; i < 3; ++i) static_cast<void>(viewer.frame(model_));
+    }
     return viewer.screenshot(arguments_.screenshot);
   }
 
@@ -480,6 +485,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       .option("--clashes", arguments->clashes,
               "Open the list of clashes, and of parts that stand nearer than so many m to each other")
       .numberFrom(0.0, 1e6);
+  command.flag("--notes", arguments->notes, "Open the list of notes and views");
   command.option("--section", arguments->sections,
                  "Cut away to see, not to feel, what lies beyond x=M (or before: -x=M; y, z; m); repeatable");
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");

@@ -59,16 +59,6 @@ void drawCounts(const ClashFindings& findings) {
   if (!findings.complete) ImGui::TextColored(theme::kWarning, "Stopped: not all pairs were measured");
 }
 
-std::string shortenedTo(const std::string& text, float width) {
-  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
-  std::string cut = text;
-  while (!cut.empty() && ImGui::CalcTextSize((cut + "...").c_str()).x > width) {
-    do cut.pop_back();
-    while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0u) == 0x80u);
-  }
-  return cut + "...";
-}
-
 ImVec4 colourOf(const FoundClash& found) {
   if (!found.clash.mayCollide || found.clash.kind == ClashKind::touch) return theme::kMuted;
   if (found.clash.kind == ClashKind::clearance) return theme::kAccent;
@@ -135,6 +125,16 @@ void drawRows(const PanelContext& context, const ClashFindings& findings) {
 }
 
 }  // namespace
+
+std::string shortenedTo(const std::string& text, float width) {
+  if (ImGui::CalcTextSize(text.c_str()).x <= width) return text;
+  std::string cut = text;
+  while (!cut.empty() && ImGui::CalcTextSize((cut + "...").c_str()).x > width) {
+    do cut.pop_back();
+    while (!cut.empty() && (static_cast<unsigned char>(cut.back()) & 0xC0u) == 0x80u);
+  }
+  return cut + "...";
+}
 
 void drawClashes(const PanelContext& context) {
   ClashUi& ui = context.ui.clashes;

@@ -70,9 +70,10 @@ void partCount(const PanelContext& context) {
   ImGui::TextColored(theme::kMuted, "%s", text);
 }
 
-/// The left panel's tabs: parts and clashes.
+/// The left panel's tabs: parts, clashes and notes.
 void drawTabs(const PanelContext& context, PartTree& tree) {
   ClashUi& clashes = context.ui.clashes;
+  NoteUi& notes = context.ui.notes;
   const bool wanted = clashes.open && !clashes.requested;  // opened by other means than a click on the tab
   if (!ImGui::BeginTabBar("##tabs")) return;
   const auto tab = [&](const char* name, ImGuiTabItemFlags flags, const auto& draw) {
@@ -85,15 +86,21 @@ void drawTabs(const PanelContext& context, PartTree& tree) {
     return true;
   };
   tab("Parts", 0, [&] { tree.draw(context); });
-  clashes.open =
-      tab("Clashes", wanted ? ImGuiTabItemFlags_SetSelected : 0, [&] { drawClashes(context); }) || wanted;
+  if (context.model.clashes.possible)
+    clashes.open =
+        tab("Clashes", wanted ? ImGuiTabItemFlags_SetSelected : 0, [&] { drawClashes(context); }) || wanted;
+  if (context.model.document != nullptr)
+    notes.open =
+        tab("Notes", notes.wanted ? ImGuiTabItemFlags_SetSelected : 0, [&] { drawNotes(context); }) ||
+        notes.wanted;
+  notes.wanted = false;
   ImGui::EndTabBar();
 }
 
 void drawLeft(const PanelContext& context, PartTree& tree, const Rect& rect) {
   place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
   ImGui::Begin("##parts", nullptr, kFixed);
-  if (context.model.clashes.possible) {
+  if (context.model.clashes.possible || context.model.document != nullptr) {
     drawTabs(context, tree);
   } else {
     heading(context, "Parts");
@@ -320,6 +327,10 @@ void drawHelp(const PanelContext& context) {
       {"I", "show the selected part alone"},
       {"T", "transparent"},
       {"Esc", "select nothing, no clash, stop following"},
+      {nullptr, "Notes"},
+      {"N", "write a note at the place under the mouse"},
+      {"Ctrl + Z   Ctrl + Y", "undo, redo what you wrote"},
+      {"B", "back from where a note led"},
       {nullptr, "Window"},
       {"Tab", "panels on and off"},
       {"P", "play or pause a recording"},

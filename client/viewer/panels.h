@@ -65,6 +65,8 @@ void drawControls(const PanelContext& context);
 /// The list of clashes with the inputs of the search; requests the search when it is drawn for the first
 /// time.
 void drawClashes(const PanelContext& context);
+/// The notes and views of the session's document, and what the person writes.
+void drawNotes(const PanelContext& context);
 void drawHand(const PanelContext& context);
 void drawNetwork(const PanelContext& context);
 void drawSettings(const PanelContext& context);
@@ -89,6 +91,8 @@ bool numberSlider(const PanelContext& context, const char* id, float& value, con
 std::string activityOf(const ViewModel& model, const SiteView& site);
 /// A filled circle of a site's colour, as tall as a line of text.
 void colourDot(const glm::vec3& srgb, bool hollow = false);
+/// A text cut to a width, pixels.
+std::string shortenedTo(const std::string& text, float width);
 /// Menu entries for one part: fit, hide, isolate, transparent, take away.
 void partMenu(const PanelContext& context, const std::vector<PartId>& parts);
 

@@ -8,6 +8,7 @@
 
 #include "client/viewer/axis_sections.h"
 #include "client/viewer/clash_list.h"
+#include "client/viewer/note_list.h"
 #include "client/viewer/part_display.h"
 
 namespace tandem::client {
@@ -17,6 +18,7 @@ struct UiState {
 
   PartDisplay parts;
   ClashUi clashes;
+  NoteUi notes;
   AxisSections sections;
   bool showPanels = true;
   bool showHelp = false;

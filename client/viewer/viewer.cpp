@@ -3,7 +3,6 @@
 #include <epoxy/gl.h>
 
 #include <GLFW/glfw3.h>
-#include <backends/imgui_impl_opengl3.h>
 #include <imgui.h>
 
 #include <algorithm>
@@ -12,12 +11,15 @@
 #include <cstdlib>
 #include <limits>
 #include <optional>
+#include <utility>
 
 #include "assets/base/assert.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/field_glyphs.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
+#include "client/viewer/imgui_interface.h"
+#include "client/viewer/note_list.h"
 #include "client/viewer/panels.h"
 #include "client/viewer/png.h"
 #include "client/viewer/scene_picture.h"
@@ -27,55 +29,6 @@
 
 namespace tandem::client {
 namespace {
-
-/// ImGui's context of one viewer; several may live in one process.
-class Interface {
- public:
-  explicit Interface(Surface& surface) : surface_(surface), context_(ImGui::CreateContext()) {
-    ImGui::SetCurrentContext(context_);
-    ImGui::GetIO().IniFilename = nullptr;
-    scale_ = surface.contentScale();
-    fonts_ = theme::apply(scale_);
-    surface_.startInterface();
-    ImGui_ImplOpenGL3_Init("#version 330 core");
-  }
-  ~Interface() {
-    surface_.makeCurrent();
-    ImGui::SetCurrentContext(context_);
-    ImGui_ImplOpenGL3_Shutdown();
-    surface_.stopInterface();
-    ImGui::DestroyContext(context_);
-  }
-  Interface(const Interface&) = delete;
-  Interface& operator=(const Interface&) = delete;
-
-  void begin(Input& input) {
-    ImGui::SetCurrentContext(context_);
-    ImGui_ImplOpenGL3_NewFrame();
-    surface_.beginFrame(input);
-    ImGui::NewFrame();
-    const ImGuiIO& io = ImGui::GetIO();
-    input.cursor = {static_cast<double>(io.MousePos.x), static_cast<double>(io.MousePos.y)};
-    input.cursorMove = {static_cast<double>(io.MouseDelta.x), static_cast<double>(io.MouseDelta.y)};
-    for (std::size_t b = 0; b < 3; ++b) {
-      const int button = static_cast<int>(b);
-      input.down[b] = io.MouseDown[button];
-      input.pressed[b] = ImGui::IsMouseClicked(button);
-      input.released[b] = ImGui::IsMouseReleased(button);
-    }
-    input.wheel = static_cast<double>(io.MouseWheel);
-    input.shift = io.KeyShift;
-    input.ctrl = io.KeyCtrl;
-  }
-  const Fonts& fonts() const { return fonts_; }
-  float scale() const { return scale_; }
-
- private:
-  Surface& surface_;
-  ImGuiContext* context_;
-  Fonts fonts_;
-  float scale_ = 1.0f;
-};
 
 /// The name of a part at a place on it.
 Label nameAt(const ViewModel& model, PartId part, const glm::dvec3& place) {
@@ -113,6 +66,7 @@ class SceneViewer final : public Viewer {
     ui_.clashes.question = question;
     ui_.clashes.open = ui_.clashes.choosesFirst = true;
   }
+  void openNotes() override { ui_.notes.wanted = ui_.notes.choosesFirst = true; }
   void fitAll() override { ui_.fit = std::vector<PartId>{}; }
 
  private:
@@ -146,6 +100,10 @@ class SceneViewer final : public Viewer {
   void chooseClash(const ViewModel& model);
   const FoundClash* shownClash(const ViewModel& model) const;
   void flyToClash(const ViewModel& model);
+  void startNote(const ViewModel& model);
+  void flyToNote(const ViewModel& model);
+  std::optional<Camera> cameraOf(const ViewModel& model, const document::Entry& entry) const;
+  void keepView(ViewActions& actions);
   View currentView(const ViewModel& model) const;
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
@@ -228,6 +186,10 @@ void SceneViewer::fit(const ViewModel& model) {
   ui_.following = kNoSite;
 }
 
+void reverse(bool again, ViewActions& actions) {
+  actions.documentWishes.push_back({again ? DocumentWish::Kind::redo : DocumentWish::Kind::undo, {}});
+}
+
 void SceneViewer::partKey(int key, bool shift) {
   if (key == GLFW_KEY_H && shift) {
     ui_.parts.showAll();
@@ -275,11 +237,23 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
       case GLFW_KEY_P:
         actions.togglePlay = model.replay;
         break;
+      case GLFW_KEY_N:
+        startNote(model);
+        break;
+      case GLFW_KEY_B:
+        ui_.notes.goBack = true;
+        break;
+      case GLFW_KEY_Z:
+      case GLFW_KEY_Y:
+        if (input.ctrl && mayWrite(model)) reverse(key == GLFW_KEY_Y || input.shift, actions);
+        break;
       case GLFW_KEY_TAB:
         ui_.showPanels = !ui_.showPanels;
         break;
       case GLFW_KEY_ESCAPE:
         if (!ui_.showHelp) ui_.parts.selected = ui_.clashes.a = ui_.clashes.b = kNoPart;
+        ui_.notes.chosen = 0;
+        ui_.notes.draft.reset();
         ui_.showHelp = false;
         ui_.following = kNoSite;
         break;
@@ -305,6 +279,7 @@ void SceneViewer::steerCamera(const ViewModel& model, double dt) {
   follow(model);
   chooseClash(model);
   flyToClash(model);
+  flyToNote(model);
   if (flight_.flying()) camera_ = flight_.step(dt);
 }
 
@@ -348,6 +323,57 @@ void SceneViewer::flyToClash(const ViewModel& model) {
   const ClashWitness witness = witnessOf(*model.clashes.findings, *found, model.worldFromPart);
   const glm::dvec2 size = viewport_.size();
   flight_.start(camera_, cameraFor(camera_, witness, smaller, size.x / std::max(size.y, 1.0)));
+}
+
+/// A note at the place under the cursor, or where the tool is.
+void SceneViewer::startNote(const ViewModel& model) {
+  NoteUi& notes = ui_.notes;
+  if (!mayWrite(model) || notes.draft) return;
+  notes.draft = underCursor_ ? noteAt(model, underCursor_->part, underCursor_->point)
+                             : noteAt(model, model.hand.touched, model.hand.worldFromProxy.position);
+  notes.focus = notes.wanted = ui_.showPanels = true;
+}
+
+std::optional<Camera> SceneViewer::cameraOf(const ViewModel& model, const document::Entry& entry) const {
+  if (const auto* view = std::get_if<document::NamedView>(&entry.body)) return cameraOfView(*view, camera_);
+  const auto* note = std::get_if<document::Note>(&entry.body);
+  const std::optional<glm::dvec3> place = note != nullptr ? placeOf(*note, model) : std::nullopt;
+  if (!place) return std::nullopt;
+  const assets::Bounds around =
+      note->part == kNoPart ? sceneBounds_ : renderer_->bounds(model.worldFromPart, std::array{note->part});
+  return cameraForNote(camera_, *place, glm::length(around.max - around.min));
+}
+
+/// Moves the camera to a chosen note or view, or back to where it was before.
+void SceneViewer::flyToNote(const ViewModel& model) {
+  NoteUi& notes = ui_.notes;
+  const document::EntryId chosen = std::exchange(notes.flyTo, 0);
+  if (std::exchange(notes.goBack, false) && notes.back) {
+    const NoteBack back = *std::exchange(notes.back, {});
+    if (back.sections) ui_.sections = *back.sections;
+    if (back.parts) ui_.parts = *back.parts;
+    flight_.start(camera_, back.camera);
+  }
+  const document::Entry* entry = model.document != nullptr ? model.document->find(chosen) : nullptr;
+  const std::optional<Camera> goal = entry != nullptr ? cameraOf(model, *entry) : std::nullopt;
+  if (!goal) return;
+  if (!notes.back) notes.back = NoteBack{camera_, {}, {}};
+  if (const auto* view = std::get_if<document::NamedView>(&entry->body)) {
+    if (!notes.back->sections) {
+      notes.back->sections = ui_.sections;
+      notes.back->parts = ui_.parts;
+    }
+    applyView(*view, ui_.sections, ui_.parts);
+  }
+  ui_.following = kNoSite;
+  flight_.start(camera_, *goal);
+}
+
+void SceneViewer::keepView(ViewActions& actions) {
+  NoteUi& notes = ui_.notes;
+  if (!std::exchange(notes.keepsView, false)) return;
+  actions.documentWishes.push_back(newEntry(viewAs(notes.viewName.data(), camera_, ui_.sections, ui_.parts)));
+  notes.viewName = {};
 }
 
 void SceneViewer::startDrag(const Input& input, const View& view, bool cursorInView) {
@@ -462,6 +488,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   keys(model, input, actions);
   if (options_.panels && ui_.showPanels) viewport_ = drawPanels(context, tree_, glm::dvec2(surface_->size()));
   steerCamera(model, input.dt);
+  keepView(actions);
 
   // In a slow frame the mouse has moved since the click: a click on a panel must not grasp the part that is
   // under the mouse by now.
@@ -492,6 +519,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
     markClash(found->clash, looks_);
     addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
   }
+  addNotes(model, ui_.notes, batch, labels);
   addFields(model, batch);
   addPeople(model, batch, labels);
   drawLabels(view, viewport_, labels, context);
@@ -501,8 +529,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
     if (ui_.showHelp) drawHelp(context);
   }
   drawScene(view, model, batch);
-  ImGui::Render();
-  ImGui_ImplOpenGL3_RenderDrawData(ImGui::GetDrawData());
+  interface_->end();
   surface_->present();
   started_ = true;
   actions.worldFromCamera = view.worldFromEye;

@@ -39,6 +39,8 @@ class Viewer {
   virtual void pointMouse(const glm::dvec2& cursor, bool leftDown) = 0;
   /// Shows the list of clashes, requests a search, and chooses the first clash that is found.
   virtual void openClashes(const ClashQuestion& question) = 0;
+  /// Shows the list of notes, with the thread that changed last.
+  virtual void openNotes() = 0;
   /// Fits the view to all parts and styli as the next frame's model has them.
   virtual void fitAll() = 0;
 };
