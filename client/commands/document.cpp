@@ -2,11 +2,13 @@
 #include <memory>
 
 #include "assets/document/document_json.h"
+#include "assets/document/entry_check.h"
 #include "assets/scene/scene_package.h"
 #include "client/base/json_input.h"
 #include "client/commands/command.h"
 #include "client/commands/document_file.h"
-#include "client/exchange/document_topics.h"
+#include "client/exchange/bcf_file.h"
+#include "client/exchange/topic_changes.h"
 #include "client/join/local_time.h"
 #include "client/join/scene_store.h"
 #include "client/session/document_visit.h"
@@ -50,6 +52,7 @@ class DocumentRun {
   Result<VisitedScene> fetchScene();
   int exportDocument();
   int exportTopics();
+  Status takeTopics();
   int importEntries();
   int report() const;
 
@@ -57,13 +60,21 @@ class DocumentRun {
   const sync::JoinLink& link_;
   DocumentFormat format_;
   BcfVersion version_;
-  document::DocumentFile file_;
+  document::DocumentFile file_;  // what is brought in, of either kind
+  std::vector<Topic> topics_;
+  std::size_t kept_ = 0;  // of them, as the session has them
   std::unique_ptr<sync::SocketTransport> transport_;
   std::unique_ptr<DocumentVisit> visit_;
   bool fetchesScene_ = false;
 };
 
 Status DocumentRun::readFile() {
+  if (format_ == DocumentFormat::bcf) {
+    Result<std::vector<Topic>> topics = readBcf(arguments_.file);
+    if (!topics) return topics.error();
+    topics_ = std::move(*topics);
+    return {};
+  }
   const Result<std::string> text = readTextFile(arguments_.file);
   if (!text) return text.error();
   Result<document::DocumentFile> read = document::fromJson(*text, arguments_.file);
@@ -159,14 +170,37 @@ int DocumentRun::exportTopics() {
 
 int DocumentRun::report() const {
   const DocumentImport& import = *visit_->bringing();
-  std::printf("%zu entries made, %zu there already, %zu refused\n", import.made(), import.known(),
-              import.refused());
+  std::printf("%zu entries made, %zu changed, %zu there already, %zu refused\n", import.made(),
+              import.changed(), import.known(), import.refused());
+  if (kept_ > 0) std::printf("%zu are newer in the session and stay as they are\n", kept_);
   if (import.refused() == 0) return kExitDone;
   std::fprintf(stderr, "tandem: entries were refused: %s\n", import.reason().c_str());
   return kExitFailed;
 }
 
+/// Makes entries of the topics that were read. Nothing is sent unless all of them are sound.
+Status DocumentRun::takeTopics() {
+  const Result<VisitedScene> visited = fetchScene();
+  if (!visited) return visited.error();
+  const PartGuids guids(visited->scene);
+  TopicChanges changes =
+      changesOf(topics_, {visit_->content(), visited->scene, guids, visited->worldFromPart, sceneHash()},
+                arguments_.name);
+  std::size_t size = visit_->content().size();
+  for (const document::Entry& entry : changes.entries) {
+    if (Status sound = document::check(entry.body); !sound) return sound;
+    size += entry.revision == 0 ? 1 : 0;
+  }
+  if (size > document::kMaxEntries) return Error{"the document has no room for all of its topics"};
+  kept_ = changes.kept;
+  file_ = {sceneHash(), std::move(changes.entries)};
+  return {};
+}
+
 int DocumentRun::importEntries() {
+  if (format_ == DocumentFormat::bcf)
+    if (Status taken = takeTopics(); !taken)
+      return badInput(Error{arguments_.file + ": " + taken.error().message});
   if (file_.scene != sceneHash())
     return badInput(Error{arguments_.file + ": is the document of another scene"});
   visit_->bringIn(std::move(file_.entries));
@@ -226,7 +260,8 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
   command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
   command.option("action", arguments->action, "export or import").required();
   command
-      .option("file", arguments->file, "File to write (.json, .bcf, .bcfzip, .csv, .html) or to read (.json)")
+      .option("file", arguments->file,
+              "File to write (.json, .bcf, .bcfzip, .csv, .html) or to read (.json, .bcf, .bcfzip)")
       .required();
   command.option("--name", arguments->name, "Your name, as the others see it").showDefault();
   command.option("--bcf", arguments->bcf, "Version of BCF to write: 2.1 or 3.0").showDefault();

@@ -19,8 +19,8 @@ struct Ending {
   bool read;
 };
 constexpr std::array<Ending, 5> kEndings{{{".json", DocumentFormat::json, true},
-                                          {".bcf", DocumentFormat::bcf, false},
-                                          {".bcfzip", DocumentFormat::bcf, false},
+                                          {".bcf", DocumentFormat::bcf, true},
+                                          {".bcfzip", DocumentFormat::bcf, true},
                                           {".csv", DocumentFormat::csv, false},
                                           {".html", DocumentFormat::html, false}}};
 

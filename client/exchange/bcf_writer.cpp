@@ -33,10 +33,11 @@ void add(xml_node parent, const char* name, const std::string& text) {
   parent.append_child(name).text().set(xmlText(text).c_str());
 }
 
+bool isBlank(const std::string& text) { return text.find_first_not_of(" \t\r\n") == std::string::npos; }
+
 /// Version 3.0 allows no blank text.
 void addFilled(xml_node parent, const char* name, const std::string& text) {
-  const bool blank = text.find_first_not_of(" \t\r\n") == std::string::npos;
-  add(parent, name, blank ? "unknown" : text);
+  add(parent, name, isBlank(text) ? "unknown" : text);
 }
 
 void addNumber(xml_node parent, const char* name, double value) {
@@ -133,8 +134,8 @@ std::string bcfMarkupXml(const Topic& topic, BcfVersion version) {
   add(node, "CreationDate", utcText(topic.made));
   addFilled(node, "CreationAuthor", topic.author);
   if (topic.changed != topic.made) add(node, "ModifiedDate", utcText(topic.changed));
-  if (!topic.assignee.empty()) addFilled(node, "AssignedTo", topic.assignee);
-  if (!topic.description.empty()) addFilled(node, "Description", topic.description);
+  if (!isBlank(topic.assignee)) add(node, "AssignedTo", topic.assignee);
+  if (!isBlank(topic.description)) add(node, "Description", topic.description);
   if (version == BcfVersion::v2_1) {
     for (const TopicComment& comment : topic.comments) addComment(markup, comment, topic);
     addViewpoint(markup, "Viewpoints", topic);
@@ -183,7 +184,7 @@ std::string bcfExtensionsXml(const std::vector<Topic>& topics) {
   for (const Topic& topic : topics) {
     statuses.insert(topic.status);
     people.insert(topic.author);
-    if (!topic.assignee.empty()) people.insert(topic.assignee);
+    if (!isBlank(topic.assignee)) people.insert(topic.assignee);
     for (const TopicComment& comment : topic.comments) people.insert(comment.author);
   }
   pugi::xml_document document;

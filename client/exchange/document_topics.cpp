@@ -69,8 +69,8 @@ class TopicMaker {
     std::map<document::EntryId, std::vector<TopicComment>> threads;
     for (const auto& [id, entry] : source_.document.entries())
       if (const auto* comment = std::get_if<document::Comment>(&entry.body))
-        threads[comment->note].push_back(
-            {uuidOf(entry, source_.sceneHash), authorOf(entry), comment->text, entry.made, entry.changed});
+        threads[comment->note].push_back({uuidOf(entry, source_.sceneHash), authorOf(entry), comment->text,
+                                          entry.made, entry.changed, entry.id});
     std::vector<Topic> topics;
     for (const auto& [id, entry] : source_.document.entries()) {
       Topic topic = head(entry);
@@ -211,8 +211,11 @@ class TopicMaker {
 }  // namespace
 
 std::string titleOf(const std::string& text) {
-  const std::size_t sentence = text.find(". ");
-  std::string title = sentence == std::string::npos ? text : text.substr(0, sentence);
+  const std::size_t begin = text.find_first_not_of(' ');
+  if (begin == std::string::npos) return {};
+  const std::size_t sentence = text.find(". ", begin);
+  const std::size_t end = sentence == std::string::npos ? text.find_last_not_of(' ') + 1 : sentence;
+  std::string title = text.substr(begin, end - begin);
   if (title.size() <= kMaxTitle) return title;
   title = printable(title, kMaxTitle);
   const std::size_t space = title.rfind(' ');

@@ -22,6 +22,7 @@ inline constexpr std::array<const char*, 4> kTopicTypes{"Note", "Clash", "View",
 struct TopicComment {
   std::string guid, author, text;
   std::int64_t made = 0, changed = 0;  // Unix time, s
+  document::EntryId entry = 0;         // of comments that were made from the document
 };
 
 /// How the scene is seen, in world axes (+y up), m. Parts go by their IFC GUIDs.

@@ -24,6 +24,10 @@ DocumentImport::DocumentImport(const document::Document& there, std::vector<docu
     : entries_(std::move(entries)) {
   for (const auto& [id, entry] : there.entries())
     if (!entry.removed()) there_.emplace(bytesOf(entry), id);
+  for (const document::Entry& entry : entries_) {
+    const document::Entry* old = entry.revision == 0 ? nullptr : there.find(entry.id);
+    if (old != nullptr && bytesOf(*old) == bytesOf(entry)) unchanged_.insert(entry.id);
+  }
 }
 
 /// Whether what the entry refers to has been answered.
@@ -45,6 +49,13 @@ std::optional<sync::PutEntry> DocumentImport::next(sync::Micros now) {
   at_ = now;
   while (allowance_ >= 1.0 && open_.size() < kMaxOpen && next_ < entries_.size() && ready(entries_[next_])) {
     document::Entry& entry = entries_[next_];
+    const bool changes = entry.revision != 0;
+    if (changes && unchanged_.contains(entry.id)) {
+      ++known_;
+      settle(entry.id, entry.id);
+      ++next_;
+      continue;
+    }
     if (auto* comment = std::get_if<document::Comment>(&entry.body)) {
       const EntryId note = sessionFromFile_.at(comment->note);
       if (note == 0) {
@@ -55,7 +66,7 @@ std::optional<sync::PutEntry> DocumentImport::next(sync::Micros now) {
       comment->note = note;
     }
     const std::string bytes = bytesOf(entry);
-    if (const auto same = there_.find(bytes); same != there_.end()) {
+    if (const auto same = there_.find(bytes); !changes && same != there_.end()) {
       ++known_;
       settle(entry.id, same->second);
       ++next_;
@@ -63,7 +74,8 @@ std::optional<sync::PutEntry> DocumentImport::next(sync::Micros now) {
     }
     allowance_ -= 1.0 + static_cast<double>(bytes.size()) / kBytesPerMessage;
     open_[++lastRequest_] = next_;
-    return sync::PutEntry{lastRequest_, {0, 0, entries_[next_++].body}};
+    ++next_;
+    return sync::PutEntry{lastRequest_, {changes ? entry.id : 0, entry.revision, entry.body}};
   }
   return std::nullopt;
 }
@@ -74,7 +86,7 @@ void DocumentImport::handle(const sync::PutReply& reply) {
   const document::Entry& entry = entries_[asked->second];
   open_.erase(asked);
   if (reply.refusal == document::Refusal::none) {
-    ++made_;
+    ++(entry.revision == 0 ? made_ : changed_);
     settle(entry.id, reply.entry);
   } else {
     refuse(entry.id, reply.reason);
@@ -83,7 +95,7 @@ void DocumentImport::handle(const sync::PutReply& reply) {
 
 double DocumentImport::progress() const {
   if (entries_.empty()) return 1.0;
-  return static_cast<double>(made_ + known_ + refused_) / static_cast<double>(entries_.size());
+  return static_cast<double>(made_ + changed_ + known_ + refused_) / static_cast<double>(entries_.size());
 }
 
 }  // namespace tandem::client

@@ -108,6 +108,52 @@ def an_archive_is_written_in_both_versions(binaries, folder):
         visit.refused("observer", "export", "review.bcf", "3.0", "--bcf", "4")
 
 
+def rewritten(archive, into, edit):
+    """A copy of an archive with each markup as another program would leave it: `edit(text)`."""
+    with zipfile.ZipFile(archive) as source, zipfile.ZipFile(into, "w", zipfile.ZIP_DEFLATED) as target:
+        for name in source.namelist():
+            data = source.read(name)
+            target.writestr(name, edit(data.decode()) if name.endswith("/markup.bcf") else data)
+
+
+def what_another_program_changed_comes_back(binaries, folder):
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        visit.done("observer", "export", "out.bcf")
+        unchanged = visit.done("participant", "import", "out.bcf")
+        assert unchanged.startswith("0 entries made, 0 changed"), unchanged
+        reply = ('<Comment Guid="11111111-2222-4333-8444-555555555555">'
+                 '<Date>2031-01-01T00:00:00Z</Date><Author>dan@x.example</Author>'
+                 '<Comment>Reamed &amp; measured</Comment></Comment></Comments>')
+        rewritten(visit.folder / "out.bcf", visit.folder / "back.bcf",
+                  lambda text: text.replace('TopicStatus="Open"', 'TopicStatus="Closed"')
+                  .replace("</Comments>", reply))
+        told = visit.done("participant", "import", "back.bcf")
+        assert told.startswith("1 entries made, 1 changed"), told
+        entries = visit.entries()
+        assert len(entries) == 6
+        assert entries[0]["status"] == "closed" and entries[0]["place_m"] == [0, 0.01, 0], entries[0]
+        assert entries[5]["text"] == "[dan@x.example] Reamed & measured" and entries[5]["note"] == 1
+        told = visit.done("participant", "import", "back.bcf")
+        assert told.startswith("0 entries made, 0 changed"), "the same file again: " + told
+
+
+def a_damaged_archive_changes_nothing(binaries, folder):
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        visit.done("observer", "export", "out.bcf")
+        before = visit.entries()
+        whole = (visit.folder / "out.bcf").read_bytes()
+        (visit.folder / "half.bcf").write_bytes(whole[:len(whole) // 2])
+        visit.refused("participant", "import", "half.bcf", "half.bcf")
+        visit.refused("participant", "import", "absent.bcf", "absent.bcf")
+        rewritten(visit.folder / "out.bcf", visit.folder / "bad.bcf",
+                  lambda text: text.replace('TopicStatus="Open"', 'TopicStatus="Closed"')
+                  .replace("<Title>Pitch", "<Title>Pitch</Titel>"))
+        visit.refused("participant", "import", "bad.bcf", "markup.bcf")
+        assert visit.entries() == before
+
+
 def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
     with Server(binaries, folder) as server:
         visit = visits(binaries, server, folder)
@@ -118,4 +164,5 @@ def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
 
 if __name__ == "__main__":
     sys.exit(run(a_table_and_a_page_hold_every_topic, an_archive_is_written_in_both_versions,
+                 what_another_program_changed_comes_back, a_damaged_archive_changes_nothing,
                  files_that_cannot_be_are_refused_in_one_line))

@@ -61,7 +61,8 @@ TEST(TopicCsv, NoTextIsTakenForAFormula) {
     TopicSample sample;
     sample.add(document::Note{text, kNoPart, {}, text, document::NoteStatus::open}, text);
     const auto row = readCsv(topicCsv(sample.topics())).back();
-    for (const std::size_t cell : {3u, 4u, 5u, 8u}) EXPECT_EQ(row.at(cell), std::string("'") + text);
+    EXPECT_EQ(row.at(3).front(), '\'');  // the title has no spaces before it
+    for (const std::size_t cell : {4u, 5u, 8u}) EXPECT_EQ(row.at(cell), std::string("'") + text);
   }
   // What is no formula stays as it is.
   TopicSample sample;

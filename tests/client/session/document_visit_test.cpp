@@ -5,7 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "assets/document/document_json.h"
+#include "assets/scene/scene_package.h"
 #include "tests/server/session_rig.h"
 
 namespace tandem::client {
@@ -109,6 +112,52 @@ TEST_F(DocumentVisits, CountsWhatIsRefusedAndSaysWhy) {
   ASSERT_TRUE(bringIn(a, file(2), 5 * kSecond));
   EXPECT_EQ(a.visit->bringing()->refused(), 4u);
   EXPECT_EQ(a.visit->bringing()->reason(), "this role may not change it");
+}
+
+TEST_F(DocumentVisits, ChangesEntriesOfTheSessionThatAreNotSoAlready) {
+  const Visitor a = begin("a");
+  ASSERT_TRUE(arrive(a));
+  ASSERT_TRUE(bringIn(a, file(2), 5 * kSecond));
+  const Visitor b = begin("b");
+  ASSERT_TRUE(arrive(b));
+  const std::size_t size = b.visit->content().size();
+  std::vector<document::Entry> entries;
+  for (const auto& [id, entry] : b.visit->content().entries()) entries.push_back(entry);
+  const auto note = std::find_if(entries.begin(), entries.end(), [](const document::Entry& entry) {
+    return std::holds_alternative<document::Note>(entry.body);
+  });
+  ASSERT_NE(note, entries.end());
+  std::get<document::Note>(note->body).status = document::NoteStatus::closed;
+  document::Entry comment, stale = *note;
+  comment.id = 1000;
+  comment.body = document::Comment{stale.id, "closed"};
+  entries.push_back(comment);
+  ASSERT_TRUE(bringIn(b, entries, 5 * kSecond));
+  EXPECT_EQ(b.visit->bringing()->changed(), 1u);
+  EXPECT_EQ(b.visit->bringing()->made(), 1u);
+  EXPECT_EQ(b.visit->bringing()->known(), size - 1);
+  const Visitor c = begin("c");
+  ASSERT_TRUE(arrive(c));
+  EXPECT_EQ(std::get<document::Note>(c.visit->content().find(stale.id)->body).status,
+            document::NoteStatus::closed);
+  // Upon a revision that is no more, a change is refused.
+  std::get<document::Note>(stale.body).status = document::NoteStatus::resolved;
+  ASSERT_TRUE(bringIn(c, {stale}, 5 * kSecond));
+  EXPECT_EQ(c.visit->bringing()->refused(), 1u);
+}
+
+TEST_F(DocumentVisits, FetchesTheSceneAndGoesOnWhereItWasBrokenOff) {
+  const Visitor a = begin("a", sync::Role::observer);
+  ASSERT_TRUE(arrive(a));
+  a.visit->fetchScene({});
+  ASSERT_TRUE(run(a, 5 * kSecond, [&] { return a.visit->scene().complete(); }));
+  const std::vector<std::byte> package = a.visit->scene().package();
+  EXPECT_EQ(assets::contentHash(package), a.visit->welcome().sceneHash);
+  const Visitor b = begin("b", sync::Role::observer);
+  ASSERT_TRUE(arrive(b));
+  b.visit->fetchScene({package.begin(), package.begin() + static_cast<std::ptrdiff_t>(package.size() / 2)});
+  ASSERT_TRUE(run(b, 5 * kSecond, [&] { return b.visit->scene().complete(); }));
+  EXPECT_EQ(b.visit->scene().package(), package);
 }
 
 TEST(DocumentReplica, KeepsWhatChangedBeforeTheFirstChunkOfAnOlderWhole) {
