@@ -2,10 +2,14 @@
 """The session's topics through real processes, to other programs' files and back.
 
     python3 tests/end_to_end/exchange_test.py --bin build/release/bin
+
+With TANDEM_FULL_SIZE another implementation, which npm fetches, reads an archive and writes it back.
 """
 import csv
 import json
+import os
 import pathlib
+import shutil
 import subprocess
 import sys
 import zipfile
@@ -13,6 +17,28 @@ from xml.etree import ElementTree
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 from server_process import Server, run, wait_for  # noqa: E402
+
+COMPONENTS = "@thatopen/components"  # another implementation of BCF
+VERSION = "3.4.8"
+READ_AND_WRITE = """
+import * as components from "@thatopen/components";
+import fs from "fs";
+const [from, to] = process.argv.slice(2);
+const bcf = new components.Components().get(components.BCFTopics);
+bcf.setup({ version: "3", author: "dan@x.example" });
+const { topics, viewpoints } = await bcf.load(new Uint8Array(fs.readFileSync(from)));
+const read = [...topics].map(each => ({ title: each.title, type: each.type, status: each.status,
+  assigned: each.assignedTo, comments: [...each.comments.values()].map(one => one.comment) }));
+const eyes = [...viewpoints].map(each => each.camera.camera_view_point);
+const note = [...topics].find(each => each.type === "Note");
+note.status = "Closed";
+note.modifiedDate = new Date("2031-01-01T00:00:00Z");
+note.createComment("Reamed");
+const written = await bcf.export(topics);
+fs.writeFileSync(to, Buffer.from(await written.arrayBuffer()));
+console.log(JSON.stringify({ read, eyes }));
+process.exit(0);
+"""
 
 
 class Visits:
@@ -154,6 +180,49 @@ def a_damaged_archive_changes_nothing(binaries, folder):
         assert visit.entries() == before
 
 
+def other_program(binaries):
+    """A folder with the other program, kept beside the build; None without npm or a network."""
+    folder = binaries.resolve().parent / "thatopen-components"
+    if not (folder / "node_modules" / COMPONENTS).exists():
+        if not shutil.which("npm"):
+            print("skipped: npm is not there, no other program reads the archive")
+            return None
+        folder.mkdir(exist_ok=True)
+        done = subprocess.run(["npm", "install", "--prefix", folder, f"{COMPONENTS}@{VERSION}"],
+                              capture_output=True, timeout=200)
+        if done.returncode != 0:
+            print(f"skipped: npm cannot fetch {COMPONENTS}, no other program reads the archive")
+            return None
+    (folder / "read_and_write.mjs").write_text(READ_AND_WRITE)
+    return folder
+
+
+def another_implementation_reads_an_archive_and_its_own_is_read(binaries, folder):
+    other = other_program(binaries) if os.environ.get("TANDEM_FULL_SIZE") else None
+    if other is None:
+        return
+    with Server(binaries, folder) as server:
+        visit = visits(binaries, server, folder)
+        visit.done("observer", "export", "out.bcf")
+        files = [visit.folder / "out.bcf", visit.folder / "back.bcf"]
+        done = subprocess.run(["node", "read_and_write.mjs", *files], cwd=other, capture_output=True,
+                              text=True, timeout=60)
+        assert done.returncode == 0, done.stderr
+        told = json.loads(done.stdout.splitlines()[-1])
+        topics = {topic["type"]: topic for topic in told["read"]}
+        assert len(topics) == 4, topics
+        assert topics["Note"] == {"title": "The peg is tight", "type": "Note", "status": "Open",
+                                  "assigned": "Ben", "comments": ["=1+1"]}, topics["Note"]
+        assert topics["Clash"]["status"] == "Reviewed"
+        # It turns its cameras to +y up too: the named view's stands where it was.
+        assert any(abs(eye["x"]) < 1e-9 and abs(eye["y"] - 0.4) < 1e-9 and abs(eye["z"]) < 1e-9
+                   for eye in told["eyes"]), told["eyes"]
+        back = visit.done("participant", "import", "back.bcf")
+        assert back.startswith("1 entries made, 1 changed"), back
+        entries = visit.entries()
+        assert entries[0]["status"] == "closed" and entries[5]["text"] == "[dan@x.example] Reamed", entries
+
+
 def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
     with Server(binaries, folder) as server:
         visit = visits(binaries, server, folder)
@@ -165,4 +234,5 @@ def files_that_cannot_be_are_refused_in_one_line(binaries, folder):
 if __name__ == "__main__":
     sys.exit(run(a_table_and_a_page_hold_every_topic, an_archive_is_written_in_both_versions,
                  what_another_program_changed_comes_back, a_damaged_archive_changes_nothing,
+                 another_implementation_reads_an_archive_and_its_own_is_read,
                  files_that_cannot_be_are_refused_in_one_line))
