@@ -16,6 +16,16 @@ void ControlHand::set(PartId part, double value) {
   entry->value = assets::admissible(*control, value);
 }
 
+void ControlHand::place(PartId part, const Pose& worldFromPart, Epoch after) {
+  if (part >= scene_.parts.size() || !scene_.parts[part].movable) return;
+  Entry* entry = find(part);
+  if (entry == nullptr) entry = add(part);
+  if (entry == nullptr) return;
+  if (entry->stage == Stage::denied) entry->stage = Stage::wanted;
+  entry->placedIn = after + 1;
+  entry->worldFromPart = worldFromPart;
+}
+
 void ControlHand::askLater(PartId part) {
   if (Entry* entry = find(part)) entry->stage = Stage::wanted;
 }
@@ -28,16 +38,17 @@ bool ControlHand::asked(PartId part) const {
 void ControlHand::denied(PartId part) {
   Entry* entry = find(part);
   if (entry == nullptr && assets::controlOf(scene_, part) != nullptr) entry = add(part);
-  if (entry != nullptr) *entry = {part, Stage::denied, false, 0.0};
+  if (entry != nullptr) *entry = {part, Stage::denied, false, 0.0, 0, {}};
 }
 
 void ControlHand::lost() { entries_.fill({}); }
 
-std::optional<Pose> ControlHand::granted(PartId part) {
+std::optional<Pose> ControlHand::granted(PartId part, Epoch epoch) {
   Entry* entry = find(part);
   if (entry == nullptr) return std::nullopt;
   const Entry was = *entry;
   *entry = {};
+  if (was.placedIn != 0 && was.placedIn == epoch) return was.worldFromPart;
   if (!was.hasValue) return std::nullopt;
   return assets::poseAt(*assets::controlOf(scene_, part), was.value);
 }
@@ -80,7 +91,7 @@ ControlHand::Entry* ControlHand::find(PartId part) {
 
 ControlHand::Entry* ControlHand::add(PartId part) {
   Entry* entry = find(kNoPart);
-  if (entry != nullptr) *entry = {part, Stage::wanted, false, 0.0};
+  if (entry != nullptr) *entry = {part, Stage::wanted, false, 0.0, 0, {}};
   return entry;
 }
 

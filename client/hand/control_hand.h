@@ -1,7 +1,8 @@
 #pragma once
 
 // Which parts of the scene this hand asks for on its own: controls that the tool presses on or that are to be
-// set to a value, and parts that would give way to what it pushes. They are owned without a grasp, and
+// set to a value, parts that are to be moved back to where they stood, and parts that would give way to what
+// it pushes. They are owned without a grasp, and
 // released like every part once they rest.
 //
 // Runs in the haptic thread; allocates nothing.
@@ -23,6 +24,10 @@ class ControlHand {
   /// Notes the value that a control is to have, clamped to its range. No effect if the part is not a
   /// control's, or for a ninth at once.
   void set(PartId part, double value);
+
+  /// Notes the pose at which a part is to be released again. It stays where it is if it is granted in another
+  /// epoch than the next one after `after`: somebody has had it meanwhile.
+  void place(PartId part, const Pose& worldFromPart, Epoch after);
 
   /// The part to ask the server for now, one a call: the last tick pressed on it, or it is to be set, and it
   /// is neither owned here nor asked for. A denied part is asked for again when the tool comes back to it.
@@ -47,9 +52,9 @@ class ControlHand {
   void denied(PartId part);
   /// The connection is lost: no request will be answered.
   void lost();
-  /// The part is granted, or owned already. Returns the pose at which to own it, if a value is to be set, and
-  /// drops the part from the list.
-  std::optional<Pose> granted(PartId part);
+  /// The part is granted in this epoch, or owned already (0). Returns the pose at which to own it, if a value
+  /// is to be set or it is to be placed, and drops the part from the list.
+  std::optional<Pose> granted(PartId part, Epoch epoch = 0);
   /// A control that is owned here and is to be set.
   template <typename Owned>
   std::optional<PartId> toSet(const Owned& owned) const {
@@ -65,6 +70,8 @@ class ControlHand {
     Stage stage = Stage::wanted;
     bool hasValue = false;
     double value = 0.0;
+    Epoch placedIn = 0;  // the epoch in which it is to be moved to worldFromPart; 0: it is not
+    Pose worldFromPart{};
   };
   static constexpr std::size_t kAtOnce = 8;
 

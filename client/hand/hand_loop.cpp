@@ -163,6 +163,8 @@ void HandLoop::handle(const NetworkEvent& event, sync::Micros sessionNow) {
       return state_.endLink(event.link.id);
     case NetworkEvent::Kind::simulators:
       return parts_.links().setSimulators(event.link.id.part, event.simulators);
+    case NetworkEvent::Kind::place:
+      return controls_.place(event.record.part, event.record.worldFromPart, event.record.epoch);
     case NetworkEvent::Kind::lost:
       return onConnectionLost();
   }
@@ -338,7 +340,7 @@ void HandLoop::askForControls() {
 /// must not be moved by a pose that comes from elsewhere.
 bool HandLoop::ownControl(const sync::PartRecord& record) {
   if (!controls_.asked(record.part) || !parts_.hasRoom()) return false;
-  const std::optional<Pose> set = controls_.granted(record.part);
+  const std::optional<Pose> set = controls_.granted(record.part, record.epoch);
   static_cast<void>(parts_.own(record.part, record.epoch, set.value_or(state_.worldFromPart(record.part))));
   grasps_.onSimulated(record.part);  // the button went down on it meanwhile
   return true;

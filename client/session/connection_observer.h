@@ -30,10 +30,11 @@ class ConnectionObserver {
   virtual void onConnection(bool) {}
 };
 
-/// Both may be null, and may change while the connection lives.
+/// Each may be null, and may change while the connection lives.
 struct Watchers {
   ConnectionObserver* observer = nullptr;
   sync::RecordingWriter* recording = nullptr;
+  ConnectionObserver* undo = nullptr;  // is told of ownership and releases
 };
 
 }  // namespace tandem::client

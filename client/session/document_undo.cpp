@@ -22,21 +22,22 @@ const DocumentUndo::Step* DocumentUndo::next(Direction direction) const {
   return all.empty() ? nullptr : &all.back();
 }
 
-void DocumentUndo::taken(Direction direction, document::Body left, document::Revision now) {
+void DocumentUndo::taken(Direction direction, document::Body left, document::Revision now,
+                         const Pose& stood) {
   std::deque<Step>& all = steps(direction);
   ASSERT(!all.empty());
   const Step step = std::move(all.back());
   all.pop_back();
   for (Step& earlier : all)
-    if (earlier.id == step.id && earlier.after == step.base) earlier.after = now;
+    if (earlier.concernsSame(step) && earlier.after == step.base) earlier.after = now;
   push(direction == Direction::undo ? Direction::redo : Direction::undo,
-       {step.id, step.after, now, std::move(left)});
+       {step.id, step.after, now, std::move(left), step.part, stood});
 }
 
 void DocumentUndo::drop(Direction direction) {
   ASSERT(!steps(direction).empty());
-  std::erase_if(steps(direction),
-                [id = steps(direction).back().id](const Step& step) { return step.id == id; });
+  const Step last = steps(direction).back();
+  std::erase_if(steps(direction), [&](const Step& step) { return step.concernsSame(last); });
 }
 
 }  // namespace tandem::client

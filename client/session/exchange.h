@@ -30,6 +30,7 @@ struct NetworkEvent {
     link,        // a coordination link is to begin by the terms `link`
     unlink,      // the link `link.id` has ended
     simulators,  // `simulators` sites simulate the part of `link`
+    place,       // the person wants `record.part`, free since the epoch of the record, at the record's pose
   };
   Kind kind = Kind::state;
   sync::Micros time = 0;

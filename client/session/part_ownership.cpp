@@ -51,6 +51,7 @@ void PartOwnership::apply(const PartRecord& told) {
     record.worldFromPart = scene_.parts[record.part].worldFromPart;
   if (!view_.apply(record)) return;
   if (watchers_.observer) watchers_.observer->onOwnership(record);
+  if (watchers_.undo) watchers_.undo->onOwnership(record);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::ownership;
   event.record = record;

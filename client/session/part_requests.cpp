@@ -81,6 +81,7 @@ void PartRequests::release(const HandIntent& intent) {
 void PartRequests::send(const Release& release) {
   unanswered_.push_back(release);
   if (watchers_.observer) watchers_.observer->onRelease(release);
+  if (watchers_.undo) watchers_.undo->onRelease(release);
   sender_.send(release);
 }
 

@@ -41,7 +41,9 @@ ServerConnection::ServerConnection(ConnectionOptions options, Connector connecto
       backoff_(options_.retryFirst, options_.retryLongest),
       pings_(options_.pingInterval, clock_),
       document_(people_, sender_),
-      requests_(people_, sender_, watchers_) {}
+      requests_(people_, sender_, watchers_) {
+  watchers_.undo = &document_;
+}
 
 ServerConnection::~ServerConnection() = default;
 
@@ -304,6 +306,7 @@ void ServerConnection::sceneReady(const assets::Scene& scene, Exchange& exchange
   ASSERT(inScene_ == nullptr);
   inScene_ = std::make_unique<InScene>(*this, scene, exchange);
   requests_.sceneReady(inScene_->ownership, exchange, inScene_->events);
+  document_.sceneReady(scene, inScene_->events);
   if (stage_ == Stage::haveScene) enterReady();
 }
 

@@ -66,18 +66,20 @@ void SessionDocument::connectionLost() {
   inSession_ = false;
   replica_.connectionLost();
   if (open_) open_->sent = false;
+  if (placing_) notPlaced("the connection is lost");
 }
 
 DocumentStanding SessionDocument::standing() const {
   DocumentStanding standing{replica_.complete(), waiting_.size() + (open_ ? 1 : 0), {}, {}};
-  const auto words = [&](Direction direction) {
-    const DocumentUndo::Step* step = undo_.next(direction);
-    const Entry* entry = step == nullptr ? nullptr : content().find(step->id);
-    return entry == nullptr ? std::string() : subject(Kind::undo, entry->body, step->before);
-  };
-  standing.undo = words(Direction::undo);
-  standing.redo = words(Direction::redo);
+  if (const DocumentUndo::Step* step = undo_.next(Direction::undo)) standing.undo = words(*step);
+  if (const DocumentUndo::Step* step = undo_.next(Direction::redo)) standing.redo = words(*step);
   return standing;
+}
+
+std::string SessionDocument::words(const DocumentUndo::Step& step) const {
+  if (step.part != kNoPart) return "move of " + scene_->parts[step.part].name;
+  const Entry* entry = content().find(step.id);
+  return subject(Kind::undo, entry == nullptr ? Body{} : entry->body, step.before);
 }
 
 // ---- what the person wants ----
@@ -89,10 +91,13 @@ void SessionDocument::want(DocumentWish wish) {
 
 void SessionDocument::step(sync::Micros now) {
   ASSERT(inSession_);
+  now_ = now;
   // What was done is seen here before the next change is made upon it.
   if (open_ && open_->answer != 0 && replica_.complete() && content().revision() >= open_->answer)
     open_.reset();
-  if (!open_ && replica_.complete()) begin();
+  if (placing_ && now > placing_->until) notPlaced("the part cannot be had");
+  noteMoves();
+  if (!busy() && replica_.complete()) begin();
   if (!open_ || open_->sent || open_->answer != 0 || now < open_->notBefore) return;
   open_->sent = true;
   open_->notBefore = now + kAgain;
@@ -101,7 +106,7 @@ void SessionDocument::step(sync::Micros now) {
 
 /// Takes wishes from the line until one is under way.
 void SessionDocument::begin() {
-  while (!open_ && !waiting_.empty()) {
+  while (!busy() && !waiting_.empty()) {
     DocumentWish wish = std::move(waiting_.front());
     waiting_.pop_front();
     if (wish.kind == Kind::change)
@@ -127,6 +132,7 @@ void SessionDocument::beginReversal(Kind kind) {
     people_.notice(Notice::Level::info, kind == Kind::undo ? "nothing to undo" : "nothing to redo");
     return;
   }
+  if (step->part != kNoPart) return place(kind, *step);
   const Entry* entry = content().find(step->id);
   Change change = DocumentUndo::changeFor(*step);
   if (entry == nullptr || entry->revision != step->after) {
@@ -147,6 +153,56 @@ void SessionDocument::open(Kind kind, Change change, Body before) {
 std::string SessionDocument::whoChanged(EntryId id) const {
   const Entry* entry = content().find(id);
   return entry == nullptr ? "another" : people_.nameOf(entry->editor);
+}
+
+// ---- poses ----
+
+void SessionDocument::sceneReady(const assets::Scene& scene, HandEvents& events) {
+  scene_ = &scene;
+  events_ = &events;
+}
+
+void SessionDocument::onOwnership(const sync::PartRecord& record) {
+  moves_.onOwnership(record, people_.self());
+}
+
+void SessionDocument::onRelease(const sync::Release& release) {
+  std::optional<DocumentUndo::Step> step = moves_.onRelease(release);
+  if (placing_ && placing_->part == release.part && placing_->epoch == release.epoch) return placed(release);
+  if (step) moved_.push_back(std::move(*step));
+}
+
+/// Steps that came about while another was under way are added once it is not.
+void SessionDocument::noteMoves() {
+  for (; !busy() && !moved_.empty(); moved_.pop_front()) undo_.changed(std::move(moved_.front()));
+}
+
+/// Lets the hand move a part back that nobody has owned since this person released it.
+void SessionDocument::place(Kind kind, const DocumentUndo::Step& step) {
+  const sync::PartRecord* record = moves_.record(step.part);
+  ASSERT(record != nullptr && events_ != nullptr);
+  const auto after = static_cast<Epoch>(step.after);
+  placing_ = Placing{kind, step.part, after + 1, record->worldFromPart, now_ + kPlacing};
+  if (record->owner != kNoSite) return notPlaced(people_.nameOf(record->owner) + " holds it");
+  if (record->epoch != after) return notPlaced("another has moved it since");
+  NetworkEvent event;
+  event.kind = NetworkEvent::Kind::place;
+  event.record = {step.part, kNoSite, after, step.worldFromPart};
+  events_->push(event);
+}
+
+void SessionDocument::placed(const sync::Release& release) {
+  const Placing was = *std::exchange(placing_, {});
+  people_.notice(Notice::Level::info, std::string(was.kind == Kind::undo ? "undone: " : "done again: ") +
+                                          words(*undo_.next(directionOf(was.kind))));
+  undo_.taken(directionOf(was.kind), {}, release.epoch, was.stood);
+}
+
+void SessionDocument::notPlaced(const std::string& why) {
+  const Placing was = *std::exchange(placing_, {});
+  const char* verb = was.kind == Kind::undo ? "not undone: " : "not done again: ";
+  people_.notice(Notice::Level::warning, verb + words(*undo_.next(directionOf(was.kind))) + ": " + why);
+  undo_.drop(directionOf(was.kind));
 }
 
 // ---- answers ----

@@ -124,6 +124,7 @@ void LightHand::handle(const NetworkEvent& event) {
       std::erase_if(links_, [&](const Link& link) { return link.terms.id == event.link.id; });
       return;
     case NetworkEvent::Kind::simulators:
+    case NetworkEvent::Kind::place:  // these people take nothing back
       return;
     case NetworkEvent::Kind::lost:
       return onLost();

@@ -5,102 +5,10 @@
 
 #include <gtest/gtest.h>
 
-#include "assets/document/document_json.h"
-#include "client/session/document_words.h"
-#include "client/session/server_connection.h"
-#include "tests/server/session_rig.h"
+#include "tests/client/session/document_people.h"
 
 namespace tandem::client {
 namespace {
-
-using document::Change;
-using document::Comment;
-using document::Entry;
-using document::EntryId;
-using document::Note;
-using document::NoteStatus;
-using document::Removed;
-using server::SessionRig;
-using sync::kMillisecond;
-using sync::kSecond;
-using Kind = DocumentWish::Kind;
-
-Note note(const std::string& text, NoteStatus status = NoteStatus::open) {
-  Note n;
-  n.text = text;
-  n.status = status;
-  return n;
-}
-
-/// A person at a site, and what the window of that site knows.
-struct Person {
-  std::unique_ptr<Exchange> exchange = std::make_unique<Exchange>();
-  std::unique_ptr<ServerConnection> connection;
-  document::Document shown;
-  std::vector<std::string> notices;
-
-  SessionDocument& document() { return connection->document(); }
-  void write(EntryId id, const document::Body& body) {
-    const Entry* entry = document().content().find(id);
-    document().want({Kind::change, {id, entry == nullptr ? 0 : entry->revision, body}});
-  }
-  void undo() { document().want({Kind::undo, {}}); }
-  void redo() { document().want({Kind::redo, {}}); }
-  /// The entry with this text; 0 if there is none.
-  EntryId find(const std::string& text) {
-    for (const auto& [id, entry] : document().content().entries())
-      if (inWords(entry.body).find('"' + text + '"') != std::string::npos) return id;
-    return 0;
-  }
-  bool wasTold(const std::string& words) const {
-    return std::any_of(notices.begin(), notices.end(),
-                       [&](const std::string& notice) { return notice.find(words) != std::string::npos; });
-  }
-};
-
-struct SessionDocuments : testing::Test, SessionRig {
-  std::vector<std::unique_ptr<Person>> people;
-
-  void afterStep() override {
-    for (const auto& person : people) {
-      ServerConnection& connection = *person->connection;
-      connection.step(now);
-      if (connection.stage() == ServerConnection::Stage::needScene) connection.skipTransfer();
-      if (connection.stage() == ServerConnection::Stage::haveScene)
-        connection.sceneReady(scene, *person->exchange);
-      DocumentNews news = connection.document().drainNews();
-      if (news.anew) person->shown.clear();
-      for (const Entry& entry : news.entries) person->shown.put(entry);
-      for (const Notice& notice : connection.drainNotices()) person->notices.push_back(notice.text);
-    }
-  }
-  Person& enter(const std::string& name, sync::Role role = sync::Role::participant) {
-    auto person = std::make_unique<Person>();
-    ConnectionOptions options;
-    options.name = name;
-    options.token = token(role);
-    person->connection = std::make_unique<ServerConnection>(
-        options,
-        [this, name]() -> Result<std::unique_ptr<sync::Transport>> { return network.connect(name); });
-    people.push_back(std::move(person));
-    SessionRig::run(300 * kMillisecond);
-    EXPECT_TRUE(people.back()->document().standing().complete) << name;
-    return *people.back();
-  }
-  void settle() { SessionRig::run(200 * kMillisecond); }
-  /// Both replicas of everybody are what the server has.
-  void expectOneDocument() {
-    const std::string truth = toJson(session->document(), "s");
-    for (const auto& person : people) {
-      EXPECT_TRUE(person->document().standing().complete);
-      EXPECT_EQ(person->document().standing().unsent, 0u);
-      EXPECT_EQ(toJson(person->document().content(), "s"), truth);
-      EXPECT_EQ(toJson(person->shown, "s"), truth);
-    }
-  }
-  const document::Body& truth(EntryId id) { return session->document().find(id)->body; }
-  std::string text(EntryId id) { return std::get<Note>(truth(id)).text; }
-};
 
 TEST_F(SessionDocuments, WhoJoinsHasWhatIsThereAndEachLaterChange) {
   Person& ada = enter("ada");
@@ -365,6 +273,105 @@ TEST_F(SessionDocuments, AnUndoThatADeadServerDidNotAnswerIsMadeOnce) {
   }
   EXPECT_EQ(text(id), "one");
   expectOneDocument();
+}
+
+// ---- poses of parts ----
+
+struct MovedParts : SessionDocuments {
+  sync::PartRecord record(PartId part) {
+    for (const sync::PartRecord& record : journal.contents().parts)
+      if (record.part == part) return record;
+    return {};
+  }
+  /// What a hand does that is asked to move a part back: it grabs the part and releases it there.
+  void playHand(Person& person) {
+    NetworkEvent event;
+    while (person.exchange->events.pop(event)) {
+      if (event.kind == NetworkEvent::Kind::place)
+        move(person, event.record.part, event.record.worldFromPart);
+    }
+  }
+  /// Grabs a part and releases it at a pose.
+  void move(Person& person, PartId part, const Pose& to) {
+    ASSERT_TRUE(person.exchange->intents.push({HandIntent::Kind::grab, part, 0, {}, 0}));
+    settle();
+    const Epoch epoch = record(part).epoch;
+    ASSERT_TRUE(person.exchange->intents.push({HandIntent::Kind::release, part, epoch, to, 0}));
+    settle();
+  }
+  void move(Person& person, PartId part, double y) {
+    move(person, part, Pose{{0.1 * part, y, 0.0}, {1, 0, 0, 0}});
+  }
+  double height(PartId part) { return record(part).worldFromPart.position.y; }
+  void undo(Person& person) {
+    person.undo();
+    settle();
+    playHand(person);
+  }
+  void redo(Person& person) {
+    person.redo();
+    settle();
+    playHand(person);
+  }
+};
+
+TEST_F(MovedParts, ComeBackInTheOrderOfAllThatThisPersonDid) {
+  Person& ada = enter("ada");
+  move(ada, 0, 0.1);
+  ada.write(0, note("one"));
+  settle();
+  move(ada, 0, 0.2);
+  move(ada, 1, 0.3);
+  EXPECT_EQ(ada.document().standing().undo, "move of part1");
+  undo(ada);
+  EXPECT_EQ(height(1), 0.0);
+  undo(ada);
+  EXPECT_EQ(height(0), 0.1);
+  undo(ada);
+  EXPECT_EQ(session->document().size(), 0u);
+  undo(ada);
+  EXPECT_EQ(height(0), 0.0);
+  undo(ada);
+  EXPECT_TRUE(ada.wasTold("nothing to undo"));
+  for (int i = 0; i < 4; ++i) redo(ada);
+  EXPECT_EQ(height(0), 0.2);
+  EXPECT_EQ(height(1), 0.3);
+  EXPECT_EQ(session->document().size(), 1u);
+  undo(ada);
+  undo(ada);
+  EXPECT_EQ(height(0), 0.1);
+}
+
+TEST_F(MovedParts, StayWhereAnotherHasLeftOrHoldsThem) {
+  Person& ada = enter("ada");
+  Person& ben = enter("ben");
+  move(ada, 0, 0.1);
+  move(ada, 1, 0.1);
+  move(ben, 1, 0.5);
+  undo(ada);
+  EXPECT_EQ(height(1), 0.5);
+  EXPECT_TRUE(ada.wasTold("not undone: move of part1: another has moved it since"));
+  ASSERT_TRUE(ben.exchange->intents.push({HandIntent::Kind::grab, 0, 0, {}, 0}));
+  settle();
+  undo(ada);
+  EXPECT_TRUE(ada.wasTold("not undone: move of part0: ben holds it"));
+  undo(ben);
+  EXPECT_EQ(height(1), 0.1);
+}
+
+TEST_F(MovedParts, AHandThatDoesNotGetThePartIsNotWaitedForForEver) {
+  Person& ada = enter("ada");
+  move(ada, 0, 0.1);
+  ada.write(0, note("one"));
+  settle();
+  ada.undo();
+  settle();
+  ada.undo();
+  ada.write(0, note("two"));
+  SessionRig::run(SessionDocument::kPlacing + kSecond);
+  EXPECT_TRUE(ada.wasTold("not undone: move of part0: the part cannot be had"));
+  EXPECT_NE(ada.find("two"), 0u);
+  EXPECT_EQ(height(0), 0.1);
 }
 
 }  // namespace
