@@ -21,6 +21,49 @@ using Data = TickState::Data;
 constexpr double kProxyResetAfter = 0.25;  // s
 // The curvature of a field is measured over no less than this.
 constexpr double kLeastOver = 1e-6;  // m
+// The proxy may take some ticks to find its place after sections have moved; it has when the force differs by
+// less than kSettled from tick to tick.
+constexpr int kSettleTicks = 50;
+constexpr double kSettled = 1e-4;  // N
+
+bool areSame(const Sections& last, std::span<const Section> sections) {
+  return std::equal(last.begin(), last.end(), sections.begin(), sections.end());
+}
+
+bool arePlanes(std::span<const Section> sections) {
+  return sections.size() <= kMaxSections &&
+         std::all_of(sections.begin(), sections.end(), [](const Section& section) {
+           return std::abs(glm::length(section.normal) - 1.0) < 1e-6 && std::isfinite(section.offset);
+         });
+}
+
+void cut(std::span<const Section> sections, Data& data) {
+  Sections now;
+  for (const Section& section : sections) now.push_back(section);
+  data.tool.cut(now);
+  data.bridging = kSettleTicks;
+}
+
+/// What sections that move change of the contact force, in this tick and while the proxy finds its new place,
+/// is bridged.
+void bridge(const TickParameters& parameters, double spring, Data& data) {
+  const glm::dvec3 last = data.tool.contactWrench().force, now = data.tool.contactAnew(parameters).force;
+  if (glm::length(now - last) >= kSettled) data.hands[0].bridge(last, now, spring);
+}
+
+/// A part that pressed where the scene is cut away now is held anew where it is, or the hand's spring would
+/// shoot it forward; the force of the old grasp fades.
+void cutHeldParts(int hands, Data& data) {
+  for (const SimulatedPart& entry : data.held.parts())
+    if (entry.moved.control == nullptr) data.partContact->sectionsMoved(entry.part, entry.body.centreOfMass);
+  for (int h = 0; h < hands; ++h) {
+    const PartId held = data.held.held(h);
+    if (held == kNoPart || !data.partContact->pressesWhereCut(held)) continue;
+    Hand& hand = data.hands[static_cast<std::size_t>(h)];
+    hand.endCoupling(data.held.letGo(hand.parameters(), h) ? 2.0 : 1.0);
+    data.held.grasp(held, hand.device().worldFromDevice, hand.parameters(), h);
+  }
+}
 
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
@@ -36,6 +79,7 @@ class Tick {
     simulateOwned();
     if (data_.world.surfaces() != nullptr) feelSurfacesThroughParts();
     updateLayers();
+    updateSections();
     data_.tool.forgetIgnored(data_.held.held());
     if (first_.valid() && holdsSolid()) {
       carryTool();
@@ -311,6 +355,16 @@ class Tick {
     });
   }
 
+  void updateSections() {
+    const bool moved = !areSame(data_.world.sections(), input_.sections);
+    if (!moved && data_.bridging == 0) return;
+    const double spring = stiffnessInPlay();
+    if (moved && TICK_ASSERT(data_.fault, arePlanes(input_.sections))) cut(input_.sections, data_);
+    if (moved && data_.partContact != nullptr) cutHeldParts(count_, data_);
+    data_.bridging = std::max(0, data_.bridging - 1);
+    if (first_.valid() && !holdsSolid()) bridge(parameters_, spring, data_);
+  }
+
   /// What fields do to the parts in the hands. A part in both hands is pulled once.
   void pullByFields(double now) {
     const double step = parameters_.fadeTime > 0.0 ? parameters_.dt / parameters_.fadeTime : 1.0;
@@ -482,7 +536,8 @@ class Tick {
   }
 
   void send() {
-    const Wrench touches = data_.tool.contactWrench() + data_.fieldWrench + data_.throughPart[0];
+    const Wrench tool{first_.letIn(data_.tool.contactWrench().force), data_.tool.contactWrench().torque};
+    const Wrench touches = tool + data_.fieldWrench + data_.throughPart[0];
     const ForeignChange& foreign = data_.tool.foreignChange();
     cause_.byHand = !foreign.any;
     if (foreign.any && !data_.fault.raised())  // under a fault the cause does not count

@@ -36,8 +36,9 @@ struct TickState::Data {
   std::array<double, kHands> fieldShare{};        // 0..1, of fieldsOnPart; the rest acts at the tip
   std::array<HeldSurfaces, kHands> heldSurfaces;  // under what each hand holds
   std::array<Wrench, kHands> throughPart;  // of these surfaces on each hand, of this tick, before limits
-  Wrench fieldWrench;                      // of this tick, before limits
-  double time = 0.0;                       // s, session clock, of the last tick
+  int bridging = 0;    // ticks in which the proxy may still find its place after sections have moved
+  Wrench fieldWrench;  // of this tick, before limits
+  double time = 0.0;   // s, session clock, of the last tick
 };
 
 }  // namespace tandem::haptics

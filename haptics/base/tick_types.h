@@ -14,6 +14,7 @@
 #include "haptics/base/contact_effort.h"
 #include "haptics/base/device.h"
 #include "haptics/base/link_packet.h"
+#include "haptics/base/section.h"
 
 namespace tandem::haptics {
 
@@ -91,6 +92,7 @@ struct TickInput {
   std::array<HandInput, kHands> hands;
   std::span<const PartMotion> moved;      // at most one entry a part
   std::span<const PartCommand> commands;  // at most kMaxPartCommands
+  std::span<const Section> sections{};    // world; what they cut away is not felt; at most kMaxSections
   // The session's clock in s, for links and for fields that change with time. Where it is not finite, the
   // time of the reading counts.
   double sessionTime = std::numeric_limits<double>::quiet_NaN();

@@ -32,6 +32,10 @@ double CandidateRows::gather() {
   return static_cast<double>(deepest_);
 }
 
+void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
+  if (!query_.isCut(arm)) rows_.addPlane(normal, arm, gap, source);
+}
+
 void CandidateRows::addShapeRows(std::uint32_t i) {
   const ContactSample& sample = sampleAt(i);
   const double slack = evenness(*query_.to), allowed = static_cast<double>(allowed_),
@@ -59,8 +63,8 @@ void CandidateRows::addShapeRows(std::uint32_t i) {
     deepen(static_cast<float>(-read.distance));
     if (query_.contained || read.distance + allowed > limit) continue;
     if (!shape.solid()) orientAgainst(outward, query_.to->field.tolerance(), read.gradient, read.distance);
-    rows_.addPlane(query_.world(glm::vec3(read.gradient)), query_.arm(point),
-                   static_cast<float>(read.distance + allowed), query_.source(i));
+    addPlane(query_.world(glm::vec3(read.gradient)), query_.arm(point),
+             static_cast<float>(read.distance + allowed), query_.source(i));
   }
 }
 
@@ -81,8 +85,8 @@ void CandidateRows::addPatchRow(std::uint32_t i, const glm::vec3& place, const R
   deepen(error - distance);
   if (distance - error + allowed_ > query_.limit) return;
   const float gap = error <= query_.smooth ? distance + error : distance - error;
-  rows_.addPlane(query_.world(glm::vec3(touch.read.gradient)), query_.arm(touch.point), gap + allowed_,
-                 query_.source(i));
+  addPlane(query_.world(glm::vec3(touch.read.gradient)), query_.arm(touch.point), gap + allowed_,
+           query_.source(i));
 }
 
 void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const Reading& read) {
@@ -101,7 +105,7 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
     gap = read.distance - read.error;
     alignToFace(i, read, normal, gap);
   }
-  rows_.addPlane(query_.world(normal), query_.armOf(place), gap + allowed_, query_.source(i));
+  addPlane(query_.world(normal), query_.armOf(place), gap + allowed_, query_.source(i));
 }
 
 bool CandidateRows::trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const {
@@ -126,7 +130,7 @@ void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, con
           at = query_.arm(lowest);
           gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
         }
-        rows_.addPlane(query_.world(normal), at, gap, query_.source(i));
+        addPlane(query_.world(normal), at, gap, query_.source(i));
       }
       return;
     }

@@ -30,6 +30,8 @@ class CandidateRows {
 
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
 
+  /// Adds a plane, unless sections cut its place away.
+  void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
   /// Adds a plane for each implicit shape of the target.
   void addShapeRows(std::uint32_t i);
   /// Adds the row of a sample that stands for a piece of a round surface.

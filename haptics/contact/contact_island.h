@@ -106,6 +106,7 @@ class ContactIsland {
   double tolerance() const { return tolerance_; }
   /// m, an upper bound of how far other parts may push a body in this tick.
   double push() const { return push_; }
+  const Sections& sections() const { return world_.sections(); }
   /// Whether addPair() has dropped a pair since clearPairs().
   bool overflowed() const { return overflowed_; }
 

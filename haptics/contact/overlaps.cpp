@@ -133,14 +133,15 @@ void Overlaps::forget(PartId part) {
   for (auto left = overlaps_.end() - end; left > 0; --left) overlaps_.pop_back();
 }
 
-void Overlaps::measure() {
+void Overlaps::measure(bool exits) {
   queries_ = 0;
   for (const ContactPair& pair : island_.pairs()) {
-    if (TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr)) measurePair(pair);
+    if (TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr))
+      measurePair(pair, exits);
   }
 }
 
-void Overlaps::measurePair(const ContactPair& pair) {
+void Overlaps::measurePair(const ContactPair& pair, bool exits) {
   const ContactBody& body = island_.first(pair);
   Side ofFirst, ofOther;
   // The other part's samples come first; those of the first part extend the bounds that they leave.
@@ -163,7 +164,7 @@ void Overlaps::measurePair(const ContactPair& pair) {
     bounds->max += grow;
   }
   overlap.margin = 0.25 * sizeOf(overlap.inA);
-  overlap.contained = ofFirst.allInside;
+  overlap.contained = exits && ofFirst.allInside;
   if (overlap.contained) overlap.exit = exitDirection(pair, body.part);
   TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.exit));
 }

@@ -29,8 +29,8 @@ class Overlaps {
 
   void forget(PartId part);
   /// Measures and remembers the overlap of each pair of the island, which is placed. The oldest overlaps are
-  /// forgotten where there is no room.
-  void measure();
+  /// forgotten where there is no room. Without `exits` no part counts as wholly inside another.
+  void measure(bool exits = true);
 
   // In a step, in this order: beginStep(); noteDepth() for each pair; endStep().
 
@@ -75,7 +75,7 @@ class Overlaps {
     assets::Bounds inSampled, inTarget;  // m, part frames
   };
   const Overlap& overlapOf(int pair) const;
-  void measurePair(const ContactPair& pair);
+  void measurePair(const ContactPair& pair, bool exits);
   void measureSide(const SampledModels& models, Side& side);
   void measureSample(const SampledModels& models, const ContactSample& sample,
                      const DistanceField::Reading& read, Side& side);

@@ -24,16 +24,32 @@ PartContact::PartContact(const ContactWorld& world, FaultLatch& fault)
 
 void PartContact::own(PartId part, const glm::dvec3& centreOfMass) {
   if (!TICK_ASSERT(fault_, world_.has(part))) return;
-  overlaps_.forget(part);
   history_.forget(part);
   joints_.restart(part);
+  measureOverlaps(part, centreOfMass, true);
+}
+
+void PartContact::sectionsMoved(PartId part, const glm::dvec3& centreOfMass) {
+  measureOverlaps(part, centreOfMass, false);
+}
+
+bool PartContact::pressesWhereCut(PartId part) const {
+  constexpr double kLeast = 1e-3;  // N
+  return std::any_of(touches().begin(), touches().end(), [&](const PartTouch& touch) {
+    return (touch.of == part || touch.part == part) && touch.force > kLeast &&
+           isCutAway(world_.sections(), touch.point);
+  });
+}
+
+void PartContact::measureOverlaps(PartId part, const glm::dvec3& centreOfMass, bool exits) {
+  overlaps_.forget(part);
   if (!collides(part)) return;
   island_.clear();
   island_.addBody(part, centreOfMass, world_.pose(part));
   finder_.findTouching(0.0, dt_, island_);
   work_.overflow = work_.overflow || island_.overflowed();
   island_.place();
-  overlaps_.measure();
+  overlaps_.measure(exits);
   TICK_ASSERT(fault_, island_.bodyCount() == 1 && island_.body(0).part == part);
 }
 

@@ -53,6 +53,12 @@ class PartContact {
   /// are measured (overlaps.h).
   void own(PartId part, const glm::dvec3& centreOfMass);
 
+  /// Sections have moved. What they bring back of a part that moves here and of its neighbours may stay as
+  /// deep in each other as it is.
+  void sectionsMoved(PartId part, const glm::dvec3& centreOfMass);
+  /// Whether a part presses at a place that sections cut away now, as of the last tick.
+  bool pressesWhereCut(PartId part) const;
+
   /// Moves all parts that move here by one tick of dt seconds as far as their neighbours and joints let
   /// them, and gives each body the velocity of its motion. `moving` has at most kMaxBodies entries, each
   /// with a part and a body of its own.
@@ -77,6 +83,7 @@ class PartContact {
  private:
   using Moving = std::span<MovingPart* const>;
 
+  void measureOverlaps(PartId part, const glm::dvec3& centreOfMass, bool exits);
   /// Makes one island of these parts.
   void gather(Moving moving);
 

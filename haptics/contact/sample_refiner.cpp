@@ -133,6 +133,7 @@ void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample,
     ExactRow row;
     row.normal = query.worldFromTo.orientation * plane.normal * (query.ofFirst() ? 1.0 : -1.0);
     row.arm = transformPoint(query.worldFromTo, plane.point) - query.first().centre;
+    if (query.isCut(glm::vec3(row.arm))) continue;
     // Position correction: the part moves out at most by the distance to the surface, at the speed of what
     // pushes it in and beyond that by a few tolerances a step. Of a penetration all but one tolerance is
     // corrected in a step, of a small one a fifth a step (a Baumgarte stabilisation).

@@ -34,6 +34,11 @@ struct SideQuery : SampledModels {
   glm::vec3 armOf(const glm::vec3& place) const { return rotation * place + shift; }
   /// The same of a point in the frame of the target.
   glm::vec3 arm(const glm::dvec3& point) const { return armOf(glm::vec3(point - to->field.origin())); }
+  /// Whether sections cut away the place that `arm` points to: nothing touches there.
+  bool isCut(const glm::vec3& arm) const {
+    const Sections& sections = island->sections();
+    return !sections.empty() && isCutAway(sections, first().centre + glm::dvec3(arm));
+  }
   /// m by which the sample may be deep in the target because it was when its part began to move here.
   double allowed(const ContactSample& sample) const;
 

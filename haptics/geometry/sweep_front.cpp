@@ -45,13 +45,13 @@ struct SweepFront::Sweep {
 };
 
 bool SweepFront::sweepBall(const TriangleBvh& tree, const glm::dvec3& from, const glm::dvec3& motion,
-                           double radius, double tolerance, MeshBallHit& hit) {
+                           double radius, double tolerance, MeshBallHit& hit, const Sections* cut) {
   if (tree.empty()) return false;
   // What a point or a ball passes on a long path is better excluded by the boxes beside that path.
-  if (glm::length(motion) > radius) return tree.sweepBall(from, motion, radius, tolerance, hit);
+  if (glm::length(motion) > radius) return tree.sweepBall(from, motion, radius, tolerance, hit, cut);
   if (resting_ > 0) {
     --resting_;
-    return tree.sweepBall(from, motion, radius, tolerance, hit);
+    return tree.sweepBall(from, motion, radius, tolerance, hit, cut);
   }
   if (tree_ != &tree || branchCount_ > kManyBranches || packCount_ > kManyPacks) {
     begin(tree, from);
@@ -63,7 +63,7 @@ bool SweepFront::sweepBall(const TriangleBvh& tree, const glm::dvec3& from, cons
   const SweptBall ball(origin, motion, radius + tolerance, largest);
   // Corners were rounded relative to the place.
   TriangleSweep triangles(tree, from, motion, radius, tolerance,
-                          tree.coordinateRounding(from) + 0x1p-21 * away, found);
+                          tree.coordinateRounding(from) + 0x1p-21 * away, cut, found);
   Sweep sweep{ball,
               triangles,
               from,
@@ -77,7 +77,7 @@ bool SweepFront::sweepBall(const TriangleBvh& tree, const glm::dvec3& from, cons
   if (!whole) {
     forget();
     resting_ = kRest;
-    return tree.sweepBall(from, motion, radius, tolerance, hit);
+    return tree.sweepBall(from, motion, radius, tolerance, hit, cut);
   }
   if (triangles.found()) hit = found;
   return triangles.found();

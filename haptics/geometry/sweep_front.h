@@ -26,7 +26,7 @@ class SweepFront {
  public:
   /// Mesh frame, as TriangleBvh::sweepBall().
   bool sweepBall(const TriangleBvh& tree, const glm::dvec3& from, const glm::dvec3& motion, double radius,
-                 double tolerance, MeshBallHit& hit);
+                 double tolerance, MeshBallHit& hit, const Sections* cut = nullptr);
   /// The tree has changed or gone.
   void forget() { tree_ = nullptr; }
   /// For tests: every proof claims `by` m more than is true.

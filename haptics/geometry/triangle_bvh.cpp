@@ -10,6 +10,7 @@
 #include "haptics/geometry/bvh_build.h"
 #include "haptics/geometry/bvh_fit.h"
 #include "haptics/geometry/bvh_stack.h"
+#include "haptics/geometry/cut_triangle.h"
 #include "haptics/geometry/near_boxes.h"
 #include "haptics/geometry/outward.h"
 #include "haptics/geometry/query_work.h"
@@ -21,7 +22,7 @@ namespace tandem::haptics {
 namespace {
 
 /// +1 where the segment leaves through the triangle's outside, -1 where it enters, 0 where it misses.
-int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t) {
+int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle& t, const Sections* cut) {
   const glm::dvec3 a = t.a - from, b = t.b - from, c = t.c - from;
   // Signed volumes of the line with the three edges: equal signs mean that the line passes through the
   // triangle.
@@ -33,7 +34,20 @@ int crossing(const glm::dvec3& from, const glm::dvec3& direction, const Triangle
   const glm::dvec3 normal = areaVector(t);
   const double height = glm::dot(normal, a), slope = glm::dot(normal, direction);
   if (slope == 0.0 || height / slope < 0.0 || height / slope > 1.0) return 0;
+  if (cut != nullptr && isCutAway(*cut, from + direction * (height / slope))) return 0;
   return slope > 0.0 ? 1 : -1;
+}
+
+/// False if nothing of the triangle is left.
+bool closestPointOn(const Triangle& triangle, const glm::dvec3& p, const Sections* cut,
+                    TrianglePoint& closest) {
+  if (cut == nullptr) {
+    closest = closestPointOnTriangle(p, triangle);
+    return true;
+  }
+  const std::optional<TrianglePoint> left = closestPointOnCut(p, triangle, *cut);
+  if (left) closest = *left;
+  return left.has_value();
 }
 
 void noteWork(std::uint64_t nodes, std::uint64_t triangles) {
@@ -66,7 +80,8 @@ void TriangleBvh::refit(int threads) {
   BvhFit(*mesh_, {nodes_.get(), nodeCount_}, order_, extent_).refit(workersFor(order_.size(), threads));
 }
 
-bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const {
+bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest,
+                               const Sections* cut) const {
   if (empty()) return false;
   const glm::dvec3 q = p - extent_.centre;
   const NearBoxes near(q, extent_.largest + glm::length(q));
@@ -95,7 +110,8 @@ bool TriangleBvh::closestPoint(const glm::dvec3& p, double maxDistance, MeshPoin
       if ((far >> i & 1) != 0) continue;
       ++triangles;
       const std::uint32_t index = order_[first + i];
-      const TrianglePoint closest = closestPointOnTriangle(p, triangle(index));
+      TrianglePoint closest;
+      if (!closestPointOn(triangle(index), p, cut, closest)) continue;
       const glm::dvec3 offset = p - closest.point;
       const double square = glm::dot(offset, offset);
       // A tie goes to the lower index, so the result does not depend on the order of visits.
@@ -141,12 +157,12 @@ NearLeaf TriangleBvh::nearestLeaf(const glm::dvec3& p, double reach) const {
 }
 
 bool TriangleBvh::sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
-                            MeshBallHit& hit) const {
+                            MeshBallHit& hit, const Sections* cut) const {
   if (empty()) return false;
   const glm::dvec3 origin = from - extent_.centre;
   const double largest = extent_.largest + radius + glm::length(origin) + glm::length(motion);
   const SweptBall ball(origin, motion, radius + tolerance, largest);
-  TriangleSweep sweep(*this, from, motion, radius, tolerance, coordinateRounding(from), hit);
+  TriangleSweep sweep(*this, from, motion, radius, tolerance, coordinateRounding(from), cut, hit);
   std::uint64_t nodes = 0;
   BvhStack stack;
   PendingNode next{0, 0.0f};
@@ -195,7 +211,7 @@ void TriangleBvh::forEachInBox(const assets::Bounds& box, Visit&& visit) const {
   } while (stack.pop(next));
 }
 
-int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const {
+int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to, const Sections* cut) const {
   if (empty()) return 0;
   const glm::dvec3 direction = to - from, origin = from - extent_.centre;
   const SweptPoint slabs(origin, direction, 0.0,
@@ -213,7 +229,7 @@ int TriangleBvh::signedCrossings(const glm::dvec3& from, const glm::dvec3& to) c
     }
     const std::uint32_t first = next.child & kLeafFirstMask;
     for (std::uint32_t i = 0; i < leafCount(next.child); ++i) {
-      crossings += crossing(from, direction, triangle(order_[first + i]));
+      crossings += crossing(from, direction, triangle(order_[first + i]), cut);
     }
   } while (stack.pop(next));
   return crossings;

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "assets/scene/scene.h"
+#include "haptics/base/section.h"
 #include "haptics/base/simd4.h"
 #include "haptics/geometry/triangle_math.h"
 
@@ -65,8 +66,10 @@ class TriangleBvh {
   /// old neighbours. Must not run during a query. Allocates, and starts threads for large meshes.
   void refit(int threads = 0);
 
-  /// The nearest point within `maxDistance` of p; false if there is none.
-  bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest) const;
+  /// The nearest point within `maxDistance` of p; false if there is none. Of this query and those below, only
+  /// what `cut` leaves of the mesh counts, in its frame, if not null.
+  bool closestPoint(const glm::dvec3& p, double maxDistance, MeshPoint& nearest,
+                    const Sections* cut = nullptr) const;
 
   /// The leaf whose box and slab are nearest to p, as far as they are within `reach`, else a bound of `reach`
   /// and no triangle. Tests no triangle, which makes it several times as fast as closestPoint().
@@ -75,11 +78,11 @@ class TriangleBvh {
   /// The first triangle that a ball moving from `from` by `motion` meets earlier than hit.t; see sweepBall()
   /// of triangle_math.h. On a tie the triangle that the ball meets most squarely wins.
   bool sweepBall(const glm::dvec3& from, const glm::dvec3& motion, double radius, double tolerance,
-                 MeshBallHit& hit) const;
+                 MeshBallHit& hit, const Sections* cut = nullptr) const;
 
   /// Number of outward less inward crossings of a segment with the surface: the winding number of `from` if
   /// the segment ends outside, except where it hits an edge exactly.
-  int signedCrossings(const glm::dvec3& from, const glm::dvec3& to) const;
+  int signedCrossings(const glm::dvec3& from, const glm::dvec3& to, const Sections* cut = nullptr) const;
 
   /// Writes the triangles whose boxes meet `box`. Returns their number; only the first found.size() are
   /// stored.

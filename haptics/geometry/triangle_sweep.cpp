@@ -1,5 +1,7 @@
 #include "haptics/geometry/triangle_sweep.h"
 
+#include "haptics/geometry/cut_triangle.h"
+
 namespace tandem::haptics {
 namespace {
 
@@ -39,7 +41,8 @@ float latestOf(double t) { return roundUp(t * (1.0 + 0x1p-20)); }
 }  // namespace
 
 TriangleSweep::TriangleSweep(const TriangleBvh& tree, const glm::dvec3& from, const glm::dvec3& motion,
-                             double radius, double tolerance, double rounding, MeshBallHit& hit)
+                             double radius, double tolerance, double rounding, const Sections* cut,
+                             MeshBallHit& hit)
     : tree_(tree),
       from_(from),
       way_(motion),
@@ -49,6 +52,7 @@ TriangleSweep::TriangleSweep(const TriangleBvh& tree, const glm::dvec3& from, co
       motion4_{Float4(static_cast<float>(motion.x)), Float4(static_cast<float>(motion.y)),
                Float4(static_cast<float>(motion.z))},
       reach_(roundUp(closest_)),
+      cut_(cut),
       hit_(hit),
       latest_(latestOf(hit.t)) {}
 
@@ -73,7 +77,9 @@ void TriangleSweep::testOne(std::uint32_t index, const glm::dvec3& away) {
   ++tested_;
   BallHit candidate;
   candidate.t = hit_.t;
-  if (!haptics::sweepBall(from_, way_, radius_, tolerance_, t, candidate)) return;
+  const bool met = cut_ == nullptr ? haptics::sweepBall(from_, way_, radius_, tolerance_, t, candidate)
+                                   : sweepBallOnCut(from_, way_, radius_, tolerance_, t, *cut_, candidate);
+  if (!met) return;
   if (found_ && candidate.t == hit_.t) {
     const double now = glm::dot(candidate.normal, way_), best = glm::dot(hit_.normal, way_);
     if (now > best || (now == best && index > hit_.triangle)) return;

@@ -8,6 +8,7 @@
 
 #include <glm/geometric.hpp>
 
+#include "haptics/base/section.h"
 #include "haptics/geometry/outward.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/geometry/triangle_filter.h"
@@ -18,8 +19,9 @@ namespace tandem::haptics {
 class TriangleSweep {
  public:
   /// `rounding`: m, of differences of coordinates there. Looks for hits up to hit.t.
+  /// Only what `cut` leaves of the triangles counts, if not null.
   TriangleSweep(const TriangleBvh& tree, const glm::dvec3& from, const glm::dvec3& motion, double radius,
-                double tolerance, double rounding, MeshBallHit& hit);
+                double tolerance, double rounding, const Sections* cut, MeshBallHit& hit);
 
   /// Tests the first `count` of four triangles; corners are relative to the start of the motion.
   void test(const Triangles4& corners, const std::uint32_t* triangles, std::uint32_t count) {
@@ -47,6 +49,7 @@ class TriangleSweep {
   const double radius_, tolerance_, closest_;
   const Vec4 motion4_;
   const Float4 reach_;
+  const Sections* const cut_;
   MeshBallHit& hit_;
   float latest_;
   bool found_ = false;

@@ -54,6 +54,20 @@ void Hand::fadeOut(const Wrench& ended, const Fade::Stiffness& stiffness) {
   fade_.start(hasTool_ ? withinLimits(ended) : ended, stiffness, parameters_.fadeTime);
 }
 
+void Hand::bridge(const glm::dvec3& last, const glm::dvec3& now, double spring) {
+  const glm::dvec3 felt = withinLimits({last - arrival_.heldBack(last, 0.0), glm::dvec3(0.0)}).force;
+  const double square = glm::dot(now, now);
+  const double share = square > 0.0 ? std::clamp(glm::dot(felt, now) / square, 0.0, 1.0) : 0.0;
+  const glm::dvec3 ended = felt - share * now;
+  arrival_.start((1.0 - share) * now);
+  // A spring with the energy that the contact has lost.
+  const double lost = glm::dot(felt, felt) - share * share * square;
+  if (!(lost > 0.0)) return;
+  const double fading = glm::length(fade_.now().force + ended);
+  fade_.start({ended, glm::dvec3(0.0)}, {spring * glm::dot(ended, ended) / lost, 0.0},
+              std::max(parameters_.fadeTime, fading / kGentleFade));
+}
+
 void Hand::endCoupling(double springs) {
   fadeOut(coupling_, {springs * parameters_.graspStiffness, springs * parameters_.graspRotStiffness});
   coupling_ = Wrench{};

@@ -10,6 +10,7 @@
 
 #include "haptics/base/fault.h"
 #include "haptics/base/tick_types.h"
+#include "haptics/body/arrival.h"
 #include "haptics/body/fade.h"
 #include "haptics/grasp/held_part.h"
 #include "haptics/safety/output_limits.h"
@@ -64,6 +65,14 @@ class Hand {
   /// The hand takes a part: the wrench of its bare tool in the last tick fades from now on.
   void endTool() { fadeOut(lastTool_, {parameters_.stiffness, 0.0}); }
   Fade& fade() { return fade_; }
+  /// Sections have made of the tool's contact force `last` (N) the force `now`: what has ended of it fades,
+  /// and what has come is let in slowly, so that the hand first gets what it got. `spring`: N/m, of the
+  /// contacts.
+  void bridge(const glm::dvec3& last, const glm::dvec3& now, double spring);
+  /// What is let in of the tool's contact force now, N; once a tick.
+  glm::dvec3 letIn(const glm::dvec3& contact) {
+    return contact - arrival_.heldBack(contact, kGentleArrival * parameters_.dt);
+  }
 
   /// Ends a tick: what the wrenches of coupling and fade, and that of what the tool `touches` if not null,
   /// become on the device. `cause` explains the change of the sum. Adds to flags().
@@ -89,6 +98,7 @@ class Hand {
   SampleGuard guard_;
   RestingReading reading_;
   Fade fade_;
+  Arrival arrival_;
   OutputLimits limits_;
   TickParameters parameters_;  // of this tick
   DeviceSample device_, steadyDevice_;

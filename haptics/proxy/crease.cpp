@@ -43,13 +43,12 @@ void forEachAround(const TriangleBvh& tree, std::uint32_t triangle, const glm::d
 }  // namespace
 
 Crease creaseUnder(const ContactWorld& world, const SurfacePoint& contact, double skin) {
-  const Triangle t = world.triangle(contact.part, contact.triangle);
-  const glm::dvec3 corners[3] = {t.a, t.b, t.c};
+  const CutFace corners = world.face(contact.part, contact.triangle);
   const glm::dvec3& q = contact.point;
-  Crease nearest{corners[0], corners[0]};
+  Crease nearest{q, q};
   double least = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % 3];
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const glm::dvec3 &a = corners[i], &b = corners[(i + 1) % corners.size()];
     if (glm::length(q - a) <= skin) return {a, a};
     const glm::dvec3 along = b - a;
     const double square = glm::dot(along, along);
@@ -80,8 +79,9 @@ RollLimit rollLimit(const ContactWorld& world, const SurfacePoint& contact, doub
   ASSERT(world.has(contact.part) && world.collider(contact.part).tree != nullptr);
 
   const TriangleBvh& tree = *world.collider(contact.part).tree;
+  const Sections cut = world.sections().empty() ? Sections{} : world.sectionsOf(contact.part);
   forEachAround(tree, contact.triangle, q, skin, [&](std::uint32_t triangle, const Triangle& t) {
-    for (const glm::dvec3& corner : {t.a, t.b, t.c}) {
+    for (const glm::dvec3& corner : cutTriangle(t, cut)) {
       const glm::dvec3 d = corner - q;
       const double forward = glm::dot(ahead, d);
       // A corner straight along the crease does not end the roll.

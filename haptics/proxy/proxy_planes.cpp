@@ -30,12 +30,11 @@ const ProxyPlane* coverOf(const Proxy& proxy, double radius, const ProxyPlane& p
 /// cannot touch the proxy here; otherwise the contact becomes one with the rising face.
 bool facesProxy(const ContactWorld& world, const ProxyPlane& cover, const glm::dvec3& position,
                 SurfacePoint& at, double skin) {
-  const Triangle face = world.triangle(at.part, at.triangle);
-  const auto height = [&](const glm::dvec3& p) {
-    return glm::dot(cover.surface.normal, p - cover.surface.point);
-  };
-  if (std::max({height(face.a), height(face.b), height(face.c)}) <= skin) return false;
-  takeFacePlane(face, position, at);
+  double highest = 0.0;
+  for (const glm::dvec3& corner : world.face(at.part, at.triangle))
+    highest = std::max(highest, glm::dot(cover.surface.normal, corner - cover.surface.point));
+  if (highest <= skin) return false;
+  takeFacePlane(world.triangle(at.part, at.triangle), position, at);
   return true;
 }
 

@@ -44,6 +44,8 @@ class Walker {
   }
 
  private:
+  static constexpr int kCut = 3;
+
   SurfaceWalk arrived(double share) const {
     return {share, {part_, triangle_, {}, {}, 0.0, false}, kNoTriangle, false};
   }
@@ -59,6 +61,7 @@ class Walker {
     at_ = partFromWorld * (worldPoint - pose.position);
     localWay_ = partFromWorld * way_;
     localUpright_ = partFromWorld * upright_;
+    if (!world_.sections().empty()) cut_ = world_.sectionsOf(part);
   }
 
   /// Projects the displacement onto the present triangle; false if that is turned too far against the
@@ -75,8 +78,8 @@ class Walker {
     return std::abs(cosine) >= kGroundTurn;
   }
 
-  /// Goes to the edge through which the path leaves the triangle and returns that edge; -1 if the path ends
-  /// before it.
+  /// Goes to the edge through which the path leaves the triangle and returns that edge, kCut for that of a
+  /// section; -1 if the path ends before it.
   int leave() {
     int first = -1;
     double earliest = 1.0;
@@ -94,6 +97,16 @@ class Walker {
       earliest = when;
       first = e;
     }
+    for (const Section& section : cut_) {
+      const double speed = glm::dot(section.normal, step_);
+      if (!(speed > 0.0)) continue;
+      const double room = section.offset - glm::dot(section.normal, at_);
+      if (speed * (1.0 - walked_) - room <= 2.0 * tolerance_.edge) continue;
+      const double when = walked_ + std::max(0.0, room) / speed;
+      if (when >= earliest) continue;
+      earliest = when;
+      first = kCut;
+    }
     if (first < 0) return -1;
     at_ += step_ * (earliest - walked_);
     walked_ = earliest;
@@ -101,8 +114,8 @@ class Walker {
   }
 
   bool cross(int edge) {
-    ASSERT(edge >= 0 && edge < 3);
-    if (triangle_ >= mesh_->neighbours.size()) return false;
+    ASSERT(edge >= 0 && edge <= kCut);
+    if (edge == kCut || triangle_ >= mesh_->neighbours.size()) return false;
     const std::uint32_t next = mesh_->neighbours[triangle_][static_cast<std::size_t>(edge)];
     if (next == assets::kNone) return false;
     ASSERT(next < mesh_->triangles.size());
@@ -145,6 +158,7 @@ class Walker {
   const assets::Mesh* mesh_ = nullptr;
   glm::dvec3 at_{0.0}, localWay_{0.0}, localUpright_{0.0}, normal_{0.0}, step_{0.0};
   glm::dvec3 corners_[3]{};
+  Sections cut_;  // of the part
   double walked_ = 0.0;
   int seams_ = 0;
 };

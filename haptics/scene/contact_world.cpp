@@ -135,6 +135,41 @@ bool ContactWorld::mayCollide(PartId a, PartId b) const {
   return assets::mayCollide(scene().parts[a].filter, scene().parts[b].filter);
 }
 
+void ContactWorld::setSections(const Sections& sections) {
+  free_.forget();
+  sections_ = sections;
+}
+
+/// A section in the frame of a part, a skin further off: it leaves faces that lie in its plane, whatever
+/// rounding makes of them.
+Section ContactWorld::ofPart(const Section& section, PartId part) const {
+  const Pose& pose = poses_[part];
+  return {glm::conjugate(pose.orientation) * section.normal,
+          section.offset - glm::dot(section.normal, pose.position) + skin(part, pose.position)};
+}
+
+Sections ContactWorld::sectionsOf(PartId part) const {
+  Sections cut;
+  const Collider& collider = data_->colliders[part];
+  for (const Section& section : sections_) {
+    const Section local = ofPart(section, part);
+    if (glm::dot(local.normal, collider.centre) + collider.radius > local.offset) cut.push_back(local);
+  }
+  return cut;
+}
+
+/// Finds those that may cut a part within `reach` of a path, in its frame. False if they leave nothing there.
+bool ContactWorld::cutNear(PartId part, const glm::dvec3& from, const glm::dvec3& to, double reach,
+                           Sections& cut) const {
+  for (const Section& section : sections_) {
+    const double a = glm::dot(section.normal, from) - section.offset,
+                 b = glm::dot(section.normal, to) - section.offset;
+    if (std::min(a, b) - reach > 2.0 * skin(part, from)) return false;
+    if (std::max(a, b) + reach > 0.0) cut.push_back(ofPart(section, part));
+  }
+  return true;
+}
+
 double ContactWorld::skin(PartId part, const glm::dvec3& p) const {
   return data_->colliders[part].skin + 0x1p-42 * (glm::length(p) + glm::length(poses_[part].position));
 }
@@ -149,10 +184,12 @@ bool ContactWorld::sweepPart(PartId part, const glm::dvec3& p, const glm::dvec3&
   const Pose& pose = poses_[part];
   const glm::dquat partFromWorld = glm::conjugate(pose.orientation);
   const double off = margin(part, p, radius);
+  Sections cut;
+  if (!sections_.empty() && !cutNear(part, p, p + motion, radius + off, cut)) return false;
   MeshBallHit local;
   local.t = hit.t;
   if (!fronts_.of(part).sweepBall(*data_->colliders[part].tree, toPart(pose, p), partFromWorld * motion,
-                                  radius + 0.5 * off, 0.125 * off, local)) {
+                                  radius + 0.5 * off, 0.125 * off, local, cut.empty() ? nullptr : &cut)) {
     return false;
   }
   hit.t = local.t;
@@ -193,8 +230,14 @@ double ContactWorld::sweepOne(const glm::dvec3& p, const glm::dvec3& motion, dou
   const Pose& pose = poses_[part];
   const double off = margin(part, p, radius);
   BallHit hit;
-  haptics::sweepBall(toPart(pose, p), glm::conjugate(pose.orientation) * motion, radius + 0.5 * off,
-                     0.125 * off, tree.triangle(triangle), hit);
+  const glm::dvec3 from = toPart(pose, p), path = glm::conjugate(pose.orientation) * motion;
+  Sections cut;
+  if (!sections_.empty() && !cutNear(part, p, p + motion, radius + off, cut)) return 1.0;
+  if (cut.empty()) {
+    haptics::sweepBall(from, path, radius + 0.5 * off, 0.125 * off, tree.triangle(triangle), hit);
+  } else {
+    sweepBallOnCut(from, path, radius + 0.5 * off, 0.125 * off, tree.triangle(triangle), cut, hit);
+  }
   return hit.t;
 }
 
@@ -213,12 +256,17 @@ bool ContactWorld::sweepAgainstMoved(PartId part, const Pose& before, const glm:
   // are exact.
   const double turn = glm::length(rotationVector(now.orientation * glm::conjugate(before.orientation)));
   const int pieces = std::clamp(static_cast<int>(std::ceil(turn / 0.05)), 1, 64);
+  Sections cut;
+  if (!sections_.empty() && !cutNear(part, p, p, radius + off, cut)) return false;
+  // They stand still while the part moves, so that they leave all of it that was behind them on the way.
+  for (Section& section : cut) section.offset += glm::length(c1 - c0) + turn * collider.radius;
   glm::dvec3 from = toPart(before, p);
   for (int i = 1; i <= pieces; ++i) {
     const glm::dvec3 to =
         toPart(i == pieces ? now : interpolate(before, now, static_cast<double>(i) / pieces), p);
     MeshBallHit local;
-    if (collider.tree->sweepBall(from, to - from, radius + 0.5 * off, 0.125 * off, local)) {
+    if (collider.tree->sweepBall(from, to - from, radius + 0.5 * off, 0.125 * off, local,
+                                 cut.empty() ? nullptr : &cut)) {
       hit.t = (i - 1 + local.t) / pieces;
       hit.point = transformPoint(now, local.point);
       hit.normal = transformVector(now, local.normal);
@@ -240,12 +288,27 @@ Triangle ContactWorld::triangle(PartId part, std::uint32_t triangle) const {
   return {transformPoint(pose, t.a), transformPoint(pose, t.b), transformPoint(pose, t.c)};
 }
 
+CutFace ContactWorld::face(PartId part, std::uint32_t triangle) const {
+  const Triangle whole = data_->colliders[part].tree->triangle(triangle);
+  CutFace left = cutTriangle(whole, sections_.empty() ? sections_ : sectionsOf(part));
+  for (glm::dvec3& corner : left) corner = transformPoint(poses_[part], corner);
+  return left;
+}
+
 SurfacePoint ContactWorld::surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const {
   const Pose& pose = poses_[part];
   const glm::dvec3 local = toPart(pose, p);
   ASSERT(triangle < data_->colliders[part].tree->mesh().triangles.size());
   const Triangle t = data_->colliders[part].tree->triangle(triangle);
-  const TrianglePoint closest = closestPointOnTriangle(local, t);
+  TrianglePoint closest;
+  if (sections_.empty()) {
+    closest = closestPointOnTriangle(local, t);
+  } else {
+    const std::optional<TrianglePoint> left = closestPointOnCut(local, t, sectionsOf(part));
+    constexpr glm::dvec3 kAnyNormal(0.0, 0.0, 1.0);
+    if (!left) return {part, triangle, p - kGone * kAnyNormal, kAnyNormal, kGone, false};
+    closest = *left;
+  }
   const glm::dvec3 normal = contactNormal(local, t, closest);
   return {part,
           triangle,
@@ -259,7 +322,10 @@ bool ContactWorld::nearest(PartId part, const glm::dvec3& p, double reach, Surfa
   ASSERT(has(part));
   MeshPoint local;
   const Collider& collider = data_->colliders[part];
-  if (collider.tree == nullptr || !collider.tree->closestPoint(toPart(poses_[part], p), reach, local)) {
+  Sections cut;
+  if (!sections_.empty() && !cutNear(part, p, p, reach, cut)) return false;
+  if (collider.tree == nullptr ||
+      !collider.tree->closestPoint(toPart(poses_[part], p), reach, local, cut.empty() ? nullptr : &cut)) {
     return false;
   }
   found = surfaceAt(part, local.triangle, p);
@@ -280,8 +346,16 @@ bool ContactWorld::overlaps(PartId part, const glm::dvec3& p, double radius) con
   const glm::dvec3 local = toPart(poses_[part], p);
   const double margin = radius + skin(part, p);
   if (glm::length(local - collider.centre) > collider.radius + margin) return false;
+  return reaches(part, p, margin) || encloses(part, p);
+}
+
+bool ContactWorld::reaches(PartId part, const glm::dvec3& p, double distance) const {
+  ASSERT(has(part));
+  const Collider& collider = data_->colliders[part];
+  Sections cut;
+  if (collider.tree == nullptr || (!sections_.empty() && !cutNear(part, p, p, distance, cut))) return false;
   MeshPoint near;
-  return collider.tree->closestPoint(local, margin, near) || encloses(part, p);
+  return collider.tree->closestPoint(toPart(poses_[part], p), distance, near, cut.empty() ? nullptr : &cut);
 }
 
 bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
@@ -295,13 +369,15 @@ bool ContactWorld::encloses(PartId part, const glm::dvec3& p) const {
                                          {0.61, 0.57, 0.55},  {-0.53, 0.63, 0.59},   {0.58, -0.62, 0.54},
                                          {0.56, 0.59, -0.64}};
   const double length = 2.5 * collider.radius + glm::length(local - collider.centre);
-  const bool closed = collider.tree->mesh().closed;
+  const Sections cut = sections_.empty() ? sections_ : sectionsOf(part);
+  const Sections* const left = cut.empty() ? nullptr : &cut;
+  const bool closed = collider.tree->mesh().closed && cut.empty();
   const int rays = closed ? 3 : 7;
   int missing = 0;
   for (int i = 0; i < rays; ++i) {
     const glm::dvec3 path = glm::dvec3(kRays[i][0], kRays[i][1], kRays[i][2]) * length;
-    missing += collider.tree->signedCrossings(local, local + path) > 0 ? 0 : 1;
-    missing += collider.tree->signedCrossings(local, local - path) > 0 ? 0 : 1;
+    missing += collider.tree->signedCrossings(local, local + path, left) > 0 ? 0 : 1;
+    missing += collider.tree->signedCrossings(local, local - path, left) > 0 ? 0 : 1;
     if (missing > (closed ? 1 : 0)) return false;
   }
   return true;

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "assets/base/pose.h"
+#include "haptics/geometry/cut_triangle.h"
 #include "haptics/geometry/scene_bvh.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/scene/free_ball.h"
@@ -89,6 +90,11 @@ class ContactWorld {
   }
   bool ignored(PartId part) const { return parts_[part].ignored; }
 
+  /// From now on what these cut away, world frame, is not there for any query of the tool.
+  void setSections(const Sections& sections);
+  const Sections& sections() const { return sections_; }
+  Sections sectionsOf(PartId part) const;  // those that may cut it at its present pose, in its frame
+
   /// Keeps a ball that no touchable part's surface, with its margin, reaches into, so that sweep() in it
   /// needs no query. It shrinks as parts move, appear or change. A radius that is too large lets the tool
   /// through.
@@ -125,7 +131,10 @@ class ContactWorld {
   /// One triangle at the part's present pose, world.
   Triangle triangle(PartId part, std::uint32_t triangle) const;
 
-  /// The point of one triangle nearest to p, at the part's present pose.
+  /// What sections leave of it; empty if nothing.
+  CutFace face(PartId part, std::uint32_t triangle) const;
+
+  /// The point of one triangle nearest to p, at the part's present pose; kGone away if nothing is left of it.
   SurfacePoint surfaceAt(PartId part, std::uint32_t triangle, const glm::dvec3& p) const;
 
   /// The nearest point of one part within `reach` m of p; false if there is none.
@@ -139,7 +148,9 @@ class ContactWorld {
   /// that is not closed may be a sheet or a solid that lacks faces: a point is inside if all of fourteen
   /// rays leave it, so that a hole whose rim is seen more than some 40 degrees off its axis is a way out.
   bool overlaps(PartId part, const glm::dvec3& p, double radius) const;
-  /// Whether p is inside the solid of a part that has geometry; the second test of overlaps().
+  bool reaches(PartId part, const glm::dvec3& p, double distance) const;  // the first test of overlaps()
+  /// Whether p is inside the solid of a part that has geometry; the second test of overlaps(). A part that
+  /// sections have opened is a mesh that is not closed.
   bool encloses(PartId part, const glm::dvec3& p) const;
 
   /// Calls visit(part) for every part whose box meets `box`. visit must neither move parts nor call
@@ -160,6 +171,8 @@ class ContactWorld {
 
   const assets::Material& material(PartId part, std::uint32_t triangle) const;
 
+  static constexpr double kGone = 1e9;  // m
+
  private:
   struct PartState {
     Twist twist;
@@ -171,10 +184,13 @@ class ContactWorld {
   void measure(PartId part);
   void noteNear(PartId part, const Pose& worldFromPart);
   void findNear(const assets::Bounds& box) const;
+  Section ofPart(const Section& section, PartId part) const;
+  bool cutNear(PartId part, const glm::dvec3& from, const glm::dvec3& to, double reach, Sections& cut) const;
 
   const ContactScene::Data* data_;
   std::vector<Pose> poses_;
   std::vector<PartState> parts_;
+  Sections sections_;
   FreeBall free_;
   SceneBvh broad_;  // of the parts that are not loose; the boxes of loose parts are stale
   mutable SweepFronts fronts_;

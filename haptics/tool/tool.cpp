@@ -8,6 +8,13 @@
 #include "haptics/proxy/contact_force.h"
 
 namespace tandem::haptics {
+namespace {
+
+// After a change of the scene the proxy may have far to go, and takes a few moves to come to rest.
+constexpr int kMovesAnew = 8;
+constexpr double kStill = 1e-8;  // m
+
+}  // namespace
 
 Tool::Tool(ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) { measureReach(); }
 
@@ -29,6 +36,7 @@ void Tool::reset() {
   flags_ |= kFlagProxyReset;
   proxy_ = Proxy{};
   proxy_.position = device_;
+  felt_.valid = false;
   surface_.shading = {};
   ignoreOverlapping();
 }
@@ -87,6 +95,43 @@ void Tool::forgetIgnored(PartId held) {
   ignored_.shrink(left);
 }
 
+Wrench Tool::contactAnew(const TickParameters& parameters) {
+  if (!felt_.valid) return contactWrench_;
+  for (int i = 0; i < kMovesAnew; ++i) {
+    const glm::dvec3 before = proxy_.position;
+    moveTo(felt_.worldFromDevice.position);
+    if (glm::distance(before, proxy_.position) < kStill) break;
+  }
+  TickOutput aside;
+  SurfaceState surface = surface_;
+  const glm::dvec3 force = contactForce(world_, proxy_, felt_, parameters, aside);
+  return {applySurface(world_, proxy_, felt_, parameters, force, surface, aside), glm::dvec3(0.0)};
+}
+
+/// Whether the proxy is nearer to the part's surface than it can be kept from it. It rests at a ball's radius
+/// and a skin.
+bool Tool::cannotLeave(PartId part) const {
+  const double half = 0.5 * world_.margin(part, proxy_.position, radius_);
+  return world_.reaches(part, proxy_.position, radius_ + std::min(half, world_.skin(part, proxy_.position)));
+}
+
+void Tool::cut(const Sections& sections) {
+  if (!started_) return world_.setSections(sections);
+  const glm::dvec3& p = proxy_.position;
+  const assets::Bounds here{p - glm::dvec3(radius_), p + glm::dvec3(radius_)};
+  FixedVector<PartId, kMaxIgnored> around;  // in which the tool is already, through an opening
+  world_.forEachNear(here, [&](PartId part) {
+    if (world_.touchable(part) && !around.full() && world_.encloses(part, p)) around.push_back(part);
+  });
+  world_.setSections(sections);
+  world_.forEachNear(here, [&](PartId part) {
+    if (!world_.touchable(part)) return;
+    const bool opened = !world_.sectionsOf(part).empty();
+    const bool was = std::find(around.begin(), around.end(), part) != around.end();
+    if (cannotLeave(part) || (world_.encloses(part, p) && !(was && opened))) ignore(part);
+  });
+}
+
 void Tool::noteForeignChange(double expected) {
   foreign_.any = true;
   foreign_.expected += expected;
@@ -101,24 +146,27 @@ double Tool::expectedDisplacement(const Pose& before, const Twist& twist, const 
 
 void Tool::touch(const DeviceSample& felt, const TickParameters& parameters, TickOutput& out) {
   TICK_ASSERT(fault_, started_ && felt.worldFromDevice.position == device_);
-  moveToDevice();
+  felt_ = felt;
+  felt_.valid = true;
+  moveTo(device_);
   const glm::dvec3 force = contactForce(world_, proxy_, felt, parameters, out);
   contactWrench_ = {applySurface(world_, proxy_, felt, parameters, force, surface_, out), glm::dvec3(0.0)};
   if (surface_.letGo == kNoPart) return;
   // A surface that gave way is passed through at once, so that it is left, and felt again, on its other side.
   flags_ |= kFlagPopThrough;
   ignore(surface_.letGo);
-  moveToDevice();
+  moveTo(device_);
 }
 
-void Tool::moveToDevice() {
-  moveProxy(world_, device_, radius_, proxy_);
+void Tool::moveTo(const glm::dvec3& device) {
+  moveProxy(world_, device, radius_, proxy_);
   if (!TICK_ASSERT(fault_, isFinite(proxy_.position))) reset();
 }
 
 void Tool::carry(const glm::dvec3& position) {
   proxy_ = Proxy{};
   proxy_.position = position;
+  felt_.valid = false;
   contactWrench_ = Wrench{};
   surface_.shading = {};
 }

@@ -62,6 +62,11 @@ class Tool {
   /// Ends the ignoring of the parts that the tool has left; `held` stays ignored. Sets kFlagInside if any
   /// other part is still ignored.
   void forgetIgnored(PartId held);
+  /// What its contacts would have been in the last tick as the scene is cut now. Moves the proxy, and leaves
+  /// the surfaces' memory as it is. contactWrench() where the last tick did not end with touch().
+  Wrench contactAnew(const TickParameters& parameters);
+  /// Sections move. A part that they bring back over or around the proxy is passed through until it is left.
+  void cut(const Sections& sections);
   /// Others have changed the force; `expected` m of that displacement continue the motion of the last tick.
   void noteForeignChange(double expected);
 
@@ -75,6 +80,7 @@ class Tool {
   /// There is no reading: no contact force.
   void withdraw() {
     contactWrench_ = Wrench{};
+    felt_.valid = false;
     surface_.shading = {};
   }
 
@@ -111,9 +117,10 @@ class Tool {
 
  private:
   void followMeshChange();
-  void moveToDevice();
+  void moveTo(const glm::dvec3& device);
   void measureReach();
   bool isOver(PartId part) const;
+  bool cannotLeave(PartId part) const;
   double expectedDisplacement(const Pose& before, const Twist& twist, const glm::dvec3& proxy) const;
 
   ContactWorld& world_;
@@ -123,6 +130,7 @@ class Tool {
   MeshChange meshChange_;                     // since the last tick
   FixedVector<PartId, kMaxIgnored> ignored_;  // parts that the tool passes through until it has left them
   Wrench contactWrench_;
+  DeviceSample felt_;                 // of the last tick; valid if it ended with touch()
   glm::dvec3 device_{0.0, 0.0, 0.0};  // m, of the last valid reading
   bool started_ = false;              // there has been one
   PartFinder finder_;

@@ -46,8 +46,8 @@ class HandProbe {
 
   const haptics::TickOutput& tick() {
     sample.time += parameters.dt;
-    out = haptics::tick({.hands = {{{sample}}}, .moved = moved, .commands = commands}, contact, parameters,
-                        state);
+    out = haptics::tick({.hands = {{{sample}}}, .moved = moved, .commands = commands, .sections = sections},
+                        contact, parameters, state);
     moved.clear();
     commands.clear();
     return out;
@@ -61,6 +61,7 @@ class HandProbe {
   haptics::DeviceSample sample;
   std::vector<haptics::PartMotion> moved;
   std::vector<haptics::PartCommand> commands;
+  std::vector<haptics::Section> sections;
   haptics::TickOutput out;
 
  private:
