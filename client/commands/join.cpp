@@ -36,7 +36,7 @@ struct Arguments {
   double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   std::vector<std::string> sections;
-  AxisSections cut;  // what `sections` say
+  SectionSet cut;  // what `sections` say
   double deadband = PublishRates{}.deadband;
 };
 
@@ -355,6 +355,7 @@ class JoinRun {
   void lookAtAll() {
     ViewActions actions;
     actions.worldFromCamera = worldFromCamera(fitView(site_.scene().bounds, 1.6));
+    actions.sections = arguments_.cut.planes();
     site_.act(actions);
   }
 
@@ -401,9 +402,7 @@ int run(Arguments& arguments) {
   // A link works once, so everything on this side is checked before it is used.
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
-  for (const std::string& text : arguments.sections)
-    if (Status added = arguments.cut.add(text); !added)
-      return badInput(Error{"--section " + added.error().message});
+  if (Status cut = arguments.cut.addAll(arguments.sections); !cut) return badInput(cut.error());
   if (arguments.clashes >= 0.0 && arguments.headless && arguments.screenshot.empty())
     return badInput(Error{"--clashes: nobody sees the list without a window or --screenshot"});
   if (!arguments.hand.empty())
@@ -487,7 +486,8 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       .numberFrom(0.0, 1e6);
   command.flag("--notes", arguments->notes, "Open the list of notes and views");
   command.option("--section", arguments->sections,
-                 "Cut away to see, not to feel, what lies beyond x=M (or before: -x=M; y, z; m); repeatable");
+                 "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
+                 "repeatable");
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");
   command.option("--trace", arguments->trace, "Write each pose of moving parts, as had here (CSV)");

@@ -13,6 +13,7 @@
 #include "assets/base/json.h"
 #include "assets/base/percentiles.h"
 #include "assets/scene/near_names.h"
+#include "client/base/felt_sections.h"
 #include "client/base/tick_flags.h"
 #include "client/commands/command.h"
 #include "client/commands/tool_option.h"
@@ -20,6 +21,7 @@
 #include "client/review/device_class.h"
 #include "client/review/device_path.h"
 #include "client/review/swept_path.h"
+#include "client/viewer/section_set.h"
 #include "haptics/measure/held_depth.h"
 #include "haptics/safety/device_defaults.h"
 #include "haptics/tick.h"
@@ -35,7 +37,7 @@ constexpr const char* kNoDevice = "none";
 struct Arguments {
   SceneArguments scene;
   std::string path, secondPath, tool = "point", ticks, json, contacts, swept, device = kNoDevice;
-  std::vector<std::string> moves;
+  std::vector<std::string> moves, sections;
   double sweptStep = 0.0;
   double stiffness = 0.0, damping = -1.0, forceLimit = 0.0, slewLimit = 0.0;
 };
@@ -160,12 +162,14 @@ class Probe {
  public:
   /// With --ticks it also measures the penetration of the held part, which takes far longer than the ticks.
   Probe(const assets::Scene& scene, const haptics::ContactScene& contact,
-        const haptics::TickParameters& parameters, Tool tool, const Arguments& arguments)
+        const haptics::TickParameters& parameters, Tool tool, const haptics::Sections& sections,
+        const Arguments& arguments)
       : scene_(scene),
         contact_(contact),
         state_(contact),
         parameters_(parameters),
         tool_(tool),
+        sections_(sections),
         log_(scene, parameters.dt, !arguments.contacts.empty()) {
     if (!arguments.ticks.empty() && tool.part != kNoPart)
       depth_ = std::make_unique<haptics::HeldPartDepthMeter>(contact, tool.part);
@@ -198,6 +202,7 @@ class Probe {
         input.handCount = 2;
       }
       input.moved = moved;
+      input.sections = {sections_.data(), sections_.size()};
       input.sessionTime = path[i].time;
       const haptics::PartCommand take[3] = {
           {haptics::PartCommand::Kind::own, tool_.part,
@@ -274,6 +279,7 @@ class Probe {
   haptics::TickState state_;
   haptics::TickParameters parameters_;
   Tool tool_;
+  const haptics::Sections sections_;
   ContactLog log_;
   std::unique_ptr<haptics::HeldPartDepthMeter> depth_;
   std::unique_ptr<SweptPath> swept_;
@@ -428,13 +434,19 @@ void printReview(const Probe& probe, const assets::Scene& scene) {
               1e3 * least.distance, scene.parts[least.part].name.c_str());
 }
 
+Status checkOptions(const Arguments& arguments, SectionSet& cut) {
+  for (const std::string& out : {arguments.ticks, arguments.json, arguments.contacts, arguments.swept})
+    if (Status free = writable(out); !free) return free;
+  return cut.addAll(arguments.sections);
+}
+
 double milliseconds(Clock::time_point from) {
   return std::chrono::duration<double, std::milli>(Clock::now() - from).count();
 }
 
 int run(const Arguments& arguments) {
-  for (const std::string& out : {arguments.ticks, arguments.json, arguments.contacts, arguments.swept})
-    if (Status free = writable(out); !free) return badInput(free.error());
+  SectionSet cut;
+  if (Status good = checkOptions(arguments, cut); !good) return badInput(good.error());
   const DeviceClass* device = findDeviceClass(arguments.device);
   if (device == nullptr && arguments.device != kNoDevice)
     return badInput(Error{"--device " + arguments.device + ": must be none, " + deviceClassNames()});
@@ -466,7 +478,7 @@ int run(const Arguments& arguments) {
   const double bake_ms = milliseconds(bakeStart);
 
   const haptics::TickParameters parameters = parametersOf(arguments, device, *scene);
-  Probe probe(*scene, contact, parameters, *tool, arguments);
+  Probe probe(*scene, contact, parameters, *tool, feltSections(cut.planes()), arguments);
   probe.run(*path, second, *moves);
 
   if (!arguments.ticks.empty())
@@ -546,6 +558,9 @@ void addProbe(assets::CommandLine& program, int& exitCode) {
                   inShort(defaults.slewLimit) + " N/s")
       .numberFrom(1e-3, 1e9);
   command.option("--move", arguments->moves, "NAME=PATH.csv: move a part along a path; repeatable [none]");
+  command.option("--section", arguments->sections,
+                 "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
+                 "repeatable [none]");
   command.option("--ticks", arguments->ticks, "Write every tick to this CSV file; columns: client/README.md");
   command.option("--contacts", arguments->contacts,
                  "With part:NAME: write every contact of every tick to this CSV file");

@@ -79,6 +79,7 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
   const haptics::TickInput input{.hands = hands_,
                                  .moved = parts_.followed().moved(),
                                  .commands = commands,
+                                 .sections = sections(),
                                  .sessionTime = static_cast<double>(sessionNow) * 1e-6,
                                  .handCount = both ? 2 : 1};
   parts_.links().receive(exchange_, state_);
@@ -105,7 +106,7 @@ void HandLoop::setButtons(const haptics::DeviceSample& sample, bool both) {
 }
 
 Wrench HandLoop::feelBareTool(std::span<const PartCommand> commands, sync::Micros sessionNow) {
-  return bareTool_->tick(hands_[1].device, parts_.followed().moved(), output_.tick, commands,
+  return bareTool_->tick(hands_[1].device, parts_.followed().moved(), output_.tick, commands, sections(),
                          settings_.parameters[1], static_cast<double>(sessionNow) * 1e-6,
                          grasps_.isHolding(1));
 }

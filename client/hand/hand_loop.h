@@ -81,6 +81,9 @@ class HandLoop {
 
  private:
   void readSettings();
+  std::span<const haptics::Section> sections() const {
+    return {settings_.sections.data(), settings_.sectionCount};
+  }
   haptics::DeviceSample afterStall(const haptics::DeviceSample& reading, std::size_t hand);
   void noteStall(sync::Micros now);
 

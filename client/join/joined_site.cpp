@@ -6,6 +6,7 @@
 
 #include "assets/base/assert.h"
 #include "assets/scene/smooth_normals.h"
+#include "client/base/felt_sections.h"
 #include "client/join/local_time.h"
 #include "haptics/safety/device_defaults.h"
 #include "haptics/tool/tip_radius.h"
@@ -351,6 +352,9 @@ void JoinedSite::act(const ViewActions& actions) {
   if (actions.resetFault) ++settings_.faultResets;
   settings_.graspButton = actions.grasp;
   settings_.wish = actions.graspedAt;
+  const haptics::Sections sections = feltSections(actions.sections);
+  settings_.sectionCount = sections.size();
+  std::copy(sections.begin(), sections.end(), settings_.sections.begin());
   exchange_->settings.write(settings_);
   shared_.act(actions);
 }

@@ -102,6 +102,8 @@ struct HandSettingsInput {
   std::uint32_t faultResets = 0;  // counts up
   std::uint32_t reseats = 0;      // counts up: move the proxy back onto the device, without force meanwhile
   ControlWish control;
+  std::array<haptics::Section, haptics::kMaxSections> sections;  // what they cut away is not felt
+  std::size_t sectionCount = 0;
 };
 
 /// One part's pose for the window and for traces.

@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "assets/document/entry.h"
 #include "assets/scene/scene.h"
 #include "client/review/clash_view.h"
 #include "client/session/document_view.h"
@@ -157,6 +158,7 @@ struct ViewActions {
   bool stopClashes = false;
   std::vector<DocumentWish> documentWishes;
   Pose worldFromCamera;
+  std::vector<document::SectionPlane> sections;  // how the scene is cut open
   // replay only
   bool seek = false;
   double seekTo = 0.0;  // s

@@ -108,7 +108,7 @@ Camera cameraOfView(const NamedView& view, const Camera& like) {
   return cameraAt(view.worldFromCamera, near);
 }
 
-NamedView viewAs(std::string name, const Camera& camera, const AxisSections& sections,
+NamedView viewAs(std::string name, const Camera& camera, const SectionSet& sections,
                  const PartDisplay& parts) {
   NamedView view{std::move(name), worldFromCamera(camera), camera.distance, sections.planes(), false, {}};
   std::vector<PartId> shown;
@@ -122,18 +122,8 @@ NamedView viewAs(std::string name, const Camera& camera, const AxisSections& sec
   return view;
 }
 
-void applyView(const NamedView& view, AxisSections& sections, PartDisplay& parts) {
-  sections = {};
-  for (const SectionPlane& plane : view.sections) {
-    for (int axis = 0; axis < 3; ++axis) {
-      glm::dvec3 along(0.0);
-      along[axis] = 1.0;
-      const double cosine = glm::dot(plane.normal, along) / std::max(glm::length(plane.normal), 1e-300);
-      const auto index = static_cast<std::size_t>(axis);
-      if (cosine > 1.0 - 1e-9) sections.beyond[index] = plane.point[axis];
-      if (cosine < 1e-9 - 1.0) sections.before[index] = plane.point[axis];
-    }
-  }
+void applyView(const NamedView& view, SectionSet& sections, PartDisplay& parts) {
+  sections = SectionSet(view.sections);
   std::vector<PartId> known = view.parts;
   std::erase_if(known, [&](PartId part) { return part >= parts.partCount(); });
   parts.showAll();

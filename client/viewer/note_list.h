@@ -9,18 +9,18 @@
 #include <string>
 #include <vector>
 
-#include "client/viewer/axis_sections.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
 #include "client/viewer/part_display.h"
+#include "client/viewer/section_set.h"
 
 namespace tandem::client {
 
 /// How the window was before a flight to a note or a view.
 struct NoteBack {
   Camera camera;
-  std::optional<AxisSections> sections;  // of a view that changed them
-  std::optional<PartDisplay> parts;      // the same
+  std::optional<SectionSet> sections;  // of a view that changed them
+  std::optional<PartDisplay> parts;    // the same
 };
 
 /// What the person set, chose and is writing.
@@ -79,10 +79,10 @@ Camera cameraForNote(const Camera& from, const glm::dvec3& place, double diagona
 /// The camera of a view, with the field of view of `like`.
 Camera cameraOfView(const document::NamedView& view, const Camera& like);
 
-/// What is seen now, as a view; and the other way round, where sections are square to the axes.
-document::NamedView viewAs(std::string name, const Camera& camera, const AxisSections& sections,
+/// What is seen now, as a view; and the other way round.
+document::NamedView viewAs(std::string name, const Camera& camera, const SectionSet& sections,
                            const PartDisplay& parts);
-void applyView(const document::NamedView& view, AxisSections& sections, PartDisplay& parts);
+void applyView(const document::NamedView& view, SectionSet& sections, PartDisplay& parts);
 
 /// Adds a pin and the number of each note that is not closed, and of the chosen one its text.
 void addNotes(const ViewModel& model, const NoteUi& ui, GlyphBatch& batch, std::vector<Label>& labels);

@@ -6,10 +6,10 @@
 #include <optional>
 #include <vector>
 
-#include "client/viewer/axis_sections.h"
 #include "client/viewer/clash_list.h"
 #include "client/viewer/note_list.h"
 #include "client/viewer/part_display.h"
+#include "client/viewer/section_set.h"
 
 namespace tandem::client {
 
@@ -19,7 +19,7 @@ struct UiState {
   PartDisplay parts;
   ClashUi clashes;
   NoteUi notes;
-  AxisSections sections;
+  SectionSet sections;
   bool showPanels = true;
   bool showHelp = false;
   bool showEdges = true;

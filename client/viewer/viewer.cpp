@@ -24,6 +24,7 @@
 #include "client/viewer/png.h"
 #include "client/viewer/scene_picture.h"
 #include "client/viewer/scene_renderer.h"
+#include "client/viewer/section_handles.h"
 #include "client/viewer/stylus_control.h"
 #include "client/viewer/surface.h"
 
@@ -107,6 +108,7 @@ class SceneViewer final : public Viewer {
   View currentView(const ViewModel& model) const;
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
+  glm::dvec3 middle() const { return 0.5 * (sceneBounds_.min + sceneBounds_.max); }
 
   ViewerOptions options_;
   std::unique_ptr<Surface> surface_;
@@ -117,6 +119,7 @@ class SceneViewer final : public Viewer {
   UiState ui_;
   std::vector<int> queuedKeys_;  // for the next frame
   StylusControl stylus_;
+  SectionHandles sectionHandles_;
   Camera camera_;
   CameraFlight flight_;
   assets::Bounds sceneBounds_;
@@ -494,9 +497,14 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   // under the mouse by now.
   if (!viewport_.contains(input.pressedAt)) input.pressed.fill(false);
   const glm::dvec2 cursor = input.cursor - viewport_.min;
-  const bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
-  renderer_->setSections(ui_.sections.planes());
+  bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
   View view = currentView(model);
+  if (drag_ == Drag::none &&
+      sectionHandles_.update(view, input, cursor, cursorInView, middle(), ui_.sections)) {
+    input.pressed[0] = cursorInView = false;  // the mouse is the handle's
+  }
+  actions.sections = ui_.sections.planes();
+  renderer_->setSections(actions.sections);
   partLooks(model, ui_.parts, looks_);
   if (drag_ == Drag::none)
     underCursor_ = cursorInView ? renderer_->pick(view, cursor, model.worldFromPart, looks_) : std::nullopt;
@@ -521,6 +529,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   }
   addNotes(model, ui_.notes, batch, labels);
   addFields(model, batch);
+  if (options_.panels) sectionHandles_.draw(ui_.sections, middle(), batch);
   addPeople(model, batch, labels);
   drawLabels(view, viewport_, labels, context);
   if (options_.panels) {

@@ -7,7 +7,7 @@
 
 #include "assets/base/result.h"
 #include "client/session/view_model.h"
-#include "client/viewer/axis_sections.h"
+#include "client/viewer/section_set.h"
 
 namespace tandem::client {
 
@@ -16,7 +16,7 @@ struct ViewerOptions {
   int width = 1440, height = 900;
   bool panels = true;           // false: the scene alone
   bool stylusFromMouse = true;  // no hardware device: mouse and keyboard move the stylus
-  AxisSections sections{};      // how the scene is cut open at first, for this person's eyes alone
+  SectionSet sections{};        // how the scene is cut open at first, for this person alone
 };
 
 class Viewer {

@@ -99,6 +99,20 @@ TEST_F(HandLoopTest, AsksOnceForTheTouchedPartAndFeelsNothingOfTheWait) {
   EXPECT_EQ(glm::length(lastForce_), 0.0);
 }
 
+TEST_F(HandLoopTest, WhatThePersonHasCutAwayIsNotFelt) {
+  device_.position.z = 0.03;
+  tick(5);
+  device_.position.z = 0.019;
+  ASSERT_GT(tick(5).force.z, 0.5);
+  HandSettingsInput settings;
+  settings.sections[0] = {{0.0, 0.0, 1.0}, 0.0};
+  settings.sectionCount = 1;
+  exchange_->settings.write(settings);
+  tick(2000);
+  EXPECT_EQ(lastForce_, glm::dvec3(0.0));
+  EXPECT_EQ(hand_->output().tick.contactCount, 0);
+}
+
 TEST_F(HandLoopTest, APartThatThePersonPointsAtIsTakenFromWhereTheTipIsWithoutForce) {
   constexpr PartId kPointedAt = 1;
   tick(5);

@@ -117,9 +117,10 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   camera.distance = 0.7;
   camera.yaw = 1.1;
   camera.pitch = -0.4;
-  AxisSections sections;
+  SectionSet sections;
   sections.beyond[0] = 0.05;
   sections.before[2] = -0.01;
+  sections.oblique.push_back({{0.0, 0.6, 0.8}, 0.02});
   PartDisplay parts(3);
   parts.setHidden(1, true);
   const NamedView view = viewAs("inside", camera, sections, parts);
@@ -128,13 +129,16 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   const Camera again = cameraOfView(view, like);
   EXPECT_LT(glm::length(again.target - camera.target), 1e-9);
   EXPECT_NEAR(again.distance, 0.7, 1e-12);
-  AxisSections sectionsAgain;
+  SectionSet sectionsAgain;
   sectionsAgain.beyond[1] = 1.0;
   PartDisplay partsAgain(3);
   partsAgain.isolate({0});
   applyView(view, sectionsAgain, partsAgain);
   EXPECT_EQ(sectionsAgain.beyond, sections.beyond);
   EXPECT_EQ(sectionsAgain.before, sections.before);
+  ASSERT_EQ(sectionsAgain.oblique.size(), 1u);
+  EXPECT_LT(glm::length(sectionsAgain.oblique[0].normal - sections.oblique[0].normal), 1e-12);
+  EXPECT_NEAR(sectionsAgain.oblique[0].place, 0.02, 1e-12);
   EXPECT_TRUE(partsAgain.visible(0) && !partsAgain.visible(1) && partsAgain.visible(2));
   // With more hidden than shown, what is shown is listed; a part that the scene has not is left out.
   parts.setHidden(0, true);

@@ -165,8 +165,8 @@ TEST_F(SceneRendererTest, TheCutIsCoveredFromWhereverItIsSeen) {
       }
 }
 
-TEST(AxisSections, AreReadFromTextOrRefused) {
-  AxisSections sections;
+TEST(SectionSet, AreReadFromTextOrRefused) {
+  SectionSet sections;
   EXPECT_FALSE(sections.any());
   ASSERT_TRUE(sections.add("x=0.05").ok());
   ASSERT_TRUE(sections.add("-z=-1e-3").ok());
@@ -177,6 +177,19 @@ TEST(AxisSections, AreReadFromTextOrRefused) {
   EXPECT_EQ(planes[0].point.x, 0.05);
   EXPECT_EQ(planes[0].normal, glm::dvec3(1.0, 0.0, 0.0));
   EXPECT_EQ(planes[1].normal, glm::dvec3(0.0, 0.0, -1.0));
+}
+
+TEST(SectionSet, TakesPlanesOfAnyDirectionAndNoMoreThanEight) {
+  SectionSet sections;
+  ASSERT_TRUE(sections.add("0,3,4,-0.1").ok());
+  for (const char* wrong : {"0,0,0,1", "1,2,3", "1,2,3,4,5", "1,2,3,x", "1,nan,0,1", "1,0,0,1e9", ","})
+    EXPECT_FALSE(sections.add(wrong).ok()) << wrong;
+  ASSERT_EQ(sections.planes().size(), 1u);
+  EXPECT_LT(glm::length(sections.planes()[0].normal - glm::dvec3(0.0, 0.6, 0.8)), 1e-12);
+  EXPECT_LT(glm::length(sections.planes()[0].point - glm::dvec3(0.0, -0.06, -0.08)), 1e-12);
+  ASSERT_TRUE(sections.addAll({"x=1", "-x=0", "y=1", "-y=0", "z=1", "-z=0", "1,1,1,0"}).ok());
+  EXPECT_TRUE(sections.full());
+  EXPECT_FALSE(sections.add("1,0,1,0").ok());
 }
 
 TEST(PartDisplay, IsolatingTwiceShowsEverythingAgain) {
