@@ -10,6 +10,7 @@
 
 #include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
+#include "haptics/section_change.h"
 #include "haptics/tick_data.h"
 
 namespace tandem::haptics {
@@ -21,47 +22,29 @@ using Data = TickState::Data;
 constexpr double kProxyResetAfter = 0.25;  // s
 // The curvature of a field is measured over no less than this.
 constexpr double kLeastOver = 1e-6;  // m
-// The proxy may take some ticks to find its place after sections have moved; it has when the force differs by
-// less than kSettled from tick to tick.
-constexpr int kSettleTicks = 50;
-constexpr double kSettled = 1e-4;  // N
 
-bool areSame(const Sections& last, std::span<const Section> sections) {
-  return std::equal(last.begin(), last.end(), sections.begin(), sections.end());
+HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
+  const RigidBody& body = held.body;
+  const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
+  return {body.worldFromBody,
+          body.twist,
+          transformPoint(body.worldFromBody, body.centreOfMass),
+          body.mass,
+          turn * glm::inverse(body.inertia) * glm::transpose(turn),
+          hand.motion(),
+          hand.sentShare()};
 }
 
-bool arePlanes(std::span<const Section> sections) {
-  return sections.size() <= kMaxSections &&
-         std::all_of(sections.begin(), sections.end(), [](const Section& section) {
-           return std::abs(glm::length(section.normal) - 1.0) < 1e-6 && std::isfinite(section.offset);
-         });
-}
-
-void cut(std::span<const Section> sections, Data& data) {
-  Sections now;
-  for (const Section& section : sections) now.push_back(section);
-  data.tool.cut(now);
-  data.bridging = kSettleTicks;
-}
-
-/// What sections that move change of the contact force, in this tick and while the proxy finds its new place,
-/// is bridged.
-void bridge(const TickParameters& parameters, double spring, Data& data) {
-  const glm::dvec3 last = data.tool.contactWrench().force, now = data.tool.contactAnew(parameters).force;
-  if (glm::length(now - last) >= kSettled) data.hands[0].bridge(last, now, spring);
-}
-
-/// A part that pressed where the scene is cut away now is held anew where it is, or the hand's spring would
-/// shoot it forward; the force of the old grasp fades.
-void cutHeldParts(int hands, Data& data) {
-  for (const SimulatedPart& entry : data.held.parts())
-    if (entry.moved.control == nullptr) data.partContact->sectionsMoved(entry.part, entry.body.centreOfMass);
-  for (int h = 0; h < hands; ++h) {
-    const PartId held = data.held.held(h);
-    if (held == kNoPart || !data.partContact->pressesWhereCut(held)) continue;
-    Hand& hand = data.hands[static_cast<std::size_t>(h)];
-    hand.endCoupling(data.held.letGo(hand.parameters(), h) ? 2.0 : 1.0);
-    data.held.grasp(held, hand.device().worldFromDevice, hand.parameters(), h);
+/// What of the change of the force in this tick has which cause. `stiffness` N/m, between hand and surface.
+void explainChange(const Data& data, const TickParameters& parameters, double stiffness, ForceCause& cause) {
+  const ForeignChange& foreign = data.tool.foreignChange();
+  const glm::dvec3& moved = data.hands[0].displacement();
+  cause.byHand = !foreign.any;
+  if (!foreign.any || data.fault.raised()) return;  // under a fault the cause does not count
+  if (parameters.foreignSlewLimit > 0.0) {
+    cause.byMotion = -stiffness * moved;
+  } else {
+    cause.explained = stiffness * (glm::length(moved) + foreign.expected);
   }
 }
 
@@ -85,6 +68,7 @@ class Tick {
       carryTool();
     } else if (first_.valid()) {
       data_.tool.touch(first_.steadyDevice(), parameters_, out_);
+      data_.foreign.noteTouch(data_.tool);
     } else {
       data_.tool.withdraw();
     }
@@ -185,7 +169,7 @@ class Tick {
       case PartCommand::Kind::setPose:
         if (!TICK_ASSERT(data_.fault, isValid(command.pose)) || data_.held.owns(command.part)) return;
         // A part that is put somewhere does not move there: it does not sweep the tool along.
-        if (data_.tool.pressesOn(command.part)) data_.tool.noteForeignChange(0.0);
+        if (data_.tool.pressesOn(command.part)) endTouchWith(command.part, data_.foreign.active());
         data_.world.setPose(command.part, command.pose, Twist{});
         if (data_.tool.started()) data_.tool.ignoreOverlapping();
         return;
@@ -241,18 +225,36 @@ class Tick {
   }
 
   void fadeContactsWith(PartId part) {
-    const EndedContact ended = data_.tool.endedContactWith(part);
+    EndedContact ended = data_.tool.endedContactWith(part);
+    if (parameters_.foreignSlewLimit > 0.0) ended.wrench.force *= first_.passedShare();
     first_.fadeOut(ended.wrench, {ended.stiffness, 0.0});
   }
 
   void moveParts() {
+    data_.foreign.begin(parameters_.foreignSlewLimit, stiffnessInPlay(), parameters_.dt);
     const bool usable = data_.moved.apply(
-        data_.world, input_.moved, data_.tool.reachInTick(),
-        [&](PartId part) { return data_.held.owns(part); },
-        [&](PartId part, const Pose& before, const Twist& twistBefore) {
-          data_.tool.follow(part, before, twistBefore, false);
+        data_.world, input_.moved, data_.foreign.reach(data_.tool.reachInTick(), data_.world, data_.held),
+        data_.foreign.active() ? parameters_.dt : 0.0, [&](PartId part) { return data_.held.owns(part); },
+        [&](const PartMotion& motion, const Pose& before, const Twist& twistBefore) {
+          follow(motion, before, twistBefore);
         });
     if (!usable) out_.flags |= kFlagOverflow;
+  }
+
+  void follow(const PartMotion& motion, const Pose& before, const Twist& twistBefore) {
+    if (!data_.foreign.active() || motion.byThisPerson) {
+      data_.tool.follow(motion.part, before, twistBefore, false);
+    } else if (!data_.foreign.follow(data_.world, data_.held, data_.partContact.get(), data_.tool,
+                                     motion.part, before, twistBefore)) {
+      endTouchWith(motion.part);
+      data_.tool.ignore(motion.part);
+    }
+  }
+
+  /// Others end the touch of a part: what it did to the hand fades, or falls at the limited rate.
+  void endTouchWith(PartId part, bool fades = true) {
+    data_.tool.noteForeignChange(0.0);
+    if (fades) fadeContactsWith(part);
   }
 
   /// `byHand`: the part moves because this hand pushes it.
@@ -349,20 +351,16 @@ class Tick {
   void updateLayers() {
     data_.layers.update(data_.world, [&](PartId part, bool hide) {
       if (!hide) return data_.tool.ignoreIfOver(part);
-      if (!data_.tool.started()) return;
-      data_.tool.noteForeignChange(0.0);
-      fadeContactsWith(part);
+      if (data_.tool.started()) endTouchWith(part);
     });
   }
 
   void updateSections() {
-    const bool moved = !areSame(data_.world.sections(), input_.sections);
-    if (!moved && data_.bridging == 0) return;
+    if (!sectionsChange(input_.sections, data_)) return;
     const double spring = stiffnessInPlay();
-    if (moved && TICK_ASSERT(data_.fault, arePlanes(input_.sections))) cut(input_.sections, data_);
-    if (moved && data_.partContact != nullptr) cutHeldParts(count_, data_);
-    data_.bridging = std::max(0, data_.bridging - 1);
-    if (first_.valid() && !holdsSolid()) bridge(parameters_, spring, data_);
+    const bool usable = changeSections(input_.sections, count_, data_);
+    TICK_ASSERT(data_.fault, usable);
+    if (first_.valid() && !holdsSolid()) bridgeSections(parameters_, spring, data_);
   }
 
   /// What fields do to the parts in the hands. A part in both hands is pulled once.
@@ -452,18 +450,6 @@ class Tick {
     }
   }
 
-  static HeldBody bodyUnder(const Hand& hand, const SimulatedPart& held) {
-    const RigidBody& body = held.body;
-    const glm::dmat3 turn = glm::mat3_cast(body.worldFromBody.orientation);
-    return {body.worldFromBody,
-            body.twist,
-            transformPoint(body.worldFromBody, body.centreOfMass),
-            body.mass,
-            turn * glm::inverse(body.inertia) * glm::transpose(turn),
-            hand.motion(),
-            hand.sentShare()};
-  }
-
   /// Whether the first hand holds a part that collides: then the hand feels the part's contacts instead of
   /// its tool's.
   bool holdsSolid() const {
@@ -538,10 +524,7 @@ class Tick {
   void send() {
     const Wrench tool{first_.letIn(data_.tool.contactWrench().force), data_.tool.contactWrench().torque};
     const Wrench touches = tool + data_.fieldWrench + data_.throughPart[0];
-    const ForeignChange& foreign = data_.tool.foreignChange();
-    cause_.byHand = !foreign.any;
-    if (foreign.any && !data_.fault.raised())  // under a fault the cause does not count
-      cause_.explained = stiffnessInPlay() * (glm::length(first_.displacement()) + foreign.expected);
+    explainChange(data_, parameters_, stiffnessInPlay(), cause_);
     for (; handsSent_ < count_; ++handsSent_) {
       const int h = handsSent_;
       Hand& hand = handOf(h);

@@ -8,6 +8,7 @@
 #include "haptics/base/fault.h"
 #include "haptics/contact/part_contact.h"
 #include "haptics/fields/force_fields.h"
+#include "haptics/foreign_limit.h"
 #include "haptics/grasp/controls.h"
 #include "haptics/grasp/hand.h"
 #include "haptics/grasp/held_part.h"
@@ -29,6 +30,7 @@ struct TickState::Data {
   std::unique_ptr<PartContact> partContact;  // null: the scene has no part models
   Layers layers;
   MovedParts moved;
+  ForeignLimit foreign;
   Tool tool;  // of the first hand
   std::array<Hand, kHands> hands{Hand(true), Hand(false)};
   ForceFields fields;                             // on the first hand's tip

@@ -12,7 +12,7 @@ Wrench BareTool::tick(const haptics::DeviceSample& reading, std::span<const hapt
     if (!moved_.full()) moved_.push_back(motion);
   for (int i = 0; i < first.ownedCount && !moved_.full(); ++i) {
     const haptics::OwnedPart& owned = first.owned[static_cast<std::size_t>(i)];
-    moved_.push_back({owned.part, owned.worldFromPart, owned.twist});
+    moved_.push_back({owned.part, owned.worldFromPart, owned.twist, true});
   }
   for (const haptics::PartCommand& command : commands)
     if (command.kind == haptics::PartCommand::Kind::setPose && !commands_.full())

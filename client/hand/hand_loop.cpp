@@ -13,7 +13,9 @@ using haptics::PartCommand;
 
 namespace {
 
-constexpr double kFirstFadeTime = 0.25;  // s, of a link to a replica that no hand holds yet
+// What parts of other sites may change, whatever their owners say: 0.16 N in 20 ms.
+constexpr double kForeignSlewLimit = 8.0;  // N/s
+constexpr double kFirstFadeTime = 0.25;    // s, of a link to a replica that no hand holds yet
 
 }  // namespace
 
@@ -41,6 +43,8 @@ void HandLoop::addSecondHand() { bareTool_ = std::make_unique<BareTool>(*scene_)
 void HandLoop::readSettings() {
   settings_ = exchange_.settings.latest();
   timeBase_ = exchange_.timeBase.latest();
+  for (haptics::TickParameters& parameters : settings_.parameters)
+    if (parameters.foreignSlewLimit == 0.0) parameters.foreignSlewLimit = kForeignSlewLimit;
   haptics::ContactEffort& effort = settings_.parameters[0].effort;
   effort = effort_.limited(effort);
   if (settings_.faultResets != faultResetsSeen_) {

@@ -39,6 +39,7 @@ struct TickParameters {
   double fieldDampingLimit = 10.0;    // N·s/m, of all damping force fields together
   double slewLimit = 400.0;           // N/s: how fast a change grows that the hand did not make
   double torqueSlewLimit = 24.0;      // N·m/s: the same for the torque
+  double foreignSlewLimit = 0.0;      // N/s: how fast parts that others move may change the force; 0 = any
   double deviceSlewLimit = 0.0;       // N/s: what the device can follow, whatever the cause; 0 = any
   double stiffnessLimit = 0.0;        // N/m, of any contact, whatever its material states; 0 = any
   double dampingLimit = 0.0;          // N·s/m, of a surface, as damping or viscosity; 0 = any
@@ -58,6 +59,7 @@ struct PartMotion {
   PartId part = kNoPart;
   Pose worldFromPart;
   Twist twist;
+  bool byThisPerson = false;  // by the other hand: no limit holds for it
 };
 
 /// What the owner's side decides about parts; carried out in order at the start of a tick.

@@ -6,6 +6,7 @@
 // 2. A tick calls begin() first and send() last.
 // 3. Only the thread that ticks uses it. Nothing here allocates.
 
+#include <algorithm>
 #include <cstdint>
 
 #include "haptics/base/fault.h"
@@ -87,6 +88,10 @@ class Hand {
   /// How much of the wanted force the limits let through in the last send(), 0..1, along it: what fields do
   /// to the hand, they do in this proportion.
   double sentShare() const { return sentShare_; }
+  /// The same before the gain, 0..1.
+  double passedShare() const {
+    return parameters_.gain > 0.0 ? std::min(1.0, sentShare_ / parameters_.gain) : 0.0;
+  }
   /// TickFlags of this tick's reading and limits.
   std::uint32_t flags() const { return flags_; }
 

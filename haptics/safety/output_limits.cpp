@@ -33,9 +33,13 @@ struct Channel {
     return wanted + (now - goal) * along;
   }
 
-  /// A change that others made, of at most `step`.
-  glm::dvec3 byOthers(const glm::dvec3& wanted, double step, bool& slewed) const {
-    return sent + clampLength(wanted - sent, step, slewed);
+  /// A change that others made, of at most `step` beyond any share of what the hand's own motion made.
+  glm::dvec3 byOthers(const glm::dvec3& wanted, double step, const glm::dvec3& byMotion, bool& slewed) const {
+    const double square = glm::dot(byMotion, byMotion);
+    const double share =
+        square > 0.0 ? std::clamp(glm::dot(wanted - sent, byMotion) / square, 0.0, 1.0) : 0.0;
+    const glm::dvec3 base = sent + share * byMotion;
+    return base + clampLength(wanted - base, step, slewed);
   }
 };
 
@@ -80,17 +84,21 @@ Wrench limitOutput(const Wrench& wanted, const DeviceSample* device, const Force
                             ? Wrench{clampLength(wanted.force * gain, parameters.forceLimit, limited),
                                      clampLength(wanted.torque * gain, parameters.torqueLimit, limited)}
                             : Wrench{};
-  const double step = parameters.slewLimit * parameters.dt,
-               torqueStep = parameters.torqueSlewLimit * parameters.dt;
+  const double torqueStep = parameters.torqueSlewLimit * parameters.dt;
+  const bool foreign = parameters.foreignSlewLimit > 0.0 && !ordered && (!cause.byHand || limits.foreign);
+  const double step = parameters.dt * (foreign ? std::min(parameters.slewLimit, parameters.foreignSlewLimit)
+                                               : parameters.slewLimit);
   const Channel force{limits.sent.force, limits.within.force};
   const Channel torque{limits.sent.torque, limits.within.torque};
   Wrench now;
   if (ordered || !cause.byHand) {
-    now.force = force.byOthers(within.force, step + (ordered ? 0.0 : cause.explained), slewed);
+    now.force = force.byOthers(within.force, step + (ordered ? 0.0 : cause.explained),
+                               ordered ? glm::dvec3(0.0) : cause.byMotion, slewed);
   } else {
     now.force = force.byHand(within.force, step, slewed);
   }
-  now.torque = ordered ? torque.byOthers(within.torque, torqueStep, slewed)
+  limits.foreign = foreign && slewed;
+  now.torque = ordered ? torque.byOthers(within.torque, torqueStep, glm::dvec3(0.0), slewed)
                        : torque.byHand(within.torque, torqueStep, slewed);
   if (parameters.deviceSlewLimit > 0.0) {
     const double deviceStep = parameters.deviceSlewLimit * parameters.dt;

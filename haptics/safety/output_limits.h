@@ -25,8 +25,10 @@ namespace tandem::haptics {
 
 /// Why the wanted force changed in this tick.
 struct ForceCause {
-  bool byHand = true;                // nothing but the hand's own motion, and what follows from it
-  double explained = 0.0;            // N: of a change that others made, as much as may pass beyond the cap
+  bool byHand = true;      // nothing but the hand's own motion, and what follows from it
+  double explained = 0.0;  // N: of a change that others made, as much as may pass beyond the cap
+  glm::dvec3 byMotion{0.0, 0.0,
+                      0.0};          // N: what the hand's own motion did to a spring; any share of it passes
   glm::dvec3 byTime{0.0, 0.0, 0.0};  // N: of the change, what force fields gave by their laws as time went on
 };
 
@@ -35,6 +37,7 @@ struct OutputLimits {
   PassivityController passivity;
   Wrench sent;                        // of the last tick, without what the passivity controller adds
   Wrench within;                      // what would have been sent if nothing were held back
+  bool foreign = false;               // what is held back comes from parts that others move
   bool silent = true;                 // no force by order in the last tick: the next one is a recovery
   std::array<double, 10> settings{};  // those whose change makes a force jump
 };

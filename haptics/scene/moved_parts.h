@@ -4,7 +4,8 @@
 //
 // 1. Many parts that move in one tick are kept out of the scene tree (ContactWorld::beginMotions()).
 // 2. A part whose motion is not listed in a tick stands still: its twist is zero from then on.
-// 3. Motions come from elsewhere: one that cannot be used is dropped, never trusted.
+// 3. Motions come from elsewhere: one that cannot be used is dropped, never trusted, and a velocity that the
+//    poses do not bear out is replaced by theirs.
 // 4. Only the constructor allocates.
 
 #include <cstdint>
@@ -35,17 +36,23 @@ void movePart(ContactWorld& world, PartId part, const Pose& worldFromPart, const
   moved(part, before, twistBefore);
 }
 
+/// The twist of a motion from `before` within dt seconds: the stated one if the change of pose bears it out,
+/// else that of the change. dt = 0: the stated one.
+Twist borneOutTwist(const Pose& before, const PartMotion& motion, double dt);
+
 class MovedParts {
  public:
   /// For a scene of so many parts.
   explicit MovedParts(std::size_t parts);
 
-  /// Carries out the motions of one tick but those of parts that isOwned(part) names, and calls moved(part,
-  /// before, twistBefore) after each change of a pose that may concern the tool. `region`: where this tick is
-  /// going to ask, m, world. False if a motion was dropped because it cannot be used.
+  /// Carries out the motions of one tick but those of parts that isOwned(part) names, and calls moved(
+  /// motion, before, twistBefore) after each change of a pose that may concern the region. `region`: where
+  /// this tick is going to ask, m, world; `dt`: s, of the
+  /// tick; 0: velocities are believed. False if a motion was dropped because it
+  /// cannot be used.
   template <typename IsOwned, typename Moved>
   [[nodiscard]] bool apply(ContactWorld& world, std::span<const PartMotion> motions,
-                           const assets::Bounds& region, IsOwned&& isOwned, Moved&& moved);
+                           const assets::Bounds& region, double dt, IsOwned&& isOwned, Moved&& moved);
 
  private:
   static bool isUsable(const ContactWorld& world, const PartMotion& motion);
@@ -63,7 +70,7 @@ class MovedParts {
 
 template <typename IsOwned, typename Moved>
 bool MovedParts::apply(ContactWorld& world, std::span<const PartMotion> motions, const assets::Bounds& region,
-                       IsOwned&& isOwned, Moved&& moved) {
+                       double dt, IsOwned&& isOwned, Moved&& moved) {
   bool usable = true;
   const auto takes = [&](const PartMotion& motion) {
     const bool good = isUsable(world, motion);
@@ -86,14 +93,17 @@ bool MovedParts::apply(ContactWorld& world, std::span<const PartMotion> motions,
       const PartMotion& motion = motions[i];
       const Pose before = world.pose(motion.part);
       const Twist twistBefore = world.twist(motion.part);
-      world.setNearPose(motion.part, motion.worldFromPart, motion.twist);
+      world.setNearPose(motion.part, motion.worldFromPart, borneOutTwist(before, motion, dt));
       note(motion.part);
-      if (!samePose(before, motion.worldFromPart)) moved(motion.part, before, twistBefore);
+      if (!samePose(before, motion.worldFromPart)) moved(motion, before, twistBefore);
     }
   } else {
     for (const PartMotion& motion : motions) {
       if (!takes(motion)) continue;
-      movePart(world, motion.part, motion.worldFromPart, motion.twist, moved);
+      const Twist twist = borneOutTwist(world.pose(motion.part), motion, dt);
+      movePart(
+          world, motion.part, motion.worldFromPart, twist,
+          [&](PartId, const Pose& before, const Twist& twistBefore) { moved(motion, before, twistBefore); });
       note(motion.part);
     }
   }

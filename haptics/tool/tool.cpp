@@ -1,6 +1,7 @@
 #include "haptics/tool/tool.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <glm/geometric.hpp>
 
@@ -52,6 +53,35 @@ void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, boo
     flags_ |= kFlagSqueezed;
     ignore(part);
   }
+}
+
+/// How far the point of a part that is at `at` before the motion moves, m, world.
+static glm::dvec3 displacementOf(const Pose& before, const Pose& now, const glm::dvec3& at) {
+  return transformPoint(now, transformPoint(inverse(before), at)) - at;
+}
+
+double Tool::workOf(PartId part, const Pose& before) const {
+  const glm::dvec3 force = contactWrenchOf(part).force;
+  double work = 0.0;
+  for (const ProxyPlane& plane : proxy_.planes) {
+    if (plane.surface.part != part || !presses(plane)) continue;
+    const glm::dvec3 moved = displacementOf(before, world_.pose(part), plane.surface.point);
+    work += glm::dot(force, plane.surface.normal) * glm::dot(moved, plane.surface.normal);
+  }
+  return work;
+}
+
+bool Tool::outruns(PartId part, const Pose& before, double most) const {
+  if (!started_ || !world_.touchable(part)) return false;
+  for (const ProxyPlane& plane : proxy_.planes) {
+    if (plane.surface.part != part || !presses(plane)) continue;
+    const glm::dvec3 moved = displacementOf(before, world_.pose(part), plane.surface.point);
+    if (glm::dot(moved, plane.surface.normal) < -most) return true;
+  }
+  WorldHit hit;
+  glm::dvec3 carried;
+  return world_.sweepAgainstMoved(part, before, proxy_.position, radius_, hit, carried) &&
+         std::abs(glm::dot(carried - proxy_.position, hit.normal)) > most;
 }
 
 void Tool::ignore(PartId part) {

@@ -53,6 +53,12 @@ class Tool {
   /// A part has moved from `before`, where it had `twistBefore`, to its present pose: takes the proxy
   /// along. `byHand`: this hand pushed it.
   void follow(PartId part, const Pose& before, const Twist& twistBefore, bool byHand);
+  /// Whether a part that has moved from `before` to its present pose has come against the tool, or left a
+  /// surface that the tool presses on, by more than `most` m.
+  bool outruns(PartId part, const Pose& before, double most) const;
+  /// The work in J that the contacts of the last touch() with a part do along their normals as the part moves
+  /// from `before` to its present pose: positive where it pushes the tool.
+  double workOf(PartId part, const Pose& before) const;
   /// A part is passed through from now on; sets kFlagOverflow if the list is full.
   void ignore(PartId part);
   /// The same for every touchable part that overlaps the proxy.
