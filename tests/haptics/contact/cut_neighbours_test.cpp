@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kKick = 0.3;  // N in 20 ms
 constexpr std::size_t kWindow = 20;
-constexpr PartId kTable = 0, kPart = 1;
+constexpr PartId kPart = 1;
 
 /// A hand with a cube of 2 cm, or a ball, over a table whose top is z = 0.
 class HeldOverTable {
