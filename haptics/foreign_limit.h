@@ -29,7 +29,8 @@ class ForeignLimit {
   void begin(double a, double stiffness, double dt);
   bool active() const { return travel_ > 0.0; }
 
-  /// Where parts that others move matter, m, world: where the tool reaches, around the parts in the hands.
+  /// The region in which foreign parts can touch this hand in the tick, m, world: what the tool reaches, and
+  /// the room around each held part.
   assets::Bounds reach(assets::Bounds ofTool, const ContactWorld& world, const HeldParts& held) const;
 
   /// A part has moved from `before`, where it had `twistBefore`, to its present pose: holds it back, and

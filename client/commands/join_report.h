@@ -26,7 +26,7 @@ struct JoinReport {
 std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
                        const std::string& end);
 
-/// Writes the poses of parts as this site has them, a row each, so that they can be compared between sites.
+/// Writes the poses of all parts at this site, one row a part, to be compared with those of other sites.
 class PoseTrace {
  public:
   explicit PoseTrace(const std::string& path);

@@ -12,9 +12,9 @@
 
 #include "assets/base/finite.h"
 #include "assets/base/printable.h"
+#include "assets/base/utc_time.h"
 #include "assets/document/describe.h"
 #include "client/exchange/guid.h"
-#include "client/exchange/utc_time.h"
 
 namespace tandem::client {
 namespace {

@@ -10,7 +10,7 @@
 #include <glm/geometric.hpp>
 #include <glm/trigonometric.hpp>
 
-#include "client/exchange/utc_time.h"
+#include "assets/base/utc_time.h"
 
 namespace tandem::client {
 namespace {

@@ -11,7 +11,7 @@
 
 namespace tandem::client {
 
-/// A UUID made of a name: of version 8 (RFC 9562), its bits from BLAKE2b, lower case.
+/// The UUID of a name, in lower case: version 8 of RFC 9562, with bits of the BLAKE2b hash of the name.
 std::string uuidOf(const std::string& name);
 /// The UUID of an entry of the session on a scene. It stays through changes of the entry, and another
 /// session on the same scene gives others. `scene`: the hash of the scene package in hexadecimal digits.

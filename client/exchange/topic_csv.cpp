@@ -4,7 +4,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "client/exchange/utc_time.h"
+#include "assets/base/utc_time.h"
 
 namespace tandem::client {
 namespace {

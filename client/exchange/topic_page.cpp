@@ -1,14 +1,18 @@
 #include "client/exchange/topic_page.h"
 
+#include <sodium.h>
+
 #include <array>
 #include <cstdint>
 #include <cstdio>
-#include <string_view>
 
-#include "client/exchange/utc_time.h"
+#include "assets/base/utc_time.h"
+#include "client/plot/svg_plot.h"
 
 namespace tandem::client {
 namespace {
+
+using report::escaped;
 
 constexpr const char* kStyle = R"(
 body { font: 15px/1.45 sans-serif; color: #21262e; background: #f6f7f9; margin: 0 auto; max-width: 62rem;
@@ -25,44 +29,10 @@ p { margin: 0 0 .5rem; overflow-wrap: anywhere; }
 @media print { body { background: #fff; } article { break-inside: avoid; } }
 )";
 
-std::string escaped(std::string_view text) {
-  std::string html;
-  for (const char c : text) {
-    switch (c) {
-      case '&':
-        html += "&amp;";
-        break;
-      case '<':
-        html += "&lt;";
-        break;
-      case '>':
-        html += "&gt;";
-        break;
-      case '"':
-        html += "&quot;";
-        break;
-      case '\'':
-        html += "&#39;";
-        break;
-      default:
-        html += c;
-    }
-  }
-  return html;
-}
-
 std::string base64(const std::vector<std::uint8_t>& bytes) {
-  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    const auto byte = [&](std::size_t k) { return k < bytes.size() ? std::uint32_t{bytes[k]} : 0u; };
-    const std::uint32_t bits = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
-    text += kDigits[bits >> 18];
-    text += kDigits[bits >> 12 & 63];
-    text += i + 1 < bytes.size() ? kDigits[bits >> 6 & 63] : '=';
-    text += i + 2 < bytes.size() ? kDigits[bits & 63] : '=';
-  }
+  std::string text(sodium_base64_encoded_len(bytes.size(), sodium_base64_VARIANT_ORIGINAL), '\0');
+  sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(), sodium_base64_VARIANT_ORIGINAL);
+  text.pop_back();  // the terminating zero
   return text;
 }
 

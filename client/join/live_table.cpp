@@ -112,7 +112,7 @@ void LiveTable::printNews(const ViewModel& model, double elapsed) {
   std::fflush(stdout);
 }
 
-/// Prints how the document is, if it has changed.
+/// Prints one line about the session's document whenever it has changed.
 void LiveTable::printDocument(const ViewModel& model, double elapsed) {
   if (model.document == nullptr || model.document->revision() == printedRevision_) return;
   printedRevision_ = model.document->revision();

@@ -45,11 +45,10 @@ class MovedParts {
   /// For a scene of so many parts.
   explicit MovedParts(std::size_t parts);
 
-  /// Carries out the motions of one tick but those of parts that isOwned(part) names, and calls moved(
-  /// motion, before, twistBefore) after each change of a pose that may concern the region. `region`: where
-  /// this tick is going to ask, m, world; `dt`: s, of the
-  /// tick; 0: velocities are believed. False if a motion was dropped because it
-  /// cannot be used.
+  /// Carries out the motions of one tick but those of parts that isOwned(part) names, and calls
+  /// moved(motion, before, twistBefore) after each change of a pose that may concern the region. `region`:
+  /// where this tick is going to ask, m, world. `dt`: s, of the tick; 0: velocities are believed. False if a
+  /// motion was dropped because it cannot be used.
   template <typename IsOwned, typename Moved>
   [[nodiscard]] bool apply(ContactWorld& world, std::span<const PartMotion> motions,
                            const assets::Bounds& region, double dt, IsOwned&& isOwned, Moved&& moved);

@@ -15,6 +15,11 @@ namespace {
 constexpr int kMovesAnew = 8;
 constexpr double kStill = 1e-8;  // m
 
+/// How far the point of a part that is at `at` before the motion moves, m, world.
+glm::dvec3 displacementOf(const Pose& before, const Pose& now, const glm::dvec3& at) {
+  return transformPoint(now, transformPoint(inverse(before), at)) - at;
+}
+
 }  // namespace
 
 Tool::Tool(ContactWorld& world, FaultLatch& fault) : world_(world), fault_(fault) { measureReach(); }
@@ -53,11 +58,6 @@ void Tool::follow(PartId part, const Pose& before, const Twist& twistBefore, boo
     flags_ |= kFlagSqueezed;
     ignore(part);
   }
-}
-
-/// How far the point of a part that is at `at` before the motion moves, m, world.
-static glm::dvec3 displacementOf(const Pose& before, const Pose& now, const glm::dvec3& at) {
-  return transformPoint(now, transformPoint(inverse(before), at)) - at;
 }
 
 double Tool::workOf(PartId part, const Pose& before) const {

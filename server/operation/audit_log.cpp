@@ -3,9 +3,7 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <array>
 #include <condition_variable>
-#include <ctime>
 #include <deque>
 #include <iterator>
 #include <mutex>
@@ -15,6 +13,7 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "assets/base/utc_time.h"
 #include "server/journal/sqlite_database.h"
 
 namespace tandem::server {
@@ -45,15 +44,6 @@ std::optional<AuditEvent> eventFrom(const std::string& name) {
   for (int i = 0; i < kAuditEvents; ++i)
     if (name == toString(static_cast<AuditEvent>(i))) return static_cast<AuditEvent>(i);
   return std::nullopt;
-}
-
-std::string timeInUtc(std::int64_t unixTime) {
-  const auto seconds = static_cast<std::time_t>(unixTime);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 32> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
-  return text.data();
 }
 
 /// The text without what a terminal executes: the table is a file, and names come from strangers.
@@ -215,7 +205,7 @@ Status readAudit(const std::string& path, const std::function<void(const AuditRo
 
 std::string inWords(const AuditRow& row) {
   const AuditEntry& entry = row.entry;
-  std::string line = timeInUtc(entry.unixTime) + "  " + toString(entry.event);
+  std::string line = utcText(entry.unixTime) + "  " + toString(entry.event);
   line.resize(std::max<std::size_t>(line.size(), 38), ' ');
   if (entry.site != kNoSite) line += " site " + std::to_string(entry.site);
   if (!entry.name.empty()) line += " \"" + entry.name + '"';
@@ -228,7 +218,7 @@ std::string inWords(const AuditRow& row) {
 std::string inJson(const AuditRow& row) {
   const AuditEntry& entry = row.entry;
   nlohmann::ordered_json object{
-      {"number", row.number}, {"time", timeInUtc(entry.unixTime)}, {"event", toString(entry.event)}};
+      {"number", row.number}, {"time", utcText(entry.unixTime)}, {"event", toString(entry.event)}};
   if (entry.site != kNoSite) object["site"] = entry.site;
   if (!entry.name.empty()) object["name"] = entry.name;
   if (!entry.role.empty()) object["role"] = entry.role;

@@ -7,9 +7,10 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <ctime>
 #include <memory>
 #include <nlohmann/json.hpp>
+
+#include "assets/base/utc_time.h"
 
 namespace tandem::server {
 namespace {
@@ -42,14 +43,11 @@ void writeOne(const LogLine& line) {
 
 std::string logLineInJson(std::int64_t unixTime_ms, const std::string& level, const std::string& session,
                           SiteId site, const std::string& message) {
-  const auto seconds = static_cast<std::time_t>(unixTime_ms / 1000);
-  std::tm parts{};
-  ::gmtime_r(&seconds, &parts);
-  std::array<char, 32> day{};
-  std::strftime(day.data(), day.size(), "%Y-%m-%dT%H:%M:%S", &parts);
-  std::array<char, 48> time{};
-  std::snprintf(time.data(), time.size(), "%s.%03dZ", day.data(), static_cast<int>(unixTime_ms % 1000));
-  nlohmann::ordered_json object{{"time", time.data()}, {"level", level}};
+  std::string time = utcText(unixTime_ms / 1000);
+  std::array<char, 8> fraction{};
+  std::snprintf(fraction.data(), fraction.size(), ".%03d", static_cast<int>(unixTime_ms % 1000));
+  time.insert(time.size() - 1, fraction.data());
+  nlohmann::ordered_json object{{"time", time}, {"level", level}};
   if (!session.empty()) object["session"] = session;
   if (site != kNoSite) object["site"] = site;
   object["message"] = message;

@@ -1,4 +1,4 @@
-// What becomes of a document's entries as topics.
+// How the entries of a document are exported as topics.
 
 #include "client/exchange/document_topics.h"
 

@@ -22,7 +22,7 @@ document::Entry entry(document::EntryId id, std::int64_t made) {
 }
 
 TEST(Guid, OfANameIsTheSameForEver) {
-  // Files that were handed out hold these: whoever changes them makes every returning file a stranger.
+  // Exported files contain these GUIDs. If they change, an import no longer recognises its own topics.
   EXPECT_EQ(uuidOf(std::string("name")), "09d1bdfb-8728-86d4-ac81-d2c24648f3da");
   EXPECT_EQ(ifcGuidOf("Impeller"), "1PhPOvyZ8XrEZjjrhqZqeJ");
 }

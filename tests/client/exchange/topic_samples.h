@@ -1,6 +1,6 @@
 #pragma once
 
-// A small scene, and a document with an entry of each kind that is a topic.
+// A small scene, and a document with one entry of each kind that is exported as a topic.
 
 #include <string>
 #include <vector>

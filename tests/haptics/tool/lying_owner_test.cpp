@@ -245,13 +245,18 @@ TEST_P(LyingOwner, KicksAHandThatBelievesIt) {
 
 INSTANTIATE_TEST_SUITE_P(WithToolOrPart, LyingOwner, testing::Bool());
 
-TEST(HonestOwner, IsFeltAsItIsWhileItMovesSlowly) {
-  // 5 mm/s towards a tool that stands still, then back, and away with its neighbour's speed.
+/// A hand over the part, which feels its spring alone under the limit of a session.
+HandProbe overPart() {
   SceneBuilder b;
   b.addPart(boxMesh(glm::dvec3(2.0 * kHalf)), {}, 1.0);
   haptics::TickParameters p = springOnly(kStiffness);
   p.foreignSlewLimit = kLimit;
-  HandProbe probe(b.scene, p);
+  return HandProbe(b.scene, p);
+}
+
+TEST(HonestOwner, IsFeltAsItIsWhileItMovesSlowly) {
+  // 5 mm/s towards a tool that stands still, and back.
+  HandProbe probe = overPart();
   const glm::dvec3 tool(0.004, 0.002, kHalf + 0.0005);
   probe.at(tool);
   for (int i = 1; i <= 800; ++i) {
@@ -263,11 +268,7 @@ TEST(HonestOwner, IsFeltAsItIsWhileItMovesSlowly) {
 }
 
 TEST(HonestOwner, IsFeltAgainOnceTheToolHasLeftAPartThatCameTooFast) {
-  SceneBuilder b;
-  b.addPart(boxMesh(glm::dvec3(2.0 * kHalf)), {}, 1.0);
-  haptics::TickParameters p = springOnly(kStiffness);
-  p.foreignSlewLimit = kLimit;
-  HandProbe probe(b.scene, p);
+  HandProbe probe = overPart();
   const glm::dvec3 tool(0.0, 0.0, kHalf + 0.005);
   probe.at(tool);
   for (int i = 1; i <= 20; ++i) {

@@ -6,7 +6,7 @@
 #include <optional>
 #include <string>
 
-namespace tandem::client {
+namespace tandem {
 
 /// "2026-03-09T14:05:00Z". `unix`: Unix time, s; what lies outside of the years 1 to 9999 is moved to their
 /// ends.
@@ -16,4 +16,4 @@ std::string utcText(std::int64_t unix);
 /// without a zone counts as UTC. Nothing if the text is no time of the years 1 to 9999.
 std::optional<std::int64_t> utcTime(const std::string& text);
 
-}  // namespace tandem::client
+}  // namespace tandem

@@ -1,4 +1,4 @@
-#include "client/exchange/utc_time.h"
+#include "assets/base/utc_time.h"
 
 #include <algorithm>
 #include <array>
@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <string_view>
 
-namespace tandem::client {
+namespace tandem {
 namespace {
 
 constexpr std::int64_t kDay = 86400;                                 // s
@@ -97,4 +97,4 @@ std::optional<std::int64_t> utcTime(const std::string& text) {
   return days * kDay + hour * 3600 + minute * 60 + second - offset * 60;
 }
 
-}  // namespace tandem::client
+}  // namespace tandem

@@ -1,10 +1,10 @@
 // Time stamps of files.
 
-#include "client/exchange/utc_time.h"
+#include "assets/base/utc_time.h"
 
 #include <gtest/gtest.h>
 
-namespace tandem::client {
+namespace tandem {
 namespace {
 
 TEST(UtcTime, IsWrittenAsTheCalendarHasIt) {
@@ -45,4 +45,4 @@ TEST(UtcTime, RefusesWhatIsNone) {
 }
 
 }  // namespace
-}  // namespace tandem::client
+}  // namespace tandem
