@@ -77,7 +77,7 @@ Result<Hand> scriptedHand(const std::string& path, JoinedSite& site, const Pose&
   if (!script) return script.error();
   script->toolRadius = site.toolRadius();
   Hand hand;
-  hand.writer.emplace(*script);
+  hand.writer.emplace(*script, site.contact());
   auto device = std::make_unique<ScriptedDevice>(site.scene(), std::move(*script), haptics::ArmParameters{},
                                                  haptics::SimulatedDeviceParameters{}, start,
                                                  [&site](PartId part) { return site.worldFromPart(part); });

@@ -41,12 +41,11 @@ double duration(const Json& step, const char* key) {
   return seconds;
 }
 
-glm::dvec3 vector(const Json& step, const char* key) {
-  if (!step.contains(key) || !step.at(key).isArray() || step.at(key).size() != 3)
-    throw std::string("needs \"") + key + "\": [x, y, z]";
+glm::dvec3 vectorOf(const Json& list, const char* key) {
+  if (!list.isArray() || list.size() != 3) throw std::string("needs \"") + key + "\": [x, y, z]";
   glm::dvec3 value;
   for (int i = 0; i < 3; ++i) {
-    const Json& entry = step.at(key).at(static_cast<std::size_t>(i));
+    const Json& entry = list.at(static_cast<std::size_t>(i));
     if (!entry.isNumber() || !std::isfinite(entry.number()))
       throw std::string("\"") + key + "\" must hold three finite numbers";
     if (std::abs(entry.number()) > kFarthest)
@@ -54,6 +53,11 @@ glm::dvec3 vector(const Json& step, const char* key) {
     value[i] = entry.number();
   }
   return value;
+}
+
+glm::dvec3 vector(const Json& step, const char* key) {
+  if (!step.contains(key)) throw std::string("needs \"") + key + "\": [x, y, z]";
+  return vectorOf(step.at(key), key);
 }
 
 glm::dvec3 axis(const Json& step) {
@@ -70,13 +74,17 @@ glm::dvec3 axis(const Json& step) {
 }
 
 /// Without a scene (null) any name will do: it is looked up once the scene is there.
-PartId part(const Json& step, const assets::Scene* scene) {
-  if (!step.contains("part") || !step.at("part").isText()) throw std::string("needs \"part\": \"NAME\"");
+PartId namedPart(const Json& value, const char* key, const assets::Scene* scene) {
+  if (!value.isText()) throw std::string("needs \"") + key + "\": \"NAME\"";
   if (scene == nullptr) return kNoPart;
-  const std::string name = step.at("part").text();
+  const std::string name = value.text();
   const PartId id = assets::findPart(*scene, name);
   if (id == kNoPart) throw "no part is named \"" + name + "\"";
   return id;
+}
+
+PartId part(const Json& step, const assets::Scene* scene) {
+  return namedPart(step.contains("part") ? step.at("part") : Json(), "part", scene);
 }
 
 PartId controlPart(const Json& step, const assets::Scene* scene) {
@@ -91,9 +99,9 @@ PartId controlPart(const Json& step, const assets::Scene* scene) {
 
 /// A misspelt key would silently do something else.
 void refuseUnknown(const Json& step) {
-  static const char* const known[] = {"t",       "do",    "part",      "over_s", "to",    "by",
-                                      "axis",    "angle", "amplitude", "hz",     "for_s", "depth",
-                                      "control", "value", "text",      "name",   "status"};
+  static const char* const known[] = {"t",     "do",        "part",   "over_s",   "to",    "by",      "axis",
+                                      "angle", "amplitude", "hz",     "for_s",    "depth", "control", "value",
+                                      "text",  "name",      "status", "measures", "at",    "parts"};
   for (const auto& item : step.members())
     if (std::find(std::begin(known), std::end(known), item.first) == std::end(known))
       throw "does not know \"" + item.first + "\"";
@@ -117,6 +125,29 @@ document::NoteStatus status(const Json& step) {
   throw std::string("\"status\" must be open, in progress, resolved or closed");
 }
 
+void parseMeasure(const Json& entry, const assets::Scene* scene, ScriptStep& step) {
+  const std::string kind = text(entry, "measures", document::kMaxName);
+  const auto known = std::find(kFigureNames.begin(), kFigureNames.end(), kind);
+  if (known == kFigureNames.end())
+    throw std::string("\"measures\" must be length, diameter, distance, across, angle or clearance");
+  step.verb = ScriptStep::Verb::measure;
+  step.figure = static_cast<FigureKind>(known - kFigureNames.begin());
+  if (entry.contains("name")) step.text = text(entry, "name", document::kMaxName);
+  const std::size_t most = placesOf(step.figure);
+  if (entry.contains("at")) {
+    if (!entry.at("at").isArray() || entry.at("at").size() > most)
+      throw "\"at\" must be a list of at most " + std::to_string(most) + " [x, y, z]";
+    for (std::size_t i = 0; i < entry.at("at").size(); ++i)
+      step.places.push_back(vectorOf(entry.at("at").at(i), "at"));
+  }
+  if (!entry.contains("parts")) return;
+  const Json& parts = entry.at("parts");
+  if (step.figure != FigureKind::clearance || entry.contains("at") || !parts.isArray() || parts.size() != 2)
+    throw std::string("\"parts\" names two parts, of a clearance");
+  for (std::size_t i = 0; i < 2; ++i) step.parts.push_back(namedPart(parts.at(i), "parts", scene));
+  if (scene != nullptr && step.parts[0] == step.parts[1]) throw std::string("\"parts\" names one part twice");
+}
+
 /// A step that writes in the session's document; false if the verb is another one.
 bool parseWriting(const Json& entry, const std::string& verb, const assets::Scene* scene, ScriptStep& step) {
   using Verb = ScriptStep::Verb;
@@ -135,6 +166,8 @@ bool parseWriting(const Json& entry, const std::string& verb, const assets::Scen
   } else if (verb == "view") {
     step.verb = Verb::view;
     step.text = text(entry, "name", document::kMaxName);
+  } else if (verb == "measure") {
+    parseMeasure(entry, scene, step);
   } else if (verb == "undo" || verb == "redo") {
     step.verb = verb == "undo" ? Verb::undo : Verb::redo;
   } else {
@@ -188,7 +221,7 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   } else if (!parseWriting(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
         "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
-        "undo redo";
+        "measure undo redo";
   }
   return step;
 }
@@ -393,6 +426,7 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
     case ScriptStep::Verb::reply:
     case ScriptStep::Verb::status:
     case ScriptStep::Verb::view:
+    case ScriptStep::Verb::measure:
     case ScriptStep::Verb::undo:
     case ScriptStep::Verb::redo:
       ++written_;

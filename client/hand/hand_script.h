@@ -23,6 +23,9 @@
 //   reply {text [, to]}       answers the note whose text begins so, or the last one
 //   status {status [, to]}    that note is now open, in progress, resolved or closed
 //   view {name}               keeps what this site's camera sees
+//   measure {measures [, at, parts, name]}
+//                             keeps a length, diameter, distance, across, angle or clearance at places in the
+//                             world or of two named parts; a missing place is where the hand is
 //   undo, redo                takes back what this person wrote last; writes it again
 
 #include <string>
@@ -31,6 +34,7 @@
 #include "assets/base/result.h"
 #include "assets/document/entry.h"
 #include "assets/scene/scene.h"
+#include "client/findings/figures.h"
 #include "client/session/exchange.h"
 #include "haptics/operator/simulated_hand.h"
 
@@ -55,6 +59,7 @@ struct ScriptStep {
     reply,
     status,
     view,
+    measure,
     undo,
     redo
   };
@@ -67,6 +72,9 @@ struct ScriptStep {
   double hz = 0.0;
   std::string text, to;  // of a verb that writes; a view's name is its text
   document::NoteStatus status = document::NoteStatus::open;  // of the verb `status`
+  FigureKind figure = FigureKind::distance;  // of the verb `measure`, and its places and parts
+  std::vector<glm::dvec3> places;
+  std::vector<PartId> parts;
 
   bool writes() const { return verb >= Verb::note; }
 };

@@ -65,7 +65,39 @@ Note noteAtHand(const ViewModel& model, PartId part, std::string text) {
   return note;
 }
 
-ScriptWriter::ScriptWriter(const HandScript& script) {
+namespace {
+
+/// The two parts whose clearance a step wants; none if it is of one part or none.
+std::optional<std::pair<PartId, PartId>> partsOf(const ScriptStep& step,
+                                                 const std::vector<MeasuredPlace>& places) {
+  if (step.figure != FigureKind::clearance) return std::nullopt;
+  if (step.parts.size() == 2) return std::pair{step.parts[0], step.parts[1]};
+  if (places.size() < 2 || places[0].part == places[1].part) return std::nullopt;
+  return std::pair{places[0].part, places[1].part};
+}
+
+}  // namespace
+
+Result<Measure> measureByStep(const ScriptStep& step, const haptics::ContactScene& contact,
+                              const ViewModel& model) {
+  ASSERT(step.places.size() <= placesOf(step.figure));
+  std::vector<glm::dvec3> at = step.places;
+  if (step.parts.empty()) at.resize(placesOf(step.figure), model.hand.worldFromProxy.position);
+  std::vector<MeasuredPlace> places;
+  for (const glm::dvec3& point : at)
+    if (const auto place = measurePlace(contact, point, model.worldFromPart)) places.push_back(*place);
+  std::optional<Clash> parts;
+  if (const auto pair = partsOf(step, places))
+    parts = measurePair(PartClosings(contact), pair->first, model.worldFromPart[pair->first], pair->second,
+                        model.worldFromPart[pair->second]);
+  for (const Figure& figure : figuresOf(places, parts))
+    if (figure.kind == step.figure) return toMeasure(figure, *model.scene, model.worldFromPart, step.text);
+  return Error{std::string("there is no ") + kFigureNames[static_cast<std::size_t>(step.figure)] +
+               " to measure"};
+}
+
+ScriptWriter::ScriptWriter(const HandScript& script, const haptics::ContactScene& contact)
+    : contact_(contact) {
   std::copy_if(script.steps.begin(), script.steps.end(), std::back_inserter(steps_),
                [](const ScriptStep& step) { return step.writes(); });
 }
@@ -77,7 +109,13 @@ ScriptWriter::Written ScriptWriter::write(double now, std::uint32_t begun, const
   for (; done_ < begun && !steps_.empty(); ++done_, steps_.pop_front()) {
     const ScriptStep& step = steps_.front();
     const Entry* note = needsNote(step.verb) ? noteThatBegins(*model.document, step.to) : nullptr;
-    if (!needsNote(step.verb) || note != nullptr) {
+    if (step.verb == Verb::measure) {
+      Result<Measure> measure = measureByStep(step, contact_, model);
+      if (measure)
+        written.wishes.push_back({DocumentWish::Kind::change, {0, 0, std::move(*measure)}});
+      else
+        written.problems.push_back(measure.error().message);
+    } else if (!needsNote(step.verb) || note != nullptr) {
       written.wishes.push_back(wishOf(step, model, camera, note));
     } else if (waitsSince_ < 0.0 || now - waitsSince_ < kPatience) {
       if (waitsSince_ < 0.0) waitsSince_ = now;

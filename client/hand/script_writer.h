@@ -3,7 +3,8 @@
 // What a scripted person writes in the session's document. The hand counts, in its own thread, the steps of
 // its script that it has come to; the writer makes wishes of them, from what the model shows then.
 //
-// 1. Steps become wishes in their order. One that needs a note which is not there, perhaps because the server
+// 1. A measure is taken when its step comes, of the parts as they stand then. It may take some milliseconds.
+// 2. Steps become wishes in their order. One that needs a note which is not there, perhaps because the server
 //    has not answered yet, waits for kPatience, then it is passed over and a reason is given.
 //
 // Main thread.
@@ -19,7 +20,8 @@ namespace tandem::client {
 
 class ScriptWriter {
  public:
-  explicit ScriptWriter(const HandScript& script);
+  /// `contact`, the scene's geometry, must outlive this.
+  ScriptWriter(const HandScript& script, const haptics::ContactScene& contact);
 
   struct Written {
     std::vector<DocumentWish> wishes;
@@ -32,6 +34,7 @@ class ScriptWriter {
   static constexpr double kPatience = 2.0;  // s
 
  private:
+  const haptics::ContactScene& contact_;
   std::deque<ScriptStep> steps_;  // that are not done yet
   std::uint32_t done_ = 0;
   double waitsSince_ = -1.0;  // s: the first step, for its note; negative: it does not wait
@@ -40,5 +43,9 @@ class ScriptWriter {
 /// A note at the place that the hand touches, or on the named part at the place nearest to the hand; without
 /// both where the hand is in the world.
 document::Note noteAtHand(const ViewModel& model, PartId part, std::string text);
+
+/// What a `measure` step asks for; an error if its places have no such figure.
+Result<document::Measure> measureByStep(const ScriptStep& step, const haptics::ContactScene& contact,
+                                        const ViewModel& model);
 
 }  // namespace tandem::client

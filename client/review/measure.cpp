@@ -161,6 +161,22 @@ double angleBetween(const glm::dvec3& a, const glm::dvec3& b) {
 
 }  // namespace
 
+namespace {
+
+/// The place where a mesh of a part was found, in the part's frame.
+MeasuredPlace placeOf(const haptics::ContactScene& contact, PartId part, const haptics::MeshPoint& found) {
+  const Mesh& mesh = contact.data().colliders[part].tree->mesh();
+  MeasuredPlace place;
+  place.part = part;
+  place.point = found.point;
+  place.normal = normalOf(mesh, found.triangle);
+  place.edge = Edges(mesh).nearest(found.point);
+  place.cylinder = cylinderAt(contact.scene().parts[part], mesh, found);
+  return place;
+}
+
+}  // namespace
+
 std::optional<MeasuredPlace> measurePlace(const haptics::ContactScene& contact, const glm::dvec3& point,
                                           std::span<const Pose> worldFromPart) {
   const assets::Scene& scene = contact.scene();
@@ -170,7 +186,7 @@ std::optional<MeasuredPlace> measurePlace(const haptics::ContactScene& contact, 
   };
   haptics::MeshPoint nearest;
   nearest.distance = std::numeric_limits<double>::max();
-  MeasuredPlace place;
+  PartId at = kNoPart;
   for (PartId part = 0; part < scene.parts.size(); ++part) {
     const haptics::TriangleBvh* tree = contact.data().colliders[part].tree;
     if (tree == nullptr || tree->empty()) continue;
@@ -178,19 +194,30 @@ std::optional<MeasuredPlace> measurePlace(const haptics::ContactScene& contact, 
     const glm::dvec3 inPart = transformPoint(inverse(poseOf(part)), point);
     if (!tree->closestPoint(inPart, nearest.distance, found) || found.distance >= nearest.distance) continue;
     nearest = found;
-    place.part = part;
+    at = part;
   }
-  if (place.part == kNoPart) return std::nullopt;
-  const Pose pose = poseOf(place.part);
-  const Mesh& mesh = contact.data().colliders[place.part].tree->mesh();
-  place.point = transformPoint(pose, nearest.point);
-  place.normal = pose.orientation * normalOf(mesh, nearest.triangle);
-  place.edge = Edges(mesh).nearest(nearest.point);
+  if (at == kNoPart) return std::nullopt;
+  return moved(placeOf(contact, at, nearest), poseOf(at));
+}
+
+std::optional<MeasuredPlace> measurePlaceOn(const haptics::ContactScene& contact, PartId part,
+                                            const glm::dvec3& point) {
+  ASSERT(part < contact.scene().parts.size());
+  const haptics::TriangleBvh* tree = contact.data().colliders[part].tree;
+  haptics::MeshPoint found;
+  if (tree == nullptr || tree->empty() ||
+      !tree->closestPoint(point, std::numeric_limits<double>::max(), found))
+    return std::nullopt;
+  return placeOf(contact, part, found);
+}
+
+MeasuredPlace moved(MeasuredPlace place, const Pose& pose) {
+  place.point = transformPoint(pose, place.point);
+  place.normal = pose.orientation * place.normal;
   if (place.edge) {
     place.edge->start = transformPoint(pose, place.edge->start);
     place.edge->end = transformPoint(pose, place.edge->end);
   }
-  place.cylinder = cylinderAt(scene.parts[place.part], mesh, nearest);
   if (place.cylinder) {
     place.cylinder->middle = transformPoint(pose, place.cylinder->middle);
     place.cylinder->axis = pose.orientation * place.cylinder->axis;

@@ -48,6 +48,12 @@ struct MeasuredPair {
 std::optional<MeasuredPlace> measurePlace(const haptics::ContactScene& contact, const glm::dvec3& point,
                                           std::span<const Pose> worldFromPart = {});
 
+/// The place of one part nearest to a point, both in the part's frame. Nothing if the part has no geometry.
+std::optional<MeasuredPlace> measurePlaceOn(const haptics::ContactScene& contact, PartId part,
+                                            const glm::dvec3& point);
+/// The place, its edge and its cylinder carried from the part's frame into the world by the part's pose.
+MeasuredPlace moved(MeasuredPlace place, const Pose& pose);
+
 MeasuredPair measurePair(const MeasuredPlace& a, const MeasuredPlace& b);
 
 }  // namespace tandem::client

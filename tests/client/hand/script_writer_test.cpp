@@ -15,6 +15,7 @@ struct ScriptWriters : testing::Test {
   assets::Scene scene;
   ViewModel model;
   Document document;
+  std::unique_ptr<haptics::ContactScene> contact;
   std::unique_ptr<ScriptWriter> writer;
   double now = 0.0;
 
@@ -25,6 +26,7 @@ struct ScriptWriters : testing::Test {
     ball.shapes[0].kind = assets::ImplicitShape::Kind::sphere;
     ball.shapes[0].radiusTop = ball.shapes[0].radiusBottom = 0.1;
     scene.parts.push_back(ball);
+    contact = std::make_unique<haptics::ContactScene>(scene, 1);
     model.scene = &scene;
     model.worldFromPart = {{{1.0, 0.0, 0.0}, glm::angleAxis(0.5, glm::dvec3(0.0, 0.0, 1.0))}};
     model.document = &document;
@@ -34,7 +36,7 @@ struct ScriptWriters : testing::Test {
   void script(const std::string& json) {
     const Result<HandScript> read = parseHandScript(json, "test", scene);
     ASSERT_TRUE(read.ok()) << read.error().message;
-    writer = std::make_unique<ScriptWriter>(*read);
+    writer = std::make_unique<ScriptWriter>(*read, *contact);
   }
   /// Comes to the `begun`th step, and makes the changes that it wants. Returns all that it wrote.
   ScriptWriter::Written come(std::uint32_t begun) {
@@ -110,6 +112,23 @@ TEST_F(ScriptWriters, WaitsUntilTheDocumentIsThere) {
   EXPECT_TRUE(come(1).wishes.empty());
 }
 
+TEST_F(ScriptWriters, MeasuresPlacesAndWhereTheHandIs) {
+  script(R"([{"t": 0, "do": "measure", "measures": "distance", "at": [[1, -0.5, 0]], "name": "across"},
+             {"t": 1, "do": "measure", "measures": "diameter"},
+             {"t": 2, "do": "measure", "measures": "clearance", "at": [[0, 0, 0]]}])");
+  come(1);
+  const auto& measure = std::get<Measure>(document.find(1)->body);
+  EXPECT_EQ(measure.kind, MeasureKind::distance);
+  EXPECT_EQ(measure.name, "across");
+  EXPECT_NEAR(measure.value, 0.2, 0.001) << "facets stand for the ball of the scene";
+  ASSERT_EQ(measure.anchors.size(), 2u);
+  EXPECT_LT(glm::distance(transformPoint(model.worldFromPart[0], measure.anchors[1].point),
+                          glm::dvec3(1.0, 0.1, 0.0)),
+            0.01);
+  EXPECT_EQ(come(2).problems, std::vector<std::string>{"there is no diameter to measure"});
+  EXPECT_EQ(come(3).problems, std::vector<std::string>{"there is no clearance to measure"});
+}
+
 TEST_F(ScriptWriters, WhatCannotBeWrittenIsRefusedWithTheScript) {
   const auto refusal = [&](const std::string& json) {
     const Result<HandScript> read = parseHandScript(json, "test", scene);
@@ -119,6 +138,12 @@ TEST_F(ScriptWriters, WhatCannotBeWrittenIsRefusedWithTheScript) {
   EXPECT_NE(refusal(R"([{"t": 0, "do": "note", "text": "x", "part": "lid"}])"), "");
   EXPECT_NE(refusal(R"([{"t": 0, "do": "note", "text": "a\u0007b"}])"), "");
   EXPECT_NE(refusal(R"([{"t": 0, "do": "view", "name": ")" + std::string(129, 'x') + R"("}])"), "");
+  EXPECT_EQ(refusal(R"([{"t": 0, "do": "measure", "measures": "volume"}])"),
+            "test: step 1: \"measures\" must be length, diameter, distance, across, angle or clearance");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "measure", "measures": "length", "at": [[0,0,0], [1,0,0]]}])"), "");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "measure", "measures": "clearance", "parts": ["ball", "ball"]}])"),
+            "");
+  EXPECT_NE(refusal(R"([{"t": 0, "do": "measure", "measures": "angle", "parts": ["ball", "ball"]}])"), "");
   EXPECT_EQ(refusal(R"([{"t": 0, "do": "status", "status": "done"}])"),
             "test: step 1: \"status\" must be open, in progress, resolved or closed");
 }
