@@ -32,7 +32,8 @@ namespace {
 struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
       record, json, trace, name, colour, cache, tool;
-  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false, notes = false;
+  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false, notes = false,
+       measures = false;
   double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   std::vector<std::string> sections;
@@ -230,6 +231,7 @@ class JoinRun {
     if (!viewer_) lookAtAll();
     if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
     if (viewer_ && arguments_.notes) viewer_->openNotes();
+    if (viewer_ && arguments_.measures) viewer_->openMeasures();
     if (viewer_ && arguments_.clashes >= 0.0) viewer_->openClashes({arguments_.clashes, false});
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
@@ -247,6 +249,7 @@ class JoinRun {
         // seconds.
         if (steered) steered->setView({actions.worldFromCamera.orientation, 0.25 * sceneSize()});
         site_.act(actions);
+        model_.measure = measures_.update(actions.marks, model_.worldFromPart);
         searchClashes(actions);
         if (actions.quit) end_ = "window closed";
       } else {
@@ -298,8 +301,9 @@ class JoinRun {
     viewer.fitAll();                            // parts and hands may be far from their initial poses
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
-    if (arguments_.notes) {
-      viewer.openNotes();
+    if (arguments_.measures) viewer.openMeasures();
+    if (arguments_.notes) viewer.openNotes();
+    if (arguments_.notes || arguments_.measures) {
       for (int i = 0; i < 3; ++i) static_cast<void>(viewer.frame(model_));
     }
     return viewer.screenshot(arguments_.screenshot);
@@ -384,6 +388,7 @@ class JoinRun {
   std::unique_ptr<Viewer> viewer_;
   std::unique_ptr<ClearanceWatch> clearance_;  // null without a window and a picture
   std::unique_ptr<ClashSearch> clashes_;       // null before the first search
+  MeasureWatch measures_{site_.contact()};
   std::unique_ptr<PoseTrace> trace_;
   std::array<Hand*, 2> scripts_{};  // while run() runs
   ViewModel model_;
@@ -485,6 +490,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
               "Open the list of clashes, and of parts that stand nearer than so many m to each other")
       .numberFrom(0.0, 1e6);
   command.flag("--notes", arguments->notes, "Open the list of notes and views");
+  command.flag("--measures", arguments->measures, "Open the panel of measures");
   command.option("--section", arguments->sections,
                  "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
                  "repeatable");

@@ -11,6 +11,7 @@
 
 #include "assets/document/entry.h"
 #include "assets/scene/scene.h"
+#include "client/findings/measure_watch.h"
 #include "client/review/clash_view.h"
 #include "client/session/document_view.h"
 #include "haptics/tick.h"
@@ -116,6 +117,7 @@ struct ViewModel {
   LoopView loop;
   ConnectionView connection;
   ClashSearchView clashes;
+  MeasureView measure;                           // of the marks that the last frame returned
   const document::Document* document = nullptr;  // the session's; null: there is none
   DocumentStanding documentStanding;
   std::vector<Notice> notices;  // newest last
@@ -157,6 +159,7 @@ struct ViewActions {
   std::optional<ClashQuestion> findClashes;  // look for them now
   bool stopClashes = false;
   std::vector<DocumentWish> documentWishes;
+  std::vector<document::Anchor> marks;  // to be measured, at most two
   Pose worldFromCamera;
   std::vector<document::SectionPlane> sections;  // how the scene is cut open
   // replay only

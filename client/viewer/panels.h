@@ -75,6 +75,8 @@ void drawSettings(const PanelContext& context);
 void drawLabels(const View& view, const Rect& viewport, const std::vector<Label>& labels,
                 const PanelContext& context);
 void drawNotices(const PanelContext& context, const Rect& viewport);
+/// The panel of measures, while it is open.
+void drawMeasures(const PanelContext& context, const Rect& viewport);
 void drawReplayBar(const PanelContext& context, const Rect& viewport);
 void drawHelp(const PanelContext& context);
 /// The range of a slider and the format of its number.

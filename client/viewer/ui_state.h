@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "client/viewer/clash_list.h"
+#include "client/viewer/measure_list.h"
 #include "client/viewer/note_list.h"
 #include "client/viewer/part_display.h"
 #include "client/viewer/section_set.h"
@@ -19,6 +20,7 @@ struct UiState {
   PartDisplay parts;
   ClashUi clashes;
   NoteUi notes;
+  MeasureUi measures;
   SectionSet sections;
   bool showPanels = true;
   bool showHelp = false;

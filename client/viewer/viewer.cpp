@@ -68,6 +68,7 @@ class SceneViewer final : public Viewer {
     ui_.clashes.open = ui_.clashes.choosesFirst = true;
   }
   void openNotes() override { ui_.notes.wanted = ui_.notes.choosesFirst = true; }
+  void openMeasures() override { ui_.measures.open = true; }
   void fitAll() override { ui_.fit = std::vector<PartId>{}; }
 
  private:
@@ -106,6 +107,7 @@ class SceneViewer final : public Viewer {
   std::optional<Camera> cameraOf(const ViewModel& model, const document::Entry& entry) const;
   void keepView(ViewActions& actions);
   View currentView(const ViewModel& model) const;
+  void addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
   glm::dvec3 middle() const { return 0.5 * (sceneBounds_.min + sceneBounds_.max); }
@@ -243,6 +245,10 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
       case GLFW_KEY_N:
         startNote(model);
         break;
+      case GLFW_KEY_M:
+        measureKey(ui_.measures, model, underCursor_ ? underCursor_->part : kNoPart,
+                   underCursor_ ? underCursor_->point : glm::dvec3(0.0));
+        break;
       case GLFW_KEY_B:
         ui_.notes.goBack = true;
         break;
@@ -257,6 +263,7 @@ void SceneViewer::keys(const ViewModel& model, const Input& input, ViewActions& 
         if (!ui_.showHelp) ui_.parts.selected = ui_.clashes.a = ui_.clashes.b = kNoPart;
         ui_.notes.chosen = 0;
         ui_.notes.draft.reset();
+        clearMeasure(ui_.measures);
         ui_.showHelp = false;
         ui_.following = kNoSite;
         break;
@@ -474,6 +481,19 @@ void SceneViewer::drawScene(const View& view, const ViewModel& model, const Glyp
   glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
 }
 
+/// Everything over the parts: what is chosen or written at them, and the people.
+void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  if (const FoundClash* found = shownClash(model)) {
+    markClash(found->clash, looks_);
+    addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
+  }
+  addNotes(model, ui_.notes, batch, labels);
+  addMeasures(model, ui_.measures, batch, labels);
+  addFields(model, batch);
+  if (options_.panels) sectionHandles_.draw(ui_.sections, middle(), batch);
+  addPeople(model, batch, labels);
+}
+
 ViewActions SceneViewer::frame(const ViewModel& model) {
   ASSERT(model.scene && model.worldFromPart.size() == model.scene->parts.size());
   surface_->makeCurrent();
@@ -523,24 +543,19 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   pointAt(model, labels);
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
-  if (const FoundClash* found = shownClash(model)) {
-    markClash(found->clash, looks_);
-    addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
-  }
-  addNotes(model, ui_.notes, batch, labels);
-  addFields(model, batch);
-  if (options_.panels) sectionHandles_.draw(ui_.sections, middle(), batch);
-  addPeople(model, batch, labels);
+  addGlyphs(model, batch, labels);
   drawLabels(view, viewport_, labels, context);
   if (options_.panels) {
     drawNotices(context, viewport_);
     drawReplayBar(context, viewport_);
+    drawMeasures(context, viewport_);
     if (ui_.showHelp) drawHelp(context);
   }
   drawScene(view, model, batch);
   interface_->end();
   surface_->present();
   started_ = true;
+  actions.marks = ui_.measures.marks;
   actions.worldFromCamera = view.worldFromEye;
   return actions;
 }

@@ -41,6 +41,8 @@ class Viewer {
   virtual void openClashes(const ClashQuestion& question) = 0;
   /// Shows the list of notes, with the thread that changed last.
   virtual void openNotes() = 0;
+  /// Shows the panel of measures, and those that the document has in the scene.
+  virtual void openMeasures() = 0;
   /// Fits the view to all parts and styli as the next frame's model has them.
   virtual void fitAll() = 0;
 };
