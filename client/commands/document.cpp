@@ -9,9 +9,12 @@
 #include "client/commands/document_file.h"
 #include "client/exchange/bcf_file.h"
 #include "client/exchange/topic_changes.h"
+#include "client/findings/verdicts.h"
 #include "client/join/local_time.h"
 #include "client/join/scene_store.h"
+#include "client/review/clash_check.h"
 #include "client/session/document_visit.h"
+#include "haptics/scene/contact_scene.h"
 #include "sync/transport/join_link.h"
 #include "sync/transport/socket_transport.h"
 
@@ -54,6 +57,8 @@ class DocumentRun {
   int exportTopics();
   Status takeTopics();
   int importEntries();
+  int findClashes();
+  int bring(std::vector<document::Entry> entries);
   int report() const;
 
   const DocumentArguments& arguments_;
@@ -203,7 +208,38 @@ int DocumentRun::importEntries() {
       return badInput(Error{arguments_.file + ": " + taken.error().message});
   if (file_.scene != sceneHash())
     return badInput(Error{arguments_.file + ": is the document of another scene"});
-  visit_->bringIn(std::move(file_.entries));
+  return bring(std::move(file_.entries));
+}
+
+/// Searches for clashes of the parts as they stand, and brings the verdicts up to what was found.
+int DocumentRun::findClashes() {
+  const Result<VisitedScene> visited = fetchScene();
+  if (!visited) return failed(visited.error());
+  const haptics::ContactScene contact(visited->scene);
+  ClashOptions options;
+  options.worldFromPart = visited->worldFromPart;
+  ProgressLine line;
+  options.progress = [&](std::size_t done, std::size_t pairs) {
+    line.show(static_cast<double>(done) / static_cast<double>(pairs), "searching for clashes");
+  };
+  const ClashReport found = client::findClashes(contact, options);
+  const std::vector<document::Change> changes =
+      mergeClashes(visit_->content(), found.clashes, found.complete, arguments_.name);
+  const MergeCounts counts = countChanges(visit_->content(), changes);
+  std::printf("%zu clashes are new, %zu are gone, %zu are back, %zu are of another depth\n", counts.added,
+              counts.resolved, counts.reopened, counts.deeper);
+  std::vector<document::Entry> entries;
+  for (const document::Change& change : changes) {
+    document::Entry& entry = entries.emplace_back();
+    entry.id = change.id != 0 ? change.id : visit_->content().lastId() + entries.size();
+    entry.revision = change.base;
+    entry.body = change.body;
+  }
+  return bring(std::move(entries));
+}
+
+int DocumentRun::bring(std::vector<document::Entry> entries) {
+  visit_->bringIn(std::move(entries));
   const Status brought = stepUntil("bringing entries in", [&] { return visit_->bringing()->done(); });
   const int exitCode = report();
   if (brought) return exitCode;
@@ -224,6 +260,7 @@ int DocumentRun::run() {
   const auto there = [&] { return visit_->stage() == DocumentVisit::Stage::there; };
   if (Status fetched = stepUntil("fetching the document", there); !fetched) return failed(fetched);
   const int exitCode = arguments_.action == "import"     ? importEntries()
+                       : arguments_.action == "clashes"  ? findClashes()
                        : format_ == DocumentFormat::json ? exportDocument()
                                                          : exportTopics();
   visit_->leave();
@@ -231,22 +268,26 @@ int DocumentRun::run() {
 }
 
 int run(const DocumentArguments& arguments) {
-  const bool imports = arguments.action == "import";
-  if (!imports && arguments.action != "export")
-    return badInput(Error{"document: " + arguments.action + " is neither export nor import"});
+  const bool imports = arguments.action == "import", finds = arguments.action == "clashes";
+  if (!imports && !finds && arguments.action != "export")
+    return badInput(Error{"document: " + arguments.action + " is neither export, import nor clashes"});
+  if (finds != arguments.file.empty())
+    return badInput(Error{finds ? "document clashes: takes no file" : "document: name a file"});
   const Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
   // A link works once, so everything on this side is checked before it is used.
   if (arguments.name.empty() || arguments.name.size() > sync::kMaxNameLength)
     return badInput(Error{"--name: 1 to " + std::to_string(sync::kMaxNameLength) + " bytes"});
-  const Result<DocumentFormat> format = documentFormat(arguments.file, imports);
+  const Result<DocumentFormat> format =
+      finds ? DocumentFormat::json : documentFormat(arguments.file, imports);
   if (!format) return badInput(format.error());
   const Result<BcfVersion> version = parseBcfVersion(arguments.bcf);
   if (!version) return badInput(version.error());
   DocumentRun visit(arguments, *link, *format, *version);
-  if (imports && link->role == sync::Role::observer)
-    return badInput(Error{"document import: an observer's link changes nothing; take another"});
-  if (Status ready = imports ? visit.readFile() : writable(arguments.file); !ready)
+  if ((imports || finds) && link->role == sync::Role::observer)
+    return badInput(
+        Error{"document " + arguments.action + ": an observer's link changes nothing; take another"});
+  if (Status ready = imports ? visit.readFile() : finds ? Status{} : writable(arguments.file); !ready)
     return badInput(ready.error());
   return visit.run();
 }
@@ -258,11 +299,10 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
   assets::CommandLine command =
       program.command("document", "Export what a session has agreed on to a file, or import it");
   command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
-  command.option("action", arguments->action, "export or import").required();
-  command
-      .option("file", arguments->file,
-              "File to write (.json, .bcf, .bcfzip, .csv, .html) or to read (.json, .bcf, .bcfzip)")
+  command.option("action", arguments->action, "export, import or clashes: find them and keep their status")
       .required();
+  command.option("file", arguments->file,
+                 "File to write (.json, .bcf, .bcfzip, .csv, .html) or to read (.json, .bcf, .bcfzip)");
   command.option("--name", arguments->name, "Your name, as the others see it").showDefault();
   command.option("--bcf", arguments->bcf, "Version of BCF to write: 2.1 or 3.0").showDefault();
   command.flag("--no-pictures", arguments->noPictures, "Leave the pictures of topics out");
@@ -275,6 +315,9 @@ void addDocument(assets::CommandLine& program, int& exitCode) {
       "its\n"
       "JSON file all of them. Its topics (notes, clashes, views, measures) go to review tools (BCF), tables, "
       "pages.\n"
+      "'clashes' searches the parts as they stand: what is new is added, what is gone resolved, what is back "
+      "active;\n"
+      "what is approved stays. Only true clashes are kept, not those that facets explain.\n"
       "An import adds the entries that the session has not, as yours; it may be repeated. A JSON file "
       "belongs\n"
       "to one scene. Example: tandem document 'tandem://HOST:7480/observer?...' export review.html");

@@ -125,6 +125,26 @@ document::NoteStatus status(const Json& step) {
   throw std::string("\"status\" must be open, in progress, resolved or closed");
 }
 
+std::vector<PartId> twoParts(const Json& step, const assets::Scene* scene) {
+  const bool two = step.contains("parts") && step.at("parts").isArray() && step.at("parts").size() == 2;
+  if (!two) throw std::string("needs \"parts\": [\"NAME\", \"NAME\"]");
+  std::vector<PartId> parts;
+  for (std::size_t i = 0; i < 2; ++i) parts.push_back(namedPart(step.at("parts").at(i), "parts", scene));
+  if (scene != nullptr && parts[0] == parts[1]) throw std::string("\"parts\" names one part twice");
+  return parts;
+}
+
+void parseJudge(const Json& entry, const assets::Scene* scene, ScriptStep& step) {
+  const std::string name = text(entry, "status", document::kMaxName);
+  const auto known = std::find(document::kClashStatusNames.begin(), document::kClashStatusNames.end(), name);
+  if (known == document::kClashStatusNames.end())
+    throw std::string("\"status\" must be new, active, reviewed, approved or resolved");
+  step.verb = ScriptStep::Verb::judge;
+  step.clash = static_cast<document::ClashStatus>(known - document::kClashStatusNames.begin());
+  step.parts = twoParts(entry, scene);
+  if (entry.contains("text")) step.text = text(entry, "text", document::kMaxText / 2);
+}
+
 void parseMeasure(const Json& entry, const assets::Scene* scene, ScriptStep& step) {
   const std::string kind = text(entry, "measures", document::kMaxName);
   const auto known = std::find(kFigureNames.begin(), kFigureNames.end(), kind);
@@ -141,11 +161,9 @@ void parseMeasure(const Json& entry, const assets::Scene* scene, ScriptStep& ste
       step.places.push_back(vectorOf(entry.at("at").at(i), "at"));
   }
   if (!entry.contains("parts")) return;
-  const Json& parts = entry.at("parts");
-  if (step.figure != FigureKind::clearance || entry.contains("at") || !parts.isArray() || parts.size() != 2)
+  if (step.figure != FigureKind::clearance || entry.contains("at"))
     throw std::string("\"parts\" names two parts, of a clearance");
-  for (std::size_t i = 0; i < 2; ++i) step.parts.push_back(namedPart(parts.at(i), "parts", scene));
-  if (scene != nullptr && step.parts[0] == step.parts[1]) throw std::string("\"parts\" names one part twice");
+  step.parts = twoParts(entry, scene);
 }
 
 /// A step that writes in the session's document; false if the verb is another one.
@@ -168,6 +186,10 @@ bool parseWriting(const Json& entry, const std::string& verb, const assets::Scen
     step.text = text(entry, "name", document::kMaxName);
   } else if (verb == "measure") {
     parseMeasure(entry, scene, step);
+  } else if (verb == "find_clashes") {
+    step.verb = Verb::findClashes;
+  } else if (verb == "judge") {
+    parseJudge(entry, scene, step);
   } else if (verb == "undo" || verb == "redo") {
     step.verb = verb == "undo" ? Verb::undo : Verb::redo;
   } else {
@@ -221,7 +243,7 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   } else if (!parseWriting(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
         "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
-        "measure undo redo";
+        "measure find_clashes judge undo redo";
   }
   return step;
 }
@@ -427,6 +449,8 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
     case ScriptStep::Verb::status:
     case ScriptStep::Verb::view:
     case ScriptStep::Verb::measure:
+    case ScriptStep::Verb::findClashes:
+    case ScriptStep::Verb::judge:
     case ScriptStep::Verb::undo:
     case ScriptStep::Verb::redo:
       ++written_;

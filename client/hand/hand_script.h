@@ -26,6 +26,9 @@
 //   measure {measures [, at, parts, name]}
 //                             keeps a length, diameter, distance, across, angle or clearance at places in the
 //                             world or of two named parts; a missing place is where the hand is
+//   find_clashes              searches for clashes of the parts as they stand, and keeps them with a status
+//   judge {parts, status [, text]}
+//                             that clash is now new, active, reviewed, approved or resolved
 //   undo, redo                takes back what this person wrote last; writes it again
 
 #include <string>
@@ -60,6 +63,8 @@ struct ScriptStep {
     status,
     view,
     measure,
+    findClashes,
+    judge,
     undo,
     redo
   };
@@ -74,7 +79,8 @@ struct ScriptStep {
   document::NoteStatus status = document::NoteStatus::open;  // of the verb `status`
   FigureKind figure = FigureKind::distance;  // of the verb `measure`, and its places and parts
   std::vector<glm::dvec3> places;
-  std::vector<PartId> parts;
+  std::vector<PartId> parts;                                   // of the verb `judge`, too
+  document::ClashStatus clash = document::ClashStatus::fresh;  // of the verb `judge`
 
   bool writes() const { return verb >= Verb::note; }
 };

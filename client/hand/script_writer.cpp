@@ -6,6 +6,8 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "client/findings/verdicts.h"
+#include "client/review/clash_search.h"
 #include "client/session/document_words.h"
 
 namespace tandem::client {
@@ -25,9 +27,27 @@ const Entry* noteThatBegins(const Document& document, const std::string& text) {
   return found == entries.rend() ? nullptr : &found->second;
 }
 
-bool needsNote(Verb verb) { return verb == Verb::reply || verb == Verb::status; }
+bool answers(Verb verb) { return verb == Verb::reply || verb == Verb::status || verb == Verb::judge; }
 
-/// `note` is what the step answers, if it needs one.
+/// The note or verdict that a step answers; null if there is none.
+const Entry* answered(const ScriptStep& step, const Document& document) {
+  if (step.verb != Verb::judge) return noteThatBegins(document, step.to);
+  const auto verdicts = verdictsByPair(document);
+  const auto found = verdicts.find(pairOf(step.parts[0], step.parts[1]));
+  return found == verdicts.end() ? nullptr : found->second;
+}
+
+std::string missing(const ScriptStep& step) {
+  if (step.verb == Verb::judge) return "there is no clash of these parts to judge";
+  return "there is no note that begins with \"" + shortened(step.to, 40) + '"';
+}
+
+std::string ownName(const ViewModel& model) {
+  const SiteView* self = selfSite(model);
+  return self == nullptr ? std::string() : self->info.name;
+}
+
+/// `note` is what the step answers, if it answers.
 DocumentWish wishOf(const ScriptStep& step, const ViewModel& model, const Camera& camera, const Entry* note) {
   using Kind = DocumentWish::Kind;
   switch (step.verb) {
@@ -42,6 +62,8 @@ DocumentWish wishOf(const ScriptStep& step, const ViewModel& model, const Camera
       changed.status = step.status;
       return {Kind::change, {note->id, note->revision, std::move(changed)}};
     }
+    case Verb::judge:
+      return {Kind::change, judge(*note, step.clash, {ownName(model), step.text})};
     case Verb::view:
       return {Kind::change,
               {0, 0, NamedView{step.text, worldFromCamera(camera), camera.distance, {}, false, {}}}};
@@ -102,26 +124,40 @@ ScriptWriter::ScriptWriter(const HandScript& script, const haptics::ContactScene
                [](const ScriptStep& step) { return step.writes(); });
 }
 
+/// A step that finds something in the scene to write.
+void ScriptWriter::find(const ScriptStep& step, const ViewModel& model, Written& written) const {
+  using Kind = DocumentWish::Kind;
+  if (step.verb == Verb::findClashes) {
+    const ClashFindings findings = searchClashes(contact_, {0.0, false}, model.worldFromPart);
+    std::vector<Clash> found;
+    for (const FoundClash& each : findings.found) found.push_back(each.clash);
+    for (Change& change : mergeClashes(*model.document, found, findings.complete, ownName(model)))
+      written.wishes.push_back({Kind::change, std::move(change)});
+    return;
+  }
+  Result<Measure> measure = measureByStep(step, contact_, model);
+  if (measure)
+    written.wishes.push_back({Kind::change, {0, 0, std::move(*measure)}});
+  else
+    written.problems.push_back(measure.error().message);
+}
+
 ScriptWriter::Written ScriptWriter::write(double now, std::uint32_t begun, const ViewModel& model,
                                           const Camera& camera) {
   Written written;
   if (model.document == nullptr || !model.documentStanding.complete) return written;
   for (; done_ < begun && !steps_.empty(); ++done_, steps_.pop_front()) {
     const ScriptStep& step = steps_.front();
-    const Entry* note = needsNote(step.verb) ? noteThatBegins(*model.document, step.to) : nullptr;
-    if (step.verb == Verb::measure) {
-      Result<Measure> measure = measureByStep(step, contact_, model);
-      if (measure)
-        written.wishes.push_back({DocumentWish::Kind::change, {0, 0, std::move(*measure)}});
-      else
-        written.problems.push_back(measure.error().message);
-    } else if (!needsNote(step.verb) || note != nullptr) {
+    const Entry* note = answers(step.verb) ? answered(step, *model.document) : nullptr;
+    if (step.verb == Verb::measure || step.verb == Verb::findClashes) {
+      find(step, model, written);
+    } else if (!answers(step.verb) || note != nullptr) {
       written.wishes.push_back(wishOf(step, model, camera, note));
-    } else if (waitsSince_ < 0.0 || now - waitsSince_ < kPatience) {
-      if (waitsSince_ < 0.0) waitsSince_ = now;
+    } else if (waitsSince_ < 0.0 || model.documentStanding.unsent > 0 || now - waitsSince_ < kPatience) {
+      if (waitsSince_ < 0.0 || model.documentStanding.unsent > 0) waitsSince_ = now;
       return written;
     } else {
-      written.problems.push_back("there is no note that begins with \"" + shortened(step.to, 40) + '"');
+      written.problems.push_back(missing(step));
     }
     waitsSince_ = -1.0;
   }

@@ -3,9 +3,11 @@
 // What a scripted person writes in the session's document. The hand counts, in its own thread, the steps of
 // its script that it has come to; the writer makes wishes of them, from what the model shows then.
 //
-// 1. A measure is taken when its step comes, of the parts as they stand then. It may take some milliseconds.
-// 2. Steps become wishes in their order. One that needs a note which is not there, perhaps because the server
-//    has not answered yet, waits for kPatience, then it is passed over and a reason is given.
+// 1. Measures and clashes are found when their steps come, of the parts as they stand then. A measure takes
+//    some milliseconds, all clashes of an engine a second.
+// 2. Steps become wishes in their order. One that answers a note or a clash which is not there, perhaps
+//    because the server has not answered yet, waits for kPatience, then it is passed over and a reason is
+//    given.
 //
 // Main thread.
 
@@ -34,6 +36,8 @@ class ScriptWriter {
   static constexpr double kPatience = 2.0;  // s
 
  private:
+  void find(const ScriptStep& step, const ViewModel& model, Written& written) const;
+
   const haptics::ContactScene& contact_;
   std::deque<ScriptStep> steps_;  // that are not done yet
   std::uint32_t done_ = 0;

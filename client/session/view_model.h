@@ -130,6 +130,12 @@ struct ViewModel {
   double speed = 1.0;  // 1 = as it happened
 };
 
+inline const SiteView* selfSite(const ViewModel& model) {
+  for (const SiteView& view : model.sites)
+    if (view.self) return &view;
+  return nullptr;
+}
+
 /// Position and aim of a camera; looks along -z of its frame, +y up.
 struct Camera {
   glm::dvec3 target{0.0, 0.0, 0.0};

@@ -23,12 +23,6 @@ inline const SiteView* findSite(const ViewModel& model, SiteId site) {
     if (view.info.site == site) return &view;
   return nullptr;
 }
-inline const SiteView* selfSite(const ViewModel& model) {
-  for (const SiteView& view : model.sites)
-    if (view.self) return &view;
-  return nullptr;
-}
-
 /// sRGB colour of the person at this site; a calm blue without a session.
 inline glm::vec3 selfColour(const ViewModel& model) {
   const SiteView* self = selfSite(model);
