@@ -63,9 +63,7 @@ std::vector<Change> mergeClashes(const Document& document, std::span<const Clash
     const PartPair pair = pairOf(clash.a, clash.b);
     if (!isCertain(clash) || !depths.emplace(pair, clash.depth).second || verdicts.contains(pair)) continue;
     const std::string remark = clash.open ? "a shell is open: at least so deep" : "";
-    changes.push_back(
-        {0, 0,
-         ClashVerdict{pair.first, pair.second, ClashStatus::fresh, clash.depth, verdictText({who, remark})}});
+    changes.push_back({0, 0, ClashVerdict{pair.first, pair.second, ClashStatus::fresh, clash.depth, remark}});
   }
   for (const auto& [pair, entry] : verdicts) {
     ClashVerdict verdict = std::get<ClashVerdict>(entry->body);

@@ -8,8 +8,8 @@
 // 2. Only what is a clash beyond doubt is added: parts that may collide and stand deeper in each other than
 //    their facets may be off the surfaces that they stand for.
 // 3. The same search again changes nothing.
-// 4. A verdict's text begins with who gave it, "[Ada] as drawn": an entry tells when it was changed, but not
-//    the name of who did.
+// 4. A verdict's text begins with who gave its status, "[Ada] as drawn": an entry tells who made it and when
+//    it was changed, but not the name of who did that.
 
 #include <map>
 #include <span>

@@ -42,11 +42,6 @@ std::string missing(const ScriptStep& step) {
   return "there is no note that begins with \"" + shortened(step.to, 40) + '"';
 }
 
-std::string ownName(const ViewModel& model) {
-  const SiteView* self = selfSite(model);
-  return self == nullptr ? std::string() : self->info.name;
-}
-
 /// `note` is what the step answers, if it answers.
 DocumentWish wishOf(const ScriptStep& step, const ViewModel& model, const Camera& camera, const Entry* note) {
   using Kind = DocumentWish::Kind;

@@ -31,6 +31,11 @@ std::string shortened(const std::string& text, std::size_t most) {
   return cut;
 }
 
+std::string ownName(const ViewModel& model) {
+  const SiteView* self = selfSite(model);
+  return self == nullptr ? std::string() : self->info.name;
+}
+
 std::string inWords(const Body& body) {
   const std::string kind = std::holds_alternative<Comment>(body) ? "reply" : kKindNames[body.index()];
   const std::string text = std::visit(TextOf{}, body);

@@ -158,11 +158,11 @@ Camera cameraFor(const Camera& from, const ClashWitness& witness, double smaller
   return camera;
 }
 
-void markClash(const Clash& clash, std::vector<PartLook>& looks) {
-  ASSERT(clash.a < looks.size() && clash.b < looks.size());
+void markPair(PartId a, PartId b, std::vector<PartLook>& looks) {
+  ASSERT(a < looks.size() && b < looks.size());
   for (PartLook& look : looks) look.alpha = std::min(look.alpha, kOthersAlpha);
-  colourPart(looks[clash.a], kClashColourA);
-  colourPart(looks[clash.b], kClashColourB);
+  colourPart(looks[a], kClashColourA);
+  colourPart(looks[b], kClashColourB);
 }
 
 void addClash(const Clash& clash, const ClashWitness& witness, GlyphBatch& batch,

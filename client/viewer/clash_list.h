@@ -3,6 +3,7 @@
 // The list of clashes apart from how it is drawn: its rows in words, which one is chosen, where its witness
 // points are now, and the camera that shows it.
 
+#include <array>
 #include <optional>
 #include <span>
 #include <string>
@@ -23,6 +24,8 @@ struct ClashUi {
   PartId a = kNoPart, b = kNoPart;  // the chosen pair
   bool fly = false;                 // the camera is to move to the chosen pair
   bool choosesFirst = false;        // the first pair that is found becomes the chosen one
+  document::Revision remarkOf = 0;  // the verdict's revision whose remark `remark` began as
+  std::array<char, document::kMaxText / 2 + 1> remark{};
 };
 
 /// One clash in words.
@@ -61,8 +64,8 @@ std::string measureOf(const Clash& clash);
 /// diagonal in m) to recognise the place.
 Camera cameraFor(const Camera& from, const ClashWitness& witness, double smallerDiagonal, double aspect);
 
-/// Colours both parts, and makes all parts transparent so that the witness points are visible.
-void markClash(const Clash& clash, std::vector<PartLook>& looks);
+/// Colours two parts, and makes all parts transparent so that the witness points are visible.
+void markPair(PartId a, PartId b, std::vector<PartLook>& looks);
 
 /// Adds the witness points, the line between them, and a label with its length.
 void addClash(const Clash& clash, const ClashWitness& witness, GlyphBatch& batch, std::vector<Label>& labels);

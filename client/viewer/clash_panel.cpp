@@ -1,11 +1,17 @@
 #include <imgui.h>
 
 #include <cstdio>
+#include <ctime>
+#include <utility>
 
+#include "client/session/document_words.h"
 #include "client/viewer/panels.h"
+#include "client/viewer/verdict_list.h"
 
 namespace tandem::client {
 namespace {
+
+constexpr std::size_t kMostKept = 500;  // at once: as many changes may wait
 
 void requestSearch(const PanelContext& context) {
   context.ui.clashes.requested = true;
@@ -59,6 +65,31 @@ void drawCounts(const ClashFindings& findings) {
   if (!findings.complete) ImGui::TextColored(theme::kWarning, "Stopped: not all pairs were measured");
 }
 
+/// Keeps what was found for all, with a status. False if the document says so already.
+bool drawKeep(const PanelContext& context) {
+  const ClashSearchView& search = context.model.clashes;
+  if (search.running || !mayWrite(context.model) || context.model.documentStanding.unsent > 0) return false;
+  std::vector<document::Change> changes = changesToKeep(context.model);
+  if (changes.size() > kMostKept) changes.resize(kMostKept);
+  if (changes.empty()) return false;
+  const MergeCounts counts = countChanges(*context.model.document, changes);
+  char text[64];
+  std::snprintf(text, sizeof text, "Keep %zu", changes.size());
+  if (ImGui::Button(text))
+    for (document::Change& change : changes)
+      context.actions.documentWishes.push_back({DocumentWish::Kind::change, std::move(change)});
+  if (ImGui::IsItemHovered())
+    ImGui::SetTooltip("In the session's document, with a status:\n%zu new, %zu gone, %zu back, %zu changed",
+                      counts.added, counts.resolved, counts.reopened, counts.deeper);
+  return true;
+}
+
+/// Back from where a click led.
+void drawBack(const PanelContext& context) {
+  if (ImGui::Button("Back")) context.ui.notes.goBack = true;
+  if (ImGui::IsItemHovered()) ImGui::SetTooltip("The view from before  (B)");
+}
+
 ImVec4 colourOf(const FoundClash& found) {
   if (!found.clash.mayCollide || found.clash.kind == ClashKind::touch) return theme::kMuted;
   if (found.clash.kind == ClashKind::clearance) return theme::kAccent;
@@ -80,31 +111,39 @@ void drawNames(const PanelContext& context, const ClashRow& row, bool chosen) {
   ImGui::PopFont();
 }
 
-void drawRow(const PanelContext& context, const ClashRow& row) {
+/// What is said of a line beside its depth: who gave its status and when, or what the search remarked.
+std::string saidOf(const ClashLine& line) {
+  if (line.verdict == nullptr) return line.row.note;
+  const std::string by = judgedBy(*line.verdict, static_cast<std::int64_t>(std::time(nullptr)));
+  return line.row.note.empty() ? by : by + "; " + line.row.note;
+}
+
+void drawRow(const PanelContext& context, const ClashLine& line) {
   ClashUi& ui = context.ui.clashes;
-  const Clash& clash = row.found->clash;
-  const bool chosen = ui.a == clash.a && ui.b == clash.b;
-  ImGui::PushID(static_cast<int>(clash.a));
-  ImGui::PushID(static_cast<int>(clash.b));
+  const ClashRow& row = line.row;
+  const bool chosen = ui.a == line.a && ui.b == line.b;
+  ImGui::PushID(static_cast<int>(line.a));
+  ImGui::PushID(static_cast<int>(line.b));
   const ImVec2 corner = ImGui::GetCursorPos();
-  const float line = ImGui::GetTextLineHeight();
-  if (ImGui::Selectable("##row", chosen, 0, ImVec2(0.0f, 2.0f * line + 2.0f * context.scale))) {
-    ui.a = chosen ? kNoPart : clash.a;
-    ui.b = chosen ? kNoPart : clash.b;
+  const float height = ImGui::GetTextLineHeight();
+  if (ImGui::Selectable("##row", chosen, 0, ImVec2(0.0f, 2.0f * height + 2.0f * context.scale))) {
+    ui.a = chosen ? kNoPart : line.a;
+    ui.b = chosen ? kNoPart : line.b;
     ui.fly = !chosen;
   }
+  const std::string said = saidOf(line);
   if (ImGui::IsItemHovered())
     ImGui::SetTooltip("%s\n%s\n%s%s%s", row.first.c_str(), row.second.c_str(), row.measure.c_str(),
-                      row.note.empty() ? "" : "\n", row.note.c_str());
+                      said.empty() ? "" : "\n", said.c_str());
   const ImVec2 after = ImGui::GetCursorPos();
   ImGui::SetCursorPos(corner);
   drawNames(context, row, chosen);
-  ImGui::SetCursorPos(ImVec2(corner.x, corner.y + line + 1.0f));
+  ImGui::SetCursorPos(ImVec2(corner.x, corner.y + height + 1.0f));
   ImGui::PushFont(context.fonts.small);
-  ImGui::TextColored(colourOf(*row.found), "%s", row.measure.c_str());
-  if (!row.note.empty()) {
+  ImGui::TextColored(row.found != nullptr ? colourOf(*row.found) : theme::kMuted, "%s", row.measure.c_str());
+  if (!said.empty()) {
     ImGui::SameLine();
-    ImGui::TextColored(theme::kMuted, "%s", shortenedTo(row.note, ImGui::GetContentRegionAvail().x).c_str());
+    ImGui::TextColored(theme::kMuted, "%s", shortenedTo(said, ImGui::GetContentRegionAvail().x).c_str());
   }
   ImGui::PopFont();
   ImGui::SetCursorPos(after);
@@ -112,16 +151,63 @@ void drawRow(const PanelContext& context, const ClashRow& row) {
   ImGui::PopID();
 }
 
-void drawRows(const PanelContext& context, const ClashFindings& findings) {
-  const std::vector<ClashRow> rows = clashRows(findings, *context.model.scene, context.ui.clashes.touches);
-  ImGui::BeginChild("clashes");
+void drawGroup(const PanelContext& context, const ClashGroup& group) {
+  ImGui::PushFont(context.fonts.small);
+  ImGui::TextColored(theme::colour(group.colour), "%s  %zu", group.title.c_str(), group.lines.size());
+  ImGui::PopFont();
   ImGuiListClipper clipper;
-  clipper.Begin(static_cast<int>(rows.size()));
+  clipper.Begin(static_cast<int>(group.lines.size()));
   while (clipper.Step())
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
-      drawRow(context, rows[static_cast<std::size_t>(i)]);
-  if (rows.empty()) ImGui::TextDisabled("Nothing overlaps or comes that near");
+      drawRow(context, group.lines[static_cast<std::size_t>(i)]);
+}
+
+/// The status of the chosen clash with its remark, to be changed.
+void drawVerdict(const PanelContext& context, const document::Entry& entry) {
+  ClashUi& ui = context.ui.clashes;
+  const auto& verdict = std::get<document::ClashVerdict>(entry.body);
+  const VerdictWords words = verdictWords(verdict.text);
+  if (ui.remarkOf != entry.revision) {
+    ui.remarkOf = entry.revision;
+    std::snprintf(ui.remark.data(), ui.remark.size(), "%s", words.remark.c_str());
+  }
+  const auto give = [&](document::ClashStatus status) {
+    context.actions.documentWishes.push_back(
+        {DocumentWish::Kind::change, judge(entry, status, {ownName(context.model), ui.remark.data()})});
+  };
+  ImGui::Separator();
+  ImGui::SetNextItemWidth(-1.0f);
+  const char* now = document::kClashStatusNames[static_cast<std::size_t>(verdict.status)];
+  if (ImGui::BeginCombo("##status", now)) {
+    for (std::size_t i = 0; i < document::kClashStatusNames.size(); ++i) {
+      const auto status = static_cast<document::ClashStatus>(i);
+      if (ImGui::Selectable(document::kClashStatusNames[i], status == verdict.status) &&
+          status != verdict.status)
+        give(status);
+    }
+    ImGui::EndCombo();
+  }
+  ImGui::SetNextItemWidth(-1.0f);
+  if (ImGui::InputTextWithHint("##remark", "Remark (Enter)", ui.remark.data(), ui.remark.size(),
+                               ImGuiInputTextFlags_EnterReturnsTrue) &&
+      words.remark != ui.remark.data())
+    give(verdict.status);
+}
+
+void drawRows(const PanelContext& context, const ClashFindings* findings) {
+  const ClashUi& ui = context.ui.clashes;
+  const std::vector<ClashGroup> groups =
+      clashGroups(findings, context.model.document, *context.model.scene, ui.touches);
+  const document::Entry* chosen = nullptr;
+  for (const ClashGroup& group : groups)
+    for (const ClashLine& line : group.lines)
+      if (line.a == ui.a && line.b == ui.b && mayWrite(context.model)) chosen = line.verdict;
+  const float below = chosen == nullptr ? 0.0f : -2.0f * ImGui::GetFrameHeightWithSpacing() - 6.0f;
+  ImGui::BeginChild("clashes", ImVec2(0.0f, below));
+  for (const ClashGroup& group : groups) drawGroup(context, group);
+  if (groups.empty() && findings != nullptr) ImGui::TextDisabled("Nothing overlaps or comes that near");
   ImGui::EndChild();
+  if (chosen != nullptr) drawVerdict(context, *chosen);
 }
 
 }  // namespace
@@ -142,11 +228,14 @@ void drawClashes(const PanelContext& context) {
   if (!ui.requested) requestSearch(context);
   drawQuestion(context);
   drawProgress(context);
-  if (findings == nullptr) return;
-  drawCounts(*findings);
-  ImGui::Checkbox("Touching parts, too", &ui.touches);
+  if (findings != nullptr) {
+    drawCounts(*findings);
+    ImGui::Checkbox("Touching parts, too", &ui.touches);
+    if (drawKeep(context) && context.ui.notes.back) ImGui::SameLine();
+  }
+  if (context.ui.notes.back) drawBack(context);
   ImGui::Separator();
-  drawRows(context, *findings);
+  drawRows(context, findings);
 }
 
 }  // namespace tandem::client

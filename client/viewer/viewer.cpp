@@ -9,7 +9,6 @@
 #include <array>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <optional>
 #include <utility>
 
@@ -27,6 +26,7 @@
 #include "client/viewer/section_handles.h"
 #include "client/viewer/stylus_control.h"
 #include "client/viewer/surface.h"
+#include "client/viewer/verdict_list.h"
 
 namespace tandem::client {
 namespace {
@@ -320,19 +320,18 @@ void SceneViewer::chooseClash(const ViewModel& model) {
   ui_.clashes.fly = true;
 }
 
+/// Moves the camera to the chosen pair of parts, found by a search or kept from an earlier one.
 void SceneViewer::flyToClash(const ViewModel& model) {
-  const FoundClash* found = shownClash(model);
-  if (!ui_.clashes.fly || found == nullptr) return;
-  ui_.clashes.fly = false;
+  const ClashUi& ui = ui_.clashes;
+  if (!std::exchange(ui_.clashes.fly, false) || !ui.open || ui.a == kNoPart) return;
+  std::optional<ClashWitness> witness;
+  if (const FoundClash* found = shownClash(model))
+    witness = witnessOf(*model.clashes.findings, *found, model.worldFromPart);
+  const auto boundsOf = [&](PartId part) { return renderer_->bounds(model.worldFromPart, std::array{part}); };
+  const double aspect = viewport_.size().x / std::max(viewport_.size().y, 1.0);
+  if (!ui_.notes.back) ui_.notes.back = NoteBack{camera_, {}, {}};
   ui_.following = kNoSite;
-  double smaller = std::numeric_limits<double>::max();
-  for (const PartId part : {found->clash.a, found->clash.b}) {
-    const assets::Bounds bounds = renderer_->bounds(model.worldFromPart, std::array{part});
-    smaller = std::min(smaller, glm::length(bounds.max - bounds.min));
-  }
-  const ClashWitness witness = witnessOf(*model.clashes.findings, *found, model.worldFromPart);
-  const glm::dvec2 size = viewport_.size();
-  flight_.start(camera_, cameraFor(camera_, witness, smaller, size.x / std::max(size.y, 1.0)));
+  flight_.start(camera_, cameraForPair(camera_, witness, boundsOf(ui.a), boundsOf(ui.b), aspect));
 }
 
 /// A note at the place under the cursor, or where the tool is.
@@ -483,8 +482,8 @@ void SceneViewer::drawScene(const View& view, const ViewModel& model, const Glyp
 
 /// Everything over the parts: what is chosen or written at them, and the people.
 void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
+  if (ui_.clashes.open && ui_.clashes.a != kNoPart) markPair(ui_.clashes.a, ui_.clashes.b, looks_);
   if (const FoundClash* found = shownClash(model)) {
-    markClash(found->clash, looks_);
     addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
   }
   addNotes(model, ui_.notes, batch, labels);

@@ -1,0 +1,44 @@
+#pragma once
+
+// Clashes with their status, apart from how they are drawn: what a search found and what the session's
+// document keeps, as one list by status.
+
+#include <string>
+#include <vector>
+
+#include "client/findings/verdicts.h"
+#include "client/viewer/clash_list.h"
+
+namespace tandem::client {
+
+/// A pair of parts in the list.
+struct ClashLine {
+  ClashRow row;                     // its `found` is null where the last search did not find the pair
+  PartId a = kNoPart, b = kNoPart;  // the smaller first, as in the findings
+  const document::Entry* verdict = nullptr;  // null: it is not kept
+};
+/// The lines of one status, in the order of the findings, then by pair.
+struct ClashGroup {
+  std::string title;  // "new", "approved"; "not kept"
+  glm::vec3 colour{0.0f};
+  std::vector<ClashLine> lines;
+};
+
+/// New and active ones first, then what is not kept, then what is settled; groups without lines are left out.
+/// Either may be null. Points into both.
+std::vector<ClashGroup> clashGroups(const ClashFindings* findings, const document::Document* document,
+                                    const assets::Scene& scene, bool touches);
+
+/// The changes that keep what the findings have; none without findings.
+std::vector<document::Change> changesToKeep(const ViewModel& model);
+/// "Ada, 5 min ago"; `now` in Unix time, s.
+std::string judgedBy(const document::Entry& verdict, std::int64_t now);
+/// sRGB of a status.
+glm::vec3 statusColour(document::ClashStatus status);
+
+/// A camera that keeps both parts in view: the smaller one whole, the larger one as far as that goes. With a
+/// witness it looks there, across the line.
+Camera cameraForPair(const Camera& from, const std::optional<ClashWitness>& witness, const assets::Bounds& a,
+                     const assets::Bounds& b, double aspect);
+
+}  // namespace tandem::client
