@@ -68,7 +68,7 @@ void turnAside(Camera& camera, const glm::dvec3& line) {
 }
 
 void colourPart(PartLook& look, const glm::vec3& srgbColour) {
-  look.visible = true;
+  look.visible = look.pickable = true;
   look.alpha = kClashAlpha;
   look.tint = linear(srgbColour);
   look.tintAmount = 0.8f;

@@ -8,7 +8,8 @@
 namespace tandem::client {
 namespace {
 
-constexpr float kTransparentAlpha = 0.28f;
+constexpr float kTransparentAlpha = 0.28f, kGhostAlpha = 0.07f;
+constexpr float kColouredTint = 0.8f;
 constexpr glm::vec3 kSelection(0.95f, 0.55f, 0.05f);  // sRGB; not one of the sites' colours
 constexpr glm::vec3 kHover(0.25f, 0.30f, 0.38f);
 
@@ -18,6 +19,12 @@ void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
   look.rimAmount = 0.7f;
   look.edgeColour = 0.72f * colour;
   look.edgeWidth = heldHere ? 2.2f : 1.6f;
+}
+
+void colour(const ViewModel& model, PartId part, PartColouring colouring, PartLook& look) {
+  if (model.scene == nullptr || colouring == PartColouring::asMade) return;
+  look.tint = linear(*colourOf(*model.scene, part, colouring));
+  look.tintAmount = kColouredTint;
 }
 
 /// Hides the parts that a layer of the scene hides: the hand does not feel them either.
@@ -61,8 +68,11 @@ void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<P
   for (std::size_t p = 0; p < looks.size(); ++p) {
     const auto part = static_cast<PartId>(p);
     PartLook& look = looks[p];
-    look.visible = display.visible(part);
+    look.visible = display.visible(part) || display.ghosts;
+    look.pickable = display.visible(part);
     if (display.transparent(part)) look.alpha = kTransparentAlpha;
+    if (!look.pickable) look.alpha = kGhostAlpha;
+    colour(model, part, display.colouring, look);
     const SiteId owner = p < model.owner.size() ? model.owner[p] : kNoSite;
     const bool held = part == model.hand.held;
     if (held) {

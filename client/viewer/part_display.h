@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "client/session/view_model.h"
+#include "client/viewer/part_colouring.h"
 #include "client/viewer/scene_renderer.h"
 
 namespace tandem::client {
@@ -24,6 +25,9 @@ class PartDisplay {
   void isolate(const std::vector<PartId>& parts);
   void showAll();
 
+  bool ghosts = false;                              // what is hidden is still seen, faintly
+  PartColouring colouring = PartColouring::asMade;  // of parts that nobody holds
+
   PartId selected = kNoPart;
   PartId hovered = kNoPart;  // under the mouse, in the part tree or in the scene
   PartId inReach = kNoPart;  // under a mouse that is the hand: a click takes it; kNoPart: the touched part
@@ -33,7 +37,8 @@ class PartDisplay {
   bool isolating_ = false;
 };
 
-/// Computes the look of each part: hidden, transparent, in its owner's colour, touched, selected.
+/// Computes the look of each part: hidden, a ghost, transparent, coloured, in its owner's colour, touched,
+/// selected.
 void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<PartLook>& looks);
 
 }  // namespace tandem::client

@@ -443,7 +443,7 @@ std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel
   for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
     const auto part = static_cast<PartId>(p);
     const GpuMesh* mesh = meshOf(part);
-    if (!mesh || !looks[p].visible) continue;
+    if (!mesh || !looks[p].visible || !looks[p].pickable) continue;
     const Sphere sphere = worldSphere(part, worldFromPart[p]);
     if (!meetsRay(sphere) || !inView(view, sphere)) continue;
     program.set("partIndex", static_cast<float>(p));

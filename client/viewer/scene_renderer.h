@@ -18,6 +18,7 @@ namespace tandem::client {
 /// How one part is drawn in this frame.
 struct PartLook {
   bool visible = true;
+  bool pickable = true;  // while it is visible
   float alpha = 1.0f;
   glm::vec3 tint{0.0f};        // linear
   float tintAmount = 0.0f;     // 0..1, of the surface

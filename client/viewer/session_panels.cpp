@@ -264,6 +264,18 @@ void drawSettings(const PanelContext& context) {
     ImGui::Checkbox("Stylus follows surfaces", &context.ui.followSurface);
   }
   ImGui::Checkbox("Edges", &context.ui.showEdges);
+  PartDisplay& parts = context.ui.parts;
+  ImGui::Checkbox("Hidden parts as ghosts", &parts.ghosts);
+  ImGui::AlignTextToFramePadding();
+  ImGui::TextColored(theme::kMuted, "Colours");
+  ImGui::SameLine(108.0f * context.scale);
+  ImGui::SetNextItemWidth(-1.0f);
+  if (!ImGui::BeginCombo("##colours", kColouringNames[static_cast<std::size_t>(parts.colouring)])) return;
+  for (std::size_t i = 0; i < kColouringNames.size(); ++i) {
+    const auto colouring = static_cast<PartColouring>(i);
+    if (ImGui::Selectable(kColouringNames[i], colouring == parts.colouring)) parts.colouring = colouring;
+  }
+  ImGui::EndCombo();
 }
 
 }  // namespace tandem::client

@@ -6,6 +6,7 @@
 
 #include "client/viewer/part_display.h"
 #include "client/viewer/surface.h"
+#include "tests/support/shapes.h"
 
 namespace tandem::client {
 namespace {
@@ -205,6 +206,55 @@ TEST(PartDisplay, IsolatingTwiceShowsEverythingAgain) {
   display.showAll();
   EXPECT_TRUE(display.visible(0));
   EXPECT_FALSE(display.transparent(1));
+}
+
+TEST(PartDisplay, WhatIsHiddenMayBeAGhostThatNoClickTakes) {
+  assets::Scene scene;
+  ViewModel model;
+  model.scene = &scene;
+  model.worldFromPart.resize(2);
+  PartDisplay display(2);
+  display.isolate({1});
+  std::vector<PartLook> looks;
+  partLooks(model, display, looks);
+  EXPECT_FALSE(looks[0].visible);
+  display.ghosts = true;
+  partLooks(model, display, looks);
+  EXPECT_TRUE(looks[0].visible);
+  EXPECT_FALSE(looks[0].pickable);
+  EXPECT_LT(looks[0].alpha, 0.1f);
+  EXPECT_EQ(looks[1], PartLook{});
+}
+
+TEST(PartDisplay, ColoursTellBodiesMaterialsAndOwnersApart) {
+  test::SceneBuilder builder;
+  const std::uint32_t box = builder.addMesh(test::boxMesh(glm::dvec3(0.1)));
+  for (int i = 0; i < 2; ++i) builder.addPart(box);
+  builder.addPart(test::boxMesh(glm::dvec3(0.2)));
+  builder.scene.materials.emplace_back();
+  for (auto& material : builder.scene.meshes[1].triangleMaterial) material = 1;
+  ViewModel model;
+  model.scene = &builder.scene;
+  model.worldFromPart.resize(3);
+  model.owner = {kNoSite, 5, kNoSite};
+  SiteView site;
+  site.info.site = 5;
+  site.info.colour = {0, 0, 255};
+  model.sites.push_back(site);
+  PartDisplay display(3);
+  std::vector<PartLook> looks;
+  for (const PartColouring colouring : {PartColouring::byBody, PartColouring::byMaterial}) {
+    display.colouring = colouring;
+    partLooks(model, display, looks);
+    EXPECT_NE(looks[0].tint, looks[2].tint);
+    EXPECT_GT(looks[1].tint.z, 0.9f) << "who holds a part is told all the same";
+  }
+  EXPECT_EQ(colourOf(builder.scene, 0, PartColouring::byBody),
+            colourOf(builder.scene, 1, PartColouring::byBody));
+  display.colouring = PartColouring::byOwner;
+  partLooks(model, display, looks);
+  EXPECT_EQ(looks[0].tint, looks[2].tint);
+  EXPECT_GT(looks[1].tint.z, 0.9f);
 }
 
 TEST(PartDisplay, MarksOwnedTouchedAndSelectedPartsApart) {
