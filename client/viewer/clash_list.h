@@ -21,6 +21,7 @@ struct ClashUi {
   bool requested = false;  // the list has requested a search at least once
   ClashQuestion question;
   bool touches = false;             // touching pairs are listed too
+  bool byPart = false;              // the list goes by part, else by status
   PartId a = kNoPart, b = kNoPart;  // the chosen pair
   bool fly = false;                 // the camera is to move to the chosen pair
   bool choosesFirst = false;        // the first pair that is found becomes the chosen one

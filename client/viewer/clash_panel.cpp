@@ -153,7 +153,8 @@ void drawRow(const PanelContext& context, const ClashLine& line) {
 
 void drawGroup(const PanelContext& context, const ClashGroup& group) {
   ImGui::PushFont(context.fonts.small);
-  ImGui::TextColored(theme::colour(group.colour), "%s  %zu", group.title.c_str(), group.lines.size());
+  if (!group.title.empty())
+    ImGui::TextColored(theme::colour(group.colour), "%s  %zu", group.title.c_str(), group.lines.size());
   ImGui::PopFont();
   ImGuiListClipper clipper;
   clipper.Begin(static_cast<int>(group.lines.size()));
@@ -196,8 +197,9 @@ void drawVerdict(const PanelContext& context, const document::Entry& entry) {
 
 void drawRows(const PanelContext& context, const ClashFindings* findings) {
   const ClashUi& ui = context.ui.clashes;
-  const std::vector<ClashGroup> groups =
+  std::vector<ClashGroup> groups =
       clashGroups(findings, context.model.document, *context.model.scene, ui.touches);
+  if (ui.byPart) groups = byPart(groups);
   const document::Entry* chosen = nullptr;
   for (const ClashGroup& group : groups)
     for (const ClashLine& line : group.lines)
@@ -230,7 +232,9 @@ void drawClashes(const PanelContext& context) {
   drawProgress(context);
   if (findings != nullptr) {
     drawCounts(*findings);
-    ImGui::Checkbox("Touching parts, too", &ui.touches);
+    ImGui::Checkbox("Touching, too", &ui.touches);
+    ImGui::SameLine();
+    ImGui::Checkbox("By part", &ui.byPart);
     if (drawKeep(context) && context.ui.notes.back) ImGui::SameLine();
   }
   if (context.ui.notes.back) drawBack(context);

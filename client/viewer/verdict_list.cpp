@@ -95,6 +95,36 @@ std::vector<ClashGroup> clashGroups(const ClashFindings* findings, const Documen
   return listed;
 }
 
+std::vector<ClashGroup> byPart(const std::vector<ClashGroup>& groups) {
+  std::vector<ClashLine> left;
+  std::map<PartId, std::size_t> counts;  // of lines that are left
+  for (const ClashGroup& group : groups)
+    for (const ClashLine& line : group.lines) {
+      left.push_back(line);
+      ++counts[line.a];
+      ++counts[line.b];
+    }
+  std::vector<ClashGroup> listed;
+  while (!left.empty()) {
+    const auto most = std::max_element(counts.begin(), counts.end(), [](const auto& one, const auto& other) {
+      return one.second < other.second;
+    });
+    const PartId part = most->first;
+    const bool single = most->second < 2;
+    ClashGroup& group = listed.emplace_back();
+    group.colour = statusColour(ClashStatus::resolved);
+    std::vector<ClashLine> others;
+    for (ClashLine& line : left) {
+      const bool here = single || line.a == part || line.b == part;
+      if (here && !single) group.title = line.a == part ? line.row.first : line.row.second;
+      if (here) --counts[line.a], --counts[line.b];
+      (here ? group.lines : others).push_back(std::move(line));
+    }
+    left = std::move(others);
+  }
+  return listed;
+}
+
 std::vector<Change> changesToKeep(const ViewModel& model) {
   const ClashFindings* findings = model.clashes.findings.get();
   if (findings == nullptr || model.document == nullptr) return {};
@@ -105,9 +135,11 @@ std::vector<Change> changesToKeep(const ViewModel& model) {
 }
 
 std::string judgedBy(const Entry& verdict, std::int64_t now) {
-  const std::string who = verdictWords(std::get<ClashVerdict>(verdict.body).text).who;
+  const ClashVerdict& clash = std::get<ClashVerdict>(verdict.body);
+  const std::string who = verdictWords(clash.text).who;
   const std::string& by = who.empty() ? verdict.authorName : who;
-  return (by.empty() ? "" : by + ", ") + ageInWords(verdict.changed, now);
+  return kClashStatusNames[static_cast<std::size_t>(clash.status)] + (by.empty() ? "" : " by " + by) + ", " +
+         ageInWords(verdict.changed, now);
 }
 
 Camera cameraForPair(const Camera& from, const std::optional<ClashWitness>& witness, const assets::Bounds& a,

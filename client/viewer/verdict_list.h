@@ -29,9 +29,13 @@ struct ClashGroup {
 std::vector<ClashGroup> clashGroups(const ClashFindings* findings, const document::Document* document,
                                     const assets::Scene& scene, bool touches);
 
+/// The same lines by part: the part with the most pairs first, each pair under one of its parts; pairs of
+/// parts that have no other come last, under no title.
+std::vector<ClashGroup> byPart(const std::vector<ClashGroup>& groups);
+
 /// The changes that keep what the findings have; none without findings.
 std::vector<document::Change> changesToKeep(const ViewModel& model);
-/// "Ada, 5 min ago"; `now` in Unix time, s.
+/// "approved by Ada, 5 min ago"; `now` in Unix time, s.
 std::string judgedBy(const document::Entry& verdict, std::int64_t now);
 /// sRGB of a status.
 glm::vec3 statusColour(document::ClashStatus status);

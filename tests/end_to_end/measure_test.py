@@ -77,5 +77,26 @@ def a_scripted_hand_measures_as_check_does(binaries, folder):
         print(f"differs by {worst:.3g} m at most")
 
 
+def what_is_held_is_measured_where_it_is(binaries, folder):
+    """A peg is lifted and carried; its clearance to the bench is what it was lifted by."""
+    script = [step(0.0, "clearance", parts=["bench", "peg_0.02"]),
+              {"t": 0.1, "do": "grasp", "part": "peg_0.02", "over_s": 0.3},
+              {"t": 0.8, "do": "move_relative", "by": [0, 0.05, 0], "over_s": 0.5},
+              step(2.2, "clearance", parts=["bench", "peg_0.02"]), {"t": 2.3, "do": "release"}]
+    with Server(binaries, folder) as server:
+        path, file = folder / "hand.json", folder / "document.json"
+        path.write_text(json.dumps(script))
+        done = subprocess.run([binaries / "tandem", "join", server.links("participant")[0], "--headless",
+                               "--hand", path, "--no-part-contact", "--duration", "2.8", "--quiet",
+                               "--cache", folder / "cache"], capture_output=True, text=True, timeout=60)
+        assert done.returncode == 0 and not done.stderr, done
+        subprocess.run([binaries / "tandem", "document", server.links("observer")[0], "export", file],
+                       check=True, timeout=60, stdout=subprocess.DEVNULL)
+        before, held = (entry["value"] for entry in json.loads(file.read_text())["entries"])
+        assert abs(before - 0.0002) < 1e-7, before
+        assert 0.035 < held < 0.06, held  # the hand is a modelled arm, and the peg hangs from it
+
+
 if __name__ == "__main__":
-    sys.exit(run(a_scripted_hand_measures_as_check_does))
+    sys.exit(run(a_scripted_hand_measures_as_check_does,
+                 what_is_held_is_measured_where_it_is))

@@ -129,6 +129,43 @@ TEST_F(ScriptWriters, MeasuresPlacesAndWhereTheHandIs) {
   EXPECT_EQ(come(3).problems, std::vector<std::string>{"there is no clearance to measure"});
 }
 
+TEST_F(ScriptWriters, FindsClashesAndJudgesThem) {
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].name = "other";
+  contact = std::make_unique<haptics::ContactScene>(scene, 1);
+  model.worldFromPart.push_back({{1.15, 0.0, 0.0}, glm::dquat(1, 0, 0, 0)});
+  SiteView self;
+  self.self = true;
+  self.info.name = "Ada";
+  model.sites = {self};
+  script(R"([{"t": 0, "do": "find_clashes"},
+             {"t": 1, "do": "judge", "parts": ["other", "ball"], "status": "approved", "text": "meant"},
+             {"t": 2, "do": "find_clashes"}])");
+  come(1);
+  const auto verdict = [&] { return std::get<ClashVerdict>(document.find(1)->body); };
+  EXPECT_EQ(verdict().status, ClashStatus::fresh);
+  EXPECT_NEAR(verdict().depth, 0.05, 0.002);
+  come(2);
+  EXPECT_EQ(verdict().status, ClashStatus::approved);
+  EXPECT_EQ(verdict().text, "[Ada] meant");
+  model.worldFromPart[1].position.x = 3.0;
+  EXPECT_TRUE(come(3).wishes.empty()) << "what is approved stays";
+}
+
+TEST_F(ScriptWriters, AJudgementWithoutItsClashIsPassedOver) {
+  scene.parts.push_back(scene.parts[0]);
+  scene.parts[1].name = "other";
+  model.worldFromPart.push_back({});
+  script(R"([{"t": 0, "do": "judge", "parts": ["other", "ball"], "status": "active"}])");
+  model.documentStanding.unsent = 3;
+  come(1);
+  now = 10.0;
+  EXPECT_TRUE(come(1).problems.empty()) << "what was found may still be on its way";
+  model.documentStanding.unsent = 0;
+  now += ScriptWriter::kPatience;
+  EXPECT_EQ(come(1).problems, std::vector<std::string>{"there is no clash of these parts to judge"});
+}
+
 TEST_F(ScriptWriters, WhatCannotBeWrittenIsRefusedWithTheScript) {
   const auto refusal = [&](const std::string& json) {
     const Result<HandScript> read = parseHandScript(json, "test", scene);

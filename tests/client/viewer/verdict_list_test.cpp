@@ -82,12 +82,23 @@ TEST_F(VerdictLists, GroupsWhatWasFoundByTheStatusThatTheDocumentHas) {
   EXPECT_EQ(listed[0].lines.size(), 2u);
   EXPECT_EQ(listed[1].title, "approved");
   EXPECT_EQ(listed[1].lines[0].row.first, "part0");
-  EXPECT_EQ(judgedBy(*listed[1].lines[0].verdict, 1000 + 300), "Ben, 5 min ago");
+  EXPECT_EQ(judgedBy(*listed[1].lines[0].verdict, 1000 + 300), "approved by Ben, 5 min ago");
   EXPECT_EQ(listed[2].title, "resolved");
   ASSERT_EQ(listed[2].lines.size(), 1u);
   EXPECT_EQ(listed[2].lines[0].row.found, nullptr);
   EXPECT_EQ(listed[2].lines[0].row.measure, "was 5.000 mm deep");
-  EXPECT_EQ(judgedBy(*listed[2].lines[0].verdict, 1000), "Ada, now");
+  EXPECT_EQ(judgedBy(*listed[2].lines[0].verdict, 1000), "resolved by Ada, now");
+}
+
+TEST_F(VerdictLists, ByPartThePartWithTheMostPairsComesFirst) {
+  find({hard(2, 3, 0.02), hard(0, 1, 0.01), hard(1, 2, 0.005), hard(1, 3, 0.001)});
+  const std::vector<ClashGroup> listed = byPart(groups());
+  ASSERT_EQ(listed.size(), 2u);
+  EXPECT_EQ(listed[0].title, "part1");
+  EXPECT_EQ(listed[0].lines.size(), 3u);
+  EXPECT_EQ(listed[1].title, "") << "a pair whose parts have no other";
+  EXPECT_EQ(listed[1].lines[0].a, 2u);
+  EXPECT_TRUE(byPart({}).empty());
 }
 
 TEST_F(VerdictLists, WithoutASearchTheDocumentIsListed) {
