@@ -120,6 +120,11 @@ class ChangeMaker {
     if (author.empty() || author == name_) return text;
     return printable('[' + author + "] " + text, kMaxText);
   }
+  /// A verdict's text, which may say already who gave it.
+  std::string verdictText(const Topic& topic) const {
+    if (topic.description.starts_with('[')) return printable(topic.description, kMaxText);
+    return credited(topic.author, topic.description);
+  }
   PartId selected(const Topic& topic, std::size_t index) const {
     if (!topic.view || index >= topic.view->selected.size()) return kNoPart;
     return there_.guids.part(topic.view->selected[index]);
@@ -211,8 +216,7 @@ class ChangeMaker {
   Body bodyOf(const Topic& topic) {
     if (isClash(topic))
       return ClashVerdict{selected(topic, 0), selected(topic, 1),
-                          clashStatus(topic.status).value_or(ClashStatus::active), 0.0,
-                          credited(topic.author, topic.description)};
+                          clashStatus(topic.status).value_or(ClashStatus::active), 0.0, verdictText(topic)};
     if (topic.kind == TopicKind::view && topic.view) return viewOf(topic);
     if (topic.view && !views_.contains(viewName(topic))) add(viewOf(topic));  // a note keeps no camera
     Note note = noteAt(topic);

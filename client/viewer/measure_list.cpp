@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/printable.h"
 #include "client/session/document_words.h"
 #include "client/viewer/note_list.h"
 
@@ -131,6 +132,14 @@ std::vector<glm::dvec3> lineOf(const Measure& measure, const ViewModel& model) {
 
 DocumentWish keepFigure(const Figure& figure, const ViewModel& model) {
   return newEntry(toMeasure(figure, *model.scene, model.worldFromPart));
+}
+
+DocumentWish notePlace(const MeasuredPlace& place, const ViewModel& model) {
+  Note note = noteAt(model, place.part, place.point);
+  note.text = model.scene->parts[place.part].name;
+  for (const std::string& line : placeInWords(place)) note.text += ", " + line;
+  note.text = printable(note.text, kMaxText);
+  return newEntry(std::move(note));
 }
 
 void addMeasures(const ViewModel& model, const MeasureUi& ui, GlyphBatch& batch, std::vector<Label>& labels) {

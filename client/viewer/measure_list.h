@@ -35,6 +35,9 @@ std::vector<glm::dvec3> lineOf(const document::Measure& measure, const ViewModel
 /// A figure as an entry of the document.
 DocumentWish keepFigure(const Figure& figure, const ViewModel& model);
 
+/// A place in words as a note at it.
+DocumentWish notePlace(const MeasuredPlace& place, const ViewModel& model);
+
 /// Adds marks, the figures between them, and the kept measures with their values.
 void addMeasures(const ViewModel& model, const MeasureUi& ui, GlyphBatch& batch, std::vector<Label>& labels);
 

@@ -25,8 +25,14 @@ void rightAligned(const std::string& text, float room) {
 void drawPlace(const PanelContext& context, const MeasuredPlace& place) {
   ImGui::PushFont(context.fonts.text);
   const std::string& name = context.model.scene->parts[place.part].name;
-  ImGui::TextUnformatted(shortenedTo(name, ImGui::GetContentRegionAvail().x).c_str());
+  const float room = mayWrite(context.model) ? 50.0f * context.scale : 0.0f;
+  ImGui::TextUnformatted(shortenedTo(name, ImGui::GetContentRegionAvail().x - room).c_str());
   ImGui::PopFont();
+  if (mayWrite(context.model)) {
+    ImGui::SameLine(ImGui::GetContentRegionMax().x - 42.0f * context.scale);
+    if (ImGui::SmallButton("Note")) context.actions.documentWishes.push_back(notePlace(place, context.model));
+    if (ImGui::IsItemHovered()) ImGui::SetTooltip("A note at this place that says all of this");
+  }
   ImGui::PushFont(context.fonts.small);
   for (const std::string& line : placeInWords(place)) ImGui::TextColored(theme::kMuted, "%s", line.c_str());
   ImGui::PopFont();
@@ -62,7 +68,11 @@ void drawMarks(const PanelContext& context) {
     return;
   }
   if (measured.places.size() < ui.marks.size()) ImGui::TextColored(theme::kMuted, "measuring ...");
-  for (const MeasuredPlace& place : measured.places) drawPlace(context, place);
+  for (std::size_t i = 0; i < measured.places.size(); ++i) {
+    ImGui::PushID(static_cast<int>(i));
+    drawPlace(context, measured.places[i]);
+    ImGui::PopID();
+  }
   drawFigures(context);
 }
 

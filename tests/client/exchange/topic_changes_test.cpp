@@ -168,6 +168,32 @@ TEST_F(TopicChangesTest, ANewSessionTakesTheTopicsOfAnother) {
   EXPECT_EQ(bringIn(), 0) << "the same file again";
 }
 
+TEST_F(TopicChangesTest, AVerdictGoesWithItsPairByNameToALaterScene) {
+  topics[1].description = "[Ben] press fit";
+  topics[1].status = "Approved";
+  topics = {topics[1]};
+  TopicSample later;
+  later.document.clear();
+  later.sceneHash = std::string(64, 'b');
+  assets::Part bracket = later.scene.parts[0];
+  bracket.name = "Bracket";
+  later.scene.parts.insert(later.scene.parts.begin(), bracket);
+  later.worldFromPart.insert(later.worldFromPart.begin(), Pose{});
+  sample = later;
+  EXPECT_EQ(bringIn(), 1);
+  int verdicts = 0;
+  for (const auto& [id, entry] : sample.document.entries()) {
+    const auto* verdict = std::get_if<ClashVerdict>(&entry.body);
+    if (verdict == nullptr) continue;
+    ++verdicts;
+    EXPECT_EQ(verdict->a, 1u);
+    EXPECT_EQ(verdict->b, 2u);
+    EXPECT_EQ(verdict->status, ClashStatus::approved);
+    EXPECT_EQ(verdict->text, "[Ben] press fit");
+  }
+  EXPECT_EQ(verdicts, 1);
+}
+
 TEST_F(TopicChangesTest, RemarksOnWhatHasNoThreadGetANoteBesideIt) {
   topics[1].comments.push_back({"c", "eve", "Really?", kLater, kLater, 0});
   EXPECT_EQ(bringIn(), 2);

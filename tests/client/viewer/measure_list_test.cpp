@@ -125,6 +125,21 @@ TEST_F(Measuring, AKeptMeasureFollowsItsPartsAndIsMeasuredAgainWhenChosen) {
   EXPECT_TRUE(lineOf(Measure{"", MeasureKind::length, 0.2, {{7, {}}}}, model).empty());
 }
 
+TEST_F(Measuring, APlaceIsNotedWhereItIs) {
+  MeasuredPlace place;
+  place.part = 1;
+  place.point = {0.15, 0.0, 0.0};
+  place.normal = {-1.0, 0.0, 0.0};
+  place.cylinder = assets::Cylinder{{0.2, 0.0, 0.0}, {0.0, 1.0, 0.0}, 0.05, 0.05, 48, true};
+  const Note note = std::get<Note>(notePlace(place, model).change.body);
+  EXPECT_EQ(note.part, 1u);
+  EXPECT_NEAR(note.place.x, -0.05, 1e-15);
+  EXPECT_EQ(
+      note.text,
+      "part1, at 150.000 0.000 0.000 mm, faces -1.000 0.000 0.000, bore, axis through 200.000 0.000 0.000 "
+      "mm, along 0.000 1.000 0.000");
+}
+
 TEST_F(Measuring, TheWindowMarksByKeyAndDrawsTheFigures) {
   ViewerOptions options;
   options.width = 1024;
