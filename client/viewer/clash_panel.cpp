@@ -1,5 +1,6 @@
 #include <imgui.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <utility>
@@ -69,18 +70,19 @@ void drawCounts(const ClashFindings& findings) {
 bool drawKeep(const PanelContext& context) {
   const ClashSearchView& search = context.model.clashes;
   if (search.running || !mayWrite(context.model) || context.model.documentStanding.unsent > 0) return false;
-  std::vector<document::Change> changes = changesToKeep(context.model);
-  if (changes.size() > kMostKept) changes.resize(kMostKept);
+  const std::vector<document::Change>& changes = context.ui.clashListing.changes();
   if (changes.empty()) return false;
-  const MergeCounts counts = countChanges(*context.model.document, changes);
+  const std::size_t count = std::min(changes.size(), kMostKept);
   char text[64];
-  std::snprintf(text, sizeof text, "Keep %zu", changes.size());
+  std::snprintf(text, sizeof text, "Keep %zu", count);
   if (ImGui::Button(text))
-    for (document::Change& change : changes)
-      context.actions.documentWishes.push_back({DocumentWish::Kind::change, std::move(change)});
-  if (ImGui::IsItemHovered())
+    for (std::size_t i = 0; i < count; ++i)
+      context.actions.documentWishes.push_back({DocumentWish::Kind::change, changes[i]});
+  if (ImGui::IsItemHovered()) {
+    const MergeCounts counts = countChanges(*context.model.document, changes);
     ImGui::SetTooltip("In the session's document, with a status:\n%zu new, %zu gone, %zu back, %zu changed",
                       counts.added, counts.resolved, counts.reopened, counts.deeper);
+  }
   return true;
 }
 
@@ -113,7 +115,7 @@ void drawNames(const PanelContext& context, const ClashRow& row, bool chosen) {
 
 /// What is said of a line beside its depth: who gave its status and when, or what the search remarked.
 std::string saidOf(const ClashLine& line) {
-  if (line.verdict == nullptr) return line.row.note;
+  if (!line.verdict) return line.row.note;
   const std::string by = judgedBy(*line.verdict, static_cast<std::int64_t>(std::time(nullptr)));
   return line.row.note.empty() ? by : by + "; " + line.row.note;
 }
@@ -197,13 +199,12 @@ void drawVerdict(const PanelContext& context, const document::Entry& entry) {
 
 void drawRows(const PanelContext& context, const ClashFindings* findings) {
   const ClashUi& ui = context.ui.clashes;
-  std::vector<ClashGroup> groups =
-      clashGroups(findings, context.model.document, *context.model.scene, ui.touches);
-  if (ui.byPart) groups = byPart(groups);
+  const std::vector<ClashGroup>& groups = context.ui.clashListing.groups();
   const document::Entry* chosen = nullptr;
   for (const ClashGroup& group : groups)
     for (const ClashLine& line : group.lines)
-      if (line.a == ui.a && line.b == ui.b && mayWrite(context.model)) chosen = line.verdict;
+      if (line.a == ui.a && line.b == ui.b && mayWrite(context.model) && line.verdict)
+        chosen = &*line.verdict;
   const float below = chosen == nullptr ? 0.0f : -2.0f * ImGui::GetFrameHeightWithSpacing() - 6.0f;
   ImGui::BeginChild("clashes", ImVec2(0.0f, below));
   for (const ClashGroup& group : groups) drawGroup(context, group);
@@ -230,6 +231,7 @@ void drawClashes(const PanelContext& context) {
   if (!ui.requested) requestSearch(context);
   drawQuestion(context);
   drawProgress(context);
+  context.ui.clashListing.update(context.model, ui);
   if (findings != nullptr) {
     drawCounts(*findings);
     ImGui::Checkbox("Touching, too", &ui.touches);

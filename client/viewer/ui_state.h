@@ -11,6 +11,7 @@
 #include "client/viewer/note_list.h"
 #include "client/viewer/part_display.h"
 #include "client/viewer/section_set.h"
+#include "client/viewer/verdict_list.h"
 
 namespace tandem::client {
 
@@ -19,6 +20,7 @@ struct UiState {
 
   PartDisplay parts;
   ClashUi clashes;
+  ClashListing clashListing;
   NoteUi notes;
   MeasureUi measures;
   SectionSet sections;

@@ -39,7 +39,7 @@ ClashLine lineOf(const PartPair& pair, const Entry& entry, const assets::Scene& 
            gone ? "" : "not found"},
           pair.first,
           pair.second,
-          &entry};
+          entry};
 }
 
 double reach(const glm::dvec3& from, const assets::Bounds& box) {
@@ -78,7 +78,9 @@ std::vector<ClashGroup> clashGroups(const ClashFindings* findings, const Documen
       const auto at = verdicts.find(pair);
       const Entry* entry = at == verdicts.end() ? nullptr : at->second;
       if (entry != nullptr) verdicts.erase(at);
-      groups[statusOf(entry)].lines.push_back({std::move(row), pair.first, pair.second, entry});
+      ClashLine line{std::move(row), pair.first, pair.second, std::nullopt};
+      if (entry != nullptr) line.verdict = *entry;
+      groups[statusOf(entry)].lines.push_back(std::move(line));
     }
   for (const auto& [pair, entry] : verdicts)
     if (pair.second < scene.parts.size())
@@ -132,6 +134,19 @@ std::vector<Change> changesToKeep(const ViewModel& model) {
   found.reserve(findings->found.size());
   for (const FoundClash& each : findings->found) found.push_back(each.clash);
   return mergeClashes(*model.document, found, findings->complete, ownName(model));
+}
+
+void ClashListing::update(const ViewModel& model, const ClashUi& ui) {
+  Made made{model.clashes.findings, model.document != nullptr, ui.touches, ui.byPart, 0, 0};
+  if (made.document) {
+    made.revision = model.document->revision();
+    made.entries = model.document->entries().size();
+  }
+  if (made_ == made) return;
+  groups_ = clashGroups(made.findings.get(), model.document, *model.scene, ui.touches);
+  if (ui.byPart) groups_ = byPart(groups_);
+  changes_ = changesToKeep(model);
+  made_ = std::move(made);
 }
 
 std::string judgedBy(const Entry& verdict, std::int64_t now) {

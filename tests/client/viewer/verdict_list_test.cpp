@@ -111,6 +111,29 @@ TEST_F(VerdictLists, WithoutASearchTheDocumentIsListed) {
   EXPECT_EQ(listed[0].lines[0].row.note, "not found");
 }
 
+TEST_F(VerdictLists, TheListingFollowsSearchAndDocument) {
+  ClashUi ui;
+  ClashListing listing;
+  listing.update(model, ui);
+  EXPECT_TRUE(listing.groups().empty());
+  find({hard(0, 1, 0.02), hard(1, 2, 0.01)});
+  listing.update(model, ui);
+  EXPECT_EQ(listing.changes().size(), 2u);
+  keep();
+  listing.update(model, ui);
+  EXPECT_TRUE(listing.changes().empty());
+  EXPECT_EQ(listing.groups()[0].title, "new");
+  ui.byPart = true;
+  listing.update(model, ui);
+  EXPECT_EQ(listing.groups()[0].title, "part1");
+  document.clear();
+  listing.update(model, ui);
+  EXPECT_EQ(listing.changes().size(), 2u);
+  model.document = nullptr;
+  listing.update(model, ui);
+  EXPECT_TRUE(listing.changes().empty());
+}
+
 TEST_F(VerdictLists, TheFlightKeepsBothPartsInView) {
   const assets::Bounds large{glm::dvec3(-0.05), {0.05, 0.05, 0.05}},
       small{{0.04, 0.0, 0.0}, {0.06, 0.02, 0.02}};
