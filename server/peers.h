@@ -94,6 +94,7 @@ struct Peer {
   StateLeg states;
   TransferProgress transfer;
   DocumentProgress document;
+  bool presentationsOwed = true;  // it has not heard what all show; see server/presentations.h
 };
 
 class Peers {

@@ -9,6 +9,7 @@
 #include "server/operator_commands.h"
 #include "server/part_service.h"
 #include "server/peers.h"
+#include "server/presentations.h"
 #include "server/publisher.h"
 #include "server/scene_transfer.h"
 #include "server/site_admission.h"
@@ -62,6 +63,7 @@ class Session::Dispatcher {
         relay(sync::wireFrame(scene.bounds), context, peers, parts, publisher, fanOut),
         transfer(package, config, context, transport, publisher),
         documents(config, context, transport, sites, publisher),
+        presentations(scene.parts.size(), context, transport, peers, sites),
         admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}),
         operators(context, peers, sites, publisher, admission) {}
 
@@ -83,6 +85,7 @@ class Session::Dispatcher {
   StateRelay relay;
   SceneTransfer transfer;
   DocumentService documents;
+  Presentations presentations;
   SiteAdmission admission;
   OperatorCommands operators;
 
@@ -129,6 +132,7 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   publisher.flush([&](sync::ConnectionId connection) { admission.onLost(connection, "refused"); });
   transfer.sendChunks(peers);
   documents.sendChunks(peers);
+  presentations.flush();
 }
 
 sync::Micros Session::Dispatcher::nextDeadline() const {
@@ -247,6 +251,8 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::Disengage& m) { parts.onDisengage(peer, m); },
                  [&](const sync::PutEntry& m) { documents.onPut(peer, m); },
                  [&](const sync::DocumentRequest& m) { documents.onRequest(peer, m); },
+                 [&](const sync::Presentation& m) { presentations.onPresentation(peer, m); },
+                 [&](const sync::Say& m) { presentations.onSay(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
                  [&](const sync::SiteReport& m) {
                    if (!peer.figures.add(m, context.now())) ++context.counts.refusedReports;

@@ -27,6 +27,9 @@ struct SessionCounters {
   std::uint64_t refusedPoses = 0;      // of releases and reclaims, outside the wire's frame
   std::uint64_t refusedHellos = 0, refusedMessages = 0;
   std::uint64_t refusedReports = 0;  // SiteReports that cannot be true
+  std::uint64_t relayedPresentations = 0;
+  std::uint64_t droppedPresentations = 0;  // of observers, of unknown parts, or too many
+  std::uint64_t droppedSays = 0;           // the same
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
   DurationHistogram journal;  // from append to durable

@@ -16,6 +16,7 @@
 #include "client/commands/join_report.h"
 #include "client/commands/tool_option.h"
 #include "client/hand/script_writer.h"
+#include "client/join/headless_view.h"
 #include "client/join/joined_site.h"
 #include "client/join/live_table.h"
 #include "client/review/clash_search.h"
@@ -33,7 +34,7 @@ struct Arguments {
   std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
       record, json, trace, name, colour, cache, tool;
   bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false, notes = false,
-       measures = false;
+       measures = false, alone = false;
   double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   std::vector<std::string> sections;
@@ -228,7 +229,8 @@ class JoinRun {
   void loop(haptics::VirtualStylus* stylus, haptics::SteeredHand* steered) {
     ASSERT(end_.empty());
     const Clock::time_point start = Clock::now();
-    if (!viewer_) lookAtAll();
+    headless_.emplace(fitView(site_.scene().bounds, 1.6), arguments_.cut.planes(), !arguments_.alone);
+    if (!viewer_) site_.act(headless_->act(model_));
     if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
     if (viewer_ && arguments_.notes) viewer_->openNotes();
     if (viewer_ && arguments_.measures) viewer_->openMeasures();
@@ -253,6 +255,7 @@ class JoinRun {
         searchClashes(actions);
         if (actions.quit) end_ = "window closed";
       } else {
+        site_.act(headless_->act(model_));
         table.show(model_, elapsed);
         std::this_thread::sleep_for(std::chrono::milliseconds(20));
       }
@@ -342,25 +345,18 @@ class JoinRun {
     }
   }
 
-  /// Writes in the document what the scripts of the hands have come to.
+  /// Writes in the document, and shows and says, what the scripts of the hands have come to.
   void writeByScript(double elapsed) {
     for (Hand* hand : scripts_) {
       if (!hand->writer) continue;
-      const Camera camera = viewer_ ? viewer_->camera() : fitView(site_.scene().bounds, 1.6);
+      const Camera camera = viewer_ ? viewer_->camera() : headless_->camera();
       const ScriptWriter::Written written =
           hand->writer->write(elapsed, hand->scripted->written(), model_, camera);
       for (const DocumentWish& wish : written.wishes) site_.want(wish);
+      for (const ScriptStep& step : written.shown) headless_->perform(step, model_);
       for (const std::string& problem : written.problems)
         std::fprintf(stderr, "tandem: script: %s\n", problem.c_str());
     }
-  }
-
-  /// Sets the camera of a site without a window, which the others see, to the initial view of a window.
-  void lookAtAll() {
-    ViewActions actions;
-    actions.worldFromCamera = worldFromCamera(fitView(site_.scene().bounds, 1.6));
-    actions.sections = arguments_.cut.planes();
-    site_.act(actions);
   }
 
   double sceneSize() const { return glm::length(site_.scene().bounds.max - site_.scene().bounds.min); }
@@ -376,7 +372,8 @@ class JoinRun {
       }
     }
     if (!arguments_.json.empty())
-      if (Status written = writeFile(arguments_.json, reportJson(site_, model_, report_, end_) + "\n");
+      if (Status written =
+              writeFile(arguments_.json, reportJson(site_, model_, report_, *headless_, end_) + "\n");
           !written)
         return badInput(written.error());
     if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size(), site_.sharedParts());
@@ -390,7 +387,8 @@ class JoinRun {
   std::unique_ptr<ClashSearch> clashes_;       // null before the first search
   MeasureWatch measures_{site_.contact()};
   std::unique_ptr<PoseTrace> trace_;
-  std::array<Hand*, 2> scripts_{};  // while run() runs
+  std::array<Hand*, 2> scripts_{};        // while run() runs
+  std::optional<HeadlessView> headless_;  // from loop() on
   ViewModel model_;
   ViewActions waiting_;  // input from before the hand exists
   JoinReport report_;
@@ -494,6 +492,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
   command.option("--section", arguments->sections,
                  "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
                  "repeatable");
+  command.flag("--alone", arguments->alone, "Do not follow the sections and views that others share");
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");
   command.option("--trace", arguments->trace, "Write each pose of moving parts, as had here (CSV)");

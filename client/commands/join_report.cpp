@@ -6,6 +6,7 @@
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
 #include "client/session/document_words.h"
+#include "client/session/holding_words.h"
 
 namespace tandem::client {
 
@@ -18,10 +19,49 @@ Json flagNames(std::uint32_t flags) {
   return names;
 }
 
+Json partNames(const ViewModel& model, const auto& isOne) {
+  Json names = Json::array();
+  for (std::size_t part = 0; part < model.scene->parts.size(); ++part)
+    if (isOne(static_cast<PartId>(part))) names.push(model.scene->parts[part].name);
+  return names;
+}
+
+std::string nameOfSite(const ViewModel& model, SiteId site) {
+  for (const SiteView& view : model.sites)
+    if (view.info.site == site) return view.info.name;
+  return {};
+}
+
+/// What others share and point at, whether that is followed, the section planes in effect, and what was said.
+Json presentingJson(const ViewModel& model, const HeadlessView& view) {
+  const PresentingView& presenting = model.presenting;
+  Json json;
+  json["shares"] = sync::kSharesNames[static_cast<std::size_t>(view.shares())];
+  json["shared_by"] = nameOfSite(model, presenting.shared.site);
+  json["shared"] = sync::kSharesNames[static_cast<std::size_t>(presenting.shared.shares)];
+  json["follows"] = view.following().followsView()       ? "view"
+                    : view.following().followsSections() ? "sections"
+                                                         : "nothing";
+  json["selected"] = partName(model, presenting.shared.selected);
+  json["hidden"] = partNames(model, [&](PartId part) { return presenting.hides(part); });
+  json["sections"] = Json::array();
+  for (const document::SectionPlane& plane : view.sections(model))
+    json["sections"].push({{"point", {plane.point.x, plane.point.y, plane.point.z}},
+                           {"normal", {plane.normal.x, plane.normal.y, plane.normal.z}}});
+  json["points"] = Json::array();
+  for (const sync::Presentation& shown : presenting.points)
+    json["points"].push({{"by", nameOfSite(model, shown.site)},
+                         {"part", partName(model, shown.pointedAt)},
+                         {"place", {shown.place.x, shown.place.y, shown.place.z}}});
+  json["said"] = Json::array();
+  for (const ChatLine& line : model.chat) json["said"].push({{"by", line.name}, {"text", line.said.text}});
+  return json;
+}
+
 }  // namespace
 
 std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
-                       const std::string& end) {
+                       const HeadlessView& view, const std::string& end) {
   Json json;
   json["site"] = site.id();
   json["role"] = sync::toString(site.role());
@@ -58,6 +98,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinRepor
   }
   if (model.document != nullptr)
     json["document"] = {{"entries", model.document->size()}, {"in_words", inWords(*model.document)}};
+  json["presenting"] = presentingJson(model, view);
   json["grabs"] = Json::array();
   for (const GrabNote& grab : report.grabs)
     json["grabs"].push({{"t", grab.time},

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "client/join/headless_view.h"
 #include "client/join/joined_site.h"
 
 namespace tandem::client {
@@ -24,7 +25,7 @@ struct JoinReport {
 
 /// The value of --json; `end` says why the run ended.
 std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
-                       const std::string& end);
+                       const HeadlessView& view, const std::string& end);
 
 /// Writes the poses of all parts at this site, one row a part, to be compared with those of other sites.
 class PoseTrace {

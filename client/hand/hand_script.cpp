@@ -1,15 +1,18 @@
 #include "client/hand/hand_script.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
 #include <glm/gtc/constants.hpp>
+#include "assets/base/assert.h"
 #include "assets/base/json.h"
 #include "assets/document/entry_check.h"
 #include "client/base/json_input.h"
 #include "haptics/base/minimum_jerk.h"
 #include "haptics/geometry/primitive_distance.h"
+#include "sync/wire/limits.h"
 
 namespace tandem::client {
 
@@ -99,9 +102,10 @@ PartId controlPart(const Json& step, const assets::Scene* scene) {
 
 /// A misspelt key would silently do something else.
 void refuseUnknown(const Json& step) {
-  static const char* const known[] = {"t",     "do",        "part",   "over_s",   "to",    "by",      "axis",
-                                      "angle", "amplitude", "hz",     "for_s",    "depth", "control", "value",
-                                      "text",  "name",      "status", "measures", "at",    "parts"};
+  static const char* const known[] = {"t",       "do",    "part",      "over_s", "to",     "by",
+                                      "axis",    "angle", "amplitude", "hz",     "for_s",  "depth",
+                                      "control", "value", "text",      "name",   "status", "measures",
+                                      "at",      "parts", "planes",    "what",   "from"};
   for (const auto& item : step.members())
     if (std::find(std::begin(known), std::end(known), item.first) == std::end(known))
       throw "does not know \"" + item.first + "\"";
@@ -198,6 +202,74 @@ bool parseWriting(const Json& entry, const std::string& verb, const assets::Scen
   return true;
 }
 
+std::vector<document::SectionPlane> planes(const Json& step) {
+  if (!step.contains("planes") || !step.at("planes").isArray() ||
+      step.at("planes").size() > document::kMaxSections)
+    throw std::string("needs \"planes\": at most ") + std::to_string(document::kMaxSections) +
+        " of [nx, ny, nz, m]";
+  std::vector<document::SectionPlane> planes;
+  for (std::size_t i = 0; i < step.at("planes").size(); ++i) {
+    const Json& plane = step.at("planes").at(i);
+    std::array<double, 4> numbers{};
+    const bool four = plane.isArray() && plane.size() == numbers.size();
+    for (std::size_t n = 0; four && n < numbers.size(); ++n)
+      numbers[n] = plane.at(n).isNumber() ? plane.at(n).number() : std::nan("");
+    const glm::dvec3 normal(numbers[0], numbers[1], numbers[2]);
+    const double length = glm::length(normal);
+    if (!four || !(length > 1e-9 && length < kFarthest) || !(std::abs(numbers[3]) <= kFarthest))
+      throw std::string("each of \"planes\" must be [nx, ny, nz, m]: a direction, and how far along it");
+    planes.push_back({numbers[3] * normal / length, normal / length});
+  }
+  return planes;
+}
+
+sync::Shares shares(const Json& step) {
+  const std::string what = text(step, "what", document::kMaxName);
+  const auto named = std::find(sync::kSharesNames.begin(), sync::kSharesNames.end(), what);
+  if (named == sync::kSharesNames.end()) throw std::string("\"what\" must be nothing, sections or view");
+  return static_cast<sync::Shares>(named - sync::kSharesNames.begin());
+}
+
+std::vector<PartId> parts(const Json& step, const assets::Scene* scene) {
+  if (!step.contains("parts") || !step.at("parts").isArray()) throw std::string("needs \"parts\": [...]");
+  std::vector<PartId> parts;
+  for (std::size_t i = 0; i < step.at("parts").size(); ++i) {
+    Json each = Json::object();
+    each["part"] = step.at("parts").at(i);
+    parts.push_back(part(each, scene));
+  }
+  return parts;
+}
+
+/// A step that the others see; false if the verb is another one.
+bool parseShowing(const Json& entry, const std::string& verb, const assets::Scene* scene, ScriptStep& step) {
+  using Verb = ScriptStep::Verb;
+  if (verb == "section") {
+    step.verb = Verb::section;
+    step.planes = planes(entry);
+  } else if (verb == "share" || verb == "follow") {
+    step.verb = verb == "share" ? Verb::share : Verb::follow;
+    step.shares = shares(entry);
+  } else if (verb == "hide") {
+    step.verb = Verb::hide;
+    step.parts = parts(entry, scene);
+  } else if (verb == "select" || verb == "point") {
+    step.verb = verb == "select" ? Verb::select : Verb::point;
+    if (verb == "select" || entry.contains("part")) step.part = part(entry, scene);
+  } else if (verb == "look") {
+    step.verb = Verb::look;
+    step.from = vector(entry, "from");
+    step.vector = vector(entry, "to");
+    if (glm::length(step.from - step.vector) < 1e-6) throw std::string("\"from\" and \"to\" are one place");
+  } else if (verb == "say") {
+    step.verb = Verb::say;
+    step.text = text(entry, "text", sync::kMaxSayLength);
+  } else {
+    return false;
+  }
+  return true;
+}
+
 ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
   using Verb = ScriptStep::Verb;
   if (!entry.isObject()) throw std::string("must be an object");
@@ -240,10 +312,10 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
     step.amount = number(entry, "value");
   } else if (verb == "let_go") {
     step.verb = Verb::letGo;
-  } else if (!parseWriting(entry, verb, scene, step)) {
+  } else if (!parseWriting(entry, verb, scene, step) && !parseShowing(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
         "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
-        "measure find_clashes judge undo redo";
+        "measure find_clashes judge undo redo section share follow hide select look point say";
   }
   return step;
 }
@@ -444,15 +516,8 @@ void ScriptedPerson::begin(const ScriptStep& step, const Pose& worldFromHand, co
     case ScriptStep::Verb::letGo:
       holdsStylus_ = false;
       break;
-    case ScriptStep::Verb::note:
-    case ScriptStep::Verb::reply:
-    case ScriptStep::Verb::status:
-    case ScriptStep::Verb::view:
-    case ScriptStep::Verb::measure:
-    case ScriptStep::Verb::findClashes:
-    case ScriptStep::Verb::judge:
-    case ScriptStep::Verb::undo:
-    case ScriptStep::Verb::redo:
+    default:
+      ASSERT(step.writes());
       ++written_;
       break;
   }

@@ -30,6 +30,18 @@
 //   judge {parts, status [, text]}
 //                             that clash is now new, active, reviewed, approved or resolved
 //   undo, redo                takes back what this person wrote last; writes it again
+// and, for the others in the session (join/headless_view.h; passed over likewise):
+//   section {planes}          this site's section planes, each [nx, ny, nz, m]: what lies further than that
+//                             in this direction is cut away
+//   share {what}              the others follow sections, or view (sections, hidden parts, selection and
+//                             camera); nothing ends it
+//   follow {what}             what others share is followed here: view (all of it), or nothing
+//   hide {parts}              this site's hidden parts
+//   select {part}
+//   look {from, to}           this site's camera
+//   point [{part}]            shows the others the place of that part that is nearest to the hand; without
+//                             a part no more
+//   say {text}                a short message to all; [NAME] is a link to a part
 
 #include <string>
 #include <vector>
@@ -40,6 +52,7 @@
 #include "client/findings/figures.h"
 #include "client/session/exchange.h"
 #include "haptics/operator/simulated_hand.h"
+#include "sync/wire/presentation_messages.h"
 
 namespace tandem::client {
 
@@ -66,7 +79,15 @@ struct ScriptStep {
     findClashes,
     judge,
     undo,
-    redo
+    redo,
+    section,  // the first of those that the others see
+    share,
+    follow,
+    hide,
+    select,
+    look,
+    point,
+    say
   };
   double at = 0.0;  // s
   Verb verb = Verb::hold;
@@ -77,12 +98,17 @@ struct ScriptStep {
   double hz = 0.0;
   std::string text, to;  // of a verb that writes; a view's name is its text
   document::NoteStatus status = document::NoteStatus::open;  // of the verb `status`
-  FigureKind figure = FigureKind::distance;  // of the verb `measure`, and its places and parts
+  FigureKind figure = FigureKind::distance;                  // of the verb `measure`, and its places
   std::vector<glm::dvec3> places;
-  std::vector<PartId> parts;                                   // of the verb `judge`, too
+  std::vector<PartId> parts;                                   // of the verbs `judge` and `hide`, too
   document::ClashStatus clash = document::ClashStatus::fresh;  // of the verb `judge`
+  std::vector<document::SectionPlane> planes;
+  glm::dvec3 from{0.0, 0.0, 0.0};               // of a camera
+  sync::Shares shares = sync::Shares::nothing;  // of `share` and `follow`
 
+  /// Whether it is done by the main thread, for the document or the others, and not by the hand.
   bool writes() const { return verb >= Verb::note; }
+  bool shows() const { return verb >= Verb::section; }
 };
 
 struct HandScript {
@@ -116,7 +142,7 @@ class ScriptedPerson {
     bool graspButton = false;
     PartId wish = kNoPart;
     ControlWish control;        // of the last `set`
-    std::uint32_t written = 0;  // steps so far that write in the document
+    std::uint32_t written = 0;  // steps so far that the main thread does
   };
   /// At time t in s, not going back; `worldFromHand` is where the device is, `worldFromPart(id)` where parts
   /// are.

@@ -144,7 +144,9 @@ ScriptWriter::Written ScriptWriter::write(double now, std::uint32_t begun, const
   for (; done_ < begun && !steps_.empty(); ++done_, steps_.pop_front()) {
     const ScriptStep& step = steps_.front();
     const Entry* note = answers(step.verb) ? answered(step, *model.document) : nullptr;
-    if (step.verb == Verb::measure || step.verb == Verb::findClashes) {
+    if (step.shows()) {
+      written.shown.push_back(step);
+    } else if (step.verb == Verb::measure || step.verb == Verb::findClashes) {
       find(step, model, written);
     } else if (!answers(step.verb) || note != nullptr) {
       written.wishes.push_back(wishOf(step, model, camera, note));

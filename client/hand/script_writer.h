@@ -1,7 +1,8 @@
 #pragma once
 
-// What a scripted person writes in the session's document. The hand counts, in its own thread, the steps of
-// its script that it has come to; the writer makes wishes of them, from what the model shows then.
+// What a scripted person writes in the session's document, or does for the others to see. The hand counts, in
+// its own thread, the steps of its script that it has come to; the writer makes wishes of them, from what the
+// model shows then, and hands on those that the others see.
 //
 // 1. Measures and clashes are found when their steps come, of the parts as they stand then. A measure takes
 //    some milliseconds, all clashes of an engine a second.
@@ -27,6 +28,7 @@ class ScriptWriter {
 
   struct Written {
     std::vector<DocumentWish> wishes;
+    std::vector<ScriptStep> shown;      // that the others see
     std::vector<std::string> problems;  // for a person
   };
   /// What is to be written at the time `now` in s, when the hand has come to the `begun`th of the steps that

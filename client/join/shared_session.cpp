@@ -27,6 +27,9 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
       toMain_.coHolders[i].assign(coHolders.begin(), coHolders.end());
     }
     takeDocument(connection.document());
+    toMain_.presenting = connection.presentations().view(partCount);
+    for (ChatLine& line : connection.presentations().drainChat())
+      if (toMain_.chat.size() < kMaxChatLines) toMain_.chat.push_back(std::move(line));
     for (Notice& notice : connection.drainNotices()) toMain_.notices.push_back(std::move(notice));
     const TransportCounters before = toMain_.statistics.transport;
     toMain_.statistics = connection.statistics();
@@ -39,11 +42,15 @@ void SharedSession::exchange(ServerConnection& connection, std::size_t partCount
     std::swap(commands.revokes, toNetwork_.revokes);
     std::swap(commands.resetParts, toNetwork_.resetParts);
     std::swap(commands.documentWishes, toNetwork_.documentWishes);
+    std::swap(commands.says, toNetwork_.says);
+    commands.shown = toNetwork_.shown;
   }
   connection.setCamera(commands.worldFromCamera);
   for (const PartId part : commands.revokes) connection.revoke(part);
   if (commands.resetParts) connection.resetParts();
   for (DocumentWish& wish : commands.documentWishes) connection.document().want(std::move(wish));
+  connection.presentations().show(commands.shown);
+  for (const Say& said : commands.says) connection.presentations().say(said);
 }
 
 /// Adds what the document's news are to those that the main thread has not read yet.
@@ -97,11 +104,17 @@ std::vector<Notice> SharedSession::read(ViewModel& model, std::size_t partCount)
   model.connection.stateOverUdp = toMain_.udp;
   model.documentStanding = toMain_.documentStanding;
   const DocumentNews news = std::exchange(toMain_.document, {});
+  model.presenting = toMain_.presenting;
+  std::vector<ChatLine> chat = std::exchange(toMain_.chat, {});
   std::vector<Notice> notices = std::exchange(toMain_.notices, {});
   lock.unlock();
   if (news.anew) document_.clear();
   for (const document::Entry& entry : news.entries) document_.put(entry);
   model.document = &document_;
+  std::move(chat.begin(), chat.end(), std::back_inserter(chat_));
+  if (chat_.size() > kMaxChatLines)
+    chat_.erase(chat_.begin(), chat_.end() - static_cast<std::ptrdiff_t>(kMaxChatLines));
+  model.chat = chat_;
   return notices;
 }
 
@@ -111,6 +124,8 @@ void SharedSession::act(const ViewActions& actions) {
   if (actions.revoke != kNoPart) toNetwork_.revokes.push_back(actions.revoke);
   toNetwork_.resetParts = toNetwork_.resetParts || actions.resetParts;
   for (const DocumentWish& wish : actions.documentWishes) toNetwork_.documentWishes.push_back(wish);
+  toNetwork_.shown = actions.shown;
+  toNetwork_.says.insert(toNetwork_.says.end(), actions.says.begin(), actions.says.end());
 }
 
 void SharedSession::want(const DocumentWish& wish) {

@@ -40,6 +40,8 @@ class SharedSession {
     std::vector<std::vector<SiteId>> coHolders;  // by part
     DocumentNews document;
     DocumentStanding documentStanding;
+    PresentingView presenting;
+    std::vector<ChatLine> chat;  // since the last read()
     std::vector<Notice> notices;
     ConnectionStatistics statistics;
     std::string reason;
@@ -52,6 +54,8 @@ class SharedSession {
     std::vector<PartId> revokes;
     bool resetParts = false;
     std::vector<DocumentWish> documentWishes;
+    sync::Presentation shown;
+    std::vector<sync::Say> says;
   };
 
   void takeDocument(SessionDocument& document);
@@ -61,7 +65,9 @@ class SharedSession {
   ToMain toMain_;
   ToNetwork toNetwork_;
 
-  document::Document document_;  // main thread
+  // main thread
+  document::Document document_;
+  std::vector<ChatLine> chat_;
 };
 
 }  // namespace tandem::client

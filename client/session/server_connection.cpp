@@ -41,6 +41,7 @@ ServerConnection::ServerConnection(ConnectionOptions options, Connector connecto
       backoff_(options_.retryFirst, options_.retryLongest),
       pings_(options_.pingInterval, clock_),
       document_(people_, sender_),
+      presentations_(people_, sender_),
       requests_(people_, sender_, watchers_) {
   watchers_.undo = &document_;
 }
@@ -70,6 +71,7 @@ void ServerConnection::stepInSession() {
   ASSERT(inScene_ != nullptr);
   requests_.sendIntents();
   document_.step(clock_.now());
+  presentations_.step(clock_.now());
   if (reports_.due(clock_.now())) sender_.send(reports_.next(clock_.now(), pings_.roundTrip_ms()));
   inScene_->ownership.exchangeLinks();
   if (inScene_->ownership.linkPacketIsNear()) return;
@@ -103,6 +105,7 @@ void ServerConnection::disconnected(const std::string& reason) {
     if (watchers_.observer) watchers_.observer->onConnection(false);
     requests_.connectionLost();
     document_.connectionLost();
+    presentations_.connectionLost();
   }
   people_.connectionLost();
   reason_ = reason;
@@ -177,6 +180,8 @@ bool ServerConnection::route(Message& message) {
     return handleBy(fetch_, message);
   } else if constexpr (Handles<SessionDocument, Message>) {
     return handleBy(document_, message);
+  } else if constexpr (Handles<Presentations, Message>) {
+    return handleBy(presentations_, message);
   } else if constexpr (Handles<PartRequests, Message>) {
     return handleBy(requests_, message);
   } else {
@@ -254,6 +259,7 @@ void ServerConnection::handle(NewTicket& message) { resumeTicket_ = std::move(me
 
 void ServerConnection::handle(const SiteLeft& message) {
   people_.handle(message);
+  presentations_.forget(message.site);
   if (inScene_) inScene_->receiving.forget(message.site);
 }
 
@@ -323,6 +329,7 @@ void ServerConnection::enterReady() {
   if (watchers_.observer) watchers_.observer->onConnection(true);
   sender_.send(Ready{});
   document_.enter();
+  presentations_.enter();
   recordBeginning();
   requests_.reclaim(true);
   for (const PartRecord& record : welcome_.parts)

@@ -23,6 +23,7 @@
 #include "client/session/connection_statistics.h"
 #include "client/session/part_requests.h"
 #include "client/session/pings.h"
+#include "client/session/presentations.h"
 #include "client/session/scene_fetch.h"
 #include "client/session/session_document.h"
 #include "client/session/site_reports.h"
@@ -71,6 +72,8 @@ class ServerConnection {
   void setCamera(const Pose& worldFromCamera) { worldFromCamera_ = worldFromCamera; }
   /// The session's document, as far as it is known here; what is wanted before the site is ready waits.
   SessionDocument& document() { return document_; }
+  /// What people show and say to each other.
+  Presentations& presentations() { return presentations_; }
   /// Sends a Goodbye: this site's parts are free at once.
   void leave();
 
@@ -143,6 +146,7 @@ class ServerConnection {
   Participants people_;
   SceneFetch fetch_;
   SessionDocument document_;
+  Presentations presentations_;
   PartRequests requests_;
   std::unique_ptr<InScene> inScene_;
 

@@ -14,6 +14,7 @@
 #include "client/findings/measure_watch.h"
 #include "client/review/clash_view.h"
 #include "client/session/document_view.h"
+#include "client/session/presenting_view.h"
 #include "haptics/tick.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/state_update.h"
@@ -120,6 +121,8 @@ struct ViewModel {
   MeasureView measure;                           // of the marks that the last frame returned
   const document::Document* document = nullptr;  // the session's; null: there is none
   DocumentStanding documentStanding;
+  PresentingView presenting;
+  std::vector<ChatLine> chat;   // oldest first, at most kMaxChatLines
   std::vector<Notice> notices;  // newest last
   HandSettings settings;
   sync::Role role = sync::Role::observer;
@@ -168,6 +171,8 @@ struct ViewActions {
   std::vector<document::Anchor> marks;  // to be measured, at most two
   Pose worldFromCamera;
   std::vector<document::SectionPlane> sections;  // how the scene is cut open
+  sync::Presentation shown;                      // what the others may see of this person
+  std::vector<sync::Say> says;
   // replay only
   bool seek = false;
   double seekTo = 0.0;  // s

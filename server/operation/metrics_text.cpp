@@ -142,11 +142,14 @@ void writeDecisions(Text& text, const SessionCounters& counts, const sync::Trans
   text.sample(label("kind", "denial"), counts.denials);
   text.sample(label("kind", "release"), counts.releases);
   text.sample(label("kind", "expiry"), counts.expiries);
-  text.family("refused_total", "counter", "Hellos, messages, poses and reports that were refused.");
+  text.family("refused_total", "counter",
+              "Hellos, messages, poses, reports, and what was shown or said, that was refused.");
   text.sample(label("what", "hello"), counts.refusedHellos);
   text.sample(label("what", "message"), counts.refusedMessages);
   text.sample(label("what", "pose"), counts.refusedPoses);
   text.sample(label("what", "report"), counts.refusedReports);
+  text.sample(label("what", "presentation"), counts.droppedPresentations);
+  text.sample(label("what", "say"), counts.droppedSays);
   text.family("failed_handshakes_total", "counter", "Connections that ended before their greeting.");
   text.sample("", transport.failedHandshakes);
   text.family("budget_holds_total", "counter", "Times that a site had spent its budget of requests.");

@@ -10,6 +10,7 @@
 #include "sync/wire/document_messages.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
+#include "sync/wire/presentation_messages.h"
 #include "sync/wire/report_messages.h"
 #include "sync/wire/scene_messages.h"
 
@@ -22,6 +23,7 @@ using ControlMessage =
     std::variant<Hello, SceneRequest, Ready, Grab, Release, Reclaim, Revoke, ResetParts, Goodbye, Welcome,
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
                  OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport,
-                 Unassigned, Unassigned, PutEntry, PutReply, DocumentChanged, DocumentRequest, DocumentChunk>;
+                 Unassigned, Unassigned, PutEntry, PutReply, DocumentChanged, DocumentRequest, DocumentChunk,
+                 Presentation, Say>;
 
 }  // namespace tandem::sync

@@ -9,11 +9,13 @@
 
 namespace tandem::sync {
 
-inline constexpr std::uint16_t kProtocolVersion = 7;  // of a connection
+inline constexpr std::uint16_t kProtocolVersion = 8;  // of a connection
 inline constexpr std::uint8_t kStateVersion = 2;      // of a datagram by itself, on a wire or in a recording
 
 inline constexpr std::size_t kMaxNameLength = 64;         // bytes, UTF-8
 inline constexpr std::size_t kMaxTextLength = 512;        // bytes, UTF-8: reasons
+inline constexpr std::size_t kMaxSayLength = 280;         // bytes, UTF-8
+inline constexpr std::size_t kMaxSaidParts = 8;           // links in one message
 inline constexpr std::size_t kMaxCredentialLength = 512;  // bytes, ASCII
 inline constexpr std::size_t kMaxStateBytes = 1200;       // a whole datagram
 inline constexpr std::size_t kMaxChunkBytes = 64 * 1024;

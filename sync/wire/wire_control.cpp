@@ -62,8 +62,11 @@ class Writer {
     ASSERT(values.size() <= limit);
     number(static_cast<std::uint16_t>(values.size()));
   }
+  void vector(const glm::dvec3& value) {
+    for (int i = 0; i < 3; ++i) real(value[i]);
+  }
   void pose(const Pose& value) {
-    for (int i = 0; i < 3; ++i) real(value.position[i]);
+    vector(value.position);
     const glm::dquat& q = value.orientation;
     for (const double x : {q.w, q.x, q.y, q.z}) real(x);
   }
@@ -174,14 +177,17 @@ class Reader {
     if (!ok() || !need(size * smallest)) return;
     values.resize(size);
   }
+  void vector(glm::dvec3& value) {
+    for (int i = 0; i < 3; ++i) real(value[i]);
+    const glm::dvec3 size = glm::abs(value);
+    const bool near = size.x <= kMaxCoordinate && size.y <= kMaxCoordinate && size.z <= kMaxCoordinate;
+    if (!near) fail("a coordinate is not finite or too large");
+  }
   void pose(Pose& value) {
-    for (int i = 0; i < 3; ++i) real(value.position[i]);
+    vector(value.position);
     glm::dquat& q = value.orientation;
     for (double* x : {&q.w, &q.x, &q.y, &q.z}) real(*x);
-    const glm::dvec3 distance = glm::abs(value.position);
-    const bool near =
-        distance.x <= kMaxCoordinate && distance.y <= kMaxCoordinate && distance.z <= kMaxCoordinate;
-    if (!near || !isValid(value)) fail("a pose is not finite or its quaternion not a unit one");
+    if (!isValid(value)) fail("a pose is not finite or its quaternion not a unit one");
   }
 
  private:
@@ -365,9 +371,31 @@ void fields(auto& a, Is<DocumentChunk> auto& m) {
   a.count(m.entries, kMaxChunkEntries, 2 + kMinEntryBytes);
   for (auto& entry : m.entries) a.entry(entry);
 }
+void fields(auto& a, Is<Presentation> auto& m) {
+  a.number(m.site);
+  a.enumeration(m.shares, Shares::view);
+  a.count(m.sections, document::kMaxSections, 2 * 3 * 8);
+  for (auto& plane : m.sections) {
+    a.vector(plane.point);
+    a.vector(plane.normal);
+  }
+  a.part(m.selected);
+  a.count(m.hidden, kMaxParts / 8, 1);
+  for (auto& byte : m.hidden) a.number(byte);
+  a.part(m.pointedAt);
+  a.vector(m.place);
+}
+static_assert(1 + 2 + 1 + 2 + document::kMaxSections * 48 + 2 + 2 + kMaxParts / 8 + 2 + 24 <=
+              kMaxRequestBytes);
+void fields(auto& a, Is<Say> auto& m) {
+  a.number(m.site);
+  a.text(m.text, kMaxSayLength);
+  a.count(m.parts, kMaxSaidParts, sizeof(PartId));
+  for (auto& part : m.parts) a.part(part);
+}
 
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 31, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 33, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

@@ -185,5 +185,44 @@ TEST_F(ScriptWriters, WhatCannotBeWrittenIsRefusedWithTheScript) {
             "test: step 1: \"status\" must be open, in progress, resolved or closed");
 }
 
+TEST_F(ScriptWriters, StepsThatTheOthersSeeAreHandedOnInTheirOrder) {
+  using Verb = ScriptStep::Verb;
+  script(R"([{"t": 0, "do": "section", "planes": [[0, 0, 2, 0.5], [1, 0, 0, -1]]},
+             {"t": 1, "do": "share", "what": "view"}, {"t": 1, "do": "note", "text": "n"},
+             {"t": 1, "do": "hide", "parts": ["ball"]}, {"t": 1, "do": "select", "part": "ball"},
+             {"t": 1, "do": "look", "from": [1, 2, 3], "to": [0, 0, 0]}, {"t": 1, "do": "point"},
+             {"t": 1, "do": "follow", "what": "nothing"}, {"t": 1, "do": "say", "text": "see [ball]"}])");
+  const ScriptWriter::Written written = come(9);
+  EXPECT_EQ(written.wishes.size(), 1u) << "the note";
+  ASSERT_EQ(written.shown.size(), 8u);
+  const std::vector<ScriptStep>& shown = written.shown;
+  ASSERT_EQ(shown[0].planes.size(), 2u);
+  EXPECT_EQ(shown[0].planes[0].point, glm::dvec3(0.0, 0.0, 0.5));
+  EXPECT_EQ(shown[0].planes[1].point, glm::dvec3(-1.0, 0.0, 0.0));
+  EXPECT_EQ(shown[1].shares, sync::Shares::view);
+  EXPECT_EQ(shown[2].parts, std::vector<PartId>{0});
+  EXPECT_EQ(shown[3].part, 0);
+  EXPECT_EQ(shown[4].from, glm::dvec3(1.0, 2.0, 3.0));
+  EXPECT_EQ(shown[5].verb, Verb::point);
+  EXPECT_EQ(shown[5].part, kNoPart);
+  EXPECT_EQ(shown[6].shares, sync::Shares::nothing);
+  EXPECT_EQ(shown[7].text, "see [ball]");
+}
+
+TEST_F(ScriptWriters, StepsThatTheOthersSeeAreChecked) {
+  const auto refuses = [&](const std::string& step) {
+    return !parseHandScript("[{\"t\": 0, " + step + "}]", "test", scene).ok();
+  };
+  EXPECT_TRUE(refuses(R"("do": "section")"));
+  EXPECT_TRUE(refuses(R"("do": "section", "planes": [[0, 0, 0, 1]])"));
+  EXPECT_TRUE(refuses(R"("do": "section", "planes": [[0, 0, 1]])"));
+  EXPECT_TRUE(refuses(R"("do": "section", "planes": [[0, 0, "z", 1]])"));
+  EXPECT_TRUE(refuses(R"("do": "section", "planes": [[0, 0, 1, 1e9]])"));
+  EXPECT_TRUE(refuses(R"("do": "share", "what": "everything")"));
+  EXPECT_TRUE(refuses(R"("do": "hide", "parts": ["lid"])"));
+  EXPECT_TRUE(refuses(R"("do": "look", "from": [1, 1, 1], "to": [1, 1, 1])"));
+  EXPECT_TRUE(refuses(R"("do": "say", "text": ")" + std::string(281, 'x') + '"'));
+}
+
 }  // namespace
 }  // namespace tandem::client

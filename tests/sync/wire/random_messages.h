@@ -119,10 +119,25 @@ class RandomMessages {
         for (std::uint32_t n = number(5); n > 0; --n) m.entries.push_back(entry());
         return m;
       }
+      case 31:
+        return presentation();
+      case 32:
+        return Say{static_cast<SiteId>(number(65536)), text(kMaxSayLength), {partId(), partId()}};
       default:
         return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
                           number(~0u), number(~0u), number(~0u)};
     }
+  }
+  Presentation presentation() {
+    Presentation m;
+    m.site = static_cast<SiteId>(number(65536));
+    m.shares = static_cast<Shares>(number(3));
+    for (std::uint32_t n = number(9); n > 0; --n) m.sections.push_back({vector(1.0), vector(1.0)});
+    m.selected = partId();
+    for (std::uint32_t n = number(20); n > 0; --n) m.hidden.push_back(static_cast<std::uint8_t>(number(256)));
+    m.pointedAt = partId();
+    m.place = vector(1.0);
+    return m;
   }
   document::Body body() {
     switch (number(5)) {

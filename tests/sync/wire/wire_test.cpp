@@ -79,7 +79,7 @@ TEST(ControlWire, EveryKindComesBackExactly) {
 }
 
 TEST(ControlWire, RefusesKindsThatNoMessageHas) {
-  for (const std::size_t kind : {0, 25, 26, 32})
+  for (const std::size_t kind : {0, 25, 26, 34})
     EXPECT_FALSE(decodeControl(std::vector{static_cast<std::byte>(kind)}).ok()) << kind;
 }
 
@@ -100,6 +100,30 @@ TEST(ControlWire, RefusesAnEntryOutsideTheLimitsOfItsKind) {
   note.status = static_cast<document::NoteStatus>(4);
   EXPECT_FALSE(decodes(note));
   EXPECT_FALSE(decodes(document::ClashVerdict{})) << "of no parts";
+}
+
+TEST(ControlWire, RefusesAPresentationWithoutFiniteNumbersOrWithTooMuchOfAnything) {
+  const auto decodes = [](const Presentation& shown) { return decodeControl(encodeControl(shown)).ok(); };
+  Presentation full;
+  full.shares = Shares::view;
+  full.sections.resize(document::kMaxSections);
+  full.hidden.resize(kMaxParts / 8);
+  EXPECT_TRUE(decodes(full));
+  EXPECT_LE(encodeControl(full).size(), kMaxRequestBytes);
+  for (const double wrong : {std::nan(""), std::numeric_limits<double>::infinity(), 2e9}) {
+    Presentation lie = full;
+    lie.sections.back().normal.z = wrong;
+    EXPECT_FALSE(decodes(lie));
+    lie = full;
+    lie.place.x = wrong;
+    EXPECT_FALSE(decodes(lie));
+  }
+  auto bytes = encodeControl(Presentation{});
+  bytes[3] = std::byte{3};  // shares
+  EXPECT_FALSE(decodeControl(bytes).ok());
+  bytes = encodeControl(full);
+  bytes[4] = static_cast<std::byte>(document::kMaxSections + 1);
+  EXPECT_FALSE(decodeControl(bytes).ok());
 }
 
 TEST(ControlWire, FieldsKeepTheirValues) {

@@ -1,0 +1,139 @@
+#include "client/session/presentations.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "assets/base/assert.h"
+#include "sync/wire/limits.h"
+
+namespace tandem::client {
+
+using namespace sync;
+
+namespace {
+
+bool same(const document::SectionPlane& a, const document::SectionPlane& b) {
+  return a.point == b.point && a.normal == b.normal;
+}
+
+bool same(const Presentation& a, const Presentation& b) {
+  return a.shares == b.shares && a.selected == b.selected && a.pointedAt == b.pointedAt &&
+         a.place == b.place && a.hidden == b.hidden &&
+         std::equal(a.sections.begin(), a.sections.end(), b.sections.begin(), b.sections.end(),
+                    [](const auto& x, const auto& y) { return same(x, y); });
+}
+
+const char* inWords(Shares shares) { return shares == Shares::view ? " presents" : " shares sections"; }
+
+}  // namespace
+
+void Presentations::handle(const Presentation& message) {
+  if (message.site == people_.self()) {
+    // Only a sharing that the server has ended comes back.
+    if (message.shares != Shares::nothing || own_.shares == Shares::nothing) return;
+    ++ended_;
+    stopping_ = true;
+    show(own_);
+    return;
+  }
+  if (!known(message.site)) return;  // it has left
+  Presentation& known = others_[message.site];
+  const Presentation before = known;
+  known = message;
+  if (message.shares != Shares::nothing && (before.shares != message.shares)) {
+    sharer_ = message.site;
+    ++begun_;
+  } else if (message.shares == Shares::nothing && sharer_ == message.site) {
+    sharer_ = kNoSite;
+  }
+  tellOfChange(before, message);
+}
+
+void Presentations::tellOfChange(const Presentation& before, const Presentation& now) {
+  if (before.shares == now.shares) return;
+  const std::string name = people_.nameOf(now.site);
+  if (now.shares != Shares::nothing)
+    people_.notice(Notice::Level::info, name + inWords(now.shares));
+  else
+    people_.notice(
+        Notice::Level::info,
+        name + " has stopped " + (before.shares == Shares::view ? "presenting" : "sharing sections"));
+}
+
+void Presentations::handle(const Say& message) {
+  const std::string name = people_.nameOf(message.site);
+  if (chat_.size() < kMaxChatLines) chat_.push_back({++lines_, name, message});
+  if (message.site != people_.self()) people_.notice(Notice::Level::info, name + " says: " + message.text);
+}
+
+std::vector<ChatLine> Presentations::drainChat() { return std::exchange(chat_, {}); }
+
+bool Presentations::known(SiteId site) const {
+  return std::any_of(people_.sites().begin(), people_.sites().end(),
+                     [&](const SiteView& view) { return view.info.site == site; });
+}
+
+void Presentations::show(const Presentation& shown) {
+  own_ = shown;
+  stopping_ = stopping_ && shown.shares != Shares::nothing;
+  if (!stopping_) return;
+  own_.shares = Shares::nothing;
+  own_.sections.clear();
+  own_.hidden.clear();
+  own_.selected = kNoPart;
+}
+
+void Presentations::forget(SiteId site) {
+  others_.erase(site);
+  if (sharer_ == site) sharer_ = kNoSite;
+}
+
+void Presentations::enter() {
+  sent_.reset();
+  nextAt_ = nextSayAt_ = 0;
+}
+
+/// Without a server nobody is known to show anything.
+void Presentations::connectionLost() {
+  others_.clear();
+  sharer_ = kNoSite;
+}
+
+void Presentations::say(const Say& said) {
+  ASSERT(said.parts.size() <= kMaxSaidParts);
+  if (unsaid_.size() < kMaxUnsaid)
+    unsaid_.push_back(said);
+  else
+    people_.notice(Notice::Level::warning, "not said, too much at once: " + said.text);
+}
+
+bool Presentations::differs() const { return sent_ ? !same(*sent_, own_) : !same(Presentation{}, own_); }
+
+void Presentations::step(Micros now) {
+  if (now >= nextAt_ && differs()) {
+    sender_.send(own_);
+    sent_ = own_;
+    nextAt_ = now + kPeriod * static_cast<Micros>(1 + people_.sites().size() / 32);
+  }
+  if (unsaid_.empty() || now < nextSayAt_) return;
+  sender_.send(unsaid_.front());
+  unsaid_.pop_front();
+  nextSayAt_ = now + kSayPeriod;
+}
+
+PresentingView Presentations::view(std::size_t partCount) const {
+  const auto fitted = [partCount](Presentation shown) {
+    if (shown.selected >= partCount) shown.selected = kNoPart;
+    if (shown.pointedAt >= partCount) shown.pointedAt = kNoPart;
+    return shown;
+  };
+  PresentingView view;
+  view.begun = begun_;
+  view.ended = ended_;
+  if (sharer_ != kNoSite) view.shared = fitted(others_.at(sharer_));
+  for (const auto& [site, shown] : others_)
+    if (shown.pointedAt < partCount) view.points.push_back(shown);
+  return view;
+}
+
+}  // namespace tandem::client

@@ -1,0 +1,80 @@
+#pragma once
+
+// What people show and say to each other, as a site's window or terminal gets it, and this person's part in
+// it on its way back.
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sync/wire/presentation_messages.h"
+
+namespace tandem::client {
+
+/// A message to all, as it was said.
+struct ChatLine {
+  std::uint64_t number = 0;  // of this site's lines, from 1
+  std::string name;          // of who said it
+  sync::Say said;
+};
+inline constexpr std::size_t kMaxChatLines = 100;  // that a site keeps
+
+/// What others share and point at.
+struct PresentingView {
+  sync::Presentation shared;               // by the other site that shares; site kNoSite: none does
+  std::uint32_t begun = 0;                 // how often another site has begun to share
+  std::uint32_t ended = 0;                 // how often the server has ended what this site shared
+  std::vector<sync::Presentation> points;  // of the others that point at a place
+
+  /// A part that the sharing site has hidden in its view.
+  bool hides(PartId part) const {
+    const std::size_t byte = part / 8u;
+    return byte < shared.hidden.size() && (shared.hidden[byte] >> part % 8u & 1u) != 0;
+  }
+};
+
+/// Puts what a person sees into what the others are shown, as far as it is shared. `hides` says of each part
+/// whether it is hidden.
+template <typename Hides>
+void shareView(sync::Presentation& shown, const std::vector<document::SectionPlane>& sections,
+               PartId selected, std::size_t partCount, const Hides& hides) {
+  shown.sections.clear();
+  shown.hidden.clear();
+  shown.selected = kNoPart;
+  if (shown.shares != sync::Shares::nothing) shown.sections = sections;
+  if (shown.shares != sync::Shares::view) return;
+  shown.selected = selected;
+  for (std::size_t part = 0; part < partCount; ++part) {
+    if (!hides(static_cast<PartId>(part))) continue;
+    shown.hidden.resize(part / 8 + 1);
+    shown.hidden.back() = static_cast<std::uint8_t>(shown.hidden.back() | 1u << part % 8);
+  }
+}
+
+/// Whether this person follows what another shares: everything that is newly shared, until they stop.
+class Following {
+ public:
+  explicit Following(bool follows = true) : wants_(follows), follows_(follows) {}
+
+  /// Takes note of what is shared now. A person who shares follows nobody.
+  void update(const PresentingView& presenting, sync::Shares own) {
+    if (begun_ != presenting.begun) follows_ = wants_;
+    begun_ = presenting.begun;
+    shares_ = own == sync::Shares::nothing && presenting.shared.site != kNoSite ? presenting.shared.shares
+                                                                                : sync::Shares::nothing;
+  }
+  void follow(bool follows) { follows_ = follows; }
+  /// Whether what is shared later will be followed too.
+  void followLater(bool follows) { wants_ = follows_ = follows; }
+
+  /// Whether another's sections, or view, are those of this site now.
+  bool followsSections() const { return follows_ && shares_ != sync::Shares::nothing; }
+  bool followsView() const { return follows_ && shares_ == sync::Shares::view; }
+
+ private:
+  bool wants_, follows_;
+  std::uint32_t begun_ = 0;
+  sync::Shares shares_ = sync::Shares::nothing;  // by another
+};
+
+}  // namespace tandem::client

@@ -1,0 +1,39 @@
+#pragma once
+
+// What one person shows the others, and what people say to each other. Nothing of it is kept: of a
+// presentation the newest counts, and what was said before a site came is not said again.
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "assets/base/ids.h"
+#include "assets/document/entry.h"
+
+namespace tandem::sync {
+
+/// What of this person's window the others follow. A view has the sections with it.
+enum class Shares : std::uint8_t { nothing, sections, view };
+inline constexpr std::array<const char*, 3> kSharesNames{"nothing", "sections", "view"};
+
+/// What a site shows now; from the server: what another site shows, or that it ended what this site shared.
+/// One site shares at a time. The camera of a view is that of the site's presence.
+struct Presentation {
+  SiteId site = kNoSite;  // whose; the server knows, whatever a site says
+  Shares shares = Shares::nothing;
+  std::vector<document::SectionPlane> sections;
+  PartId selected = kNoPart;         // of a view
+  std::vector<std::uint8_t> hidden;  // of a view: bit p % 8 of byte p / 8 is that of part p
+  PartId pointedAt = kNoPart;        // the part that the person points at
+  glm::dvec3 place{0.0, 0.0, 0.0};   // m, in the frame of that part
+};
+
+/// A short message to all. Each name in square brackets is a link to the part in the same place of `parts`.
+struct Say {
+  SiteId site = kNoSite;  // who; the server knows, whatever a site says
+  std::string text;
+  std::vector<PartId> parts;
+};
+
+}  // namespace tandem::sync
