@@ -149,9 +149,10 @@ class JoinRun {
     const bool window = !arguments_.headless && displayPresent();
     if (!arguments_.headless && !window && !arguments_.quiet) noteHeadless();
     if (window) {
-      Result<std::unique_ptr<Viewer>> viewer = Viewer::open(
-          site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height, true,
-                          arguments_.device.empty() || arguments_.device == "stylus", arguments_.cut});
+      Result<std::unique_ptr<Viewer>> viewer =
+          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
+                                       true, arguments_.device.empty() || arguments_.device == "stylus",
+                                       arguments_.cut, !arguments_.alone});
       if (!viewer) return badInput(viewer.error());
       viewer_ = std::move(*viewer);
     }
@@ -293,15 +294,18 @@ class JoinRun {
   Status offscreenPicture() {
     ViewerOptions options;
     options.width = arguments_.width;
-    options.sections = arguments_.cut;
+    options.sections = headless_ ? SectionSet(headless_->sections(model_)) : arguments_.cut;
     options.height = arguments_.height;
+    options.follows = !headless_ || headless_->following().followsSections();
+    if (headless_) options.shares = headless_->shares();
     Result<std::unique_ptr<Viewer>> opened = Viewer::openOffscreen(*model_.scene, options);
     if (!opened) return opened.error();
     Viewer& viewer = **opened;
     showClashes();
     for (int i = 0; i < 3; ++i)
       static_cast<void>(viewer.frame(model_));  // panels take their sizes in the first frames
-    viewer.fitAll();                            // parts and hands may be far from their initial poses
+    // Parts and hands may be far from their initial poses.
+    if (!headless_->following().followsView()) viewer.fitAll();
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
     if (arguments_.measures) viewer.openMeasures();

@@ -233,11 +233,8 @@ sync::Shares shares(const Json& step) {
 std::vector<PartId> parts(const Json& step, const assets::Scene* scene) {
   if (!step.contains("parts") || !step.at("parts").isArray()) throw std::string("needs \"parts\": [...]");
   std::vector<PartId> parts;
-  for (std::size_t i = 0; i < step.at("parts").size(); ++i) {
-    Json each = Json::object();
-    each["part"] = step.at("parts").at(i);
-    parts.push_back(part(each, scene));
-  }
+  for (std::size_t i = 0; i < step.at("parts").size(); ++i)
+    parts.push_back(namedPart(step.at("parts").at(i), "parts", scene));
   return parts;
 }
 

@@ -40,8 +40,12 @@ void Presentations::handle(const Presentation& message) {
   Presentation& known = others_[message.site];
   const Presentation before = known;
   known = message;
-  if (message.shares != Shares::nothing && (before.shares != message.shares)) {
+  if (message.shares != Shares::nothing && before.shares != message.shares) {
+    // What goes on after an outage is nothing new: who did not follow it does not follow it now.
+    const bool goesOn = message.site == interrupted_.site && message.shares == interrupted_.shares;
+    interrupted_ = {};
     sharer_ = message.site;
+    if (goesOn) return;
     ++begun_;
   } else if (message.shares == Shares::nothing && sharer_ == message.site) {
     sharer_ = kNoSite;
@@ -95,6 +99,7 @@ void Presentations::enter() {
 
 /// Without a server nobody is known to show anything.
 void Presentations::connectionLost() {
+  if (sharer_ != kNoSite) interrupted_ = others_.at(sharer_);
   others_.clear();
   sharer_ = kNoSite;
 }

@@ -58,6 +58,7 @@ class Presentations {
   MessageSender& sender_;
   std::map<SiteId, sync::Presentation> others_;
   SiteId sharer_ = kNoSite;
+  sync::Presentation interrupted_;  // what was shared when the connection was lost
   std::uint32_t begun_ = 0, ended_ = 0;
   sync::Presentation own_;
   std::optional<sync::Presentation> sent_;   // on this connection

@@ -193,4 +193,27 @@ void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& la
   addOwnHands(model, batch, labels);
 }
 
+void includePeople(const ViewModel& model, assets::Bounds& bounds) {
+  if (!(bounds.min.x <= bounds.max.x)) return;
+  const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
+  const double reach = glm::length(bounds.max - bounds.min);
+  const auto include = [&](const glm::dvec3& tip) {
+    if (!(glm::length(tip - centre) < reach)) return;
+    bounds.min = glm::min(bounds.min, tip);
+    bounds.max = glm::max(bounds.max, tip);
+  };
+  if (model.hand.present && model.hand.valid) include(model.hand.worldFromProxy.position);
+  for (const SiteView& site : model.sites)
+    if (site.seen && !site.self && site.info.connected && site.info.role != sync::Role::observer)
+      include(site.presence.worldFromTool.position);
+}
+
+Label nameAt(const ViewModel& model, PartId part, const glm::dvec3& place) {
+  constexpr glm::vec3 kFixedColour(0.42f, 0.46f, 0.51f);
+  constexpr glm::dvec2 kBesideCursor(14.0, 18.0);  // pixels
+  const assets::Part& shown = model.scene->parts[part];
+  if (shown.movable) return {place, kBesideCursor, selfColour(model), shown.name};
+  return {place, kBesideCursor, kFixedColour, shown.name + " (fixed)"};
+}
+
 }  // namespace tandem::client

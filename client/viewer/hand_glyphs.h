@@ -21,4 +21,10 @@ struct Label {
 /// Adds everything that stands for people to the batch, and its labels to `labels`.
 void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
 
+/// Extends the bounds of all parts by the tips of styli, except those far away from all parts.
+void includePeople(const ViewModel& model, assets::Bounds& bounds);
+
+/// The name of a part at a place on it.
+Label nameAt(const ViewModel& model, PartId part, const glm::dvec3& place);
+
 }  // namespace tandem::client

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <utility>
 
 #include "client/viewer/colours.h"
 
@@ -115,6 +116,9 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   ImGui::Begin("##session", nullptr, kFixed);
   if (!context.model.replay) drawZeroForce(context);
   section(context, "People", drawPeople);
+  ChatUi& chat = context.ui.chat;
+  if (!context.model.chat.empty() && !std::exchange(chat.opened, true)) ImGui::SetNextItemOpen(true);
+  if (!context.model.replay && context.model.sites.size() > 1) section(context, "Chat", drawChat, false);
   if (context.model.role != sync::Role::observer) section(context, "Hand", drawHand);
   if (context.model.scene && !context.model.scene->controls.empty())
     section(context, "Controls", drawControls);
@@ -180,6 +184,10 @@ void drawStatus(const PanelContext& context, const Rect& rect) {
   ImGui::SameLine(0.0f, 4.0f);
   ImGui::TextUnformatted(model.replay ? "replay" : model.connection.status.c_str());
   model.replay ? drawFollowed(context) : drawOwnHand(context);
+  if (const std::string sharing = sharingInWords(model, context.ui.shared); !sharing.empty()) {
+    separatorDot();
+    ImGui::TextUnformatted(sharing.c_str());
+  }
   char refining[48] = "", right[96] = "F1 help";
   if (model.loop.refined < 1.0)
     std::snprintf(refining, sizeof refining, "contact is refined: %.0f %%     ", 100.0 * model.loop.refined);
@@ -327,6 +335,7 @@ void drawHelp(const PanelContext& context) {
       {"I", "show the selected part alone"},
       {"T", "transparent"},
       {"Esc", "select nothing, no clash, stop following"},
+      {"X, held", "point: the others see the place under the mouse"},
       {nullptr, "Notes and measures"},
       {"N", "write a note at the place under the mouse"},
       {"Ctrl + Z   Ctrl + Y", "undo, redo what you wrote"},

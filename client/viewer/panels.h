@@ -60,6 +60,10 @@ Rect drawPanels(const PanelContext& context, PartTree& tree, const glm::dvec2& w
 
 // The sections of the right panel.
 void drawPeople(const PanelContext& context);
+/// Who shares a view or sections, whether that is followed, and buttons for both.
+void drawSharing(const PanelContext& context);
+/// What people say, and a line to write in.
+void drawChat(const PanelContext& context);
 /// The scene's controls with their values; a permitted role may set them.
 void drawControls(const PanelContext& context);
 /// The list of clashes with the inputs of the search; requests the search when it is drawn for the first

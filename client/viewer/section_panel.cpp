@@ -91,6 +91,9 @@ void drawObliques(const PanelContext& context, const assets::Bounds& bounds) {
 }  // namespace
 
 void drawSections(const PanelContext& context) {
+  const bool followed = context.ui.shared.following().followsSections();
+  if (followed) ImGui::TextColored(theme::kMuted, "Another's: your own come back after.");
+  ImGui::BeginDisabled(followed);
   const assets::Bounds& bounds = context.model.scene->bounds;
   static constexpr const char* kBeyond[] = {"Beyond x", "Beyond y", "Beyond z"};
   static constexpr const char* kBefore[] = {"Before x", "Before y", "Before z"};
@@ -105,6 +108,7 @@ void drawSections(const PanelContext& context) {
   drawObliques(context, bounds);
   ImGui::TextColored(theme::kMuted, "What is cut away is not felt.");
   if (context.ui.sections.any() && ImGui::SmallButton("All off")) context.ui.sections = {};
+  ImGui::EndDisabled();
 }
 
 }  // namespace tandem::client

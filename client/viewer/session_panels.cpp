@@ -187,6 +187,7 @@ std::string activityOf(const ViewModel& model, const SiteView& site) {
 void drawPeople(const PanelContext& context) {
   if (context.model.sites.empty()) ImGui::TextDisabled("Nobody else: this is a local scene");
   for (const SiteView& site : context.model.sites) drawPerson(context, site);
+  drawSharing(context);
 }
 
 void drawHand(const PanelContext& context) {

@@ -11,6 +11,7 @@
 #include "client/viewer/note_list.h"
 #include "client/viewer/part_display.h"
 #include "client/viewer/section_set.h"
+#include "client/viewer/shared_view.h"
 #include "client/viewer/verdict_list.h"
 
 namespace tandem::client {
@@ -24,12 +25,15 @@ struct UiState {
   NoteUi notes;
   MeasureUi measures;
   SectionSet sections;
+  SharedView shared;
+  ChatUi chat;
   bool showPanels = true;
   bool showHelp = false;
   bool showEdges = true;
   bool followSurface = true;
   SiteId following = kNoSite;              // whose camera this one follows
   std::optional<std::vector<PartId>> fit;  // parts to fit the view to in this frame; empty = all visible ones
+  bool fitFlies = false;                   // the camera flies there
   std::array<char, 128> search{};
 };
 

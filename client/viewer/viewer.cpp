@@ -31,15 +31,6 @@
 namespace tandem::client {
 namespace {
 
-/// The name of a part at a place on it.
-Label nameAt(const ViewModel& model, PartId part, const glm::dvec3& place) {
-  constexpr glm::vec3 kFixedColour(0.42f, 0.46f, 0.51f);
-  constexpr glm::dvec2 kBesideCursor(14.0, 18.0);  // pixels
-  const assets::Part& shown = model.scene->parts[part];
-  if (shown.movable) return {place, kBesideCursor, selfColour(model), shown.name};
-  return {place, kBesideCursor, kFixedColour, shown.name + " (fixed)"};
-}
-
 class SceneViewer final : public Viewer {
  public:
   static Result<std::unique_ptr<Viewer>> make(const assets::Scene& scene, const ViewerOptions& options,
@@ -86,6 +77,8 @@ class SceneViewer final : public Viewer {
         sceneBounds_(scene.bounds) {
     camera_ = fitView(sceneBounds_, 1.0);
     ui_.sections = options_.sections;
+    ui_.shared = SharedView(options_.follows);
+    ui_.shared.shares = options_.shares;
   }
 
   void keys(const ViewModel& model, const Input& input, ViewActions& actions);
@@ -106,10 +99,12 @@ class SceneViewer final : public Viewer {
   void flyToNote(const ViewModel& model);
   std::optional<Camera> cameraOf(const ViewModel& model, const document::Entry& entry) const;
   void keepView(ViewActions& actions);
+  void showOthers(const ViewModel& model, const Input& input, ViewActions& actions);
   View currentView(const ViewModel& model) const;
   void addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
+  SharedView::Window window() { return {ui_.sections, ui_.parts, ui_.following}; }
   glm::dvec3 middle() const { return 0.5 * (sceneBounds_.min + sceneBounds_.max); }
 
   ViewerOptions options_;
@@ -141,6 +136,14 @@ glm::dvec2 SceneViewer::pixelScale() const {
   return glm::dvec2(surface_->framebufferSize()) / glm::max(glm::dvec2(surface_->size()), glm::dvec2(1.0));
 }
 
+/// Says what the others may see of this window.
+void SceneViewer::showOthers(const ViewModel& model, const Input& input, ViewActions& actions) {
+  ui_.shared.pointing = input.keysDown[GLFW_KEY_X] && !ImGui::GetIO().WantTextInput;
+  const PartId part = underCursor_ && drag_ == Drag::none ? underCursor_->part : kNoPart;
+  actions.shown = ui_.shared.shown(model, ui_.sections, ui_.parts, part,
+                                   underCursor_ ? underCursor_->point : glm::dvec3(0.0));
+}
+
 View SceneViewer::currentView(const ViewModel& model) const {
   Sphere content{0.5 * (sceneBounds_.min + sceneBounds_.max), 0.0};
   content.radius = renderer_->reachFrom(content.centre, model.worldFromPart);
@@ -160,22 +163,6 @@ View SceneViewer::currentView(const ViewModel& model) const {
   return makeView(camera_, viewport_.size(), content);
 }
 
-/// Extends the bounds of all parts by the tips of styli, except those far away from all parts.
-void includePeople(const ViewModel& model, assets::Bounds& bounds) {
-  if (!(bounds.min.x <= bounds.max.x)) return;
-  const glm::dvec3 centre = 0.5 * (bounds.min + bounds.max);
-  const double reach = glm::length(bounds.max - bounds.min);
-  const auto include = [&](const glm::dvec3& tip) {
-    if (!(glm::length(tip - centre) < reach)) return;
-    bounds.min = glm::min(bounds.min, tip);
-    bounds.max = glm::max(bounds.max, tip);
-  };
-  if (model.hand.present && model.hand.valid) include(model.hand.worldFromProxy.position);
-  for (const SiteView& site : model.sites)
-    if (site.seen && !site.self && site.info.connected && site.info.role != sync::Role::observer)
-      include(site.presence.worldFromTool.position);
-}
-
 void SceneViewer::fit(const ViewModel& model) {
   ASSERT(ui_.fit.has_value());
   std::vector<PartId> parts = *ui_.fit;
@@ -187,7 +174,11 @@ void SceneViewer::fit(const ViewModel& model) {
   const glm::dvec2 size = viewport_.size();
   assets::Bounds bounds = renderer_->bounds(model.worldFromPart, parts);
   if (everything) includePeople(model, bounds);
-  camera_ = fitFrom(camera_, bounds, size.x / std::max(size.y, 1.0));
+  const Camera goal = fitFrom(camera_, bounds, size.x / std::max(size.y, 1.0));
+  if (std::exchange(ui_.fitFlies, false))
+    flight_.start(camera_, goal);
+  else
+    camera_ = goal;
   ui_.following = kNoSite;
 }
 
@@ -283,9 +274,10 @@ void SceneViewer::steerCamera(const ViewModel& model, double dt) {
   if (!started_ && camera_.distance == fitView(sceneBounds_, 1.0).distance)
     camera_ = fitFrom(camera_, sceneBounds_, viewport_.size().x / std::max(viewport_.size().y, 1.0));
   if (ui_.fit) {
-    fit(model);
     flight_.stop();
+    fit(model);
   }
+  ui_.shared.follow(model, window());
   follow(model);
   chooseClash(model);
   flyToClash(model);
@@ -367,6 +359,7 @@ void SceneViewer::flyToNote(const ViewModel& model) {
   const std::optional<Camera> goal = entry != nullptr ? cameraOf(model, *entry) : std::nullopt;
   if (!goal) return;
   if (!notes.back) notes.back = NoteBack{camera_, {}, {}};
+  if (std::holds_alternative<document::NamedView>(entry->body)) ui_.shared.stop(window());
   if (const auto* view = std::get_if<document::NamedView>(&entry->body)) {
     if (!notes.back->sections) {
       notes.back->sections = ui_.sections;
@@ -489,8 +482,10 @@ void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vect
   addNotes(model, ui_.notes, batch, labels);
   addMeasures(model, ui_.measures, batch, labels);
   addFields(model, batch);
-  if (options_.panels) sectionHandles_.draw(ui_.sections, middle(), batch);
+  if (options_.panels && !ui_.shared.following().followsSections())
+    sectionHandles_.draw(ui_.sections, middle(), batch);
   addPeople(model, batch, labels);
+  addPoints(model, batch, labels);
 }
 
 ViewActions SceneViewer::frame(const ViewModel& model) {
@@ -518,7 +513,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   const glm::dvec2 cursor = input.cursor - viewport_.min;
   bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
   View view = currentView(model);
-  if (drag_ == Drag::none &&
+  if (drag_ == Drag::none && !ui_.shared.following().followsSections() &&
       sectionHandles_.update(view, input, cursor, cursorInView, middle(), ui_.sections)) {
     input.pressed[0] = cursorInView = false;  // the mouse is the handle's
   }
@@ -543,6 +538,7 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
   addGlyphs(model, batch, labels);
+  showOthers(model, input, actions);
   drawLabels(view, viewport_, labels, context);
   if (options_.panels) {
     drawNotices(context, viewport_);

@@ -14,9 +14,11 @@ namespace tandem::client {
 struct ViewerOptions {
   std::string title = "Tandem";
   int width = 1440, height = 900;
-  bool panels = true;           // false: the scene alone
-  bool stylusFromMouse = true;  // no hardware device: mouse and keyboard move the stylus
-  SectionSet sections{};        // how the scene is cut open at first, for this person alone
+  bool panels = true;                           // false: the scene alone
+  bool stylusFromMouse = true;                  // no hardware device: mouse and keyboard move the stylus
+  SectionSet sections{};                        // how the scene is cut open at first, for this person alone
+  bool follows = true;                          // what others share is followed
+  sync::Shares shares = sync::Shares::nothing;  // by this person, at first
 };
 
 class Viewer {

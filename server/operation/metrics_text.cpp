@@ -115,6 +115,7 @@ void writeRelayed(Text& text, const SessionCounters& counts) {
   text.sample(label("kind", "update"), counts.relayedUpdates);
   text.sample(label("kind", "part"), counts.relayedParts);
   text.sample(label("kind", "link"), counts.relayedLinks);
+  text.sample(label("kind", "presentation"), counts.relayedPresentations);
 }
 
 void writeDrops(Text& text, const SessionCounters& counts, const sync::TransportCounters& transport) {

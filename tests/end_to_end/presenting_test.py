@@ -12,7 +12,7 @@ import sys
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "server"))
 from server_process import Server, run, wait_for  # noqa: E402
 
-PART = "peg"
+PART = "peg_0.5"
 
 
 class Visitor:

@@ -250,6 +250,15 @@ TEST_F(SharedViews, GoOnAfterAnOutageOfTheServer) {
   start();
   settle(5 * kSecond);
   EXPECT_EQ(ben.view.sections(ben.model).at(0).point.x, 0.01);
+  ben.view.perform(step(Verb::follow), ben.model);
+  settle();
+  EXPECT_TRUE(ben.view.sections(ben.model).empty());
+  crash();
+  settle(3 * kSecond);
+  start();
+  settle(5 * kSecond);
+  EXPECT_EQ(ben.model.presenting.shared.shares, Shares::sections);
+  EXPECT_EQ(ben.model.presenting.begun, 1u) << "what goes on is nothing new";
 }
 
 TEST_F(SharedViews, WhatIsSaidIsHeardByAllWithItsLinks) {

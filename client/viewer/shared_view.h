@@ -1,0 +1,74 @@
+#pragma once
+
+// What the person in a window shows the others, and what of theirs is followed here: sections, or a whole
+// view (camera, sections, hidden parts, selection). What is followed stands in the window's own state; how
+// that was before is kept, and comes back when the following ends.
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "client/session/presenting_view.h"
+#include "client/viewer/glyphs.h"
+#include "client/viewer/hand_glyphs.h"
+#include "client/viewer/part_display.h"
+#include "client/viewer/section_set.h"
+#include "sync/wire/limits.h"
+
+namespace tandem::client {
+
+class SharedView {
+ public:
+  explicit SharedView(bool follows = true) : following_(follows) {}
+
+  sync::Shares shares = sync::Shares::nothing;  // what this person shares
+  bool pointing = false;                        // the person points at what is under the cursor
+
+  /// What a window has that a view changes.
+  struct Window {
+    SectionSet& sections;
+    PartDisplay& parts;
+    SiteId& camera;  // the site whose camera this one follows; the person's own moves set it to none
+  };
+  /// Follows what another shares, or ends that. Once a frame, after the person's input and before the camera
+  /// is moved.
+  void follow(const ViewModel& model, Window window);
+  const Following& following() const { return following_; }
+  void setFollows(bool follows) { following_.follow(follows); }
+  /// Ends that at once, before something else changes the window.
+  void stop(Window window);
+
+  /// What the others are shown. `under`: the place under the cursor, world; `part`: whose that is.
+  sync::Presentation shown(const ViewModel& model, const SectionSet& sections, const PartDisplay& parts,
+                           PartId part, const glm::dvec3& under) const;
+
+ private:
+  struct Kept {
+    SectionSet sections;
+    std::optional<PartDisplay> parts;  // of a view that changed them
+  };
+  void takeOver(const PresentingView& presenting, Window window);
+  void giveBack(Window window);
+
+  Following following_;
+  std::optional<Kept> own_;    // as it was before it was followed
+  SiteId leader_ = kNoSite;    // whose view is followed
+  PartId selected_ = kNoPart;  // by the leader, when it was taken over last
+  std::uint32_t ended_ = 0;
+};
+
+/// What the person is writing to all.
+struct ChatUi {
+  std::array<char, sync::kMaxSayLength + 1> text{};
+  bool opened = false;      // the list was opened for its first line
+  std::uint64_t lines = 0;  // the number of the last one that was drawn
+};
+
+/// "Ada presents: you follow"; empty if nobody shares anything.
+std::string sharingInWords(const ViewModel& model, const SharedView& shared);
+/// Adds a mark and the name of each other person who points at a place.
+void addPoints(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels);
+
+}  // namespace tandem::client
