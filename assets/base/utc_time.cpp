@@ -50,6 +50,11 @@ class Scanner {
 
 }  // namespace
 
+std::int64_t systemUnixTime() {
+  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
 std::string utcText(std::int64_t unix) {
   namespace chrono = std::chrono;
   const std::int64_t time = std::clamp(unix, kFirst, kLast);

@@ -8,6 +8,9 @@
 
 namespace tandem {
 
+/// The time now: Unix time, s.
+std::int64_t systemUnixTime();
+
 /// "2026-03-09T14:05:00Z". `unix`: Unix time, s; what lies outside of the years 1 to 9999 is moved to their
 /// ends.
 std::string utcText(std::int64_t unix);

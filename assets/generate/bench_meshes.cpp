@@ -4,19 +4,18 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <random>
 #include <string>
 #include <utility>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "assets/mesh/mesh_analysis.h"
 
 namespace tandem::generate {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kPressureAngle = kPi / 9.0;
 constexpr double kModule = 2.0 * kGearPitchRadius / kGearTeeth;
 constexpr double kTipRadius = kGearPitchRadius + kModule;

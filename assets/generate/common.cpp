@@ -4,7 +4,7 @@ namespace tandem::generate {
 
 SampleShape benchTop(const glm::dvec2& size) {
   SampleShape shape{"bench", {}, {kBench}, kFeelWood};
-  const double bevel = 2.0 * kMillimetre, thickness = 18.0 * kMillimetre, radius = 20.0 * kMillimetre;
+  const double bevel = 2.0 * mm, thickness = 18.0 * mm, radius = 20.0 * mm;
   const Loop rim = roundedRectangle(size, radius, 8);
   const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * bevel), radius - bevel, 8);
   shape.solid.cap(inner, {}, -thickness, Facing::down);
@@ -18,7 +18,7 @@ SampleShape benchTop(const glm::dvec2& size) {
 SampleShape block(const std::string& name, const glm::dvec2& size, double height, AppearanceId appearance,
                   std::size_t feel) {
   SampleShape shape{name, {}, {appearance}, feel};
-  const double bevel = 1.0 * kMillimetre, corner = 3.0 * kMillimetre;
+  const double bevel = 1.0 * mm, corner = 3.0 * mm;
   Solid& s = shape.solid;
   const Loop rim = roundedRectangle(size, corner, 6);
   const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * bevel), corner - bevel, 6);

@@ -6,7 +6,7 @@
 
 namespace tandem::generate {
 
-inline constexpr double kMillimetre = 1e-3;
+inline constexpr double mm = 1e-3;
 
 /// Indices of commonAppearances().
 enum AppearanceId : std::size_t {
@@ -54,6 +54,6 @@ SampleShape block(const std::string& name, const glm::dvec2& size, double height
                   std::size_t feel);
 
 /// Gap in m between the bench and what stands on it, so that nothing touches at rest.
-inline constexpr double kRestGap = 0.2 * kMillimetre;
+inline constexpr double kRestGap = 0.2 * mm;
 
 }  // namespace tandem::generate

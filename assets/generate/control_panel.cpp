@@ -7,7 +7,6 @@
 namespace tandem::generate {
 namespace {
 
-constexpr double mm = kMillimetre;
 constexpr double kPlateTop = 20.0 * mm;
 
 /// A solid of revolution with bevelled edges.

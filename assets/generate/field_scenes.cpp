@@ -1,17 +1,14 @@
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
+#include "assets/base/constants.h"
 #include "assets/generate/common.h"
 
 // Scenes with forces without contact: bodies that attract the hand, and a path that guides it.
 
 namespace tandem::generate {
 namespace {
-
-constexpr double mm = kMillimetre;
-constexpr double kPi = std::numbers::pi;
 
 SampleShape ball(const std::string& name, double radius, AppearanceId appearance, FeelId feel) {
   SampleShape shape{name, {}, {appearance}, feel};
@@ -44,7 +41,7 @@ const Body kBodies[] = {
     {"jupiter", 18.0 * mm, 1.8, {150.0 * mm, 120.0 * mm, 60.0 * mm}, kUsedPaper, true},
 };
 
-constexpr double kPlate = 10.0 * mm, kHole = 9.0 * mm;
+constexpr double kPlate = 10.0 * mm, kPlateHole = 9.0 * mm;
 
 /// A plate in the x-z plane with one hole through which the path goes.
 SampleShape plate() {
@@ -54,7 +51,7 @@ SampleShape plate() {
   const glm::dvec2 size(160.0 * mm, 100.0 * mm);
   const Loop rim = roundedRectangle(size, 8.0 * mm, 8);
   const Loop inner = roundedRectangle(size - glm::dvec2(2.0 * edge), 7.0 * mm, 8);
-  const Loop hole = circleAround(kHole, 64), mouth = circleAround(kHole + edge, 64);
+  const Loop hole = circleAround(kPlateHole, 64), mouth = circleAround(kPlateHole + edge, 64);
   s.paint(1);
   s.band(mouth, kPlate, hole, kPlate - edge);
   s.band(hole, kPlate - edge, hole, edge);

@@ -5,8 +5,7 @@
 namespace tandem::generate {
 namespace {
 
-constexpr double mm = kMillimetre;
-constexpr int kRound = 96;
+constexpr int kSegments = 96;
 constexpr double kFloor = 14.0 * mm, kRim = 150.0 * mm;
 constexpr double kBoreRadius = 44.0 * mm, kRimRadius = 60.0 * mm;
 constexpr double kRingRadius = 51.0 * mm,
@@ -17,15 +16,16 @@ SampleShape bowl() {
   SampleShape shape{"filter_bowl", {}, {kPaint, kMachined}, kFeelAluminium};
   Solid& s = shape.solid;
   const auto feet = boltCircle(65.0 * mm, 4, M_PI / 4.0);
-  std::vector<Loop> below, above{circle(54.0 * mm, kRound)};
+  std::vector<Loop> below, above{circle(54.0 * mm, kSegments)};
   for (const glm::dvec2& foot : feet) {
     s.revolve({{4.5 * mm, 8.0 * mm}, {4.5 * mm, 0.0}}, 24, foot);
     below.push_back(circle(4.5 * mm, 24, foot));
     above.push_back(circle(4.5 * mm, 24, foot));
   }
-  s.cap(circle(75.0 * mm, kRound), below, 0.0, Facing::down);
-  s.revolve({{75.0 * mm, 0.0}, {76.0 * mm, 1.0 * mm}, {76.0 * mm, 7.0 * mm}, {75.0 * mm, 8.0 * mm}}, kRound);
-  s.cap(circle(75.0 * mm, kRound), above, 8.0 * mm, Facing::up);
+  s.cap(circle(75.0 * mm, kSegments), below, 0.0, Facing::down);
+  s.revolve({{75.0 * mm, 0.0}, {76.0 * mm, 1.0 * mm}, {76.0 * mm, 7.0 * mm}, {75.0 * mm, 8.0 * mm}},
+            kSegments);
+  s.cap(circle(75.0 * mm, kSegments), above, 8.0 * mm, Facing::up);
   s.revolve({{54.0 * mm, 8.0 * mm},
              {51.2 * mm, 9.2 * mm},
              {50.0 * mm, 12.0 * mm},
@@ -35,7 +35,7 @@ SampleShape bowl() {
              {kRimRadius, 139.0 * mm},
              {kRimRadius, kRim - 1.0 * mm},
              {kRimRadius - 1.0 * mm, kRim}},
-            kRound);
+            kSegments);
   s.paint(1);
   s.revolve({{kRimRadius - 1.0 * mm, kRim},
              {53.0 * mm, kRim},
@@ -50,7 +50,7 @@ SampleShape bowl() {
              {11.8 * mm, kFloor + 16.0 * mm},
              {9.8 * mm, kFloor + 20.0 * mm},
              {0.0, kFloor + 20.0 * mm}},
-            kRound);
+            kSegments);
   return shape;
 }
 
@@ -61,7 +61,7 @@ SampleShape oRing() {
     const double turn = 2.0 * M_PI * (i % 16) / 16;
     section.push_back({kRingRadius + kRingSection * std::cos(turn), kRingSection * (1.0 + std::sin(turn))});
   }
-  shape.solid.revolve(section, kRound);
+  shape.solid.revolve(section, kSegments);
   return shape;
 }
 
@@ -83,16 +83,16 @@ SampleShape cartridge(const char* name, AppearanceId paper, AppearanceId ends) {
              {radius, edge},
              {radius, disc - edge},
              {radius - edge, disc}},
-            kRound);
-  s.cap(circle(radius - edge, kRound), {pleats}, disc, Facing::up);
-  s.cap(circle(radius - edge, kRound), {pleats}, height - disc, Facing::down);
+            kSegments);
+  s.cap(circle(radius - edge, kSegments), {pleats}, disc, Facing::up);
+  s.cap(circle(radius - edge, kSegments), {pleats}, height - disc, Facing::down);
   s.revolve({{radius - edge, height - disc},
              {radius, height - disc + edge},
              {radius, height - edge},
              {radius - edge, height},
              {bore + edge, height},
              {bore, height - edge}},
-            kRound);
+            kSegments);
   s.paint(1);
   s.band(pleats, disc, pleats, height - disc);
   return shape;
@@ -114,8 +114,8 @@ SampleShape cap() {
   };
   const Loop rim = scalloped(63.0 * mm), inner = scalloped(63.0 * mm - bevel), hex = hexagon(flats, 4);
   const Loop hexTop = hexagon(flats - 2.0 * bevel, 4);
-  s.revolve({{0.0, -9.0 * mm}, {42.8 * mm, -9.0 * mm}, {43.8 * mm, -8.0 * mm}, {43.8 * mm, 0.0}}, kRound);
-  s.cap(inner, {circle(43.8 * mm, kRound)}, 0.0, Facing::down);
+  s.revolve({{0.0, -9.0 * mm}, {42.8 * mm, -9.0 * mm}, {43.8 * mm, -8.0 * mm}, {43.8 * mm, 0.0}}, kSegments);
+  s.cap(inner, {circle(43.8 * mm, kSegments)}, 0.0, Facing::down);
   s.band(inner, 0.0, rim, bevel);
   s.band(rim, bevel, rim, top - bevel);
   s.band(rim, top - bevel, inner, top);

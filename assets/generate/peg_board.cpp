@@ -5,7 +5,6 @@
 namespace tandem::generate {
 namespace {
 
-constexpr double mm = kMillimetre;
 constexpr double kHoleRadius = 10.0 * mm;
 constexpr double kChamfer = 1.0 * mm;
 constexpr double kBoardThickness = 30.0 * mm;

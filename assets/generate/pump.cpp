@@ -6,7 +6,6 @@
 namespace tandem::generate {
 namespace {
 
-constexpr double mm = kMillimetre;
 constexpr int kRound = 96;  // segments of large circles
 constexpr int kHole = 24;   // of bolt holes
 constexpr int kBolts = 6;

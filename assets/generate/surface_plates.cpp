@@ -1,9 +1,9 @@
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "assets/base/constants.h"
 #include "assets/generate/common.h"
 
 // Plates side by side, one for each surface effect.
@@ -14,10 +14,8 @@ namespace {
 using assets::Surface;
 using Pattern = assets::SurfaceTexture::Pattern;
 
-constexpr double mm = kMillimetre;
-constexpr double kSide = 36.0 * mm, kHeight = 6.0 * mm, kPitch = 48.0 * mm;
+constexpr double kSide = 36.0 * mm, kHeight = 6.0 * mm, kPlatePitch = 48.0 * mm;
 constexpr int kColumns = 6;
-constexpr double kPi = std::numbers::pi;
 
 /// One plate or dome.
 struct Sample {
@@ -156,7 +154,8 @@ SampleScene makeSurfaces() {
     scene.shapes.push_back(std::move(shape));
     const int column = static_cast<int>(i) % kColumns, row = static_cast<int>(i) / kColumns;
     scene.parts.push_back({sample.feel.name, scene.shapes.size() - 1,
-                           glm::dvec3((column - 2.5) * kPitch, kRestGap, (row - 1.0) * kPitch), false});
+                           glm::dvec3((column - 2.5) * kPlatePitch, kRestGap, (row - 1.0) * kPlatePitch),
+                           false});
   }
   return scene;
 }

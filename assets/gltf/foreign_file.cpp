@@ -8,42 +8,42 @@
 namespace tandem::assets {
 namespace {
 
-enum class Kind { model, importable, page, pointer, archive, document };
+enum class FileKind { model, importable, page, pointer, archive, document };
 
 struct Known {
   const char* mark;  // the first bytes, or the end of the name
   const char* what;
-  Kind kind;
+  FileKind kind;
 };
 
 constexpr Known kBeginnings[] = {
-    {"ISO-10303-21", "a STEP file", Kind::importable},
-    {"solid ", "an STL file", Kind::importable},
-    {"Kaydara FBX Binary", "an FBX file", Kind::model},
-    {"; FBX", "an FBX file", Kind::model},
-    {"#usda", "a USD file", Kind::model},
-    {"PXR-USDC", "a USD file", Kind::model},
-    {"ply\n", "a PLY file", Kind::importable},
-    {"ply\r", "a PLY file", Kind::importable},
-    {"AutoCAD", "a DXF file", Kind::model},
-    {"version https://git-lfs", "a Git LFS pointer, not the file itself", Kind::pointer},
-    {"<!doctype html", "a web page", Kind::page},
-    {"<html", "a web page", Kind::page},
-    {"\x1f\x8b", "a gzip archive", Kind::archive},
-    {"7z\xbc\xaf", "a 7z archive", Kind::archive},
-    {"Rar!", "a RAR archive", Kind::archive},
-    {"%PDF", "a PDF document", Kind::document},
-    {"\x89PNG", "a picture", Kind::document},
-    {"\xff\xd8\xff", "a picture", Kind::document},
+    {"ISO-10303-21", "a STEP file", FileKind::importable},
+    {"solid ", "an STL file", FileKind::importable},
+    {"Kaydara FBX Binary", "an FBX file", FileKind::model},
+    {"; FBX", "an FBX file", FileKind::model},
+    {"#usda", "a USD file", FileKind::model},
+    {"PXR-USDC", "a USD file", FileKind::model},
+    {"ply\n", "a PLY file", FileKind::importable},
+    {"ply\r", "a PLY file", FileKind::importable},
+    {"AutoCAD", "a DXF file", FileKind::model},
+    {"version https://git-lfs", "a Git LFS pointer, not the file itself", FileKind::pointer},
+    {"<!doctype html", "a web page", FileKind::page},
+    {"<html", "a web page", FileKind::page},
+    {"\x1f\x8b", "a gzip archive", FileKind::archive},
+    {"7z\xbc\xaf", "a 7z archive", FileKind::archive},
+    {"Rar!", "a RAR archive", FileKind::archive},
+    {"%PDF", "a PDF document", FileKind::document},
+    {"\x89PNG", "a picture", FileKind::document},
+    {"\xff\xd8\xff", "a picture", FileKind::document},
 };
 
 constexpr Known kEndings[] = {
-    {".step", "a STEP file", Kind::importable}, {".stp", "a STEP file", Kind::importable},
-    {".iges", "an IGES file", Kind::model},     {".igs", "an IGES file", Kind::model},
-    {".stl", "an STL file", Kind::importable},  {".obj", "an OBJ file", Kind::importable},
-    {".fbx", "an FBX file", Kind::model},       {".dae", "a COLLADA file", Kind::model},
-    {".usd", "a USD file", Kind::model},        {".usdz", "a USD file", Kind::model},
-    {".3mf", "a 3MF file", Kind::model},        {".ply", "a PLY file", Kind::importable},
+    {".step", "a STEP file", FileKind::importable}, {".stp", "a STEP file", FileKind::importable},
+    {".iges", "an IGES file", FileKind::model},     {".igs", "an IGES file", FileKind::model},
+    {".stl", "an STL file", FileKind::importable},  {".obj", "an OBJ file", FileKind::importable},
+    {".fbx", "an FBX file", FileKind::model},       {".dae", "a COLLADA file", FileKind::model},
+    {".usd", "a USD file", FileKind::model},        {".usdz", "a USD file", FileKind::model},
+    {".3mf", "a 3MF file", FileKind::model},        {".ply", "a PLY file", FileKind::importable},
 };
 
 /// The file's text without a leading byte-order mark and white space.
@@ -65,17 +65,17 @@ bool begins(std::string_view text, std::string_view with) {
 std::string sentence(const Known& known) {
   const std::string what = std::string("this is ") + known.what;
   switch (known.kind) {
-    case Kind::page:
+    case FileKind::page:
       return what + ", perhaps in place of a download that failed; Tandem reads glTF (.glb, .gltf)";
-    case Kind::pointer:
+    case FileKind::pointer:
       return what + ": fetch that with git lfs pull";
-    case Kind::archive:
+    case FileKind::archive:
       return what + ": unpack it first";
-    case Kind::document:
+    case FileKind::document:
       return what + "; Tandem reads glTF (.glb, .gltf)";
-    case Kind::importable:
+    case FileKind::importable:
       return what + "; Tandem reads glTF (.glb, .gltf): tandem-import makes that of it";
-    case Kind::model:
+    case FileKind::model:
       break;
   }
   return what + "; Tandem reads glTF (.glb, .gltf): export it as that from your CAD program or FreeCAD";
@@ -92,7 +92,7 @@ std::optional<std::string> foreignFile(const std::string& path, std::span<const 
   for (const Known& known : kEndings)
     if (ending.size() == std::string_view(known.mark).size() && begins(ending, known.mark))
       return sentence(known);
-  if (begins(text, "PK\x03\x04")) return sentence({"", "a ZIP archive", Kind::archive});
+  if (begins(text, "PK\x03\x04")) return sentence({"", "a ZIP archive", FileKind::archive});
   return "this is neither binary glTF (.glb) nor JSON (.gltf)";
 }
 

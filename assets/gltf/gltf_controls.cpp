@@ -3,20 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <optional>
 
 #include <glm/geometric.hpp>
 
 #include "assets/base/affine.h"
+#include "assets/base/constants.h"
 #include "assets/gltf/gltf_json.h"
 #include "assets/scene/describe.h"
 #include "assets/scene/value_ranges.h"
 
 namespace tandem::assets {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The shortest rotation from X to a unit direction.
 glm::dquat fromX(const glm::dvec3& direction) {

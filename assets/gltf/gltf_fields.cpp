@@ -18,7 +18,7 @@
 namespace tandem::assets {
 namespace {
 
-using Kind = ForceField::Kind;
+using FieldKind = ForceField::Kind;
 
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 // Tolerance of a node's even scale: the precision of single-precision matrices.
@@ -71,10 +71,10 @@ class FieldReader {
     known_.insert(known_.end(), names.begin(), names.end());
   }
 
-  Kind readKind() const {
+  FieldKind readKind() const {
     const std::string kind = json_.text("kind", "");
     const auto* known = std::find(std::begin(kFieldNames), std::end(kFieldNames), kind);
-    if (known != std::end(kFieldNames)) return static_cast<Kind>(known - std::begin(kFieldNames));
+    if (known != std::end(kFieldNames)) return static_cast<FieldKind>(known - std::begin(kFieldNames));
     if (kind == "inertia" || kind == "acceleration" || kind == "mass")
       json_.fail("kind",
                  '\'' + kind +
@@ -109,28 +109,28 @@ class FieldReader {
 
   void readLaw() {
     switch (field_.kind) {
-      case Kind::constant:
+      case FieldKind::constant:
         know({"force"});
         return readForce();
-      case Kind::waveform:
+      case FieldKind::waveform:
         know({"force", "waveform"});
         readForce();
         return readWaveform();
-      case Kind::spring:
+      case FieldKind::spring:
         know({"to", "axis", "oneSided", "points", "closed", "curve", "stiffness", "damping", "radius",
               "range", "fade"});
         return readSpring();
-      case Kind::guide:
+      case FieldKind::guide:
         know({"points", "closed", "curve", "stiffness", "damping", "radius", "range", "fade", "drive"});
         return readSpring();
-      case Kind::damper:
-      case Kind::viscosity:
+      case FieldKind::damper:
+      case FieldKind::viscosity:
         know({"damping"});
         return readDamping();
-      case Kind::gravity:
+      case FieldKind::gravity:
         know({"strength", "surfaceForce", "radius", "range", "fade"});
         return readGravity();
-      case Kind::potential:
+      case FieldKind::potential:
         know({"function"});
         return readPotential();
     }
@@ -191,7 +191,7 @@ class FieldReader {
       field_.damping = *json_.vector("damping");
     else
       field_.damping = glm::dvec3(json_.sizeOr("damping", 0.0));
-    if (field_.kind == Kind::viscosity && field_.region.kind == FieldRegion::Kind::everywhere)
+    if (field_.kind == FieldKind::viscosity && field_.region.kind == FieldRegion::Kind::everywhere)
       json_.fail("region", "is missing: a viscosity fills a volume");
   }
 
@@ -202,7 +202,7 @@ class FieldReader {
     }
     field_.range = positive(json_, "range", 0.0, scale_);
     if (!(field_.range > field_.radius)) json_.fail("range", "must be larger than radius");
-    const double room = field_.range - (field_.kind == Kind::gravity ? 0.0 : field_.radius);
+    const double room = field_.range - (field_.kind == FieldKind::gravity ? 0.0 : field_.radius);
     field_.fade = json_.has("fade") ? positive(json_, "fade", 0.0, scale_) : 0.25 * room;
     if (field_.fade > room * (1.0 + 1e-12)) json_.fail("fade", "is larger than range leaves room for");
   }
@@ -210,7 +210,7 @@ class FieldReader {
   void readSpring() {
     using Anchor = ForceField::Anchor;
     field_.anchor =
-        field_.kind == Kind::guide ? Anchor::path : json_.choice<Anchor>("to", "point", kAnchorNames);
+        field_.kind == FieldKind::guide ? Anchor::path : json_.choice<Anchor>("to", "point", kAnchorNames);
     field_.stiffness = positive(json_, "stiffness", 0.0, 1.0);
     field_.damping.x = json_.sizeOr("damping", 0.0);
     field_.radius = json_.sizeOr("radius", 0.0) * scale_;

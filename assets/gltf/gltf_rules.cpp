@@ -11,63 +11,63 @@ namespace {
 
 constexpr std::uint64_t kMaxWhole = std::numeric_limits<std::int32_t>::max();
 
-enum class Kind { whole, wholes, numbers3, numbers4, numbers16, text, flag, object, objects, wholeMap };
+enum class RuleKind { whole, wholes, numbers3, numbers4, numbers16, text, flag, object, objects, wholeMap };
 
 /// One property that the loader relies on: where, of what type, and which section it indexes.
 struct Rule {
   const char* section;
   const char* key;
-  Kind kind;
+  RuleKind kind;
   bool required = false;
   const char* refersTo = nullptr;
 };
 
 constexpr Rule kRules[] = {
-    {"buffers", "byteLength", Kind::whole, true},
-    {"buffers", "uri", Kind::text},
-    {"bufferViews", "buffer", Kind::whole, true, "buffers"},
-    {"bufferViews", "byteOffset", Kind::whole},
-    {"bufferViews", "byteLength", Kind::whole, true},
-    {"bufferViews", "byteStride", Kind::whole},
-    {"accessors", "bufferView", Kind::whole, false, "bufferViews"},
-    {"accessors", "byteOffset", Kind::whole},
-    {"accessors", "componentType", Kind::whole, true},
-    {"accessors", "count", Kind::whole, true},
-    {"accessors", "type", Kind::text, true},
-    {"accessors", "normalized", Kind::flag},
-    {"accessors", "sparse", Kind::object},
-    {"meshes", "name", Kind::text},
-    {"meshes", "primitives", Kind::objects, true},
-    {"nodes", "name", Kind::text},
-    {"nodes", "mesh", Kind::whole, false, "meshes"},
-    {"nodes", "children", Kind::wholes, false, "nodes"},
-    {"nodes", "matrix", Kind::numbers16},
-    {"nodes", "translation", Kind::numbers3},
-    {"nodes", "rotation", Kind::numbers4},
-    {"nodes", "scale", Kind::numbers3},
-    {"scenes", "name", Kind::text},
-    {"scenes", "nodes", Kind::wholes, false, "nodes"},
-    {"materials", "name", Kind::text},
-    {"materials", "pbrMetallicRoughness", Kind::object},
+    {"buffers", "byteLength", RuleKind::whole, true},
+    {"buffers", "uri", RuleKind::text},
+    {"bufferViews", "buffer", RuleKind::whole, true, "buffers"},
+    {"bufferViews", "byteOffset", RuleKind::whole},
+    {"bufferViews", "byteLength", RuleKind::whole, true},
+    {"bufferViews", "byteStride", RuleKind::whole},
+    {"accessors", "bufferView", RuleKind::whole, false, "bufferViews"},
+    {"accessors", "byteOffset", RuleKind::whole},
+    {"accessors", "componentType", RuleKind::whole, true},
+    {"accessors", "count", RuleKind::whole, true},
+    {"accessors", "type", RuleKind::text, true},
+    {"accessors", "normalized", RuleKind::flag},
+    {"accessors", "sparse", RuleKind::object},
+    {"meshes", "name", RuleKind::text},
+    {"meshes", "primitives", RuleKind::objects, true},
+    {"nodes", "name", RuleKind::text},
+    {"nodes", "mesh", RuleKind::whole, false, "meshes"},
+    {"nodes", "children", RuleKind::wholes, false, "nodes"},
+    {"nodes", "matrix", RuleKind::numbers16},
+    {"nodes", "translation", RuleKind::numbers3},
+    {"nodes", "rotation", RuleKind::numbers4},
+    {"nodes", "scale", RuleKind::numbers3},
+    {"scenes", "name", RuleKind::text},
+    {"scenes", "nodes", RuleKind::wholes, false, "nodes"},
+    {"materials", "name", RuleKind::text},
+    {"materials", "pbrMetallicRoughness", RuleKind::object},
 };
 
 constexpr Rule kPrimitiveRules[] = {
-    {"primitives", "attributes", Kind::wholeMap, true, "accessors"},
-    {"primitives", "indices", Kind::whole, false, "accessors"},
-    {"primitives", "material", Kind::whole, false, "materials"},
-    {"primitives", "mode", Kind::whole},
+    {"primitives", "attributes", RuleKind::wholeMap, true, "accessors"},
+    {"primitives", "indices", RuleKind::whole, false, "accessors"},
+    {"primitives", "material", RuleKind::whole, false, "materials"},
+    {"primitives", "mode", RuleKind::whole},
 };
 
 constexpr Rule kSparseRules[] = {
-    {"sparse", "count", Kind::whole, true},
-    {"sparse", "indices", Kind::object, true},
-    {"sparse", "values", Kind::object, true},
+    {"sparse", "count", RuleKind::whole, true},
+    {"sparse", "indices", RuleKind::object, true},
+    {"sparse", "values", RuleKind::object, true},
 };
 
 constexpr Rule kSparsePartRules[] = {
-    {"sparse", "bufferView", Kind::whole, true, "bufferViews"},
-    {"sparse", "byteOffset", Kind::whole},
-    {"sparse", "componentType", Kind::whole},
+    {"sparse", "bufferView", RuleKind::whole, true, "bufferViews"},
+    {"sparse", "byteOffset", RuleKind::whole},
+    {"sparse", "componentType", RuleKind::whole},
 };
 
 std::size_t sectionSize(const Json& document, const char* section) { return document.member(section).size(); }
@@ -96,34 +96,34 @@ void checkNumbers(const Json& value, std::size_t count, const std::string& place
 
 void checkKind(Json& value, const Rule& rule, const std::string& place, const Json& document) {
   switch (rule.kind) {
-    case Kind::whole:
+    case RuleKind::whole:
       return checkWhole(value, place, rule.refersTo, document);
-    case Kind::wholes:
+    case RuleKind::wholes:
       if (!value.isArray()) throw GltfError(place, "must be an array");
       for (std::size_t i = 0; Json & entry : value)
         checkWhole(entry, place + "[" + std::to_string(i++) + "]", rule.refersTo, document);
       return;
-    case Kind::wholeMap:
+    case RuleKind::wholeMap:
       if (!value.isObject()) throw GltfError(place, "must be an object");
       for (auto& [key, entry] : value.members())
         checkWhole(entry, place + "." + key, rule.refersTo, document);
       return;
-    case Kind::numbers3:
+    case RuleKind::numbers3:
       return checkNumbers(value, 3, place);
-    case Kind::numbers4:
+    case RuleKind::numbers4:
       return checkNumbers(value, 4, place);
-    case Kind::numbers16:
+    case RuleKind::numbers16:
       return checkNumbers(value, 16, place);
-    case Kind::text:
+    case RuleKind::text:
       if (!value.isText()) throw GltfError(place, "must be a string");
       return;
-    case Kind::flag:
+    case RuleKind::flag:
       if (!value.isBoolean()) throw GltfError(place, "must be true or false");
       return;
-    case Kind::object:
+    case RuleKind::object:
       if (!value.isObject()) throw GltfError(place, "must be an object");
       return;
-    case Kind::objects:
+    case RuleKind::objects:
       if (!value.isArray()) throw GltfError(place, "must be an array");
       for (const Json& entry : value)
         if (!entry.isObject()) throw GltfError(place, "must hold objects");

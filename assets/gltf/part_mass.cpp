@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/gtx/norm.hpp>
 #include <glm/matrix.hpp>
 
+#include "assets/base/constants.h"
 #include "assets/gltf/gltf_physics.h"
 
 namespace tandem::assets {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kInfiniteInertiaRatio = 1e6;
 
 struct Solid {

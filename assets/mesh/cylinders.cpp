@@ -10,12 +10,12 @@
 #include <glm/matrix.hpp>
 
 #include "assets/base/across.h"
+#include "assets/base/constants.h"
 #include "assets/base/disjoint_sets.h"
 
 namespace tandem::assets {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr double kFlat = 1e-3;            // rad: facets that turn by less are one plane
 constexpr double kMaxTurn = 0.251 * kPi;  // rad
 constexpr double kParallel = 5e-3;        // rad

@@ -17,13 +17,13 @@ struct Bucketed {
   }
 };
 
-struct Buckets {
+struct VertexBuckets {
   std::vector<std::uint32_t> begin;  // V + 1
   std::vector<Bucketed> entries;
 };
 
 /// Sorts the entries of each bucket. Most hold a handful; only the tip of a large fan needs the general sort.
-void sortBuckets(Buckets& buckets) {
+void sortBuckets(VertexBuckets& buckets) {
   for (std::size_t v = 0; v + 1 < buckets.begin.size(); ++v) {
     const auto first = buckets.entries.begin() + buckets.begin[v];
     const auto last = buckets.entries.begin() + buckets.begin[v + 1];
@@ -46,8 +46,8 @@ void accumulate(std::vector<std::uint32_t>& begin) {
 }
 
 /// The triangles, bucketed by lowest corner.
-Buckets bucketTriangles(const std::vector<TriangleIndices>& triangles, std::size_t vertexCount) {
-  Buckets buckets{std::vector<std::uint32_t>(vertexCount + 1), std::vector<Bucketed>(triangles.size())};
+VertexBuckets bucketTriangles(const std::vector<TriangleIndices>& triangles, std::size_t vertexCount) {
+  VertexBuckets buckets{std::vector<std::uint32_t>(vertexCount + 1), std::vector<Bucketed>(triangles.size())};
   for (const TriangleIndices& t : triangles) ++buckets.begin[std::min({t[0], t[1], t[2]}) + 1];
   accumulate(buckets.begin);
   std::vector<std::uint32_t> next(buckets.begin.begin(), buckets.begin.end() - 1);
@@ -61,8 +61,9 @@ Buckets bucketTriangles(const std::vector<TriangleIndices>& triangles, std::size
 }
 
 /// The halfedges, bucketed by lower vertex.
-Buckets bucketEdges(const std::vector<TriangleIndices>& triangles, std::size_t vertexCount) {
-  Buckets buckets{std::vector<std::uint32_t>(vertexCount + 1), std::vector<Bucketed>(3 * triangles.size())};
+VertexBuckets bucketEdges(const std::vector<TriangleIndices>& triangles, std::size_t vertexCount) {
+  VertexBuckets buckets{std::vector<std::uint32_t>(vertexCount + 1),
+                        std::vector<Bucketed>(3 * triangles.size())};
   for (const TriangleIndices& t : triangles)
     for (int e = 0; e < 3; ++e) ++buckets.begin[std::min(t[e], t[(e + 1) % 3]) + 1];
   accumulate(buckets.begin);
@@ -79,7 +80,7 @@ Buckets bucketEdges(const std::vector<TriangleIndices>& triangles, std::size_t v
 
 std::uint64_t dropDuplicates(std::vector<TriangleIndices>& triangles, std::vector<std::uint16_t>& material,
                              std::size_t vertexCount) {
-  const Buckets buckets = bucketTriangles(triangles, vertexCount);
+  const VertexBuckets buckets = bucketTriangles(triangles, vertexCount);
   std::vector<bool> drop(triangles.size());
   std::uint64_t dropped = 0;
   for (std::size_t v = 0; v < vertexCount; ++v) {
@@ -105,7 +106,7 @@ std::uint64_t dropDuplicates(std::vector<TriangleIndices>& triangles, std::vecto
 EdgePairs pairEdges(const std::vector<TriangleIndices>& triangles, std::size_t vertexCount) {
   EdgePairs pairs;
   pairs.across.assign(3 * triangles.size(), kOpenEdge);
-  const Buckets buckets = bucketEdges(triangles, vertexCount);
+  const VertexBuckets buckets = bucketEdges(triangles, vertexCount);
   const std::vector<Bucketed>& entries = buckets.entries;
   for (std::size_t v = 0; v < vertexCount; ++v) {
     for (std::uint32_t first = buckets.begin[v], last = first; first < buckets.begin[v + 1]; first = last) {

@@ -8,17 +8,17 @@
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "assets/mesh/cylinders.h"
 
 namespace tandem::assets {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kAskew = 0.1;    // rad between two axes that are in line
-constexpr double kAside = 0.5;    // of the bore's radius, by which they may miss each other
-constexpr double kWidest = 1.2;   // a bore's radius in a shaft's, above which facets of no kind matter
-constexpr double kNoPlay = 2e-5;  // of the radius: less is rounding, and both have the same radius
-constexpr double kAround = 0.1;   // of the play, see clearanceOf()
+constexpr double kAskew = 0.1;        // rad between two axes that are in line
+constexpr double kAside = 0.5;        // of the bore's radius, by which they may miss each other
+constexpr double kWidest = 1.2;       // a bore's radius in a shaft's, above which facets of no kind matter
+constexpr double kNoPlay = 2e-5;      // of the radius: less is rounding, and both have the same radius
+constexpr double kShareOfPlay = 0.1;  // of the play, see clearanceOf()
 
 struct Placed {
   PartId part = kNoPart;
@@ -46,7 +46,7 @@ bool inLine(const Cylinder& shaft, const Cylinder& bore) {
 /// angle still passes them.
 double clearanceOf(const Cylinder& shaft, const Cylinder& bore) {
   const double corners = bore.radius - shaft.radius, middles = corners - bore.sag();
-  return middles > kAround * corners ? middles : corners;
+  return middles > kShareOfPlay * corners ? middles : corners;
 }
 
 std::string textOf(const Scene& scene, const Fit& fit) {

@@ -55,7 +55,7 @@ struct FirstFault {
 };
 
 template <typename Record>
-std::optional<RangeFault> faultOf(const Record& record) {
+std::optional<RangeFault> rangeFaultOf(const Record& record) {
   FirstFault first;
   describe(first, record);
   return first.fault;
@@ -82,13 +82,13 @@ std::optional<RangeFault> toleranceFault(double tolerance) {
   return outside("tolerance", tolerance, kTolerance);
 }
 
-std::optional<RangeFault> outOfRange(const Material& m) { return faultOf(m); }
+std::optional<RangeFault> outOfRange(const Material& m) { return rangeFaultOf(m); }
 
-std::optional<RangeFault> outOfRange(const Surface& s) { return faultOf(s); }
+std::optional<RangeFault> outOfRange(const Surface& s) { return rangeFaultOf(s); }
 
 std::optional<RangeFault> outOfRange(const ForceField& f) {
   if (auto fault = outside("position", f.partFromField.position, kPlaceRange)) return fault;
-  return faultOf(f);
+  return rangeFaultOf(f);
 }
 
 std::optional<RangeFault> outOfRange(const Control& c) {
@@ -96,14 +96,14 @@ std::optional<RangeFault> outOfRange(const Control& c) {
   // The distance between two places can be larger than that of each from the origin.
   constexpr Range kOffset{-1e10, 1e10, "m"};
   if (auto fault = outside("origin", c.axisFromPart.position, kOffset)) return fault;
-  return faultOf(c);
+  return rangeFaultOf(c);
 }
 
-std::optional<RangeFault> outOfRange(const Joint& j) { return faultOf(j); }
+std::optional<RangeFault> outOfRange(const Joint& j) { return rangeFaultOf(j); }
 
 std::optional<RangeFault> outOfRange(const ImplicitShape& s) {
   if (auto fault = outside("position", s.partFromShape.position, kPlaceRange)) return fault;
-  return faultOf(s);
+  return rangeFaultOf(s);
 }
 
 }  // namespace tandem::assets

@@ -66,12 +66,12 @@ std::string oneLine(std::string text, std::size_t limit) {
   return printable(text, limit);
 }
 
-std::string textOf(xml_node parent, const char* name, std::size_t limit) {
+std::string childText(xml_node parent, const char* name, std::size_t limit) {
   return oneLine(parent.child(name).text().get(), limit);
 }
 
 std::int64_t timeOf(xml_node parent, const char* name) {
-  const std::string text = textOf(parent, name, kMaxGuid);
+  const std::string text = childText(parent, name, kMaxGuid);
   if (text.empty()) return 0;
   const std::optional<std::int64_t> time = utcTime(text);
   if (!time) throw BcfError{std::string("has a ") + name + " that is no time"};
@@ -118,8 +118,8 @@ TopicKind kindOf(const std::string& type) {
 TopicComment commentOf(xml_node node) {
   TopicComment comment;
   comment.guid = guidOf(node);
-  comment.author = textOf(node, "Author", document::kMaxName);
-  comment.text = textOf(node, "Comment", document::kMaxText);
+  comment.author = childText(node, "Author", document::kMaxName);
+  comment.text = childText(node, "Comment", document::kMaxText);
   comment.made = timeOf(node, "Date");
   comment.changed = std::max(comment.made, timeOf(node, "ModifiedDate"));
   return comment;
@@ -178,11 +178,11 @@ BcfMarkup markupOf(xml_node markup, BcfVersion version) {
   topic.guid = guidOf(node);
   topic.kind = kindOf(node.attribute("TopicType").value());
   topic.status = oneLine(node.attribute("TopicStatus").value(), document::kMaxName);
-  topic.title = textOf(node, "Title", document::kMaxText);
-  topic.description = textOf(node, "Description", document::kMaxText);
+  topic.title = childText(node, "Title", document::kMaxText);
+  topic.description = childText(node, "Description", document::kMaxText);
   if (topic.title.empty() && topic.description.empty()) throw BcfError{"has a Topic without a Title"};
-  topic.author = textOf(node, "CreationAuthor", document::kMaxName);
-  topic.assignee = textOf(node, "AssignedTo", document::kMaxName);
+  topic.author = childText(node, "CreationAuthor", document::kMaxName);
+  topic.assignee = childText(node, "AssignedTo", document::kMaxName);
   topic.made = timeOf(node, "CreationDate");
   topic.changed = std::max(topic.made, timeOf(node, "ModifiedDate"));
   const bool old = version == BcfVersion::v2_1;

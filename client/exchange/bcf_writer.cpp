@@ -82,7 +82,7 @@ void addViewpoint(xml_node parent, const char* name, const Topic& topic) {
   if (!topic.picture.empty()) add(node, "Snapshot", kSnapshotFile);
 }
 
-std::string textOf(const pugi::xml_document& document) {
+std::string xmlText(const pugi::xml_document& document) {
   std::ostringstream text;
   document.save(text, "  ", pugi::format_default, pugi::encoding_utf8);
   return text.str();
@@ -120,7 +120,7 @@ std::string bcfVersionXml(BcfVersion version) {
   root(document, "Version")
       .append_attribute("VersionId")
       .set_value(version == BcfVersion::v2_1 ? "2.1" : "3.0");
-  return textOf(document);
+  return xmlText(document);
 }
 
 std::string bcfMarkupXml(const Topic& topic, BcfVersion version) {
@@ -139,14 +139,14 @@ std::string bcfMarkupXml(const Topic& topic, BcfVersion version) {
   if (version == BcfVersion::v2_1) {
     for (const TopicComment& comment : topic.comments) addComment(markup, comment, topic);
     addViewpoint(markup, "Viewpoints", topic);
-    return textOf(document);
+    return xmlText(document);
   }
   if (!topic.comments.empty()) {
     xml_node comments = node.append_child("Comments");
     for (const TopicComment& comment : topic.comments) addComment(comments, comment, topic);
   }
   if (topic.view) addViewpoint(node.append_child("Viewpoints"), "ViewPoint", topic);
-  return textOf(document);
+  return xmlText(document);
 }
 
 std::string bcfViewpointXml(const TopicView& view, BcfVersion version) {
@@ -176,7 +176,7 @@ std::string bcfViewpointXml(const TopicView& view, BcfVersion version) {
       addVector(plane, "Direction", section.normal);
     }
   }
-  return textOf(document);
+  return xmlText(document);
 }
 
 std::string bcfExtensionsXml(const std::vector<Topic>& topics) {
@@ -197,7 +197,7 @@ std::string bcfExtensionsXml(const std::vector<Topic>& topics) {
   addList(node, "Users", "User", people);
   addList(node, "SnippetTypes", "SnippetType", none);
   addList(node, "Stages", "Stage", none);
-  return textOf(document);
+  return xmlText(document);
 }
 
 std::string bcfProjectXml(const std::string& id, const std::string& name) {
@@ -205,7 +205,7 @@ std::string bcfProjectXml(const std::string& id, const std::string& name) {
   xml_node project = root(document, "ProjectInfo").append_child("Project");
   project.append_attribute("ProjectId").set_value(id.c_str());
   addFilled(project, "Name", name);
-  return textOf(document);
+  return xmlText(document);
 }
 
 }  // namespace tandem::client

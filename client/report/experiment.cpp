@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 #include "assets/generate/bench_meshes.h"
 #include "assets/generate/profile_god_object.h"
 #include "client/report/exact_answers.h"
@@ -15,7 +15,6 @@
 namespace tandem::client::report {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDt = 1e-3;  // s
 constexpr double kMillimetre = 1e-3;
 constexpr double kGrooveHalfAngle = kPi / 6.0;

@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 #include "assets/generate/shapes.h"
 
 namespace tandem::client::report {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kDt = 1e-3;          // s
 constexpr double kDensity = 7850.0;   // kg/m^3, steel
 constexpr double kMillimetre = 1e-3;  // m

@@ -9,9 +9,9 @@ using namespace sync;
 
 namespace {
 
-constexpr Micros kPatience = 5 * kSecond;   // far above a round trip with resends
-constexpr std::int64_t kTokenLasts = 3600;  // s
-constexpr std::int64_t kClockSlack = 2;     // s, from the admission to the arrival of the Welcome
+constexpr Micros kPatience = 5 * kSecond;    // far above a round trip with resends
+constexpr std::int64_t kAccessLasts = 3600;  // s
+constexpr std::int64_t kClockSlack = 2;      // s, from the admission to the arrival of the Welcome
 // What a site may ask for at once and a second, as server/README.md states it, and a margin.
 constexpr double kBurst = 400.0, kRate = 200.0, kSlack = 60.0;
 
@@ -76,8 +76,8 @@ void Stranger::connect() {
     if (chance(30)) token_[below(token_.size())] ^= 1;
     return;
   }
-  goodUntil_ += kTokenLasts;
-  token_ = ground_.server.makeToken(role_, kTokenLasts, now_);
+  goodUntil_ += kAccessLasts;
+  token_ = ground_.server.makeToken(role_, kAccessLasts, now_);
 }
 
 void Stranger::hello() {

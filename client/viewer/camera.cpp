@@ -82,6 +82,8 @@ double View::metresPerPixel(double depth) const {
   return 2.0 * depth * std::tan(0.5 * camera.fieldOfView) / size.y;
 }
 
+double View::pixelAt(const glm::dvec3& point) const { return metresPerPixel(std::max(depthOf(point), near)); }
+
 glm::dvec3 View::pointAt(const glm::dvec2& pixel, double depth) const {
   const double scale = metresPerPixel(depth);
   const glm::dvec3 eye((pixel.x - 0.5 * size.x) * scale, (0.5 * size.y - pixel.y) * scale, -depth);

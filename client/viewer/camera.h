@@ -31,6 +31,8 @@ struct View {
   double depthOf(const glm::dvec3& world) const;
   /// Size of one pixel, in m, at a depth.
   double metresPerPixel(double depth) const;
+  /// The same at a point, which counts as on the near plane if it is nearer.
+  double pixelAt(const glm::dvec3& point) const;
   /// The world point under a pixel at a depth.
   glm::dvec3 pointAt(const glm::dvec2& pixel, double depth) const;
   /// The pixel of a world point; nothing if it lies behind the near plane.

@@ -170,7 +170,7 @@ void addClash(const Clash& clash, const ClashWitness& witness, GlyphBatch& batch
   const View& view = batch.view();
   const GlyphColour colour = clash.kind == ClashKind::clearance ? kNearColour : kHardColour;
   const glm::dvec3 middle = 0.5 * (witness.onA + witness.onB);
-  const double px = view.metresPerPixel(std::max(view.depthOf(middle), view.near));
+  const double px = view.pixelAt(middle);
   batch.line(witness.onA, witness.onB, 2.5, colour);
   batch.sphere(witness.onA, kPoint * px, GlyphColour(linear(0.6f * kClashColourA), 1.0f));
   batch.sphere(witness.onB, kPoint * px, GlyphColour(linear(0.6f * kClashColourB), 1.0f));

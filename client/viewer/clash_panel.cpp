@@ -120,7 +120,7 @@ std::string saidOf(const ClashLine& line) {
   return line.row.note.empty() ? by : by + "; " + line.row.note;
 }
 
-void drawRow(const PanelContext& context, const ClashLine& line) {
+void drawClashRow(const PanelContext& context, const ClashLine& line) {
   ClashUi& ui = context.ui.clashes;
   const ClashRow& row = line.row;
   const bool chosen = ui.a == line.a && ui.b == line.b;
@@ -162,7 +162,7 @@ void drawGroup(const PanelContext& context, const ClashGroup& group) {
   clipper.Begin(static_cast<int>(group.lines.size()));
   while (clipper.Step())
     for (int i = clipper.DisplayStart; i < clipper.DisplayEnd; ++i)
-      drawRow(context, group.lines[static_cast<std::size_t>(i)]);
+      drawClashRow(context, group.lines[static_cast<std::size_t>(i)]);
 }
 
 /// The status of the chosen clash with its remark, to be changed.

@@ -13,7 +13,7 @@ namespace tandem::client {
 namespace {
 
 constexpr int kSides = 20;
-constexpr int kRings = 10;
+constexpr int kSphereRings = 10;
 constexpr float kHiddenOpacity = 0.16f;  // of glyphs behind the scene's surfaces
 
 glm::dvec3 around(const std::pair<glm::dvec3, glm::dvec3>& basis, int side) {
@@ -22,7 +22,7 @@ glm::dvec3 around(const std::pair<glm::dvec3, glm::dvec3>& basis, int side) {
 }
 
 glm::dvec3 onSphere(int ring, int side) {
-  const double polar = glm::pi<double>() * ring / kRings, angle = glm::two_pi<double>() * side / kSides;
+  const double polar = glm::pi<double>() * ring / kSphereRings, angle = glm::two_pi<double>() * side / kSides;
   return {std::sin(polar) * std::cos(angle), std::cos(polar), std::sin(polar) * std::sin(angle)};
 }
 
@@ -36,13 +36,13 @@ void GlyphBatch::triangle(const glm::dvec3 (&points)[3], const glm::dvec3 (&norm
 }
 
 void GlyphBatch::sphere(const glm::dvec3& centre, double radius, const GlyphColour& colour) {
-  for (int ring = 0; ring < kRings; ++ring)
+  for (int ring = 0; ring < kSphereRings; ++ring)
     for (int side = 0; side < kSides; ++side) {
       const glm::dvec3 a = onSphere(ring, side), b = onSphere(ring + 1, side), c = onSphere(ring, side + 1),
                        d = onSphere(ring + 1, side + 1);
       const auto at = [&](const glm::dvec3& n) { return centre + radius * n; };
       if (ring > 0) triangle({at(a), at(b), at(c)}, {a, b, c}, colour);
-      if (ring + 1 < kRings) triangle({at(c), at(b), at(d)}, {c, b, d}, colour);
+      if (ring + 1 < kSphereRings) triangle({at(c), at(b), at(d)}, {c, b, d}, colour);
     }
 }
 
@@ -86,9 +86,7 @@ void GlyphBatch::disc(const glm::dvec3& centre, const glm::dvec3& normal, double
 
 void GlyphBatch::line(const glm::dvec3& start, const glm::dvec3& end, double pixels,
                       const GlyphColour& colour) {
-  const auto radiusAt = [&](const glm::dvec3& p) {
-    return 0.5 * pixels * view_.metresPerPixel(std::max(view_.depthOf(p), view_.near));
-  };
+  const auto radiusAt = [&](const glm::dvec3& p) { return 0.5 * pixels * view_.pixelAt(p); };
   cone(start, end, radiusAt(start), radiusAt(end), colour);
 }
 

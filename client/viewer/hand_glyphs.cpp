@@ -32,10 +32,6 @@ const GlyphColour kContactColour(0.02f, 0.42f, 0.20f, 0.85f);
 const GlyphColour kMeasureColour(0.01f, 0.08f, 0.42f, 1.0f);
 const GlyphColour kSteel(0.45f, 0.47f, 0.50f, 1.0f);
 
-double pixelAt(const View& view, const glm::dvec3& point) {
-  return view.metresPerPixel(std::max(view.depthOf(point), view.near));
-}
-
 GlyphColour withAlpha(const GlyphColour& colour, float alpha) {
   return {colour.x, colour.y, colour.z, alpha};
 }
@@ -48,7 +44,7 @@ double drawnTip(double toolRadius, double px) {
 /// A pen whose tip is at the pose's position and whose barrel runs along its +z axis.
 void addStylus(GlyphBatch& batch, const Pose& worldFromTool, double toolRadius, const GlyphColour& colour,
                float alpha) {
-  const double px = pixelAt(batch.view(), worldFromTool.position);
+  const double px = batch.view().pixelAt(worldFromTool.position);
   const double tip = drawnTip(toolRadius, px), barrel = std::max(kBarrelRadius * px, 0.5 * tip);
   const auto along = [&](double pixels) { return transformPoint(worldFromTool, {0.0, 0.0, pixels * px}); };
   batch.sphere(worldFromTool.position, tip, withAlpha(colour, alpha));
@@ -59,7 +55,7 @@ void addStylus(GlyphBatch& batch, const Pose& worldFromTool, double toolRadius, 
 }
 
 void addArrow(GlyphBatch& batch, const glm::dvec3& from, const glm::dvec3& to, const GlyphColour& colour) {
-  const double px = pixelAt(batch.view(), from);
+  const double px = batch.view().pixelAt(from);
   const double length = glm::length(to - from), head = std::min(16.0 * px, 0.5 * length);
   const glm::dvec3 neck = to - (to - from) * (head / length);
   batch.cone(from, neck, 2.6 * px, 2.6 * px, colour);
@@ -70,7 +66,7 @@ void addForce(const ToolView& hand, double limit, GlyphBatch& batch, std::vector
   const double force = glm::length(hand.force);
   if (!(force > kFaintestForce)) return;
   const glm::dvec3 from = hand.worldFromProxy.position;
-  const double px = pixelAt(batch.view(), from);
+  const double px = batch.view().pixelAt(from);
   const double share = std::min(force / std::max(limit, 1e-3), 1.5);
   const double length = (18.0 + (kArrowAtLimit - 18.0) * share) * px;
   const glm::dvec3 to = from + hand.force * (length / force);
@@ -85,7 +81,7 @@ void addContacts(const ToolView& hand, GlyphBatch& batch) {
   for (int i = 0; i < count; ++i) {
     const haptics::Contact& contact = hand.contacts[static_cast<std::size_t>(i)];
     if (!(glm::length(contact.normal) > 0.5)) continue;
-    const double px = pixelAt(batch.view(), contact.point);
+    const double px = batch.view().pixelAt(contact.point);
     const glm::dvec3 lifted = contact.point + contact.normal * (0.8 * px);
     batch.ring(lifted, contact.normal, 0.62 * kDiscRadius * px, kDiscRadius * px, kContactColour);
     batch.disc(lifted, contact.normal, 0.25 * kDiscRadius * px, kContactColour);
@@ -98,7 +94,7 @@ void addContacts(const ToolView& hand, GlyphBatch& batch) {
 void addClearance(const HandView& hand, GlyphBatch& batch, std::vector<Label>& labels) {
   const NearestView& nearest = hand.nearest;
   if (hand.held == kNoPart || nearest.part == kNoPart || !(nearest.clearance > 0.0)) return;
-  const double px = pixelAt(batch.view(), nearest.onHeld);
+  const double px = batch.view().pixelAt(nearest.onHeld);
   if (nearest.clearance < kShortestMeasure * px) return;
   batch.line(nearest.onHeld, nearest.onOther, 2.0, kMeasureColour);
   batch.sphere(nearest.onHeld, 3.0 * px, kMeasureColour);
@@ -116,7 +112,7 @@ void addTool(const ToolView& hand, const ViewModel& model, GlyphBatch& batch, st
   const Pose& device = hand.worldFromDevice;
   addStylus(batch, proxy, hand.toolRadius, colour, hand.valid ? 1.0f : 0.4f);
   const double apart = glm::length(device.position - proxy.position);
-  const double px = pixelAt(batch.view(), proxy.position);
+  const double px = batch.view().pixelAt(proxy.position);
   if (hand.valid && apart > kGhostFrom * px) {
     batch.line(proxy.position, device.position, 2.0, withAlpha(colour, 0.8f));
     batch.sphere(device.position, drawnTip(hand.toolRadius, px), withAlpha(colour, 0.35f));
@@ -141,7 +137,7 @@ int sameEyes(const ViewModel& model, const SiteView& site, const View& view) {
     if (other.info.site == site.info.site) break;
     if (other.self || !other.seen || !other.info.connected) continue;
     const double apart = glm::length(other.presence.worldFromCamera.position - eye);
-    count += apart < kSameEyes * pixelAt(view, eye) ? 1 : 0;
+    count += apart < kSameEyes * view.pixelAt(eye) ? 1 : 0;
   }
   return count;
 }
@@ -186,7 +182,7 @@ void addPeople(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& la
     addStylus(batch, tool, 0.0, GlyphColour(linear(colour), 1.0f), 1.0f);
     if (site.presence.worldFromSecondTool)
       addStylus(batch, *site.presence.worldFromSecondTool, 0.0, GlyphColour(linear(colour), 1.0f), 1.0f);
-    const double px = pixelAt(batch.view(), tool.position);
+    const double px = batch.view().pixelAt(tool.position);
     const glm::dvec3 top = transformPoint(tool, {0.0, 0.0, (kStylusLength + 8.0) * px});
     labels.push_back({top, {6.0, -10.0}, colour, site.info.name});
   }

@@ -24,15 +24,11 @@ const glm::vec3 kLiveShade(0.05f, 0.30f, 0.62f), kKeptShade(0.42f, 0.46f, 0.51f)
 const GlyphColour kLive(0.01f, 0.08f, 0.42f, 1.0f), kKept(0.14f, 0.17f, 0.21f, 0.8f),
     kAxis(0.01f, 0.08f, 0.42f, 0.55f);
 
-double pixelAt(const View& view, const glm::dvec3& point) {
-  return view.metresPerPixel(std::max(view.depthOf(point), view.near));
-}
-
 void addLine(const std::vector<glm::dvec3>& line, const GlyphColour& colour, double pixels,
              GlyphBatch& batch) {
   for (std::size_t i = 0; i < line.size(); ++i) {
     if (i > 0) batch.line(line[i - 1], line[i], pixels, colour);
-    batch.sphere(line[i], kEnd * pixelAt(batch.view(), line[i]), colour);
+    batch.sphere(line[i], kEnd * batch.view().pixelAt(line[i]), colour);
   }
 }
 
@@ -158,7 +154,7 @@ void addMeasures(const ViewModel& model, const MeasureUi& ui, GlyphBatch& batch,
   }
   for (const Anchor& mark : ui.marks) {
     const glm::dvec3 at = transformPoint(model.worldFromPart[mark.part], mark.point);
-    batch.sphere(at, 1.3 * kEnd * pixelAt(batch.view(), at), kLive);
+    batch.sphere(at, 1.3 * kEnd * batch.view().pixelAt(at), kLive);
   }
   for (const MeasuredPlace& place : model.measure.places) addAxis(place, batch);
   addFigures(model.measure, batch, labels);

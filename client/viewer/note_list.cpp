@@ -150,7 +150,7 @@ namespace {
 /// A pin that stands on the place, upright on the screen.
 void addPin(const glm::dvec3& place, const glm::vec3& srgbColour, bool chosen, GlyphBatch& batch) {
   const View& view = batch.view();
-  const double px = view.metresPerPixel(std::max(view.depthOf(place), view.near));
+  const double px = view.pixelAt(place);
   const glm::dvec3 up = view.worldFromEye.orientation * glm::dvec3(0.0, 1.0, 0.0);
   const GlyphColour colour(linear(srgbColour), 1.0f);
   const glm::dvec3 head = place + kPinHeight * px * up;

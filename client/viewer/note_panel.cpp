@@ -2,9 +2,9 @@
 
 #include <imgui.h>
 
-#include <ctime>
 #include <utility>
 
+#include "assets/base/utc_time.h"
 #include "client/session/document_words.h"
 #include "client/viewer/note_list.h"
 #include "client/viewer/panels.h"
@@ -74,7 +74,7 @@ void drawDraft(const PanelContext& context) {
   ui.text = {};
 }
 
-void drawStatus(const PanelContext& context, const NoteRow& row) {
+void drawStatusChoice(const PanelContext& context, const NoteRow& row) {
   ImGui::SetNextItemWidth(0.48f * ImGui::GetContentRegionAvail().x);
   if (ImGui::BeginCombo("##status", kNoteStatusNames[static_cast<std::size_t>(row.note->status)])) {
     for (std::size_t i = 0; i < kNoteStatusNames.size(); ++i) {
@@ -100,7 +100,7 @@ void drawStatus(const PanelContext& context, const NoteRow& row) {
 /// The thread of the chosen note, and what can be done with it.
 void drawThread(const PanelContext& context, const NoteRow& row) {
   NoteUi& ui = context.ui.notes;
-  const auto now = static_cast<std::int64_t>(std::time(nullptr));
+  const auto now = systemUnixTime();
   ImGui::Indent(10.0f * context.scale);
   ImGui::TextWrapped("%s", row.note->text.c_str());
   for (const Entry* reply : row.replies) {
@@ -111,7 +111,7 @@ void drawThread(const PanelContext& context, const NoteRow& row) {
     ImGui::TextWrapped("%s", std::get<Comment>(reply->body).text.c_str());
   }
   if (mayWrite(context.model)) {
-    drawStatus(context, row);
+    drawStatusChoice(context, row);
     ImGui::SetNextItemWidth(-1.0f);
     if (ImGui::InputTextWithHint("##reply", "Reply (Enter)", ui.reply.data(), ui.reply.size(),
                                  ImGuiInputTextFlags_EnterReturnsTrue) &&
@@ -123,10 +123,10 @@ void drawThread(const PanelContext& context, const NoteRow& row) {
   ImGui::Unindent(10.0f * context.scale);
 }
 
-void drawRow(const PanelContext& context, const NoteRow& row) {
+void drawNoteRow(const PanelContext& context, const NoteRow& row) {
   NoteUi& ui = context.ui.notes;
   const bool chosen = ui.chosen == row.entry->id;
-  const auto now = static_cast<std::int64_t>(std::time(nullptr));
+  const auto now = systemUnixTime();
   ImGui::PushID(static_cast<int>(row.entry->id));
   const ImVec2 corner = ImGui::GetCursorPos();
   const float line = ImGui::GetTextLineHeight();
@@ -184,7 +184,7 @@ void drawNotes(const PanelContext& context) {
   }
   ImGui::Separator();
   ImGui::BeginChild("notes", ImVec2(0.0f, -0.28f * ImGui::GetContentRegionAvail().y));
-  for (const NoteRow& row : rows) drawRow(context, row);
+  for (const NoteRow& row : rows) drawNoteRow(context, row);
   if (rows.empty()) ImGui::TextDisabled("No notes yet");
   ImGui::EndChild();
   ImGui::Separator();

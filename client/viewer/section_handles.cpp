@@ -9,7 +9,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr double kBall = 6.0, kArrow = 52.0, kHead = 14.0, kHeadRadius = 6.0;  // pixels
+constexpr double kBall = 6.0, kArrow = 52.0, kTipLength = 14.0, kTipWidth = 6.0;  // pixels
 constexpr double kNear = 11.0;   // pixels from the handle's line at which the mouse is on it
 constexpr double kTurn = 0.006;  // rad a pixel
 constexpr double kSteep =
@@ -22,7 +22,7 @@ struct Handle {
 
   Handle(const document::SectionPlane& plane, const glm::dvec3& middle, const View& view)
       : foot(middle - glm::dot(plane.normal, middle - plane.point) * plane.normal),
-        tip(foot + kArrow * view.metresPerPixel(std::max(view.depthOf(foot), view.near)) * plane.normal) {}
+        tip(foot + kArrow * view.pixelAt(foot) * plane.normal) {}
 };
 
 double distanceToSegment(const glm::dvec2& p, const glm::dvec2& a, const glm::dvec2& b) {
@@ -77,10 +77,10 @@ void SectionHandles::draw(const SectionSet& sections, const glm::dvec3& middle, 
     const Handle handle(planes[i], middle, batch.view());
     const double px = glm::distance(handle.foot, handle.tip) / kArrow;
     const GlyphColour& colour = hovered_ == i ? kHovered : kColour;
-    const glm::dvec3 neck = glm::mix(handle.tip, handle.foot, kHead / kArrow);
+    const glm::dvec3 neck = glm::mix(handle.tip, handle.foot, kTipLength / kArrow);
     batch.sphere(handle.foot, kBall * px, colour);
     batch.line(handle.foot, neck, 2.5, colour);
-    batch.cone(neck, handle.tip, kHeadRadius * px, 0.0, colour);
+    batch.cone(neck, handle.tip, kTipWidth * px, 0.0, colour);
   }
 }
 

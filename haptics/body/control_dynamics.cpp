@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "assets/base/constants.h"
 
 namespace tandem::haptics {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// The detent well nearest to a value.
 struct Well {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
+
+#include "assets/base/constants.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kAcross = 1e-3;  // cosine to the edge up to which a normal lies across it
 
 /// The smallest arc that contains all directions added.

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 
 namespace tandem::haptics {
 namespace {
@@ -15,8 +15,6 @@ using assets::FieldRegion;
 using assets::FieldWaveform;
 using assets::ForceField;
 using Kind = ForceField::Kind;
-
-constexpr double kPi = std::numbers::pi;
 
 /// 0 below 0, 1 above 1, between them a cubic whose slope is continuous.
 double smoothStep(double u) {

@@ -18,7 +18,7 @@ constexpr std::size_t kThreadsPay = 16'384;  // triangles from which a second th
 constexpr std::size_t kSlabBlock = 4096;     // nodes
 constexpr int kMaxWorkers = 64;
 
-void grow(assets::Bounds& box, const assets::Bounds& other) {
+void growBy(assets::Bounds& box, const assets::Bounds& other) {
   box.min = glm::min(box.min, other.min);
   box.max = glm::max(box.max, other.max);
 }
@@ -48,7 +48,7 @@ assets::Bounds boundsOf(const assets::Mesh& mesh, std::size_t begin, std::size_t
     own[i & 1].min = glm::min(own[i & 1].min, p);
     own[i & 1].max = glm::max(own[i & 1].max, p);
   }
-  grow(own[0], own[1]);
+  growBy(own[0], own[1]);
   return own[0];
 }
 
@@ -74,7 +74,7 @@ MeshExtent extentOf(const assets::Mesh& mesh, int workers) {
     shares[static_cast<std::size_t>(worker)] = boundsOf(mesh, begin, end);
   });
   assets::Bounds bounds;
-  for (const assets::Bounds& share : shares) grow(bounds, share);
+  for (const assets::Bounds& share : shares) growBy(bounds, share);
   MeshExtent extent;
   extent.centre = 0.5 * (bounds.min + bounds.max);
   setBounds(bounds, extent);

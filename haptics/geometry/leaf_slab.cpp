@@ -46,7 +46,7 @@ float reachOf(const glm::vec3& normal, const FloatBox& box) {
   return glm::dot(glm::abs(normal), box.extent());
 }
 
-Vec4 same(const glm::vec3& v) { return {Float4(v.x), Float4(v.y), Float4(v.z)}; }
+Vec4 inAllLanes(const glm::vec3& v) { return {Float4(v.x), Float4(v.y), Float4(v.z)}; }
 
 float sum(Float4 v) {
   alignas(16) float f[4];
@@ -63,7 +63,7 @@ std::uint32_t slabOfTriangles(const Triangles4& t, std::uint32_t count, const Fl
   const Vec4 twice = cross(t.b - t.a, t.c - t.a) * Float4::load(kLanes[count]);
   const glm::vec3 normal = quantised({sum(twice.x), sum(twice.y), sum(twice.z)});
   const glm::vec3 centre = box.centre();
-  const Vec4 c = same(centre), u = same(normal);
+  const Vec4 c = inAllLanes(centre), u = inAllLanes(normal);
   alignas(16) float heights[4];
   max(dot(u, t.a - c), max(dot(u, t.b - c), dot(u, t.c - c))).store(heights);
   const float highest = std::max(std::max(heights[0], heights[1]), std::max(heights[2], heights[3]));
@@ -79,8 +79,8 @@ std::uint32_t slabOfNode(const Vec4& low, const Vec4& high, const std::uint32_t*
   const Slab4 inner = unpackSlabs(slabs, extent);
   const glm::vec3 normal = quantised({sum(inner.normal.x), sum(inner.normal.y), sum(inner.normal.z)});
   const glm::vec3 centre = box.centre();
-  const Vec4 u = same(normal);
-  const Vec4 offset = (low + high) * half - same(centre);
+  const Vec4 u = inAllLanes(normal);
+  const Vec4 offset = (low + high) * half - inAllLanes(centre);
   const Float4 square = max(dot(inner.normal, inner.normal), Float4(1e-37f));
   const Float4 along = max(dot(u, inner.normal), Float4()) / square;
   const Float4 height = dot(u, offset) + along * inner.offset + dot(abs(u - inner.normal * along), extent);

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 
 namespace tandem::haptics {
 namespace {
@@ -20,7 +20,6 @@ const glm::dvec3 kUp(0.0, 1.0, 0.0);
 constexpr double kTangent = 0.1;
 // Below this length a vector has no direction, because denormal numbers have too few digits.
 constexpr double kTiny = 1e-290;
-constexpr double kPi = std::numbers::pi;
 
 // Cosine to a face's normal above which another surface does not face it.
 constexpr double kAgainst = -1e-3;

@@ -11,7 +11,7 @@ assets::Bounds merge(const assets::Bounds& a, const assets::Bounds& b) {
   return {glm::min(a.min, b.min), glm::max(a.max, b.max)};
 }
 
-bool same(const assets::Bounds& a, const assets::Bounds& b) { return a.min == b.min && a.max == b.max; }
+bool equal(const assets::Bounds& a, const assets::Bounds& b) { return a.min == b.min && a.max == b.max; }
 
 }  // namespace
 
@@ -66,7 +66,7 @@ void SceneBvh::update(PartId part, const assets::Bounds& box) {
   leaf.box = box;
   for (std::uint32_t i = leaf.parent; i != kNoNode; i = nodes_[i].parent) {
     const assets::Bounds fitted = merge(nodes_[nodes_[i].left].box, nodes_[nodes_[i].right].box);
-    if (same(fitted, nodes_[i].box)) return;
+    if (equal(fitted, nodes_[i].box)) return;
     nodes_[i].box = fitted;
   }
 }

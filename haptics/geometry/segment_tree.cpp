@@ -17,7 +17,8 @@ constexpr std::uint32_t kLeaf = 4;
 constexpr int kMaxDepth = 64;  // bisections of at most 2^32 triangles
 
 /// Whether a segment passes through a box, widened for rounding. `inverse` is 1 / (to - from) of the segment.
-bool meets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from, const glm::dvec3& inverse) {
+bool segmentMeets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from,
+                  const glm::dvec3& inverse) {
   const glm::dvec3 a = (low - from) * inverse, b = (high - from) * inverse;
   const glm::dvec3 near = glm::min(a, b), far = glm::max(a, b);
   const double enter = std::max({near.x, near.y, near.z, 0.0}), leave = std::min({far.x, far.y, far.z, 1.0});
@@ -105,7 +106,7 @@ void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
   while (size > 0) {
     const std::uint32_t index = stack[static_cast<std::size_t>(--size)];
     const Node& node = nodes_[index];
-    if (!meets(node.low, node.high, from, inverse)) continue;
+    if (!segmentMeets(node.low, node.high, from, inverse)) continue;
     if (node.count > 0) {
       for (std::uint32_t i = 0; i < node.count; ++i) cross(order_[node.first + i], from, path, found);
       continue;

@@ -16,7 +16,7 @@ constexpr int kRest = 16;  // sweeps for which the tree answers after the front 
 // With more than these to look through, the front begins anew.
 constexpr int kManyBranches = 64, kManyPacks = 32;
 
-Vec4 same(const glm::dvec3& v) {
+Vec4 inEveryLane(const glm::dvec3& v) {
   return {Float4(static_cast<float>(v.x)), Float4(static_cast<float>(v.y)), Float4(static_cast<float>(v.z))};
 }
 
@@ -67,7 +67,7 @@ bool SweepFront::sweepBall(const TriangleBvh& tree, const glm::dvec3& from, cons
   Sweep sweep{ball,
               triangles,
               from,
-              same(offset),
+              inEveryLane(offset),
               Float4(roundUp(0x1p-20 * (away + glm::length(motion)))),
               Float4(roundUp(0x1p-18 * (largest + away)) - exaggeration_)};
   const bool whole = run(sweep);

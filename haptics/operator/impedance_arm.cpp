@@ -5,15 +5,14 @@
 #include <glm/geometric.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
-#include <numbers>
 
 #include "assets/base/assert.h"
+#include "assets/base/constants.h"
 #include "haptics/operator/simulated_hand.h"
 
 namespace tandem::haptics {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kNearSingular = 0.02;  // manipulability below which the inverse is damped
 
 glm::dquat aboutX(double angle) { return {std::cos(0.5 * angle), std::sin(0.5 * angle), 0.0, 0.0}; }

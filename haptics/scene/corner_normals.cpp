@@ -65,11 +65,6 @@ glm::dvec3 weighted(const Mesh& mesh, std::uint32_t t, std::size_t corner) {
   return squares > 0.0 ? glm::cross(a, b) / squares : glm::dvec3(0.0);
 }
 
-double smoothStep(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
-
 class MeshShader {
  public:
   MeshShader(const Mesh& mesh, std::span<const double> creaseOf) : mesh_(mesh), creaseOf_(creaseOf) {}
@@ -323,7 +318,7 @@ class MeshShader {
       const double noise = std::sqrt(off[r] / (turn[r] + kLeastNoise));
       if (noise <= kSurface) continue;
       if (noise < kNoise && onQuadric(r)) continue;
-      trust[r] = 1.0 - smoothStep((noise - kSurface) / (kUnexplained - kSurface));
+      trust[r] = 1.0 - glm::smoothstep(kSurface, kUnexplained, noise);
     }
     return trust;
   }

@@ -10,9 +10,9 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
+constexpr std::array<char, 8> kFieldMark = {'T', 'D', 'F', 'i', 'e', 'l', 'd', '1'};
 // Half a unit in the last place of a point and of the result, and the rounding already in the caller's point.
-constexpr float kRounding = 0x1p-22f;
+constexpr float kReadRounding = 0x1p-22f;
 /// Larger grids along an axis would be useless and exceed float indices.
 constexpr std::uint32_t kMaxAlong = 1u << 14;
 
@@ -75,7 +75,7 @@ DistanceField::Reading DistanceField::ofShapes(const glm::vec3& p) const {
   }
   const float largest = std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   const auto distance = static_cast<float>(least.distance);
-  return {distance, kRounding * (largest + std::abs(distance)), glm::vec3(least.gradient)};
+  return {distance, kReadRounding * (largest + std::abs(distance)), glm::vec3(least.gradient)};
 }
 
 void DistanceField::ofShapes(const glm::vec3* points, std::uint32_t count, Reading* readings) const {
@@ -97,7 +97,7 @@ DistanceField::Reading DistanceField::beyond(const glm::vec3& p) const {
 
 std::vector<std::byte> DistanceField::pack() const {
   std::vector<std::byte> bytes;
-  put(bytes, kMark.data(), kMark.size());
+  put(bytes, kFieldMark.data(), kFieldMark.size());
   put(bytes, &low_, 1);
   put(bytes, &perCell_, 1);
   put(bytes, count_, 3);
@@ -124,7 +124,7 @@ Result<DistanceField> DistanceField::unpack(std::span<const std::byte> bytes) {
   std::array<double, 4> lengths{};
   std::uint32_t flags = 0;
   std::array<std::uint64_t, 2> counts{};
-  if (!in.read(mark.data(), mark.size()) || mark != kMark) return refused("not one of this version");
+  if (!in.read(mark.data(), mark.size()) || mark != kFieldMark) return refused("not one of this version");
   if (!in.read(&field.low_, 1) || !in.read(&field.perCell_, 1) || !in.read(field.count_, 3) ||
       !in.read(&field.boxLow_, 1) || !in.read(&field.boxHigh_, 1) || !in.read(&field.origin_, 1) ||
       !in.read(lengths.data(), lengths.size()) || !in.read(&flags, 1) || !in.read(counts.data(), 2))

@@ -30,6 +30,9 @@ class TriangleBvh;
 
 class DistanceField {
  public:
+  static constexpr double kCellOfTolerance =
+      80.0;  // tolerances that the smallest cell has, if it is not given
+
   struct Options {
     double tolerance = 0.0;  // m, wanted error where the surface is smooth; 0 = 2^-14 of the part's diagonal
     double smallestCell = 0.0;  // m, side; 0 = 80 tolerances, within 1/1024 and 1/128 of the diagonal

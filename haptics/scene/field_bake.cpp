@@ -25,8 +25,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kTolerance = 0x1p-14;  // of the diagonal
-constexpr double kCellOfTolerance = 80.0;
+constexpr double kTolerance = 0x1p-14;                            // of the diagonal
 constexpr double kSmallestCell = 0x1p-10, kLargestCell = 0x1p-7;  // smallest cell, of the diagonal
 constexpr double kBandCells = 2.0;
 /// Sufficient error as a fraction of the distance within the band, and of the excess beyond it.
@@ -223,9 +222,9 @@ void FieldBake::setLengths() {
   }
   const auto orElse = [](double given, double derived) { return given > 0.0 ? given : derived; };
   field_.tolerance_ = orElse(options_.tolerance, kTolerance * diagonal);
-  field_.smallestCell_ = orElse(
-      options_.smallestCell,
-      std::clamp(kCellOfTolerance * field_.tolerance_, kSmallestCell * diagonal, kLargestCell * diagonal));
+  field_.smallestCell_ =
+      orElse(options_.smallestCell, std::clamp(DistanceField::kCellOfTolerance * field_.tolerance_,
+                                               kSmallestCell * diagonal, kLargestCell * diagonal));
   field_.smallestCell_ = std::max(field_.smallestCell_, 0x1p-16 * diagonal);
   field_.band_ = orElse(options_.band, kBandCells * field_.smallestCell_);
 }

@@ -18,11 +18,11 @@ namespace {
 // Raised whenever a bake of the same mesh and options produces another result.
 constexpr std::uint64_t kBakeVersion = 3;
 
-constexpr std::array<char, 8> kMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
+constexpr std::array<char, 8> kCacheMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
 
 /// File header: what the file holds, identified by the inputs, and a hash of the rest.
 struct Header {
-  std::array<char, 8> mark = kMark;
+  std::array<char, 8> mark = kCacheMark;
   assets::ContentHash key{}, content{};
 };
 static_assert(sizeof(Header) == 8 + 2 * sizeof(assets::ContentHash), "read and written as it lies in memory");
@@ -54,7 +54,7 @@ std::optional<DistanceField> read(const std::filesystem::path& path, const asset
   if (!bytes || bytes->size() < sizeof header) return std::nullopt;
   std::memcpy(&header, bytes->data(), sizeof header);
   const std::span<const std::byte> content = std::span<const std::byte>(*bytes).subspan(sizeof header);
-  if (header.mark != kMark || header.key != key || header.content != assets::contentHash(content))
+  if (header.mark != kCacheMark || header.key != key || header.content != assets::contentHash(content))
     return std::nullopt;
   Result<DistanceField> field = DistanceField::unpack(content);
   if (!field) return std::nullopt;

@@ -12,8 +12,8 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kLeastCosine = 0.94;  // cosine of 20 degrees
-constexpr double kLeftOut = 0.05;      // share of the surface: fillets and the like
+constexpr double kSmoothCosine = 0.94;  // cosine of 20 degrees
+constexpr double kLeftOut = 0.05;       // share of the surface: fillets and the like
 
 struct Face {
   glm::dvec3 normal{0.0, 0.0, 0.0};  // unit
@@ -39,7 +39,7 @@ double curvatureAt(const assets::Mesh& mesh, const std::vector<Face>& faces, std
     const std::uint32_t other = mesh.neighbours[t][e];
     if (other == assets::kNone) continue;
     const double cosine = glm::dot(faces[t].normal, faces[other].normal);
-    if (cosine < kLeastCosine) continue;
+    if (cosine < kSmoothCosine) continue;
     const auto& corners = mesh.triangles[t];
     const double length = glm::distance(mesh.positions[corners[e]], mesh.positions[corners[(e + 1) % 3]]);
     const double turn = glm::length(glm::cross(faces[t].normal, faces[other].normal));

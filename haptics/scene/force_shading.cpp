@@ -28,11 +28,6 @@ constexpr double kFold = 1e-3;
 // Depth times curvature at which shading begins to fade, and at which the facets alone are felt.
 constexpr double kFadeBegin = 0.82, kFadeEnd = 0.95;
 
-double smoothStep(double x) {
-  x = std::clamp(x, 0.0, 1.0);
-  return x * x * (3.0 - 2.0 * x);
-}
-
 CurvedPatch patchOf(const Mesh& mesh, const ShadedMesh& shaded, std::uint32_t t) {
   const std::array<CornerBend, 3>& bends = shaded.bends[t];
   return CurvedPatch(mesh, t, shaded.normals[t],
@@ -170,7 +165,7 @@ bool projectOntoPatch(const Mesh& mesh, const ShadedMesh* shaded, std::uint32_t 
     previous = x.triangle;
     setStart(mesh, next, x.point, x);
   }
-  x.share = 1.0 - smoothStep((depthTimesCurvature(*shaded, x, side) - kFadeBegin) / (kFadeEnd - kFadeBegin));
+  x.share = 1.0 - glm::smoothstep(kFadeBegin, kFadeEnd, depthTimesCurvature(*shaded, x, side));
   return beyond > -kTooFar;
 }
 

@@ -2,18 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include <glm/common.hpp>
+
+#include "assets/base/constants.h"
 
 namespace tandem::haptics {
 namespace {
 
 using assets::ImplicitShape;
 
-constexpr double kPi = std::numbers::pi;
 // A chord over the angle a lies r (1 - cos(a/2)) below its arc: 1e-4 r at 1.62 degrees, 222 segments a turn.
 constexpr int kSegments = 224;
 

@@ -23,8 +23,6 @@ constexpr std::size_t kBakedAlone = 50'000;
 constexpr double kShared = 4096.0, kCoarsestCell = 1.0 / 128.0, kFinestCell = 1.0 / 1024.0;
 // Sharp edges closer than this fraction of the diagonal belong to grooves, for which cells shrink.
 constexpr double kGroove = 1.0 / 16.0;
-// Default tolerance of a DistanceField.
-constexpr double kCellOfTolerance = 80.0;
 // Smallest cells of a coarse field, as a share of the mesh's diagonal.
 constexpr double kCoarse = 1.0 / 16.0;
 constexpr const char* kWhat = "making parts ready to collide";
@@ -50,7 +48,7 @@ DistanceField::Options fineField(const TriangleBvh& tree, const MeshEdges& edges
   const double finest = std::min(kCoarsestCell, static_cast<double>(plan.fields) / kShared);
   // Edges need cells that are small relative to the smallest part and to grooves; curves need cells that
   // bring them within tolerance.
-  const double ofEdges = kCellOfTolerance * usualTolerance(plan.smallestHeld, size),
+  const double ofEdges = DistanceField::kCellOfTolerance * usualTolerance(plan.smallestHeld, size),
                ofGrooves = edges.sharpSpacing(kGroove * size) * (kCoarsestCell / kGroove);
   const double cell = std::min({ofEdges, ofGrooves, cellForCurves(tree.mesh(), field.tolerance)});
   field.smallestCell = std::clamp(cell, std::max(kFinestCell, finest) * size, kCoarsestCell * size);

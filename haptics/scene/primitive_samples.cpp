@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "haptics/geometry/outward.h"
 
 namespace tandem::haptics {
@@ -14,7 +14,6 @@ namespace {
 
 using assets::ImplicitShape;
 
-constexpr double kPi = std::numbers::pi;
 constexpr int kAround = 32;      // patches of a full turn of a rim or side
 constexpr int kZones = 11;       // of a sphere from pole to pole
 constexpr int kMaxRings = 12;    // of a side

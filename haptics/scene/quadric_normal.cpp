@@ -64,7 +64,7 @@ LocalFrame frameAt(const glm::dvec3& vertex, const glm::dvec3& normal, std::span
   return frame;
 }
 
-double weightOf(const glm::dvec3& local) { return 1.0 / std::max(glm::dot(local, local), 0.01); }
+double weightAt(const glm::dvec3& local) { return 1.0 / std::max(glm::dot(local, local), 0.01); }
 
 }  // namespace
 
@@ -79,7 +79,7 @@ QuadricFit fitQuadric(const glm::dvec3& vertex, const glm::dvec3& normal,
   double weights = 0.0;
   for (const glm::dvec3& p : around) {
     const glm::dvec3 q = frame.of(p);
-    const double weight = weightOf(q);
+    const double weight = weightAt(q);
     const Row row = rowOf(q.x, q.y, q.z);
     weights += weight;
     for (std::size_t i = 0; i < kUnknowns; ++i) {
@@ -98,8 +98,8 @@ QuadricFit fitQuadric(const glm::dvec3& vertex, const glm::dvec3& normal,
     double model = 0.0;
     for (std::size_t i = 0; i < kUnknowns; ++i) model += right[i] * row[i];
     const double curved = q.z - right[0] * q.x - right[1] * q.y;
-    off += weightOf(q) * (q.z - model) * (q.z - model);
-    sag += weightOf(q) * curved * curved;
+    off += weightAt(q) * (q.z - model) * (q.z - model);
+    sag += weightAt(q) * curved * curved;
   }
   const glm::dvec3 fitted = glm::normalize(frame.z - right[0] * frame.x - right[1] * frame.y);
   const bool usable = off <= kOffQuadric * kOffQuadric * sag && glm::dot(fitted, normal) > kFurthestTurn;

@@ -25,8 +25,8 @@ std::string endingOf(const std::string& path) {
   return ending;
 }
 
-Status run(const std::vector<std::string>& command, const std::function<void(double)>& progress,
-           const std::function<bool()>& cancelled) {
+Status runImporter(const std::vector<std::string>& command, const std::function<void(double)>& progress,
+                   const std::function<bool()>& cancelled) {
   // tandem-import keeps limits of its own; these are for what it may do in their place.
   ProcessLimits limits;
   limits.wallTime = 1800.0;
@@ -68,7 +68,7 @@ Result<std::string> importCadFile(const std::string& path, const std::string& un
   }
   std::vector<std::string> command{besideThisProgram("tandem-import"), path, "-o", output, "--progress"};
   if (!units.empty()) command.insert(command.end(), {"--units", units});
-  if (Status done = run(command, progress, cancelled); !done) return done.error();
+  if (Status done = runImporter(command, progress, cancelled); !done) return done.error();
   return output;
 }
 

@@ -4,11 +4,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <optional>
 
 #include "assets/base/assert.h"
+#include "assets/base/utc_time.h"
 #include "server/operation/audit_log.h"
 #include "server/operation/operator_socket.h"
 #include "server/session_recovery.h"
@@ -37,15 +37,13 @@ int showAudit(const std::string& data, bool json) {
   return std::fflush(stdout) == 0 ? kExitDone : failed(kExitFailed, "standard output cannot be written");
 }
 
-std::int64_t unixNow() { return static_cast<std::int64_t>(::time(nullptr)); }
-
 Result<Report> mend(const CommandOptions& options, const std::string& data) {
   if (!options.restore.empty())
     if (Status taken = takeIdentity(data, options.restore); !taken) return taken.error();
   Result<DataDirectory> directory = DataDirectory::open(data);
   if (!directory) return directory.error();
-  return options.recover ? recoverSession(*directory, unixNow())
-                         : restoreSession(*directory, options.restore, unixNow());
+  return options.recover ? recoverSession(*directory, systemUnixTime())
+                         : restoreSession(*directory, options.restore, systemUnixTime());
 }
 
 int keepSession(const CommandOptions& options, const std::string& data) {

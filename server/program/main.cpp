@@ -18,6 +18,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "assets/base/utc_time.h"
 #include "assets/scene/scene_package.h"
 #include "assets/scene/scene_size.h"
 #include "server/admission.h"
@@ -55,11 +56,6 @@ sync::Micros localNow() {
   using Clock = std::chrono::steady_clock;
   static const Clock::time_point start = Clock::now();
   return std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start).count();
-}
-
-std::int64_t unixNow() {
-  return std::chrono::duration_cast<std::chrono::seconds>(std::chrono::system_clock::now().time_since_epoch())
-      .count();
 }
 
 int badInput(const Error& error) {
@@ -119,9 +115,9 @@ bool serve(const Options& options, Server& server, Session& session, Operation& 
     const sync::Micros wait = std::clamp<sync::Micros>(session.nextDeadline() - localNow(), 0, kLongestWait);
     server.transport->wait(wait);
     const sync::Micros began = localNow();
-    session.step(began, unixNow());
-    operation.step(session, invitations, localNow(), unixNow());
-    invitations.renew(session, session.drainUsedTokens(), unixNow());
+    session.step(began, systemUnixTime());
+    operation.step(session, invitations, localNow(), systemUnixTime());
+    invitations.renew(session, session.drainUsedTokens(), systemUnixTime());
     operation.took(localNow() - began);
   }
   operation.stopping();
@@ -224,7 +220,7 @@ int run(Options& options) {
   config.lease.lease = options.lease;
   config.lease.margin = std::min(config.lease.margin, options.lease / 8);
   Session session(server.scene, server.package, config, *server.transport, *server.journal,
-                  server.recording ? &*server.recording : nullptr, localNow(), unixNow());
+                  server.recording ? &*server.recording : nullptr, localNow(), systemUnixTime());
   *server.session = &session;
   const std::string host = options.linkHost.empty() ? defaultLinkHost(options.listenHost) : options.linkHost;
   const auto movable = std::count_if(server.scene.parts.begin(), server.scene.parts.end(),
@@ -238,7 +234,7 @@ int run(Options& options) {
   if (const std::string doubt = assets::unitDoubt(server.scene, options.units); !doubt.empty())
     spdlog::warn("{}: {}", options.scene, doubt);
   Invitations invitations(options, host, server.transport->port(), *pin);
-  invitations.open(session, unixNow());
+  invitations.open(session, systemUnixTime());
   (*operation)->ready(session);
   const bool sound = serve(options, server, session, **operation, invitations);
 

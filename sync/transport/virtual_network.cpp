@@ -28,13 +28,13 @@ struct Received {
   std::string reason;
 };
 
-struct Connection;
+struct VirtualConnection;
 
 /// What an endpoint has received and what it counts.
 struct Endpoint {
   std::deque<Received> inbox;
   TransportCounters counters;
-  std::map<ConnectionId, std::shared_ptr<Connection>> connections;
+  std::map<ConnectionId, std::shared_ptr<VirtualConnection>> connections;
   std::map<ConnectionId, std::deque<Received>> held;  // control of connections that are held
 };
 
@@ -60,7 +60,7 @@ struct SitePath {
   Micros lastFromTheDead = 0;  // when the server received something of an end that is closed
 };
 
-struct Connection {
+struct VirtualConnection {
   SitePath* path = nullptr;
   std::string site;
   ConnectionId id = 0;    // as the server sees it
@@ -75,7 +75,7 @@ struct Delivery {
   std::uint64_t order = 0;
   Kind kind = Kind::control;
   Side to = kServerSide;
-  std::shared_ptr<Connection> connection;
+  std::shared_ptr<VirtualConnection> connection;
   std::vector<std::byte> bytes;  // state only: control waits in its channel
 };
 struct Later {
@@ -148,7 +148,7 @@ struct Core {
     delivery.order = ++order;
     deliveries.push(std::move(delivery));
   }
-  void sendControl(const std::shared_ptr<Connection>& connection, Side to, Channel::Item item,
+  void sendControl(const std::shared_ptr<VirtualConnection>& connection, Side to, Channel::Item item,
                    Micros extra = 0) {
     SitePath& path = *connection->path;
     Micros arrival = throughUplink(path, to, item.bytes.size()) + legDelay(path) + extra;
@@ -175,7 +175,8 @@ struct Core {
       last = std::min(last, latest);
     });
   }
-  void sendState(const std::shared_ptr<Connection>& connection, Side to, std::span<const std::byte> bytes) {
+  void sendState(const std::shared_ptr<VirtualConnection>& connection, Side to,
+                 std::span<const std::byte> bytes) {
     // Every draw is made whatever its outcome, so that one condition does not shift the others' random
     // numbers.
     SitePath& path = *connection->path;
@@ -196,7 +197,7 @@ struct Core {
     }
   }
 
-  void close(Connection& connection, Side side, const std::string& reason) {
+  void close(VirtualConnection& connection, Side side, const std::string& reason) {
     if (!connection.open[side]) return;
     connection.open[side] = false;
     if (connection.end[side] == nullptr) return;
@@ -204,12 +205,11 @@ struct Core {
     connection.end[side]->inbox.push_back({TransportEvent::Kind::closed, id, {}, reason});
   }
   void noteTheDead(const Delivery& delivery) {
-    const Connection& connection = *delivery.connection;
-    if (delivery.to == kServerSide && !connection.open[kSiteSide])
-      connection.path->lastFromTheDead = now;
+    const VirtualConnection& connection = *delivery.connection;
+    if (delivery.to == kServerSide && !connection.open[kSiteSide]) connection.path->lastFromTheDead = now;
   }
   void deliverConnect(Delivery& delivery) {
-    Connection& connection = *delivery.connection;
+    VirtualConnection& connection = *delivery.connection;
     if (connection.end[kSiteSide] == nullptr) return;
     if (server == nullptr) return close(connection, kSiteSide, "connection refused: no server");
     connection.end[kServerSide] = server;
@@ -219,7 +219,7 @@ struct Core {
     connection.end[kSiteSide]->inbox.push_back({TransportEvent::Kind::connected, 0, {}, {}});
   }
   void deliverControl(Delivery& delivery) {
-    Connection& connection = *delivery.connection;
+    VirtualConnection& connection = *delivery.connection;
     Channel& channel = connection.toward[delivery.to];
     if (channel.items.empty()) return;
     Channel::Item item = std::move(channel.items.front());
@@ -235,7 +235,7 @@ struct Core {
     end->inbox.push_back({TransportEvent::Kind::control, id, std::move(item.bytes), {}});
   }
   void deliverState(Delivery& delivery) {
-    Connection& connection = *delivery.connection;
+    VirtualConnection& connection = *delivery.connection;
     Endpoint* end = connection.end[delivery.to];
     if (end == nullptr || !connection.open[delivery.to]) return;
     noteTheDead(delivery);
@@ -290,7 +290,7 @@ class VirtualTransport : public Transport {
   bool keepIfHeld();
   Side peer() const { return side_ == kServerSide ? kSiteSide : kServerSide; }
   /// Null if there is no such connection or it is closed.
-  std::shared_ptr<Connection> openConnection(ConnectionId id) const {
+  std::shared_ptr<VirtualConnection> openConnection(ConnectionId id) const {
     const auto found = endpoint_.connections.find(id);
     return found != endpoint_.connections.end() && found->second->open[side_] ? found->second : nullptr;
   }
@@ -349,7 +349,7 @@ void VirtualTransport::hold(ConnectionId id, bool held) {
 
 void VirtualTransport::sendControl(ConnectionId id, std::span<const std::byte> bytes) {
   ASSERT(bytes.size() <= kMaxControlBytes);
-  const std::shared_ptr<Connection> connection = openConnection(id);
+  const std::shared_ptr<VirtualConnection> connection = openConnection(id);
   if (!connection) return;
   endpoint_.counters.controlBytesOut += bytes.size();
   core_->sendControl(connection, peer(), {false, {bytes.begin(), bytes.end()}, {}});
@@ -360,7 +360,7 @@ void VirtualTransport::sendState(ConnectionId id, std::span<const std::byte> byt
     ++endpoint_.counters.droppedOversized;
     return;
   }
-  const std::shared_ptr<Connection> connection = openConnection(id);
+  const std::shared_ptr<VirtualConnection> connection = openConnection(id);
   if (!connection) return;
   endpoint_.counters.stateBytesOut += bytes.size();
   ++endpoint_.counters.statePacketsOut;
@@ -368,12 +368,12 @@ void VirtualTransport::sendState(ConnectionId id, std::span<const std::byte> byt
 }
 
 std::size_t VirtualTransport::controlBacklog(ConnectionId id) const {
-  const std::shared_ptr<Connection> connection = openConnection(id);
+  const std::shared_ptr<VirtualConnection> connection = openConnection(id);
   return connection ? connection->toward[peer()].bytesInFlight : 0;
 }
 
 void VirtualTransport::close(ConnectionId id) {
-  const std::shared_ptr<Connection> connection = openConnection(id);
+  const std::shared_ptr<VirtualConnection> connection = openConnection(id);
   if (!connection) return;
   core_->sendControl(connection, peer(), {true, {}, "closed by the peer"});
   endpoint_.held.erase(id);
@@ -412,7 +412,7 @@ std::unique_ptr<Transport> VirtualNetwork::listen() {
 
 std::unique_ptr<Transport> VirtualNetwork::connect(const std::string& site, Micros deathNoticed) {
   auto transport = std::make_unique<VirtualTransport>(impl_, kSiteSide, deathNoticed);
-  auto connection = std::make_shared<Connection>();
+  auto connection = std::make_shared<VirtualConnection>();
   connection->path = &impl_->paths[site];
   connection->site = site;
   connection->id = ++impl_->lastConnection;

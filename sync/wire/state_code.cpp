@@ -9,7 +9,7 @@ namespace tandem::sync {
 namespace {
 
 /// A number as a signed code in steps of `quantum`; zero is exact. Not a number becomes zero.
-std::int64_t toCode(double value, double quantum, std::int64_t min, std::int64_t max, int& clamped) {
+std::int64_t wholeCode(double value, double quantum, std::int64_t min, std::int64_t max, int& clamped) {
   ASSERT(quantum > 0.0 && min < max);
   const double code = value / quantum;
   if (!(code >= static_cast<double>(min) - 0.5)) {
@@ -26,7 +26,8 @@ std::int64_t toCode(double value, double quantum, std::int64_t min, std::int64_t
 Code3 speedCode(const glm::dvec3& value, double range, int& clamped) {
   Code3 code;
   for (int i = 0; i < 3; ++i)
-    code[static_cast<std::size_t>(i)] = toCode(value[i], range / kSpeedMax, -kSpeedMax, kSpeedMax, clamped);
+    code[static_cast<std::size_t>(i)] =
+        wholeCode(value[i], range / kSpeedMax, -kSpeedMax, kSpeedMax, clamped);
   return code;
 }
 glm::dvec3 fromSpeedCode(const Code3& code, double range) {
@@ -69,8 +70,8 @@ PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped) {
   PoseCode code;
   for (int i = 0; i < 3; ++i) {
     code.position[static_cast<std::size_t>(i)] =
-        toCode(pose.position[i] - frame.centre[i], frame.halfExtent / (kPositionMax + 1), -kPositionMax - 1,
-               kPositionMax, clamped);
+        wholeCode(pose.position[i] - frame.centre[i], frame.halfExtent / (kPositionMax + 1),
+                  -kPositionMax - 1, kPositionMax, clamped);
   }
   const glm::dquat& q = pose.orientation;
   const double w[4] = {q.w, q.x, q.y, q.z};
@@ -80,8 +81,8 @@ PoseCode toCode(const Pose& pose, const WireFrame& frame, int& clamped) {
   std::size_t k = 0;
   for (int i = 0; i < 4; ++i) {
     if (i == code.largest) continue;
-    code.three[k++] =
-        toCode(sign * w[i], kSmallestThreeRange / kQuaternionMax, -kQuaternionMax, kQuaternionMax, ignored);
+    code.three[k++] = wholeCode(sign * w[i], kSmallestThreeRange / kQuaternionMax, -kQuaternionMax,
+                                kQuaternionMax, ignored);
   }
   return code;
 }

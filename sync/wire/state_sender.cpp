@@ -6,7 +6,7 @@
 namespace tandem::sync {
 namespace {
 
-constexpr std::uint32_t kFarthest = (1u << kDistanceBits) - 1;
+constexpr std::uint32_t kFarthestKept = (1u << kDistanceBits) - 1;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ const KeptUpdate* StateSender::baselineFor(const Stream& stream, const StateUpda
   for (const KeptUpdate& kept : stream.kept) {
     const std::uint32_t distance = update.sequence - kept.sequence;
     const Micros elapsed = update.time - kept.time;
-    if (!kept.acknowledged || distance == 0 || distance > kFarthest || elapsed <= 0 ||
+    if (!kept.acknowledged || distance == 0 || distance > kFarthestKept || elapsed <= 0 ||
         elapsed > kLongestElapsed)
       continue;
     if (best == nullptr || isNewer(kept.sequence, best->sequence)) best = &kept;
