@@ -294,10 +294,10 @@ class JoinRun {
   Status offscreenPicture() {
     ViewerOptions options;
     options.width = arguments_.width;
-    options.sections = headless_ ? SectionSet(headless_->sections(model_)) : arguments_.cut;
+    options.sections = SectionSet(headless_->sections(model_));
     options.height = arguments_.height;
-    options.follows = !headless_ || headless_->following().followsSections();
-    if (headless_) options.shares = headless_->shares();
+    options.follows = headless_->following().followsSections();
+    options.shares = headless_->shares();
     Result<std::unique_ptr<Viewer>> opened = Viewer::openOffscreen(*model_.scene, options);
     if (!opened) return opened.error();
     Viewer& viewer = **opened;
@@ -377,7 +377,8 @@ class JoinRun {
     }
     if (!arguments_.json.empty())
       if (Status written =
-              writeFile(arguments_.json, reportJson(site_, model_, report_, *headless_, end_) + "\n");
+              writeFile(arguments_.json,
+                        reportJson(site_, model_, report_, viewer_ ? nullptr : &*headless_, end_) + "\n");
           !written)
         return badInput(written.error());
     if (!arguments_.quiet) LiveTable::summary(model_, end_, report_.grabs.size(), site_.sharedParts());

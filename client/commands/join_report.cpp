@@ -32,22 +32,15 @@ std::string nameOfSite(const ViewModel& model, SiteId site) {
   return {};
 }
 
-/// What others share and point at, whether that is followed, the section planes in effect, and what was said.
-Json presentingJson(const ViewModel& model, const HeadlessView& view) {
+/// What others share and point at, and what was said; of a site without a window also what it shares and
+/// follows, and the section planes in effect.
+Json presentingJson(const ViewModel& model, const HeadlessView* view) {
   const PresentingView& presenting = model.presenting;
   Json json;
-  json["shares"] = sync::kSharesNames[static_cast<std::size_t>(view.shares())];
   json["shared_by"] = nameOfSite(model, presenting.shared.site);
   json["shared"] = sync::kSharesNames[static_cast<std::size_t>(presenting.shared.shares)];
-  json["follows"] = view.following().followsView()       ? "view"
-                    : view.following().followsSections() ? "sections"
-                                                         : "nothing";
   json["selected"] = partName(model, presenting.shared.selected);
   json["hidden"] = partNames(model, [&](PartId part) { return presenting.hides(part); });
-  json["sections"] = Json::array();
-  for (const document::SectionPlane& plane : view.sections(model))
-    json["sections"].push({{"point", {plane.point.x, plane.point.y, plane.point.z}},
-                           {"normal", {plane.normal.x, plane.normal.y, plane.normal.z}}});
   json["points"] = Json::array();
   for (const sync::Presentation& shown : presenting.points)
     json["points"].push({{"by", nameOfSite(model, shown.site)},
@@ -55,13 +48,22 @@ Json presentingJson(const ViewModel& model, const HeadlessView& view) {
                          {"place", {shown.place.x, shown.place.y, shown.place.z}}});
   json["said"] = Json::array();
   for (const ChatLine& line : model.chat) json["said"].push({{"by", line.name}, {"text", line.said.text}});
+  if (view == nullptr) return json;
+  json["shares"] = sync::kSharesNames[static_cast<std::size_t>(view->shares())];
+  json["follows"] = view->following().followsView()       ? "view"
+                    : view->following().followsSections() ? "sections"
+                                                          : "nothing";
+  json["sections"] = Json::array();
+  for (const document::SectionPlane& plane : view->sections(model))
+    json["sections"].push({{"point", {plane.point.x, plane.point.y, plane.point.z}},
+                           {"normal", {plane.normal.x, plane.normal.y, plane.normal.z}}});
   return json;
 }
 
 }  // namespace
 
 std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
-                       const HeadlessView& view, const std::string& end) {
+                       const HeadlessView* view, const std::string& end) {
   Json json;
   json["site"] = site.id();
   json["role"] = sync::toString(site.role());

@@ -23,9 +23,9 @@ struct JoinReport {
   }
 };
 
-/// The value of --json; `end` says why the run ended.
+/// The value of --json; `end` says why the run ended, `view` is null for a site with a window.
 std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinReport& report,
-                       const HeadlessView& view, const std::string& end);
+                       const HeadlessView* view, const std::string& end);
 
 /// Writes the poses of all parts at this site, one row a part, to be compared with those of other sites.
 class PoseTrace {

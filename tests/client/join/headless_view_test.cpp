@@ -160,6 +160,7 @@ double kickOfBen(SharedViews& session, double speed, bool naive) {
   session.perform(ada, share(Shares::nothing));
   session.settle(1500 * kMillisecond);
   EXPECT_EQ(ben.force(), 0.0) << "what returns around the tool is not felt";
+  testing::Test::RecordProperty("mN", static_cast<int>(1000.0 * ben.kick));
   return ben.kick;
 }
 
