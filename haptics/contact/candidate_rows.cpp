@@ -5,7 +5,7 @@
 
 #include <glm/geometric.hpp>
 
-#include "haptics/contact/near_samples.h"
+#include "haptics/contact/due_samples.h"
 #include "haptics/contact/patch_touch.h"
 
 namespace tandem::haptics {
@@ -17,19 +17,35 @@ constexpr std::uint32_t kFreshSteps = 8;  // steps for which the planes of an an
 
 double CandidateRows::gather() {
   const PartModel &from = *query_.from, &to = *query_.to;
-  const bool byFormula = to.byFormula();
+  const FloatMotion motion(query_.toFromSamples, to.field.origin());
+  const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
+    addRows(i, place, read);
+    return clear_;
+  };
+  if (!query_.contained) {
+    const AllowedDepth allowed = query_.overlaps->allowed(query_.pair, query_.ofFirst(), to.field.origin());
+    const DueTimes due = clocks_.at(query_.sampled, query_.target, query_, allowed);
+    if (!due.nodes.empty()) {
+      // What is not visited is further than the reach from as deep as it may be.
+      deepen(allowed.depth - query_.limit);
+      DueSamples(from.samples, to.field, motion, allowed, query_.limit, due, visit).read();
+      return static_cast<double>(deepest_);
+    }
+  }
   float passedBy = -1.0f;
   bool inside = false;
-  forEachNear(from.samples, to.field, FloatMotion(query_.toFromSamples, to.field.origin()), query_.limit,
-              inside, passedBy, [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
-                const ContactSample& sample = sampleAt(i);
-                allowed_ = static_cast<float>(query_.allowed(sample));
-                if (byFormula) return addShapeRows(i);
-                if (from.samples.isRound(sample)) return addPatchRow(i, place, read);
-                addSampleRow(i, place, read);
-              });
+  forEachNear(from.samples, to.field, motion, query_.limit, inside, passedBy, visit);
   deepen(passedBy);
   return static_cast<double>(deepest_);
+}
+
+void CandidateRows::addRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
+  const ContactSample& sample = sampleAt(i);
+  allowed_ = static_cast<float>(query_.allowed(sample));
+  clear_ = read.distance - read.error - sample.along + allowed_;
+  if (query_.to->byFormula()) return addShapeRows(i);
+  if (query_.from->samples.isRound(sample)) return addPatchRow(i, place, read);
+  addSampleRow(i, place, read);
 }
 
 void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
@@ -102,6 +118,7 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   glm::vec3 normal = read.gradient;
   float gap = read.distance + read.error;
   if (read.error > query_.smooth) {
+    if (isAnswered(i, place)) return addAnsweredRows(i, place, nullptr, least - sample.along);
     gap = read.distance - read.error;
     alignToFace(i, read, normal, gap);
   }
@@ -113,12 +130,22 @@ bool CandidateRows::trusts(const SampleAnswer& answer, std::uint32_t sample, flo
   return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps && length <= query_.trusted;
 }
 
+bool CandidateRows::isAnswered(std::uint32_t i, const glm::vec3& place) const {
+  const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target);
+  if (answer == nullptr) return false;
+  const float length = glm::length(place - answer->place);
+  return trusts(*answer, i, length) || answer->room + allowed_ - length > query_.limit;
+}
+
 void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch,
                                     float room) {
   const glm::vec3 arm = query_.armOf(place);
   if (const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target)) {
     const glm::vec3 path = place - answer->place;
     const float length = glm::length(path);
+    // What is said of a point says little of a piece of edge or of a patch around it.
+    if (patch == nullptr && !(sampleAt(i).along > 0.0f))
+      clear_ = std::max(clear_, answer->room + allowed_ - length);
     if (trusts(*answer, i, length)) {
       for (std::size_t k = 0; k < static_cast<std::size_t>(answer->planes); ++k) {
         const glm::vec3& normal = answer->normals[k];

@@ -10,14 +10,15 @@
 
 #include "haptics/contact/contact_rows.h"
 #include "haptics/contact/sample_memory.h"
+#include "haptics/contact/side_clocks.h"
 #include "haptics/contact/side_query.h"
 
 namespace tandem::haptics {
 
 class CandidateRows {
  public:
-  CandidateRows(const SideQuery& query, const SampleMemory& memory, ContactRows& rows)
-      : query_(query), memory_(memory), rows_(rows) {}
+  CandidateRows(const SideQuery& query, const SampleMemory& memory, SideClocks& clocks, ContactRows& rows)
+      : query_(query), memory_(memory), clocks_(clocks), rows_(rows) {}
 
   /// Adds the rows. Returns m, an upper bound of how deep any sample is in the target; 0 if all are outside.
   double gather();
@@ -30,6 +31,8 @@ class CandidateRows {
 
   // `i` is a sample and `place` where it is, m, relative to the origin of the target's field.
 
+  /// Adds the rows of one sample and sets `clear_`.
+  void addRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// Adds a plane, unless sections cut its place away.
   void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
   /// Adds a plane for each implicit shape of the target.
@@ -38,6 +41,8 @@ class CandidateRows {
   void addPatchRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// Adds the row of a point or of a piece of an edge.
   void addSampleRow(std::uint32_t i, const glm::vec3& place, const Reading& read);
+  /// Whether the last answer of a point or of a piece of an edge says more than the field.
+  bool isAnswered(std::uint32_t i, const glm::vec3& place) const;
   /// Adds the planes of the last answer while they are trusted. Otherwise adds a ball of `room` m, or of
   /// the room that the answer leaves where that is more. `patch` is null for a sample that is a point.
   void addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch, float room);
@@ -54,8 +59,10 @@ class CandidateRows {
 
   const SideQuery& query_;
   const SampleMemory& memory_;
+  SideClocks& clocks_;
   ContactRows& rows_;
   float allowed_ = 0.0f;  // m, depth that the present sample had at rest
+  float clear_ = 0.0f;    // m, by which the present sample with its piece may move at least
   float deepest_ = 0.0f;  // m
 };
 

@@ -23,7 +23,8 @@ ContactStep::ContactStep(const ContactWorld& world, ContactIsland& island, Overl
       joints_(joints),
       history_(history),
       fault_(fault),
-      refiner_(world, island, overlaps, fault) {}
+      refiner_(world, island, overlaps, fault),
+      clocks_(world) {}
 
 void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, int maxIterations) {
   if (!TICK_ASSERT(fault_, moving.size() == static_cast<std::size_t>(island_.bodyCount()))) return;
@@ -69,7 +70,7 @@ void ContactStep::gather(double reach, double dt) {
     const double closing = pair.second >= 0 ? 2.0 * reach : reach;
     for (const std::uint16_t side : {std::uint16_t{0}, std::uint16_t{1}}) {
       const SideQuery query(island_, overlaps_, static_cast<std::uint16_t>(i), side, closing);
-      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), rows_).gather());
+      overlaps_.noteDepth(i, CandidateRows(query, refiner_.memory(), clocks_, rows_).gather());
     }
     if (overlaps_.contained(i)) rows_.addExact(overlaps_.exitRow(i, dt));
   }

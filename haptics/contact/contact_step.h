@@ -21,6 +21,7 @@
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/part_joints.h"
 #include "haptics/contact/sample_refiner.h"
+#include "haptics/contact/side_clocks.h"
 
 namespace tandem::haptics {
 
@@ -71,6 +72,7 @@ class ContactStep {
   ContactRows rows_;
   ContactSolver solver_;
   SampleRefiner refiner_;
+  SideClocks clocks_;
   double reach_ = 0.0;       // m, of the present step
   double lastMotion_ = 0.0;  // m, of the island's last step
 };

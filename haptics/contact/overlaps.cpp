@@ -11,6 +11,9 @@
 namespace tandem::haptics {
 namespace {
 
+// Of a share that is computed in float.
+constexpr float kShareRounding = 1e-4f;
+
 void include(assets::Bounds& bounds, const glm::dvec3& p) {
   bounds.min = glm::min(bounds.min, p);
   bounds.max = glm::max(bounds.max, p);
@@ -23,6 +26,13 @@ double sizeOf(const assets::Bounds& bounds) { return glm::length(bounds.max - bo
 double shareBeside(const assets::Bounds& bounds, double margin, const glm::dvec3& p) {
   const double off = glm::length(p - glm::clamp(p, bounds.min, bounds.max));
   return off < margin ? 1.0 - off / margin : 0.0;
+}
+
+/// A lower bound of that share for all places at most `radius` from p.
+float leastShare(const glm::vec3& middle, const glm::vec3& half, float margin, const glm::vec3& p,
+                 float radius) {
+  const glm::vec3 off = glm::max(glm::abs(p - middle) + radius - half, glm::vec3(0.0f));
+  return 1.0f - glm::length(off) / margin;
 }
 
 /// Whether p is behind the surface at the surface's nearest point. On an edge or in a corner p must be
@@ -43,6 +53,13 @@ bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3
 
 }  // namespace
 
+float AllowedDepth::least(const glm::vec3& inSampled, const glm::vec3& inTarget, float radius) const {
+  if (!(depth > 0.0f)) return 0.0f;
+  const float share = std::max(leastShare(sampledMiddle, sampledHalf, margin, inSampled, radius),
+                               leastShare(targetMiddle, targetHalf, margin, inTarget, radius));
+  return depth * std::max(share - kShareRounding, 0.0f);
+}
+
 const Overlaps::Overlap& Overlaps::overlapOf(int pair) const {
   return overlaps_[static_cast<std::size_t>(of_[static_cast<std::size_t>(pair)])];
 }
@@ -56,6 +73,28 @@ double Overlaps::allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3
   const double share = std::max(shareBeside(overlap.inA, overlap.margin, firstIsA ? inFirst : inOther),
                                 shareBeside(overlap.inB, overlap.margin, firstIsA ? inOther : inFirst));
   return share * overlap.allowed;
+}
+
+bool AllowedDepth::sameBoxes(const AllowedDepth& other) const {
+  return margin == other.margin && sampledMiddle == other.sampledMiddle && sampledHalf == other.sampledHalf &&
+         targetMiddle == other.targetMiddle && targetHalf == other.targetHalf;
+}
+
+AllowedDepth Overlaps::allowed(int pair, bool ofFirst, const glm::dvec3& fieldOrigin) const {
+  AllowedDepth depth;
+  if (!has(pair)) return depth;
+  const Overlap& overlap = overlapOf(pair);
+  const bool sampledIsA = ofFirst == (overlap.a == island_.first(island_.pair(pair)).part);
+  const assets::Bounds &inSampled = sampledIsA ? overlap.inA : overlap.inB,
+                       &inTarget = sampledIsA ? overlap.inB : overlap.inA;
+  if (overlap.contained || !(overlap.margin > 0.0)) return depth;
+  depth.depth = static_cast<float>(overlap.allowed);
+  depth.margin = static_cast<float>(overlap.margin);
+  depth.sampledMiddle = glm::vec3(0.5 * (inSampled.min + inSampled.max));
+  depth.sampledHalf = glm::vec3(0.5 * (inSampled.max - inSampled.min));
+  depth.targetMiddle = glm::vec3(0.5 * (inTarget.min + inTarget.max) - fieldOrigin);
+  depth.targetHalf = glm::vec3(0.5 * (inTarget.max - inTarget.min));
+  return depth;
 }
 
 double Overlaps::longestExit(double dt) const {

@@ -20,6 +20,21 @@
 
 namespace tandem::haptics {
 
+/// How deep the samples of one part may be in another one, the target, in float.
+struct AllowedDepth {
+  /// A lower bound, m, for all samples that are at most `radius` (m) from a place, which is given in the
+  /// frame of their part and relative to the origin of the target's field.
+  float least(const glm::vec3& inSampled, const glm::vec3& inTarget, float radius) const;
+
+  /// Whether only the depth differs.
+  bool sameBoxes(const AllowedDepth& other) const;
+
+  float depth = 0.0f;   // m, where either part was in the other
+  float margin = 0.0f;  // m beside that, over which it falls to 0
+  // m: boxes around where samples were inside, as their middles and halves.
+  glm::vec3 sampledMiddle{0.0f}, sampledHalf{0.0f}, targetMiddle{0.0f}, targetHalf{0.0f};
+};
+
 class Overlaps {
  public:
   Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
@@ -49,6 +64,9 @@ class Overlaps {
   /// m by which a sample of either part may be deep in the other, at a place that is given in both part
   /// frames. It is the whole depth where either part was in the other, and falls to 0 beside that.
   double allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const;
+  /// The same for the samples of the pair's first part, or of the other one, before the field of its partner,
+  /// which has this origin.
+  AllowedDepth allowed(int pair, bool ofFirst, const glm::dvec3& fieldOrigin) const;
   /// The row that moves the contained part of a pair out, in a tick of dt seconds.
   ExactRow exitRow(int pair, double dt) const;
   /// m, the longest exit of any contained body of the island in a tick of dt seconds; 0 if none is

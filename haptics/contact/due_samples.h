@@ -1,0 +1,137 @@
+#pragma once
+
+// The samples of a side whose time has come (side_clocks.h), by the tree of balls. For the files of this room
+// only.
+
+#include "haptics/contact/near_samples.h"
+#include "haptics/contact/side_clocks.h"
+
+namespace tandem::haptics {
+
+/// Reads the samples that may be within `reach` m of a field's surface or behind it, less what they may be
+/// behind it, and no others. Sets the times until which what it has read need not be read again.
+///
+/// `Visit` is called as visit(sample, place in the field, reading there) for the samples that may be that
+/// near. It returns a lower bound of how far the sample, with the piece that it stands for, is free to move,
+/// m.
+template <typename Visit>
+class DueSamples {
+ public:
+  DueSamples(const ContactSamples& samples, const DistanceField& field, const FloatMotion& motion,
+             const AllowedDepth& allowed, float reach, const DueTimes& due, const Visit& visit)
+      : samples_(samples),
+        field_(field),
+        motion_(motion),
+        allowed_(allowed),
+        reach_(reach),
+        due_(due),
+        visit_(visit),
+        end_(due.now + reach) {}
+
+  void read() {
+    push(0);
+    while (top_ > 0) readBalls();
+    // Children are read after their parent.
+    while (visited_ > 0) {
+      const std::uint32_t n = due_.visited[--visited_];
+      due_.nodes[n] = leastOfChildren(n);
+    }
+  }
+
+ private:
+  using Node = ContactSamples::Node;
+  static constexpr std::uint32_t kAtOnce = DistanceField::kMaxAtOnce;
+
+  const Node& node(std::uint32_t n) const { return samples_.nodes()[n]; }
+  static glm::vec3 centreOf(const Node& node) { return {node.centre[0], node.centre[1], node.centre[2]}; }
+  float leastOfChildren(std::uint32_t n) const {
+    return std::min(due_.nodes[n + 1], due_.nodes[node(n).second]);
+  }
+  /// Whether the parts of a ball say when they are due, so that it need not be read as a whole.
+  bool isOpen(std::uint32_t n) const {
+    return due_.nodes[n] > DueTimes::kNever && (node(n).second == 0 || due_.nodes[n] == leastOfChildren(n));
+  }
+  void push(std::uint32_t n) {
+    if (due_.nodes[n] <= end_) stack_[top_++] = n;
+  }
+
+  /// Takes several balls from the stack, so that their memory latencies overlap.
+  void readBalls() {
+    std::array<std::uint32_t, kAtOnce> closed, leaves;
+    std::array<glm::vec3, kAtOnce> at;
+    std::uint32_t closedCount = 0, leafCount = 0;
+    const auto open = [&](std::uint32_t n) {
+      if (node(n).second == 0) {
+        leaves[leafCount++] = n;
+        return;
+      }
+      due_.visited[visited_++] = n;
+      push(node(n).second);
+      push(n + 1);
+    };
+    const std::size_t batch = std::min<std::size_t>(top_, kAtOnce), first = top_ - batch;
+    std::array<std::uint32_t, kAtOnce> taken;
+    std::copy_n(stack_.begin() + static_cast<std::ptrdiff_t>(first), batch, taken.begin());
+    top_ = first;
+    for (std::size_t k = 0; k < batch; ++k) {
+      if (isOpen(taken[k])) {
+        open(taken[k]);
+      } else {
+        at[closedCount] = motion_(centreOf(node(taken[k])));
+        closed[closedCount++] = taken[k];
+      }
+    }
+    field_.read(at.data(), closedCount, readings_.data());
+    for (std::uint32_t k = 0; k < closedCount; ++k) {
+      const Node& ball = node(closed[k]);
+      const float clear = readings_[k].distance - readings_[k].error - ball.radius +
+                          allowed_.least(centreOf(ball), at[k], ball.radius);
+      if (clear > reach_)
+        due_.nodes[closed[k]] = due_.until(clear);
+      else
+        open(closed[k]);
+    }
+    for (std::uint32_t l = 0; l < leafCount; ++l) readLeaf(leaves[l]);
+  }
+
+  void readLeaf(std::uint32_t n) {
+    const Node& leaf = node(n);
+    std::array<std::uint32_t, kAtOnce> dueNow;
+    std::array<glm::vec3, kAtOnce> at;
+    std::uint32_t count = 0;
+    float least = 1e30f;
+    for (std::uint32_t i = leaf.begin; i < leaf.end; ++i) {
+      if (due_.samples[i] > end_) {
+        least = std::min(least, due_.samples[i]);
+        continue;
+      }
+      at[count] = motion_(glm::vec3(samples_.points()[i]));
+      dueNow[count++] = i;
+    }
+    field_.read(at.data(), count, readings_.data());
+    const float allowed = allowed_.least(centreOf(leaf), motion_(centreOf(leaf)), leaf.radius);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t i = dueNow[k];
+      float clear = readings_[k].distance - readings_[k].error - samples_.points()[i].w + allowed;
+      if (clear <= reach_) clear = visit_(i, at[k], readings_[k]);
+      due_.samples[i] = due_.until(clear);
+      least = std::min(least, due_.samples[i]);
+    }
+    due_.nodes[n] = least;
+  }
+
+  const ContactSamples& samples_;
+  const DistanceField& field_;
+  const FloatMotion& motion_;
+  const AllowedDepth& allowed_;
+  const float reach_;  // m
+  const DueTimes& due_;
+  const Visit& visit_;
+  const float end_;  // time until which samples are due
+  std::array<DistanceField::Reading, kAtOnce> readings_;
+  // A tree of 2^32 samples is 28 levels deep, and each level leaves at most kAtOnce balls behind.
+  std::array<std::uint32_t, 40 * kAtOnce> stack_;
+  std::size_t top_ = 0, visited_ = 0;
+};
+
+}  // namespace tandem::haptics
