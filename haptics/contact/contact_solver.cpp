@@ -117,13 +117,16 @@ bool ContactSolver::refineViolated(ContactRows& rows, RowRefiner& refiner) {
     if (rows.worstExact(u, tolerance_, first) >= 0) break;
   }
   if (rows.worstExact(u, tolerance_, alreadyExact) >= 0) return true;
-  const int plane = rows.worstPlane(u, tolerance_);
-  if (plane < 0) return false;
-  ++iterations_;
-  const RowSource source = rows.planeSource(plane);
-  rows.dropPlane(plane);
-  refiner.refine(source, u[source.pair], rows);
-  return true;
+  for (int plane = rows.worstPlane(u, tolerance_); plane >= 0 && iterations_ < maxIterations_;
+       plane = rows.worstPlane(u, tolerance_)) {
+    ++iterations_;
+    const RowSource source = rows.planeSource(plane);
+    rows.dropPlane(plane);
+    const int first = rows.exactRows();
+    refiner.refine(source, u[source.pair], rows);
+    if (rows.worstExact(u, tolerance_, first) >= 0) return true;
+  }
+  return false;
 }
 
 bool ContactSolver::saturate(ContactRows& rows, BodyVectors& saturated) {

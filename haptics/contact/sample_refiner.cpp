@@ -83,6 +83,7 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
                       (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
   if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
   const DistanceField::Reading around = to.field.read(glm::vec3(sampleQuery.point - to.field.origin()));
+  sampleQuery.nearest = static_cast<double>(1.001f * (std::abs(around.distance) + around.error));
   // Where the field's error leaves the side open, the sample is outside, for it came from there.
   sampleQuery.outside =
       around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
@@ -99,8 +100,10 @@ bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, c
   const std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
   if (to.byFormula()) return touchShapes(query, sample, sampleQuery, found);
   if (query.from->samples.isRound(sample)) return touchPatch(query, sample, sampleQuery, hint, exact_, found);
-  return exact_ ? touchingFeature(*to.tree, to.edges, sampleQuery, 1e300, hint, found)
-                : fieldFeature(to, sampleQuery, found);
+  if (!exact_) return fieldFeature(to, sampleQuery, found);
+  // Beyond its grid a field knows only how far the mesh is at least.
+  return touchingFeature(*to.tree, to.edges, sampleQuery, sampleQuery.nearest, hint, found) ||
+         touchingFeature(*to.tree, to.edges, sampleQuery, 1e300, hint, found);
 }
 
 void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,

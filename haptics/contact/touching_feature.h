@@ -29,6 +29,7 @@ struct SampleQuery {
   double slack = 0.0;                   // by which a gap may be below zero where the predicted gap is not
   bool outside = false;                 // it is not inside the mesh
   double range = 0.0;                   // m that it may move before its next query
+  double nearest = 1e300;               // m, at most how far the mesh is, for a field that knows
 };
 
 /// A half-space that a point of the sample's part must not leave: normal . (point - surface) >= 0.
