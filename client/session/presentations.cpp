@@ -23,7 +23,7 @@ bool same(const Presentation& a, const Presentation& b) {
                     [](const auto& x, const auto& y) { return same(x, y); });
 }
 
-const char* inWords(Shares shares) { return shares == Shares::view ? " presents" : " shares sections"; }
+const char* sharingWords(Shares shares) { return shares == Shares::view ? " presents" : " shares sections"; }
 
 }  // namespace
 
@@ -57,7 +57,7 @@ void Presentations::tellOfChange(const Presentation& before, const Presentation&
   if (before.shares == now.shares) return;
   const std::string name = people_.nameOf(now.site);
   if (now.shares != Shares::nothing)
-    people_.notice(Notice::Level::info, name + inWords(now.shares));
+    people_.notice(Notice::Level::info, name + sharingWords(now.shares));
   else
     people_.notice(
         Notice::Level::info,
