@@ -168,6 +168,13 @@ double ContactRows::safeShare(PairMotions u) const {
         share = std::min(share, static_cast<double>(std::max(gap_[i], 0.0f) / approach));
     }
   }
+  // The solver has not come to all exact rows.
+  for (int i = 0; i < exact_; ++i) {
+    const ExactRow& row = rows_[i];
+    const double approach = -row.along(u[row.source.pair]);
+    if (row.compliance > 0.0 || row.isEquality || approach <= std::max(row.gap, 0.0)) continue;
+    share = std::min(share, std::max(row.gap, 0.0) / approach);
+  }
   return share;
 }
 

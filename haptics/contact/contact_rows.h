@@ -74,7 +74,7 @@ using PairMotions = std::span<const Displacement>;
 
 class ContactRows {
  public:
-  static constexpr int kMaxPlanes = 32768, kMaxBalls = 4096, kMaxExact = 512;
+  static constexpr int kMaxPlanes = 32768, kMaxBalls = 4096, kMaxExact = 1024;
 
   ContactRows();
 
@@ -102,7 +102,7 @@ class ContactRows {
   /// The rigid exact row from `from` on that u violates most, by more than `limit` m; -1 if none.
   int worstExact(PairMotions u, double limit, int from = 0) const;
 
-  /// The largest share of u, 0..1, that violates no plane or ball of those still there.
+  /// The largest share of u, 0..1, that violates no row of those still there more than standing still does.
   double safeShare(PairMotions u) const;
 
   /// Removes a plane or a ball that has become an exact row, or that constrains nothing.

@@ -35,7 +35,8 @@ bool cutsSample(const MeshEdge& edge, const SampleQuery& sample, double reach) {
 }
 
 /// The plane of two edges that cross, normal to both, where each is an edge of its body in that direction.
-bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQuery& sample,
+/// They may cross up to `past` m beyond the ends of `edge`.
+bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQuery& sample, double past,
                    TouchingPlane& found) {
   const double length = glm::length(edge.b - edge.a);
   const glm::dvec3 along = (edge.b - edge.a) / length;
@@ -54,23 +55,25 @@ bool crossingEdges(const MeshEdge& edge, const EdgePlane& plane, const SampleQue
   const glm::dvec3 r = sample.point - edge.a;
   const double b = glm::dot(sample.edge, along), c = glm::dot(sample.edge, r), f = glm::dot(along, r);
   const double s = (b * f - c) / (sine * sine), t = f + s * b;
-  if (std::abs(s) > sample.along || t < 0.0 || t > length) return false;
+  if (std::abs(s) > sample.along || t < -past || t > length + past) return false;
   found.point = sample.point + s * sample.edge;
   found.normal = normal;
   found.gap = glm::dot(normal, found.point - (edge.a + t * along));
   return true;
 }
 
-/// The least gap to a convex edge of the list that crosses the sample's; false if none does within `reach`.
+/// The least gap to a convex edge of the list that crosses the sample's, or does so up to `past` m beyond its
+/// ends; false if none does within `reach`.
 bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleQuery& sample, double reach,
-                  TouchingPlane& least) {
+                  double past, TouchingPlane& least) {
   bool any = false;
   for (const std::uint32_t i : edges.around(triangle)) {
     const MeshEdge& edge = edges.edges()[i];
     if (edge.angle < 0.0) continue;
     const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, edge.a, edge.b);
     TouchingPlane found;
-    if (glm::dot(offset, offset) > reach * reach || !crossingEdges(edge, EdgePlane(edge), sample, found))
+    if (glm::dot(offset, offset) > reach * reach ||
+        !crossingEdges(edge, EdgePlane(edge), sample, past, found))
       continue;
     if (any && found.gap >= least.gap) continue;
     any = true;
@@ -100,7 +103,8 @@ const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, co
 /// Adds the plane beyond a hollow edge of the triangle that is predicted to be violated most, if one is
 /// within `reach`: a plane that ends further away constrains nothing here. A sample in front of the mesh also
 /// ignores a plane that it is less far behind than it is from the mesh, for that plane ends before the
-/// sample.
+/// sample. Where the face beyond ends under a piece of edge, the plane is that of both edges: the two planes
+/// of a hollow corner at the mouth of a bore then lean as one, and nothing pushes along the bore by turns.
 void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const SampleQuery& sample, double reach,
                     TouchingFeature& feature) {
   const glm::dvec3& p = sample.point;
@@ -120,7 +124,10 @@ void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const Sampl
       const Triangle beyond = tree.triangle(edge.triangles[side]);
       if (glm::length(p - closestPointOnTriangle(p, beyond).point) > reach) continue;
       least = predicted;
-      feature.planes[1] = {p, normal, gap};
+      TouchingPlane& plane = feature.planes[1];
+      const bool crosses =
+          sample.along > 0.0 && crossingNear(edges, edge.triangles[side], sample, reach, reach, plane);
+      if (!crosses) plane = {p, normal, gap};
       feature.count = 2;
     }
   }
@@ -203,7 +210,7 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
                            const SampleQuery& sample, double reach) {
   const glm::dvec3& p = sample.point;
   TouchingPlane crossing;
-  if (sample.along > 0.0 && crossingNear(edges, triangle, sample, reach + sample.along, crossing))
+  if (sample.along > 0.0 && crossingNear(edges, triangle, sample, reach + sample.along, 0.0, crossing))
     return crossing;
   glm::dvec3 foot(0.0);
   const MeshEdge* const edge = nearestConvex(edges, triangle, p, reach, foot);
@@ -222,7 +229,7 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
 
 TouchingPlane touchingEdge(const MeshEdge& edge, const SampleQuery& sample) {
   TouchingPlane found;
-  if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, found)) return found;
+  if (sample.along > 0.0 && crossingEdges(edge, EdgePlane(edge), sample, 0.0, found)) return found;
   return planeOfEdge(edge, closestPointOnSegment(sample.point, edge.a, edge.b), sample,
                      std::max(glm::length(sample.motion), 10.0 * sample.slack));
 }

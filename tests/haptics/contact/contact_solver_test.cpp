@@ -253,6 +253,26 @@ TEST(ContactRows, DropsWhatDoesNotFitAndSaysSo) {
   EXPECT_EQ(rows.dropped(), 0);
 }
 
+TEST(ContactRows, TheSafeShareOfAMotionStopsAtExactRowsToo) {
+  ContactRows rows;
+  rows.beginPair();
+  ExactRow row;
+  row.normal = {0.0, 0.0, 1.0};
+  row.gap = 1e-5;
+  rows.addExact(row);
+  const auto share = [&](double z) {
+    const Displacement u{{0.0, 0.0, z}, {0.0, 0.0, 0.0}};
+    return rows.safeShare({&u, 1});
+  };
+  EXPECT_EQ(share(-1e-5), 1.0);
+  EXPECT_NEAR(share(-4e-5), 0.25, 1e-12);
+  // Nothing that is inside goes in deeper, and it may come out.
+  row.gap = -1e-6;
+  rows.addExact(row);
+  EXPECT_EQ(share(-4e-5), 0.0);
+  EXPECT_EQ(share(4e-5), 1.0);
+}
+
 TEST(ContactRows, TellsTheWorstOfAnyNumberOfPlanes) {
   Numbers number(5);
   for (const int count : {1, 2, 3, 4, 5, 7, 8, 30, 31}) {

@@ -149,6 +149,26 @@ TEST(TouchingFeature, OfCrossingEdgesIsNormalToBoth) {
   EXPECT_LT(glm::length(found.planes[0].point - crossing), 1e-9);
 }
 
+TEST(TouchingFeature, AtTheMouthOfAHollowCornerBothPlanesAreNormalToTheEdgeThatLeavesIt) {
+  // An edge of a peg that leans in a corner of its bore, where both walls end at the top.
+  const Ground ground(meshOf(boredBlockSoup({0.01, 0.045, 0.03, 0.045, 0.0, Fit::around, {24, 1}})));
+  const double wide = 0.01 / std::cos(kPi / 24.0), lean = 0.0145;
+  const auto at = [](double degrees) {
+    const double a = degrees * kPi / 180.0;
+    return glm::dvec3(std::cos(a), std::sin(a), 0.0);
+  };
+  const glm::dvec3 outwards = at(30.0), edge = glm::normalize(glm::dvec3(0.0, 0.0, 1.0) + lean * outwards);
+  const auto across = [&](const glm::dvec3& n) { return glm::normalize(n - edge * glm::dot(edge, n)); };
+  const std::array<glm::dvec3, 2> normals{across(at(22.0)), across(at(38.0))};
+  SampleQuery sample = corner((wide - 1e-8) * outwards, 1e-5 * outwards, normals);
+  sample.edge = edge;
+  sample.along = 1e-3;
+  const TouchingFeature found = ground.at(sample);
+  ASSERT_EQ(found.count, 2);
+  for (std::size_t k = 0; k < 2; ++k) EXPECT_LT(std::abs(glm::dot(found.planes[k].normal, edge)), 1e-9) << k;
+  EXPECT_LT(glm::dot(found.planes[0].normal, found.planes[1].normal), std::cos(0.9 * kPi / 12.0));
+}
+
 TEST(TouchingFeature, OutOfReachIsNone) {
   const Ground ground(boxMesh(glm::dvec3(0.02)));
   TouchingFeature found;
