@@ -21,6 +21,7 @@
 #include "client/join/live_table.h"
 #include "client/review/clash_search.h"
 #include "client/review/clearance_watch.h"
+#include "client/viewer/camera.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/operator/steered_hand.h"

@@ -147,8 +147,6 @@ struct Camera {
   double fieldOfView = 0.7;       // rad, vertical
 };
 Pose worldFromCamera(const Camera& camera);
-/// A camera that sees all of the box.
-Camera fitView(const assets::Bounds& bounds, double aspect);
 
 /// What the person did in this frame.
 struct ViewActions {

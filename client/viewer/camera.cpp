@@ -19,17 +19,7 @@ bool isEmpty(const assets::Bounds& bounds) {
   return !(bounds.min.x <= bounds.max.x && bounds.min.y <= bounds.max.y && bounds.min.z <= bounds.max.z);
 }
 
-glm::dquat orientationOf(const Camera& camera) {
-  return glm::angleAxis(camera.yaw, glm::dvec3(0.0, 1.0, 0.0)) *
-         glm::angleAxis(-camera.pitch, glm::dvec3(1.0, 0.0, 0.0));
-}
-
 }  // namespace
-
-Pose worldFromCamera(const Camera& camera) {
-  const glm::dquat orientation = orientationOf(camera);
-  return {camera.target + orientation * glm::dvec3(0.0, 0.0, camera.distance), orientation};
-}
 
 Camera fitView(const assets::Bounds& bounds, double aspect) { return fitFrom(Camera{}, bounds, aspect); }
 
@@ -37,7 +27,7 @@ Camera fitFrom(const Camera& from, const assets::Bounds& bounds, double aspect) 
   Camera camera = from;
   if (isEmpty(bounds)) return camera;
   camera.target = 0.5 * (bounds.min + bounds.max);
-  const glm::dquat cameraFromWorld = glm::conjugate(orientationOf(camera));
+  const glm::dquat cameraFromWorld = glm::conjugate(worldFromCamera(camera).orientation);
   const double tanY = std::tan(0.5 * camera.fieldOfView);
   const double tanX = tanY * std::max(aspect, 1e-3);
   double distance = 0.0;
@@ -99,16 +89,17 @@ std::optional<glm::dvec2> View::project(const glm::dvec3& world) const {
 
 void orbit(Camera& camera, const glm::dvec2& pixels, const glm::dvec3& pivot) {
   constexpr double kRadPerPixel = 0.007;
-  const glm::dquat before = orientationOf(camera);
+  const glm::dquat before = worldFromCamera(camera).orientation;
   camera.yaw = std::remainder(camera.yaw - pixels.x * kRadPerPixel, glm::two_pi<double>());
   camera.pitch =
       std::clamp(camera.pitch + pixels.y * kRadPerPixel, -glm::half_pi<double>(), glm::half_pi<double>());
-  const glm::dquat turn = orientationOf(camera) * glm::conjugate(before);
+  const glm::dquat turn = worldFromCamera(camera).orientation * glm::conjugate(before);
   camera.target = pivot + turn * (camera.target - pivot);
 }
 
 void pan(Camera& camera, const glm::dvec2& pixels, double metresPerPixel) {
-  camera.target += orientationOf(camera) * glm::dvec3(-pixels.x, pixels.y, 0.0) * metresPerPixel;
+  camera.target +=
+      worldFromCamera(camera).orientation * glm::dvec3(-pixels.x, pixels.y, 0.0) * metresPerPixel;
 }
 
 void zoom(Camera& camera, double steps, const glm::dvec3& towards) {

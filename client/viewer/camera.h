@@ -42,6 +42,8 @@ struct View {
 /// `content` sets the near and far planes.
 View makeView(const Camera& camera, const glm::dvec2& size, const Sphere& content);
 
+/// A camera that sees all of the box.
+Camera fitView(const assets::Bounds& bounds, double aspect);
 /// Moves a camera until it sees all of the box, without turning it. An empty box changes nothing.
 Camera fitFrom(const Camera& from, const assets::Bounds& bounds, double aspect);
 /// A camera with the eye at this pose (roll is dropped); distance and field of view as in `like`.

@@ -19,6 +19,7 @@ import tempfile
 
 from check_command import binaries_of_command_line, expect, report
 
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 FULL = bool(os.environ.get("TANDEM_FULL_SIZE"))
 VALIDATE = """const fs = require('fs'), v = require('gltf-validator');
 const file = new Uint8Array(fs.readFileSync(process.argv[1]));
@@ -102,6 +103,22 @@ def check_fixture(importer):
     deepest = max(found["depth_m"] for found in importer.clashes()["found"])
     # Their facets stand up to 25 um off the round.
     expect(0.00009 < deepest < 0.00013, f"oversize: pins 0.1 mm too thick are {deepest} m deep")
+
+
+def check_bearing(importer):
+    """The scene of `client/demo review` is what make_step writes, and its script names parts that it has."""
+    def solids(path):
+        return path.read_text().partition("DATA;")[2]
+    committed = ROOT / "assets/scenes/bearing.step"
+    expect(solids(importer.make("bearing")) == solids(committed), "bearing: not what make_step writes")
+    told, scene = importer.scene(committed)
+    expect((told["parts"], told["meshes"]) == (8, 6), f"bearing: {told}")
+    hard = [(found["a"], found["b"]) for found in importer.clashes()["found"] if found["kind"] == "overlap"]
+    expect(hard == [("base", "bolt 4")], f"bearing: {hard}")
+    names = {node.get("name") for node in scene["nodes"]}
+    script = json.loads((ROOT / "client/demo_hands/review.json").read_text())
+    named = {name for step in script for name in [step["part"]] * ("part" in step) + step.get("parts", [])}
+    expect(named and named <= names, f"bearing: no part is called {named - names}")
 
 
 def extent(scene):
@@ -247,6 +264,7 @@ def main():
         importer = Importer(binaries, pathlib.Path(folder))
         check_links(importer)
         check_fixture(importer)
+        check_bearing(importer)
         check_units(importer)
         check_meshes(importer)
         check_refusals(importer)

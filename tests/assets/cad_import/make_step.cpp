@@ -2,12 +2,15 @@
 //   fixture    a block with two bores, a pin of their diameter in each, turned by odd angles; a sketch
 //   oversize   the same with pins 0.1 mm too thick
 //   thousand   a thousand parts of a hundred shapes
+//   bearing    a shaft in a plain bearing, whose cap has four bolts, one of them too long for its hole: the
+//              scene assets/scenes/bearing.step of `client/demo review`
 
 #include <cmath>
 #include <cstdio>
 #include <string>
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
@@ -26,6 +29,7 @@
 #include <XCAFDoc_DocumentTool.hxx>
 #include <XCAFDoc_MaterialTool.hxx>
 #include <XCAFDoc_ShapeTool.hxx>
+#include <gp_Ax2.hxx>
 #include <gp_Pln.hxx>
 
 namespace {
@@ -34,11 +38,11 @@ constexpr double kHoleRadius = 5.0;  // mm
 
 class StepFile {
  public:
-  StepFile() : document_(new TDocStd_Document("BinXCAF")) {
+  explicit StepFile(const char* called) : document_(new TDocStd_Document("BinXCAF")) {
     XCAFDoc_DocumentTool::Set(document_->Main(), false);
     shapes_ = XCAFDoc_DocumentTool::ShapeTool(document_->Main());
     top_ = shapes_->NewShape();
-    name(top_, "fixture");
+    name(top_, called);
   }
 
   TDF_Label add(const TopoDS_Shape& shape, const char* called) {
@@ -115,15 +119,63 @@ void addThousand(StepFile& file) {
   }
 }
 
+TopoDS_Shape lying(double from, double radius, double length) {
+  return BRepPrimAPI_MakeCylinder(gp_Ax2({0.0, from, 0.0}, {0, 1, 0}), radius, length).Shape();
+}
+
+TopoDS_Shape both(const TopoDS_Shape& a, const TopoDS_Shape& b) { return BRepAlgoAPI_Fuse(a, b).Shape(); }
+
+/// A slab from `low` to `high` over the axis of the shaft, with half of the seat of the bush and four holes.
+TopoDS_Shape bearingHalf(double low, double high, double holeRadius, double holeBottom) {
+  TopoDS_Shape solid = BRepPrimAPI_MakeBox(gp_Pnt(-60.0, -30.0, low), gp_Pnt(60.0, 30.0, high)).Shape();
+  solid = BRepAlgoAPI_Cut(solid, lying(-31.0, 20.0, 62.0)).Shape();
+  for (const double x : {-42.0, 42.0})
+    for (const double y : {-18.0, 18.0})
+      solid = BRepAlgoAPI_Cut(solid, cylinder(x, y, holeBottom, holeRadius, high - holeBottom + 1.0)).Shape();
+  return TopExp_Explorer(solid, TopAbs_SOLID).Current();
+}
+
+/// An M8 bolt whose head rests on z = 0.
+TopoDS_Shape bolt(double length) {
+  return both(cylinder(0.0, 0.0, 0.0, 6.5, 8.0), cylinder(0.0, 0.0, -length, 4.0, length));
+}
+
+void addBearing(StepFile& file) {
+  const auto colour = [&](const TDF_Label& label, double red, double green, double blue) {
+    file.colour(label, Quantity_Color(red, green, blue, Quantity_TOC_sRGB));
+  };
+  const TDF_Label base = file.add(bearingHalf(-40.0, 0.0, 4.1, -34.0), "base");
+  const TDF_Label cap = file.add(bearingHalf(0.0, 34.0, 4.5, -1.0), "cap");
+  const TDF_Label bush =
+      file.add(BRepAlgoAPI_Cut(lying(-30.0, 20.0, 60.0), lying(-31.0, 15.0, 62.0)).Shape(), "bush");
+  const TDF_Label shaft = file.add(both(lying(-60.0, 14.95, 140.0), lying(31.0, 22.0, 8.0)), "shaft");
+  const TDF_Label shortBolt = file.add(bolt(62.0), "bolt M8 x 62"),
+                  longBolt = file.add(bolt(72.0), "bolt M8 x 72");
+  colour(base, 0.42, 0.47, 0.53);
+  colour(cap, 0.30, 0.45, 0.62);
+  colour(bush, 0.80, 0.58, 0.25);
+  colour(shaft, 0.72, 0.73, 0.75);
+  for (const TDF_Label& steel : {shaft, shortBolt, longBolt}) file.steel(steel);
+  file.place(base, "base", {0, 0, 0}, 0.0);
+  file.place(cap, "cap", {0, 0, 0}, 0.0);
+  file.place(bush, "bush", {0, 0, 0}, 0.0);
+  file.place(shaft, "shaft", {0, 0, 0}, 0.0);
+  file.place(shortBolt, "bolt 1", {-42, -18, 34}, 0.0);
+  file.place(shortBolt, "bolt 2", {-42, 18, 34}, 0.0);
+  file.place(shortBolt, "bolt 3", {42, -18, 34}, 0.0);
+  file.place(longBolt, "bolt 4", {42, 18, 34}, 0.0);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   if (argc < 3) return 2;
   Message::DefaultMessenger()->ChangePrinters().Clear();
-  StepFile file;
   const std::string which = argv[1];
+  StepFile file(which.c_str());
   if (which == "fixture") addFixture(file, kHoleRadius);
   if (which == "oversize") addFixture(file, kHoleRadius + 0.1);
   if (which == "thousand") addThousand(file);
+  if (which == "bearing") addBearing(file);
   return file.write(argv[2], argc > 3 ? argv[3] : "MM") ? 0 : 1;
 }
