@@ -118,8 +118,10 @@ class TopicMaker {
 
   void point(Topic& topic, PartId part) const {
     if (!known(part)) return;
+    auto& selected = topic.view->selected;
+    if (std::find(selected.begin(), selected.end(), source_.guids.guid(part)) != selected.end()) return;
     topic.parts.push_back(names_[part]);
-    topic.view->selected.push_back(source_.guids.guid(part));
+    selected.push_back(source_.guids.guid(part));
   }
   std::string name(PartId part) const { return known(part) ? names_[part] : "part " + std::to_string(part); }
 

@@ -62,8 +62,11 @@ Result<std::string> importCadFile(const std::string& path, const std::string& un
     auto content = assets::readCacheFile(path);
     if (!content) return Error{path + ": cannot be read"};
     for (const char c : endingOf(path) + ' ' + units + ' ' + kVersion) content->push_back(std::byte(c));
-    std::filesystem::create_directories(cacheDirectory, ignored);
-    output = cacheDirectory + "/import-" + assets::toHex(assets::contentHash(*content)) + ".glb";
+    // The scene keeps the file's name, which people read.
+    const std::filesystem::path folder =
+        std::filesystem::path(cacheDirectory) / ("import-" + assets::toHex(assets::contentHash(*content)));
+    std::filesystem::create_directories(folder, ignored);
+    output = folder / std::filesystem::path(path).stem().concat(".glb");
     if (std::filesystem::exists(output, ignored)) return output;
   }
   std::vector<std::string> command{besideThisProgram("tandem-import"), path, "-o", output, "--progress"};

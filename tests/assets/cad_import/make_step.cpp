@@ -144,13 +144,13 @@ void addBearing(StepFile& file) {
   const auto colour = [&](const TDF_Label& label, double red, double green, double blue) {
     file.colour(label, Quantity_Color(red, green, blue, Quantity_TOC_sRGB));
   };
-  const TDF_Label base = file.add(bearingHalf(-40.0, 0.0, 4.1, -34.0), "base");
+  const TDF_Label base = file.add(bearingHalf(-40.0, 0.0, 4.1, -30.0), "base");
   const TDF_Label cap = file.add(bearingHalf(0.0, 34.0, 4.5, -1.0), "cap");
   const TDF_Label bush =
       file.add(BRepAlgoAPI_Cut(lying(-30.0, 20.0, 60.0), lying(-31.0, 15.0, 62.0)).Shape(), "bush");
   const TDF_Label shaft = file.add(both(lying(-60.0, 14.95, 140.0), lying(31.0, 22.0, 8.0)), "shaft");
   const TDF_Label shortBolt = file.add(bolt(62.0), "bolt M8 x 62"),
-                  longBolt = file.add(bolt(72.0), "bolt M8 x 72");
+                  longBolt = file.add(bolt(68.0), "bolt M8 x 68");
   colour(base, 0.42, 0.47, 0.53);
   colour(cap, 0.30, 0.45, 0.62);
   colour(bush, 0.80, 0.58, 0.25);
