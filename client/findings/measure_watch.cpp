@@ -1,26 +1,17 @@
 #include "client/findings/measure_watch.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
-#include <chrono>
-#include <condition_variable>
-#include <mutex>
-#include <thread>
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "client/review/paced_worker.h"
 #include "client/review/part_closings.h"
 
 namespace tandem::client {
 
 namespace {
 
-using Clock = std::chrono::steady_clock;
 using document::Anchor;
-constexpr auto kPeriod = std::chrono::milliseconds(50);
-constexpr int kRest = 3;            // pause before the next measurement, in durations of the last one
-constexpr int kWatchNiceness = 10;  // the hand's thread comes first
 
 bool same(const std::vector<Anchor>& a, const std::vector<Anchor>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const Anchor& one, const Anchor& other) {
@@ -33,94 +24,62 @@ bool same(const Pose& a, const Pose& b) { return a.position == b.position && a.o
 
 class MeasureWatch::Worker {
  public:
-  explicit Worker(const haptics::ContactScene& contact) : closings_(contact), thread_([this] { run(); }) {}
-
-  ~Worker() {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake_.notify_one();
-    thread_.join();
-  }
+  explicit Worker(const haptics::ContactScene& contact) : closings_(contact) {}
 
   struct Answer {
     std::vector<MeasuredPlace> places;  // in the frames of their parts
     std::optional<Clash> parts;
   };
 
-  Answer update(const std::vector<Anchor>& marks, const std::vector<Pose>& worldFromPart) {
-    const std::lock_guard lock(mutex_);
+  const Answer& update(const std::vector<Anchor>& marks, const std::vector<Pose>& worldFromPart) {
     std::vector<Pose> poses;
     for (const Anchor& mark : marks) poses.push_back(worldFromPart[mark.part]);
     if (!same(marks, marks_)) {
       marks_ = marks;
       answer_ = {};
       measured_.clear();
-      due_ = {};
-      requested_ = false;
+      worker_.drop();
+      worker_.endPause();
     }
+    if (auto result = worker_.take()) keep(std::move(*result));
     const bool stale =
         measured_.size() != poses.size() || (marks.size() == 2 && marks[0].part != marks[1].part &&
                                              !(same(poses[0], measured_[0]) && same(poses[1], measured_[1])));
-    if (stale && !requested_ && !busy_ && Clock::now() >= due_) {
-      poses_ = std::move(poses);
-      requested_ = true;
-      wake_.notify_one();
-    }
+    if (stale && worker_.isReady()) worker_.ask({marks, std::move(poses), answer_.places});
     return answer_;
   }
 
  private:
-  void run() {
-    // On Linux this sets the priority of this thread alone. If it fails, the thread has the usual priority.
-    static_cast<void>(setpriority(PRIO_PROCESS, 0, kWatchNiceness));
-    std::unique_lock lock(mutex_);
-    while (true) {
-      wake_.wait(lock, [this] { return stop_ || requested_; });
-      if (stop_) return;
-      requested_ = false;
-      busy_ = true;
-      const std::vector<Anchor> marks = marks_;
-      const std::vector<Pose> poses = poses_;
-      std::vector<MeasuredPlace> places = answer_.places;
-      lock.unlock();
-      const Clock::time_point start = Clock::now();
-      Answer answer = measure(marks, poses, std::move(places));
-      const Clock::time_point end = Clock::now();
-      lock.lock();
-      busy_ = false;
-      due_ = std::max(start + kPeriod, end + kRest * (end - start));
-      if (!same(marks, marks_)) {
-        due_ = {};
-      } else {
-        answer_ = std::move(answer);
-        measured_ = poses;
-      }
-    }
+  struct Request {
+    std::vector<Anchor> marks;
+    std::vector<Pose> poses;            // of the marks' parts
+    std::vector<MeasuredPlace> places;  // those of an earlier measurement of these marks, or none
+  };
+  using Measurements = PacedWorker<Request, Answer>;
+  static constexpr std::chrono::milliseconds kPeriod{50};
+
+  void keep(Measurements::Result result) {
+    if (!same(result.request.marks, marks_)) return worker_.endPause();
+    answer_ = std::move(result.answer);
+    measured_ = std::move(result.request.poses);
   }
 
-  /// `places` are those of an earlier measurement of these marks, or none.
-  Answer measure(const std::vector<Anchor>& marks, const std::vector<Pose>& poses,
-                 std::vector<MeasuredPlace> places) const {
+  Answer measure(const Request& of) const {
+    std::vector<MeasuredPlace> places = of.places;
     if (places.empty())
-      for (const Anchor& mark : marks)
+      for (const Anchor& mark : of.marks)
         if (const auto place = measurePlaceOn(closings_.contact(), mark.part, mark.point))
           places.push_back(*place);
-    if (marks.size() < 2 || marks[0].part == marks[1].part) return {std::move(places), std::nullopt};
-    return {std::move(places), measurePair(closings_, marks[0].part, poses[0], marks[1].part, poses[1])};
+    if (of.marks.size() < 2 || of.marks[0].part == of.marks[1].part) return {std::move(places), std::nullopt};
+    return {std::move(places),
+            measurePair(closings_, of.marks[0].part, of.poses[0], of.marks[1].part, of.poses[1])};
   }
 
   const PartClosings closings_;
-  std::mutex mutex_;
-  std::condition_variable wake_;
-  bool stop_ = false, requested_ = false, busy_ = false;
   std::vector<Anchor> marks_;
-  std::vector<Pose> poses_;     // of the marks' parts, for the requested measurement
-  std::vector<Pose> measured_;  // the same of the last one; empty before it
+  std::vector<Pose> measured_;  // of the marks' parts in the last measurement; empty before it
   Answer answer_;
-  Clock::time_point due_{};
-  std::thread thread_;  // last member, since it uses all of the above
+  Measurements worker_{kPeriod, [this](const Request& of) { return measure(of); }};
 };
 
 MeasureWatch::MeasureWatch(const haptics::ContactScene& contact) : contact_(contact) {}
@@ -133,10 +92,10 @@ MeasureView MeasureWatch::update(const std::vector<Anchor>& marks, const std::ve
   if (marks.empty() && !worker_) return view;
   for (const Anchor& mark : marks) ASSERT(mark.part < worldFromPart.size());
   if (!worker_) worker_ = std::make_unique<Worker>(contact_);
-  Worker::Answer answer = worker_->update(marks, worldFromPart);
+  const Worker::Answer& answer = worker_->update(marks, worldFromPart);
   for (const MeasuredPlace& place : answer.places)
     view.places.push_back(moved(place, worldFromPart[place.part]));
-  view.parts = std::move(answer.parts);
+  view.parts = answer.parts;
   view.figures = figuresOf(view.places, view.parts);
   return view;
 }
