@@ -39,12 +39,14 @@ def build(programs, jobs):
     for program, lines in commands.items():
         objects, replaced = [], []
         for output, line in lines.items():
-            source = re.search(rf" -c {ROOT}/((?:server|sync)/\S+\.cpp)$", line)
-            if not source:
+            compiled = relinked.compiled_by(line)
+            if not compiled or not any(str(source).startswith((f"{ROOT}/server/", f"{ROOT}/sync/"))
+                                       for source in relinked.sources_in(compiled)):
                 continue
-            objects.append(OUT / source[1].replace("/", "_").replace(".cpp", ".o"))
+            name = str(compiled).replace(f"{ROOT}/", "").replace("/", "_")
+            objects.append(OUT / f"{name}.o")
             replaced.append(output)
-            compiles[source[1]] = by_clang(relinked.to_output(line, objects[-1])).replace(
+            compiles[compiled] = by_clang(relinked.to_output(line, objects[-1])).replace(
                 " -c ", f" {COVERAGE} -O1 -c ")
         link = relinked.link_of(lines, f"bin/{program}", OUT / program, objects)
         # Objects that the link names itself, as main's, would be taken before those that count.

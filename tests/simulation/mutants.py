@@ -192,19 +192,29 @@ def planted():
     return texts
 
 
+def write(copy, text):
+    if not copy.exists() or copy.read_text() != text:
+        copy.write_text(text)
+
+
 def build(jobs):
     OUT.mkdir(parents=True, exist_ok=True)
     commands = relinked.commands_of("bin/tests_simulation")
-    compiles, objects = [], []
+    edited = {}  # each file that is compiled, with its command and the copies of the sources in it
     for source, text in planted().items():
         copy = OUT / source.replace("/", "_")
         # Behind the includes' own names, so that no header is changed.
-        text = "extern int tandem_mutant;\nextern bool tandem_waits;\n" + text
-        if not copy.exists() or copy.read_text() != text:
-            copy.write_text(text)
+        write(copy, "extern int tandem_mutant;\nextern bool tandem_waits;\n" + text)
+        compiled, line = relinked.compile_of(commands, source)
+        edited.setdefault(compiled, (line, {}))[1][ROOT / source] = copy
+    compiles, objects = [], []
+    for compiled, (line, copies) in edited.items():
+        copy = copies.get(compiled)
+        if copy is None:  # a room compiled as one source: the same file with the copies in it
+            copy = OUT / f"{compiled.parents[1].stem}.cpp"
+            write(copy, "".join(f'#include "{copies.get(one, one)}"\n' for one in relinked.sources_in(compiled)))
         objects.append(copy.with_suffix(".o"))
-        line = relinked.compile_of(commands, source).replace(f"{ROOT}/{source}", str(copy))
-        compiles.append(relinked.to_output(line, objects[-1]))
+        compiles.append(relinked.to_output(line.replace(str(compiled), str(copy)), objects[-1]))
     switch = OUT / "switch.cpp"
     switch.write_text('#include <cstdlib>\nint tandem_mutant = std::getenv("TANDEM_MUTANT") == nullptr ? 0 : '
                       'std::atoi(std::getenv("TANDEM_MUTANT"));\n'

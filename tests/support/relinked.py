@@ -17,9 +17,26 @@ def commands_of(target):
     return {match[1]: line for match, line in named if match}
 
 
+def compiled_by(line):
+    """The source that a command compiles, or None of one that compiles nothing."""
+    found = re.search(r" -c (\S+)$", line)
+    return found and pathlib.Path(found[1])
+
+
+def sources_in(compiled):
+    """The sources that are compiled with one: those that CMake's file of a unity build includes, or itself alone."""
+    if compiled.parent.name != "Unity":
+        return [compiled]
+    return [pathlib.Path(name) for name in re.findall(r'^#include "(.+)"$', compiled.read_text(), re.M)]
+
+
 def compile_of(commands, source):
-    """The command that compiles a source, given by its path in the project."""
-    return next(line for line in commands.values() if line.endswith(f" -c {ROOT}/{source}"))
+    """What is compiled for a source, given by its path in the project, and the command that does so."""
+    for line in commands.values():
+        compiled = compiled_by(line)
+        if compiled and ROOT / source in sources_in(compiled):
+            return compiled, line
+    sys.exit(f"nothing compiles {source}")
 
 
 def to_output(line, output):
