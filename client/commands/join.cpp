@@ -50,6 +50,10 @@ std::string defaultName(const sync::JoinLink& link) {
   return user && *user ? user : sync::toString(link.role);
 }
 
+std::string cacheOf(const Arguments& arguments) {
+  return arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
+}
+
 /// The device in a hand, and the view of it through which the window or a script steers it.
 struct Hand {
   std::unique_ptr<haptics::Device> device;
@@ -150,10 +154,7 @@ class JoinRun {
     const bool window = !arguments_.headless && displayPresent();
     if (!arguments_.headless && !window && !arguments_.quiet) noteHeadless();
     if (window) {
-      Result<std::unique_ptr<Viewer>> viewer =
-          Viewer::open(site_.scene(), {"Tandem - " + arguments_.name, arguments_.width, arguments_.height,
-                                       true, arguments_.device.empty() || arguments_.device == "stylus",
-                                       arguments_.cut, !arguments_.alone});
+      Result<std::unique_ptr<Viewer>> viewer = Viewer::open(site_.scene(), windowOptions());
       if (!viewer) return badInput(viewer.error());
       viewer_ = std::move(*viewer);
     }
@@ -189,6 +190,18 @@ class JoinRun {
 
  private:
   using Clock = std::chrono::steady_clock;
+
+  ViewerOptions windowOptions() const {
+    ViewerOptions options;
+    options.title = "Tandem - " + arguments_.name;
+    options.width = arguments_.width;
+    options.height = arguments_.height;
+    options.stylusFromMouse = arguments_.device.empty() || arguments_.device == "stylus";
+    options.sections = arguments_.cut;
+    options.follows = !arguments_.alone;
+    options.cacheDirectory = cacheOf(arguments_);
+    return options;
+  }
 
   void noteHeadless() const {
     const bool hand =
@@ -299,6 +312,7 @@ class JoinRun {
     options.height = arguments_.height;
     options.follows = headless_->following().followsSections();
     options.shares = headless_->shares();
+    options.cacheDirectory = cacheOf(arguments_);
     Result<std::unique_ptr<Viewer>> opened = Viewer::openOffscreen(*model_.scene, options);
     if (!opened) return opened.error();
     Viewer& viewer = **opened;
@@ -313,6 +327,12 @@ class JoinRun {
     if (arguments_.notes) viewer.openNotes();
     if (arguments_.notes || arguments_.measures) {
       for (int i = 0; i < 3; ++i) static_cast<void>(viewer.frame(model_));
+    }
+    // What stands in for large parts at first is several pixels off.
+    for (const Clock::time_point start = Clock::now();
+         viewer.pixelsOff() > 1.0 && !interrupted && Clock::now() - start < kLevelsPatience;) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      static_cast<void>(viewer.frame(model_));
     }
     return viewer.screenshot(arguments_.screenshot);
   }
@@ -398,6 +418,7 @@ class JoinRun {
   ViewModel model_;
   ViewActions waiting_;  // input from before the hand exists
   JoinReport report_;
+  static constexpr std::chrono::minutes kLevelsPatience{10};
   static constexpr double kCaughtShare = 0.05;  // of the scene's size
   static constexpr double kCaughtFor = 0.5;     // s
   double caughtSince_ = 0.0;                    // s since the start
@@ -437,7 +458,7 @@ int run(Arguments& arguments) {
     options.colour = *colour;
   }
   options.udp = !arguments.tcp;
-  options.cacheDirectory = arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
+  options.cacheDirectory = cacheOf(arguments);
   options.recordPath = arguments.record;
   options.deadband = arguments.deadband;
   const bool watches =

@@ -319,7 +319,9 @@ int run(const Arguments& arguments) {
   Playback playback(*recording, *scene);
   if (!arguments.screenshot.empty()) {
     playback.seek(arguments.at >= 0.0 ? arguments.at : recording->duration);
-    Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*scene, {});
+    ViewerOptions options;
+    options.levels = false;  // for one picture they are not worth their making
+    Result<std::unique_ptr<Viewer>> viewer = Viewer::openOffscreen(*scene, options);
     if (!viewer) return badInput(viewer.error());
     for (int i = 0; i < 3; ++i) static_cast<void>((*viewer)->frame(playback.model()));
     (*viewer)->fitAll();

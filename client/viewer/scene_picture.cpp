@@ -56,6 +56,7 @@ void ScenePicture::sortParts(const Content& content) {
 std::uint64_t ScenePicture::hashOfLayer(const Content& content, const glm::ivec2& size,
                                         const SceneRenderer& parts) const {
   Fnv1a hash;
+  hash.add(parts.detailVersion());
   for (const document::SectionPlane& section : parts.sections()) {
     hash.addComponents(section.point);
     hash.addComponents(section.normal);

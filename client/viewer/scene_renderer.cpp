@@ -32,6 +32,11 @@ bool hasVolume(const assets::Bounds& bounds) {
   return bounds.min.x <= bounds.max.x && bounds.min.y <= bounds.max.y && bounds.min.z <= bounds.max.z;
 }
 
+Sphere sphereAround(const assets::Bounds& bounds) {
+  if (!hasVolume(bounds)) return {};
+  return {0.5 * (bounds.min + bounds.max), 0.5 * glm::length(bounds.max - bounds.min)};
+}
+
 void include(assets::Bounds& bounds, const glm::dvec3& point) {
   bounds.min = glm::min(bounds.min, point);
   bounds.max = glm::max(bounds.max, point);
@@ -51,12 +56,6 @@ void append(RenderMesh& to, const RenderMesh& from) {
     to.clusters.push_back(cluster);
   }
   to.featureEdges.insert(to.featureEdges.end(), from.featureEdges.begin(), from.featureEdges.end());
-}
-
-template <typename T>
-void fill(const GlBuffer& buffer, GLenum target, const std::vector<T>& data) {
-  glBindBuffer(target, buffer.id());
-  glBufferData(target, static_cast<GLsizeiptr>(data.size() * sizeof(T)), data.data(), GL_STATIC_DRAW);
 }
 
 /// The part of the projection that maps one pixel onto the whole of a 1 x 1 target.
@@ -87,7 +86,7 @@ Result<SceneRenderer::Programs> SceneRenderer::makePrograms(const char* sections
   return Programs{std::move(*part), std::move(*thin), std::move(*wide), std::move(*pick)};
 }
 
-Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& scene) {
+Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& scene, const Detail& detail) {
   auto background = GlProgram::make("background", shaders::kBackgroundVertex, shaders::kBackgroundFragment);
   if (!background) return background.error();
   auto whole = makePrograms(shaders::kNoSections);
@@ -95,32 +94,31 @@ Result<std::unique_ptr<SceneRenderer>> SceneRenderer::make(const assets::Scene& 
   auto cut = makePrograms(shaders::kSections);
   if (!cut) return cut.error();
   return std::unique_ptr<SceneRenderer>(
-      new SceneRenderer(scene, std::move(*background), std::move(*whole), std::move(*cut)));
+      new SceneRenderer(scene, detail, std::move(*background), std::move(*whole), std::move(*cut)));
 }
 
-SceneRenderer::SceneRenderer(const assets::Scene& scene, GlProgram background, Programs whole, Programs cut)
+SceneRenderer::SceneRenderer(const assets::Scene& scene, const Detail& detail, GlProgram background,
+                             Programs whole, Programs cut)
     : scene_(scene),
       background_(std::move(background)),
       whole_(std::move(whole)),
       cut_(std::move(cut)),
-      meshes_(scene.meshes.size()) {
-  for (std::size_t m = 0; m < scene.meshes.size(); ++m) {
-    upload(makeRenderMesh(scene.meshes[m]), meshes_[m]);
-    meshes_[m].closed = scene.meshes[m].closed;
+      meshes_(scene.meshes.size()),
+      levels_(DrawnLevels::of(scene, detail)) {
+  if (levels_) runs_.resize(scene.meshes.size());
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m) {
+    DrawnMesh& mesh = meshes_[m];
+    if (!levels_ || !levels_->has(m)) mesh.gpu = upload(makeRenderMesh(scene.meshes[m]));
+    for (const glm::dvec3& p : scene.meshes[m].positions) include(mesh.bounds, glm::dvec3(glm::vec3(p)));
+    mesh.sphere = sphereAround(mesh.bounds);
+    mesh.closed = scene.meshes[m].closed;
   }
   const double extent =
       hasVolume(scene.bounds) ? 2.0 * glm::length(scene.bounds.max - scene.bounds.min) : 1.0;
   meshOfPart_.reserve(scene.parts.size());
   for (const assets::Part& part : scene.parts) {
     meshOfPart_.push_back(part.mesh);
-    if (part.mesh != assets::kNone || part.shapes.empty()) continue;
-    RenderMesh merged;
-    for (const assets::ImplicitShape& shape : part.shapes) append(merged, makeRenderMesh(shape, extent));
-    meshOfPart_.back() = static_cast<std::uint32_t>(meshes_.size());
-    upload(merged, meshes_.emplace_back());
-    meshes_.back().closed = std::none_of(part.shapes.begin(), part.shapes.end(), [](const auto& shape) {
-      return shape.kind == assets::ImplicitShape::Kind::plane;
-    });
+    if (part.mesh == assets::kNone && !part.shapes.empty()) addShapes(part, extent);
   }
   const std::vector<RenderVertex> corners{
       {{-1, -1, 0}, {0, 0, 1}}, {{1, -1, 0}, {0, 0, 1}}, {{-1, 1, 0}, {0, 0, 1}}, {{1, 1, 0}, {0, 0, 1}}};
@@ -132,37 +130,54 @@ SceneRenderer::SceneRenderer(const assets::Scene& scene, GlProgram background, P
   pickTarget_.resize({1, 1}, 0, GL_RGBA8);
 }
 
-void SceneRenderer::upload(const RenderMesh& mesh, GpuMesh& gpu) {
-  gpu.ranges = mesh.ranges;
-  gpu.clusters = mesh.clusters;
-  gpu.edgeCount = static_cast<int>(mesh.featureEdges.size() / 2);
-  for (const RenderVertex& vertex : mesh.vertices) include(gpu.bounds, glm::dvec3(vertex.position));
-  if (hasVolume(gpu.bounds))
-    gpu.sphere = {0.5 * (gpu.bounds.min + gpu.bounds.max),
-                  0.5 * glm::length(gpu.bounds.max - gpu.bounds.min)};
-
-  glBindVertexArray(gpu.surface.id());
-  fill(gpu.vertices, GL_ARRAY_BUFFER, mesh.vertices);
-  fill(gpu.indices, GL_ELEMENT_ARRAY_BUFFER, mesh.indices);
-  floatAttribute(0, 3, sizeof(RenderVertex), offsetof(RenderVertex, position));
-  floatAttribute(1, 3, sizeof(RenderVertex), offsetof(RenderVertex, normal));
-  glBindVertexArray(gpu.thinEdges.id());
-  fill(gpu.edges, GL_ARRAY_BUFFER, mesh.featureEdges);
-  floatAttribute(0, 3, sizeof(glm::vec3), 0);
-  glBindVertexArray(gpu.wideEdges.id());
-  floatAttribute(0, 3, 2 * sizeof(glm::vec3), 0, 1);
-  floatAttribute(1, 3, 2 * sizeof(glm::vec3), sizeof(glm::vec3), 1);
-  glBindVertexArray(0);
+/// What is drawn of a part that has only implicit shapes.
+void SceneRenderer::addShapes(const assets::Part& part, double extent) {
+  RenderMesh merged;
+  for (const assets::ImplicitShape& shape : part.shapes) append(merged, makeRenderMesh(shape, extent));
+  meshOfPart_.back() = static_cast<std::uint32_t>(meshes_.size());
+  DrawnMesh& mesh = meshes_.emplace_back();
+  mesh.gpu = upload(merged);
+  for (const RenderVertex& vertex : merged.vertices) include(mesh.bounds, glm::dvec3(vertex.position));
+  mesh.sphere = sphereAround(mesh.bounds);
+  mesh.closed = std::none_of(part.shapes.begin(), part.shapes.end(), [](const auto& shape) {
+    return shape.kind == assets::ImplicitShape::Kind::plane;
+  });
 }
 
-const SceneRenderer::GpuMesh* SceneRenderer::meshOf(PartId part) const {
+void SceneRenderer::receive() {
+  if (levels_ && levels_->receive()) ++detailVersion_;
+}
+
+double SceneRenderer::pixelsOff() const {
+  double most = 0.0;
+  for (std::size_t p = 0; levels_ && p < meshOfPart_.size(); ++p)
+    if (levels_->has(meshOfPart_[p])) most = std::max(most, levels_->pixelsOff(static_cast<PartId>(p)));
+  return most;
+}
+
+const SceneRenderer::DrawnMesh* SceneRenderer::meshOf(PartId part) const {
   ASSERT(part < meshOfPart_.size());
   const std::uint32_t index = meshOfPart_[part];
   return index < meshes_.size() ? &meshes_[index] : nullptr;
 }
 
+bool SceneRenderer::isCut(const Sphere& sphere) const {
+  return std::any_of(sections_.begin(), sections_.end(), [&](const document::SectionPlane& section) {
+    return std::abs(glm::dot(section.normal, sphere.centre - section.point)) <= sphere.radius;
+  });
+}
+
+const GpuMesh& SceneRenderer::choose(const View& view, PartId part, const Sphere& sphere) const {
+  if (!drawnByLevels(part)) return meshOf(part)->gpu;
+  // Off the middle of a picture, what is off along the line of sight is seen too.
+  const double tanY = std::tan(0.5 * view.camera.fieldOfView), tanX = tanY * view.size.x / view.size.y;
+  const double depth = std::max(view.depthOf(sphere.centre) - sphere.radius, view.near);
+  const double pixel = view.metresPerPixel(depth) / std::sqrt(1.0 + tanX * tanX + tanY * tanY);
+  return levels_->meshFor(part, meshOfPart_[part], pixel, isCut(sphere));
+}
+
 Sphere SceneRenderer::worldSphere(PartId part, const Pose& worldFromPart) const {
-  const GpuMesh* mesh = meshOf(part);
+  const DrawnMesh* mesh = meshOf(part);
   if (!mesh) return {worldFromPart.position, 0.0};
   return {transformPoint(worldFromPart, mesh->sphere.centre), mesh->sphere.radius};
 }
@@ -171,7 +186,7 @@ assets::Bounds SceneRenderer::bounds(std::span<const Pose> worldFromPart,
                                      std::span<const PartId> parts) const {
   assets::Bounds box;
   for (const PartId part : parts) {
-    const GpuMesh* mesh = part < meshOfPart_.size() ? meshOf(part) : nullptr;
+    const DrawnMesh* mesh = part < meshOfPart_.size() ? meshOf(part) : nullptr;
     if (!mesh || !hasVolume(mesh->bounds)) continue;
     for (int corner = 0; corner < 8; ++corner) {
       const auto& b = mesh->bounds;
@@ -223,19 +238,24 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
                          std::span<const PartLook> looks, std::span<const PartId> parts, bool edges) const {
   lookAround(worldFromPart);
   ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
-  std::vector<std::pair<double, PartId>> transparent;
-  std::vector<PartId> opaque;
+  struct Drawn {
+    PartId part;
+    const GpuMesh* mesh;
+    double order;  // along the line of sight, furthest first
+  };
+  std::vector<Drawn> transparent, opaque;
   for (const PartId part : parts) {
-    if (!looks[part].visible || !meshOf(part)) continue;
+    if (!meshOf(part)) continue;
     const Sphere sphere = worldSphere(part, worldFromPart[part]);
-    if (!inView(view, sphere)) continue;
-    if (looks[part].alpha < 1.0f) {
-      transparent.emplace_back(-view.depthOf(sphere.centre), part);
-    } else {
-      opaque.push_back(part);
+    if (!looks[part].visible || !inView(view, sphere)) {
+      if (drawnByLevels(part)) levels_->notShown(part);
+      continue;
     }
+    const Drawn drawn{part, &choose(view, part, sphere), -view.depthOf(sphere.centre)};
+    (looks[part].alpha < 1.0f ? transparent : opaque).push_back(drawn);
   }
-  std::sort(transparent.begin(), transparent.end());
+  std::stable_sort(transparent.begin(), transparent.end(),
+                   [](const Drawn& a, const Drawn& b) { return a.order < b.order; });
 
   glEnable(GL_BLEND);
   glBlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
@@ -248,13 +268,13 @@ void SceneRenderer::draw(const View& view, std::span<const Pose> worldFromPart,
   programs().part.use();
   programs().part.set("upInEye", up);
   useCut(Cut::all);
-  for (const PartId part : opaque) drawSurface(view, part, worldFromPart[part], looks[part]);
+  for (const Drawn& d : opaque) drawSurface(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
   if (edges)
-    for (const PartId part : opaque) drawEdges(view, part, worldFromPart[part], looks[part]);
+    for (const Drawn& d : opaque) drawEdges(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
   glDepthMask(GL_FALSE);
-  for (const auto& [depth, part] : transparent) {
-    drawSurface(view, part, worldFromPart[part], looks[part]);
-    if (edges) drawEdges(view, part, worldFromPart[part], looks[part]);
+  for (const Drawn& d : transparent) {
+    drawSurface(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
+    if (edges) drawEdges(view, d.part, *d.mesh, worldFromPart[d.part], looks[d.part]);
   }
   glDepthMask(GL_TRUE);
   useCut(Cut::none);
@@ -289,8 +309,7 @@ void SceneRenderer::useCut(Cut cut, std::size_t one) const {
 template <typename DrawMesh>
 void SceneRenderer::drawCaps(const View& view, const GlProgram& program, PartId part,
                              const Pose& worldFromPart, DrawMesh drawMesh) const {
-  const GpuMesh& mesh = *meshOf(part);
-  if (!mesh.closed) return;
+  if (!meshOf(part)->closed) return;
   const Sphere sphere = worldSphere(part, worldFromPart);
   for (std::size_t i = 0; i < sections_.size(); ++i) {
     const document::SectionPlane& section = sections_[i];
@@ -356,9 +375,8 @@ void SceneRenderer::drawClusters(const GpuMesh& mesh, std::uint32_t first, std::
   flush();
 }
 
-void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& worldFromPart,
+void SceneRenderer::drawSurface(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
                                 const PartLook& look) const {
-  const GpuMesh& mesh = *meshOf(part);
   const GlProgram& program = programs().part;
   program.use();
   program.set("tint", look.tint);
@@ -391,9 +409,8 @@ void SceneRenderer::drawSurface(const View& view, PartId part, const Pose& world
   drawCaps(view, program, part, worldFromPart, [&] { drawMesh([](const RenderRange&) {}); });
 }
 
-void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFromPart,
+void SceneRenderer::drawEdges(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
                               const PartLook& look) const {
-  const GpuMesh& mesh = *meshOf(part);
   if (mesh.edgeCount == 0) return;
   const Sphere sphere = worldSphere(part, worldFromPart);
   const double depth = std::max(view.depthOf(sphere.centre), view.near);
@@ -421,6 +438,22 @@ void SceneRenderer::drawEdges(const View& view, PartId part, const Pose& worldFr
   }
 }
 
+template <typename Test>
+GLsizei SceneRenderer::gatherExact(std::uint32_t mesh, const Pose& worldFromPart, Test meetsRay) {
+  if (!runs_[mesh]) runs_[mesh] = std::make_unique<TriangleRuns>(scene_.meshes[mesh]);
+  std::vector<glm::vec3> corners;
+  runs_[mesh]->gather(
+      [&](const RenderCluster& run) {
+        return meetsRay(Sphere{transformPoint(worldFromPart, glm::dvec3(run.centre)),
+                               static_cast<double>(run.radius) * 1.001});
+      },
+      corners);
+  glBindVertexArray(pickTriangles_.id());
+  fill(pickCorners_, GL_ARRAY_BUFFER, corners, GL_STREAM_DRAW);
+  floatAttribute(0, 3, sizeof(glm::vec3), 0);
+  return static_cast<GLsizei>(corners.size());
+}
+
 std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel,
                                        std::span<const Pose> worldFromPart, std::span<const PartLook> looks) {
   ASSERT(looks.size() == worldFromPart.size() && looks.size() == meshOfPart_.size());
@@ -442,16 +475,19 @@ std::optional<Hit> SceneRenderer::pick(const View& view, const glm::dvec2& pixel
   useCut(Cut::all);
   for (std::size_t p = 0; p < worldFromPart.size(); ++p) {
     const auto part = static_cast<PartId>(p);
-    const GpuMesh* mesh = meshOf(part);
+    const DrawnMesh* mesh = meshOf(part);
     if (!mesh || !looks[p].visible || !looks[p].pickable) continue;
     const Sphere sphere = worldSphere(part, worldFromPart[p]);
     if (!meetsRay(sphere) || !inView(view, sphere)) continue;
     program.set("partIndex", static_cast<float>(p));
+    const bool exact = drawnByLevels(part);
+    const GLsizei corners = exact ? gatherExact(meshOfPart_[p], worldFromPart[p], meetsRay) : 0;
     const auto drawMesh = [&] {
       program.set("eyeFromPart", matrixOf(view.eyeFromWorld * worldFromPart[p]));
-      glBindVertexArray(mesh->surface.id());
-      for (const RenderRange& range : mesh->ranges)
-        drawClusters(*mesh, range.firstIndex, range.indexCount, worldFromPart[p], meetsRay);
+      glBindVertexArray(exact ? pickTriangles_.id() : mesh->gpu.surface.id());
+      if (exact) glDrawArrays(GL_TRIANGLES, 0, corners);
+      for (const RenderRange& range : mesh->gpu.ranges)
+        drawClusters(mesh->gpu, range.firstIndex, range.indexCount, worldFromPart[p], meetsRay);
     };
     drawMesh();
     drawCaps(view, program, part, worldFromPart[p], drawMesh);

@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "assets/document/entry.h"
+#include "client/levels/triangle_runs.h"
 #include "client/viewer/camera.h"
-#include "client/viewer/gl_objects.h"
-#include "client/viewer/render_mesh.h"
+#include "client/viewer/drawn_levels.h"
 
 namespace tandem::client {
 
@@ -41,8 +41,16 @@ struct Hit {
 
 class SceneRenderer {
  public:
-  /// Uploads every mesh; `scene` must outlive this object.
-  static Result<std::unique_ptr<SceneRenderer>> make(const assets::Scene& scene);
+  /// Uploads every mesh that is drawn as it is; `scene` must outlive this object.
+  static Result<std::unique_ptr<SceneRenderer>> make(const assets::Scene& scene, const Detail& detail = {});
+
+  /// Takes what has been made of the scene's levels since the last call.
+  void receive();
+  /// Changes when the same parts in the same view would be drawn by other levels.
+  std::uint64_t detailVersion() const { return detailVersion_; }
+  /// Pixels by which parts of the last picture may be off at most; meshes whose levels are still to come.
+  double pixelsOff() const;
+  std::size_t meshesLeft() const { return levels_ ? levels_->meshesLeft() : 0; }
 
   /// The largest distance from a point to anything of the parts at these poses, m.
   double reachFrom(const glm::dvec3& centre, std::span<const Pose> worldFromPart) const;
@@ -65,12 +73,8 @@ class SceneRenderer {
                           std::span<const PartLook> looks);
 
  private:
-  struct GpuMesh {
-    GlVertexArray surface, thinEdges, wideEdges;
-    GlBuffer vertices, indices, edges;
-    std::vector<RenderRange> ranges;
-    std::vector<RenderCluster> clusters;
-    int edgeCount = 0;
+  struct DrawnMesh {
+    GpuMesh gpu;  // empty where levels are drawn
     bool closed = false;
     Sphere sphere;          // part frame
     assets::Bounds bounds;  // part frame
@@ -81,7 +85,8 @@ class SceneRenderer {
   /// Which of the section planes cut what is drawn.
   enum class Cut { none, all, one, allButOne };
 
-  SceneRenderer(const assets::Scene& scene, GlProgram background, Programs whole, Programs cut);
+  SceneRenderer(const assets::Scene& scene, const Detail& detail, GlProgram background, Programs whole,
+                Programs cut);
   static Result<Programs> makePrograms(const char* sections);
   /// The programs that draw parts as they are cut now.
   const Programs& programs() const { return sections_.empty() ? whole_ : cut_; }
@@ -92,8 +97,12 @@ class SceneRenderer {
   template <typename DrawMesh>
   void drawCaps(const View& view, const GlProgram& program, PartId part, const Pose& worldFromPart,
                 DrawMesh drawMesh) const;
-  void upload(const RenderMesh& mesh, GpuMesh& gpu);
-  const GpuMesh* meshOf(PartId part) const;
+  void addShapes(const assets::Part& part, double extent);
+  const DrawnMesh* meshOf(PartId part) const;
+  bool drawnByLevels(PartId part) const { return levels_ && levels_->has(meshOfPart_[part]); }
+  /// What a part is drawn with in this view; `sphere` is its own.
+  const GpuMesh& choose(const View& view, PartId part, const Sphere& sphere) const;
+  bool isCut(const Sphere& sphere) const;
   Sphere worldSphere(PartId part, const Pose& worldFromPart) const;
   bool inView(const View& view, const Sphere& sphere) const;
   /// Draws those clusters of a run of indices for whose spheres (world) the test holds. Adjacent clusters are
@@ -101,8 +110,13 @@ class SceneRenderer {
   template <typename Test>
   static void drawClusters(const GpuMesh& mesh, std::uint32_t first, std::uint32_t count,
                            const Pose& worldFromPart, Test visible);
-  void drawSurface(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
-  void drawEdges(const View& view, PartId part, const Pose& worldFromPart, const PartLook& look) const;
+  void drawSurface(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
+                   const PartLook& look) const;
+  void drawEdges(const View& view, PartId part, const GpuMesh& mesh, const Pose& worldFromPart,
+                 const PartLook& look) const;
+  /// Fills pickCorners_ with the exact triangles of a mesh near a ray; the test is for spheres in the world.
+  template <typename Test>
+  GLsizei gatherExact(std::uint32_t mesh, const Pose& worldFromPart, Test meetsRay);
 
   const assets::Scene& scene_;
   GlProgram background_;
@@ -111,10 +125,15 @@ class SceneRenderer {
   mutable Sphere around_;                         // all parts, in the present picture; world
   GlVertexArray cap_;
   GlBuffer capVertices_;
-  std::vector<GpuMesh> meshes_;  // the scene's, then one for each part that has only implicit shapes
+  std::vector<DrawnMesh> meshes_;  // the scene's, then one for each part that has only implicit shapes
   std::vector<std::uint32_t> meshOfPart_;  // into meshes_, or kNone
   GlVertexArray empty_;
   GlTarget pickTarget_;
+  std::unique_ptr<DrawnLevels> levels_;  // null: everything is drawn as it is
+  std::uint64_t detailVersion_ = 0;
+  std::vector<std::unique_ptr<TriangleRuns>> runs_;  // of meshes with levels that a ray has come near
+  GlVertexArray pickTriangles_;
+  GlBuffer pickCorners_;
 };
 
 }  // namespace tandem::client

@@ -36,7 +36,7 @@ class SceneViewer final : public Viewer {
   static Result<std::unique_ptr<Viewer>> make(const assets::Scene& scene, const ViewerOptions& options,
                                               std::unique_ptr<Surface> surface) {
     surface->makeCurrent();
-    auto parts = SceneRenderer::make(scene);
+    auto parts = SceneRenderer::make(scene, {options.levels, options.cacheDirectory});
     if (!parts) return parts.error();
     auto glyphs = GlyphRenderer::make();
     if (!glyphs) return glyphs.error();
@@ -47,6 +47,7 @@ class SceneViewer final : public Viewer {
   ~SceneViewer() override { surface_->makeCurrent(); }
 
   ViewActions frame(const ViewModel& model) override;
+  double pixelsOff() const override { return renderer_->pixelsOff(); }
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
   void pressKey(int key) override { queuedKeys_.push_back(key); }
@@ -491,6 +492,7 @@ void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vect
 ViewActions SceneViewer::frame(const ViewModel& model) {
   ASSERT(model.scene && model.worldFromPart.size() == model.scene->parts.size());
   surface_->makeCurrent();
+  renderer_->receive();
   Input input;
   interface_->begin(input);
   input.keysPressed.insert(input.keysPressed.end(), queuedKeys_.begin(), queuedKeys_.end());

@@ -19,6 +19,8 @@ struct ViewerOptions {
   SectionSet sections{};                        // how the scene is cut open at first, for this person alone
   bool follows = true;                          // what others share is followed
   sync::Shares shares = sync::Shares::nothing;  // by this person, at first
+  bool levels = true;                           // large meshes of a large scene are drawn by levels of detail
+  std::string cacheDirectory{};                 // where levels are kept; empty: nowhere
 };
 
 class Viewer {
@@ -32,6 +34,9 @@ class Viewer {
   virtual ~Viewer() = default;
   /// Draws one frame, waits for the display's refresh (a window only), and returns what the person did.
   virtual ViewActions frame(const ViewModel& model) = 0;
+  /// By how many pixels a part of the last frame may be off at most; more than one only while levels of
+  /// detail are being made.
+  virtual double pixelsOff() const = 0;
   /// Writes the last frame as a PNG.
   virtual Status screenshot(const std::string& path) = 0;
   virtual Camera& camera() = 0;

@@ -38,9 +38,16 @@ struct RenderMesh {
   std::vector<glm::vec3> featureEdges;  // two points an edge, each edge once; sharp, open or non-manifold
 };
 
+/// The triangles of a mesh by material, then along a space-filling curve.
+std::vector<std::uint32_t> drawingOrder(const assets::Mesh& mesh);
+
+/// Fills the clusters, of some 1,000 triangles each, once indices and ranges are there.
+void addClusters(RenderMesh& mesh);
+
 /// Corners of a vertex share a normal where they can be reached over smooth edges; it is weighted by the
-/// corners' angles (Thuermer and Wuethrich 1998). O(T).
-RenderMesh makeRenderMesh(const assets::Mesh& mesh);
+/// corners' angles (Thuermer and Wuethrich 1998). O(T). `points`, if not null, becomes the position in `mesh`
+/// of each vertex.
+RenderMesh makeRenderMesh(const assets::Mesh& mesh, std::vector<std::uint32_t>* points = nullptr);
 
 /// Triangles for an implicit shape, for parts without a mesh. Infinite planes are drawn as `planeExtent` m
 /// squares.

@@ -1,4 +1,4 @@
-#include "client/viewer/render_mesh.h"
+#include "client/levels/render_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "client/viewer/render_mesh.h"
+#include "client/levels/render_mesh.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +60,8 @@ glm::dvec3 safeNormalize(const glm::dvec3& v) {
 }
 
 /// Fills `vertices`; returns the vertex of each corner (3 T).
-std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<RenderVertex>& vertices) {
+std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<RenderVertex>& vertices,
+                                        std::vector<std::uint32_t>* points) {
   DisjointSets groups = smoothGroups(mesh);
   const std::size_t cornerCount = 3 * mesh.triangles.size();
   std::vector<std::uint32_t> vertexOfRoot(cornerCount, kNone), vertexOfCorner(cornerCount);
@@ -74,6 +75,7 @@ std::vector<std::uint32_t> makeVertices(const assets::Mesh& mesh, std::vector<Re
       if (vertexOfRoot[root] == kNone) {
         vertexOfRoot[root] = static_cast<std::uint32_t>(vertices.size());
         vertices.push_back({glm::vec3(p[k]), glm::vec3(0.0f)});
+        if (points != nullptr) points->push_back(tri[k]);
         normals.emplace_back(0.0);
       }
       vertexOfCorner[3 * t + k] = vertexOfRoot[root];
@@ -103,28 +105,6 @@ std::uint32_t mortonCode(const glm::dvec3& point, const assets::Bounds& bounds) 
   return code;
 }
 
-/// Triangles ordered by material, then along the curve.
-std::vector<std::uint32_t> drawingOrder(const assets::Mesh& mesh) {
-  const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
-  assets::Bounds bounds;
-  for (const glm::dvec3& p : mesh.positions) {
-    bounds.min = glm::min(bounds.min, p);
-    bounds.max = glm::max(bounds.max, p);
-  }
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& tri = mesh.triangles[t];
-    const glm::dvec3 centre =
-        (mesh.positions[tri[0]] + mesh.positions[tri[1]] + mesh.positions[tri[2]]) / 3.0;
-    const std::uint64_t material = known ? mesh.triangleMaterial[t] : 0;
-    keyed[t] = {(material << 32) | mortonCode(centre, bounds), t};
-  }
-  std::sort(keyed.begin(), keyed.end());
-  std::vector<std::uint32_t> order(keyed.size());
-  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& entry) { return entry.second; });
-  return order;
-}
-
 void addIndices(const assets::Mesh& mesh, const std::vector<std::uint32_t>& vertexOfCorner, RenderMesh& out) {
   const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
   out.indices.reserve(vertexOfCorner.size());
@@ -145,14 +125,6 @@ RenderCluster makeCluster(const RenderMesh& mesh, std::uint32_t first, std::uint
   }
   ASSERT(count > 0 && count % 3 == 0);
   return {first, count, 0.5f * (low + high), 0.5f * glm::length(high - low)};
-}
-
-void addClusters(RenderMesh& mesh) {
-  constexpr std::uint32_t kClusterIndices = 3 * 1024;
-  for (const RenderRange& range : mesh.ranges)
-    for (std::uint32_t done = 0; done < range.indexCount; done += kClusterIndices)
-      mesh.clusters.push_back(
-          makeCluster(mesh, range.firstIndex + done, std::min(kClusterIndices, range.indexCount - done)));
 }
 
 void addFeatureEdges(const assets::Mesh& mesh, std::vector<glm::vec3>& edges) {
@@ -259,9 +231,38 @@ void buildCapsule(ShapeBuilder& builder, double height, double top, double botto
 
 }  // namespace
 
-RenderMesh makeRenderMesh(const assets::Mesh& mesh) {
+std::vector<std::uint32_t> drawingOrder(const assets::Mesh& mesh) {
+  const bool known = mesh.triangleMaterial.size() == mesh.triangles.size();
+  assets::Bounds bounds;
+  for (const glm::dvec3& p : mesh.positions) {
+    bounds.min = glm::min(bounds.min, p);
+    bounds.max = glm::max(bounds.max, p);
+  }
+  std::vector<std::pair<std::uint64_t, std::uint32_t>> keyed(mesh.triangles.size());
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& tri = mesh.triangles[t];
+    const glm::dvec3 centre =
+        (mesh.positions[tri[0]] + mesh.positions[tri[1]] + mesh.positions[tri[2]]) / 3.0;
+    const std::uint64_t material = known ? mesh.triangleMaterial[t] : 0;
+    keyed[t] = {(material << 32) | mortonCode(centre, bounds), t};
+  }
+  std::sort(keyed.begin(), keyed.end());
+  std::vector<std::uint32_t> order(keyed.size());
+  std::transform(keyed.begin(), keyed.end(), order.begin(), [](const auto& entry) { return entry.second; });
+  return order;
+}
+
+void addClusters(RenderMesh& mesh) {
+  constexpr std::uint32_t kClusterIndices = 3 * 1024;
+  for (const RenderRange& range : mesh.ranges)
+    for (std::uint32_t done = 0; done < range.indexCount; done += kClusterIndices)
+      mesh.clusters.push_back(
+          makeCluster(mesh, range.firstIndex + done, std::min(kClusterIndices, range.indexCount - done)));
+}
+
+RenderMesh makeRenderMesh(const assets::Mesh& mesh, std::vector<std::uint32_t>* points) {
   RenderMesh out;
-  const std::vector<std::uint32_t> vertexOfCorner = makeVertices(mesh, out.vertices);
+  const std::vector<std::uint32_t> vertexOfCorner = makeVertices(mesh, out.vertices, points);
   addIndices(mesh, vertexOfCorner, out);
   addClusters(out);
   addFeatureEdges(mesh, out.featureEdges);

@@ -1,0 +1,111 @@
+#include "client/levels/level_maker.h"
+
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <utility>
+
+#include "assets/base/assert.h"
+
+namespace tandem::client {
+namespace {
+
+constexpr int kNiceness = 10;  // the hand's loop and the window come first
+
+}  // namespace
+
+LevelMaker::LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes,
+                       std::string cacheDirectory)
+    : scene_(scene),
+      cacheDirectory_(std::move(cacheDirectory)),
+      urgency_(scene.meshes.size(), 0.0f),
+      levelsWanted_(meshes.begin(), meshes.end()),
+      left_(meshes.size()),
+      worker_([this] { run(); }) {}
+
+LevelMaker::~LevelMaker() {
+  {
+    const std::lock_guard lock(mutex_);
+    stop_ = true;
+  }
+  wake_.notify_all();
+  worker_.join();
+}
+
+void LevelMaker::begin() {
+  {
+    const std::lock_guard lock(mutex_);
+    begun_ = true;
+  }
+  wake_.notify_one();
+}
+
+void LevelMaker::setUrgency(std::uint32_t mesh, float pixels) {
+  const std::lock_guard lock(mutex_);
+  ASSERT(mesh < urgency_.size());
+  urgency_[mesh] = pixels;
+}
+
+void LevelMaker::askExact(std::uint32_t mesh) {
+  {
+    const std::lock_guard lock(mutex_);
+    ASSERT(mesh < urgency_.size());
+    if (std::find(exactWanted_.begin(), exactWanted_.end(), mesh) != exactWanted_.end()) return;
+    exactWanted_.push_back(mesh);
+  }
+  wake_.notify_one();
+}
+
+std::optional<LevelMaker::Made> LevelMaker::take() {
+  const std::lock_guard lock(mutex_);
+  if (results_.empty()) return std::nullopt;
+  Made made = std::move(results_.front());
+  results_.pop_front();
+  return made;
+}
+
+void LevelMaker::run() {
+  // Linux counts the niceness of each thread by itself. Where it refuses, the work competes as any other.
+  static_cast<void>(::setpriority(PRIO_PROCESS, 0, kNiceness));
+  while (const std::optional<Order> order = next()) work(*order);
+}
+
+std::optional<LevelMaker::Order> LevelMaker::next() {
+  std::unique_lock lock(mutex_);
+  wake_.wait(lock, [&] { return stop_ || (begun_ && (!levelsWanted_.empty() || !exactWanted_.empty())); });
+  if (stop_) return std::nullopt;
+  // An exact mesh is quickly made, and somebody looks at it.
+  if (!exactWanted_.empty()) return Order{exactWanted_.front(), true};
+  const auto most = std::max_element(levelsWanted_.begin(), levelsWanted_.end(),
+                                     [&](auto a, auto b) { return urgency_[a] < urgency_[b]; });
+  const Order order{*most, false};
+  levelsWanted_.erase(most);
+  return order;
+}
+
+void LevelMaker::work(const Order& order) {
+  const assets::Mesh& mesh = scene_.meshes[order.mesh];
+  Made made;
+  made.mesh = order.mesh;
+  made.exact = order.exact;
+  if (order.exact) {
+    made.levels.push_back({makeRenderMesh(mesh), 0.0});
+  } else {
+    const assets::ContentHash content = levelContent(mesh);
+    std::optional<std::vector<Level>> kept = readLevels(cacheDirectory_, content);
+    if (kept) {
+      made.levels = std::move(*kept);
+    } else {
+      made.levels = makeLevels(mesh, [this] { return stop_.load(); });
+      if (stop_) return;
+      keepLevels(cacheDirectory_, content, made.levels);
+      made_.fetch_add(1, std::memory_order_relaxed);
+    }
+    left_.fetch_sub(1, std::memory_order_relaxed);
+  }
+  const std::lock_guard lock(mutex_);
+  if (order.exact) std::erase(exactWanted_, order.mesh);
+  results_.push_back(std::move(made));
+}
+
+}  // namespace tandem::client
