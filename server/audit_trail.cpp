@@ -13,9 +13,9 @@ constexpr std::size_t kMaxEntries = 4096;  // between two calls of drain()
 }  // namespace
 
 const char* toString(AuditEvent event) {
-  constexpr const char* names[] = {"joined",  "returned",      "refused",        "left",        "lost",
-                                   "parted",  "revoked",       "reset",          "kicked",      "banned",
-                                   "invited", "links revoked", "ticket revoked", "keys rotated"};
+  constexpr const char* names[] = {"joined",  "returned",      "refused",        "left",         "lost",
+                                   "parted",  "revoked",       "reset",          "kicked",       "banned",
+                                   "invited", "links revoked", "ticket revoked", "keys rotated", "doubted"};
   static_assert(std::size(names) == kAuditEvents);
   ASSERT(static_cast<int>(event) < kAuditEvents);
   return names[static_cast<int>(event)];

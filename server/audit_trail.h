@@ -28,8 +28,9 @@ enum class AuditEvent : std::uint8_t {
   linksRevoked,
   ticketRevoked,
   keysRotated,
+  doubted,  // another site does not believe its motion
 };
-inline constexpr int kAuditEvents = static_cast<int>(AuditEvent::keysRotated) + 1;
+inline constexpr int kAuditEvents = static_cast<int>(AuditEvent::doubted) + 1;
 const char* toString(AuditEvent event);
 
 struct AuditEntry {

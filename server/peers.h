@@ -94,6 +94,7 @@ struct Peer {
   StateLeg states;
   TransferProgress transfer;
   DocumentProgress document;
+  bool doubtsOwed = true;         // it has not heard who doubts whom; see server/doubts.h
   bool presentationsOwed = true;  // it has not heard what all show; see server/presentations.h
 };
 

@@ -13,15 +13,6 @@ using sync::Presentation;
 using sync::Role;
 using sync::Shares;
 
-bool MessageRate::spend(sync::Micros now) {
-  ASSERT(now >= at_);
-  allowance_ = std::min(burst_, allowance_ + rate_ * sync::toSeconds(now - at_));
-  at_ = now;
-  if (allowance_ < 1.0) return false;
-  allowance_ -= 1.0;
-  return true;
-}
-
 bool Presentations::isSound(const Presentation& shown) const {
   const auto known = [&](PartId part) { return part == kNoPart || part < partCount_; };
   return known(shown.selected) && known(shown.pointedAt) && shown.hidden.size() <= (partCount_ + 7) / 8;

@@ -17,6 +17,7 @@
 #include <map>
 #include <span>
 
+#include "server/message_rate.h"
 #include "server/peers.h"
 #include "server/session_context.h"
 #include "server/sites.h"
@@ -24,18 +25,6 @@
 #include "sync/wire/presentation_messages.h"
 
 namespace tandem::server {
-
-/// A token bucket (RFC 2697): `rate` messages a second, `burst` at once.
-class MessageRate {
- public:
-  MessageRate(double rate, double burst) : rate_(rate), burst_(burst), allowance_(burst) {}
-  /// False: this message is too much.
-  bool spend(sync::Micros now);
-
- private:
-  double rate_, burst_, allowance_;
-  sync::Micros at_ = 0;
-};
 
 class Presentations {
  public:

@@ -4,6 +4,7 @@
 
 #include "assets/base/assert.h"
 #include "server/document_service.h"
+#include "server/doubts.h"
 #include "server/fan_out.h"
 #include "server/instructor_commands.h"
 #include "server/operator_commands.h"
@@ -64,6 +65,7 @@ class Session::Dispatcher {
         transfer(package, config, context, transport, publisher),
         documents(config, context, transport, sites, publisher),
         presentations(scene.parts.size(), context, transport, peers, sites),
+        doubts(context, transport, peers, sites),
         admission({config, context, transport, peers, sites, publisher, parts, relay, transfer}),
         operators(context, peers, sites, publisher, admission) {}
 
@@ -86,6 +88,7 @@ class Session::Dispatcher {
   SceneTransfer transfer;
   DocumentService documents;
   Presentations presentations;
+  Doubts doubts;
   SiteAdmission admission;
   OperatorCommands operators;
 
@@ -133,6 +136,7 @@ void Session::Dispatcher::step(sync::Micros callerNow, std::int64_t unixNow) {
   transfer.sendChunks(peers);
   documents.sendChunks(peers);
   presentations.flush();
+  doubts.flush();
 }
 
 sync::Micros Session::Dispatcher::nextDeadline() const {
@@ -253,6 +257,7 @@ void Session::Dispatcher::dispatch(Peer& peer, const sync::ControlMessage& messa
                  [&](const sync::DocumentRequest& m) { documents.onRequest(peer, m); },
                  [&](const sync::Presentation& m) { presentations.onPresentation(peer, m); },
                  [&](const sync::Say& m) { presentations.onSay(peer, m); },
+                 [&](const sync::Doubt& m) { doubts.onDoubt(peer, m); },
                  [&](const sync::Goodbye&) { admission.onGoodbye(peer); },
                  [&](const sync::SiteReport& m) {
                    if (!peer.figures.add(m, context.now())) ++context.counts.refusedReports;
@@ -332,8 +337,8 @@ SessionFigures Session::figures() const {
   figures.strangers = dispatcher_->peers.strangers();
   for (const auto& [connection, peer] : dispatcher_->peers)
     if (peer.site != kNoSite)
-      figures.sites.push_back(
-          {peer.site, peer.role, dispatcher_->sites.at(peer.site).info.name, peer.figures});
+      figures.sites.push_back({peer.site, peer.role, dispatcher_->sites.at(peer.site).info.name, peer.figures,
+                               dispatcher_->doubts.about(peer.site)});
   return figures;
 }
 std::vector<LogLine> Session::drainLog() { return dispatcher_->context.log.drain(); }

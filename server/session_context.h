@@ -30,6 +30,8 @@ struct SessionCounters {
   std::uint64_t relayedPresentations = 0;
   std::uint64_t droppedPresentations = 0;  // of observers, of unknown parts, or too many
   std::uint64_t droppedSays = 0;           // the same
+  std::uint64_t doubts = 0;                // that a site began to hold about another
+  std::uint64_t droppedDoubts = 0;         // of observers, of unknown sites, or too many
   sync::Traffic sent, received;
   std::uint64_t grants = 0, denials = 0, releases = 0, expiries = 0;
   DurationHistogram journal;  // from append to durable

@@ -19,6 +19,7 @@ struct ConnectedSite {
   sync::Role role = sync::Role::observer;
   std::string name;
   SiteFigures figures;
+  std::size_t doubtedBy = 0;  // other sites that do not believe its motion
 };
 
 struct SessionFigures {

@@ -34,6 +34,13 @@ std::string readableBytes(std::size_t bytes) {
   return threeDigits(size) + " B";
 }
 
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
+  return text;
+}
+
 std::string linkInWords(const haptics::LinkReport& links) {
   if (links.live == 0) return "";
   const bool one = links.live == 1;

@@ -4,6 +4,7 @@
 
 #include <cstddef>
 #include <string>
+#include <vector>
 
 #include "haptics/tick.h"
 
@@ -20,6 +21,9 @@ std::string readableMass(double mass);
 
 /// "512 B", "1.21 kB", "3.4 MB".
 std::string readableBytes(std::size_t bytes);
+
+/// "Ada", "Ada and Ben", "Ada, Ben and Cid".
+std::string listed(const std::vector<std::string>& names);
 
 /// How stiffly the hands of co-holders are felt, and at which delay: "stiff (27 ms)"; empty if nobody shares
 /// the part.

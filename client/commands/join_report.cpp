@@ -6,6 +6,7 @@
 #include "client/base/tick_flags.h"
 #include "client/base/traffic_json.h"
 #include "client/session/document_words.h"
+#include "client/session/doubt_words.h"
 #include "client/session/holding_words.h"
 
 namespace tandem::client {
@@ -30,6 +31,18 @@ std::string nameOfSite(const ViewModel& model, SiteId site) {
   for (const SiteView& view : model.sites)
     if (view.info.site == site) return view.info.name;
   return {};
+}
+
+/// Of which sites others do not believe the motion.
+Json doubtsJson(const ViewModel& model) {
+  Json json = Json::array();
+  for (const SiteView& site : model.sites) {
+    if (site.doubtedBy.empty()) continue;
+    Json by = Json::array();
+    for (const SiteId doubter : site.doubtedBy) by.push(nameOfSite(model, doubter));
+    json.push({{"about", site.info.name}, {"by", by}, {"in_words", doubtsInWords(model, site)}});
+  }
+  return json;
 }
 
 /// What others share and point at, and what was said; of a site without a window also what it shares and
@@ -100,6 +113,7 @@ std::string reportJson(JoinedSite& site, const ViewModel& model, const JoinRepor
   }
   if (model.document != nullptr)
     json["document"] = {{"entries", model.document->size()}, {"in_words", inWords(*model.document)}};
+  json["doubts"] = doubtsJson(model);
   json["presenting"] = presentingJson(model, view);
   json["grabs"] = Json::array();
   for (const GrabNote& grab : report.grabs)

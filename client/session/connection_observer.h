@@ -27,6 +27,7 @@ class ConnectionObserver {
   virtual void onEngaged(const sync::EngageReply&) {}  // this site is a co-holder now
   virtual void onAccepted(SiteId, const sync::PartState&) {}
   virtual void onPublished(const sync::PartState&) {}
+  virtual void onDoubt(SiteId) {}  // this site does not believe the motion of that one
   virtual void onConnection(bool) {}
 };
 

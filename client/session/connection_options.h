@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "client/session/doubts.h"
 #include "client/session/state_publisher.h"
 #include "sync/replica/lease_rules.h"
 #include "sync/wire/site_colours.h"
@@ -16,6 +17,7 @@ struct ConnectionOptions {
   sync::SiteColour colour = sync::kAnyColour;
   std::string token;  // of the join link
   PublishRates rates;
+  DoubtLimits doubts;
   sync::Micros pingInterval = 100 * sync::kMillisecond;
   sync::Micros retryFirst = 100 * sync::kMillisecond, retryLongest = 2 * sync::kSecond;
   std::uint64_t maxSceneBytes = std::uint64_t{2} << 30;  // of the scene package; a larger one is not fetched

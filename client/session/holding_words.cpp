@@ -8,13 +8,6 @@
 namespace tandem::client {
 namespace {
 
-std::string listed(const std::vector<std::string>& names) {
-  std::string text;
-  for (std::size_t i = 0; i < names.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + names[i];
-  return text;
-}
-
 /// Owner and co-holders of a part, as far as the session knows them.
 std::vector<const SiteView*> holdersOf(const ViewModel& model, PartId part) {
   std::vector<const SiteView*> holders;

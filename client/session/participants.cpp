@@ -20,12 +20,24 @@ void Participants::handle(const SiteChanged& message) {
     return;
   }
   if (message.site.site != self_) notice(Notice::Level::info, message.site.name + " joined");
-  sites_.push_back({message.site, message.site.site == self_, false, {}});
+  sites_.push_back({message.site, message.site.site == self_, false, {}, {}});
 }
 
 void Participants::handle(const SiteLeft& message) {
   notice(Notice::Level::info, nameOf(message.site) + " left");
   std::erase_if(sites_, [&](const SiteView& site) { return site.info.site == message.site; });
+  for (SiteView& site : sites_) std::erase(site.doubtedBy, message.site);
+}
+
+void Participants::handle(const Doubt& message) {
+  SiteView* about = find(message.about);
+  if (about == nullptr || find(message.site) == nullptr) return;
+  const bool first = about->doubtedBy.empty();
+  std::erase(about->doubtedBy, message.site);
+  if (!message.holds) return;
+  about->doubtedBy.push_back(message.site);
+  const std::string who = message.site == self_ ? " say you" : " says " + nameOf(message.site);
+  if (first) notice(Notice::Level::warning, about->info.name + " does not move as a hand does," + who);
 }
 
 void Participants::connectionLost() {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/session/view_model.h"
+#include "sync/wire/doubt_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/state_update.h"
 
@@ -19,6 +20,7 @@ class Participants {
   void reset(SiteId self, const std::vector<sync::SiteInfo>& sites);
   void handle(const sync::SiteChanged& message);
   void handle(const sync::SiteLeft& message);
+  void handle(const sync::Doubt& message);
   /// Without a server, no other site is known to be connected.
   void connectionLost();
   /// A newer presence of a site. An unknown site is ignored.

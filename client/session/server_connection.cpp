@@ -42,6 +42,7 @@ ServerConnection::ServerConnection(ConnectionOptions options, Connector connecto
       pings_(options_.pingInterval, clock_),
       document_(people_, sender_),
       presentations_(people_, sender_),
+      doubts_(options_.doubts, sender_, watchers_),
       requests_(people_, sender_, watchers_) {
   watchers_.undo = &document_;
 }
@@ -260,6 +261,7 @@ void ServerConnection::handle(NewTicket& message) { resumeTicket_ = std::move(me
 void ServerConnection::handle(const SiteLeft& message) {
   people_.handle(message);
   presentations_.forget(message.site);
+  doubts_.forget(message.site);
   if (inScene_) inScene_->receiving.forget(message.site);
 }
 
@@ -303,8 +305,8 @@ ServerConnection::InScene::InScene(ServerConnection& connection, const assets::S
     : events(exchange),
       ownership(scene, connection.options_.lease, connection.options_.rates.max, exchange, events,
                 connection.sender_, connection.clock_, connection.watchers_),
-      receiving(ownership, connection.people_, exchange, events, connection.sender_, connection.clock_,
-                connection.watchers_),
+      receiving(ownership, connection.people_, connection.doubts_, exchange, events, connection.sender_,
+                connection.clock_, connection.watchers_),
       publishing(ownership, connection.people_, exchange, connection.sender_, connection.clock_,
                  connection.watchers_, connection.options_.rates) {}
 
@@ -313,6 +315,7 @@ void ServerConnection::sceneReady(const assets::Scene& scene, Exchange& exchange
   inScene_ = std::make_unique<InScene>(*this, scene, exchange);
   requests_.sceneReady(inScene_->ownership, exchange, inScene_->events);
   document_.sceneReady(scene, inScene_->events);
+  doubts_.sceneReady(scene);
   if (stage_ == Stage::haveScene) enterReady();
 }
 
@@ -330,6 +333,7 @@ void ServerConnection::enterReady() {
   sender_.send(Ready{});
   document_.enter();
   presentations_.enter();
+  doubts_.enter();
   recordBeginning();
   requests_.reclaim(true);
   for (const PartRecord& record : welcome_.parts)

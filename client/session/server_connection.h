@@ -21,6 +21,7 @@
 #include "client/session/backoff.h"
 #include "client/session/connection_options.h"
 #include "client/session/connection_statistics.h"
+#include "client/session/doubts.h"
 #include "client/session/part_requests.h"
 #include "client/session/pings.h"
 #include "client/session/presentations.h"
@@ -147,6 +148,7 @@ class ServerConnection {
   SceneFetch fetch_;
   SessionDocument document_;
   Presentations presentations_;
+  Doubts doubts_;
   PartRequests requests_;
   std::unique_ptr<InScene> inScene_;
 

@@ -9,11 +9,12 @@ namespace tandem::client {
 
 using namespace sync;
 
-StateReceiving::StateReceiving(PartOwnership& ownership, Participants& people, Exchange& exchange,
-                               HandEvents& events, MessageSender& sender, SessionClock& clock,
-                               const Watchers& watchers)
+StateReceiving::StateReceiving(PartOwnership& ownership, Participants& people, Doubts& doubts,
+                               Exchange& exchange, HandEvents& events, MessageSender& sender,
+                               SessionClock& clock, const Watchers& watchers)
     : ownership_(ownership),
       people_(people),
+      doubts_(doubts),
       exchange_(exchange),
       events_(events),
       sender_(sender),
@@ -73,6 +74,7 @@ void StateReceiving::accept(const StateUpdate& update, const PartState& state) {
   }
   ASSERT(ownership_.exists(state.part));
   if (watchers_.observer) watchers_.observer->onAccepted(update.site, state);
+  doubts_.observe(update.site, state, update.time, clock_.now());
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::state;
   event.time = update.time;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "client/base/loss_meter.h"
+#include "client/session/doubts.h"
 #include "client/session/part_ownership.h"
 #include "client/session/participants.h"
 #include "sync/replica/play_out.h"
@@ -26,8 +27,8 @@ class StateReceiving {
   };
 
   /// What is referred to must outlive this.
-  StateReceiving(PartOwnership& ownership, Participants& people, Exchange& exchange, HandEvents& events,
-                 MessageSender& sender, SessionClock& clock, const Watchers& watchers);
+  StateReceiving(PartOwnership& ownership, Participants& people, Doubts& doubts, Exchange& exchange,
+                 HandEvents& events, MessageSender& sender, SessionClock& clock, const Watchers& watchers);
 
   /// A new connection: the server counts and encodes anew.
   void reset();
@@ -55,6 +56,7 @@ class StateReceiving {
 
   PartOwnership& ownership_;
   Participants& people_;
+  Doubts& doubts_;
   Exchange& exchange_;
   HandEvents& events_;
   MessageSender& sender_;

@@ -87,8 +87,9 @@ struct ConnectionView {
 struct SiteView {
   sync::SiteInfo info;
   bool self = false;
-  bool seen = false;        // presence has arrived
-  sync::Presence presence;  // smoothed for display
+  bool seen = false;                // presence has arrived
+  sync::Presence presence;          // smoothed for display
+  std::vector<SiteId> doubtedBy{};  // who does not believe its motion
 };
 
 /// A line for the person: a denied grab and why, a new participant, a warning.

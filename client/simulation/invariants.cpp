@@ -32,8 +32,8 @@ std::string text(const PartRecord& record) {
 }  // namespace
 
 const char* toString(Rule rule) {
-  constexpr std::array<const char*, kRules> kNames{"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8",
-                                                   "L1", "L2", "L3", "L4", "R1", "R2", "R3", "R4"};
+  constexpr std::array<const char*, kRules> kNames{"S1", "S2", "S3", "S4", "S5", "S6", "S7", "S8", "L1",
+                                                   "L2", "L3", "L4", "R1", "R2", "R3", "R4", "R5"};
   return kNames[static_cast<std::size_t>(rule)];
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 // Checks the rules of the ownership protocol (sync/README.md) on a simulated session from outside, and those
-// of its doors (R1 to R4). It shares no code with the implementation: it sees the messages that sites receive
+// of its doors (R1 to R5). It shares no code with the implementation: it sees the messages that sites receive
 // and send, the states that they apply, and the server's record at each step.
 
 #include <array>
@@ -22,13 +22,13 @@ namespace tandem::client {
 
 /// S1 to S8 and L1 to L4 as in the design. R1: nobody does what his role forbids. R2: a token lets in once,
 /// before it expires, if the server gave it. R3: the server answers no more than a site's budget. R4: who
-/// sends what is no message of the protocol is parted from.
-enum class Rule : std::uint8_t { S1, S2, S3, S4, S5, S6, S7, S8, L1, L2, L3, L4, R1, R2, R3, R4 };
-inline constexpr std::size_t kRules = 16;
+/// sends what is no message of the protocol is parted from. R5: nobody doubts the motion of an honest site.
+enum class Rule : std::uint8_t { S1, S2, S3, S4, S5, S6, S7, S8, L1, L2, L3, L4, R1, R2, R3, R4, R5 };
+inline constexpr std::size_t kRules = 17;
 const char* toString(Rule rule);
 
 struct Violation {
-  std::string rule;  // "S1" ... "R4"
+  std::string rule;  // "S1" ... "R5"
   double at = 0.0;   // s, virtual time
   std::string what;  // the part, epoch and sites
 };
@@ -131,7 +131,7 @@ class Invariants {
     std::size_t site = 0;
     sync::Micros since = 0;
   };
-  std::map<SiteId, Dead> dead_;                // L2
+  std::map<SiteId, Dead> dead_;                 // L2
   std::vector<sync::Micros> heardFromTheDead_;  // L2, a site each
 };
 

@@ -33,7 +33,13 @@ void SimulatedClient::onGrabReply(const GrabReply& reply) {
   if (reply.denial == Denial::none)
     invariants_.reportBroken(Rule::R1, name() + " observes and was granted a part");
 }
-void SimulatedClient::onAccepted(SiteId, const PartState& state) { invariants_.onAccepted(index_, state); }
+void SimulatedClient::onAccepted(SiteId, const PartState& state) {
+  invariants_.onAccepted(index_, state);
+  invariants_.checked(Rule::R5);
+}
+void SimulatedClient::onDoubt(SiteId about) {
+  invariants_.reportBroken(Rule::R5, name() + " doubts the motion of site " + std::to_string(about));
+}
 void SimulatedClient::onPublished(const PartState& state) {
   invariants_.onPublished(connection_->welcome().site, state);
 }

@@ -44,6 +44,7 @@ class SimulatedClient : public FaultySite, public ConnectionObserver {
   void onRelease(const sync::Release& release) override;
   void onAccepted(SiteId from, const sync::PartState& state) override;
   void onPublished(const sync::PartState& state) override;
+  void onDoubt(SiteId about) override;
   void onConnection(bool up) override;
 
  protected:

@@ -16,6 +16,16 @@ namespace {
 
 constexpr Micros kTick = kSimulationTick;
 
+DoubtLimits eagerDoubts() {
+  DoubtLimits limits;
+  constexpr double kShare = 0.005;
+  for (MotionSum* sum : {&limits.motion.way, &limits.motion.turn, &limits.motion.change, &limits.motion.spin})
+    sum->most *= kShare, sum->shrinks *= kShare;
+  limits.motion.unseen *= kShare, limits.motion.unseenTurn *= kShare;
+  limits.enough = 1;
+  return limits;
+}
+
 }  // namespace
 
 SimulatedSite::SimulatedSite(SimulationContext& context, std::size_t index, const ScenarioSite& description,
@@ -56,6 +66,7 @@ void SimulatedSite::start() {
   options.name = description_.name;
   options.rates.max = context_.scenario.packetHz;
   options.rates.deadband = description_.deadband;
+  if (context_.mistake == Mistake::doubtsAtOnce) options.doubts = eagerDoubts();
   options.token = context_.server.makeToken(description_.role);
   connection_ = std::make_unique<ServerConnection>(options, [this]() -> Result<std::unique_ptr<Transport>> {
     countTransport();

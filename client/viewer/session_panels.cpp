@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "client/session/doubt_words.h"
 #include "client/session/holding_words.h"
 #include "client/viewer/colours.h"
 #include "client/viewer/panels.h"
@@ -74,6 +75,8 @@ void drawPerson(const PanelContext& context, const SiteView& site) {
   const double force = glm::length(site.self ? context.model.hand.force : site.presence.force);
   if (site.info.connected && force > 0.02) line += format("  ·  %.2f N", force);
   wrapped(site.info.connected ? theme::kMuted : theme::kWarning, line);
+  if (const std::string doubts = doubtsInWords(context.model, site); !doubts.empty())
+    wrapped(theme::kWarning, doubts);
   ImGui::Unindent(22.0f * context.scale);
   ImGui::PopID();
 }

@@ -144,13 +144,14 @@ void writeDecisions(Text& text, const SessionCounters& counts, const sync::Trans
   text.sample(label("kind", "release"), counts.releases);
   text.sample(label("kind", "expiry"), counts.expiries);
   text.family("refused_total", "counter",
-              "Hellos, messages, poses, reports, and what was shown or said, that was refused.");
+              "Hellos, messages, poses, reports, doubts, and what was shown or said, that was refused.");
   text.sample(label("what", "hello"), counts.refusedHellos);
   text.sample(label("what", "message"), counts.refusedMessages);
   text.sample(label("what", "pose"), counts.refusedPoses);
   text.sample(label("what", "report"), counts.refusedReports);
   text.sample(label("what", "presentation"), counts.droppedPresentations);
   text.sample(label("what", "say"), counts.droppedSays);
+  text.sample(label("what", "doubt"), counts.droppedDoubts);
   text.family("failed_handshakes_total", "counter", "Connections that ended before their greeting.");
   text.sample("", transport.failedHandshakes);
   text.family("budget_holds_total", "counter", "Times that a site had spent its budget of requests.");
@@ -194,6 +195,13 @@ void writeRefusedReports(Text& text, const SessionFigures& figures) {
   for (const ConnectedSite& site : figures.sites) text.sample(labelsOf(site), site.figures.refused);
 }
 
+void writeDoubts(Text& text, const SessionFigures& figures) {
+  text.family("doubts_total", "counter", "Times that a site began to say that it does not believe another.");
+  text.sample("", figures.counters.doubts);
+  text.family("site_doubted_by", "gauge", "Sites that do not believe the motion of this one.");
+  for (const ConnectedSite& site : figures.sites) text.sample(labelsOf(site), site.doubtedBy);
+}
+
 }  // namespace
 
 std::string metricsText(const ServerFigures& figures) {
@@ -210,6 +218,7 @@ std::string metricsText(const ServerFigures& figures) {
                  figures.rounds);
   writeReports(text, session);
   writeRefusedReports(text, session);
+  writeDoubts(text, session);
   return text.take();
 }
 

@@ -8,6 +8,7 @@
 #include "sync/wire/admission_messages.h"
 #include "sync/wire/command_messages.h"
 #include "sync/wire/document_messages.h"
+#include "sync/wire/doubt_messages.h"
 #include "sync/wire/ownership_messages.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/presentation_messages.h"
@@ -24,6 +25,6 @@ using ControlMessage =
                  Refused, SceneChunk, SiteChanged, SiteLeft, GrabReply, ReleaseReply, CommandReply,
                  OwnershipChanged, Engage, Disengage, EngageReply, MembersChanged, NewTicket, SiteReport,
                  Unassigned, Unassigned, PutEntry, PutReply, DocumentChanged, DocumentRequest, DocumentChunk,
-                 Presentation, Say>;
+                 Presentation, Say, Doubt>;
 
 }  // namespace tandem::sync

@@ -394,8 +394,14 @@ void fields(auto& a, Is<Say> auto& m) {
   for (auto& part : m.parts) a.part(part);
 }
 
+void fields(auto& a, Is<Doubt> auto& m) {
+  a.number(m.site);
+  a.number(m.about);
+  a.flag(m.holds);
+}
+
 constexpr std::size_t kKinds = std::variant_size_v<ControlMessage>;
-static_assert(kKinds == 33, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
+static_assert(kKinds == 34, "sync/WIRE.md numbers the kinds by their place in ControlMessage, from 1");
 
 using DecodeFunction = ControlMessage (*)(Reader&);
 template <std::size_t... I>

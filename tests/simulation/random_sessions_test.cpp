@@ -200,6 +200,10 @@ TEST(RandomSessionsControl, ServerThatRegrantsEarlyIsCaught) {
   EXPECT_TRUE(rulesBrokenBy(client::Mistake::regrantedEarly, "S3").contains("S3"));
 }
 
+TEST(RandomSessionsControl, SitesThatDoubtAtOnceNameHonestOnes) {
+  EXPECT_TRUE(rulesBrokenBy(client::Mistake::doubtsAtOnce, "R5").contains("R5"));
+}
+
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomSessions, testing::Range(0, kParts));
 
 }  // namespace

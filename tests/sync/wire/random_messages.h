@@ -123,6 +123,8 @@ class RandomMessages {
         return presentation();
       case 32:
         return Say{static_cast<SiteId>(number(65536)), text(kMaxSayLength), {partId(), partId()}};
+      case 33:
+        return Doubt{static_cast<SiteId>(number(65536)), static_cast<SiteId>(number(65536)), chance(0.5)};
       default:
         return SiteReport{number(~0u), number(~0u), number(~0u), number(~0u),
                           number(~0u), number(~0u), number(~0u)};

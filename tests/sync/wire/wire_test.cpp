@@ -79,7 +79,7 @@ TEST(ControlWire, EveryKindComesBackExactly) {
 }
 
 TEST(ControlWire, RefusesKindsThatNoMessageHas) {
-  for (const std::size_t kind : {0, 25, 26, 34})
+  for (const std::size_t kind : {0, 25, 26, 35})
     EXPECT_FALSE(decodeControl(std::vector{static_cast<std::byte>(kind)}).ok()) << kind;
 }
 
@@ -124,6 +124,16 @@ TEST(ControlWire, RefusesAPresentationWithoutFiniteNumbersOrWithTooMuchOfAnythin
   bytes = encodeControl(full);
   bytes[4] = static_cast<std::byte>(document::kMaxSections + 1);
   EXPECT_FALSE(decodeControl(bytes).ok());
+}
+
+TEST(ControlWire, ADoubtHasTheBytesThatTheTableSays) {
+  const auto bytes = encodeControl(Doubt{258, 3, true});
+  const std::vector<std::uint8_t> golden{34, 2, 1, 3, 0, 1};
+  ASSERT_EQ(bytes.size(), golden.size());
+  for (std::size_t i = 0; i < golden.size(); ++i) EXPECT_EQ(std::to_integer<int>(bytes[i]), golden[i]) << i;
+  auto flag = bytes;
+  flag[5] = std::byte{2};
+  EXPECT_FALSE(decodeControl(flag).ok());
 }
 
 TEST(ControlWire, FieldsKeepTheirValues) {
