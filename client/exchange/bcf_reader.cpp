@@ -21,8 +21,8 @@ namespace {
 
 using pugi::xml_node;
 
-constexpr std::size_t kMaxGuid = 64;       // bytes
-constexpr std::size_t kMaxListed = 65536;  // components or lines that are looked at
+constexpr std::size_t kMaxGuid = 64;     // bytes
+constexpr std::size_t kMaxRead = 65536;  // components or lines that are looked at
 
 /// A file is not as it must be. Does not leave this source.
 struct BcfError {
@@ -141,7 +141,7 @@ std::vector<std::string> componentsOf(xml_node list) {
   std::vector<std::string> guids;
   for (const xml_node component : list.children("Component")) {
     std::string guid = component.attribute("IfcGuid").value();
-    if (isIfcGuid(guid) && guids.size() < kMaxListed) guids.push_back(std::move(guid));
+    if (isIfcGuid(guid) && guids.size() < kMaxRead) guids.push_back(std::move(guid));
   }
   return guids;
 }
@@ -165,7 +165,7 @@ std::optional<TopicView> viewOf(xml_node info) {
     if (view.sections.size() < document::kMaxSections)
       view.sections.push_back({vectorOf(plane, "Location"), directionOf(plane, "Direction")});
   for (const xml_node line : info.child("Lines").children("Line"))
-    if (view.lines.size() < kMaxListed)
+    if (view.lines.size() < kMaxRead)
       view.lines.emplace_back(vectorOf(line, "StartPoint"), vectorOf(line, "EndPoint"));
   return view;
 }

@@ -14,7 +14,7 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kLeaf = 4;
-constexpr int kMaxDepth = 64;  // bisections of at most 2^32 triangles
+constexpr int kMaxBisections = 64;  // bisections of at most 2^32 triangles
 
 /// Whether a segment passes through a box, widened for rounding. `inverse` is 1 / (to - from) of the segment.
 bool segmentMeets(const glm::dvec3& low, const glm::dvec3& high, const glm::dvec3& from,
@@ -100,7 +100,7 @@ void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
                             std::vector<SegmentCrossing>& found) const {
   if (nodes_.empty()) return;
   const glm::dvec3 path = to - from, inverse = inverseOf(path);
-  std::array<std::uint32_t, kMaxDepth> stack;
+  std::array<std::uint32_t, kMaxBisections> stack;
   int size = 0;
   stack[static_cast<std::size_t>(size++)] = 0;
   while (size > 0) {
@@ -111,7 +111,7 @@ void SegmentTree::crossings(const glm::dvec3& from, const glm::dvec3& to,
       for (std::uint32_t i = 0; i < node.count; ++i) cross(order_[node.first + i], from, path, found);
       continue;
     }
-    ASSERT(size + 2 <= kMaxDepth);
+    ASSERT(size + 2 <= kMaxBisections);
     stack[static_cast<std::size_t>(size++)] = node.first;
     stack[static_cast<std::size_t>(size++)] = index + 1;
   }

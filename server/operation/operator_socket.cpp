@@ -33,8 +33,8 @@ constexpr const char* kName = "control.sock";
 constexpr std::size_t kMaxLine = 4096;
 constexpr Milliseconds kTalkTime{2000};    // for the line of the other end
 constexpr Milliseconds kAnswerTime{5000};  // for the server to carry a command out
-constexpr std::array<const char*, 6> kKinds = {"kick",          "ban",         "revoke-links",
-                                               "revoke-ticket", "rotate-keys", "invite-now"};
+constexpr std::array<const char*, 6> kCommands = {"kick",          "ban",         "revoke-links",
+                                                  "revoke-ticket", "rotate-keys", "invite-now"};
 
 class Descriptor {
  public:
@@ -131,7 +131,7 @@ std::string stringOf(const nlohmann::json& object, const char* key) {
 }  // namespace
 
 std::string encodeRequest(const OperatorRequest& request) {
-  return dump({{"do", kKinds[static_cast<std::size_t>(request.kind)]},
+  return dump({{"do", kCommands[static_cast<std::size_t>(request.kind)]},
                {"who", request.who},
                {"role", sync::toString(request.role)}});
 }
@@ -140,10 +140,10 @@ Result<OperatorRequest> decodeRequest(const std::string& line) {
   const nlohmann::json object = nlohmann::json::parse(line, nullptr, false);
   if (!object.is_object()) return Error{"not a command"};
   const std::string kind = stringOf(object, "do"), role = stringOf(object, "role");
-  const auto found = std::find(kKinds.begin(), kKinds.end(), kind);
-  if (found == kKinds.end()) return Error{"no such command"};
+  const auto found = std::find(kCommands.begin(), kCommands.end(), kind);
+  if (found == kCommands.end()) return Error{"no such command"};
   OperatorRequest request;
-  request.kind = static_cast<OperatorRequest::Kind>(found - kKinds.begin());
+  request.kind = static_cast<OperatorRequest::Kind>(found - kCommands.begin());
   request.who = stringOf(object, "who");
   for (int i = 0; i <= static_cast<int>(sync::Role::instructor); ++i) {
     request.role = static_cast<sync::Role>(i);

@@ -41,7 +41,7 @@ Mesh peg(int triangles) {
   const std::uint32_t bottom = b.vertex(0.0, 0.0, 0.0), top = b.vertex(0.0, 0.0, 40e-3);
   for (const auto& [radius, height] : profile)
     for (int i = 0; i < around; ++i) {
-      const double angle = 2.0 * tandem::test::kPi * i / around;
+      const double angle = 2.0 * tandem::kPi * i / around;
       b.vertex(radius * std::cos(angle), radius * std::sin(angle), height);
     }
   const auto at = [around](std::size_t ring, int i) {

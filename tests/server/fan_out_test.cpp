@@ -20,7 +20,7 @@ namespace {
 using namespace sync;
 using test::FakeSite;
 
-constexpr std::int64_t kUnix = 1000000;
+constexpr std::int64_t kWallClock = 1000000;
 constexpr Micros kLeg = 5 * kMillisecond;  // from site to server, and back
 
 /// A part for each of `sites` participants, 1 m apart on a line, and `observers` who watch.
@@ -58,7 +58,8 @@ struct Crowd {
     SessionConfig config;
     config.key.seed.fill(7);
     transport = network.listen();
-    session = std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);
+    session =
+        std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kWallClock);
     for (std::size_t i = 0; i < sites + observers; ++i) join(i);
     for (std::size_t i = 0; i < sites; ++i) site(i).fake.send(Grab{1, static_cast<PartId>(i)});
     run(100 * kMillisecond);
@@ -74,7 +75,8 @@ struct Crowd {
     joined.place.x = static_cast<double>(i);
     run(3 * kLeg);
     const Role role = i < sites ? Role::participant : Role::observer;
-    joined.fake.send(Hello{kProtocolVersion, false, session->makeToken(role, kUnix + 3600), "", {1, 2, 3}});
+    joined.fake.send(
+        Hello{kProtocolVersion, false, session->makeToken(role, kWallClock + 3600), "", {1, 2, 3}});
     run(4 * kLeg);
     ASSERT_NE(joined.fake.last<Welcome>(), nullptr);
     joined.fake.send(Ready{});
@@ -87,7 +89,7 @@ struct Crowd {
       now += kMillisecond;
       network.advanceTo(now);
       journal.advanceTo(now);
-      session->step(now, kUnix + now / kSecond);
+      session->step(now, kWallClock + now / kSecond);
       for (std::size_t i = 0; i < all.size(); ++i) {
         listen(site(i));
         if (now % (100 * kMillisecond) == 0 && site(i).fake.last<Welcome>() != nullptr)

@@ -9,8 +9,8 @@
 #include <filesystem>
 #include <optional>
 
-#include "server/program/invitations.h"
 #include "server/journal/memory_journal.h"
+#include "server/program/invitations.h"
 #include "server/session.h"
 #include "sync/wire/state_receiver.h"
 #include "sync/wire/state_sender.h"
@@ -22,7 +22,7 @@ namespace {
 
 using namespace sync;
 
-constexpr std::int64_t kUnix = 1000000;
+constexpr std::int64_t kUnixNow = 1000000;
 
 /// A transport without a network: a test puts events in, and what the session sends is counted.
 class HandFedTransport final : public Transport {
@@ -110,12 +110,12 @@ struct Relay {
     }
     SessionConfig config;
     config.key.seed.fill(7);
-    session = std::make_unique<Session>(scene, package, config, transport, journal, recording, now, kUnix);
+    session = std::make_unique<Session>(scene, package, config, transport, journal, recording, now, kUnixNow);
     for (ConnectionId site = 1; site <= 4; ++site) {
       transport.connected(site);
       transport.control(site, Hello{kProtocolVersion,
                                     false,
-                                    session->makeToken(Role::participant, kUnix + 3600),
+                                    session->makeToken(Role::participant, kUnixNow + 3600),
                                     "site",
                                     {1, 2, 3}});
       step();
@@ -130,7 +130,7 @@ struct Relay {
   void step() {
     now += 4 * kMillisecond;
     journal.advanceTo(now);
-    session->step(now, kUnix);
+    session->step(now, kUnixNow);
   }
   /// Renews the lease every tenth of a second.
   void pingNow(int period) {
@@ -173,7 +173,7 @@ TEST(Relay, AllocatesNothingForAnUpdateOnceItsBuffersHaveGrown) {
     relay.now += 4 * kMillisecond;
     relay.journal.advanceTo(relay.now);
     const test::AllocationScope scope;
-    relay.session->step(relay.now, kUnix);
+    relay.session->step(relay.now, kUnixNow);
     allocations += scope.count();
     stepsThatAllocate += scope.count() > 0 ? 1 : 0;
   }
@@ -319,15 +319,15 @@ TEST(Invitations, ReplaceAUsedLinkByANewOneOfItsRole) {
   options.invites = {0, 2, 0};
   Invitations invitations(options, "127.0.0.1", 7480, std::string(64, 'a'));
   testing::internal::CaptureStdout();
-  invitations.open(*relay.session, kUnix);
+  invitations.open(*relay.session, kUnixNow);
   const auto first = linesOf(testing::internal::GetCapturedStdout());
   ASSERT_EQ(first.size(), 2u);
   EXPECT_NE(first[0], first[1]);
   testing::internal::CaptureStdout();
-  invitations.renew(*relay.session, {}, kUnix);
+  invitations.renew(*relay.session, {}, kUnixNow);
   EXPECT_EQ(testing::internal::GetCapturedStdout(), "");
   testing::internal::CaptureStdout();
-  invitations.renew(*relay.session, {Role::participant, Role::observer}, kUnix);
+  invitations.renew(*relay.session, {Role::participant, Role::observer}, kUnixNow);
   const auto second = linesOf(testing::internal::GetCapturedStdout());
   ASSERT_EQ(second.size(), 1u);  // this run printed no link for observers, so none is replaced
   EXPECT_EQ(second[0].rfind("participant ", 0), 0u);

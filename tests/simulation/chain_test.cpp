@@ -8,17 +8,16 @@
 #include <cstdio>
 #include <cstdlib>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/chain_sessions.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
-constexpr double kEnergyBound = 1e-3;                   // J
 constexpr double kStepBound = 0.5;                      // N in 20 ms
 constexpr double kApartBound = 0.010, kApartTo = 50.0;  // m, to this many ms one way
-
-bool isFull() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 /// A wall stops a hand at the speed that the person has chosen: what a pusher feels of that without any other
 /// owner is not the chain's.
@@ -41,7 +40,7 @@ void expectQuiet(const Chain& chain, std::uint64_t seed) {
     EXPECT_LE(figures.apart, kApartBound);
   }
   EXPECT_EQ(figures.broken, 0u);
-  if (isFull())
+  if (atFullSize())
     std::printf("seed %llu: %s: created %.2f mJ, %.2f N (bound %.2f), apart %.1f mm\n",
                 static_cast<unsigned long long>(seed), describe(chain).c_str(), 1e3 * figures.created,
                 figures.step, bound, 1e3 * figures.apart);
@@ -58,7 +57,7 @@ Chain firmRow(int owners, double delay, bool wall) {
 TEST(OwnersInARow, MakeNoEnergyWithDevicesAtTheirLimit) {
   expectQuiet(firmRow(3, 50.0, true), 1);
   expectQuiet(firmRow(3, 250.0, false), 1);
-  if (!isFull()) return;
+  if (!atFullSize()) return;
   for (const int owners : {2, 3, 4, 6, 8})
     for (const double delay : {5.0, 50.0, 100.0, 250.0})
       for (const bool wall : {true, false}) expectQuiet(firmRow(owners, delay, wall), 1);
@@ -74,11 +73,11 @@ TEST(OwnersInARow, MakeEnergyOnlyWhereTicksDoNotKnowTheLimits) {
 
 TEST(OwnersInRowsAndTrees, MakeNoEnergyWhoeverPushes) {
   const char* const first = std::getenv("TANDEM_FIRST_SEED");
-  const std::uint64_t from = isFull() && first != nullptr ? std::strtoull(first, nullptr, 10) : 1;
+  const std::uint64_t from = atFullSize() && first != nullptr ? std::strtoull(first, nullptr, 10) : 1;
   constexpr std::size_t kFew = 3;  // owners
-  for (std::uint64_t seed = from; seed < from + (isFull() ? 40 : 12); ++seed) {
+  for (std::uint64_t seed = from; seed < from + (atFullSize() ? 40 : 12); ++seed) {
     const Chain chain = drawChain(seed);
-    if (isFull() || chain.masses.size() <= kFew) expectQuiet(chain, seed);
+    if (atFullSize() || chain.masses.size() <= kFew) expectQuiet(chain, seed);
   }
 }
 

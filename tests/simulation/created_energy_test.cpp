@@ -5,11 +5,11 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 
 #include "tests/simulation/chain_sessions.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -52,14 +52,14 @@ double created(const Chain& chain, client::Mistake mistake, std::uint64_t seed) 
   double sum = 0.0;
   for (const auto& [name, site] : result.sites) sum += site.energyCreated;
   EXPECT_NEAR(sum, result.energyCreated, 1e-12);
-  if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
+  if (atFullSize())
     std::printf("%s: said %.2f mJ, given %.2f mJ\n", describe(chain).c_str(), 1e3 * result.energyCreated,
                 1e3 * independent.most());
   return independent.most();
 }
 
 TEST(CreatedEnergyOfSessions, IsWhatTheHandsTogetherWereGiven) {
-  const bool full = std::getenv("TANDEM_FULL_SIZE") != nullptr;
+  const bool full = atFullSize();
   for (const int owners : full ? std::vector<int>{2, 3, 4, 6} : std::vector<int>{2, 3})
     for (const double delay : full ? std::vector<double>{5.0, 50.0, 100.0, 250.0} : std::vector<double>{50.0})
       for (const double force : {1.0, 3.3, 30.0}) {

@@ -7,27 +7,25 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <vector>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
-constexpr PartId kBlock = 0;
-constexpr double kSettled = 1.0;       // s after the grasp
-constexpr double kTouchFades = 0.1;    // s
-constexpr double kEnergyBound = 1e-3;  // J
+constexpr PartId kTaken = 0;
+constexpr double kSettled = 1.0;     // s after the grasp
+constexpr double kTouchFades = 0.1;  // s
 
 constexpr haptics::LinkParameters kLink;
 // N rms: below, what accelerates the replica is a large share of the hand's force, and the link has not that.
 constexpr double kLoaded = 0.8;
-
-bool isFullSize() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 struct Case {
   double delay = 25.0;       // ms, one way
@@ -140,20 +138,20 @@ SharedSession sessionOf(const Case& c) {
   return session;
 }
 
-Figures run(const Case& c) {
+Figures runCase(const Case& c) {
   SharedSession session = sessionOf(c);
   Figures figures;
   Stretch stretch;
   std::array<std::vector<glm::dvec3>, 2> forces;
   session.options.watch = [&](double t, std::span<const client::SimulatedSiteState> sites) {
-    const haptics::OwnedPart *owners = sites[0].tick->simulated(kBlock),
-                             *guests = sites[1].tick->simulated(kBlock);
+    const haptics::OwnedPart *owners = sites[0].tick->simulated(kTaken),
+                             *guests = sites[1].tick->simulated(kTaken);
     if (owners == nullptr || guests == nullptr) return;
     if (figures.begun < 0.0) figures.begun = t;
     // A part that moves along the bare tool has pushed it, and that force fades first.
     if (c.axis.z == 0.0 || t > figures.begun + kTouchFades)
       for (std::size_t i = 0; i < 2; ++i) forces[i].push_back(sites[i].force);
-    if (figures.held < 0.0 && sites[1].tick->hands[0].held == kBlock) figures.held = t;
+    if (figures.held < 0.0 && sites[1].tick->hands[0].held == kTaken) figures.held = t;
     const glm::dvec3 apart = guests->worldFromPart.position - owners->worldFromPart.position;
     figures.farthest = std::max(figures.farthest, glm::length(apart));
     const bool settled = t > figures.begun + kSettled;
@@ -175,7 +173,7 @@ Figures run(const Case& c) {
   return figures;
 }
 
-std::string describe(const Case& c, const Figures& f) {
+std::string describeCase(const Case& c, const Figures& f) {
   char text[480];
   std::snprintf(
       text, sizeof text,
@@ -219,18 +217,18 @@ Case early(Case c) {
 }
 
 TEST(LateGrasps, APartThatAnotherHandMovesIsTakenWhereItIs) {
-  const std::uint64_t seeds = isFullSize() ? 200 : 12;
+  const std::uint64_t seeds = atFullSize() ? 200 : 12;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     const Case c = drawn(seed);
-    const Figures figures = run(c);
-    SCOPED_TRACE(std::to_string(seed) + ": " + describe(c, figures));
-    if (isFullSize()) std::printf("%3d %s\n", static_cast<int>(seed), describe(c, figures).c_str());
+    const Figures figures = runCase(c);
+    SCOPED_TRACE(std::to_string(seed) + ": " + describeCase(c, figures));
+    if (atFullSize()) std::printf("%3d %s\n", static_cast<int>(seed), describeCase(c, figures).c_str());
     EXPECT_GT(figures.held, 0.0);
     EXPECT_LE(figures.farthest, 10e-3);
     EXPECT_LE(figures.rmsUnloaded, 1e-3);
     EXPECT_TRUE(figures.load < kLoaded || figures.yields < 1.15 * figures.mayYield);
     EXPECT_LE(figures.step, std::max(0.3, figures.stepOfDrag));
-    EXPECT_LE(figures.created, kEnergyBound + (c.turns ? run(early(c)).created : 0.0));
+    EXPECT_LE(figures.created, kEnergyBound + (c.turns ? runCase(early(c)).created : 0.0));
   }
 }
 
@@ -238,7 +236,7 @@ TEST(LateGrasps, APartThatAnotherHandMovesIsTakenWhereItIs) {
 TEST(LateGrasps, BeyondTheReachOfLinksTheReplicasPart) {
   Case c;
   c.delay = 200.0;
-  const Figures figures = run(c);
+  const Figures figures = runCase(c);
   EXPECT_GT(figures.farthest, 10e-3);
   EXPECT_GT(figures.rmsUnloaded, 1e-3);
 }

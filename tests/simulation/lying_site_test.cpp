@@ -176,7 +176,7 @@ TEST(LyingSite, IsNamedWhereItsStatesComeSeldomAndLate) {
   EXPECT_EQ(rig.told(), rig.watchers.size());
 }
 
-NetworkConditions drawn(std::mt19937& random) {
+NetworkConditions drawnNetwork(std::mt19937& random) {
   const auto in = [&](double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   };
@@ -190,7 +190,7 @@ int doubtedSeeds(const DoubtLimits& limits, unsigned seeds) {
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     std::mt19937 random(seed);
     Watched rig(limits);
-    rig.network.setConditions(drawn(random));
+    rig.network.setConditions(drawnNetwork(random));
     rig.hz = std::uniform_real_distribution<double>(5.0, 250.0)(random);
     rig.say(kMotions[seed % 4 == 3 ? seed / 4 % kMotions.size() : 0], seed, 6.0);
     doubted += rig.doubts > 0 ? 1 : 0;

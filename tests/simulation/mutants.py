@@ -212,7 +212,8 @@ def build(jobs):
         copy = copies.get(compiled)
         if copy is None:  # a room compiled as one source: the same file with the copies in it
             copy = OUT / f"{compiled.parents[1].stem}.cpp"
-            write(copy, "".join(f'#include "{copies.get(one, one)}"\n' for one in relinked.sources_in(compiled)))
+            write(copy, "".join(f'#include "{copies.get(one, one)}"\n'
+                                for one in relinked.sources_in(compiled)))
         objects.append(copy.with_suffix(".o"))
         compiles.append(relinked.to_output(line.replace(str(compiled), str(copy)), objects[-1]))
     switch = OUT / "switch.cpp"

@@ -12,7 +12,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr double kPegLength = 0.04, kGap = 0.01;  // m
+constexpr double kPegLength = 0.04, kPegGap = 0.01;  // m
 
 void boundScene(assets::Scene& scene) {
   for (const assets::Part& part : scene.parts) {
@@ -32,9 +32,9 @@ struct PegOverPlate {
 
   PegOverPlate() {
     builder.addPart(test::boxMesh({0.08, 0.01, 0.08}), {{0.0, -0.005, 0.0}, {1.0, 0.0, 0.0, 0.0}});
-    const glm::dquat upright = glm::angleAxis(-0.5 * test::kPi, glm::dvec3(1.0, 0.0, 0.0));
+    const glm::dquat upright = glm::angleAxis(-0.5 * kPi, glm::dvec3(1.0, 0.0, 0.0));
     peg = builder.addPart(test::meshOf(test::pegSoup({0.01, kPegLength, 0.001, {16, 1}})),
-                          {{0.0, kGap, 0.0}, upright}, 0.1);
+                          {{0.0, kPegGap, 0.0}, upright}, 0.1);
     boundScene(builder.scene);
   }
   const std::string& name() const { return builder.scene.parts[peg].name; }
@@ -54,13 +54,14 @@ Scenario pushDown(const std::string& part) {
   scenario.sites[0].script = "[]";
   scenario.sites[1].name = "pushes";
   scenario.sites[1].hasStart = true;
-  scenario.sites[1].start = {0.0, kGap + kPegLength + 0.02, 0.0};
+  scenario.sites[1].start = {0.0, kPegGap + kPegLength + 0.02, 0.0};
   scenario.sites[1].script = R"([{"t":0.3,"do":"grasp","part":")" + part + R"(","over_s":0.4},
     {"t":1.2,"do":"move_relative","by":[0.0,-0.03,0.0],"over_s":0.8}, {"t":2.8,"do":"release"}])";
   return scenario;
 }
 
-SimulationResult run(const PegOverPlate& made, const haptics::ContactScene& contact, std::uint64_t seed = 1) {
+SimulationResult runPeg(const PegOverPlate& made, const haptics::ContactScene& contact,
+                        std::uint64_t seed = 1) {
   SimulationOptions options;
   options.seed = seed;
   options.leaderLoad = false;
@@ -73,20 +74,20 @@ TEST(PartContactInASession, APegThatIsPushedOntoAPlateRestsOnItAtEverySite) {
   const PegOverPlate made;
   haptics::ContactScene contact(made.builder.scene);
   ASSERT_TRUE(contact.modelParts());
-  const SimulationResult result = run(made, contact);
+  const SimulationResult result = runPeg(made, contact);
   // The pose at the watching site. The invariants check that all sites agree.
   ASSERT_EQ(result.finalPoses.count(made.name()), 1u);
   EXPECT_NEAR(result.finalPoses.at(made.name()).position.y, 0.0, 20e-6);
   EXPECT_TRUE(result.violations.empty());
   EXPECT_TRUE(result.stable);
   EXPECT_GT(result.sites.at("pushes").rmsForce, 0.3) << "the stop is felt";
-  EXPECT_EQ(run(made, contact).hash, result.hash) << "the same seed gives the same bits";
-  EXPECT_NE(run(made, contact, 8).hash, result.hash);
+  EXPECT_EQ(runPeg(made, contact).hash, result.hash) << "the same seed gives the same bits";
+  EXPECT_NE(runPeg(made, contact, 8).hash, result.hash);
 }
 
 TEST(PartContactInASession, WithoutModelsItPassesThrough) {
   const PegOverPlate made;
-  const SimulationResult result = run(made, haptics::ContactScene(made.builder.scene));
+  const SimulationResult result = runPeg(made, haptics::ContactScene(made.builder.scene));
   ASSERT_EQ(result.finalPoses.count(made.name()), 1u);
   EXPECT_LT(result.finalPoses.at(made.name()).position.y, -0.01);
   EXPECT_LT(result.sites.at("pushes").rmsForce, 0.3);

@@ -27,7 +27,7 @@ std::uint64_t number(const char* variable, std::uint64_t fallback) {
   return text != nullptr ? std::strtoull(text, nullptr, 10) : fallback;
 }
 
-std::string describe(const client::ProtocolResult& result) {
+std::string describeProtocol(const client::ProtocolResult& result) {
   std::string text;
   for (const client::Violation& violation : result.violations)
     text += violation.rule + " at " + std::to_string(violation.at) + " s: " + violation.what + "\n";
@@ -100,11 +100,10 @@ TEST_P(ProtocolSessions, KeepEveryRuleAndServeEverybodyInTheEnd) {
     ++failed;
     const client::Scenario small = minimised(simulation, scenario, seed);
     ADD_FAILURE() << "TANDEM_FIRST_SEED=" << seed << " TANDEM_PROTOCOL_SEEDS=1\n"
-                  << describe(*result) << "the session:\n"
-                  << toJson(scenario) << "\nthe smallest that breaks a rule with --seed " << seed
-                  << ":\n"
+                  << describeProtocol(*result) << "the session:\n"
+                  << toJson(scenario) << "\nthe smallest that breaks a rule with --seed " << seed << ":\n"
                   << toJson(small) << "\n"
-                  << describe(*simulation.run(small, seed));
+                  << describeProtocol(*simulation.run(small, seed));
   }
   std::printf("%lu grants;", static_cast<unsigned long>(grants));
   for (std::size_t rule = 0; rule < checks.size(); ++rule)
@@ -123,7 +122,7 @@ TEST(ProtocolSessionsKept, SeedsThatOnceReachedSomethingNewKeepEveryRule) {
   for (std::uint64_t seed = 0; file >> seed; ++seeds) {
     const auto result = simulation.run(drawProtocolSession(seed), seed);
     ASSERT_TRUE(result.ok()) << result.error().message;
-    EXPECT_TRUE(result->violations.empty()) << "seed " << seed << "\n" << describe(*result);
+    EXPECT_TRUE(result->violations.empty()) << "seed " << seed << "\n" << describeProtocol(*result);
     reached().add(*result);
   }
   EXPECT_GT(seeds, 10);
@@ -145,7 +144,7 @@ TEST(ProtocolSessionsKept, APartThatWasLetGoWhileTheDiskWasSickIsFreeOnceTheDisk
   client::ProtocolSimulation simulation(protocolScene());
   const auto result = simulation.run(scenario, 1);
   ASSERT_TRUE(result.ok()) << result.error().message;
-  EXPECT_TRUE(result->violations.empty()) << describe(*result);
+  EXPECT_TRUE(result->violations.empty()) << describeProtocol(*result);
   ASSERT_FALSE(result->grants.empty());
   EXPECT_EQ(result->grants.back().part, result->grants.front().part);
   EXPECT_NE(result->grants.back().site, result->grants.front().site) << "still with who let it go";

@@ -11,14 +11,15 @@
 #include <random>
 #include <set>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/shared_sessions.h"
 
 namespace tandem::test {
 namespace {
 
-constexpr double kForce = 3.3;               // N, of a desktop arm
-constexpr double kEnergyBound = 1e-3;        // J
-constexpr double kQuiet = 7.0, kEnd = 10.0;  // s: all hands are at rest from the first on, until the second
+constexpr double kForce = 3.3;  // N, of a desktop arm
+constexpr double kQuiet = 7.0,
+                 kSessionEnd = 10.0;  // s: all hands are at rest from the first on, until the second
 
 std::uint64_t firstSeed() {
   const char* text = std::getenv("TANDEM_FIRST_SEED");
@@ -26,9 +27,9 @@ std::uint64_t firstSeed() {
 }
 
 /// The random numbers of one session.
-class Dice {
+class SessionDice {
  public:
-  explicit Dice(std::uint64_t seed) : random_(seed * 0x9e3779b97f4a7c15ull + 7) {}
+  explicit SessionDice(std::uint64_t seed) : random_(seed * 0x9e3779b97f4a7c15ull + 7) {}
   double in(double low, double high) {
     return low + (high - low) * std::generate_canonical<double, 32>(random_);
   }
@@ -40,7 +41,7 @@ class Dice {
 };
 
 /// A person who takes parts, moves them and lets go, and is at rest from kQuiet on.
-std::string script(Dice& dice) {
+std::string script(SessionDice& dice) {
   nlohmann::json steps = nlohmann::json::array();
   double t = dice.in(0.3, 2.0);
   while (t < kQuiet - 1.5) {
@@ -62,7 +63,7 @@ std::string script(Dice& dice) {
   return steps.dump();
 }
 
-client::Fault fault(Dice& dice, const std::string& site) {
+client::Fault fault(SessionDice& dice, const std::string& site) {
   using Kind = client::Fault::Kind;
   const double at = dice.in(1.0, kQuiet - 0.5);
   switch (dice.below(3)) {
@@ -78,7 +79,7 @@ client::Fault fault(Dice& dice, const std::string& site) {
 /// Draws a session into `scenario`. Returns which sites are paused or killed: their devices' watchdogs let go
 /// of the hand, which therefore feels a step.
 std::vector<bool> draw(client::Scenario& scenario, std::uint64_t seed) {
-  Dice dice(seed);
+  SessionDice dice(seed);
   const haptics::ArmParameters arms[] = {relaxedArm(), firmArm(), lightArm()};
   const std::size_t count = 2 + dice.below(3);
   const client::ScenarioSite plain = scenario.sites[0];
@@ -95,7 +96,7 @@ std::vector<bool> draw(client::Scenario& scenario, std::uint64_t seed) {
     site.joins = dice.chance(0.2) ? dice.in(0.0, 3.0) : 0.0;
     site.script = script(dice);
   }
-  scenario.duration = kEnd;
+  scenario.duration = kSessionEnd;
   scenario.network.oneWay = static_cast<sync::Micros>(1e3 * dice.in(2.0, 200.0));
   scenario.network.jitter = dice.in(0.0, 0.5);
   scenario.network.loss = dice.chance(0.5) ? 0.02 : dice.in(0.0, 0.3);
@@ -156,7 +157,7 @@ void check(SharedSession& session, const client::Scenario& plain, std::uint64_t 
   }
 }
 
-constexpr int kParts = 4;  // test cases, which can run side by side
+constexpr int kShares = 4;  // test cases, which can run side by side
 
 class RandomSessions : public testing::TestWithParam<int> {};
 
@@ -164,16 +165,16 @@ TEST_P(RandomSessions, KeepEveryRuleAndHurtNoHand) {
   SharedSession session("shared_pull", SharedSession::Contact::none);
   const client::Scenario plain = session.scenario;
   Tally tally;
-  for (std::uint64_t i = static_cast<std::uint64_t>(GetParam()); i < sessions(); i += kParts)
+  for (std::uint64_t i = static_cast<std::uint64_t>(GetParam()); i < sessions(); i += kShares)
     check(session, plain, firstSeed() + i, tally);
   std::printf("shared for %.0f s, %zu grants, %zu restarts of the server, %zu sites died, %zu paused\n",
               tally.shared, tally.grants, tally.restarts, tally.deaths, tally.pauses);
   if (sessions() < 100) return;
-  EXPECT_GT(tally.shared, 0.5 * static_cast<double>(sessions() / kParts))
+  EXPECT_GT(tally.shared, 0.5 * static_cast<double>(sessions() / kShares))
       << "too little is shared to tell anything";
   EXPECT_GT(tally.unpushed, tally.pushed);
   EXPECT_GT(tally.gentle, tally.rough);
-  EXPECT_GT(std::min({tally.grants, tally.restarts, tally.deaths, tally.pauses}), sessions() / kParts / 10);
+  EXPECT_GT(std::min({tally.grants, tally.restarts, tally.deaths, tally.pauses}), sessions() / kShares / 10);
 }
 
 /// The rules that a mistake breaks within the first 60 sessions, up to the session that breaks `awaited`.
@@ -204,7 +205,7 @@ TEST(RandomSessionsControl, SitesThatDoubtAtOnceNameHonestOnes) {
   EXPECT_TRUE(rulesBrokenBy(client::Mistake::doubtsAtOnce, "R5").contains("R5"));
 }
 
-INSTANTIATE_TEST_SUITE_P(Seeds, RandomSessions, testing::Range(0, kParts));
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomSessions, testing::Range(0, kShares));
 
 }  // namespace
 }  // namespace tandem::test

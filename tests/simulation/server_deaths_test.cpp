@@ -7,25 +7,23 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <vector>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
-constexpr double kBound = 0.3;         // N in 20 ms
-constexpr double kEnergyBound = 1e-3;  // J
-constexpr double kTension = 0.25;      // N at the most loaded hand, so that there is something to be felt
-constexpr double kStill = 3.0;         // s after the last grasp: all have pulled and hold still
+constexpr double kBound = 0.3;     // N in 20 ms
+constexpr double kTension = 0.25;  // N at the most loaded hand, so that there is something to be felt
+constexpr double kStill = 3.0;     // s after the last grasp: all have pulled and hold still
 
 using Kind = client::Fault::Kind;
-
-bool isFullSize() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 /// Sites in a circle that grasp the block in turn, then each pulls outwards.
 struct Pull {
@@ -39,7 +37,7 @@ struct Pull {
   double still() const { return 0.5 + static_cast<double>(sites) + kStill; }
 };
 
-nlohmann::json scriptOf(const Pull& pull, std::size_t site) {
+nlohmann::json scriptOfPull(const Pull& pull, std::size_t site) {
   const double angle = 2.0 * 3.14159265358979 * static_cast<double>(site) / static_cast<double>(pull.sites);
   const std::vector<double> by{pull.by * std::cos(angle), pull.by * std::sin(angle), 0.0};
   nlohmann::json script = nlohmann::json::array();
@@ -58,14 +56,14 @@ struct Felt {
   }
 };
 
-Felt run(const Pull& pull) {
+Felt runPull(const Pull& pull) {
   SharedSession session("shared_drag");
   session.setDelay(pull.delay);
   session.options.seed = pull.seed;
   session.scenario.sites.assign(pull.sites, client::ScenarioSite(session.scenario.sites[0]));
   for (std::size_t i = 0; i < pull.sites; ++i) {
     session.scenario.sites[i].name = std::string(1, static_cast<char>('a' + i));
-    session.scenario.sites[i].script = scriptOf(pull, i).dump();
+    session.scenario.sites[i].script = scriptOfPull(pull, i).dump();
     session.arm(i) = relaxedArm();
   }
   session.scenario.faults = pull.faults;
@@ -103,37 +101,37 @@ struct Drawn {
   std::mt19937_64 random;
 };
 
-void print(const char* what, const Pull& pull, double step) {
-  if (isFullSize())
+void printPull(const char* what, const Pull& pull, double step) {
+  if (atFullSize())
     std::printf("%s, seed %d: %zu sites, %.0f ms, %.1f mm: %.3f N in 20 ms\n", what,
                 static_cast<int>(pull.seed), pull.sites, pull.delay, 1e3 * pull.by, step);
 }
 
 TEST(ServerDeaths, SixWhoPullFeelNothingWhileTheOwnerPausesToo) {
-  for (std::uint64_t seed = 1; seed <= (isFullSize() ? 40u : 4u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (atFullSize() ? 40u : 4u); ++seed) {
     Drawn drawn(seed);
     Pull& pull = drawn.pull;
     const double dies = pull.still() + drawn.in(0.0, 0.5);
     pull.faults = {{Kind::killServer, dies, drawn.in(0.1, 0.6), ""},
                    {Kind::pauseSite, dies + drawn.in(-0.1, 0.4), drawn.in(0.2, 1.0), "a"}};
     pull.lasts = 6.0;
-    const Felt felt = run(pull);
-    print("the owner pauses", pull, felt.largest(1));
+    const Felt felt = runPull(pull);
+    printPull("the owner pauses", pull, felt.largest(1));
     EXPECT_GT(felt.tension(), kTension) << "seed " << seed;
     EXPECT_LE(felt.largest(1), kBound) << "seed " << seed;
   }
 }
 
 TEST(ServerDeaths, EightInSixSecondsAreNotFelt) {
-  for (std::uint64_t seed = 1; seed <= (isFullSize() ? 40u : 4u); ++seed) {
+  for (std::uint64_t seed = 1; seed <= (atFullSize() ? 40u : 4u); ++seed) {
     Drawn drawn(seed);
     Pull& pull = drawn.pull;
     pull.sites = 2 + seed % 5;
     for (int death = 0; death < 8; ++death)
       pull.faults.push_back(
           {Kind::killServer, pull.still() + 0.75 * death + drawn.in(0.0, 0.3), drawn.in(0.05, 0.4), ""});
-    const Felt felt = run(pull);
-    print("eight deaths", pull, felt.largest(0));
+    const Felt felt = runPull(pull);
+    printPull("eight deaths", pull, felt.largest(0));
     EXPECT_GT(felt.tension(), kTension) << "seed " << seed;
     EXPECT_LE(felt.largest(0), kBound) << "seed " << seed;
   }
@@ -145,7 +143,7 @@ TEST(ServerDeaths, TheHandWhoseOwnProgramPausesFeelsIt) {
   pull.sites = 2;
   pull.faults = {{Kind::pauseSite, pull.still() + 0.3, 0.5, "b"}};
   pull.lasts = 1.0;
-  EXPECT_GT(run(pull).step[1], kBound);
+  EXPECT_GT(runPull(pull).step[1], kBound);
 }
 
 }  // namespace

@@ -6,19 +6,17 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <glm/geometric.hpp>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
-const std::uint64_t kSeeds = seedsUpTo(20);
-constexpr double kEnergyBound = 1e-3;                                     // J
+const std::uint64_t kFigureSeeds = seedsUpTo(20);
 constexpr std::array<double, 5> kDelays{10.0, 25.0, 50.0, 100.0, 250.0};  // ms, one way
-
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 struct Arms {
   const char* name;
@@ -66,9 +64,9 @@ TEST(SharedFigures, HandsFeelEachOtherAsStiffAsTheDelayAllows) {
     for (std::size_t i = 0; i < kDelays.size(); ++i) {
       Spread stiffness;
       session.setDelay(kDelays[i]);
-      for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed)
+      for (session.options.seed = 1; session.options.seed <= kFigureSeeds; ++session.options.seed)
         stiffness.add(handToHand(session));
-      if (prints())
+      if (atFullSize())
         std::printf("hand to hand, %-7s %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", arms.name, kDelays[i],
                     stiffness.mean(), stiffness.least, stiffness.largest);
       if (kBound[i] > 0.0) {
@@ -108,9 +106,9 @@ TEST(SharedFigures, SharedDragKeepsReplicasTogetherAndTheLeaderUnburdened) {
     for (std::size_t i = 0; i < kDelays.size(); ++i) {
       Spread felt, displayed, ratio;
       session.setDelay(kDelays[i]);
-      for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed)
+      for (session.options.seed = 1; session.options.seed <= kFigureSeeds; ++session.options.seed)
         ratio.add(leaderForce(felt, displayed) / near);
-      if (prints())
+      if (atFullSize())
         std::printf("drag, arm of %3.0f N/m %3.0f ms: felt %.2f mm, displayed %.3f mm, leader %.2f\n",
                     coHolder.stiffness, kDelays[i], 1e3 * felt.largest, 1e3 * displayed.largest,
                     ratio.largest);
@@ -145,7 +143,7 @@ TEST(SharedFigures, ASharedPartTakesFewBytesASecond) {
     const client::SimulationResult whole = cutOff(session, 13.0), beginning = cutOff(session, 5.0);
     for (const char* site : {"a", "b"}) {
       const double each = 1e-3 * (sentBy(whole, site, 13.0) - sentBy(beginning, site, 5.0)) / 8.0;
-      if (prints()) std::printf("sent by %s at %.0f packets a second: %.2f kB/s\n", site, rate.hz, each);
+      if (atFullSize()) std::printf("sent by %s at %.0f packets a second: %.2f kB/s\n", site, rate.hz, each);
       EXPECT_LE(each, rate.largest) << site << " " << rate.hz;
       EXPECT_GE(each, 0.032 * rate.hz) << "less than the seals of its packets";
     }
@@ -157,12 +155,12 @@ TEST(SharedFigures, CoHolderFeelsTheWallAsIfAlone) {
     SharedSession session("shared_wall");
     session.setDelay(delay);
     Spread felt;
-    for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed) {
+    for (session.options.seed = 1; session.options.seed <= kFigureSeeds; ++session.options.seed) {
       const client::SimulationResult result = session.run();
       expectHonest(result);
       felt.add(result.sites.at("b").feltStiffness);
     }
-    if (prints())
+    if (atFullSize())
       std::printf("wall, co-holder %3.0f ms: %3.0f N/m (%3.0f..%3.0f)\n", delay, felt.mean(), felt.least,
                   felt.largest);
     EXPECT_GE(felt.least, 830.0) << delay;
@@ -205,12 +203,12 @@ TEST(SharedFigures, PartsOfTwoOwnersArePressedTogether) {
     SharedSession session("pressed_together");
     session.setDelay(kDelays[i]);
     Spread stiffness, ripple;
-    for (session.options.seed = 1; session.options.seed <= kSeeds; ++session.options.seed) {
+    for (session.options.seed = 1; session.options.seed <= kFigureSeeds; ++session.options.seed) {
       const Pressing pressing = pressedTogether(session);
       stiffness.add(pressing.stiffness);
       ripple.add(pressing.ripple);
     }
-    if (prints())
+    if (atFullSize())
       std::printf("pressed together %3.0f ms: %3.0f N/m (%3.0f..%3.0f), ripple at most %.3f N\n", kDelays[i],
                   stiffness.mean(), stiffness.least, stiffness.largest, ripple.largest);
     EXPECT_GE(stiffness.least, kBound[i]) << kDelays[i];

@@ -12,19 +12,18 @@
 #include <glm/geometric.hpp>
 #include <vector>
 
+#include "tests/simulation/bounds.h"
 #include "tests/simulation/shared_sessions.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
 const std::uint64_t kSeeds = seedsUpTo(6);
-constexpr double kEnergyBound = 1e-3;  // J
-constexpr double kOutageStep = 0.3;    // N in 20 ms, of which the drag itself causes up to 0.25
-constexpr double kQuantum = 0.06;      // N: the device's quantum through the grasp's spring
+constexpr double kOutageStep = 0.3;  // N in 20 ms, of which the drag itself causes up to 0.25
+constexpr double kQuantum = 0.06;    // N: the device's quantum through the grasp's spring
 constexpr std::size_t kA = 0, kB = 1;
 constexpr PartId kBlock = 0;
-
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 /// Records one session, site by site.
 class Watch {
@@ -96,7 +95,7 @@ void forSeeds(const char* scenario, double delay, const Check& check) {
 }
 
 void print(const char* what, double delay, const char* unit, double value) {
-  if (prints()) std::printf("%-40s %3.0f ms: %.4f %s\n", what, delay, value, unit);
+  if (atFullSize()) std::printf("%-40s %3.0f ms: %.4f %s\n", what, delay, value, unit);
 }
 
 TEST(SharedHardCases, BothLetGoInTension) {
@@ -154,7 +153,7 @@ TEST(SharedHardCases, WhoIsLeftWithAPartFeelsNothingOfBecomingItsOwner) {
     for (const double delay : {10.0, 25.0, 50.0, 100.0}) {
       const double withChange = letGo(c.scenario, c.at, delay, true);
       const double without = letGo(c.scenario, c.at, delay, false);
-      if (prints())
+      if (atFullSize())
         std::printf("%-30s %3.0f ms: %.3f N in 20 ms, where no owner changes %.3f\n", c.scenario, delay,
                     withChange, without);
       EXPECT_LE(withChange, without + 0.04) << c.scenario << " " << delay;

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <vector>
@@ -16,6 +15,7 @@
 
 #include "haptics/measure/held_depth.h"
 #include "haptics/tick.h"
+#include "tests/support/full_size.h"
 #include "tests/support/part_cases.h"
 
 namespace tandem::test {
@@ -36,9 +36,7 @@ inline haptics::ModelOptions cachedModels() {
 }
 
 /// Twenty pegs of one shape, or all parts of an engine in turn: at full size their models are made once.
-inline haptics::ModelOptions rigModels() {
-  return std::getenv("TANDEM_FULL_SIZE") != nullptr ? cachedModels() : haptics::ModelOptions{};
-}
+inline haptics::ModelOptions rigModels() { return atFullSize() ? cachedModels() : haptics::ModelOptions{}; }
 
 /// One tick as it was.
 struct RigTick {

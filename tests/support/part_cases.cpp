@@ -2,16 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
+
 namespace tandem::test {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr double kBlockWidth = 0.03;  // m, of the block round a peg's bore
 
 Pose at(const glm::dvec3& position, const glm::dvec3& turn = glm::dvec3(0.0)) {

@@ -2,17 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "assets/generate/triangulate.h"
 #include "tests/support/soup_builder.h"
 
 namespace tandem::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 int eights(int segments) { return std::max(8, (segments + 7) / 8 * 8); }
 

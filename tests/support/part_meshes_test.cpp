@@ -3,14 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
+
 namespace tandem::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 /// Area of a regular polygon with its corners at a radius.
 double polygonArea(int n, double r) { return 0.5 * n * r * r * std::sin(2.0 * kPi / n); }

@@ -24,7 +24,7 @@ def compiled_by(line):
 
 
 def sources_in(compiled):
-    """The sources that are compiled with one: those that CMake's file of a unity build includes, or itself alone."""
+    """The sources compiled with one: those that CMake's file of a unity build includes, or itself alone."""
     if compiled.parent.name != "Unity":
         return [compiled]
     return [pathlib.Path(name) for name in re.findall(r'^#include "(.+)"$', compiled.read_text(), re.M)]

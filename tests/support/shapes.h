@@ -8,12 +8,11 @@
 #include <utility>
 #include <vector>
 
+#include "assets/base/constants.h"
 #include "assets/mesh/mesh_analysis.h"
 #include "assets/scene/scene.h"
 
 namespace tandem::test {
-
-inline constexpr double kPi = 3.14159265358979323846;
 
 /// Triangles under construction.
 struct ShapeBuilder {

@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <utility>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "tests/support/part_meshes.h"
 #include "tests/support/soup_builder.h"
 
 namespace tandem::test {
 namespace {
-
-constexpr double kPi = std::numbers::pi;
 
 constexpr double kOnPlane = 1e-6;  // of a point's distance from the origin
 

@@ -1,4 +1,5 @@
 #include "assets/gltf/gltf_controls.h"
+#include "assets/base/constants.h"
 
 #include <cmath>
 
@@ -17,8 +18,7 @@ namespace {
 using tests::GltfBuilder;
 using Json = nlohmann::json;
 
-constexpr const char* kBodies = "KHR_physics_rigid_bodies";
-constexpr double kPi = 3.141592653589793;
+constexpr const char* kRigidBodies = "KHR_physics_rigid_bodies";
 
 /// A body with this control; node 1 is a fixed frame, node 2 a fixed box named "shown".
 GltfBuilder withControl(const Json& control, Json node = Json::object()) {
@@ -26,7 +26,7 @@ GltfBuilder withControl(const Json& control, Json node = Json::object()) {
   const int box = b.addBox(1, 1, 1, "box");
   node["name"] = "knob";
   node["mesh"] = box;
-  node["extensions"][kBodies]["motion"] = {{"mass", 2.0}};
+  node["extensions"][kRigidBodies]["motion"] = {{"mass", 2.0}};
   node["extras"]["haptic"]["control"] = control;
   b.addNode(node);
   b.addNode({{"name", "frame"}, {"translation", {0, 0, 1}}});
@@ -141,12 +141,12 @@ GltfBuilder withJoint(const char* kind, bool knobIsA) {
   GltfBuilder b = withControl({{"kind", kind}});
   const bool dial = std::string(kind) == "dial";
   const char *open = dial ? "angularAxes" : "linearAxes", *locked = dial ? "linearAxes" : "angularAxes";
-  b.json["extensions"][kBodies]["physicsJoints"] = {{{"limits",
-                                                      {{{locked, {0, 1, 2}}, {"min", 0}, {"max", 0}},
-                                                       {{open, {0, 2}}, {"min", 0}, {"max", 0}},
-                                                       {{open, {1}}, {"min", -0.5}, {"max", 1.5}}}}}};
-  b.json["nodes"][knobIsA ? 0 : 1]["extensions"][kBodies]["joint"] = {{"connectedNode", knobIsA ? 1 : 0},
-                                                                      {"joint", 0}};
+  b.json["extensions"][kRigidBodies]["physicsJoints"] = {{{"limits",
+                                                           {{{locked, {0, 1, 2}}, {"min", 0}, {"max", 0}},
+                                                            {{open, {0, 2}}, {"min", 0}, {"max", 0}},
+                                                            {{open, {1}}, {"min", -0.5}, {"max", 1.5}}}}}};
+  b.json["nodes"][knobIsA ? 0 : 1]["extensions"][kRigidBodies]["joint"] = {{"connectedNode", knobIsA ? 1 : 0},
+                                                                           {"joint", 0}};
   return b;
 }
 
@@ -226,7 +226,7 @@ TEST(GltfControls, SaysWhatIsWrongAndWhere) {
   expectRefused(with({{"kind", "layer"}, {"shows", {7}}}), "control.shows");
   expectRefused(withControl({{"kind", "dial"}, {"axis", {1, 0, 0}}, {"min", -4}, {"max", 4}}), "control.max");
   GltfBuilder fixed = with(Json::object());
-  fixed.json["nodes"][0]["extensions"].erase(kBodies);
+  fixed.json["nodes"][0]["extensions"].erase(kRigidBodies);
   expectRefused(fixed, "must be a body with a motion");
   GltfBuilder both = withJoint("slider", true);
   both.json["nodes"][0]["extras"]["haptic"]["control"]["axis"] = {1, 0, 0};

@@ -33,7 +33,7 @@ ForceField fieldOf(const Json& field, const Json& node = Json::object(), const L
   return scene.fields.empty() ? ForceField{} : scene.fields[0];
 }
 
-void expectRefused(const Json& field, const std::string& message, const Json& node = Json::object()) {
+void expectFieldRefused(const Json& field, const std::string& message, const Json& node = Json::object()) {
   const Result<Scene> scene = loadGltfFromMemory("test.glb", boxAndField(field, node).glb(), {});
   ASSERT_FALSE(scene.ok()) << field.dump();
   EXPECT_NE(scene.error().message.find(message), std::string::npos) << scene.error().message;
@@ -150,39 +150,41 @@ TEST(GltfFields, SaysWhatEachKindDoesWithEnergy) {
 }
 
 TEST(GltfFields, RefusesWhatDependsOnAccelerationWithTheReason) {
-  for (const char* kind : {"inertia", "acceleration", "mass"}) expectRefused({{"kind", kind}}, "55 m/s^2");
+  for (const char* kind : {"inertia", "acceleration", "mass"})
+    expectFieldRefused({{"kind", kind}}, "55 m/s^2");
 }
 
 TEST(GltfFields, RefusesBadValuesNamingThePropertyAndTheReason) {
-  expectRefused({{"stiffness", 1}}, "field.kind: is missing");
-  expectRefused({{"kind", "wormhole"}}, "field.kind: 'wormhole' is unknown");
-  expectRefused({{"kind", "spring"}}, "field.stiffness: is missing");
-  expectRefused({{"kind", "spring"}, {"stiffness", -1}}, "field.stiffness: must be positive");
-  expectRefused({{"kind", "spring"}, {"stiffness", "x"}}, "field.stiffness: must be a finite number");
-  expectRefused({{"kind", "spring"}, {"stifness", 1}, {"stiffness", 1}}, "field.stifness: is no property");
-  expectRefused({{"kind", "constant"}, {"force", {0, 5, 0}}},
-                "field.force: gives up to 5 N, more than maxForce");
-  expectRefused({{"kind", "viscosity"}, {"damping", 1}}, "field.region: is missing");
-  expectRefused({{"kind", "viscosity"}, {"damping", 1}, {"region", {{"radius", 1}, {"fade", 2}}}},
-                "field.region.fade: is larger");
-  expectRefused({{"kind", "gravity"}, {"radius", 1}}, "field.strength: needs either");
-  expectRefused({{"kind", "gravity"}, {"radius", 0}, {"strength", 1}}, "field.radius: must be positive");
-  expectRefused({{"kind", "guide"}, {"stiffness", 1}, {"points", {{0, 0, 0}}}},
-                "field.points: must be an array");
-  expectRefused({{"kind", "guide"}, {"stiffness", 1}, {"points", {{0, 0, 0}, {0, 0, 0}}}}, "the same");
+  expectFieldRefused({{"stiffness", 1}}, "field.kind: is missing");
+  expectFieldRefused({{"kind", "wormhole"}}, "field.kind: 'wormhole' is unknown");
+  expectFieldRefused({{"kind", "spring"}}, "field.stiffness: is missing");
+  expectFieldRefused({{"kind", "spring"}, {"stiffness", -1}}, "field.stiffness: must be positive");
+  expectFieldRefused({{"kind", "spring"}, {"stiffness", "x"}}, "field.stiffness: must be a finite number");
+  expectFieldRefused({{"kind", "spring"}, {"stifness", 1}, {"stiffness", 1}},
+                     "field.stifness: is no property");
+  expectFieldRefused({{"kind", "constant"}, {"force", {0, 5, 0}}},
+                     "field.force: gives up to 5 N, more than maxForce");
+  expectFieldRefused({{"kind", "viscosity"}, {"damping", 1}}, "field.region: is missing");
+  expectFieldRefused({{"kind", "viscosity"}, {"damping", 1}, {"region", {{"radius", 1}, {"fade", 2}}}},
+                     "field.region.fade: is larger");
+  expectFieldRefused({{"kind", "gravity"}, {"radius", 1}}, "field.strength: needs either");
+  expectFieldRefused({{"kind", "gravity"}, {"radius", 0}, {"strength", 1}}, "field.radius: must be positive");
+  expectFieldRefused({{"kind", "guide"}, {"stiffness", 1}, {"points", {{0, 0, 0}}}},
+                     "field.points: must be an array");
+  expectFieldRefused({{"kind", "guide"}, {"stiffness", 1}, {"points", {{0, 0, 0}, {0, 0, 0}}}}, "the same");
   const Json fast = {{"shape", "sine"}, {"frequency", 600}};
-  expectRefused({{"kind", "waveform"}, {"force", {1, 0, 0}}, {"waveform", fast}},
-                "field.waveform.frequency: is 600 Hz; it must lie between 1e-06 and 500 Hz");
-  expectRefused({{"kind", "potential"}, {"function", "gaussian"}, {"depth", 10}, {"sigma", 0.1}},
-                "field.depth: gives up to");
-  expectRefused(kSpring, "scaled unevenly", {{"scale", {1, 2, 1}}});
-  expectRefused(7, "must be an object or an array");
-  expectRefused(Json::array({kSpring, 3}), "field[1]: must be an object");
+  expectFieldRefused({{"kind", "waveform"}, {"force", {1, 0, 0}}, {"waveform", fast}},
+                     "field.waveform.frequency: is 600 Hz; it must lie between 1e-06 and 500 Hz");
+  expectFieldRefused({{"kind", "potential"}, {"function", "gaussian"}, {"depth", 10}, {"sigma", 0.1}},
+                     "field.depth: gives up to");
+  expectFieldRefused(kSpring, "scaled unevenly", {{"scale", {1, 2, 1}}});
+  expectFieldRefused(7, "must be an object or an array");
+  expectFieldRefused(Json::array({kSpring, 3}), "field[1]: must be an object");
 }
 
 TEST(GltfFields, RefusesMoreFieldsThanATickHasRoomFor) {
   EXPECT_EQ(loaded(boxAndField(Json::array_t(kMaxForceFields, kSpring))).fields.size(), kMaxForceFields);
-  expectRefused(Json::array_t(kMaxForceFields + 1, kSpring), "more than 64 fields");
+  expectFieldRefused(Json::array_t(kMaxForceFields + 1, kSpring), "more than 64 fields");
 }
 
 /// A value that a file might hold in the place of another.

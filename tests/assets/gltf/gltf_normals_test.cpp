@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <glm/geometric.hpp>
 
+#include "assets/base/constants.h"
 #include "assets/scene/scene_codec.h"
 #include "assets/scene/smooth_normals.h"
 #include "tests/assets/gltf/load_for_test.h"
@@ -18,8 +19,6 @@ namespace {
 
 using tests::GltfBuilder;
 using Json = nlohmann::json;
-
-constexpr double kPi = 3.14159265358979323846;
 
 /// The side of a cylinder about z, radius 1, from z = 0 to 1, and its upper cap with vertices of its own.
 struct Cylinder {

@@ -5,6 +5,7 @@
 
 #include "assets/gltf/load_gltf.h"
 #include "assets/scene/scene_check.h"
+#include "tests/assets/gltf/findings.h"
 #include "tests/assets/gltf/load_for_test.h"
 #include "tests/support/gltf_builder.h"
 
@@ -15,12 +16,6 @@ using tests::GltfBuilder;
 using Json = nlohmann::json;
 
 constexpr const char* kBodies = "KHR_physics_rigid_bodies";
-
-const Finding* findingOf(const Scene& scene, const std::string& code) {
-  for (const Finding& finding : scene.findings)
-    if (finding.code == code) return &finding;
-  return nullptr;
-}
 
 Json physics(const Json& value) { return {{kBodies, value}}; }
 

@@ -11,6 +11,7 @@
 #include <glm/geometric.hpp>
 
 #include "assets/scene/scene_check.h"
+#include "tests/assets/gltf/findings.h"
 #include "tests/support/gltf_builder.h"
 
 namespace tandem::assets {
@@ -28,7 +29,7 @@ Result<Scene> load(const GltfBuilder& builder, const LoadOptions& options = {}) 
   return scene;
 }
 
-Scene loaded(const GltfBuilder& builder, const LoadOptions& options = {}) {
+Scene loadedFrom(const GltfBuilder& builder, const LoadOptions& options = {}) {
   Result<Scene> scene = load(builder, options);
   EXPECT_TRUE(scene.ok()) << scene.error().message;
   return scene ? std::move(scene).value() : Scene{};
@@ -45,12 +46,6 @@ void expectRefused(const GltfBuilder& builder, const std::string& part) {
   const std::string message = refusal(load(builder));
   EXPECT_EQ(message.rfind("test.glb: ", 0), 0u) << message;
   EXPECT_NE(message.find(part), std::string::npos) << message;
-}
-
-const Finding* findingOf(const Scene& scene, const std::string& code) {
-  for (const Finding& finding : scene.findings)
-    if (finding.code == code) return &finding;
-  return nullptr;
 }
 
 /// Volume enclosed by a part's triangles in the world, by the divergence theorem; negative if inside out.
@@ -76,7 +71,7 @@ GltfBuilder oneBox() {
 // ---------------------------------------------------------------------------------------------
 
 TEST(LoadGltf, ReadsABoxFromGlb) {
-  const Scene scene = loaded(oneBox());
+  const Scene scene = loadedFrom(oneBox());
   ASSERT_EQ(scene.parts.size(), 1u);
   EXPECT_EQ(scene.parts[0].name, "box");
   EXPECT_FALSE(scene.parts[0].movable);
@@ -95,7 +90,7 @@ TEST(LoadGltf, ReadsDataUris) {
 TEST(LoadGltf, ReadsPrimitivesWithoutIndices) {
   GltfBuilder b;
   b.addNode({{"mesh", b.addMesh(b.addPositions({0, 0, 0, 1, 0, 0, 0, 1, 0}))}});
-  EXPECT_EQ(triangleCount(loaded(b)), 1u);
+  EXPECT_EQ(triangleCount(loadedFrom(b)), 1u);
 }
 
 TEST(LoadGltf, ReadsStripsAndFansWithTheirWinding) {
@@ -104,7 +99,7 @@ TEST(LoadGltf, ReadsStripsAndFansWithTheirWinding) {
     const std::vector<float> strip{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
     const std::vector<float> fan{0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
     b.addNode({{"mesh", b.addMesh(b.addPositions(mode == 5 ? strip : fan), -1, mode)}});
-    const Scene scene = loaded(b);
+    const Scene scene = loadedFrom(b);
     ASSERT_EQ(triangleCount(scene), 2u);
     const Mesh& mesh = scene.meshes[0];
     for (const auto& t : mesh.triangles) {
@@ -120,7 +115,7 @@ TEST(LoadGltf, SkipsPointsAndLinesWithAFinding) {
   Json line = b.json["meshes"][0]["primitives"][0];
   line["mode"] = 1;
   b.json["meshes"][0]["primitives"].push_back(line);
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(triangleCount(scene), 12u);
   ASSERT_NE(findingOf(scene, "points-and-lines"), nullptr);
   EXPECT_EQ(findingOf(scene, "points-and-lines")->count, 1u);
@@ -137,7 +132,7 @@ TEST(LoadGltf, ReadsByteAndShortIndices) {
     }
     const int indices = bytes ? b.addAccessor(u8, 5121, "SCALAR", 1) : b.addAccessor(u16, 5123, "SCALAR", 1);
     b.json["meshes"][0]["primitives"][0]["indices"] = indices;
-    EXPECT_NEAR(worldVolume(loaded(b), loaded(b).parts[0]), 6.0, 1e-12);
+    EXPECT_NEAR(worldVolume(loadedFrom(b), loadedFrom(b).parts[0]), 6.0, 1e-12);
   }
 }
 
@@ -148,7 +143,7 @@ TEST(LoadGltf, ReadsInterleavedPositions) {
   b.json["accessors"].push_back(
       {{"bufferView", view}, {"byteOffset", 12}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
   b.addNode({{"mesh", b.addMesh(0)}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(scene.bounds.max, glm::dvec3(1, 1, 0));
 }
 
@@ -171,7 +166,7 @@ TEST(LoadGltf, ReadsSparseAccessorsWithAndWithoutABase) {
                                    {"values", {{"bufferView", bareValues}}}}}});
   b.addNode({{"mesh", b.addMesh(base)}, {"name", "base"}});
   b.addNode({{"mesh", b.addMesh(1)}, {"name", "bare"}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   ASSERT_EQ(scene.parts.size(), 2u);
   EXPECT_EQ(scene.meshes[scene.parts[0].mesh].bounds.max, glm::dvec3(1, 1, 0));
   EXPECT_EQ(scene.meshes[scene.parts[1].mesh].bounds.max, glm::dvec3(3, 3, 0));
@@ -186,7 +181,7 @@ TEST(LoadGltf, ReadsQuantizedPositions) {
   b.addNode({{"mesh", b.addMesh(normalized)}});
   b.addNode({{"mesh", b.addMesh(plain)}});
   b.json["extensionsRequired"] = {"KHR_mesh_quantization"};
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(scene.meshes[scene.parts[0].mesh].bounds.max, glm::dvec3(1, 0, 0));
   EXPECT_EQ(scene.meshes[scene.parts[0].mesh].bounds.min, glm::dvec3(0, -1, 0));
   EXPECT_EQ(scene.meshes[scene.parts[1].mesh].bounds.max, glm::dvec3(200, 100, 0));
@@ -201,7 +196,7 @@ TEST(LoadGltf, KeepsMaterialsPerTriangle) {
   b.json["meshes"][0]["primitives"][0]["material"] = 0;
   const int more = b.addPositions({5, 0, 0, 6, 0, 0, 5, 1, 0});
   b.json["meshes"][0]["primitives"].push_back({{"attributes", {{"POSITION", more}}}, {"material", 1}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   const Mesh& mesh = scene.meshes[0];
   ASSERT_EQ(mesh.triangles.size(), 13u);
   for (std::size_t t = 0; t < 13; ++t) {
@@ -222,7 +217,7 @@ TEST(LoadGltf, BakesScalesAndShearsSoThatPartsAreRigid) {
       {{"mesh", box}, {"rotation", {0.0, 0.0, std::sin(0.3), std::cos(0.3)}}, {"translation", {1, 0, 0}}});
   b.addNode(
       {{"children", {child}}, {"scale", {2, 1, 0.5}}, {"rotation", {std::sin(0.2), 0, 0, std::cos(0.2)}}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   const Part& part = scene.parts[0];
   EXPECT_TRUE(isValid(part.worldFromPart));
   EXPECT_NEAR(worldVolume(scene, part), 1.0, 1e-12);
@@ -240,7 +235,7 @@ TEST(LoadGltf, TurnsTheWindingOfMirroredParts) {
   for (const glm::dvec3& scale : {glm::dvec3(-1, 1, 1), glm::dvec3(-2, -1, -1), glm::dvec3(-1, -1, 1)}) {
     GltfBuilder b = oneBox();
     b.json["nodes"][0]["scale"] = {scale.x, scale.y, scale.z};
-    const Scene scene = loaded(b);
+    const Scene scene = loadedFrom(b);
     EXPECT_NEAR(worldVolume(scene, scene.parts[0]), 6.0 * std::abs(scale.x * scale.y * scale.z), 1e-9);
     // Turned by the loader, which knows the mirror, not found out afterwards by the analysis.
     EXPECT_EQ(findingOf(scene, "inverted-shells"), nullptr);
@@ -259,7 +254,7 @@ TEST(LoadGltf, SharesOneMeshAmongInstancesThatDifferOnlyRigidly) {
           {std::cos(a), std::sin(a), 0, 0, -std::sin(a), std::cos(a), 0, 0, 0, 0, 1, 0, i * 10, 0, 0, 1}}});
   }
   b.addNode({{"mesh", box}, {"scale", {2, 2, 2}}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(scene.parts.size(), 6u);
   EXPECT_EQ(scene.meshes.size(), 2u);
   EXPECT_EQ(scene.parts[4].mesh, scene.parts[0].mesh);
@@ -270,7 +265,7 @@ TEST(LoadGltf, SharesOneMeshAmongInstancesThatDifferOnlyRigidly) {
 TEST(LoadGltf, ScalesUnits) {
   LoadOptions options;
   options.unitScale = parseUnits("mm").value();
-  const Scene scene = loaded(oneBox(), options);
+  const Scene scene = loadedFrom(oneBox(), options);
   EXPECT_NEAR(scene.bounds.max.z, 0.0015, 1e-15);
   EXPECT_FALSE(parseUnits("parsec").ok());
   EXPECT_EQ(parseUnits("inch").value(), 0.0254);
@@ -279,7 +274,7 @@ TEST(LoadGltf, ScalesUnits) {
 TEST(LoadGltf, LeavesOutNodesWithoutThickness) {
   GltfBuilder b = oneBox();
   b.addNode({{"mesh", 0}, {"scale", {1, 0, 1}}, {"name", "flat"}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(scene.parts.size(), 1u);
   EXPECT_NE(findingOf(scene, "flattened-node"), nullptr);
 }
@@ -293,7 +288,7 @@ TEST(LoadGltf, MakesNamesUniqueAndListsTheTree) {
   const int a = b.addOrphan({{"mesh", box}, {"translation", {5, 0, 0}}});
   const int c = b.addOrphan({{"mesh", box}, {"translation", {9, 0, 0}}});
   b.addNode({{"name", "group"}, {"children", {a, c}}});
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   ASSERT_EQ(scene.parts.size(), 2u);
   EXPECT_EQ(scene.parts[0].name, "bolt");
   EXPECT_EQ(scene.parts[1].name, "bolt #2");
@@ -309,7 +304,7 @@ TEST(LoadGltf, MakesNamesFitForOneLine) {
   b.json["nodes"][0]["name"] = "two\nlines";
   b.addNode({{"name", std::string(5000, 'x')}});
   b.json["extensionsUsed"] = {"ACME\twobble"};
-  const Scene scene = loaded(b);
+  const Scene scene = loadedFrom(b);
   EXPECT_EQ(scene.parts[0].name, "two_lines");
   EXPECT_EQ(scene.tree[0].name, "two_lines");
   EXPECT_EQ(scene.tree[1].name.size(), 200u);
@@ -321,7 +316,7 @@ TEST(LoadGltf, MakesNamedPartsMovableWithMassFromDensity) {
   LoadOptions options;
   options.movable = {"box"};
   options.density = 1000.0;
-  const Scene scene = loaded(oneBox(), options);
+  const Scene scene = loadedFrom(oneBox(), options);
   ASSERT_TRUE(scene.parts[0].movable);
   EXPECT_NEAR(scene.parts[0].massProperties.mass, 6000.0, 1e-6);
   EXPECT_NEAR(scene.parts[0].massProperties.inertia[0][0], 6000.0 / 12.0 * (4 + 9), 1e-6);
@@ -338,7 +333,7 @@ TEST(LoadGltf, NamesNearPartsWhenAMovableOneDoesNotExist) {
 TEST(LoadGltf, IsTheSameOnEveryRun) {
   GltfBuilder b;
   for (int i = 1; i < 20; ++i) b.addNode({{"mesh", b.addBox(float(i), 1, 1)}});
-  const Scene first = loaded(b), second = loaded(b);
+  const Scene first = loadedFrom(b), second = loadedFrom(b);
   ASSERT_EQ(first.meshes.size(), 19u);
   for (std::size_t i = 0; i < first.meshes.size(); ++i) {
     EXPECT_EQ(first.meshes[i].positions, second.meshes[i].positions);
@@ -463,7 +458,7 @@ TEST(LoadGltf, SurvivesADeepHierarchy) {
   for (int i = 0; i + 1 < kDepth; ++i) b.addOrphan({{"children", {i + 1}}});
   b.addOrphan({{"mesh", box}});
   b.json["scenes"][0]["nodes"] = {0};
-  EXPECT_EQ(loaded(b).tree.size(), std::size_t{kDepth});
+  EXPECT_EQ(loadedFrom(b).tree.size(), std::size_t{kDepth});
 }
 
 TEST(LoadGltfRefuses, DeeplyNestedJson) {
@@ -494,7 +489,7 @@ TEST(LoadGltfRefuses, RequiredExtensionsByName) {
   expectRefused(b, "ACME_wobble");
   b.json.erase("extensionsRequired");
   b.json["extensionsUsed"] = {"ACME_wobble"};
-  ASSERT_NE(findingOf(loaded(b), "unknown-extension"), nullptr);
+  ASSERT_NE(findingOf(loadedFrom(b), "unknown-extension"), nullptr);
 }
 
 TEST(LoadGltfRefuses, BadOptions) {
@@ -551,7 +546,7 @@ TEST(LoadGltf, NeverLooksAtImages) {
   b.json["images"] = {{{"uri", "missing.png"}}, {{"bufferView", 99}, {"mimeType", "image/png"}}, 7};
   b.json["textures"] = {{{"source", 0}}};
   b.json["materials"] = {{{"pbrMetallicRoughness", {{"baseColorTexture", {{"index", 0}}}}}}};
-  EXPECT_EQ(triangleCount(loaded(b)), 12u);
+  EXPECT_EQ(triangleCount(loadedFrom(b)), 12u);
 }
 
 // --- files

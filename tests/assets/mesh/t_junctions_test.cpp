@@ -21,13 +21,13 @@
 namespace tandem::assets {
 namespace {
 
-using test::EdgeCuts;
-using test::placed;
-using test::roundedToFloat;
-using test::turnOf;
-using test::withTJunctions;
+using tandem::test::EdgeCuts;
+using tandem::test::placed;
+using tandem::test::roundedToFloat;
+using tandem::test::turnOf;
+using tandem::test::withTJunctions;
 
-constexpr double kCrease = 0.5235987755982988;
+constexpr double kCreaseAngle = 0.5235987755982988;
 constexpr double kScales[] = {1e-3, 1.0, 1e3};
 
 double sizeOf(const TriangleSoup& soup) {
@@ -159,16 +159,17 @@ struct Family {
 
 std::vector<Family> families() {
   return {
-      {"box", test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 2), true},
-      {"cylinder", test::pegSoup({0.3, 1.0, 0.05, {16, 3}}), true},
-      {"gear", test::spurGearSoup({.module = 0.1, .teeth = 9, .width = 0.3, .bore = 0.2, .flankPoints = 3}),
+      {"box", tandem::test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 2), true},
+      {"cylinder", tandem::test::pegSoup({0.3, 1.0, 0.05, {16, 3}}), true},
+      {"gear",
+       tandem::test::spurGearSoup({.module = 0.1, .teeth = 9, .width = 0.3, .bore = 0.2, .flankPoints = 3}),
        true},
       {"bored block",
-       test::boredBlockSoup(
+       tandem::test::boredBlockSoup(
            {.boreRadius = 0.2, .depth = 0.5, .width = 1.0, .height = 0.5, .facets = {16, 2}}),
        true},
-      {"plane", test::twoStrips(1.0, 4, 4, 3), false},
-      {"strips", test::twoStrips(1.0, 3, 7, 2, 5), false}};
+      {"plane", tandem::test::twoStrips(1.0, 4, 4, 3), false},
+      {"strips", tandem::test::twoStrips(1.0, 3, 7, 2, 5), false}};
 }
 
 std::string describe(const Family& family, Form form, double scale, const EdgeCuts& cuts) {
@@ -182,7 +183,7 @@ void expectWelded(const Family& family, Form form, double scale, const EdgeCuts&
   SCOPED_TRACE(describe(family, form, scale, cuts));
   const TriangleSoup soup = inForm(withTJunctions(family.soup, cuts), form, scale, cuts.seed);
   const double rounding = roundingOf(soup), near = 8.0 * rounding;
-  const MeshAnalysis a = analyseMesh(soup, kCrease);
+  const MeshAnalysis a = analyseMesh(soup, kCreaseAngle);
   const Audit before = withoutWeld(soup, near), after = auditOf(a.mesh, near);
   EXPECT_GT(a.defects.tJunctions, 0u);
   EXPECT_GT(before.overlapping, 0u) << "the family has no junctions to weld";
@@ -233,9 +234,9 @@ TEST_P(TJunctions, InCrowdsAreWelded) {
 TEST_P(TJunctions, OfStripsWhoseRowsDoNotMatchAreWelded) {
   for (std::uint32_t seed = 1; seed <= 8; ++seed) {
     const TriangleSoup soup =
-        roundedToFloat(placed(test::twoStrips(1.0, 3 + static_cast<int>(seed), 20, 2, seed), turnOf(seed),
-                              GetParam(), glm::dvec3(0.0)));
-    const MeshAnalysis a = analyseMesh(soup, kCrease);
+        roundedToFloat(placed(tandem::test::twoStrips(1.0, 3 + static_cast<int>(seed), 20, 2, seed),
+                              turnOf(seed), GetParam(), glm::dvec3(0.0)));
+    const MeshAnalysis a = analyseMesh(soup, kCreaseAngle);
     const Audit after = auditOf(a.mesh, 8.0 * roundingOf(soup));
     EXPECT_EQ(a.mesh.shellCount, 1u) << seed;
     EXPECT_EQ(after.overlapping, 0u) << seed;
@@ -249,13 +250,13 @@ TEST_P(TJunctions, OfStripsWhoseRowsDoNotMatchAreWelded) {
 
 /// Two strips of which one stands off by `off` roundings, in the plane or across it.
 MeshAnalysis strippedApart(double off, const glm::dvec3& direction, double scale) {
-  TriangleSoup soup = test::twoStrips(scale, 5, 8, 2);
+  TriangleSoup soup = tandem::test::twoStrips(scale, 5, 8, 2);
   const double rounding = roundingOf(soup);
   for (std::size_t t = 0; t < soup.triangles.size(); ++t)
     if (soup.positions[soup.triangles[t][0]].y >= 0.0 && soup.positions[soup.triangles[t][1]].y >= 0.0 &&
         soup.positions[soup.triangles[t][2]].y >= 0.0)
       for (const std::uint32_t v : soup.triangles[t]) soup.positions[v] += off * rounding * direction;
-  return analyseMesh(soup, kCrease);
+  return analyseMesh(soup, kCreaseAngle);
 }
 
 TEST_P(TJunctions, FartherThanRoundingStayOpen) {
@@ -272,7 +273,7 @@ TEST_P(TJunctions, FartherThanRoundingStayOpen) {
 
 TriangleSoup sheet(int columns, int rows, const glm::dmat3& turn, const glm::dvec3& shift) {
   // The lower strip alone, about its own middle.
-  TriangleSoup strips = test::twoStrips(1.0, columns, 1, rows), out;
+  TriangleSoup strips = tandem::test::twoStrips(1.0, columns, 1, rows), out;
   for (std::size_t t = 0; t + 2 * static_cast<std::size_t>(rows) < strips.triangles.size(); ++t) {
     const auto first = static_cast<std::uint32_t>(out.positions.size());
     for (const std::uint32_t v : strips.triangles[t])
@@ -284,7 +285,7 @@ TriangleSoup sheet(int columns, int rows, const glm::dmat3& turn, const glm::dve
 }
 
 void expectUnharmed(const TriangleSoup& soup, std::uint32_t shells) {
-  const MeshAnalysis a = analyseMesh(soup, kCrease);
+  const MeshAnalysis a = analyseMesh(soup, kCreaseAngle);
   EXPECT_EQ(a.defects.tJunctions, 0u);
   EXPECT_EQ(a.defects.flippedFaces, 0u);
   EXPECT_EQ(a.defects.nonManifoldEdges, 0u);
@@ -296,11 +297,11 @@ TEST_P(TJunctions, ThatPlatesWithoutThicknessSeemToHaveStayOpen) {
   for (const bool facing : {false, true}) {
     TriangleSoup front = sheet(3, 2, glm::dmat3(1.0), glm::dvec3(0.0)),
                  back = sheet(5, 4, glm::dmat3(1.0), glm::dvec3(0.0));
-    if (facing) back = test::insideOut(back);
+    if (facing) back = tandem::test::insideOut(back);
     // The outlines of two coincident rectangles share their corners alone.
     const TriangleSoup plate = roundedToFloat(
-        placed(test::joined(front, back), turnOf(3), GetParam(), glm::dvec3(0.1 * GetParam())));
-    const MeshAnalysis a = analyseMesh(plate, kCrease);
+        placed(tandem::test::joined(front, back), turnOf(3), GetParam(), glm::dvec3(0.1 * GetParam())));
+    const MeshAnalysis a = analyseMesh(plate, kCreaseAngle);
     EXPECT_EQ(a.defects.tJunctions, 0u);
     EXPECT_EQ(a.mesh.shellCount, 2u);
     EXPECT_EQ(a.mesh.triangles.size(), plate.triangles.size());
@@ -312,7 +313,7 @@ TEST_P(TJunctions, WhereSheetsCrossOrTouchStayOpen) {
   const glm::dmat3 upright(1.0), steep(1, 0, 0, 0, 0, 1, 0, -1, 0);
   const double scale = GetParam();
   const auto joint = [&](const TriangleSoup& a, const TriangleSoup& b) {
-    return placed(test::joined(a, b), upright, scale, glm::dvec3(0.0));
+    return placed(tandem::test::joined(a, b), upright, scale, glm::dvec3(0.0));
   };
   const TriangleSoup flat = sheet(4, 4, upright, glm::dvec3(0.0));
   // Through each other, vertices of one on edges and vertices of the other.
@@ -327,7 +328,7 @@ TEST_P(TJunctions, WhereSheetsCrossOrTouchStayOpen) {
 TEST_P(TJunctions, OfAClosedMeshAreNotSoughtAndItsBitsStay) {
   for (const Family& family : families()) {
     const TriangleSoup soup = placed(family.soup, glm::dmat3(1.0), GetParam(), glm::dvec3(0.0));
-    const MeshAnalysis a = analyseMesh(soup, kCrease);
+    const MeshAnalysis a = analyseMesh(soup, kCreaseAngle);
     if (!family.closed) continue;
     EXPECT_EQ(a.defects.tJunctions, 0u);
     ASSERT_EQ(a.mesh.triangles.size(), soup.triangles.size());
@@ -342,7 +343,7 @@ TEST_P(TJunctions, OfAClosedMeshAreNotSoughtAndItsBitsStay) {
 // --- attributes, dropped faces, the rounding of a file
 
 TEST_P(TJunctions, KeepMaterialsAndInterpolateTextureCoordinates) {
-  TriangleSoup clean = test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 2);
+  TriangleSoup clean = tandem::test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 2);
   for (std::size_t t = 0; t < clean.triangles.size(); ++t)
     clean.triangleMaterial[t] = static_cast<std::uint16_t>(t % 5);
   TriangleSoup soup =
@@ -360,7 +361,7 @@ TEST_P(TJunctions, KeepMaterialsAndInterpolateTextureCoordinates) {
     for (int c = 0; c < 3; ++c) uv[c] = uvAt(soup.positions[soup.triangles[t][c]]);
     area[soup.triangleMaterial[t]] += areaOf(soup.positions, soup.triangles[t]);
   }
-  const Mesh mesh = analyseMesh(soup, kCrease).mesh;
+  const Mesh mesh = analyseMesh(soup, kCreaseAngle).mesh;
   ASSERT_EQ(mesh.triangleUv.size(), mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (int c = 0; c < 3; ++c)
@@ -372,9 +373,9 @@ TEST_P(TJunctions, KeepMaterialsAndInterpolateTextureCoordinates) {
 
 TEST_P(TJunctions, ThatDroppedFacesLeaveAreWelded) {
   // A face without area closes the edge of its neighbour, whose other side has a vertex in its middle.
-  TriangleSoup soup = withTJunctions(test::boxSoup(glm::dvec3(1.0, 0.5, 0.25), 2), {.seed = 9});
+  TriangleSoup soup = withTJunctions(tandem::test::boxSoup(glm::dvec3(1.0, 0.5, 0.25), 2), {.seed = 9});
   std::size_t added = 0;
-  const MeshAnalysis bare = analyseMesh(soup, kCrease);
+  const MeshAnalysis bare = analyseMesh(soup, kCreaseAngle);
   for (std::size_t t = 0; t < 12; ++t) {
     const TriangleIndices c = soup.triangles[t];
     const auto middle = static_cast<std::uint32_t>(soup.positions.size());
@@ -383,7 +384,8 @@ TEST_P(TJunctions, ThatDroppedFacesLeaveAreWelded) {
     soup.triangleMaterial.push_back(0);
     ++added;
   }
-  const MeshAnalysis a = analyseMesh(placed(soup, glm::dmat3(1.0), GetParam(), glm::dvec3(0.0)), kCrease);
+  const MeshAnalysis a =
+      analyseMesh(placed(soup, glm::dmat3(1.0), GetParam(), glm::dvec3(0.0)), kCreaseAngle);
   EXPECT_TRUE(a.mesh.closed);
   EXPECT_EQ(a.defects.degenerateFaces, added);
   EXPECT_NEAR(a.mesh.volume, 0.125 * std::pow(GetParam(), 3.0), 1e-6 * std::pow(GetParam(), 3.0));
@@ -392,7 +394,7 @@ TEST_P(TJunctions, ThatDroppedFacesLeaveAreWelded) {
 /// A file with a movable part whose mesh is a child at `shift` of it. The vertices on the edges of the mesh
 /// are `off` roundings of its own coordinates away from them.
 tests::GltfBuilder fileWithStrips(double scale, double shift, double off) {
-  TriangleSoup soup = test::twoStrips(scale, 5, 8, 2);
+  TriangleSoup soup = tandem::test::twoStrips(scale, 5, 8, 2);
   const double rounding = roundingOf(soup);
   std::vector<float> positions;
   for (const TriangleIndices& t : soup.triangles) {
@@ -454,7 +456,7 @@ TriangleSoup book(int pages, int cuts) {
 
 TEST(TJunctionWork, IsBoundedWhereEveryVertexLiesOnManyEdges) {
   const TriangleSoup soup = book(60, 10);
-  const MeshAnalysis a = analyseMesh(soup, kCrease);
+  const MeshAnalysis a = analyseMesh(soup, kCreaseAngle);
   EXPECT_EQ(a.mesh.triangles.size() + a.defects.degenerateFaces + a.defects.duplicateFaces,
             soup.triangles.size() + a.defects.tJunctions);
   // Each of 600 edges on the spine has the vertices of 59 other pages on it.
@@ -462,10 +464,10 @@ TEST(TJunctionWork, IsBoundedWhereEveryVertexLiesOnManyEdges) {
 }
 
 TEST(TJunctionWork, DoesNotDependOnTheOrderOfRuns) {
-  const TriangleSoup soup = inForm(withTJunctions(test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 4),
+  const TriangleSoup soup = inForm(withTJunctions(tandem::test::boxSoup(glm::dvec3(1.0, 0.7, 0.4), 4),
                                                   {.seed = 21, .share = 0.9, .most = 6, .bothSides = true}),
                                    Form::turnedFloats, 1.0, 1);
-  const MeshAnalysis a = analyseMesh(soup, kCrease), b = analyseMesh(soup, kCrease);
+  const MeshAnalysis a = analyseMesh(soup, kCreaseAngle), b = analyseMesh(soup, kCreaseAngle);
   EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
   EXPECT_EQ(a.mesh.positions, b.mesh.positions);
 }

@@ -15,16 +15,16 @@
 namespace tandem::assets {
 namespace {
 
-using Random = std::mt19937;
+using Engine = std::mt19937;
 
-double number(Random& random) { return std::uniform_real_distribution<double>(-10.0, 10.0)(random); }
-std::uint32_t below(Random& random, std::uint32_t limit) {
+double number(Engine& random) { return std::uniform_real_distribution<double>(-10.0, 10.0)(random); }
+std::uint32_t below(Engine& random, std::uint32_t limit) {
   return static_cast<std::uint32_t>(random() % limit);
 }
-glm::dvec3 vector(Random& random) { return {number(random), number(random), number(random)}; }
-Pose pose(Random& random) { return {vector(random), fromRotationVector(vector(random))}; }
+glm::dvec3 vector(Engine& random) { return {number(random), number(random), number(random)}; }
+Pose pose(Engine& random) { return {vector(random), fromRotationVector(vector(random))}; }
 
-Mesh randomMesh(Random& random, std::size_t materials, bool asFloat) {
+Mesh randomMesh(Engine& random, std::size_t materials, bool asFloat) {
   Mesh mesh;
   const std::uint32_t vertices = 3 + below(random, 20), triangles = below(random, 30);
   for (std::uint32_t i = 0; i < vertices; ++i) {
@@ -47,8 +47,8 @@ Mesh randomMesh(Random& random, std::size_t materials, bool asFloat) {
 }
 
 /// A scene with something in every field.
-Scene randomScene(std::uint32_t seed) {
-  Random random(seed);
+Scene randomSceneWithFiles(std::uint32_t seed) {
+  Engine random(seed);
   Scene scene;
   scene.name = "scene " + std::to_string(seed);
   scene.gravity = vector(random);
@@ -88,7 +88,7 @@ Scene randomScene(std::uint32_t seed) {
   return scene;
 }
 
-std::string flip(std::vector<std::byte>& bytes, Random& random) {
+std::string flip(std::vector<std::byte>& bytes, Engine& random) {
   const std::size_t at = random() % bytes.size();
   bytes[at] ^= std::byte(1u << (random() % 8));
   return "byte " + std::to_string(at);
@@ -96,7 +96,7 @@ std::string flip(std::vector<std::byte>& bytes, Random& random) {
 
 TEST(ScenePackage, GivesBackWhatItWasGiven) {
   for (std::uint32_t seed = 0; seed < 50; ++seed) {
-    const Scene scene = randomScene(seed);
+    const Scene scene = randomSceneWithFiles(seed);
     ASSERT_TRUE(checkScene(scene).ok()) << checkScene(scene).error().message;
     const std::vector<std::byte> package = packScene(scene);
     const Result<Scene> back = unpackScene(package);
@@ -136,13 +136,13 @@ TEST(ScenePackage, CarriesAScenesWholeFile) {
 }
 
 TEST(ScenePackage, RefusesTruncationAtEveryByte) {
-  const std::vector<std::byte> package = packScene(randomScene(1));
+  const std::vector<std::byte> package = packScene(randomSceneWithFiles(1));
   for (std::size_t size = 0; size < package.size(); ++size)
     ASSERT_FALSE(unpackScene(std::span(package).first(size)).ok()) << size;
 }
 
 TEST(ScenePackage, NoticesEveryFlippedBitOfItsContent) {
-  const std::vector<std::byte> package = packScene(randomScene(2));
+  const std::vector<std::byte> package = packScene(randomSceneWithFiles(2));
   for (std::size_t at = 24; at < package.size(); ++at) {
     std::vector<std::byte> damaged = package;
     damaged[at] ^= std::byte{1};
@@ -151,7 +151,7 @@ TEST(ScenePackage, NoticesEveryFlippedBitOfItsContent) {
 }
 
 TEST(ScenePackage, RefusesADecompressionBomb) {
-  std::vector<std::byte> package = packScene(randomScene(3));
+  std::vector<std::byte> package = packScene(randomSceneWithFiles(3));
   const std::uint64_t lie = std::uint64_t{3} << 30;
   std::memcpy(package.data() + 16, &lie, sizeof lie);
   const Result<Scene> scene = unpackScene(package);
@@ -160,7 +160,7 @@ TEST(ScenePackage, RefusesADecompressionBomb) {
 }
 
 TEST(ScenePackage, StoresWhatCompressesTooWell) {
-  Scene scene = randomScene(4);
+  Scene scene = randomSceneWithFiles(4);
   scene.meshes[0] = {};
   scene.meshes[0].positions.assign(400000, glm::dvec3(0.0));
   const std::vector<std::byte> package = packScene(scene);
@@ -173,15 +173,15 @@ TEST(ScenePackage, StoresWhatCompressesTooWell) {
 // would.
 
 TEST(SceneCodec, RefusesTruncationAtEveryByte) {
-  const std::vector<std::byte> raw = encodeScene(randomScene(5));
+  const std::vector<std::byte> raw = encodeScene(randomSceneWithFiles(5));
   ASSERT_TRUE(decodeScene(raw).ok());
   for (std::size_t size = 0; size < raw.size(); ++size)
     ASSERT_FALSE(decodeScene(std::span(raw).first(size)).ok()) << size;
 }
 
 TEST(SceneCodec, GivesAnErrorOrAValidSceneForFlippedBits) {
-  const std::vector<std::byte> raw = encodeScene(randomScene(6));
-  Random random(7);
+  const std::vector<std::byte> raw = encodeScene(randomSceneWithFiles(6));
+  Engine random(7);
   int refused = 0;
   for (int i = 0; i < 20000; ++i) {
     std::vector<std::byte> damaged = raw;
@@ -198,7 +198,7 @@ TEST(SceneCodec, GivesAnErrorOrAValidSceneForFlippedBits) {
 
 TEST(SceneCodec, RefusesScenesThatBreakTheInvariants) {
   const auto refuses = [](const char* what, const std::function<void(Scene&)>& change) {
-    Scene scene = randomScene(8);
+    Scene scene = randomSceneWithFiles(8);
     change(scene);
     EXPECT_FALSE(decodeScene(encodeScene(scene)).ok()) << what;
   };

@@ -60,7 +60,7 @@ TEST_F(Figures, TheAnchorsOfAFigureLieItsValueApart) {
            [] {
              std::vector<glm::dvec2> outline;
              for (int i = 0; i < 48; ++i)
-               outline.emplace_back(0.01 * std::cos(i * test::kPi / 24), 0.01 * std::sin(i * test::kPi / 24));
+               outline.emplace_back(0.01 * std::cos(i * kPi / 24), 0.01 * std::sin(i * kPi / 24));
              return outline;
            }(),
            0.05)),
@@ -138,7 +138,7 @@ TEST_F(Figures, QuantitiesHaveTheirUnits) {
   EXPECT_EQ(quantityInWords(MeasureKind::diameter, 0.0302), "30.2000 mm");
   EXPECT_EQ(quantityInWords(MeasureKind::clearance, -0.0000004), "-0.0004 mm");
   EXPECT_EQ(quantityInWords(MeasureKind::distance, 1.25), "1.250000 m");
-  EXPECT_EQ(quantityInWords(MeasureKind::angle, test::kPi / 2), "90.000 deg");
+  EXPECT_EQ(quantityInWords(MeasureKind::angle, kPi / 2), "90.000 deg");
 }
 
 }  // namespace

@@ -15,7 +15,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr SiteId kSelf = 1, kOther = 2;
+constexpr SiteId kHere = 1, kThere = 2;
 constexpr PartId kButton = 0;
 
 /// A point over the push button of buttonScene(1), on virtual time.
@@ -28,7 +28,7 @@ class ControlHandTest : public testing::Test {
     settings.parameters[0].stiffness = 2000.0;
     exchange_->settings.write(settings);
     hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
-    exchange_->timeBase.write({1000000, 5000, kSelf});
+    exchange_->timeBase.write({1000000, 5000, kHere});
     at(1e-3, 5);
   }
 
@@ -73,7 +73,7 @@ TEST_F(ControlHandTest, PressingAsksOnceMovesItWhenGrantedAndGivesItBackAtRest) 
   EXPECT_EQ(asked->part, kButton);
   EXPECT_FALSE(intent().has_value()) << "asked once";
   EXPECT_NEAR(value(), 0.0, 1e-12) << "rigid until it is granted";
-  tell(NetworkEvent::Kind::ownership, kSelf, 1);
+  tell(NetworkEvent::Kind::ownership, kHere, 1);
   at(-1e-3, 100);
   EXPECT_GT(value(), 2e-4);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart) << "nothing is grasped";
@@ -91,7 +91,7 @@ TEST_F(ControlHandTest, PressingAsksOnceMovesItWhenGrantedAndGivesItBackAtRest) 
 TEST_F(ControlHandTest, ADenialHoldsUntilTheToolHasLeft) {
   at(-1e-3, 5);
   ASSERT_TRUE(intent().has_value());
-  tell(NetworkEvent::Kind::denied, kOther, 3);
+  tell(NetworkEvent::Kind::denied, kThere, 3);
   at(-1e-3, 1000);
   EXPECT_FALSE(intent().has_value());
   at(1e-3, 5);
@@ -102,7 +102,7 @@ TEST_F(ControlHandTest, ADenialHoldsUntilTheToolHasLeft) {
 TEST_F(ControlHandTest, OneThatIsTakenAwayIsNotAskedForUntilTheToolHasLeft) {
   at(-1e-3, 5);
   ASSERT_TRUE(intent().has_value());
-  tell(NetworkEvent::Kind::ownership, kSelf, 1);
+  tell(NetworkEvent::Kind::ownership, kHere, 1);
   at(-1e-3, 50);
   tell(NetworkEvent::Kind::ownership, kNoSite, 1);
   at(-1e-3, 500);
@@ -125,7 +125,7 @@ TEST_F(ControlHandTest, WhatOthersPressHardAgainstItsStopIsShownAtItsStop) {
   at(5e-3, 5);
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::ownership;
-  event.record = {kButton, kOther, 1, hand_->worldFromPart(kButton)};
+  event.record = {kButton, kThere, 1, hand_->worldFromPart(kButton)};
   ASSERT_TRUE(exchange_->events.push(event));
   const double speed = 0.2;  // m/s, up to the stop; then nothing arrives for a while
   double deepest = 0.0;
@@ -164,7 +164,7 @@ TEST_F(ControlHandTest, AWishedValueIsOwnedSetAndGivenBack) {
   const auto asked = intent();
   ASSERT_TRUE(asked.has_value());
   EXPECT_EQ(asked->part, kButton);
-  tell(NetworkEvent::Kind::ownership, kSelf, 1);
+  tell(NetworkEvent::Kind::ownership, kHere, 1);
   at(5e-3, 5);
   EXPECT_NEAR(value(), 1.5e-3, 1e-12);
   // While it is owned, another value needs no question; one beyond the stops is clamped.
@@ -189,7 +189,7 @@ TEST_F(ControlHandTest, WhatIsNoControlOrNoNumberIsNotAskedFor) {
 
 TEST_F(ControlHandTest, TicksAllocateNothing) {
   at(-1e-3, 5);
-  tell(NetworkEvent::Kind::ownership, kSelf, 1);
+  tell(NetworkEvent::Kind::ownership, kHere, 1);
   const test::AllocationScope scope;
   at(-1e-3, 200);
   at(5e-3, 500);

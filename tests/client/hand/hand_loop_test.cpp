@@ -22,7 +22,7 @@ using sync::Micros;
 using sync::PartRecord;
 
 constexpr SiteId kSelf = 1, kOther = 2;
-constexpr PartId kBox = 0;
+constexpr PartId kTheBox = 0;
 
 /// A hand over a movable box of 4 cm, on virtual time.
 class HandLoopTest : public testing::Test {
@@ -51,7 +51,7 @@ class HandLoopTest : public testing::Test {
     return wrench;
   }
 
-  void tell(NetworkEvent::Kind kind, SiteId owner, Epoch epoch, const Pose& pose, PartId part = kBox) {
+  void tell(NetworkEvent::Kind kind, SiteId owner, Epoch epoch, const Pose& pose, PartId part = kTheBox) {
     NetworkEvent event;
     event.kind = kind;
     event.record = {part, owner, epoch, pose};
@@ -71,9 +71,9 @@ class HandLoopTest : public testing::Test {
     const auto asked = intent();
     ASSERT_TRUE(asked.has_value());
     ASSERT_EQ(asked->kind, HandIntent::Kind::grab);
-    tell(NetworkEvent::Kind::ownership, kSelf, 1, scene_.parts[kBox].worldFromPart);
+    tell(NetworkEvent::Kind::ownership, kSelf, 1, scene_.parts[kTheBox].worldFromPart);
     tick(3);
-    ASSERT_EQ(hand_->output().tick.hands[0].held, kBox);
+    ASSERT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   }
 
   assets::Scene scene_;
@@ -93,7 +93,7 @@ TEST_F(HandLoopTest, AsksOnceForTheTouchedPartAndFeelsNothingOfTheWait) {
   tick(200);
   const auto asked = intent();
   ASSERT_TRUE(asked.has_value());
-  EXPECT_EQ(asked->part, kBox);
+  EXPECT_EQ(asked->part, kTheBox);
   EXPECT_FALSE(intent().has_value());
   EXPECT_TRUE(hand_->output().grabPending);
   EXPECT_EQ(glm::length(lastForce_), 0.0);
@@ -116,7 +116,7 @@ TEST_F(HandLoopTest, WhatThePersonHasCutAwayIsNotFelt) {
 TEST_F(HandLoopTest, APartThatThePersonPointsAtIsTakenFromWhereTheTipIsWithoutForce) {
   constexpr PartId kPointedAt = 1;
   tick(5);
-  ASSERT_EQ(hand_->output().tick.touched, kBox);
+  ASSERT_EQ(hand_->output().tick.touched, kTheBox);
   HandSettingsInput settings;
   settings.wish = kPointedAt;
   settings.graspButton = true;
@@ -139,15 +139,15 @@ TEST_F(HandLoopTest, AGrantBeginsWithoutForceAndThePartFollows) {
     tick();
   }
   tick(1500);
-  EXPECT_NEAR(hand_->worldFromPart(kBox).position.x, 0.04, 1e-3);
+  EXPECT_NEAR(hand_->worldFromPart(kTheBox).position.x, 0.04, 1e-3);
 }
 
 TEST_F(HandLoopTest, ADenialLeavesTheHandIdleAndUnmoved) {
   tick(5);
   button_ = true;
   tick();
-  tell(NetworkEvent::Kind::denied, kOther, 4, scene_.parts[kBox].worldFromPart);
-  tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::denied, kOther, 4, scene_.parts[kTheBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kTheBox].worldFromPart);
   tick(300);
   EXPECT_FALSE(hand_->output().grabPending);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
@@ -161,7 +161,7 @@ TEST_F(HandLoopTest, AGrantThatComesAfterTheButtonIsUpIsGivenBack) {
   ASSERT_TRUE(intent().has_value());
   button_ = false;
   tick(20);
-  tell(NetworkEvent::Kind::ownership, kSelf, 3, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kSelf, 3, scene_.parts[kTheBox].worldFromPart);
   tick(1000);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
   const auto back = intent();
@@ -177,7 +177,7 @@ TEST_F(HandLoopTest, AReleasedPartIsGivenBackOnceAtRestWhereItIs) {
   const auto back = intent();
   ASSERT_TRUE(back.has_value());
   EXPECT_EQ(back->kind, HandIntent::Kind::release);
-  EXPECT_EQ(back->worldFromPart.position, hand_->worldFromPart(kBox).position);
+  EXPECT_EQ(back->worldFromPart.position, hand_->worldFromPart(kTheBox).position);
   EXPECT_FALSE(intent().has_value());
   tell(NetworkEvent::Kind::ownership, kNoSite, 1, back->worldFromPart);
   tick(200);
@@ -188,7 +188,7 @@ TEST_F(HandLoopTest, ALostConnectionIsNoReasonToLetGo) {
   take();
   tell(NetworkEvent::Kind::lost, kNoSite, 0, {});
   tick(3000);
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   EXPECT_LT(largestStep_, 1e-6);
 }
 
@@ -217,7 +217,7 @@ TEST_F(HandLoopTest, ATakenAwayPartFadesFromTheHand) {
   tick(1000);
   EXPECT_FALSE(intent().has_value());
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
-  EXPECT_NEAR(glm::length(hand_->worldFromPart(kBox).position - elsewhere.position), 0.0, 1e-6);
+  EXPECT_NEAR(glm::length(hand_->worldFromPart(kTheBox).position - elsewhere.position), 0.0, 1e-6);
   EXPECT_LT(largestStep_, 0.4 + 1e-9);  // the slew limit of 400 N/s
   EXPECT_LT(glm::length(lastForce_), 1e-6);
 }
@@ -230,20 +230,20 @@ TEST_F(HandLoopTest, APartThatAnotherSiteGotStaysInTheHandUntilThatIsDenied) {
   const auto asked = intent();
   ASSERT_TRUE(asked.has_value());
   EXPECT_EQ(asked->kind, HandIntent::Kind::grab);
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 0u) << "it would be published";
   EXPECT_LT(largestStep_, 1e-6);
   tell(NetworkEvent::Kind::denied, kOther, 2, {{0.0, 0.1, 0.0}, {1.0, 0.0, 0.0, 0.0}});
   tick(1000);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
-  EXPECT_NEAR(hand_->worldFromPart(kBox).position.y, 0.1, 1e-6);
+  EXPECT_NEAR(hand_->worldFromPart(kTheBox).position.y, 0.1, 1e-6);
 }
 
 /// Another site owns the box; this hand's button is down on it, and the owner's link has begun.
 class CoHolderHandTest : public HandLoopTest {
  protected:
   CoHolderHandTest() {
-    tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kBox].worldFromPart);
+    tell(NetworkEvent::Kind::ownership, kOther, 4, scene_.parts[kTheBox].worldFromPart);
     tick(5);
     button_ = true;
     tick();
@@ -255,7 +255,7 @@ class CoHolderHandTest : public HandLoopTest {
     NetworkEvent event;
     event.kind = NetworkEvent::Kind::link;
     event.ownedByPeer = true;
-    event.link.id.part = kBox;
+    event.link.id.part = kTheBox;
     event.link.id.peer = kOther;
     event.link.epoch = 77;
     event.link.delay = 0.02;
@@ -265,7 +265,7 @@ class CoHolderHandTest : public HandLoopTest {
 };
 
 TEST_F(CoHolderHandTest, HoldsAReplicaThatItTiesAndDoesNotPublish) {
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 0u);
   EXPECT_EQ(box().links.count, 1);
   tick(20);
@@ -288,16 +288,16 @@ TEST_F(CoHolderHandTest, LeavesAWhileAfterItsHandIsOffAndFollowsFromWhereItIs) {
   tick(40);
   ASSERT_TRUE(intent().has_value());
   EXPECT_EQ(hand_->output().tick.ownedCount, 0);
-  const double left = hand_->worldFromPart(kBox).position.x;
+  const double left = hand_->worldFromPart(kTheBox).position.x;
   EXPECT_GT(left, 1e-3);
   NetworkEvent state;
-  state.state = {kBox, 4, 1, scene_.parts[kBox].worldFromPart, {}};
+  state.state = {kTheBox, 4, 1, scene_.parts[kTheBox].worldFromPart, {}};
   state.time = now_ + 1000000;
   ASSERT_TRUE(exchange_->events.push(state));
   double before = left, fastest = 0.0;
   for (int i = 0; i < 1000; ++i) {
     tick();
-    const double x = hand_->worldFromPart(kBox).position.x;
+    const double x = hand_->worldFromPart(kTheBox).position.x;
     fastest = std::max(fastest, std::abs(x - before));
     before = x;
   }
@@ -309,9 +309,9 @@ TEST_F(CoHolderHandTest, IsPassedThePartAsItIs) {
   largestStep_ = 0.0;
   tell(NetworkEvent::Kind::ownership, kSelf, 5, {{0.0, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}});
   tick(50);
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   EXPECT_EQ(hand_->output().ownedEpoch[0], 5u);
-  EXPECT_LT(std::abs(hand_->worldFromPart(kBox).position.y), 1e-3) << "its pose was set";
+  EXPECT_LT(std::abs(hand_->worldFromPart(kTheBox).position.y), 1e-3) << "its pose was set";
   EXPECT_LT(largestStep_, 1e-6);
 }
 
@@ -329,7 +329,7 @@ TEST_F(HandLoopTest, AnOwnerWhoseHandIsOffLeavesASharedPartToTheOthers) {
   take();
   NetworkEvent event;
   event.kind = NetworkEvent::Kind::link;
-  event.link.id.part = kBox;
+  event.link.id.part = kTheBox;
   event.link.id.peer = kOther;
   event.link.epoch = 3;
   ASSERT_TRUE(exchange_->events.push(event));
@@ -356,7 +356,7 @@ TEST_F(HandLoopTest, AfterAStallTheGraspBeginsAnewWithoutForce) {
   device_.position += glm::dvec3(0.05, 0.03, 0.0);  // the hand went on while the program stood still
   largestStep_ = 0.0;
   tick(500);
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
   EXPECT_LT(largestStep_, 1e-3);
   EXPECT_EQ(hand_->output().stalls, 1u);
 }
@@ -392,12 +392,12 @@ TEST_F(HandLoopStallTest, ABareToolIsPutOntoTheHand) {
 TEST_F(HandLoopStallTest, SoIsThatOfAHandThatHoldsAPart) {
   take();
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
-  EXPECT_EQ(hand_->output().tick.hands[0].held, kBox);
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kTheBox);
 }
 
 TEST_F(HandLoopStallTest, SoIsThatOfAHandWhosePartWasGivenToAnotherMeanwhile) {
   take();
-  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kTheBox].worldFromPart);
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
 }
@@ -406,7 +406,7 @@ TEST_F(HandLoopStallTest, SoIsThatOfAHandWhoseSolidPartWasGivenToAnotherMeanwhil
   ASSERT_TRUE(contact_->modelParts());
   hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
   take();
-  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kTheBox].worldFromPart);
   EXPECT_LT(goIntoTheNextBox(kGap), 1e-3);
   EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart);
 }
@@ -418,7 +418,7 @@ TEST_F(HandLoopStallTest, WithoutAGapABareToolPressesOnTheBox) {
 
 TEST_F(HandLoopStallTest, WithoutAGapTheToolOfAHandThatLosesItsPartPressesOnTheBox) {
   take();
-  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kBox].worldFromPart);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kTheBox].worldFromPart);
   EXPECT_GT(goIntoTheNextBox(kNoGap), 1.0);
 }
 

@@ -14,8 +14,8 @@
 namespace tandem::client {
 namespace {
 
-constexpr SiteId kSelf = 1;
-constexpr PartId kBox = 1;
+constexpr SiteId kMover = 1;
+constexpr PartId kMoved = 1;
 const Pose kBack{{0.2, 0.3, 0.0}, {1.0, 0.0, 0.0, 0.0}};
 
 /// A hand far from a row of boxes, on virtual time.
@@ -30,7 +30,7 @@ struct MovedBack : testing::Test {
   MovedBack() {
     exchange->settings.write({});
     hand = std::make_unique<HandLoop>(contact, *exchange);
-    exchange->timeBase.write({1000000, 5000, kSelf});
+    exchange->timeBase.write({1000000, 5000, kMover});
     ticks(5);
   }
   void ticks(int count) {
@@ -46,7 +46,7 @@ struct MovedBack : testing::Test {
   void tell(NetworkEvent::Kind kind, SiteId owner, Epoch epoch, const Pose& pose) {
     NetworkEvent event;
     event.kind = kind;
-    event.record = {kBox, owner, epoch, pose};
+    event.record = {kMoved, owner, epoch, pose};
     ASSERT_TRUE(exchange->events.push(event));
   }
   std::optional<HandIntent> intent() {
@@ -58,8 +58,8 @@ struct MovedBack : testing::Test {
     tell(NetworkEvent::Kind::place, kNoSite, 3, kBack);
     ticks(2);
     const auto asked = intent();
-    EXPECT_TRUE(asked && asked->kind == HandIntent::Kind::grab && asked->part == kBox);
-    tell(NetworkEvent::Kind::ownership, kSelf, epoch, scene.parts[kBox].worldFromPart);
+    EXPECT_TRUE(asked && asked->kind == HandIntent::Kind::grab && asked->part == kMoved);
+    tell(NetworkEvent::Kind::ownership, kMover, epoch, scene.parts[kMoved].worldFromPart);
     ticks(200);
     const auto released = intent();
     EXPECT_TRUE(released && released->kind == HandIntent::Kind::release && released->epoch == epoch);
@@ -75,7 +75,7 @@ TEST_F(MovedBack, TheHandAsksForThePartAndReleasesItThere) {
 }
 
 TEST_F(MovedBack, WhatSomebodyHadMeanwhileStaysWhereItIs) {
-  const glm::dvec3 stood = scene.parts[kBox].worldFromPart.position;
+  const glm::dvec3 stood = scene.parts[kMoved].worldFromPart.position;
   EXPECT_LT(glm::length(releasedAfterGrantIn(6).position - stood), 1e-9);
 }
 
@@ -89,7 +89,7 @@ TEST_F(MovedBack, ADenialEndsIt) {
 }
 
 TEST_F(MovedBack, APartThatMayNotMoveIsNotAskedFor) {
-  scene.parts[kBox].movable = false;
+  scene.parts[kMoved].movable = false;
   tell(NetworkEvent::Kind::place, kNoSite, 3, kBack);
   ticks(10);
   EXPECT_FALSE(intent().has_value());

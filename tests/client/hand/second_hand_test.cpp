@@ -18,7 +18,7 @@ namespace {
 
 using sync::Micros;
 
-constexpr SiteId kSelf = 1, kOther = 2;
+constexpr SiteId kTwoHanded = 1, kAnother = 2;
 constexpr PartId kBox = 0, kNext = 1;
 
 /// Two hands over a row of movable boxes of 4 cm, on virtual time.
@@ -30,7 +30,7 @@ class SecondHandTest : public testing::Test {
     exchange_ = std::make_unique<Exchange>();
     hand_ = std::make_unique<HandLoop>(*contact_, *exchange_);
     hand_->addSecondHand();
-    exchange_->timeBase.write({1000000, 5000, kSelf});
+    exchange_->timeBase.write({1000000, 5000, kTwoHanded});
   }
 
   void tick(int count = 1) {
@@ -76,7 +76,7 @@ class SecondHandTest : public testing::Test {
     const auto asked = intent();
     ASSERT_TRUE(asked.has_value());
     ASSERT_EQ(asked->part, part);
-    tell(NetworkEvent::Kind::ownership, kSelf, 1, part);
+    tell(NetworkEvent::Kind::ownership, kTwoHanded, 1, part);
     tick(3);
   }
 
@@ -152,7 +152,7 @@ TEST_F(SecondHandTest, WaitsForTheAnswerThatTheFirstHandWaitsFor) {
   tick(5);
   ASSERT_TRUE(intent().has_value());
   EXPECT_FALSE(intent().has_value());  // one question
-  tell(NetworkEvent::Kind::ownership, kSelf, 1, kBox);
+  tell(NetworkEvent::Kind::ownership, kTwoHanded, 1, kBox);
   tick(3);
   EXPECT_EQ(out().hands[0].held, kBox);
   EXPECT_EQ(felt().held, kBox);
@@ -163,8 +163,8 @@ TEST_F(SecondHandTest, ADenialLeavesBothIdle) {
   tick(300);
   buttons_[0] = buttons_[1] = true;
   tick(5);
-  tell(NetworkEvent::Kind::denied, kOther, 4, kBox);
-  tell(NetworkEvent::Kind::ownership, kOther, 4, kBox);
+  tell(NetworkEvent::Kind::denied, kAnother, 4, kBox);
+  tell(NetworkEvent::Kind::ownership, kAnother, 4, kBox);
   tick(20);
   EXPECT_FALSE(hand_->output().grabPending);
   EXPECT_EQ(out().hands[0].held, kNoPart);

@@ -158,7 +158,7 @@ const SweepResult& linkSweep() {
   return result;
 }
 
-const Json* settingOf(const Json& experiment, const std::string& id) {
+const Json* linkSettingOf(const Json& experiment, const std::string& id) {
   for (const Json& s : experiment["settings"])
     if (s["id"] == id) return &s;
   return nullptr;
@@ -172,15 +172,15 @@ TEST(LinkReport, WritesEverySettingAsJsonAndNoFigureOfWhatDiverged) {
   for (const char* id : {"link", "no-network", "plain-400", "plain-best", "tank-best", "server-best",
                          "link-60hz-margin0ms-b27", "link-500hz-margin0ms-b27", "link-250hz-margin-5ms-b27",
                          "link-250hz-margin10ms-b27", "link-250hz-margin0ms-b7", "link-250hz-margin0ms-b40"})
-    EXPECT_NE(settingOf(e, id), nullptr) << id;
-  const Json& link = *settingOf(e, "link");
+    EXPECT_NE(linkSettingOf(e, id), nullptr) << id;
+  const Json& link = *linkSettingOf(e, "link");
   const LinkMeasurement direct = measureLink(inUse(), 0.05, 1, loadWithoutNetwork());
   EXPECT_EQ(link["apart_m"]["rms"], direct.apart);
   EXPECT_EQ(link["hand_to_hand_n_m"], direct.handToHand);
   EXPECT_EQ(link["leader_force_ratio"], direct.load);
   EXPECT_EQ(link["stable"], true);
   EXPECT_GT(link["tick_cost"], 0.0);
-  const Json& plain = *settingOf(e, "plain-400");
+  const Json& plain = *linkSettingOf(e, "plain-400");
   EXPECT_EQ(plain["stable"], false);
   EXPECT_TRUE(plain["diverged"]);
   EXPECT_TRUE(plain["apart_m"]["rms"].is_null());

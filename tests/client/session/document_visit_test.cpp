@@ -16,7 +16,6 @@ namespace {
 
 using server::SessionRig;
 using sync::kMillisecond;
-using sync::kSecond;
 
 struct Visitor {
   std::unique_ptr<sync::Transport> transport;
@@ -43,7 +42,7 @@ struct DocumentVisits : testing::Test {
     return done();
   }
   bool arrive(const Visitor& visitor) {
-    return run(visitor, kSecond, [&] { return visitor.visit->stage() == DocumentVisit::Stage::there; });
+    return run(visitor, sync::kSecond, [&] { return visitor.visit->stage() == DocumentVisit::Stage::there; });
   }
   bool bringIn(const Visitor& visitor, std::vector<document::Entry> entries, sync::Micros patience) {
     visitor.visit->bringIn(std::move(entries));
@@ -74,7 +73,7 @@ TEST_F(DocumentVisits, FindsAnEmptyDocumentComplete) {
 TEST_F(DocumentVisits, BringsEntriesInWithTheirReferencesAndNeverTwice) {
   const Visitor a = begin("a");
   ASSERT_TRUE(arrive(a));
-  ASSERT_TRUE(bringIn(a, file(20), 5 * kSecond));
+  ASSERT_TRUE(bringIn(a, file(20), 5 * sync::kSecond));
   EXPECT_EQ(a.visit->bringing()->made(), 40u);
   for (const auto& [id, entry] : rig.session->document().entries())
     if (const auto* comment = std::get_if<document::Comment>(&entry.body)) {
@@ -92,7 +91,7 @@ TEST_F(DocumentVisits, BringsEntriesInWithTheirReferencesAndNeverTwice) {
   extra.id = 77777;
   extra.body = document::Group{"extra", {1}};
   again->entries.push_back(extra);
-  ASSERT_TRUE(bringIn(b, again->entries, 5 * kSecond));
+  ASSERT_TRUE(bringIn(b, again->entries, 5 * sync::kSecond));
   EXPECT_EQ(b.visit->bringing()->known(), 40u);
   EXPECT_EQ(b.visit->bringing()->made(), 1u);
   EXPECT_EQ(rig.session->document().size(), 41u);
@@ -101,7 +100,7 @@ TEST_F(DocumentVisits, BringsEntriesInWithTheirReferencesAndNeverTwice) {
 TEST_F(DocumentVisits, ALongImportKeepsToWhatTheServerAllowsASite) {
   const Visitor a = begin("a");
   ASSERT_TRUE(arrive(a));
-  ASSERT_TRUE(bringIn(a, file(750), 20 * kSecond));
+  ASSERT_TRUE(bringIn(a, file(750), 20 * sync::kSecond));
   EXPECT_EQ(a.visit->bringing()->made(), 1500u);
   EXPECT_EQ(rig.session->counters().holds, 0u);
 }
@@ -109,7 +108,7 @@ TEST_F(DocumentVisits, ALongImportKeepsToWhatTheServerAllowsASite) {
 TEST_F(DocumentVisits, CountsWhatIsRefusedAndSaysWhy) {
   const Visitor a = begin("a", sync::Role::observer);
   ASSERT_TRUE(arrive(a));
-  ASSERT_TRUE(bringIn(a, file(2), 5 * kSecond));
+  ASSERT_TRUE(bringIn(a, file(2), 5 * sync::kSecond));
   EXPECT_EQ(a.visit->bringing()->refused(), 4u);
   EXPECT_EQ(a.visit->bringing()->reason(), "this role may not change it");
 }
@@ -117,7 +116,7 @@ TEST_F(DocumentVisits, CountsWhatIsRefusedAndSaysWhy) {
 TEST_F(DocumentVisits, ChangesEntriesOfTheSessionThatAreNotSoAlready) {
   const Visitor a = begin("a");
   ASSERT_TRUE(arrive(a));
-  ASSERT_TRUE(bringIn(a, file(2), 5 * kSecond));
+  ASSERT_TRUE(bringIn(a, file(2), 5 * sync::kSecond));
   const Visitor b = begin("b");
   ASSERT_TRUE(arrive(b));
   const std::size_t size = b.visit->content().size();
@@ -132,7 +131,7 @@ TEST_F(DocumentVisits, ChangesEntriesOfTheSessionThatAreNotSoAlready) {
   comment.id = 1000;
   comment.body = document::Comment{stale.id, "closed"};
   entries.push_back(comment);
-  ASSERT_TRUE(bringIn(b, entries, 5 * kSecond));
+  ASSERT_TRUE(bringIn(b, entries, 5 * sync::kSecond));
   EXPECT_EQ(b.visit->bringing()->changed(), 1u);
   EXPECT_EQ(b.visit->bringing()->made(), 1u);
   EXPECT_EQ(b.visit->bringing()->known(), size - 1);
@@ -142,7 +141,7 @@ TEST_F(DocumentVisits, ChangesEntriesOfTheSessionThatAreNotSoAlready) {
             document::NoteStatus::closed);
   // Upon a revision that is no more, a change is refused.
   std::get<document::Note>(stale.body).status = document::NoteStatus::resolved;
-  ASSERT_TRUE(bringIn(c, {stale}, 5 * kSecond));
+  ASSERT_TRUE(bringIn(c, {stale}, 5 * sync::kSecond));
   EXPECT_EQ(c.visit->bringing()->refused(), 1u);
 }
 
@@ -150,13 +149,13 @@ TEST_F(DocumentVisits, FetchesTheSceneAndGoesOnWhereItWasBrokenOff) {
   const Visitor a = begin("a", sync::Role::observer);
   ASSERT_TRUE(arrive(a));
   a.visit->fetchScene({});
-  ASSERT_TRUE(run(a, 5 * kSecond, [&] { return a.visit->scene().complete(); }));
+  ASSERT_TRUE(run(a, 5 * sync::kSecond, [&] { return a.visit->scene().complete(); }));
   const std::vector<std::byte> package = a.visit->scene().package();
   EXPECT_EQ(assets::contentHash(package), a.visit->welcome().sceneHash);
   const Visitor b = begin("b", sync::Role::observer);
   ASSERT_TRUE(arrive(b));
   b.visit->fetchScene({package.begin(), package.begin() + static_cast<std::ptrdiff_t>(package.size() / 2)});
-  ASSERT_TRUE(run(b, 5 * kSecond, [&] { return b.visit->scene().complete(); }));
+  ASSERT_TRUE(run(b, 5 * sync::kSecond, [&] { return b.visit->scene().complete(); }));
   EXPECT_EQ(b.visit->scene().package(), package);
 }
 

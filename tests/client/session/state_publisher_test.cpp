@@ -2,6 +2,7 @@
 // updates leave.
 
 #include "client/session/state_publisher.h"
+#include "assets/base/constants.h"
 
 #include <gtest/gtest.h>
 
@@ -14,8 +15,6 @@ namespace tandem::client {
 namespace {
 
 using namespace sync;
-
-constexpr double kPi = 3.14159265358979;
 
 assets::Scene oneSphere() {
   assets::Scene scene;

@@ -17,7 +17,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr int kSize = 240;
+constexpr int kPictureSize = 240;
 
 TEST(LevelChoice, TakesTheCoarsestWithinAPixelAndGoesCoarserOnlyWellWithin) {
   const double errors[] = {1e-5, 1e-4, 1e-3};
@@ -41,11 +41,11 @@ struct Compared {
 
 Compared compare(const Pixels& exact, const Pixels& drawn) {
   const auto covered = [](const Pixels& p, int x, int y) {
-    return p[4 * static_cast<std::size_t>(y * kSize + x)] > 5;
+    return p[4 * static_cast<std::size_t>(y * kPictureSize + x)] > 5;
   };
   Compared out;
-  for (int y = 1; y + 1 < kSize; ++y)
-    for (int x = 1; x + 1 < kSize; ++x) {
+  for (int y = 1; y + 1 < kPictureSize; ++y)
+    for (int x = 1; x + 1 < kPictureSize; ++x) {
       int around = 0;
       for (int dy = -1; dy <= 1; ++dy)
         for (int dx = -1; dx <= 1; ++dx) around += covered(exact, x + dx, y + dy) ? 1 : 0;
@@ -102,20 +102,20 @@ class DrawnLevelsTest : public testing::Test {
     camera.pitch = 0.3;
     camera.distance = distance;
     camera.target = 0.5 * (scene_.bounds.min + scene_.bounds.max);
-    return makeView(camera, {kSize, kSize}, {camera.target, 0.1});
+    return makeView(camera, {kPictureSize, kPictureSize}, {camera.target, 0.1});
   }
 
   Pixels draw(SceneRenderer& renderer, const View& view) {
     renderer.receive();
-    target_->resize({kSize, kSize}, 0, GL_RGBA8);
+    target_->resize({kPictureSize, kPictureSize}, 0, GL_RGBA8);
     target_->bind();
-    glViewport(0, 0, kSize, kSize);
+    glViewport(0, 0, kPictureSize, kPictureSize);
     glEnable(GL_DEPTH_TEST);
     glClearColor(0.0f, 0.0f, 0.0f, 0.0f);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     renderer.draw(view, poses_, looks_, all_, false);
-    Pixels pixels(4 * kSize * kSize);
-    glReadPixels(0, 0, kSize, kSize, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
+    Pixels pixels(4 * kPictureSize * kPictureSize);
+    glReadPixels(0, 0, kPictureSize, kPictureSize, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());
     return pixels;
   }
 
@@ -169,8 +169,8 @@ TEST_F(DrawnLevelsTest, PicksTheExactSurface) {
   const View view = viewFrom(0.3);
   drawSettled(view);
   int hits = 0;
-  for (double x = 20.0; x < kSize; x += 19.0)
-    for (double y = 20.0; y < kSize; y += 19.0) {
+  for (double x = 20.0; x < kPictureSize; x += 19.0)
+    for (double y = 20.0; y < kPictureSize; y += 19.0) {
       const auto expected = exact_->pick(view, {x, y}, poses_, looks_);
       const auto found = levels_->pick(view, {x, y}, poses_, looks_);
       ASSERT_EQ(found.has_value(), expected.has_value());

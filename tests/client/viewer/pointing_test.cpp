@@ -14,7 +14,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr int kWidth = 640, kHeight = 400;
+constexpr int kPointedWidth = 640, kPointedHeight = 400;
 
 /// Distance along a ray to a triangle; nothing if it misses (Moeller & Trumbore 1997).
 std::optional<double> distanceTo(const glm::dvec3& origin, const glm::dvec3& direction, const glm::dvec3& a,
@@ -58,8 +58,8 @@ class PointingTest : public testing::Test {
     ASSERT_TRUE(loaded.ok()) << loaded.error().message;
     scene_ = std::move(*loaded);
     ViewerOptions options;
-    options.width = kWidth;
-    options.height = kHeight;
+    options.width = kPointedWidth;
+    options.height = kPointedHeight;
     options.panels = false;
     auto opened = Viewer::openOffscreen(scene_, options);
     if (!opened) GTEST_SKIP() << opened.error().message;
@@ -72,7 +72,7 @@ class PointingTest : public testing::Test {
   }
 
   View view() const {
-    return makeView(viewer_->camera(), {kWidth, kHeight},
+    return makeView(viewer_->camera(), {kPointedWidth, kPointedHeight},
                     {0.5 * (scene_.bounds.min + scene_.bounds.max), 1.0});
   }
 
@@ -105,7 +105,7 @@ TEST_F(PointingTest, AClickTakesTheVisiblePartUnderTheCursor) {
   };
   int clicks = 0;
   for (int tries = 0; clicks < 50 && tries < 20000; ++tries) {
-    const glm::dvec2 pixel(below(kWidth), below(kHeight));
+    const glm::dvec2 pixel(below(kPointedWidth), below(kPointedHeight));
     const PartId seen = seenAround(pixel);
     if (seen == kNoPart || !scene_.parts[seen].movable) continue;
     ++clicks;
@@ -119,7 +119,7 @@ TEST_F(PointingTest, AClickTakesTheVisiblePartUnderTheCursor) {
 }
 
 TEST_F(PointingTest, WhatWasUnderTheCursorIsKeptWhileTheButtonIsDown) {
-  const glm::dvec2 middle(0.5 * kWidth, 0.5 * kHeight);
+  const glm::dvec2 middle(0.5 * kPointedWidth, 0.5 * kPointedHeight);
   const PartId taken = click(middle).graspedAt;
   ASSERT_NE(taken, kNoPart);
   viewer_->pointMouse({3.0, 3.0}, true);

@@ -18,7 +18,7 @@ using sync::Shares;
 constexpr SiteId kAda = 2;
 constexpr PartId kLeft = 0, kRight = 1;
 
-assets::Scene twoBoxes() {
+assets::Scene twoShapedBoxes() {
   assets::Scene scene;
   scene.materials.resize(1);
   for (const double x : {-0.1, 0.1}) {
@@ -38,7 +38,7 @@ assets::Scene twoBoxes() {
 
 /// A window on two boxes, and Ada, who is at another site.
 struct SharedViews : testing::Test {
-  assets::Scene scene = twoBoxes();
+  assets::Scene scene = twoShapedBoxes();
   ViewModel model;
   SharedViews() {
     model.scene = &scene;

@@ -12,7 +12,7 @@
 namespace tandem::client {
 namespace {
 
-constexpr int kWidth = 160, kHeight = 100;
+constexpr int kSmallWidth = 160, kSmallHeight = 100;
 
 /// Two boxes side by side, 0.2 m wide, seen from 1 m before them.
 struct StillPicturesTest : testing::Test {
@@ -33,7 +33,7 @@ struct StillPicturesTest : testing::Test {
       poses.push_back(part.worldFromPart);
     }
     scene.bounds = {{-0.25, -0.1, -0.1}, {0.25, 0.1, 0.1}};
-    auto opened = StillPictures::open(scene, kWidth, kHeight);
+    auto opened = StillPictures::open(scene, kSmallWidth, kSmallHeight);
     if (!opened) GTEST_SKIP() << opened.error().message;
     pictures = std::move(*opened);
     front.worldFromEye.position = {0.0, 0.0, 1.0};
@@ -49,8 +49,8 @@ struct StillPicturesTest : testing::Test {
   /// How many pixels of the left or right half differ between two pictures.
   static int differing(const Picture& a, const Picture& b, bool left) {
     int count = 0;
-    for (int y = 0; y < kHeight; ++y)
-      for (int x = left ? 0 : kWidth / 2; x < (left ? kWidth / 2 : kWidth); ++x)
+    for (int y = 0; y < kSmallHeight; ++y)
+      for (int x = left ? 0 : kSmallWidth / 2; x < (left ? kSmallWidth / 2 : kSmallWidth); ++x)
         count += a.at(x, y) != b.at(x, y);
     return count;
   }
@@ -58,8 +58,8 @@ struct StillPicturesTest : testing::Test {
 
 TEST_F(StillPicturesTest, HideWhatTheViewHides) {
   const Picture both = draw(front);
-  ASSERT_EQ(both.width, kWidth);
-  ASSERT_EQ(both.height, kHeight);
+  ASSERT_EQ(both.width, kSmallWidth);
+  ASSERT_EQ(both.height, kSmallHeight);
   Still still = front;
   still.parts = {0};
   const Picture right = draw(still);

@@ -21,8 +21,8 @@ namespace {
 
 using assets::ImplicitShape;
 
-constexpr double kHalf = 0.02;   // m, of the height of either
-constexpr double kDeep = 10e-6;  // m
+constexpr double kHalfHeight = 0.02;    // m, of the height of either
+constexpr double kPressedDeep = 10e-6;  // m
 constexpr double kLift = 50e-6;  // m, of what should not rise at all; what is driven out rises by millimetres
 
 struct Solid {
@@ -34,7 +34,7 @@ struct Solid {
 Solid boxShape() {
   ImplicitShape shape;
   shape.kind = ImplicitShape::Kind::box;
-  shape.size = {0.06, 2.0 * kHalf, 0.03};
+  shape.size = {0.06, 2.0 * kHalfHeight, 0.03};
   return {"box", {shape}, {}};
 }
 Solid rodShape(double top, double bottom) {
@@ -42,14 +42,14 @@ Solid rodShape(double top, double bottom) {
   shape.kind = ImplicitShape::Kind::cylinder;
   shape.radiusTop = top;
   shape.radiusBottom = bottom;
-  shape.height = 2.0 * kHalf;
+  shape.height = 2.0 * kHalfHeight;
   return {top == bottom ? "cylinder" : "cone", {shape}, {}};
 }
-Solid boxMesh() { return {"mesh of a box", {}, boxSoup({0.06, 2.0 * kHalf, 0.03}, 2)}; }
+Solid meshOfBox() { return {"mesh of a box", {}, boxSoup({0.06, 2.0 * kHalfHeight, 0.03}, 2)}; }
 /// Wider below, or above where it is upside down: where the wide ends meet, the sides of both lean away from
 /// each other.
 Solid wedgeMesh(double wider) {
-  Solid solid = boxMesh();
+  Solid solid = meshOfBox();
   solid.name = "mesh of a frustum";
   for (glm::dvec3& p : solid.soup.positions)
     if (p.y < 0.0) p *= glm::dvec3(wider, 1.0, wider);
@@ -72,7 +72,7 @@ assets::Scene stackOf(const Solid& upper, const Solid& lower) {
     part.massProperties.inertia = glm::dmat3(2e-4);
     scene.parts.push_back(part);
   }
-  scene.parts[0].worldFromPart.position.y = 2.0 * kHalf + 0.001;
+  scene.parts[0].worldFromPart.position.y = 2.0 * kHalfHeight + 0.001;
   scene.bounds.min = glm::dvec3(-0.1);
   scene.bounds.max = glm::dvec3(0.1);
   return scene;
@@ -121,7 +121,7 @@ double deepestOf(const Solid& upper, const Solid& lower, const Askew& askew, boo
     const glm::dvec3 rotation =
         rotationVector(glm::conjugate(rig.pose(1).orientation) * rig.pose(0).orientation);
     const glm::dvec3 offset = rig.pose(0).position - rig.pose(1).position;
-    deepest = std::max(deepest, 2.0 * kHalf - offset.y - 0.04 * glm::length(rotation));
+    deepest = std::max(deepest, 2.0 * kHalfHeight - offset.y - 0.04 * glm::length(rotation));
   };
   rig.lead(path, frees ? 0.6 : 1.5);
   EXPECT_EQ(rig.flags & haptics::kFlagFault, 0u);
@@ -135,17 +135,18 @@ const Solid& upsideDown(Solid& solid) {
 }
 
 TEST(AlignedParts, OfTheSameSizeDoNotComeIntoEachOther) {
-  const Solid solids[] = {boxShape(), rodShape(0.02, 0.02), rodShape(0.02, 0.015), rodShape(0.015, 0.02),
-                          boxMesh(),  wedgeMesh(1.3),       wedgeMesh(0.7)};
+  const Solid solids[] = {boxShape(),  rodShape(0.02, 0.02), rodShape(0.02, 0.015), rodShape(0.015, 0.02),
+                          meshOfBox(), wedgeMesh(1.3),       wedgeMesh(0.7)};
   for (const Solid& solid : solids) {
     Solid below = solid;
     upsideDown(below);
-    EXPECT_LT(deepestOf(solid, below, {}), kDeep) << solid.name;
+    EXPECT_LT(deepestOf(solid, below, {}), kPressedDeep) << solid.name;
     double greatest = 0.0;
     for (std::uint32_t seed = 1; seed <= 20; ++seed) {
       for (const bool frees : {false, true}) {
         const double deepest = deepestOf(solid, below, drawn(seed), frees);
-        EXPECT_LT(deepest, kDeep) << solid.name << ", seed " << seed << (frees ? ", that gives way" : "");
+        EXPECT_LT(deepest, kPressedDeep)
+            << solid.name << ", seed " << seed << (frees ? ", that gives way" : "");
         greatest = std::max(greatest, deepest);
       }
     }
@@ -155,8 +156,8 @@ TEST(AlignedParts, OfTheSameSizeDoNotComeIntoEachOther) {
 
 TEST(AlignedParts, BoxOnMeshOfTheSameSizeAndTheOtherWayRound) {
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
-    EXPECT_LT(deepestOf(boxShape(), boxMesh(), drawn(seed)), kDeep) << seed;
-    EXPECT_LT(deepestOf(boxMesh(), boxShape(), drawn(seed)), kDeep) << seed;
+    EXPECT_LT(deepestOf(boxShape(), meshOfBox(), drawn(seed)), kPressedDeep) << seed;
+    EXPECT_LT(deepestOf(meshOfBox(), boxShape(), drawn(seed)), kPressedDeep) << seed;
   }
 }
 
@@ -214,7 +215,7 @@ double sideForceOverPlane(double down, const glm::dvec3& direction) {
   plane.kind = ImplicitShape::Kind::plane;
   plane.size = {0.06, 0.0, 0.03};
   assets::Scene scene = stackOf(boxShape(), {"plane", {plane}, {}});
-  scene.parts[0].worldFromPart.position = {0.0, kHalf, 0.0};
+  scene.parts[0].worldFromPart.position = {0.0, kHalfHeight, 0.0};
   const Pose from = scene.parts[0].worldFromPart;
   MovingRig rig(std::move(scene));
   const auto path = [&](double t) {

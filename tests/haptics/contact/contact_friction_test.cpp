@@ -20,7 +20,7 @@ using haptics::StepGoal;
 using haptics::StepSpace;
 
 /// A surface that moves by `motion` in the tick.
-class Ground final : public haptics::RowRefiner {
+class FlatGround final : public haptics::RowRefiner {
  public:
   void refine(haptics::RowSource, const haptics::Displacement&, ContactRows&) override {}
   glm::dvec3 surfaceMotion(const ExactRow&) const override { return motion; }
@@ -56,7 +56,7 @@ class OneContact {
   StepGoal goal;
   RowPair pair;
   ContactRows rows;
-  Ground ground;
+  FlatGround ground;
   ContactFriction friction;
   double change = 0.0;
 };

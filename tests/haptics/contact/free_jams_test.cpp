@@ -7,32 +7,32 @@
 namespace tandem::test {
 namespace {
 
-const glm::dquat kStraight(1.0, 0.0, 0.0, 0.0);
-const glm::dvec3 kGravity(0.0, 0.0, -9.81);
+const glm::dquat kUnturned(1.0, 0.0, 0.0, 0.0);
+const glm::dvec3 kDownwards(0.0, 0.0, -9.81);
 
 /// A slot along x of three walls and a floor, with cubes of 10 mm in it: `wide` m more than the cubes.
 assets::Scene slot(int cubes, double wide, double friction, double lastMass) {
   const double half = 0.005 + 0.5 * wide;
   std::vector<CasePart> parts{{.name = "floor",
                                .mesh = meshOf(boxSoup({0.2, 0.1, 0.02})),
-                               .worldFromPart = {{0.05, 0.0, -0.01}, kStraight},
+                               .worldFromPart = {{0.05, 0.0, -0.01}, kUnturned},
                                .friction = friction},
                               {.name = "left",
                                .mesh = meshOf(boxSoup({0.2, 0.02, 0.03})),
-                               .worldFromPart = {{0.05, half + 0.01, 0.015}, kStraight},
+                               .worldFromPart = {{0.05, half + 0.01, 0.015}, kUnturned},
                                .friction = friction},
                               {.name = "right",
                                .mesh = meshOf(boxSoup({0.2, 0.02, 0.03})),
-                               .worldFromPart = {{0.05, -half - 0.01, 0.015}, kStraight},
+                               .worldFromPart = {{0.05, -half - 0.01, 0.015}, kUnturned},
                                .friction = friction},
                               {.name = "end",
                                .mesh = meshOf(boxSoup({0.02, 2.0 * half, 0.03})),
-                               .worldFromPart = {{0.11, 0.0, 0.015}, kStraight},
+                               .worldFromPart = {{0.11, 0.0, 0.015}, kUnturned},
                                .friction = friction}};
   for (int i = 0; i < cubes; ++i)
     parts.push_back({.name = "cube" + std::to_string(i),
                      .mesh = meshOf(boxSoup({0.01, 0.01, 0.01})),
-                     .worldFromPart = {{0.0947 - 0.0103 * (cubes - 1 - i), 0.0, 0.005}, kStraight},
+                     .worldFromPart = {{0.0947 - 0.0103 * (cubes - 1 - i), 0.0, 0.005}, kUnturned},
                      .movable = true,
                      .friction = friction,
                      .mass = i + 1 == cubes ? lastMass : 0.0});
@@ -61,7 +61,7 @@ double deepest(const MovingRig& rig) {
 /// mm beyond: 30 N.
 struct Pushed {
   Pushed(int cubes, double wide, double friction, double lastMass = 0.0)
-      : rig(slot(cubes, wide, friction, lastMass), kGravity) {
+      : rig(slot(cubes, wide, friction, lastMass), kDownwards) {
     const Pose grip = rig.pose(4);
     rig.at(grip);
     rig.tick();
@@ -72,7 +72,7 @@ struct Pushed {
     rig.each = [&] { deep = std::max(deep, deepest(rig)); };
     rig.lead(
         [&](double t) {
-          return Pose{grip.position + glm::dvec3(2.0 * path * t, 0.0, 0.0), kStraight};
+          return Pose{grip.position + glm::dvec3(2.0 * path * t, 0.0, 0.0), kUnturned};
         },
         0.5);
     rig.tick(250);

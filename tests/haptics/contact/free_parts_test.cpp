@@ -1,5 +1,6 @@
 // Parts that nobody holds and that move all the same: pushed, falling, coming to rest.
 
+#include "assets/base/constants.h"
 #include "tests/haptics/contact/moving_rig.h"
 #include "tests/haptics/contact/part_contact_case.h"
 #include "tests/support/part_meshes.h"
@@ -7,7 +8,6 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
 const glm::dquat kStraight(1.0, 0.0, 0.0, 0.0);
 const glm::dvec3 kGravity(0.0, 0.0, -9.81);
 

@@ -1,5 +1,6 @@
 // A part in the hand that a joint holds: goes where the joint lets it, and feels the rest.
 
+#include "assets/base/constants.h"
 #include "tests/haptics/contact/moving_rig.h"
 #include "tests/support/part_meshes.h"
 
@@ -9,7 +10,6 @@ namespace {
 using assets::Joint;
 using assets::JointLimit;
 
-constexpr double kPi = 3.14159265358979323846;
 constexpr std::uint8_t kX = 1, kY = 2, kZ = 4;
 
 JointLimit linear(std::uint8_t axes, double min = 0.0, double max = 0.0) {

@@ -7,7 +7,7 @@ namespace tandem::test {
 namespace {
 
 constexpr double kLink = 0.02;  // m
-const glm::dquat kStraight(1, 0, 0, 0);
+const glm::dquat kLevel(1, 0, 0, 0);
 
 /// Links end to end along X, joined by balls; the first one to the world at its left end too, if it is to
 /// hang there.
@@ -16,7 +16,7 @@ assets::Scene chain(int links, bool hangs) {
   for (int i = 0; i < links; ++i)
     parts.push_back({.name = "link" + std::to_string(i),
                      .mesh = meshOf(boxSoup({kLink, 0.004, 0.004})),
-                     .worldFromPart = {{kLink * i, 0.0, 0.0}, kStraight},
+                     .worldFromPart = {{kLink * i, 0.0, 0.0}, kLevel},
                      .movable = true,
                      .mass = 0.01});
   assets::Scene scene = sceneOfParts(parts);
@@ -25,8 +25,8 @@ assets::Scene chain(int links, bool hangs) {
     joint.name = "joint" + std::to_string(i);
     joint.partA = i == 0 ? kNoPart : i - 1;
     joint.partB = i;
-    joint.aFromJoint = {{i == 0 ? -0.5 * kLink : 0.5 * kLink, 0.0, 0.0}, kStraight};
-    joint.bFromJoint = {{-0.5 * kLink, 0.0, 0.0}, kStraight};
+    joint.aFromJoint = {{i == 0 ? -0.5 * kLink : 0.5 * kLink, 0.0, 0.0}, kLevel};
+    joint.bFromJoint = {{-0.5 * kLink, 0.0, 0.0}, kLevel};
     joint.limits = {{false, 7, 0.0, 0.0, 0.0, 0.0}};
     scene.joints.push_back(joint);
   }

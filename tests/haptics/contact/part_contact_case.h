@@ -4,15 +4,12 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
 #include <string>
 
+#include "tests/support/full_size.h"
 #include "tests/support/held_part_rig.h"
 
 namespace tandem::test {
-
-/// Whether all seeds and sizes run: minutes, not seconds.
-inline bool atFullSize() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 inline constexpr double kSteadyDepth = 5e-6;  // m, that parts may be in each other, led slowly
 inline constexpr double kFastDepth = 20e-6;   // m, the same at 200 mm/s

@@ -25,7 +25,7 @@ namespace {
 using assets::ImplicitShape;
 using Kind = ImplicitShape::Kind;
 
-const glm::dquat kStraight(1.0, 0.0, 0.0, 0.0);
+const glm::dquat kNotTurned(1.0, 0.0, 0.0, 0.0);
 constexpr double kScales[] = {1e-3, 1.0, 20.0};
 // Of a part of 20 mm: how deep it may be at any time, and how far off it may rest, m.
 constexpr double kDeep = 1e-6, kOff = 0.1e-6;
@@ -176,7 +176,7 @@ TEST(PrimitiveContact, ABallRestsOnAPlateAndIsLedAcrossIt) {
     const Pose start{{-0.005 * s, 0.002 * s, r + 0.0005 * s}, fromRotationVector({0.3, 0.2, 0.1})};
     const assets::Scene scene =
         sceneOf({held({ball(r)}, start, s),
-                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kNotTurned}}});
     const Met met = lead(scene, s, straight(start, glm::dvec3(0.012, 0.003, -0.0015) * s), 0.4,
                          [r](const Pose& p) { return p.position.z - r; });
     expectExact(met, s, "ball on plate");
@@ -203,7 +203,7 @@ TEST(PrimitiveContact, ABallRestsOnAPlane) {
 TEST(PrimitiveContact, ABallSlidesOffABall) {
   for (const double s : kScales) {
     const double r = kRadius * s, other = 0.015 * s;
-    const Pose start{{0.001 * s, 0.0, r + other + 0.0005 * s}, kStraight};
+    const Pose start{{0.001 * s, 0.0, r + other + 0.0005 * s}, kNotTurned};
     const Met met = lead(sceneOf({held({ball(r)}, start, s), {{ball(other)}, {}, {}}}), s,
                          straight(start, glm::dvec3(0.006, 0.003, -0.003) * s), 0.4,
                          [=](const Pose& p) { return glm::length(p.position) - r - other; });
@@ -219,7 +219,7 @@ TEST(PrimitiveContact, ABallRestsInACornerOfThreeBoxes) {
       glm::dvec3 size(0.06 * s), at(0.02 * s);
       size[axis] = 0.01 * s;
       at[axis] = -0.005 * s;
-      walls.push_back(shapeAt(box(size), {at, kStraight}));
+      walls.push_back(shapeAt(box(size), {at, kNotTurned}));
     }
     const Pose start{glm::dvec3(r + 0.0005 * s), fromRotationVector({0.3, 0.2, 0.1})};
     const Met met = lead(sceneOf({held({ball(r)}, start, s), {walls, {}, {}}}), s,
@@ -235,9 +235,9 @@ TEST(PrimitiveContact, ABallIsLedOverAnEdge) {
   for (const double s : kScales) {
     const double r = kRadius * s;
     const glm::dvec3 size = glm::dvec3(0.04, 0.06, 0.02) * s, at = glm::dvec3(-0.02, 0.0, -0.01) * s;
-    const Pose start{{-0.006 * s, 0.001 * s, r + 0.0005 * s}, kStraight};
+    const Pose start{{-0.006 * s, 0.001 * s, r + 0.0005 * s}, kNotTurned};
     const auto gap = [=](const Pose& p) { return fromBox(p.position - at, size) - r; };
-    const Met met = lead(sceneOf({held({ball(r)}, start, s), {{box(size)}, {}, {at, kStraight}}}), s,
+    const Met met = lead(sceneOf({held({ball(r)}, start, s), {{box(size)}, {}, {at, kNotTurned}}}), s,
                          straight(start, glm::dvec3(0.012, 0.002, -0.003) * s), 0.4, gap);
     expectExact(met, s, "ball on an edge");
     EXPECT_GT(met.pose.position.x, 0.0);
@@ -283,7 +283,7 @@ TEST(PrimitiveContact, ABallGoesIntoABoreOfTrianglesTwentyMicronsWider) {
     BoredBlock given{bore, 0.045 * s, 0.06 * s, 0.045 * s, 0.001 * s, Fit::around, {160, 8}};
     block.soup = boredBlockSoup(given);
     block.tolerance = 1.25e-6 * s;  // an eighth of the radial clearance, for the fit is not seen at rest
-    const Pose start{{0.0003 * s, -0.0002 * s, r + 0.001 * s}, kStraight};
+    const Pose start{{0.0003 * s, -0.0002 * s, r + 0.001 * s}, kNotTurned};
     const auto gap = [=](const Pose& p) {
       return p.position.z < -0.0015 * s ? roomInBore(p.position, glm::dvec3(0.0), r, bore, 160) : 0.0;
     };
@@ -337,11 +337,11 @@ TEST(PrimitiveContact, APinOfTwoShapesGoesIntoABoreWithASharpRim) {
   Given block;
   block.soup = boredBlockSoup({bore, 0.045, 0.06, 0.045, 0.0, Fit::around, {160, 8}});
   block.tolerance = 1.25e-6;
-  const Pose body{{0.0, 0.5 * height + chamfer, 0.0}, kStraight};
+  const Pose body{{0.0, 0.5 * height + chamfer, 0.0}, kNotTurned};
   ImplicitShape tip = rod(Kind::cylinder, r, chamfer);
   tip.radiusBottom = r - chamfer;
   const std::vector<ImplicitShape> shapes = {shapeAt(rod(Kind::cylinder, r, height), body),
-                                             shapeAt(tip, {{0.0, 0.5 * chamfer, 0.0}, kStraight})};
+                                             shapeAt(tip, {{0.0, 0.5 * chamfer, 0.0}, kNotTurned})};
   const glm::dquat upright = fromRotationVector({0.5 * kPi, 0.0, 0.0});
   const Pose start{{0.0004, -0.0003, 0.001}, fromRotationVector({0.015, 0.02, 0.0}) * upright};
   const Met met = lead(sceneOf({held(shapes, start, 1.0), block}), 1.0,
@@ -354,7 +354,7 @@ TEST(PrimitiveContact, APinOfTwoShapesGoesIntoABoreWithASharpRim) {
 TEST(PrimitiveContact, ACylinderRollsOnAPlate) {
   for (const double s : kScales) {
     const double r = kRadius * s, height = 0.03 * s;
-    const Pose start{{-0.005 * s, 0.0, r + 0.0005 * s}, kStraight};
+    const Pose start{{-0.005 * s, 0.0, r + 0.0005 * s}, kNotTurned};
     const auto path = [=](double t) {
       const double u = std::clamp(t, 0.0, 1.0), x = 0.012 * s * u;
       return Pose{start.position + glm::dvec3(x, 0.0, -0.0015 * s * std::min(1.0, 4.0 * u)),
@@ -362,7 +362,7 @@ TEST(PrimitiveContact, ACylinderRollsOnAPlate) {
     };
     const assets::Scene scene =
         sceneOf({held({rod(Kind::cylinder, r, height)}, start, s),
-                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kNotTurned}}});
     const Met met = lead(scene, s, path, 0.6, [=](const Pose& p) { return lowestOfCylinder(p, r, height); });
     expectExact(met, s, "cylinder on plate");
   }
@@ -371,7 +371,7 @@ TEST(PrimitiveContact, ACylinderRollsOnAPlate) {
 TEST(PrimitiveContact, ACylinderRollsOnACrossedCylinder) {
   for (const double s : kScales) {
     const double r = kRadius * s, other = 0.006 * s;
-    const Pose start{{-0.002 * s, 0.001 * s, r + other + 0.0005 * s}, kStraight};
+    const Pose start{{-0.002 * s, 0.001 * s, r + other + 0.0005 * s}, kNotTurned};
     const glm::dquat along = fromRotationVector({0.0, 0.0, 0.5 * kPi});  // its Y lies along -X
     const auto path = [=](double t) {
       const double u = std::clamp(t, 0.0, 1.0), x = 0.006 * s * u;
@@ -420,9 +420,9 @@ TEST(PrimitiveContact, ACapsuleRestsAcrossAnEdge) {
       const glm::dvec3 a = p.orientation * glm::dvec3(0.0, 0.03 * s, 0.0);
       return betweenSegments(p.position - 0.5 * a, a, {0.0, -0.03 * s, 0.0}, {0.0, 0.06 * s, 0.0}) - r;
     };
-    const Met met =
-        lead(sceneOf({held({rod(Kind::capsule, r, 0.03 * s)}, start, s), {{box(size)}, {}, {at, kStraight}}}),
-             s, straight(start, -above * 0.0015 * s + glm::dvec3(0.0, 0.003 * s, 0.0)), 0.4, gap);
+    const Met met = lead(
+        sceneOf({held({rod(Kind::capsule, r, 0.03 * s)}, start, s), {{box(size)}, {}, {at, kNotTurned}}}), s,
+        straight(start, -above * 0.0015 * s + glm::dvec3(0.0, 0.003 * s, 0.0)), 0.4, gap);
     expectExact(met, s, "capsule on an edge");
   }
 }
@@ -463,7 +463,7 @@ TEST(PrimitiveContact, ABoxRestsOnABox) {
     const Pose start{{0.0, 0.0, 0.0056 * s}, fromRotationVector({0.0, 0.0, 0.4})};
     const assets::Scene scene =
         sceneOf({held({box(size)}, start, s),
-                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kStraight}}});
+                 {{box(glm::dvec3(0.06, 0.06, 0.02) * s)}, {}, {{0, 0, -0.01 * s}, kNotTurned}}});
     const Met met = lead(scene, s, straight(start, glm::dvec3(0.006, 0.002, -0.0015) * s), 0.4,
                          [=](const Pose& p) { return lowestOfBox(p, size); });
     expectExact(met, s, "box on box");
@@ -476,7 +476,7 @@ TEST(PrimitiveContact, ABoxRestsOnABoxOfTriangles) {
     // Within the plate, and over its edge.
     for (const double beside : {0.0, 0.027}) {
       const Pose start{{beside * s, 0.0, 0.0056 * s}, fromRotationVector({0.0, 0.0, 0.4})};
-      Given plate{{}, boxSoup(glm::dvec3(0.06, 0.06, 0.02) * s), {{0, 0, -0.01 * s}, kStraight}};
+      Given plate{{}, boxSoup(glm::dvec3(0.06, 0.06, 0.02) * s), {{0, 0, -0.01 * s}, kNotTurned}};
       const assets::Scene scene = sceneOf({held({box(size)}, start, s), plate});
       const Met met = lead(scene, s, straight(start, glm::dvec3(0.001, 0.002, -0.0015) * s), 0.4,
                            [=](const Pose& p) { return lowestOfBox(p, size); });
@@ -517,7 +517,7 @@ TEST(PrimitiveContact, ABallOfTrianglesMissesTheBound) {
   const Pose start{{-0.005, 0.002, r + 0.0005}, fromRotationVector({0.3, 0.2, 0.1})};
   Given mesh = held({}, start, 1.0);
   mesh.soup = sphereSoup(r, 112);
-  const assets::Scene scene = sceneOf({mesh, {{box({0.06, 0.06, 0.02})}, {}, {{0, 0, -0.01}, kStraight}}});
+  const assets::Scene scene = sceneOf({mesh, {{box({0.06, 0.06, 0.02})}, {}, {{0, 0, -0.01}, kNotTurned}}});
   const Met met = lead(scene, 1.0, straight(start, {0.012, 0.003, -0.0015}), 0.4,
                        [r](const Pose& p) { return p.position.z - r; });
   if (atFullSize())
@@ -527,11 +527,11 @@ TEST(PrimitiveContact, ABallOfTrianglesMissesTheBound) {
 
 /// Two slabs of one part, of which one is rough: the friction is that of the shape under the foot.
 TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
-  const Pose start{{-0.012, 0.0, 0.0055}, kStraight};
+  const Pose start{{-0.012, 0.0, 0.0055}, kNotTurned};
   const ImplicitShape slab = box({0.04, 0.04, 0.01});
   assets::Scene scene = sceneOf(
       {held({box(glm::dvec3(0.01))}, start, 1.0),
-       {{shapeAt(slab, {{-0.02, 0.0, -0.005}, kStraight}), shapeAt(slab, {{0.02, 0.0, -0.005}, kStraight})},
+       {{shapeAt(slab, {{-0.02, 0.0, -0.005}, kNotTurned}), shapeAt(slab, {{0.02, 0.0, -0.005}, kNotTurned})},
         {},
         {}}});
   scene.materials.emplace_back();
@@ -539,7 +539,7 @@ TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
   scene.parts[1].shapes[1].material = static_cast<std::uint16_t>(scene.materials.size() - 1);
   MovingRig rig(scene);
   rig.ownAndGrasp(0, start);
-  const auto to = [&](const glm::dvec3& by) { return Pose{start.position + by, kStraight}; };
+  const auto to = [&](const glm::dvec3& by) { return Pose{start.position + by, kNotTurned}; };
   rig.lead([&](double t) { return to({0.004 * t / 0.2, 0.0, -0.0015 * t / 0.2}); }, 0.2);
   EXPECT_NEAR(rig.out.hands[0].toHand.force.z, 1.0, 0.1);
   EXPECT_LT(std::abs(rig.out.hands[0].toHand.force.x), 0.1);  // damping and inertia alone
@@ -551,7 +551,7 @@ TEST(PrimitiveContact, EachShapeHasItsOwnMaterial) {
 TEST(PrimitiveContact, NeedsNothingBaked) {
   std::vector<Given> parts;
   for (int i = 0; i < 40; ++i) {
-    const Pose pose{{0.05 * i, 0.0, 0.0}, kStraight};
+    const Pose pose{{0.05 * i, 0.0, 0.0}, kNotTurned};
     parts.push_back(i % 2 == 0 ? held({rod(Kind::capsule, 0.01, 0.02)}, pose, 1.0)
                                : Given{{box({0.02, 0.02, 0.02})}, {}, pose});
   }

@@ -9,8 +9,6 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 std::vector<glm::dvec3> circlePoints(double radius, int count) {
   std::vector<glm::dvec3> points;
   for (int i = 0; i < count; ++i) {

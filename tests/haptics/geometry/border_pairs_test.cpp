@@ -16,7 +16,7 @@ namespace {
 using haptics::facesBeyondBorders;
 using haptics::MeshEdges;
 
-constexpr double kScales[] = {1e-3, 1.0, 1e3};
+constexpr double kBorderScales[] = {1e-3, 1.0, 1e3};
 constexpr double kRight = 1.5707963267948966;
 
 /// A box whose six faces stand off by `off` along their normals, their edges cut at places of their own.
@@ -36,7 +36,7 @@ TEST(BorderPairs, OfAClosedMeshAreNone) {
 }
 
 TEST(BorderPairs, MakeTheEdgesOfTheClosedMeshAcrossSlits) {
-  for (const double scale : kScales)
+  for (const double scale : kBorderScales)
     for (const double off : {2e-6, 2e-5}) {
       const assets::Mesh mesh = explodedBox(off, scale);
       ASSERT_FALSE(mesh.closed);
@@ -51,7 +51,7 @@ TEST(BorderPairs, MakeTheEdgesOfTheClosedMeshAcrossSlits) {
 
 /// Wider than a slit, a border has the back of its face as a sheet's, and ends its face as a solid's.
 TEST(BorderPairs, AreNoneAcrossAWideHole) {
-  for (const double scale : kScales) {
+  for (const double scale : kBorderScales) {
     MeshEdges edges(explodedBox(1e-3, scale));
     ASSERT_FALSE(edges.edges().empty());
     for (const auto& edge : edges.edges()) {

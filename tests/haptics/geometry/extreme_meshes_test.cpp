@@ -28,7 +28,7 @@ assets::Mesh cloudAcross(double span, bool flat) {
   return mesh;
 }
 
-double bruteDistance(const TriangleBvh& tree, const glm::dvec3& p) {
+double leastDistance(const TriangleBvh& tree, const glm::dvec3& p) {
   double least = std::numeric_limits<double>::infinity();
   for (std::uint32_t i = 0; i < tree.mesh().triangles.size(); ++i) {
     least = std::min(least, glm::length(p - haptics::closestPointOnTriangle(p, tree.triangle(i)).point));
@@ -45,7 +45,7 @@ TEST(ExtremeMesh, OfDenormalSizeIsBuiltAndAnswersAsBruteForce) {
         for (const glm::dvec3& direction : {glm::dvec3(0.0, 0.0, 1.0), glm::dvec3(0.3, -0.2, 0.1)}) {
           haptics::MeshPoint found;
           ASSERT_TRUE(tree.closestPoint(span * direction, 10.0 * span, found)) << span;
-          EXPECT_EQ(found.distance, bruteDistance(tree, span * direction)) << span;
+          EXPECT_EQ(found.distance, leastDistance(tree, span * direction)) << span;
         }
         tree.refit(1);
       }

@@ -22,14 +22,14 @@ using haptics::Triangle;
 using haptics::TriangleBvh;
 
 constexpr double kEverything = 1e300;
-constexpr double kScales[] = {1e-3, 1.0, 20.0};
+constexpr double kPairScales[] = {1e-3, 1.0, 20.0};
 
 Pose turned(const glm::dvec3& position, const glm::dvec3& rotation) {
   return {position, fromRotationVector(rotation)};
 }
 
 TEST(MeshDistance, OfBoxesIsTheGapBetweenFacesAndBetweenEdges) {
-  for (const double s : kScales) {
+  for (const double s : kPairScales) {
     const assets::Mesh box = boxMesh(glm::dvec3(s));
     const TriangleBvh tree(box, 1);
     MeshGap gap;
@@ -74,7 +74,7 @@ TEST(MeshDistance, IsZeroWhereSurfacesCrossAndNotWhereOneHoldsTheOther) {
 }
 
 TEST(MeshDistance, OfSpheresIsThatOfTheirFacets) {
-  for (const double s : kScales) {
+  for (const double s : kPairScales) {
     const assets::Mesh mesh = tests::sphereMesh(0.5 * s, 20'000, tests::Topology::never);
     const TriangleBvh tree(mesh);
     const Pose there = turned({1.5 * s, 0.7 * s, -0.2 * s}, {0.3, 1.0, -0.4});
@@ -88,7 +88,7 @@ TEST(MeshDistance, OfSpheresIsThatOfTheirFacets) {
 }
 
 /// Triangles without area, slivers and ordinary ones within a cube of 2 m.
-assets::Mesh dirtySoup(unsigned seed, int count, double scale) {
+assets::Mesh dirtySoupOf(unsigned seed, int count, double scale) {
   std::mt19937 random(seed);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   const auto some = [&] { return glm::dvec3(u(random), u(random), u(random)); };
@@ -104,7 +104,7 @@ assets::Mesh dirtySoup(unsigned seed, int count, double scale) {
   return mesh;
 }
 
-double bruteDistance(const PlacedMesh& a, const PlacedMesh& b) {
+double brutePairDistance(const PlacedMesh& a, const PlacedMesh& b) {
   double least = kEverything;
   const Pose aFromB = inverse(a.worldFromMesh) * b.worldFromMesh;
   std::vector<Triangle> others;
@@ -125,14 +125,14 @@ TEST(MeshDistance, OfRandomSoupsIsThatOfAllPairsOfTriangles) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
   int meeting = 0;
   for (int i = 0; i < 18; ++i) {
-    const double s = kScales[i % 3];
-    const assets::Mesh left = dirtySoup(2 * i, 150, s), right = dirtySoup(2 * i + 1, 180, s);
+    const double s = kPairScales[i % 3];
+    const assets::Mesh left = dirtySoupOf(2 * i, 150, s), right = dirtySoupOf(2 * i + 1, 180, s);
     const TriangleBvh treeA(left, 1), treeB(right, 1);
     const glm::dvec3 home = i % 6 == 5 ? glm::dvec3(3e4, -1e4, 2e4) * s : glm::dvec3(0.0);
     const PlacedMesh a{&treeA, turned(home, {u(random), u(random), u(random)})};
     const double off = i % 2 == 0 ? 2.2 : 0.6;
     const PlacedMesh b{&treeB, turned(home + glm::dvec3(off * s, 0.3 * s, 0.0), {u(random), 2.0, u(random)})};
-    const double expected = bruteDistance(a, b);
+    const double expected = brutePairDistance(a, b);
     MeshGap gap, swapped;
     ASSERT_TRUE(nearestPoints(a, b, kEverything, gap));
     ASSERT_TRUE(nearestPoints(b, a, kEverything, swapped));

@@ -21,7 +21,7 @@ double valueOf(const HandProbe& hand, const Control& control) {
 }
 
 /// What a button of buttonScene(s) resists with, written out: spring with preload, and the click's bump.
-double buttonForce(double q, double s) {
+double forceOfButton(double q, double s) {
   const double x = (q / s - 1e-3) / 0.3e-3;
   const double bump = std::abs(x) < 1.0 ? 0.4 * (1.0 + std::cos(kPi * x)) : 0.0;
   return s * (300.0 * (q / s + 1e-3) + bump);
@@ -58,7 +58,7 @@ TEST(Controls, AButtonClicksAsItsProfileSays) {
     for (int i = 1; i <= 3500; ++i) {
       const double x = 1e-6 * s * i;
       const double before = q;
-      while (q < 2e-3 * s && q + buttonForce(q, s) / kContact < x) q += 1e-8 * s;
+      while (q < 2e-3 * s && q + forceOfButton(q, s) / kContact < x) q += 1e-8 * s;
       if (q - before > 50e-6 * s) {
         ++snaps;
         settled = i + 150;  // it rings down after the snap

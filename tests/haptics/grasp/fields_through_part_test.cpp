@@ -67,7 +67,7 @@ TEST(FieldsThroughPart, AViscousFieldDragsThePart) {
 }
 
 /// J beyond what sampling explains, over a random stroke that ends where it began.
-double excess(const ForceField& field, std::uint32_t seed) {
+double excessOfField(const ForceField& field, std::uint32_t seed) {
   BarInHand hand(barIn({field}), 0, 0.0);
   hand.rest(700);  // the field has faded in
   hand.given = hand.sampling = 0.0;
@@ -88,7 +88,7 @@ TEST(FieldsThroughPart, ConservativeFieldsGiveNoEnergyOnClosedPaths) {
   for (const ForceField& field : storedFields()) {
     if (field.maxForce > 0.0 && field.kind == Kind::potential) continue;  // cut short: kFlagFieldLimited
     for (std::uint32_t seed = 0; seed < 1; ++seed)
-      EXPECT_LT(excess(field, seed), 1e-6) << assets::nameOf(field.kind) << ' ' << seed;
+      EXPECT_LT(excessOfField(field, seed), 1e-6) << assets::nameOf(field.kind) << ' ' << seed;
   }
 }
 

@@ -16,13 +16,13 @@
 #include "haptics/safety/device_defaults.h"
 #include "haptics/tick.h"
 #include "tests/haptics/contact/part_contact_case.h"
+#include "tests/haptics/grasp/closed_loop_case.h"
 #include "tests/support/six_axis_device.h"
 
 namespace tandem::test {
 namespace {
 
-constexpr double kPeriod = 1e-3;  // s
-constexpr int kMaxDelay = 8;      // ticks
+constexpr int kMaxDelay = 8;  // ticks
 
 /// A part, where it is taken and how the hand pushes.
 struct Hold {
@@ -42,8 +42,6 @@ struct Hold {
 
 // The hand's own spring, too soft to matter and without damping: it only keeps the device about where it
 // started.
-constexpr double kHandStiffness = 100.0;   // N/m
-constexpr double kHandRotStiffness = 0.2;  // N·m/rad
 
 Wrench handOf(const Hold& hold, const Pose& device) {
   const glm::dvec3 turn = rotationVector(device.orientation * glm::conjugate(hold.worldFromGrip.orientation));
@@ -51,9 +49,6 @@ Wrench handOf(const Hold& hold, const Pose& device) {
           hold.push.torque - kHandRotStiffness * turn};
 }
 
-CasePart block(const glm::dvec3& where) {
-  return {"block", meshOf(boxSoup(glm::dvec3(0.06), 3)), {where, {1.0, 0.0, 0.0, 0.0}}};
-}
 CasePart cube() { return {"cube", meshOf(boxSoup(glm::dvec3(0.02), 2)), {}, true}; }
 
 /// A cube of 20 mm pushed into the corner of three blocks.
@@ -110,13 +105,6 @@ struct Outcome {
   double earlyTurn = 0.0, lateTurn = 0.0;  // rad
   double created = 0.0;  // J, the most that coupling and device gave out beyond what came in
   bool touched = true;   // in the last tick
-};
-
-/// The extent of what is noted.
-struct Extent {
-  glm::dvec3 low{1e300}, high{-1e300};
-  void note(const glm::dvec3& x) { low = glm::min(low, x), high = glm::max(high, x); }
-  double size() const { return glm::length(high - low); }
 };
 
 haptics::TickParameters parametersOf(const Loop& loop) {
@@ -176,7 +164,6 @@ Outcome run(const Hold& hold, const Loop& loop) {
 }
 
 // Of work summed over 40,000 steps of some 1e-5 J, J.
-constexpr double kRounding = 1e-12;
 
 void print(const Hold& hold, const Loop& loop, const Outcome& o) {
   if (!atFullSize()) return;

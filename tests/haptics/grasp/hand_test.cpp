@@ -5,7 +5,7 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kStiffness = 800.0;  // N/m
+constexpr double kHandCoupling = 800.0;  // N/m
 
 HandInput inputAt(double z) {
   HandInput input;
@@ -27,7 +27,7 @@ double fadedInItsFirstTick(bool hasTool) {
   FaultLatch fault;
   hand.begin(inputAt(0.0), limitedTo(3.0));
   hand.begin(inputAt(1e-3), limitedTo(3.0));
-  hand.fadeOut({{0.0, 0.0, 1.0}, {}}, {kStiffness, 0.0});
+  hand.fadeOut({{0.0, 0.0, 1.0}, {}}, {kHandCoupling, 0.0});
   hand.send(nullptr, {}, fault);
   return hand.fade().now().force.z;
 }
@@ -36,7 +36,7 @@ TEST(Hand, ClipsAnEndingForceToItsDeviceOnlyIfItsToolIsPartOfTheTick) {
   for (const bool hasTool : {true, false}) {
     Hand hand(hasTool);
     hand.begin(inputAt(0.0), limitedTo(1.0));
-    hand.fadeOut({{0.0, 0.0, 5.0}, {}}, {kStiffness, 0.0});
+    hand.fadeOut({{0.0, 0.0, 5.0}, {}}, {kHandCoupling, 0.0});
     EXPECT_DOUBLE_EQ(hand.fade().now().force.z, hasTool ? 1.0 : 5.0);
   }
 }

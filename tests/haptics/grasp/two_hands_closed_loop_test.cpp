@@ -14,14 +14,12 @@
 #include "haptics/body/virtual_coupling.h"
 #include "haptics/tick.h"
 #include "tests/haptics/contact/part_contact_case.h"
+#include "tests/haptics/grasp/closed_loop_case.h"
 #include "tests/support/part_meshes.h"
 #include "tests/support/six_axis_device.h"
 
 namespace tandem::test {
 namespace {
-
-constexpr double kPeriod = 1e-3;     // s
-constexpr double kRounding = 1e-12;  // J, of work summed over tens of thousands of steps of some 1e-5 J
 
 /// What one hand does.
 struct Hand {
@@ -31,8 +29,8 @@ struct Hand {
   double letGo = 1e6;  // s
 };
 
-struct Hold {
-  Hold(const char* label, assets::Scene given, const glm::dvec3& first, const glm::dvec3& second)
+struct TwoHold {
+  TwoHold(const char* label, assets::Scene given, const glm::dvec3& first, const glm::dvec3& second)
       : name(label), scene(std::make_unique<assets::Scene>(std::move(given))), contact(*scene, 1) {
     contact.modelParts();
     for (int i = 0; i < 2; ++i)
@@ -46,8 +44,6 @@ struct Hold {
 
 // As in grasp_closed_loop_test: the hand's own spring, without damping, only keeps the device about where it
 // started.
-constexpr double kHandStiffness = 100.0;   // N/m
-constexpr double kHandRotStiffness = 0.2;  // N·m/rad
 
 Wrench pushOf(const Hand& hand, const Pose& device) {
   const glm::dvec3 turn = rotationVector(device.orientation * glm::conjugate(hand.grip.orientation));
@@ -55,23 +51,20 @@ Wrench pushOf(const Hand& hand, const Pose& device) {
           hand.push.torque - kHandRotStiffness * turn};
 }
 
-CasePart block(const glm::dvec3& where) {
-  return {"block", meshOf(boxSoup(glm::dvec3(0.06), 3)), {where, {1.0, 0.0, 0.0, 0.0}}};
-}
 CasePart barPart() { return {"bar", meshOf(boxSoup({0.08, 0.01, 0.01}, 3)), {}, true}; }
 
 /// A bar of 80 mm with a hand at each end and nothing about, thrown.
-Hold inTheAir() {
-  Hold hold("air", sceneOfParts({barPart(), block({9.0, 0.0, 0.0})}), {-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
+TwoHold inTheAir() {
+  TwoHold hold("air", sceneOfParts({barPart(), block({9.0, 0.0, 0.0})}), {-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
   hold.hands[0].start = {{0.1, -0.05, 0.1}, {2.0, -1.0, 3.0}};
   hold.hands[1].start = {{-0.1, 0.05, 0.05}, {-3.0, 1.0, 1.0}};
   return hold;
 }
 
 /// The same bar pressed down on the edge of a block and against a wall.
-Hold againstAWall() {
-  Hold hold("wall", sceneOfParts({barPart(), block({-0.02, 0.0, -0.035}), block({0.0, -0.035, 0.0})}),
-            {-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
+TwoHold againstAWall() {
+  TwoHold hold("wall", sceneOfParts({barPart(), block({-0.02, 0.0, -0.035}), block({0.0, -0.035, 0.0})}),
+               {-0.04, 0.0, 0.0}, {0.04, 0.0, 0.0});
   hold.hands[0].push.force = {0.0, -1.0, -1.0};
   hold.hands[1].push.force = {0.0, -1.0, -0.5};
   return hold;
@@ -79,21 +72,21 @@ Hold againstAWall() {
 
 /// A cube pushed into the corner of three blocks by both: each device swings against a part that does not
 /// give way.
-Hold inACorner() {
-  Hold hold("corner",
-            sceneOfParts({{"cube", meshOf(boxSoup(glm::dvec3(0.02), 2)), {}, true},
-                          block({0.0, 0.0, -0.04}),
-                          block({-0.04, 0.0, 0.0}),
-                          block({0.0, -0.04, 0.0})}),
-            {0.004, 0.003, 0.005}, {-0.003, 0.004, 0.004});
+TwoHold inACorner() {
+  TwoHold hold("corner",
+               sceneOfParts({{"cube", meshOf(boxSoup(glm::dvec3(0.02), 2)), {}, true},
+                             block({0.0, 0.0, -0.04}),
+                             block({-0.04, 0.0, 0.0}),
+                             block({0.0, -0.04, 0.0})}),
+               {0.004, 0.003, 0.005}, {-0.003, 0.004, 0.004});
   hold.hands[0].push.force = {-1.0, -1.0, -1.0};
   hold.hands[1].push.force = {-0.7, -1.2, -0.8};
   return hold;
 }
 
 /// The bar in the air, twisted and pulled against each other.
-Hold twisted() {
-  Hold hold = inTheAir();
+TwoHold twisted() {
+  TwoHold hold = inTheAir();
   hold.name = "twisted";
   for (Hand& hand : hold.hands) hand.start = {};
   hold.hands[0].push = {{-1.0, 0.3, 0.0}, {0.08, 0.05, 0.0}};
@@ -101,7 +94,7 @@ Hold twisted() {
   return hold;
 }
 
-struct Loop {
+struct TwoHandLoop {
   SixAxisParameters devices[2];
   double share[2] = {0.9, 0.9};  // of each device's own limits
   bool swapped = false;          // each gets the limits of the other one
@@ -109,19 +102,13 @@ struct Loop {
   int early = 1;  // the eighth that the last one is compared with
 };
 
-struct Outcome {
+struct TwoHandOutcome {
   double early = 0.0, late = 0.0;  // m, peak to peak of the devices, in an early and the last eighth
   double earlyTurn = 0.0, lateTurn = 0.0;
   double created = 0.0;  // J, the most that both gave out together beyond what came in
 };
 
-struct Extent {
-  glm::dvec3 low{1e300}, high{-1e300};
-  void note(const glm::dvec3& x) { low = glm::min(low, x), high = glm::max(high, x); }
-  double size() const { return glm::length(high - low); }
-};
-
-haptics::TickParameters parametersOf(const Loop& loop, int hand) {
+haptics::TickParameters parametersOfHand(const TwoHandLoop& loop, int hand) {
   const haptics::CouplingGains most =
       haptics::stiffestGrasp(loop.devices[loop.swapped ? 1 - hand : hand].limits(), kPeriod, 0.0);
   haptics::TickParameters p = rigParameters();
@@ -132,15 +119,15 @@ haptics::TickParameters parametersOf(const Loop& loop, int hand) {
   return p;
 }
 
-Outcome run(const Hold& hold, const Loop& loop) {
+TwoHandOutcome runBothHands(const TwoHold& hold, const TwoHandLoop& loop) {
   using Kind = haptics::PartCommand::Kind;
   haptics::TickState state(hold.contact);
-  const haptics::TickParameters parameters[2] = {parametersOf(loop, 0), parametersOf(loop, 1)};
+  const haptics::TickParameters parameters[2] = {parametersOfHand(loop, 0), parametersOfHand(loop, 1)};
   SixAxisDevice devices[2] = {{loop.devices[0], hold.hands[0].grip}, {loop.devices[1], hold.hands[1].grip}};
   for (int h = 0; h < 2; ++h) devices[h].setTwist(hold.hands[h].start);
   const int ticks = static_cast<int>(loop.seconds / kPeriod), eighth = ticks / 8;
   Extent place[2][2], turn[2][2];
-  Outcome outcome;
+  TwoHandOutcome outcome;
   for (int i = 0; i < ticks; ++i) {
     const double now = kPeriod * i;
     haptics::TickInput input;
@@ -175,7 +162,7 @@ Outcome run(const Hold& hold, const Loop& loop) {
   return outcome;
 }
 
-void print(const Hold& hold, const Loop& loop, const Outcome& o) {
+void printBothHands(const TwoHold& hold, const TwoHandLoop& loop, const TwoHandOutcome& o) {
   if (!atFullSize()) return;
   std::printf(
       "%-8s %4.2f and %4.2f of the limits, quantum %.3g mm: way %8.3g -> %8.3g mm, turn %8.3g -> %8.3g mrad, "
@@ -185,32 +172,32 @@ void print(const Hold& hold, const Loop& loop, const Outcome& o) {
       1e3 * o.earlyTurn, 1e3 * o.lateTurn, o.created);
 }
 
-void expectRests(const Hold& hold, const Loop& loop) {
-  const Outcome o = run(hold, loop);
-  print(hold, loop, o);
+void expectBothRest(const TwoHold& hold, const TwoHandLoop& loop) {
+  const TwoHandOutcome o = runBothHands(hold, loop);
+  printBothHands(hold, loop, o);
   const SixAxisParameters& d = loop.devices[0];
   EXPECT_LT(o.late, std::max(0.6 * o.early, 4.0 * d.quantum + 1e-6)) << hold.name;
   EXPECT_LT(o.lateTurn, std::max(0.6 * o.earlyTurn, 4.0 * d.rotQuantum + 1e-4)) << hold.name;
   EXPECT_LE(o.created, kRounding) << hold.name;
 }
 
-void expectRestsUpToTheLimits(const Hold& hold) {
+void expectBothRestUpToTheLimits(const TwoHold& hold) {
   if (atFullSize()) {
     for (const double share : {0.3, 0.5, 0.7, 0.8}) {
-      Loop loop;
+      TwoHandLoop loop;
       loop.share[0] = share;
-      expectRests(hold, loop);
+      expectBothRest(hold, loop);
     }
   }
-  Loop loop;
-  expectRests(hold, loop);
+  TwoHandLoop loop;
+  expectBothRest(hold, loop);
   for (SixAxisParameters& device : loop.devices) device.quantum = 0.055e-3, device.rotQuantum = 1e-3;
-  expectRests(hold, loop);
+  expectBothRest(hold, loop);
 }
 
 /// Two devices that differ: the second is heavier, and damps three times as much.
-Loop unequal() {
-  Loop loop;
+TwoHandLoop unequal() {
+  TwoHandLoop loop;
   loop.devices[1].mass = 0.09;
   loop.devices[1].inertia = 1e-4;
   loop.devices[1].damping = 3.0;
@@ -219,40 +206,40 @@ Loop unequal() {
 }
 
 TEST(TwoHandsClosedLoop, ABarInTheAirRestsUpToNineTenthsOfBothLimits) {
-  expectRestsUpToTheLimits(inTheAir());
+  expectBothRestUpToTheLimits(inTheAir());
 }
 TEST(TwoHandsClosedLoop, ABarAgainstAWallRestsUpToNineTenthsOfBothLimits) {
-  expectRestsUpToTheLimits(againstAWall());
+  expectBothRestUpToTheLimits(againstAWall());
 }
 TEST(TwoHandsClosedLoop, ACubeInACornerRestsUpToNineTenthsOfBothLimits) {
-  expectRestsUpToTheLimits(inACorner());
+  expectBothRestUpToTheLimits(inACorner());
 }
 TEST(TwoHandsClosedLoop, ABarThatIsTwistedRestsUpToNineTenthsOfBothLimits) {
-  expectRestsUpToTheLimits(twisted());
+  expectBothRestUpToTheLimits(twisted());
 }
 
 TEST(TwoHandsClosedLoop, EachCouplingHasTheLimitOfItsOwnDevice) {
-  for (Hold (*const make)() : {inTheAir, inACorner, twisted}) expectRests(make(), unequal());
+  for (TwoHold (*const make)() : {inTheAir, inACorner, twisted}) expectBothRest(make(), unequal());
 }
 
 TEST(TwoHandsClosedLoop, WithTheLimitsOfTheOtherDeviceAHandSwingsAndMakesEnergy) {
   // The control of the test above.
-  Loop loop = unequal();
+  TwoHandLoop loop = unequal();
   loop.swapped = true;
-  const Hold hold = inACorner();
-  const Outcome o = run(hold, loop);
-  print(hold, loop, o);
+  const TwoHold hold = inACorner();
+  const TwoHandOutcome o = runBothHands(hold, loop);
+  printBothHands(hold, loop, o);
   EXPECT_GT(o.created, 1e-5);
   EXPECT_GT(o.late, 1e-3);
 }
 
 TEST(TwoHandsClosedLoop, OneHandAboveItsLimitSwingsAndMakesEnergy) {
   for (const int hand : {0, 1}) {
-    Loop loop;
+    TwoHandLoop loop;
     loop.share[hand] = 1.2;
-    const Hold hold = inACorner();
-    const Outcome o = run(hold, loop);
-    print(hold, loop, o);
+    const TwoHold hold = inACorner();
+    const TwoHandOutcome o = runBothHands(hold, loop);
+    printBothHands(hold, loop, o);
     EXPECT_GT(o.created, 1e-5) << hand;
     EXPECT_GT(o.late, 1e-3) << hand;
     EXPECT_GT(o.late, 0.9 * o.early) << hand;
@@ -260,12 +247,12 @@ TEST(TwoHandsClosedLoop, OneHandAboveItsLimitSwingsAndMakesEnergy) {
 }
 
 TEST(TwoHandsClosedLoop, OneThatLetsGoInTensionLeavesTheOtherAtRestAndMakesNoEnergy) {
-  const auto expect = [](Hold hold, int hand) {
+  const auto expect = [](TwoHold hold, int hand) {
     hold.hands[hand].letGo = 0.8;
-    Loop loop;
+    TwoHandLoop loop;
     loop.seconds = 2.4;
     loop.early = 3;  // from 0.9 s on
-    expectRests(hold, loop);
+    expectBothRest(hold, loop);
   };
   for (const int hand : {0, 1}) expect(twisted(), hand);
   expect(inACorner(), 0);

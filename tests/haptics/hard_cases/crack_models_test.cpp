@@ -14,6 +14,7 @@
 #include "haptics/tick_data.h"
 #include "tests/haptics/hard_cases/hard_case.h"
 #include "tests/haptics/hard_cases/path_clearance.h"
+#include "tests/support/full_size.h"
 #include "tests/support/random_numbers.h"
 #include "tests/support/winding_number.h"
 
@@ -157,7 +158,7 @@ class CrackModels : public testing::TestWithParam<const char*> {};
 TEST_P(CrackModels, APointGoesNowhereWhereABallDoesNot) {
   const char* data = std::getenv("TANDEM_DATA");
   if (data == nullptr) GTEST_SKIP() << "TANDEM_DATA is not set";
-  const bool fullSize = std::getenv("TANDEM_FULL_SIZE") != nullptr;
+  const bool fullSize = atFullSize();
   for (const double unit : {1e-3, 1.0, 1e3}) {
     SCOPED_TRACE(unit);
     assets::LoadOptions load;

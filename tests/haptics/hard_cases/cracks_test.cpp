@@ -9,6 +9,7 @@
 
 #include "haptics/geometry/triangle_math.h"
 #include "tests/haptics/hard_cases/hard_case.h"
+#include "tests/support/full_size.h"
 #include "tests/support/random_numbers.h"
 
 namespace tandem::test {
@@ -21,7 +22,7 @@ glm::dquat anyTurn(Random& random) {
   return glm::normalize(glm::dquat(normal(random), normal(random), normal(random), normal(random)));
 }
 
-int strokesAModel() { return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 10'000 : 120; }
+int strokesAModel() { return atFullSize() ? 10'000 : 120; }
 
 /// A convex solid: what the proxy must stay out of is known without its triangles.
 struct Solid {

@@ -8,12 +8,12 @@
 #include "assets/generate/profile_god_object.h"
 #include "tests/haptics/hard_cases/hard_case.h"
 #include "tests/support/bench_meshes.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
 /// Millions instead of tens of thousands of triangles and pushes.
-bool atFullSize() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 /// By how much facets lie under the sphere that their corners lie on, m.
 double sagitta(const assets::Mesh& mesh, double radius) {

@@ -62,7 +62,7 @@ Mesh boxUpTo(double top, int n = 1, bool turned = false) {
 Mesh sphere(std::size_t triangles) { return tests::sphereMesh(kRadius, triangles, Topology::never); }
 
 /// How far the facets lie inside the sphere at most, m.
-double sagitta(const Mesh& mesh) {
+double largestSagitta(const Mesh& mesh) {
   haptics::MeshPoint nearest;
   const haptics::TriangleBvh tree(mesh, 1);
   return tree.closestPoint(glm::dvec3(0.0), 1.0, nearest) ? kRadius - nearest.distance : kRadius;
@@ -102,7 +102,8 @@ class SwapHand : public ScaledHand {
 
 void expectRetessellationUnfelt(double toolRadius) {
   const Mesh meshes[] = {sphere(2'000), sphere(20'000), sphere(6'000)};
-  const double gap = std::max({sagitta(meshes[0]), sagitta(meshes[1]), sagitta(meshes[2])});
+  const double gap =
+      std::max({largestSagitta(meshes[0]), largestSagitta(meshes[1]), largestSagitta(meshes[2])});
   const double reach = kRadius + toolRadius;
   atEveryScale(1e-5, [&](double scale, std::vector<glm::dvec3>& forces) {
     SwapHand hand(sceneOf(meshes[0]), scale, toolRadius);

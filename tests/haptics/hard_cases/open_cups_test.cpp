@@ -7,7 +7,7 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kDeep = 0.005;  // m: 4 N at 800 N/m
+constexpr double kPastTheWall = 0.005;  // m: 4 N at 800 N/m
 
 /// A cup around the z axis, open at the top, of one sheet of `sides` sides: a floor at z = 0, and a wall up
 /// to `height` whose radius goes from `foot` to `mouth`.
@@ -51,7 +51,7 @@ struct Start {
     hand.at({0.001, 0.0007, height * cup.height});
     flagged = (hand.probe.out.flags & haptics::kFlagInside) != 0u;
     calm = glm::length(hand.force()) < 1e-9;
-    force = hand.at({0.001, 0.0007, -kDeep});
+    force = hand.at({0.001, 0.0007, -kPastTheWall});
   }
   ScaledHand hand;
   bool flagged = false, calm = false;
@@ -71,7 +71,7 @@ TEST(OpenCups, AreFeltFromWithinOrAFlagSaysWhyNot) {
             EXPECT_TRUE(start.hand.probe.out.flags & haptics::kFlagInside);
             EXPECT_EQ(start.force, glm::dvec3(0.0));
           } else {
-            EXPECT_NEAR(start.force.z, kStiffness * kDeep, 1e-4);
+            EXPECT_NEAR(start.force.z, kStiffness * kPastTheWall, 1e-4);
           }
         }
       }
@@ -100,7 +100,7 @@ TEST(OpenCups, WithALidAreNotFeltUntilTheHandHasLeft) {
       EXPECT_EQ(start.force, glm::dvec3(0.0));
       start.hand.at({0.001, 0.0007, -0.02});
       EXPECT_FALSE(start.hand.probe.out.flags & haptics::kFlagInside);
-      EXPECT_NEAR(start.hand.at({0.001, 0.0007, kDeep}).z, -kStiffness * kDeep, 1e-4);
+      EXPECT_NEAR(start.hand.at({0.001, 0.0007, kPastTheWall}).z, -kStiffness * kPastTheWall, 1e-4);
     }
   }
 }

@@ -13,7 +13,7 @@ namespace tandem::test {
 namespace {
 
 constexpr double kCap = 0.4;  // N a tick
-constexpr glm::dquat kNoTurn{1.0, 0.0, 0.0, 0.0};
+constexpr glm::dquat kUpright{1.0, 0.0, 0.0, 0.0};
 
 class SlewAtScale : public testing::TestWithParam<double> {
  protected:
@@ -28,7 +28,7 @@ class SlewAtScale : public testing::TestWithParam<double> {
     b.addPart(boxMesh(s() * glm::dvec3(0.1, 0.1, 0.1)), pose, 1.0);
     return b.scene;
   }
-  Pose at(double x, double y, double z) const { return {s() * glm::dvec3(x, y, z), kNoTurn}; }
+  Pose at(double x, double y, double z) const { return {s() * glm::dvec3(x, y, z), kUpright}; }
 };
 
 TEST_P(SlewAtScale, AStrokeAtFiveMetresASecondIsExactInEveryTick) {

@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <numbers>
 #include <random>
 
@@ -15,6 +14,7 @@
 
 #include "haptics/link/replica_links.h"
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -26,8 +26,6 @@ constexpr double kMostGiven = 0.5e-3;  // J
 constexpr double kFarthest = 0.012;    // m
 constexpr double kBegins = 1.0;        // s: the link does
 constexpr double kLasts = 4.0;         // s
-
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 /// A hand that moves the owner's replica whatever pulls at it: it comes to a speed, and stops at some time
 /// after the link has begun.
@@ -69,12 +67,12 @@ haptics::LinkTerms termsOf(SiteId peer, double delay, bool led) {
 }
 
 /// One site's replica with its end of the link.
-struct Replica {
+struct LedReplica {
   haptics::RigidBody body;
   ReplicaLinks links;
   double work = 0.0;  // J, of the link on it
 
-  Replica() {
+  LedReplica() {
     body.mass = kMass;
     body.inertia = glm::dmat3(5e-4);
   }
@@ -113,9 +111,9 @@ struct Figures {
 };
 
 Figures run(const Drag& drag, bool knowsItIsLed = true) {
-  Replica owner, led;
+  LedReplica owner, led;
   LinkLine toLed(drag.network, 2 * drag.seed), toOwner(drag.network, 2 * drag.seed + 1);
-  const auto exchange = [](double now, LinkLine& line, Replica& to) {
+  const auto exchange = [](double now, LinkLine& line, LedReplica& to) {
     line.deliver(now, [&](const haptics::LinkPacket& packet) { to.links.receive({{0, 0}, packet}); });
   };
   Figures figures;
@@ -130,7 +128,7 @@ Figures run(const Drag& drag, bool knowsItIsLed = true) {
       haptics::LinkTerms terms = termsOf(0, drag.network.delay, true);
       if (!knowsItIsLed) terms.firstFadeTime = 0.0;
       EXPECT_TRUE(led.links.begin(terms, led.body));
-      for (Replica* replica : {&owner, &led}) replica->links.setSimulators(0, 2);
+      for (LedReplica* replica : {&owner, &led}) replica->links.setSimulators(0, 2);
     }
     if (!owner.links.any()) {
       haptics::moveBody(owner.body, velocity, {}, kTick);
@@ -165,7 +163,7 @@ TEST(LedReplica, WhatLeadsItGivesTheHandThatMovesItsPeerNothing) {
     led = std::max(led, figures.led);
     farthest = std::max(farthest, figures.farthest);
   }
-  if (prints())
+  if (atFullSize())
     std::printf("led: hand given %.3f mJ, led with %.3f mJ, %.1f mm apart\n", 1e3 * given, 1e3 * led,
                 1e3 * farthest);
 }

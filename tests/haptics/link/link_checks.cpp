@@ -1,9 +1,9 @@
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstdlib>
 
 namespace tandem::test {
 namespace {
@@ -59,7 +59,7 @@ void expectPassive(const Tally& tally, const char* what) {
   EXPECT_LE(tally.inLinks, kEnergyBound) << what;
 }
 
-int seeds(int few) { return std::getenv("TANDEM_FULL_SIZE") != nullptr ? 20 : few; }
+int seeds(int few) { return atFullSize() ? 20 : few; }
 
 LinkEndMaker holdingTheLastWave(const Network& network) {
   return [network](const haptics::LinkParameters& parameters, double delay) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 
 #include <glm/geometric.hpp>
 
@@ -14,6 +13,7 @@
 #include "haptics/link/link_engagement.h"
 #include "haptics/link/outage_spring.h"
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -291,7 +291,7 @@ TEST(LinkCollision, PartsOfTwoOwnersPressOnEachOther) {
        {Row{0.010, 330.0}, Row{0.025, 280.0}, Row{0.050, 235.0}, Row{0.100, 100.0}, Row{0.250, 44.0}}) {
     for (int seed = 1; seed <= seeds(1); ++seed) {
       const CollisionFigures f = pressTogether(row.delay, CoHolder::linked, 0.0, static_cast<unsigned>(seed));
-      if (std::getenv("TANDEM_FULL_SIZE") != nullptr && seed <= 2)
+      if (atFullSize() && seed <= 2)
         std::printf(
             "pressed together %3.0f ms: %3.0f N/m, %.2f N in 20 ms before they touch, %.2f N while held, "
             "%.4f mJ, "
@@ -320,7 +320,7 @@ double outagesFelt(double delay, CoHolder coHolder, const char* what) {
       created = std::max(created, f.created);
     }
   }
-  if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
+  if (atFullSize())
     std::printf("outages while pressed, %s, %3.0f ms: %.2f N in 20 ms, %.4f mJ\n", what, 1e3 * delay, most,
                 1e3 * created);
   return most;
@@ -340,7 +340,7 @@ TEST(LinkCollision, OutagesWhilePressedAreFeltWhereAPlainSpringLeads) {
 TEST(LinkCollision, KinematicReplicasAtBothSitesMakeEnergy) {
   // The control: nobody's part gives way at the other's site.
   const CollisionFigures f = pressTogether(0.025, CoHolder::kinematic, 0.0, 1);
-  if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
+  if (atFullSize())
     std::printf("kinematic: %.0f N/m, %.2f N while held, %.2f mJ%s\n", f.stiffness, f.held, 1e3 * f.created,
                 f.astray ? " ASTRAY" : "");
   EXPECT_TRUE(f.astray || f.created > 5e-3);

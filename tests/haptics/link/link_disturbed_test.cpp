@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -20,10 +19,8 @@ BenchSetup setupAt(double delay, int seed, bool offCentre = false) {
   return setup;
 }
 
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
-
 void print(const char* what, double delay, const DragFigures& d) {
-  if (prints())
+  if (atFullSize())
     std::printf(
         "%-28s %3.0f ms: %.2f N, %.1f mN m in 20 ms, rms %.1f mm, leader %.2f N, %.4f mJ, link %.4f mJ%s\n",
         what, 1e3 * delay, d.change, 1e3 * d.turnChange, 1e3 * d.rms, d.load, 1e3 * d.created,
@@ -109,7 +106,7 @@ TEST(LinkDisturbed, LettingGoInTensionSettles) {
         BenchSetup setup = setupAt(delay, seed);
         setup.sites = twoHands(firmArm(), firmArm(), true);
         const PullFigures p = pull(setup, who);
-        if (prints() && seed == 1)
+        if (atFullSize() && seed == 1)
           std::printf("let go %3.0f ms: rest %.3f mm, %.2f N, %.4f mJ, link %.4f mJ\n", 1e3 * delay,
                       1e3 * p.rest, p.restless, 1e3 * p.created, 1e3 * p.inLinks);
         expectPassive(p, "let go");
@@ -126,7 +123,7 @@ TEST(LinkDisturbed, TurnedToAndFroThePartKeepsItsWayAtBothSites) {
     const auto setupOf = [&](int seed) { return setupAt(delay, seed); };
     const DragFigures d = worstDrag(setupOf, {.turn = 1.2}, seeds(1));
     print("drag and turn", delay, d);
-    if (prints()) std::printf("  turned apart by %.0f mrad rms\n", 1e3 * d.turnRms);
+    if (atFullSize()) std::printf("  turned apart by %.0f mrad rms\n", 1e3 * d.turnRms);
     expectPassive(d, "turn");
     EXPECT_LT(d.turnRms, 0.15) << delay;
   }
@@ -148,7 +145,7 @@ TEST(LinkDisturbed, PlainDelayedCouplingMakesEnergy) {
   };
   setup.sites = twoHands(firmArm(), firmArm());
   const PullFigures p = pull(setup, LetGo::both);
-  if (prints())
+  if (atFullSize())
     std::printf("plain: created %.2f mJ astray %d rest %.2f mm\n", 1e3 * p.created, p.astray, 1e3 * p.rest);
   EXPECT_TRUE(p.astray || p.created > 5e-3);
 }

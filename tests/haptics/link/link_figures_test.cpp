@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include <cstdlib>
-
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -24,21 +23,19 @@ constexpr Row kRows[] = {{0.010, 270.0, 1.2e-3, 1.1},
                          {0.250, kOff, kOff, 1.0}};
 constexpr double kLoadWithoutDelay = 1.02;  // N rms: of the leader of the shared drag
 
-BenchSetup setupAt(double delay, int seed) {
+BenchSetup benchAt(double delay, int seed) {
   BenchSetup setup;
   setup.network.delay = delay;
   setup.seed = static_cast<unsigned>(seed);
   return setup;
 }
 
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
-
 TEST(LinkFigures, DragStaysTogetherAndTheLeaderIsNotLoaded) {
   for (const Row& row : kRows) {
     for (const bool offCentre : {false, true}) {
       DragFigures worst;
       for (int seed = 1; seed <= seeds(); ++seed) {
-        BenchSetup setup = setupAt(row.delay, seed);
+        BenchSetup setup = benchAt(row.delay, seed);
         setup.sites = twoHands(firmArm(), lightArm(), offCentre);
         const DragFigures d = drag(setup);
         expectPassive(d, "drag");
@@ -46,7 +43,7 @@ TEST(LinkFigures, DragStaysTogetherAndTheLeaderIsNotLoaded) {
         worst.rms = std::max(worst.rms, d.rms), worst.turnRms = std::max(worst.turnRms, d.turnRms);
         worst.load = std::max(worst.load, d.load);
       }
-      if (prints())
+      if (atFullSize())
         std::printf(
             "drag %s %3.0f ms: rms %5.2f mm %5.2f mrad, leader %4.2f x, %.2f N in 20 ms, %.4f mJ, link %.4f "
             "mJ\n",
@@ -68,14 +65,14 @@ TEST(LinkFigures, HandsFeelEachOther) {
       PullFigures worst;
       worst.stiffness = 1e9;
       for (int seed = 1; seed <= seeds(); ++seed) {
-        BenchSetup setup = setupAt(row.delay, seed);
+        BenchSetup setup = benchAt(row.delay, seed);
         setup.sites = twoHands(firmArm(), firmArm(), offCentre);
         const PullFigures p = pull(setup, LetGo::nobody);
         expectPassive(p, "pull");
         worst.worst(p);
         worst.stiffness = std::min(worst.stiffness, p.stiffness);
       }
-      if (prints())
+      if (atFullSize())
         std::printf("pull %s %3.0f ms: %4.0f N/m, %.2f N in 20 ms at rest, %.4f mJ, link %.4f mJ\n",
                     offCentre ? "off centre" : "centred   ", 1e3 * row.delay, worst.stiffness, worst.change,
                     1e3 * worst.created, 1e3 * worst.inLinks);
@@ -99,14 +96,14 @@ TEST(LinkFigures, WallIsAsStiffForTheCoHolderAtEveryDelay) {
       PressFigures worst;
       worst.stiffness = 1e9;
       for (int seed = 1; seed <= seeds(1); ++seed) {
-        BenchSetup setup = setupAt(row.delay, seed);
+        BenchSetup setup = benchAt(row.delay, seed);
         setup.sites = twoHands(pair.owner, pair.coHolder);
         const PressFigures p = press(setup);
         expectPassive(p, pair.name);
         worst.worst(p);
         worst.stiffness = std::min(worst.stiffness, p.stiffness);
       }
-      if (prints())
+      if (atFullSize())
         std::printf("wall %-7s %3.0f ms: %4.0f N/m, %.4f mJ, link %.4f mJ\n", pair.name, 1e3 * row.delay,
                     worst.stiffness, 1e3 * worst.created, 1e3 * worst.inLinks);
       EXPECT_GE(worst.stiffness, 830.0) << pair.name << " " << row.delay;

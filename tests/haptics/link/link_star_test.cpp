@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <cstdlib>
 
 #include <glm/geometric.hpp>
 
 #include "haptics/base/minimum_jerk.h"
 #include "tests/haptics/link/link_checks.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
@@ -96,7 +96,7 @@ TEST(LinkStar, ThreeAndEightSitesArePassiveAndTheLeaderCarriesOneLine) {
       const StarFigures hub = dragStar(setup, 0, hold), spoke = dragStar(setup, 1, hold),
                         near = pullStar(setup, 0), far = pullStar(setup, 2);
       for (const StarFigures& f : {hub, spoke, near, far}) expectPassive(f, "star");
-      if (std::getenv("TANDEM_FULL_SIZE") != nullptr)
+      if (atFullSize())
         std::printf(
             "%d sites %3.0f ms: leader's force %.2f x as hub, %.2f x as spoke, %3.0f N/m to "
             "the hub, %3.0f between spokes, %.2f N in 20 ms at rest\n",

@@ -15,6 +15,7 @@
 #include "haptics/tick_data.h"
 #include "tests/haptics/link/link_checks.h"
 #include "tests/haptics/link/linked_sites.h"
+#include "tests/support/full_size.h"
 #include "tests/support/part_cases.h"
 
 namespace tandem::test {
@@ -26,8 +27,6 @@ using Kind = haptics::PartCommand::Kind;
 
 constexpr double kQuantum =
     0.055;  // N: one of the device's through the grasp's spring, felt wherever a hand moves
-
-bool prints() { return std::getenv("TANDEM_FULL_SIZE") != nullptr; }
 
 LinkedSetup setupOf(double delay, const assets::Scene& scene, std::vector<BenchSite> sites) {
   LinkedSetup setup;
@@ -67,7 +66,7 @@ TEST(LinkedSites, HandsFeelEachOtherAsOnTheBench) {
     setup.sites = twoHands(firmArm(), firmArm());
     LinkBench bench(setup);
     const double ofBench = handToHand(bench, [&] { return bench.site(0).onHand.force; });
-    if (prints())
+    if (atFullSize())
       std::printf("tied, hand to hand %3.0f ms: %3.0f N/m, bench %3.0f, %.4f mJ\n", 1e3 * delay, felt,
                   ofBench, 1e3 * sites.maxCreated);
     EXPECT_NEAR(felt, ofBench, 0.1 * ofBench) << delay;
@@ -108,7 +107,7 @@ TEST(LinkedSites, WallIsAsStiffForTheCoHolderAtAQuarterOfASecond) {
   EXPECT_GT(near, 830.0);
   for (const double delay : {0.050, 0.250}) {
     const double felt = feltWall(delay, true, created);
-    if (prints())
+    if (atFullSize())
       std::printf("tied, wall %3.0f ms: %3.0f N/m, at 1 ms %3.0f, %.4f mJ\n", 1e3 * delay, felt, near,
                   1e3 * created);
     EXPECT_NEAR(felt, near, 0.05 * near) << delay;
@@ -140,7 +139,7 @@ TEST(LinkedSites, PegGoesIntoItsBoreInTwoHandsFiftyMillisecondsApart) {
   const double wanted = peg.path(peg.duration).position.z;
   for (std::size_t i = 0; i < 2; ++i) {
     const double z = sites.site(i).part().worldFromPart.position.z;
-    if (prints())
+    if (atFullSize())
       std::printf("tied peg, site %zu: %.2f of %.2f mm, depth %.2f um, %.4f mJ\n", i, 1e3 * z, 1e3 * wanted,
                   1e6 * deepest, 1e3 * sites.maxCreated);
     EXPECT_NEAR(z, wanted, 2e-3) << i;
@@ -197,7 +196,7 @@ Change handOver(double delay, HandOver how) {
 TEST(LinkedSites, ChangeOfOwnerInTensionIsNotFelt) {
   for (const double delay : {0.010, 0.050, 0.100}) {
     const Change change = handOver(delay, HandOver::carriesOn);
-    if (prints())
+    if (atFullSize())
       std::printf("tied, hand-over %3.0f ms: %.4f N in 20 ms beyond before\n", 1e3 * delay, change.excess);
     EXPECT_LE(change.excess, 0.04) << delay;
   }
@@ -224,7 +223,8 @@ Change changeOfHub(double delay) {
   for (std::size_t site = 0; site < 3; ++site) {
     EXPECT_EQ(sites.site(site).part().links.count, site == 1 ? 2 : 1);
     EXPECT_GT(sites.site(site).part().links.fade, 0.99);
-    if (prints()) std::printf("  hub site %zu %.3f N\n", site, glm::length(sites.site(site).onHand().force));
+    if (atFullSize())
+      std::printf("  hub site %zu %.3f N\n", site, glm::length(sites.site(site).onHand().force));
   }
   EXPECT_LE(sites.maxCreated, kEnergyBound);
   return change;
@@ -233,7 +233,7 @@ Change changeOfHub(double delay) {
 TEST(LinkedSites, HubOfThreeChangesWithoutAStep) {
   for (const double delay : {0.010, 0.050}) {
     const Change change = changeOfHub(delay);
-    if (prints())
+    if (atFullSize())
       std::printf("tied, hub changes %3.0f ms: %.4f N in 20 ms beyond before\n", 1e3 * delay, change.excess);
     EXPECT_LE(change.excess, 0.04 + kQuantum) << delay;
   }
@@ -242,7 +242,7 @@ TEST(LinkedSites, HubOfThreeChangesWithoutAStep) {
 TEST(LinkedSites, ChangeOfOwnerIsFeltIfTheLinkBeginsAnewOrThePoseIsSet) {
   for (const HandOver how : {HandOver::beginsAnew, HandOver::setsThePose}) {
     const Change change = handOver(0.050, how);
-    if (prints()) std::printf("  control: %.4f N\n", change.excess);
+    if (atFullSize()) std::printf("  control: %.4f N\n", change.excess);
     EXPECT_GT(change.excess, 0.04);
   }
 }
@@ -278,11 +278,11 @@ Change endLinkInTension(double delay, End how) {
 TEST(LinkedSites, TieThatEndsInTensionRunsItsForceOutAndTheHandsHoldOn) {
   for (const double delay : {0.010, 0.050, 0.100}) {
     const Change change = endLinkInTension(delay, End::runsOut);
-    if (prints()) std::printf("linked, ended %3.0f ms: %.3f N in 20 ms\n", 1e3 * delay, change.most);
+    if (atFullSize()) std::printf("linked, ended %3.0f ms: %.3f N in 20 ms\n", 1e3 * delay, change.most);
     EXPECT_LE(change.most, 0.04 + 3.0 * kQuantum) << delay;
   }
   const Change control = endLinkInTension(0.010, End::atOnce);
-  if (prints()) std::printf("  control: %.3f N\n", control.most);
+  if (atFullSize()) std::printf("  control: %.3f N\n", control.most);
   EXPECT_GT(control.most, 0.3);
 }
 
@@ -295,7 +295,7 @@ TEST(LinkedSites, TieThatEndsAtFullSpeedIsNotFelt) {
       for (std::size_t i = 0; i < 2; ++i)
         if (isAt(now, 4.0)) sites.site(i).state.endLink({0, static_cast<SiteId>(2 - i)});
     });
-    if (prints())
+    if (atFullSize())
       std::printf("linked, ended at speed %3.0f ms: %.3f N in 20 ms, %.3f beyond before\n", 1e3 * delay,
                   change.most, change.excess);
     EXPECT_LE(change.most, 0.35) << delay;  // as in link_disturbed_test
@@ -311,7 +311,7 @@ TEST(LinkedSites, OwnersHandMayLetGoWhileTheCoHolderHoldsOn) {
   });
   const haptics::OwnedPart &left = sites.site(0).part(), &held = sites.site(1).part();
   const double gap = glm::length(left.worldFromPart.position - held.worldFromPart.position);
-  if (prints()) std::printf("tied, let go: %.3f N in 20 ms, %.2f mm apart\n", change.most, 1e3 * gap);
+  if (atFullSize()) std::printf("tied, let go: %.3f N in 20 ms, %.2f mm apart\n", change.most, 1e3 * gap);
   EXPECT_FALSE(left.held);
   EXPECT_FALSE(left.atRest);
   EXPECT_EQ(left.links.count, 1);
@@ -328,7 +328,7 @@ TEST(LinkedSites, OwnerThatFallsSilentLeavesTheCoHolderItsHold) {
     if (isAt(now, 5.0)) sites.silence(0);
     if (isAt(now, 7.0)) sites.site(1).state.endLink({0, 1});
   });
-  if (prints()) std::printf("tied, owner silent: %.3f N in 20 ms\n", change.most);
+  if (atFullSize()) std::printf("tied, owner silent: %.3f N in 20 ms\n", change.most);
   EXPECT_LE(change.most, 0.3);
   EXPECT_EQ(sites.site(1).out.hands[0].held, 0);
   EXPECT_EQ(sites.site(1).part().links.count, 0);
@@ -355,7 +355,7 @@ double leadersForce(int simulators) {
 TEST(LinkedSites, ReplicasWeighTogetherWhatThePartWeighs) {
   constexpr double kLoadWithoutDelay = 1.02;  // N rms, as in link_figures_test
   const double shared = leadersForce(2), whole = leadersForce(1);
-  if (prints()) std::printf("tied, leader: %.2f N rms, masses not shared %.2f\n", shared, whole);
+  if (atFullSize()) std::printf("tied, leader: %.2f N rms, masses not shared %.2f\n", shared, whole);
   EXPECT_LE(shared, 1.2 * kLoadWithoutDelay);
   EXPECT_GT(whole, 1.2 * kLoadWithoutDelay);
 }
@@ -448,7 +448,7 @@ TEST(LinkedSites, PullHarderThanTheirDevicesCan) {
     setup.sites = twoHands(firmArm(), firmArm());
     LinkBench bench(setup);
     bench.runTo(8.0, [](double t, int who) { return who == 0 ? dragPath(t) : SixAxes{}; });
-    if (prints())
+    if (atFullSize())
       std::printf("tied, saturated %3.0f ms: %.4f mJ, bench %.4f\n", 1e3 * delay, 1e3 * sites.maxCreated,
                   1e3 * bench.maxCreated);
     EXPECT_LE(sites.maxCreated, kEnergyBound) << delay;

@@ -16,34 +16,34 @@ namespace {
 
 using haptics::OutageSpring;
 
-constexpr double kTick = 1e-3, kLever = 0.05;  // s, m
-constexpr double kMass = 0.5;                  // kg
+constexpr double kSpringTick = 1e-3, kLever = 0.05;  // s, m
+constexpr double kPartMass = 0.5;                    // kg
 
 /// A replica on its spring, pushed by `push` N along x, and what its peer says of it.
 class Led {
  public:
   Led() {
-    body_.mass = kMass;
+    body_.mass = kPartMass;
     body_.inertia = glm::dmat3(5e-4);
     peer.worldFromDrawn = body_.worldFromBody;
   }
 
   /// A tick; the peer goes on as it says, heard or not.
   void step(bool heard = true, bool wanted = true, bool held = false) {
-    peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kTick);
-    peer.time += kTick;
+    peer.worldFromDrawn = integrate(peer.worldFromDrawn, peer.twist, kSpringTick);
+    peer.time += kSpringTick;
     if (heard) said_ = peer;
-    spring.advance(body_.worldFromBody, body_.twist, {&said_, 0.0, delay, wanted, held}, kLever, kTick);
+    spring.advance(body_.worldFromBody, body_.twist, {&said_, 0.0, delay, wanted, held}, kLever, kSpringTick);
     const haptics::Coupling coupling = spring.coupling(body_);
     const haptics::CoupledStep next =
-        haptics::coupleBody(body_, {&coupling, 1}, {{push, 0.0, 0.0}, {}}, {}, kTick);
-    haptics::moveBody(body_, next.freeVelocity, next.freeSpin, kTick);
+        haptics::coupleBody(body_, {&coupling, 1}, {{push, 0.0, 0.0}, {}}, {}, kSpringTick);
+    haptics::moveBody(body_, next.freeVelocity, next.freeSpin, kSpringTick);
     const Wrench back = next.couplings[0].onHand(next.freeVelocity, next.freeSpin);
     change = glm::length(back.force + force);
     force = -back.force;
   }
   void run(double seconds, bool heard = true, bool wanted = true, bool held = false) {
-    for (int i = 0; i < std::lround(seconds / kTick); ++i) step(heard, wanted, held);
+    for (int i = 0; i < std::lround(seconds / kSpringTick); ++i) step(heard, wanted, held);
   }
   double x() const { return body_.worldFromBody.position.x; }
   double behind() const { return glm::length(peer.worldFromDrawn.position - body_.worldFromBody.position); }

@@ -10,15 +10,15 @@
 namespace tandem::haptics {
 namespace {
 
-constexpr double kTick = 1e-3;
+constexpr double kStylusTick = 1e-3;
 
 TEST(PoseFilter, FollowsTheCriticallyDampedStepResponse) {
   const double time = 0.03;
   PoseFilter filter{Pose{}};
   const Pose target{{0.01, 0.0, 0.0}, fromRotationVector({0.0, 0.0, 0.5})};
   for (int i = 1; i <= 300; ++i) {
-    filter.step(target, time, 1e9, kTick);
-    const double s = i * kTick / time;
+    filter.step(target, time, 1e9, kStylusTick);
+    const double s = i * kStylusTick / time;
     const double left = (1.0 + s) * std::exp(-s);
     ASSERT_NEAR(filter.pose().position.x, 0.01 * (1.0 - left), 1e-12);
     ASSERT_NEAR(rotationVector(filter.pose().orientation).z, 0.5 * (1.0 - left), 1e-9);
@@ -29,7 +29,7 @@ TEST(PoseFilter, NeverExceedsItsGreatestSpeed) {
   PoseFilter filter{Pose{}};
   double fastest = 0.0;
   for (int i = 0; i < 3000; ++i) {
-    filter.step(Pose{{3.0, 4.0, 0.0}, glm::dquat(1.0, 0.0, 0.0, 0.0)}, 0.03, 2.0, kTick);
+    filter.step(Pose{{3.0, 4.0, 0.0}, glm::dquat(1.0, 0.0, 0.0, 0.0)}, 0.03, 2.0, kStylusTick);
     fastest = std::max(fastest, glm::length(filter.twist().linear));
   }
   EXPECT_LE(fastest, 2.0 + 1e-9);
@@ -43,15 +43,15 @@ TEST(VirtualStylus, SmoothsTheStepsOfASixtyHertzMouse) {
   double largestStep = 0.0, travel = 0.0;
   glm::dvec3 last{0.0, 0.0, 0.0};
   for (int i = 0; i < 1000; ++i) {
-    if (i % 16 == 0) stylus.setTarget({0.1 * i * kTick, 0.0, 0.0});  // 1.6 mm every 16 ms
-    stylus.poll(i * kTick);
+    if (i % 16 == 0) stylus.setTarget({0.1 * i * kStylusTick, 0.0, 0.0});  // 1.6 mm every 16 ms
+    stylus.poll(i * kStylusTick);
     stylus.apply({});
     const glm::dvec3 here = stylus.hand().devicePose().position;
     largestStep = std::max(largestStep, glm::length(here - last));
     travel += glm::length(here - last);
     last = here;
   }
-  EXPECT_LT(largestStep, 2.0 * 0.1 * kTick) << "the mean step is 0.1 mm";
+  EXPECT_LT(largestStep, 2.0 * 0.1 * kStylusTick) << "the mean step is 0.1 mm";
   EXPECT_GT(travel, 0.08);
 }
 
@@ -62,7 +62,7 @@ TEST(VirtualStylus, ArrivesAtTheMouseAndCarriesItsButtons) {
   stylus.setButtons(2);
   DeviceSample sample;
   for (int i = 0; i < 2000; ++i) {
-    sample = stylus.poll(i * kTick);
+    sample = stylus.poll(i * kStylusTick);
     stylus.apply({});
   }
   EXPECT_LT(glm::length(sample.worldFromDevice.position - glm::dvec3(0.05, -0.02, 0.01)), 1e-3);
@@ -75,7 +75,7 @@ TEST(VirtualStylus, RestsOnAWallWhileTheMouseIsBehindIt) {
   stylus.setTarget({0.005, 0.0, 0.0});
   double deepest = 0.0, quietest = 1.0, loudest = -1.0;
   for (int i = 0; i < 4000; ++i) {
-    const DeviceSample sample = stylus.poll(i * kTick);
+    const DeviceSample sample = stylus.poll(i * kStylusTick);
     const double depth = std::max(0.0, sample.worldFromDevice.position.x);
     stylus.apply({{-800.0 * depth - (depth > 0.0 ? 1.0 * sample.twist.linear.x : 0.0), 0.0, 0.0}, {}});
     const double x = stylus.hand().devicePose().position.x;
@@ -94,7 +94,7 @@ TEST(VirtualStylus, IgnoresTargetsThatAreNotANumber) {
   stylus.setTarget({nan, 0.0, 0.0});
   stylus.setTarget({0.0, 0.0, 0.0}, glm::dquat(0.0, 0.0, 0.0, 0.0));
   stylus.setTarget({0.0, 0.0, 0.0}, glm::dquat(nan, 0.0, 0.0, 0.0));
-  for (int i = 0; i < 100; ++i) EXPECT_TRUE(stylus.poll(i * kTick).valid);
+  for (int i = 0; i < 100; ++i) EXPECT_TRUE(stylus.poll(i * kStylusTick).valid);
 }
 
 }  // namespace

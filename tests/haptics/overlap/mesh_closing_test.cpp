@@ -19,7 +19,7 @@ namespace {
 using haptics::MeshClosing;
 using haptics::TriangleBvh;
 
-constexpr double kScales[] = {1e-3, 1.0, 50.0};
+constexpr double kClosingScales[] = {1e-3, 1.0, 50.0};
 
 /// A ball of radius 1 with every `every`-th face gone, turned and scaled.
 assets::Mesh tornBall(std::size_t every, double scale, const glm::dvec3& rotation) {
@@ -43,7 +43,7 @@ double windingNumber(const assets::Mesh& mesh, const glm::dvec3& p) {
 TEST(MeshClosing, SidesDoNotDependOnTheFrame) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> u(-1.2, 1.2);
-  for (const double scale : kScales) {
+  for (const double scale : kClosingScales) {
     int byRays = 0;
     for (int turn = 0; turn < 6; ++turn) {
       const glm::dvec3 rotation(u(random), u(random), u(random));

@@ -7,7 +7,6 @@
 #include <atomic>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <memory>
 #include <thread>
 #include <tuple>
@@ -17,6 +16,7 @@
 #include "haptics/scene/model_bake.h"
 #include "haptics/scene/model_refiner.h"
 #include "tests/haptics/contact/irregular_shapes.h"
+#include "tests/support/full_size.h"
 #include "tests/support/held_part_rig.h"
 
 namespace tandem::test {
@@ -158,7 +158,7 @@ TEST_P(RefinedWhileFelt, ChangesNoForce) {
 
 INSTANTIATE_TEST_SUITE_P(Families, RefinedWhileFelt,
                          testing::Combine(testing::Values(Family::blobs, Family::blocks, Family::turned),
-                                          testing::Range(1u, std::getenv("TANDEM_FULL_SIZE") ? 9u : 2u)));
+                                          testing::Range(1u, atFullSize() ? 9u : 2u)));
 
 TEST(ModelRefiner, WithFieldsOfSmallerMeshesWouldBeFelt) {
   const PartCase given = pressedTwice(Family::blobs, 2);
@@ -177,7 +177,7 @@ TEST(ModelRefiner, WithFieldsOfSmallerMeshesWouldBeFelt) {
 TEST(ModelRefiner, IsNotNeededForAPegToGoIn) {
   PegCase peg;
   peg.diametralClearance = 20e-6;
-  peg.triangles = std::getenv("TANDEM_FULL_SIZE") != nullptr ? 50'000 : 1'500;
+  peg.triangles = atFullSize() ? 50'000 : 1'500;
   HeldPartRig coarse(pegCase(peg), rigParameters(), coarseModels());
   coarse.run(20);
   std::printf(

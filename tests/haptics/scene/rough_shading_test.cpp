@@ -17,9 +17,9 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kCrease = 1.2;     // rad, above what the noise makes
-constexpr double kUnfelt = 0.05;    // N, a change of the force that may come with any travel
-constexpr double kStiffness = 1e3;  // N/m at scale 1
+constexpr double kRoughCrease = 1.2;  // rad, above what the noise makes
+constexpr double kUnfelt = 0.05;      // N, a change of the force that may come with any travel
+constexpr double kStiffness = 1e3;    // N/m at scale 1
 
 enum class Shape { sphere, plane, terrain, torus };
 constexpr Shape kShapes[] = {Shape::sphere, Shape::plane, Shape::terrain, Shape::torus};
@@ -78,7 +78,7 @@ struct RoughMesh {
   }
 };
 
-assets::Scene sceneOf(const assets::Mesh& mesh, double crease) {
+assets::Scene roughSceneOf(const assets::Mesh& mesh, double crease) {
   SceneBuilder b;
   if (crease > 0.0) {
     b.scene.surfaces.emplace_back();
@@ -148,8 +148,8 @@ Added shadingOver(Shape shape, double noise, double depthInEdges, double scale, 
                   int ticks = 1500) {
   const RoughMesh rough(shape, noise, scale, seed);
   const double stiffness = kStiffness / scale;
-  HandProbe shaded(sceneOf(rough.mesh, kCrease), springOnly(stiffness));
-  HandProbe facets(sceneOf(rough.mesh, 0.0), springOnly(stiffness));
+  HandProbe shaded(roughSceneOf(rough.mesh, kRoughCrease), springOnly(stiffness));
+  HandProbe facets(roughSceneOf(rough.mesh, 0.0), springOnly(stiffness));
   shaded.parameters.toolRadius = facets.parameters.toolRadius = ball * rough.edge;
   Stroke stroke(shape, scale, depthInEdges * rough.edge, ball * rough.edge, seed);
   Added added;
@@ -199,9 +199,9 @@ TEST(RoughShading, AddsNeitherForceNorJumps) {
 /// The same for shading that no bound holds: the gradient of the depth under the patches alone.
 Added unboundedOver(Shape shape, double noise, double depthInEdges, unsigned seed) {
   const RoughMesh rough(shape, noise, 1.0, seed);
-  const double crease[] = {kCrease};
+  const double crease[] = {kRoughCrease};
   const haptics::ShadedMesh shaded = haptics::shadeMesh(rough.mesh, crease);
-  HandProbe facets(sceneOf(rough.mesh, 0.0), springOnly(kStiffness));
+  HandProbe facets(roughSceneOf(rough.mesh, 0.0), springOnly(kStiffness));
   const haptics::ContactWorld world(facets.contact);
   Stroke stroke(shape, 1.0, depthInEdges * rough.edge, 0.0, seed);
   Added added;

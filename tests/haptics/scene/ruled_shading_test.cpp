@@ -16,9 +16,9 @@
 namespace tandem::test {
 namespace {
 
-constexpr double kCrease = 0.9;  // rad
+constexpr double kRuledCrease = 0.9;  // rad
 
-assets::Scene sceneOf(const assets::Mesh& mesh, double crease) {
+assets::Scene ruledSceneOf(const assets::Mesh& mesh, double crease) {
   SceneBuilder b;
   if (crease > 0.0) {
     b.scene.surfaces.emplace_back();
@@ -37,7 +37,7 @@ RuledShape scaled(const RuledShape& shape, double scale) {
 /// and `to` of the height.
 std::vector<double> errorsOn(const RuledShape& shape, const assets::Mesh& mesh, double crease, double depth,
                              double from, double to, double ball = 0.0) {
-  HandProbe hand(sceneOf(mesh, crease), springOnly(1000.0));
+  HandProbe hand(ruledSceneOf(mesh, crease), springOnly(1000.0));
   hand.parameters.toolRadius = ball;
   std::vector<double> errors;
   for (int i = 0; i < 1500; ++i) {
@@ -54,7 +54,7 @@ std::vector<double> errorsOn(const RuledShape& shape, const assets::Mesh& mesh, 
   return errors;
 }
 
-double p99(const std::vector<double>& sorted) { return sorted[sorted.size() * 99 / 100]; }
+double worstOfHundred(const std::vector<double>& sorted) { return sorted[sorted.size() * 99 / 100]; }
 
 TEST(RuledShading, IsThatOfTheExactConeOrCylinder) {
   double worst = 0.0;
@@ -64,14 +64,16 @@ TEST(RuledShading, IsThatOfTheExactConeOrCylinder) {
         for (const double scale : {1e-3, 1.0, 20.0}) {
           const RuledShape shape = scaled({0.03, topRadius, 0.06}, scale);
           const assets::Mesh mesh = ruledMesh(shape, 48, 15, seed == 1 ? 0.0 : 0.2, seed, normals);
-          const double error = p99(errorsOn(shape, mesh, normals ? 0.0 : kCrease, 0.002 * scale, 0.15, 0.85));
+          const double error =
+              worstOfHundred(errorsOn(shape, mesh, normals ? 0.0 : kRuledCrease, 0.002 * scale, 0.15, 0.85));
           EXPECT_LT(error, 0.001) << topRadius << (normals ? " normals " : " crease ") << seed << " "
                                   << scale;
           worst = std::max(worst, error);
         }
   RecordProperty("p99_percent", std::to_string(100.0 * worst));
   const RuledShape shape;
-  EXPECT_GT(p99(errorsOn(shape, ruledMesh(shape, 48, 15, 0.0, 1, false), 0.0, 0.002, 0.15, 0.85)), 0.03)
+  EXPECT_GT(worstOfHundred(errorsOn(shape, ruledMesh(shape, 48, 15, 0.0, 1, false), 0.0, 0.002, 0.15, 0.85)),
+            0.03)
       << "the facets themselves are off by per cents";
 }
 
@@ -79,9 +81,9 @@ TEST(RuledShading, HoldsFromShallowToDeepAndForBalls) {
   const RuledShape shape{0.03, 0.022, 0.06};
   const assets::Mesh mesh = ruledMesh(shape, 48, 15, 0.0, 1, true);
   for (const double depth : {0.0005, 0.005, 0.012})
-    EXPECT_LT(p99(errorsOn(shape, mesh, 0.0, depth, 0.15, 0.85)), 0.001) << depth;
+    EXPECT_LT(worstOfHundred(errorsOn(shape, mesh, 0.0, depth, 0.15, 0.85)), 0.001) << depth;
   // A ball of three times the depth: heights of the patch count three times as much.
-  EXPECT_LT(p99(errorsOn(shape, mesh, 0.0, 0.001, 0.15, 0.85, 0.003)), 0.005);
+  EXPECT_LT(worstOfHundred(errorsOn(shape, mesh, 0.0, 0.001, 0.15, 0.85, 0.003)), 0.005);
 }
 
 TEST(RuledShading, RulesAFanFromItsApex) {
@@ -92,7 +94,7 @@ TEST(RuledShading, RulesAFanFromItsApex) {
       // Of slivers the rounding of the vertices is felt, unless the file has their normals.
       if (around == 700 && !normals) continue;
       const assets::Mesh mesh = ruledMesh(shape, around, 1, 0.0, 1, normals);
-      EXPECT_LT(p99(errorsOn(shape, mesh, normals ? 0.0 : kCrease, 0.002, 0.1, 0.7)), 0.001)
+      EXPECT_LT(worstOfHundred(errorsOn(shape, mesh, normals ? 0.0 : kRuledCrease, 0.002, 0.1, 0.7)), 0.001)
           << around << normals;
     }
 }
@@ -100,7 +102,7 @@ TEST(RuledShading, RulesAFanFromItsApex) {
 TEST(RuledShading, TakesNoOtherCornerForAnApex) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     const assets::Mesh mesh = ruledMesh({0.03, 0.01, 0.06}, 36, 18, 0.3, seed, false);
-    const double crease[] = {kCrease};
+    const double crease[] = {kRuledCrease};
     for (const haptics::CornerNormals& normals : haptics::shadeMesh(mesh, crease).normals)
       EXPECT_EQ(std::count_if(normals.begin(), normals.end(), haptics::isApex), 0) << seed;
   }
@@ -117,7 +119,7 @@ assets::Mesh sphereWithNormals(double radius, int triangles) {
 }
 
 double errorOnSphere(const assets::Mesh& mesh, double crease, double radius, double depth) {
-  HandProbe hand(sceneOf(mesh, crease), springOnly(1000.0));
+  HandProbe hand(ruledSceneOf(mesh, crease), springOnly(1000.0));
   std::vector<double> errors;
   for (int i = 0; i < 2000; ++i) {
     const double angle = 2e-3 * i, tilt = 0.9 + 0.2 * std::sin(0.37 * angle);
@@ -130,7 +132,7 @@ double errorOnSphere(const assets::Mesh& mesh, double crease, double radius, dou
     errors.push_back(glm::length(hand.out.hands[0].toHand.force - 1000.0 * depth * n) / (1000.0 * depth));
   }
   std::sort(errors.begin(), errors.end());
-  return p99(errors);
+  return worstOfHundred(errors);
 }
 
 TEST(NormalShading, MakesASphereOfFacetsASphereWithoutBeingAsked) {
@@ -150,7 +152,8 @@ TEST(NormalShading, LeavesFacesAndCreasesAsTheyAre) {
   const assets::Mesh mesh = ruledMesh(shape, 48, 4, 0.0, 1, true);
   assets::Mesh flat = mesh;
   flat.triangleNormal.clear();
-  HandProbe hand(sceneOf(mesh, 0.0), springOnly(1000.0)), plain(sceneOf(flat, 0.0), springOnly(1000.0));
+  HandProbe hand(ruledSceneOf(mesh, 0.0), springOnly(1000.0)),
+      plain(ruledSceneOf(flat, 0.0), springOnly(1000.0));
   double worst = 0.0, strongest = 0.0;
   for (HandProbe* each : {&hand, &plain}) {
     each->at({0.0, 0.0, 0.061});

@@ -12,13 +12,14 @@
 
 #include "haptics/operator/simulated_hand.h"
 #include "tests/haptics/hand_probe.h"
+#include "tests/support/full_size.h"
 
 namespace tandem::test {
 namespace {
 
 constexpr double kLimit = 8.0;        // N/s, TickParameters::foreignSlewLimit of a session
 constexpr double kStiffness = 800.0;  // N/m
-constexpr int kTicks = 1500, kWindow = 20;
+constexpr int kTicks = 1500, kLieWindow = 20;
 constexpr double kHalf = 0.03;  // m, half an edge of the part
 
 enum class Lie { none, shake, slide, jumps, comes, creeps, spins, velocity };
@@ -188,8 +189,8 @@ class LiedTo {
     places_.push_back(hand_.devicePose().position);
     if (i < kBefore) return;
     double path = 0.0;
-    for (int k = 0; k < kWindow; ++k) path += glm::length(places_.end()[-1 - k] - places_.end()[-2 - k]);
-    const double step = glm::length(force_ - forces_.end()[-1 - kWindow]);
+    for (int k = 0; k < kLieWindow; ++k) path += glm::length(places_.end()[-1 - k] - places_.end()[-2 - k]);
+    const double step = glm::length(force_ - forces_.end()[-1 - kLieWindow]);
     felt_.include({step, step - kStiffness * path, hand_.energyGiven() - given_});
   }
 
@@ -207,7 +208,7 @@ class LiedTo {
 /// The most that is felt of one lie, over tools, frictions and seeds.
 Felt mostFelt(Lie lie, Doing doing, double limit, bool holds) {
   Felt most;
-  const std::uint64_t seeds = std::getenv("TANDEM_FULL_SIZE") != nullptr ? 40 : 4;
+  const std::uint64_t seeds = atFullSize() ? 40 : 4;
   for (std::uint64_t seed = 1; seed <= seeds; ++seed) {
     most.include(
         LiedTo({lie, doing, seed % 2 == 0 ? 0.003 : 0.0, seed % 4 < 2 ? 0.5 : 0.0, limit, seed, holds})

@@ -6,7 +6,6 @@
 #include <unistd.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -17,10 +16,11 @@
 #include <thread>
 
 #include "server/data_directory.h"
-#include "server/session_recovery.h"
 #include "server/journal/sqlite_database.h"
 #include "server/journal/sqlite_journal.h"
+#include "server/session_recovery.h"
 #include "tests/server/journal/told_session.h"
+#include "tests/support/full_size.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
@@ -32,7 +32,7 @@ std::string contentOf(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
-void write(const fs::path& path, const std::string& content) {
+void writeFile(const fs::path& path, const std::string& content) {
   std::ofstream(path, std::ios::binary | std::ios::trunc) << content;
 }
 
@@ -134,23 +134,23 @@ const char* damage(DeadSession& session, const fs::path& other, unsigned kind, s
   const auto at = [&] { return bytes.empty() ? 0 : random() % bytes.size(); };
   switch (kind) {
     case 0:
-      write(d / name, bytes.substr(0, at()));
+      writeFile(d / name, bytes.substr(0, at()));
       return "truncated";
     case 1: {
       const std::size_t from = at();
       for (std::size_t i = from; i < std::min(bytes.size(), from + 1 + random() % 8192); ++i) bytes[i] = 0;
-      write(d / name, bytes);
+      writeFile(d / name, bytes);
       return "zeroed";
     }
     case 2:
       for (unsigned i = 0, n = 1 + random() % 8; i < n && !bytes.empty(); ++i)
         bytes[at()] ^= static_cast<char>(1 << random() % 8);
-      write(d / name, bytes);
+      writeFile(d / name, bytes);
       return "bits flipped";
     case 3: {  // in the log's used part
       bytes = contentOf(d / "session.db-wal");
       bytes[32 + random() % std::min<std::size_t>(bytes.size() - 32, 40 * 4120)] ^= 1;
-      write(d / "session.db-wal", bytes);
+      writeFile(d / "session.db-wal", bytes);
       return "a bit of the log flipped";
     }
     case 4: {
@@ -160,7 +160,7 @@ const char* damage(DeadSession& session, const fs::path& other, unsigned kind, s
       const std::size_t a = 4096 * (random() % pages), b = 4096 * (random() % pages);
       std::swap_ranges(bytes.begin() + static_cast<long>(a), bytes.begin() + static_cast<long>(a + 4096),
                        bytes.begin() + static_cast<long>(b));
-      write(d / "session.db", bytes);
+      writeFile(d / "session.db", bytes);
       return "pages swapped";
     }
     case 5:
@@ -207,7 +207,7 @@ struct JournalDamage : testing::Test {
 };
 
 TEST_F(JournalDamage, IsRefusedOrHarmless) {
-  const int sessions = std::getenv("TANDEM_FULL_SIZE") != nullptr ? 60 : 4;
+  const int sessions = test::atFullSize() ? 60 : 4;
   int refused = 0, continued = 0, wouldBeWrong = 0;
   std::mt19937 random(7);
   for (int s = 0; s < sessions; ++s) {
@@ -304,7 +304,7 @@ TEST_F(JournalDamage, RestoringAnOldBackupGoesBeyondWhatWasTold) {
   std::string bytes = contentOf(backup + "/session.db");
   // One bit in every 64 bytes after the first page: some of them are in a record, not in unused space.
   for (std::size_t i = 4096; i < bytes.size(); i += 64) bytes[i] ^= 1;
-  write(backup + "/session.db", bytes);
+  writeFile(backup + "/session.db", bytes);
   EXPECT_FALSE(restoreSession(*session.directory, backup, 1'790'000'000).ok()) << "a damaged backup";
 }
 

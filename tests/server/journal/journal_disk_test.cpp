@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -17,6 +16,7 @@
 #include "server/journal/sqlite_journal.h"
 #include "tests/server/journal/faulty_disk.h"
 #include "tests/server/journal/told_session.h"
+#include "tests/support/full_size.h"
 #include "tests/support/temporary_folder.h"
 
 namespace tandem::server {
@@ -122,7 +122,7 @@ struct DiskSession {
 struct JournalDisk : testing::Test {
   test::TemporaryFolder temporary{test::folderInMemory()};
   const fs::path& folder = temporary.path();
-  const int seeds = std::getenv("TANDEM_FULL_SIZE") != nullptr ? 400 : 24;
+  const int seeds = test::atFullSize() ? 400 : 24;
   fs::path home(int seed) const { return folder / std::to_string(seed); }
 };
 
@@ -187,8 +187,7 @@ TEST_F(JournalDisk, WhatOnlyMemoryHoldsAfterASyncThatFailedIsNotDurable) {
         ASSERT_TRUE(waitFor([&] { return (*journal)->failure().empty(); })) << (*journal)->failure();
         ASSERT_GE((*journal)->durableUpTo(), number);
       }
-      if ((*journal)->durableUpTo() >= number)
-        session.told.parts[record.part] = {record.epoch, record.owner};
+      if ((*journal)->durableUpTo() >= number) session.told.parts[record.part] = {record.epoch, record.owner};
       session.disk.failAfter(0, Fault::dead);
     }
     session.disk.heal();

@@ -4,9 +4,9 @@
 
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 
 #include "sync/transport/knock.h"
+#include "tests/support/full_size.h"
 #include "tests/sync/transport/flood.h"
 #include "tests/sync/transport/socket_ends.h"
 
@@ -46,7 +46,7 @@ class Flooded : public Sockets {
  protected:
   void SetUp() override {
     // Thousands of real connections a second; HandshakeQueue shows the rules on virtual time.
-    if (std::getenv("TANDEM_FULL_SIZE") == nullptr) GTEST_SKIP() << "TANDEM_FULL_SIZE=1";
+    if (!test::atFullSize()) GTEST_SKIP() << "TANDEM_FULL_SIZE=1";
     std::signal(SIGPIPE, SIG_IGN);  // OpenSSL writes to sockets that the server has closed
     rlimit limit{};
     ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &limit), 0);

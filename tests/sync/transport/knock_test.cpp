@@ -10,7 +10,7 @@
 namespace tandem::sync {
 namespace {
 
-using Kind = FirstBytes::Kind;
+using Guess = FirstBytes::Kind;
 
 class Knocks : public testing::Test {
  protected:
@@ -28,10 +28,10 @@ class Knocks : public testing::Test {
 
 TEST_F(Knocks, AreFoundInAClientHelloOfOpenSslAndOnlyOnceItIsWhole) {
   const std::string hello = helloWith(protocolName(knock));
-  EXPECT_EQ(read(hello).kind, Kind::clientHello);
+  EXPECT_EQ(read(hello).kind, Guess::clientHello);
   EXPECT_EQ(read(hello).knock, knock);
   for (std::size_t size = 0; size < hello.size(); ++size)
-    EXPECT_EQ(read(hello.substr(0, size)).kind, Kind::incomplete) << size;
+    EXPECT_EQ(read(hello.substr(0, size)).kind, Guess::incomplete) << size;
 }
 
 TEST_F(Knocks, AreNotFoundWhereThereIsNone) {
@@ -39,16 +39,16 @@ TEST_F(Knocks, AreNotFoundWhereThereIsNone) {
   EXPECT_FALSE(read(helloWith("h2")).knock);
   EXPECT_FALSE(read(helloWith(protocolName(knock) + "0")).knock);
   EXPECT_FALSE(read(helloWith("tandem-knock-" + std::string(32, 'x'))).knock);
-  EXPECT_EQ(read("GET / HTTP/1.1\r\n").kind, Kind::foreign);
+  EXPECT_EQ(read("GET / HTTP/1.1\r\n").kind, Guess::foreign);
   std::string other = helloWith("h2");
   other[5] = 2;  // a ServerHello
-  EXPECT_EQ(read(other).kind, Kind::foreign);
+  EXPECT_EQ(read(other).kind, Guess::foreign);
 }
 
 TEST_F(Knocks, ATooLongClientHelloIsAHandshakeWithoutOne) {
   std::string hello = helloWith(protocolName(knock));
   hello[3] = 0x20;
-  EXPECT_EQ(read(hello).kind, Kind::clientHello);
+  EXPECT_EQ(read(hello).kind, Guess::clientHello);
   EXPECT_FALSE(read(hello).knock);
 }
 
@@ -61,7 +61,7 @@ TEST_F(Knocks, DamagedBytesEnd) {
       bytes[random() % bytes.size()] = static_cast<char>(random());
     bytes.resize(random() % (bytes.size() + 1));
     const FirstBytes first = read(std::string(bytes.begin(), bytes.end()));
-    EXPECT_TRUE(!first.knock || first.kind == Kind::clientHello);
+    EXPECT_TRUE(!first.knock || first.kind == Guess::clientHello);
   }
 }
 

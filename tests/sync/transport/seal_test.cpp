@@ -21,7 +21,7 @@ SealKey keyOf(unsigned seed) {
   return key;
 }
 
-Bytes bytesOf(std::size_t size, unsigned seed = 1) {
+Bytes randomBytes(std::size_t size, unsigned seed = 1) {
   std::mt19937 random(seed);
   Bytes bytes(size);
   for (auto& byte : bytes) byte = static_cast<std::byte>(random() & 0xff);
@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Algorithms, SealWith, testing::ValuesIn(algorithmsHere(
 
 TEST_P(SealWith, OpensWhatWasSealed) {
   for (const std::size_t size : {0u, 1u, 15u, 16u, 17u, 120u, 1200u}) {
-    const Bytes plain = bytesOf(size, static_cast<unsigned>(size) + 1);
+    const Bytes plain = randomBytes(size, static_cast<unsigned>(size) + 1);
     const auto opened = opener_.open(sealed(sealer_, plain, DatagramKind::probe), out_.data());
     EXPECT_EQ(opened.verdict, Opener::Verdict::accepted);
     EXPECT_EQ(opened.kind, DatagramKind::probe);
@@ -61,7 +61,7 @@ TEST_P(SealWith, OpensWhatWasSealed) {
 }
 
 TEST_P(SealWith, RefusesAnyChangedBit) {
-  const Bytes good = sealed(sealer_, bytesOf(40));
+  const Bytes good = sealed(sealer_, randomBytes(40));
   for (std::size_t bit = 0; bit < good.size() * 8; ++bit) {
     Bytes bad = good;
     bad[bit / 8] ^= static_cast<std::byte>(1u << bit % 8);
@@ -73,7 +73,7 @@ TEST_P(SealWith, RefusesAnyChangedBit) {
 }
 
 TEST_P(SealWith, RefusesTruncationAndOtherKeys) {
-  const Bytes good = sealed(sealer_, bytesOf(40));
+  const Bytes good = sealed(sealer_, randomBytes(40));
   for (std::size_t size = 0; size < good.size(); ++size) {
     EXPECT_EQ(opener_.open(std::span(good).first(size), out_.data()).verdict, Opener::Verdict::forged);
   }
@@ -85,7 +85,7 @@ TEST_P(SealWith, RefusesTruncationAndOtherKeys) {
 
 TEST_P(SealWith, EqualTextsNeverLookEqual) {
   std::set<Bytes> seen;
-  const Bytes plain = bytesOf(32);
+  const Bytes plain = randomBytes(32);
   for (int i = 0; i < 500; ++i) {
     const Bytes datagram = sealed(sealer_, plain);
     EXPECT_TRUE(seen.insert(Bytes(datagram.begin() + kSealHeaderBytes, datagram.end())).second);
@@ -94,14 +94,14 @@ TEST_P(SealWith, EqualTextsNeverLookEqual) {
 
 TEST_P(SealWith, RefusesToUseAKeyUp) {
   sealer_.skipTo(kSealCounterLimit - 2);
-  EXPECT_EQ(opener_.open(sealed(sealer_, bytesOf(8)), out_.data()).verdict, Opener::Verdict::accepted);
+  EXPECT_EQ(opener_.open(sealed(sealer_, randomBytes(8)), out_.data()).verdict, Opener::Verdict::accepted);
   Bytes out(8 + kSealOverheadBytes);
-  EXPECT_EQ(sealer_.seal(DatagramKind::state, bytesOf(8), out.data()), 0u);
+  EXPECT_EQ(sealer_.seal(DatagramKind::state, randomBytes(8), out.data()), 0u);
 }
 
 TEST_P(SealWith, ReorderedOpenOnceAndReplaysNever) {
   std::vector<Bytes> datagrams;
-  for (int i = 0; i < 600; ++i) datagrams.push_back(sealed(sealer_, bytesOf(16)));
+  for (int i = 0; i < 600; ++i) datagrams.push_back(sealed(sealer_, randomBytes(16)));
   std::shuffle(datagrams.begin(), datagrams.end(), std::mt19937(3));
   for (const auto& datagram : datagrams)
     EXPECT_EQ(opener_.open(datagram, out_.data()).verdict, Opener::Verdict::accepted);
@@ -117,8 +117,8 @@ Bytes forgedFrom(const Bytes& genuine, std::uint8_t counterByte) {
 }
 
 TEST_P(SealWith, ForgeriesDoNotMoveTheWindow) {
-  const Bytes first = sealed(sealer_, bytesOf(16));
-  const Bytes second = sealed(sealer_, bytesOf(16));
+  const Bytes first = sealed(sealer_, randomBytes(16));
+  const Bytes second = sealed(sealer_, randomBytes(16));
   EXPECT_EQ(opener_.open(forgedFrom(first, 9), out_.data()).verdict, Opener::Verdict::forged);
   EXPECT_EQ(opener_.open(second, out_.data()).verdict, Opener::Verdict::accepted);
   EXPECT_EQ(opener_.open(first, out_.data()).verdict, Opener::Verdict::accepted);
@@ -127,7 +127,7 @@ TEST_P(SealWith, ForgeriesDoNotMoveTheWindow) {
 // The negative control of the test above: marking a counter before the tag has verified lets one forgery
 // block all genuine datagrams.
 TEST_P(SealWith, MarkingBeforeVerifyingWouldLetAForgeryShutGenuineDatagramsOut) {
-  const Bytes first = sealed(sealer_, bytesOf(16));
+  const Bytes first = sealed(sealer_, randomBytes(16));
   const Bytes forged = forgedFrom(first, 9);
   ReplayWindow window;
   const auto openWrongly = [&](const Bytes& datagram) {

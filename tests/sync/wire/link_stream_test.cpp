@@ -12,7 +12,7 @@
 namespace tandem::sync {
 namespace {
 
-constexpr Micros kPeriod = 4 * kMillisecond;
+constexpr Micros kLinkPeriod = 4 * kMillisecond;
 
 /// A part that is led to and fro for minutes under a steady force, so that sums exceed the range of their low
 /// bits many times.
@@ -21,7 +21,7 @@ LinkState stateAt(std::uint32_t sequence) {
   LinkState state;
   state.epoch = 7;
   state.sequence = sequence;
-  state.time = 40 * kSecond + sequence * kPeriod;
+  state.time = 40 * kSecond + sequence * kLinkPeriod;
   for (std::size_t i = 0; i < 6; ++i)
     state.wave[i] = (i % 2 == 0 ? 2.7 : -1.1) * t + 0.3 * std::sin(phase + static_cast<double>(i));
   state.energy = 3.7 * t;

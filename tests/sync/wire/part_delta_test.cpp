@@ -12,11 +12,11 @@ namespace tandem::sync {
 namespace {
 
 using testing::RandomMessages;
-const WireFrame kFrame{{0.3, -1.0, 2.0}, 2.0};
+const WireFrame kDeltaFrame{{0.3, -1.0, 2.0}, 2.0};
 
 PartCode codeOf(const PartState& state) {
   int clamped = 0;
-  return toCode(state, kFrame, clamped);
+  return toCode(state, kDeltaFrame, clamped);
 }
 
 struct Encoded {
@@ -27,15 +27,15 @@ struct Encoded {
 Encoded roundTrip(const PartBaseline& baseline, Micros elapsed, const PartCode& now) {
   std::vector<std::byte> bytes(400);
   BitWriter writer(bytes);
-  const DeltaOrders orders = putDelta(writer, baseline, elapsed, now, kFrame);
+  const DeltaOrders orders = putDelta(writer, baseline, elapsed, now, kDeltaFrame);
   EXPECT_FALSE(writer.overflowed());
-  EXPECT_EQ(static_cast<int>(writer.bitCount()), deltaBits(baseline, elapsed, now, kFrame));
+  EXPECT_EQ(static_cast<int>(writer.bitCount()), deltaBits(baseline, elapsed, now, kDeltaFrame));
   PartCode back = baseline.code;
   back.sequence = now.sequence;
   back.epoch = now.epoch;
   back.part = now.part;
   BitReader reader(bytes);
-  EXPECT_EQ(getDelta(reader, baseline, elapsed, kFrame, back), orders);
+  EXPECT_EQ(getDelta(reader, baseline, elapsed, kDeltaFrame, back), orders);
   EXPECT_FALSE(reader.failed());
   EXPECT_EQ(back, now);
   return {static_cast<int>(writer.bitCount()), orders};
@@ -44,7 +44,7 @@ Encoded roundTrip(const PartBaseline& baseline, Micros elapsed, const PartCode& 
 TEST(PartDelta, AnyStateComesBackExactlyFromAnyOther) {
   RandomMessages random(21);
   for (int round = 0; round < 20000; ++round) {
-    const auto parts = random.update(3, kFrame).parts;
+    const auto parts = random.update(3, kDeltaFrame).parts;
     PartBaseline baseline{
         codeOf(parts[0]), random.chance(0.5), codeOf(parts[1]).twist, 1 + random.number(2000000), {}};
     for (int& order : baseline.orders) order = static_cast<int>(random.number(16));
@@ -96,14 +96,14 @@ class HandMotion {
   }
   void next() {
     way_ = length_ * direction();
-    const glm::dvec3 back = kFrame.centre - from_.position;
+    const glm::dvec3 back = kDeltaFrame.centre - from_.position;
     if (glm::dot(way_, back) < 0.0) way_ = -way_;  // so that the motion stays near the middle
     rotation_ = turn_ * direction();
   }
 
   RandomMessages random_;
   double length_, turn_, duration_, tremor_, begin_ = 0.0;
-  Pose from_{kFrame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
+  Pose from_{kDeltaFrame.centre, glm::dquat(1.0, 0.0, 0.0, 0.0)};
   glm::dvec3 way_, rotation_;
 };
 
@@ -162,10 +162,10 @@ TEST(PartDelta, AgainstAnotherBaselineSomethingElseComesOut) {
     const PartCode now = codeOf(motion.at(0.02 * i + 0.05));
     std::vector<std::byte> bytes(100);
     BitWriter writer(bytes);
-    putDelta(writer, right, 50 * kMillisecond, now, kFrame);
+    putDelta(writer, right, 50 * kMillisecond, now, kDeltaFrame);
     PartCode back = now;
     BitReader reader(bytes);
-    getDelta(reader, other, 50 * kMillisecond, kFrame, back);
+    getDelta(reader, other, 50 * kMillisecond, kDeltaFrame, back);
     wrong += !reader.failed() && !(back == now) ? 1 : 0;
   }
   EXPECT_GT(wrong, 150) << "a stream that did not check would show these";
@@ -175,7 +175,7 @@ TEST(PartDelta, WhateverTheBytesAreTheStateIsAValidOneOrNone) {
   RandomMessages random(22);
   int accepted = 0;
   for (int round = 0; round < 50000; ++round) {
-    const auto parts = random.update(2, kFrame).parts;
+    const auto parts = random.update(2, kDeltaFrame).parts;
     const PartBaseline baseline{codeOf(parts[0]),
                                 random.chance(0.5),
                                 codeOf(parts[1]).twist,
@@ -185,11 +185,11 @@ TEST(PartDelta, WhateverTheBytesAreTheStateIsAValidOneOrNone) {
     for (std::byte& byte : bytes) byte = static_cast<std::byte>(random.number(256));
     PartCode back = baseline.code;
     BitReader reader(bytes);
-    getDelta(reader, baseline, 1 + random.number(kLongestElapsed), kFrame, back);
+    getDelta(reader, baseline, 1 + random.number(kLongestElapsed), kDeltaFrame, back);
     if (reader.failed()) continue;
     ++accepted;
     PartState state;
-    ASSERT_TRUE(fromCode(back, kFrame, state));
+    ASSERT_TRUE(fromCode(back, kDeltaFrame, state));
     ASSERT_TRUE(isValid(state.worldFromPart));
     ASSERT_LE(std::abs(state.twist.linear.x), kMaxLinearSpeed);
   }

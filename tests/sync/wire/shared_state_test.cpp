@@ -19,8 +19,8 @@ namespace {
 using testing::havePartsOf;
 using testing::RandomMessages;
 using Outcome = StateReceiver::Outcome;
-const WireFrame kFrame{{0.3, -1.0, 2.0}, 4.0};
-constexpr Micros kPeriod = 16 * kMillisecond;
+const WireFrame kSharedFrame{{0.3, -1.0, 2.0}, 4.0};
+constexpr Micros kSharedPeriod = 16 * kMillisecond;
 
 /// A site whose parts wander, rest, and change their epoch.
 class Origin {
@@ -43,7 +43,7 @@ class Origin {
       if (random_.chance(0.003)) ++state.epoch;
       if (random_.chance(0.1)) state.twist = {};
       if (random_.chance(0.3)) state.twist = {random_.vector(0.3), random_.vector(1.0)};
-      state.worldFromPart = integrate(state.worldFromPart, state.twist, toSeconds(kPeriod));
+      state.worldFromPart = integrate(state.worldFromPart, state.twist, toSeconds(kSharedPeriod));
     }
     return update_;
   }
@@ -53,10 +53,10 @@ class Origin {
   StateUpdate update_;
 };
 
-bool isThatSent(const StateUpdate& sent, const StateUpdate& got) {
+bool isSharedAsSent(const StateUpdate& sent, const StateUpdate& got) {
   if (sent.time != got.time || sent.site != got.site) return false;
   if (got.newPresence && sent.presence.touched != got.presence.touched) return false;
-  return havePartsOf(sent, got, kFrame);
+  return havePartsOf(sent, got, kSharedFrame);
 }
 
 /// One receiver behind a network of its own.
@@ -84,10 +84,10 @@ struct Far {
     StateMessage message;
     for (; !there.empty() && there.begin()->first <= now; there.erase(there.begin())) {
       ++arrived;
-      if (receiver.decode(there.begin()->second, kFrame, message) != Outcome::decoded) continue;
+      if (receiver.decode(there.begin()->second, kSharedFrame, message) != Outcome::decoded) continue;
       ++decoded;
       const auto& got = std::get<StateUpdate>(message);
-      wrong += isThatSent(sent[got.sequence], got) ? 0 : 1;
+      wrong += isSharedAsSent(sent[got.sequence], got) ? 0 : 1;
     }
     if (const auto ack = receiver.drainAck(now))
       if (!random.chance(loss)) back.emplace(now + delay, *ack);
@@ -119,12 +119,12 @@ struct Crowd {
   void run(int rounds, double turns) {
     std::vector<std::byte> bytes;
     for (int i = 0; i < rounds; ++i) {
-      now += kPeriod;
+      now += kSharedPeriod;
       for (Origin& origin : origins) {
         StateUpdate& update = origin.next(now);
         const bool toAll = random.chance(0.5);
         ++updates;
-        sender.begin(update, kFrame, toAll);
+        sender.begin(update, kSharedFrame, toAll);
         for (Far& far : receivers) {
           if (!toAll && random.chance(0.5)) continue;
           if (random.chance(turns)) far.shares = !far.shares;
@@ -133,7 +133,7 @@ struct Crowd {
           if (far.shares) {
             far.take(sender.encodeFor(far.keys, far.sequence), random, now);
           } else {
-            far.own.encode(sent, kFrame, bytes);
+            far.own.encode(sent, kSharedFrame, bytes);
             far.take(bytes, random, now);
           }
         }
@@ -188,11 +188,12 @@ TEST(SharedState, ALateReceiverGetsHandAndCameraWithItsFirstUpdate) {
   Crowd crowd(3, 1, 1, 0.0);
   crowd.run(100, 0.0);
   Far late;
-  StateUpdate& update = crowd.origins[0].next(crowd.now + kPeriod);
+  StateUpdate& update = crowd.origins[0].next(crowd.now + kSharedPeriod);
   update.newPresence = false;
-  crowd.sender.begin(update, kFrame, false);
+  crowd.sender.begin(update, kSharedFrame, false);
   StateMessage message;
-  ASSERT_EQ(late.receiver.decode(crowd.sender.encodeFor(late.keys, 1), kFrame, message), Outcome::decoded);
+  ASSERT_EQ(late.receiver.decode(crowd.sender.encodeFor(late.keys, 1), kSharedFrame, message),
+            Outcome::decoded);
   EXPECT_TRUE(std::get<StateUpdate>(message).presenceKnown);
 }
 

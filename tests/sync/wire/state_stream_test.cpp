@@ -19,7 +19,7 @@ namespace {
 using testing::havePartsOf;
 using testing::RandomMessages;
 using Outcome = StateReceiver::Outcome;
-const WireFrame kFrame{{0.3, -1.0, 2.0}, 4.0};
+const WireFrame kStreamFrame{{0.3, -1.0, 2.0}, 4.0};
 constexpr Micros kPeriod = 4 * kMillisecond;
 
 /// Parts of one site that move, come to rest, change epoch, come and go.
@@ -73,7 +73,7 @@ class Parts {
 /// Whether a decoded update is the sent one, as quantised by the wire.
 bool isThatSent(const StateUpdate& sent, const StateUpdate& got) {
   return sent.sequence == got.sequence && sent.time == got.time && sent.site == got.site &&
-         havePartsOf(sent, got, kFrame);
+         havePartsOf(sent, got, kStreamFrame);
 }
 
 struct Lossy {
@@ -108,14 +108,14 @@ Tally run(std::uint64_t seed, const Lossy& network, int rounds, int forgetsAt = 
     sent[update.sequence] = update;
     std::vector<std::byte> bytes;
     EncodeLosses losses;
-    sender.encode(update, kFrame, bytes, &losses);
+    sender.encode(update, kStreamFrame, bytes, &losses);
     EXPECT_EQ(losses.leftOut, 0);
     tally.bytes += bytes.size();
     for (int copy = 0; copy < (random.chance(network.duplicate) ? 2 : 1); ++copy)
       if (!random.chance(network.loss)) there.emplace(now + delay(), bytes);
     for (; !there.empty() && there.begin()->first <= now; there.erase(there.begin())) {
       ++tally.arrived;
-      const Outcome outcome = receiver.decode(there.begin()->second, kFrame, message);
+      const Outcome outcome = receiver.decode(there.begin()->second, kStreamFrame, message);
       tally.noBaseline += outcome == Outcome::noBaseline ? 1 : 0;
       if (outcome != Outcome::decoded) continue;
       ++tally.decoded;
@@ -172,10 +172,10 @@ struct Pair {
       state.sequence = update.sequence;
       state.worldFromPart = integrate(state.worldFromPart, state.twist, toSeconds(kPeriod));
     }
-    sender.encode(update, kFrame, bytes);
+    sender.encode(update, kStreamFrame, bytes);
   }
   Outcome deliver() {
-    const Outcome outcome = receiver.decode(bytes, kFrame, message);
+    const Outcome outcome = receiver.decode(bytes, kStreamFrame, message);
     if (const auto ack = receiver.drainAck(update.time)) sender.acknowledged(*ack);
     return outcome;
   }
@@ -192,7 +192,8 @@ std::vector<PartState> partsAt(std::size_t count, const Twist& twist) {
   for (std::size_t i = 0; i < count; ++i) {
     parts[i].part = static_cast<PartId>(i);
     parts[i].epoch = 4;
-    parts[i].worldFromPart.position = kFrame.centre + glm::dvec3(0.001 * static_cast<double>(i), 0.0, 0.0);
+    parts[i].worldFromPart.position =
+        kStreamFrame.centre + glm::dvec3(0.001 * static_cast<double>(i), 0.0, 0.0);
     parts[i].twist = twist;
   }
   return parts;
@@ -239,7 +240,7 @@ TEST(StateStream, AnUpdateAgainstOtherStatesIsNotDecoded) {
   other.rounds(30);
   here.advance();
   other.advance();
-  EXPECT_EQ(here.receiver.decode(other.bytes, kFrame, here.message), Outcome::checksumMismatch);
+  EXPECT_EQ(here.receiver.decode(other.bytes, kStreamFrame, here.message), Outcome::checksumMismatch);
   EXPECT_EQ(here.deliver(), Outcome::decoded);
 }
 
@@ -337,8 +338,8 @@ TEST(StateStream, AHandWithoutEyesIsNotShown) {
   StateSender onward;
   StateReceiver other;
   StateMessage message;
-  onward.encode(got, kFrame, pair.bytes);
-  ASSERT_EQ(other.decode(pair.bytes, kFrame, message), Outcome::decoded);
+  onward.encode(got, kStreamFrame, pair.bytes);
+  ASSERT_EQ(other.decode(pair.bytes, kStreamFrame, message), Outcome::decoded);
   EXPECT_FALSE(std::get<StateUpdate>(message).presenceKnown) << "nor by who passes it on";
   for (int i = 0; i < 4; ++i) pair.advance();
   ASSERT_EQ(pair.deliver(), Outcome::decoded);
@@ -360,7 +361,7 @@ TEST(StateStream, HostileBytesGiveValidStatesOrNone) {
           static_cast<std::byte>(1u << random.number(8));
     if (random.chance(0.1)) bytes.resize(random.number(static_cast<std::uint32_t>(bytes.size())));
     StateReceiver receiver = pair.receiver;
-    const Outcome outcome = receiver.decode(bytes, kFrame, pair.message);
+    const Outcome outcome = receiver.decode(bytes, kStreamFrame, pair.message);
     ++outcomes[outcome];
     if (outcome == Outcome::decoded)
       if (const auto* got = std::get_if<StateUpdate>(&pair.message))
@@ -384,7 +385,8 @@ TEST(StateStream, EveryTruncationIsRefused) {
   pair.advance();
   for (std::size_t length = 0; length < pair.bytes.size(); ++length) {
     StateReceiver receiver = pair.receiver;
-    EXPECT_NE(receiver.decode(std::span(pair.bytes).first(length), kFrame, pair.message), Outcome::decoded);
+    EXPECT_NE(receiver.decode(std::span(pair.bytes).first(length), kStreamFrame, pair.message),
+              Outcome::decoded);
   }
   pair.bytes.push_back(std::byte{0});
   EXPECT_EQ(pair.deliver(), Outcome::malformed);
@@ -395,15 +397,15 @@ TEST(StateStream, AcknowledgementsComeBack) {
   ack.count = 2;
   ack.sequences = {7, 0xfffffff0u};
   std::vector<std::byte> bytes;
-  encodeState(ack, kFrame, bytes);
+  encodeState(ack, kStreamFrame, bytes);
   StateMessage message;
-  ASSERT_TRUE(decodeState(bytes, kFrame, message).ok());
+  ASSERT_TRUE(decodeState(bytes, kStreamFrame, message).ok());
   EXPECT_EQ(std::get<StateAck>(message).count, 2);
   EXPECT_EQ(std::get<StateAck>(message).sequences[1], 0xfffffff0u);
   bytes[2] = std::byte{0};
-  EXPECT_FALSE(decodeState(bytes, kFrame, message).ok());
+  EXPECT_FALSE(decodeState(bytes, kStreamFrame, message).ok());
   bytes[2] = std::byte{3};
-  EXPECT_FALSE(decodeState(bytes, kFrame, message).ok());
+  EXPECT_FALSE(decodeState(bytes, kStreamFrame, message).ok());
 }
 
 }  // namespace
