@@ -1,10 +1,28 @@
 #include "sync/wire/bits.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include "assets/base/assert.h"
 
 namespace tandem::sync {
+namespace {
+
+// Numbers go through whole words where these lie inside the stream: the first byte in memory is the lowest.
+static_assert(std::endian::native == std::endian::little);
+
+/// Whether `bits` bits from `position` on lie in the eight bytes from its byte on, and these in the stream.
+bool isInAWord(std::size_t position, int bits, std::size_t bytes) {
+  return position % 8 + static_cast<std::size_t>(bits) <= 64 && position / 8 + 8 <= bytes;
+}
+
+/// The `bits` low bits; bits in 0..64.
+std::uint64_t masked(std::uint64_t value, int bits) {
+  return bits == 64 ? value : value & ((std::uint64_t{1} << bits) - 1);
+}
+
+}  // namespace
 
 BitWriter::BitWriter(std::span<std::byte> bytes) : bytes_(bytes) {
   std::fill(bytes_.begin(), bytes_.end(), std::byte{0});
@@ -14,6 +32,15 @@ void BitWriter::put(std::uint64_t value, int bits) {
   ASSERT(bits >= 0 && bits <= 64);
   if (position_ + static_cast<std::size_t>(bits) > bytes_.size() * 8) {
     overflowed_ = true;
+    return;
+  }
+  if (isInAWord(position_, bits, bytes_.size())) {
+    std::byte* at = bytes_.data() + position_ / 8;
+    std::uint64_t word;
+    std::memcpy(&word, at, sizeof word);
+    word |= masked(value, bits) << position_ % 8;
+    std::memcpy(at, &word, sizeof word);
+    position_ += static_cast<std::size_t>(bits);
     return;
   }
   while (bits > 0) {
@@ -46,6 +73,13 @@ std::uint64_t BitReader::get(int bits) {
   if (failed_ || position_ + static_cast<std::size_t>(bits) > bytes_.size() * 8) {
     failed_ = true;
     return 0;
+  }
+  if (isInAWord(position_, bits, bytes_.size())) {
+    std::uint64_t word;
+    std::memcpy(&word, bytes_.data() + position_ / 8, sizeof word);
+    const std::uint64_t whole = masked(word >> position_ % 8, bits);
+    position_ += static_cast<std::size_t>(bits);
+    return whole;
   }
   std::uint64_t value = 0;
   for (int done = 0; done < bits;) {
