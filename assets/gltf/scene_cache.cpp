@@ -55,30 +55,27 @@ std::string cacheKey(const std::string& name, const GltfDocument& document, cons
   return key.name();
 }
 
-std::optional<Scene> readCached(const std::filesystem::path& path) {
-  const std::optional<std::vector<std::byte>> package = readCacheFile(path);
-  if (!package) return std::nullopt;
-  Result<Scene> scene = unpackScene(*package);
-  if (!scene) return std::nullopt;
-  return std::move(scene).value();
-}
-
 }  // namespace
 
 Result<Scene> loadScene(const std::string& path, const LoadOptions& options,
                         const std::string& cacheDirectory) {
   if (cacheDirectory.empty()) return loadGltf(path, options);
   try {
-    GltfDocument document;
-    openFromDisk(path, options, document);
+    std::optional<GltfDocument> document(std::in_place);
+    openFromDisk(path, options, *document);
     const std::string name = std::filesystem::path(path).filename().string();
     const std::filesystem::path cached =
-        std::filesystem::path(cacheDirectory) / (cacheKey(name, document, options) + ".scene");
-    if (std::optional<Scene> scene = readCached(cached)) {
-      if (options.progress) options.progress(1.0, "read from the cache");
-      return std::move(*scene);
+        std::filesystem::path(cacheDirectory) / (cacheKey(name, *document, options) + ".scene");
+    if (const std::optional<std::vector<std::byte>> package = readCacheFile(cached)) {
+      document.reset();  // a large file need not lie beside its scene
+      if (Result<Scene> scene = unpackScene(*package)) {
+        if (options.progress) options.progress(1.0, "read from the cache");
+        return scene;
+      }
+      openFromDisk(path, options, document.emplace());
     }
-    Scene scene = buildScene(name, document, options);
+    Scene scene = buildScene(name, *document, options);
+    document.reset();
     writeCacheFile(cached, packScene(scene));
     return scene;
   } catch (...) {

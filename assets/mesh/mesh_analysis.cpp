@@ -225,6 +225,12 @@ MeshAnalysis analyseMesh(TriangleSoup soup, double creaseAngle) {
   turnCorners(asRead, mesh.triangles, mesh.triangleUv);
   turnCorners(asRead, mesh.triangles, mesh.triangleNormal);
   settleNormals(mesh);
+  // They have grown one by one, and stay as long as the scene does.
+  mesh.positions.shrink_to_fit();
+  mesh.triangles.shrink_to_fit();
+  mesh.triangleMaterial.shrink_to_fit();
+  mesh.triangleUv.shrink_to_fit();
+  mesh.triangleNormal.shrink_to_fit();
   return result;
 }
 

@@ -1,5 +1,7 @@
 #include "assets/scene/scene.h"
 
+#include <utility>
+
 namespace tandem::assets {
 
 std::size_t triangleCount(const Scene& scene, const Part& part) {
@@ -10,6 +12,17 @@ std::size_t triangleCount(const Scene& scene) {
   std::size_t count = 0;
   for (const Part& part : scene.parts) count += triangleCount(scene, part);
   return count;
+}
+
+void dropGeometry(Scene& scene) {
+  for (Mesh& mesh : scene.meshes) {
+    Mesh whole;
+    whole.shellCount = mesh.shellCount;
+    whole.closed = mesh.closed;
+    whole.volume = mesh.volume;
+    whole.bounds = mesh.bounds;
+    mesh = std::move(whole);
+  }
 }
 
 PartId findPart(const Scene& scene, std::string_view name) {

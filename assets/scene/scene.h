@@ -187,6 +187,10 @@ struct Scene {
 std::size_t triangleCount(const Scene& scene, const Part& part);
 std::size_t triangleCount(const Scene& scene);
 
+/// Empties all arrays of the meshes, and keeps what is said of each as a whole (bounds, volume): for who
+/// passes the scene on as a package and touches nothing. triangleCount() is 0 then.
+void dropGeometry(Scene& scene);
+
 /// The part with this name, or kNoPart.
 PartId findPart(const Scene& scene, std::string_view name);
 

@@ -1,5 +1,6 @@
 #include "assets/scene/scene_codec.h"
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <type_traits>
@@ -17,8 +18,13 @@ struct Truncated {
   const char* reason;
 };
 
+constexpr std::size_t kPiece = 1 << 20;  // bytes that are collected before they are passed on
+constexpr std::size_t kAhead = 1 << 16;  // bytes that are read at once at least
+
 class Writer {
  public:
+  explicit Writer(const ByteSink* sink = nullptr) : sink_(sink) {}
+
   template <typename T>
   void number(const T& value) {
     static_assert(std::is_standard_layout_v<T> && std::is_trivially_destructible_v<T>);
@@ -36,22 +42,28 @@ class Writer {
   }
 
   std::byte* room(std::size_t size) {
+    if (sink_ != nullptr && bytes_.size() >= kPiece) passOn();
     bytes_.resize(bytes_.size() + size);
     return bytes_.data() + bytes_.size() - size;
   }
   std::vector<std::byte> bytes() && { return std::move(bytes_); }
+  void passOn() {
+    (*sink_)(bytes_);
+    bytes_.clear();
+  }
 
  private:
   void raw(const void* data, std::size_t size) {
     if (size > 0) std::memcpy(room(size), data, size);
   }
 
+  const ByteSink* sink_;  // null: all bytes are kept
   std::vector<std::byte> bytes_;
 };
 
 class Reader {
  public:
-  explicit Reader(std::span<const std::byte> bytes) : bytes_(bytes) {}
+  Reader(std::uint64_t size, const ByteSource& source) : source_(source), left_(size) {}
 
   template <typename T>
   void number(T& value) {
@@ -74,22 +86,34 @@ class Reader {
   void count(std::vector<T>& values, std::size_t minimum) {
     std::uint32_t size = 0;
     number(size);
-    if (std::uint64_t(size) * minimum > bytes_.size() - at_)
+    if (std::uint64_t(size) * minimum > left_)
       throw Truncated{"a count is larger than the bytes that are left"};
     values.resize(size);
   }
 
-  /// The next `size` bytes, which count as read.
+  /// The next `size` bytes, which count as read; there until the next call.
   const std::byte* next(std::size_t size) {
-    if (size > bytes_.size() - at_) throw Truncated{"the bytes end too early"};
+    if (size > left_) throw Truncated{"the bytes end too early"};
+    if (size > bytes_.size() - at_) fetch(size);
+    left_ -= size;
     at_ += size;
     return bytes_.data() + at_ - size;
   }
-  bool atEnd() const { return at_ == bytes_.size(); }
+  bool atEnd() const { return left_ == 0; }
 
  private:
-  std::span<const std::byte> bytes_;
-  std::size_t at_ = 0;
+  void fetch(std::size_t size) {
+    bytes_.erase(bytes_.begin(), bytes_.begin() + static_cast<std::ptrdiff_t>(at_));
+    at_ = 0;
+    const std::size_t had = bytes_.size();
+    bytes_.resize(std::max<std::size_t>(size, std::min<std::uint64_t>(left_, kAhead)));
+    if (!source_(std::span(bytes_).subspan(had))) throw Truncated{"the bytes end too early"};
+  }
+
+  const ByteSource& source_;
+  std::uint64_t left_;  // not read
+  std::vector<std::byte> bytes_;
+  std::size_t at_ = 0;  // into bytes_: what is before has been read
 };
 
 // --- arrays in planes
@@ -430,10 +454,16 @@ std::vector<std::byte> encodeScene(const Scene& scene) {
   return std::move(writer).bytes();
 }
 
-Result<Scene> decodeScene(std::span<const std::byte> bytes) {
+void encodeScene(const Scene& scene, const ByteSink& sink) {
+  Writer writer(&sink);
+  sceneBody(writer, scene);
+  writer.passOn();
+}
+
+Result<Scene> decodeScene(std::uint64_t size, const ByteSource& source) {
   Scene scene;
   try {
-    Reader reader(bytes);
+    Reader reader(size, source);
     sceneBody(reader, scene);
     if (!reader.atEnd()) return Error{"bytes are left over"};
   } catch (const Truncated& e) {
@@ -441,6 +471,16 @@ Result<Scene> decodeScene(std::span<const std::byte> bytes) {
   }
   if (Status status = checkScene(scene); !status) return status.error();
   return scene;
+}
+
+Result<Scene> decodeScene(std::span<const std::byte> bytes) {
+  std::size_t at = 0;
+  return decodeScene(bytes.size(), [&](std::span<std::byte> piece) {
+    if (piece.size() > bytes.size() - at) return false;
+    if (!piece.empty()) std::memcpy(piece.data(), bytes.data() + at, piece.size());
+    at += piece.size();
+    return true;
+  });
 }
 
 }  // namespace tandem::assets

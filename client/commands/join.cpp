@@ -1,3 +1,4 @@
+#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -42,6 +43,8 @@ struct Arguments {
   SectionSet cut;  // what `sections` say
   double deadband = PublishRates{}.deadband;
 };
+
+constexpr int kLargeArray = 1 << 20;  // bytes, from which on what is freed goes back to the system at once
 
 volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
 
@@ -470,6 +473,7 @@ int run(Arguments& arguments) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
+  ::mallopt(M_MMAP_THRESHOLD, kLargeArray);
   auto line = std::make_unique<ProgressLine>();
   Result<std::unique_ptr<JoinedSite>> site = JoinedSite::enter(options, [&](double done, const char* what) {
     line->show(done, what);

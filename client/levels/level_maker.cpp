@@ -15,13 +15,16 @@ constexpr int kNiceness = 10;  // the hand's loop and the window come first
 }  // namespace
 
 LevelMaker::LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes,
-                       std::string cacheDirectory)
+                       std::string cacheDirectory, unsigned threads)
     : scene_(scene),
       cacheDirectory_(std::move(cacheDirectory)),
       urgency_(scene.meshes.size(), 0.0f),
       levelsWanted_(meshes.begin(), meshes.end()),
-      left_(meshes.size()),
-      worker_([this] { run(); }) {}
+      left_(meshes.size()) {
+  const unsigned cores = std::thread::hardware_concurrency();
+  if (threads == 0) threads = cores > 3 ? cores - 2 : 1;
+  for (unsigned i = 0; i < threads; ++i) workers_.emplace_back([this] { run(); });
+}
 
 LevelMaker::~LevelMaker() {
   {
@@ -29,7 +32,7 @@ LevelMaker::~LevelMaker() {
     stop_ = true;
   }
   wake_.notify_all();
-  worker_.join();
+  for (std::thread& worker : workers_) worker.join();
 }
 
 void LevelMaker::begin() {
@@ -37,7 +40,7 @@ void LevelMaker::begin() {
     const std::lock_guard lock(mutex_);
     begun_ = true;
   }
-  wake_.notify_one();
+  wake_.notify_all();
 }
 
 void LevelMaker::setUrgency(std::uint32_t mesh, float pixels) {
@@ -75,7 +78,11 @@ std::optional<LevelMaker::Order> LevelMaker::next() {
   wake_.wait(lock, [&] { return stop_ || (begun_ && (!levelsWanted_.empty() || !exactWanted_.empty())); });
   if (stop_) return std::nullopt;
   // An exact mesh is quickly made, and somebody looks at it.
-  if (!exactWanted_.empty()) return Order{exactWanted_.front(), true};
+  if (!exactWanted_.empty()) {
+    const Order order{exactWanted_.front(), true};
+    exactWanted_.erase(exactWanted_.begin());
+    return order;
+  }
   const auto most = std::max_element(levelsWanted_.begin(), levelsWanted_.end(),
                                      [&](auto a, auto b) { return urgency_[a] < urgency_[b]; });
   const Order order{*most, false};
@@ -104,7 +111,6 @@ void LevelMaker::work(const Order& order) {
     left_.fetch_sub(1, std::memory_order_relaxed);
   }
   const std::lock_guard lock(mutex_);
-  if (order.exact) std::erase(exactWanted_, order.mesh);
   results_.push_back(std::move(made));
 }
 

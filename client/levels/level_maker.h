@@ -1,7 +1,7 @@
 #pragma once
 
-// Makes the levels of a scene's large meshes in a thread of its own, that which is furthest off on the screen
-// first, and exact meshes for the GPU as they are asked for.
+// Makes the levels of a scene's large meshes in threads of their own, that which is furthest off on the
+// screen first, and exact meshes for the GPU as they are asked for.
 //
 // 1. Meshes of one content are made once, for the least of them.
 // 2. Levels come from the cache where it has them, and go there when they are made.
@@ -32,7 +32,9 @@ class LevelMaker {
   };
 
   /// Has the levels of `meshes` to make, equally urgent ones in this order. `scene` outlives this.
-  LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes, std::string cacheDirectory);
+  /// `threads` 0: all cores but two, which are the hand's and the window's, and one at least.
+  LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes, std::string cacheDirectory,
+             unsigned threads = 0);
   ~LevelMaker();
   LevelMaker(const LevelMaker&) = delete;
   LevelMaker& operator=(const LevelMaker&) = delete;
@@ -41,7 +43,7 @@ class LevelMaker {
   void begin();
   /// How far off a mesh is shown now, pixels. Any thread.
   void setUrgency(std::uint32_t mesh, float pixels);
-  /// Asks for the exact mesh; a second time has no effect before the first is done. Any thread.
+  /// Asks for the exact mesh; a second time has no effect before the first is begun. Any thread.
   void askExact(std::uint32_t mesh);
   /// The next result, oldest first. Any thread.
   std::optional<Made> take();
@@ -72,7 +74,7 @@ class LevelMaker {
   std::deque<Made> results_;                 // guarded by mutex_
   std::atomic<std::size_t> left_{0}, made_{0};
   std::atomic<bool> stop_{false};
-  std::thread worker_;
+  std::vector<std::thread> workers_;
 };
 
 }  // namespace tandem::client

@@ -54,6 +54,8 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) {
   findEdges(mesh, beyond, edgeOf);
   listAround(beyond, edgeOf);
   ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
+  edges_.shrink_to_fit();
+  around_.shrink_to_fit();
 }
 
 /// Fills edgeOf: each triangle's edge as an index into edges_, or kNone where it is flat.

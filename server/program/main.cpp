@@ -2,6 +2,7 @@
 // signal stops it. Standard output carries the links and nothing else; the log goes to standard error. Exit
 // codes: 0 done, 1 the run failed, 2 bad arguments or input (one line on standard error).
 
+#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -35,6 +36,7 @@ namespace tandem::server {
 namespace {
 
 constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is handled soon
+constexpr int kLargeArray = 1 << 20;  // bytes, from which on what is freed goes back to the system at once
 constexpr sync::Micros kClosingTime = 300 * sync::kMillisecond;
 
 volatile std::sig_atomic_t stopAsked = 0;
@@ -96,7 +98,8 @@ Result<assets::Scene> load(Options& options) {
 
 /// Everything that a running session needs, in the order in which it is made.
 struct Server {
-  assets::Scene scene;
+  assets::Scene scene;        // without its geometry, which the package has
+  std::size_t triangles = 0;  // that it had
   std::vector<std::byte> package;
   DataDirectory directory;
   std::unique_ptr<sync::SocketTransport> transport;
@@ -144,6 +147,9 @@ Result<Server> prepare(Options& options, int& exitCode) {
   Result<assets::Scene> scene = load(options);
   if (!scene) return scene.error();
   std::vector<std::byte> package = assets::packScene(*scene);
+  const std::size_t triangles = assets::triangleCount(*scene);
+  assets::dropGeometry(*scene);
+  ::malloc_trim(0);  // what loading took goes back to the system
   Result<DataDirectory> directory = DataDirectory::open(options.data);
   if (!directory) return directory.error();
   const auto hash = assets::contentHash(package);
@@ -168,13 +174,8 @@ Result<Server> prepare(Options& options, int& exitCode) {
   };
   auto transport = sync::listenOn(options.listenHost, options.listenPort, directory->identity(), listen);
   if (!transport) return listenError(transport.error(), options.listenHost);
-  return Server{std::move(*scene),
-                std::move(package),
-                std::move(*directory),
-                std::move(*transport),
-                std::move(*journal),
-                std::move(recording),
-                session};
+  return Server{std::move(*scene),     triangles,           std::move(package),   std::move(*directory),
+                std::move(*transport), std::move(*journal), std::move(recording), session};
 }
 
 /// A session of many sites needs more descriptors than most systems give a process at first.
@@ -188,6 +189,7 @@ void raiseFileLimit() {
 int run(Options& options) {
   watchSignals();
   raiseFileLimit();
+  ::mallopt(M_MMAP_THRESHOLD, kLargeArray);
   ::umask(077);  // files of the server are readable by its user only
   startLog(options.quiet, options.log == "json");
   localNow();
@@ -227,8 +229,7 @@ int run(Options& options) {
                                      [](const assets::Part& part) { return part.movable; });
   spdlog::info("{}: {}, {} parts ({} movable), {} triangles, {} KiB to each new site; port {}; data in {}",
                options.scene, assets::sizeInWords(server.scene), server.scene.parts.size(), movable,
-               assets::triangleCount(server.scene), server.package.size() / 1024, server.transport->port(),
-               options.data);
+               server.triangles, server.package.size() / 1024, server.transport->port(), options.data);
   if (movable == 0)
     spdlog::warn("{}: nothing in it can be taken; --movable all or NAME lets it", options.scene);
   if (const std::string doubt = assets::unitDoubt(server.scene, options.units); !doubt.empty())

@@ -169,6 +169,39 @@ TEST(ScenePackage, StoresWhatCompressesTooWell) {
   EXPECT_EQ(back->meshes[0].positions.size(), 400000u);
 }
 
+TEST(ScenePackage, IsReadAndWrittenInPiecesThatAreMuchSmallerThanTheScene) {
+  Scene scene = randomScene(9);
+  while (scene.meshes.size() < 60) {
+    Mesh mesh = scene.meshes[0];
+    Random random(static_cast<std::uint32_t>(scene.meshes.size()));
+    for (int i = 0; i < 8000; ++i) mesh.positions.push_back(vector(random));
+    scene.meshes.push_back(std::move(mesh));
+  }
+  std::vector<std::byte> whole;
+  std::size_t largest = 0;
+  encodeScene(scene, [&](std::span<const std::byte> piece) {
+    whole.insert(whole.end(), piece.begin(), piece.end());
+    largest = std::max(largest, piece.size());
+  });
+  EXPECT_EQ(whole, encodeScene(scene));
+  EXPECT_LT(4 * largest, whole.size());
+  const std::vector<std::byte> package = packScene(scene);
+  const Result<Scene> back = unpackScene(package);
+  ASSERT_TRUE(back.ok()) << back.error().message;
+  EXPECT_EQ(back->meshes.back().positions, scene.meshes.back().positions);
+  EXPECT_EQ(packScene(*back), package);
+}
+
+TEST(Scene, KeepsWhatIsSaidOfMeshesAsAWholeWithoutTheirGeometry) {
+  Scene scene = randomScene(10);
+  const Bounds bounds = scene.meshes[0].bounds;
+  ASSERT_GT(triangleCount(scene), 0u);
+  dropGeometry(scene);
+  EXPECT_EQ(triangleCount(scene), 0u);
+  EXPECT_EQ(scene.meshes[0].bounds.max, bounds.max);
+  EXPECT_TRUE(scene.meshes[0].positions.empty());
+}
+
 // The hash hides broken content from the decoder, so these go to the decoder itself, as a hostile packer
 // would.
 

@@ -28,7 +28,7 @@ LevelMaker::Made next(LevelMaker& maker) {
 const std::uint32_t kAll[] = {0, 1, 2};
 
 TEST(LevelMaker, MakesFirstWhatIsFurthestOff) {
-  LevelMaker maker(threeMeshes(), kAll, "");
+  LevelMaker maker(threeMeshes(), kAll, "", 1);
   EXPECT_EQ(maker.left(), 3u);
   maker.setUrgency(1, 2.0f);
   maker.setUrgency(2, 5.0f);
