@@ -122,12 +122,15 @@ void draw(const assets::Scene& scene, const Arguments& arguments, Report& report
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
   report.value("within a pixel after", "s", waiting.seconds());
+  const std::clock_t began = std::clock();
   const Stopwatch watch;
   for (int i = 0; i < arguments.frames; ++i) {
     (*viewer)->camera().yaw += 0.01;
     static_cast<void>((*viewer)->frame(model));
   }
   report.value("frames a second", "1/s", arguments.frames / watch.seconds());
+  report.value("processor time of a frame", "ms",
+               1e3 * static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC / arguments.frames);
   report.value("memory", "MB", memory("VmRSS"));
   report.value("memory at most", "MB", memory("VmHWM"));
   if (!arguments.picture.empty()) static_cast<void>((*viewer)->screenshot(arguments.picture));

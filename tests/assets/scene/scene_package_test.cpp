@@ -170,10 +170,10 @@ TEST(ScenePackage, StoresWhatCompressesTooWell) {
 }
 
 TEST(ScenePackage, IsReadAndWrittenInPiecesThatAreMuchSmallerThanTheScene) {
-  Scene scene = randomScene(9);
+  Scene scene = randomSceneWithFiles(9);
   while (scene.meshes.size() < 60) {
     Mesh mesh = scene.meshes[0];
-    Random random(static_cast<std::uint32_t>(scene.meshes.size()));
+    Engine random(static_cast<std::uint32_t>(scene.meshes.size()));
     for (int i = 0; i < 8000; ++i) mesh.positions.push_back(vector(random));
     scene.meshes.push_back(std::move(mesh));
   }
@@ -193,7 +193,7 @@ TEST(ScenePackage, IsReadAndWrittenInPiecesThatAreMuchSmallerThanTheScene) {
 }
 
 TEST(Scene, KeepsWhatIsSaidOfMeshesAsAWholeWithoutTheirGeometry) {
-  Scene scene = randomScene(10);
+  Scene scene = randomSceneWithFiles(10);
   const Bounds bounds = scene.meshes[0].bounds;
   ASSERT_GT(triangleCount(scene), 0u);
   dropGeometry(scene);
