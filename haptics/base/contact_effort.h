@@ -7,7 +7,8 @@ namespace tandem::haptics {
 struct ContactEffort {
   int steps = 4;            // at most, 1 to 4; the rest of a fast motion is made up in the next ticks
   int sampleQueries = 600;  // at most, of all steps: rows measured or made active
-  bool exact = true;  // measure triangles where a field is not reliable; false: use its reading as it is
+  bool exact = true;    // measure triangles where a field is not reliable; false: use its reading as it is
+  bool descend = true;  // go to the deepest place near a sample; false: measure at the samples alone
 };
 
 }  // namespace tandem::haptics

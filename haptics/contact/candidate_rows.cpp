@@ -12,6 +12,8 @@ namespace tandem::haptics {
 namespace {
 
 constexpr std::uint32_t kFreshSteps = 8;  // steps for which the planes of an answer are trusted at least
+constexpr float kShallow = 0.25f;         // trusted errors up to which no answer is worth more than a dip
+constexpr float kBlade = 0.7f;            // rad (some 40 degrees) between the faces of a blade at least
 
 }  // namespace
 
@@ -110,11 +112,16 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   if (query_.contained) return;
   const ContactSample& sample = sampleAt(i);
   const float least = read.distance - read.error + allowed_;
-  if (read.error > query_.rough || (sample.along > 0.0f && crossesBlade(sample, place, read)))
-    return addAnsweredRows(i, place, nullptr, least - sample.along);
-  // Before a smooth surface the least gap along the rest of a piece of edge is at its end, where the next
-  // sample stands.
-  if (least > query_.limit) return;
+  if (read.error > query_.rough) return addAnsweredRows(i, place, nullptr, least - sample.along);
+  Dip dip;
+  if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
+  if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
+  if (allowed_ > 0.0f) dip.depth = 0.0f;
+  if (least - dip.depth > query_.limit) return;
+  if (dip.depth > kShallow * query_.smooth) {
+    if (const SampleAnswer* const answer = trustedAnswer(i, place))
+      return addPlanes(i, place, *answer, nullptr);
+  }
   glm::vec3 normal = read.gradient;
   float gap = read.distance + read.error;
   if (read.error > query_.smooth) {
@@ -122,64 +129,88 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
     gap = read.distance - read.error;
     alignToFace(i, read, normal, gap);
   }
-  addPlane(query_.world(normal), query_.armOf(place), gap + allowed_, query_.source(i));
+  addPlane(query_.world(normal), query_.armOf(place), gap - dip.depth + allowed_, query_.source(i));
 }
 
-bool CandidateRows::trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const {
+const SampleAnswer* CandidateRows::trustedAnswer(std::uint32_t sample, const glm::vec3& place) const {
+  const SampleAnswer* const answer = memory_.find(query_.sampled, sample, query_.target);
+  return answer != nullptr && isTrusted(sample, place, *answer) ? answer : nullptr;
+}
+
+bool CandidateRows::isTrusted(std::uint32_t sample, const glm::vec3& place,
+                              const SampleAnswer& answer) const {
   // The age differs from sample to sample, so that they are not all queried in the same step.
-  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps && length <= query_.trusted;
+  return memory_.age(answer) <= kFreshSteps + sample % kFreshSteps &&
+         glm::length(place - answer.place) <= query_.trusted;
+}
+
+void CandidateRows::addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
+                              const ContactPatch* patch) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(answer.planes); ++k) {
+    const AnsweredPlane& plane = answer.plane[k];
+    const glm::vec3 &normal = plane.normal, seat = place + rotation_ * plane.aside;
+    glm::vec3 arm = query_.armOf(seat);
+    float gap = glm::dot(normal, seat) - plane.height + allowed_;
+    if (patch != nullptr) {
+      // The gap is that of the place of the patch that is lowest over the plane now.
+      const glm::dvec3 up(normal), lowest = patch->pointAt(patch->lowest(up, evenness(*query_.to)));
+      arm = query_.arm(lowest);
+      gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
+    }
+    addPlane(query_.world(normal), arm, gap, query_.source(i));
+  }
+}
+
+float CandidateRows::roomLeft(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
+                              const ContactPatch* patch) const {
+  const auto extent = static_cast<float>(query_.from->samples.extent(sampleAt(i)));
+  const float path =
+      patch != nullptr ? 2.0f * glm::length(place - answer.place) : answer.movedSince(place, turn_, extent);
+  return answer.room + allowed_ - path;
 }
 
 bool CandidateRows::isAnswered(std::uint32_t i, const glm::vec3& place) const {
+  if (trustedAnswer(i, place) != nullptr) return true;
   const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target);
-  if (answer == nullptr) return false;
-  const float length = glm::length(place - answer->place);
-  return trusts(*answer, i, length) || answer->room + allowed_ - length > query_.limit;
+  return answer != nullptr && roomLeft(i, place, *answer, nullptr) > query_.limit;
 }
 
 void CandidateRows::addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch,
                                     float room) {
-  const glm::vec3 arm = query_.armOf(place);
   if (const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target)) {
-    const glm::vec3 path = place - answer->place;
-    const float length = glm::length(path);
-    // What is said of a point says little of a piece of edge or of a patch around it.
-    if (patch == nullptr && !(sampleAt(i).along > 0.0f))
-      clear_ = std::max(clear_, answer->room + allowed_ - length);
-    if (trusts(*answer, i, length)) {
-      for (std::size_t k = 0; k < static_cast<std::size_t>(answer->planes); ++k) {
-        const glm::vec3& normal = answer->normals[k];
-        glm::vec3 at = arm;
-        float gap = answer->gaps[k] + glm::dot(normal, path) + allowed_;
-        if (patch != nullptr) {
-          // The gap is that of the place of the patch that is lowest over the plane now.
-          const glm::dvec3 up(normal), lowest = patch->pointAt(patch->lowest(up, evenness(*query_.to)));
-          at = query_.arm(lowest);
-          gap += static_cast<float>(glm::dot(up, lowest - patch->sample()));
-        }
-        addPlane(query_.world(normal), at, gap, query_.source(i));
-      }
-      return;
-    }
-    room = std::max(room, answer->room + allowed_ - (patch != nullptr ? 2.0f : 1.0f) * length);
+    const float left = roomLeft(i, place, *answer, patch);
+    // What is said of places that were seen says little of the rest of a sharp edge or of a patch.
+    if (patch == nullptr && !(sampleAt(i).along > 0.0f)) clear_ = std::max(clear_, left);
+    if (isTrusted(i, place, *answer)) return addPlanes(i, place, *answer, patch);
+    room = std::max(room, left);
   }
-  if (room <= query_.limit) rows_.addBall(arm, room, query_.source(i));
+  if (room <= query_.limit) rows_.addBall(query_.armOf(place), room, query_.source(i));
 }
 
-bool CandidateRows::crossesBlade(const ContactSample& sample, const glm::vec3& place,
-                                 const Reading& read) const {
+CandidateRows::Dip CandidateRows::edgeDip(const ContactSample& sample, const glm::vec3& place,
+                                          const Reading& read, float above) const {
   ContactPatch edge;
-  if (!query_.from->patchOf(sample, edge)) return false;
-  const glm::vec3 along = sample.along * glm::vec3(query_.toFromSamples.orientation * edge.axis);
-  const float slope = glm::dot(read.gradient, along);
-  if (std::abs(slope) <= query_.smooth) return false;
-  const float towards = slope > 0.0f ? -1.0f : 1.0f;
-  const Reading next = query_.to->field.read(place + towards * along);
-  const float down = std::abs(slope), up = towards * glm::dot(next.gradient, along);
-  // A surface whose normal changes by less than some 40 degrees between them is round rather than a blade.
-  if (up <= 0.0f || down + up < 0.7f * sample.along) return false;
-  const float least = read.distance - down * (read.distance - next.distance + up) / (down + up);
-  return least - read.error <= query_.limit && std::min(read.distance, next.distance) - least > query_.smooth;
+  if (!query_.from->patchOf(sample, edge)) return {};
+  const glm::vec3 along = sample.along * (rotation_ * glm::vec3(edge.axis));
+  const float slope = glm::dot(read.gradient, along), worth = std::max(query_.smooth, above);
+  // Most edges run along the target or do not dip.
+  if (std::abs(slope) <= worth) return {};
+  return dipTowards(slope > 0.0f ? -along : along, place, read);
+}
+
+CandidateRows::Dip CandidateRows::dipTowards(const glm::vec3& along, const glm::vec3& place,
+                                             const Reading& read) const {
+  const float down = -glm::dot(read.gradient, along);
+  const Reading next = query_.to->field.read(place + along);
+  // Where the other end is near an edge of the target, it is known only how deep that end may be.
+  if (next.error > query_.rough)
+    return {std::clamp(read.distance - next.distance + next.error, 0.0f, down), false};
+  const float up = glm::dot(next.gradient, along);
+  if (up <= 0.0f) return {};
+  const float depth = std::max(0.0f, down * (read.distance - next.distance + up) / (down + up));
+  const bool ofBlade = down + up >= kBlade * glm::length(along) &&
+                       std::min(depth, depth + next.distance - read.distance) > query_.smooth;
+  return {depth + next.error, ofBlade};
 }
 
 void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const {

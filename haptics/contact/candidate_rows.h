@@ -18,7 +18,12 @@ namespace tandem::haptics {
 class CandidateRows {
  public:
   CandidateRows(const SideQuery& query, const SampleMemory& memory, SideClocks& clocks, ContactRows& rows)
-      : query_(query), memory_(memory), clocks_(clocks), rows_(rows) {}
+      : query_(query),
+        memory_(memory),
+        clocks_(clocks),
+        rows_(rows),
+        turn_(query.toFromSamples.orientation),
+        rotation_(glm::mat3_cast(query.toFromSamples.orientation)) {}
 
   /// Adds the rows. Returns m, an upper bound of how deep any sample is in the target; 0 if all are outside.
   double gather();
@@ -47,12 +52,27 @@ class CandidateRows {
   /// the room that the answer leaves where that is more. `patch` is null for a sample that is a point.
   void addAnsweredRows(std::uint32_t i, const glm::vec3& place, const ContactPatch* patch, float room);
 
-  /// Whether the planes of an answer are trusted for a sample that has moved `length` m since.
-  bool trusts(const SampleAnswer& answer, std::uint32_t sample, float length) const;
-  /// Whether a piece of edge may come nearer to the target between its sample and the next one than at
-  /// both, because it crosses a thin blade or rib there. Where the target is convex, the distance is a
-  /// convex function along the edge and lies above its tangents.
-  bool crossesBlade(const ContactSample& sample, const glm::vec3& place, const Reading& read) const;
+  /// m that the last answer leaves to the sample, with all that it stands for, as that was seen.
+  float roomLeft(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
+                 const ContactPatch* patch) const;
+  /// The last answer of a sample while its planes are trusted, else null.
+  const SampleAnswer* trustedAnswer(std::uint32_t sample, const glm::vec3& place) const;
+  bool isTrusted(std::uint32_t sample, const glm::vec3& place, const SampleAnswer& answer) const;
+  /// Adds the planes of an answer for the sample at `place`.
+  void addPlanes(std::uint32_t i, const glm::vec3& place, const SampleAnswer& answer,
+                 const ContactPatch* patch);
+
+  /// How much nearer (m) to the target than its sample the part may be between it and the next ones.
+  struct Dip {
+    float depth = 0.0f;
+    bool ofBlade = false;  // the target is a thin blade or rib there, so that its field has no direction
+  };
+  /// Of a piece of edge. Where the target is convex, the distance along the edge is a convex function and
+  /// lies above its tangents.
+  /// Dips that are not deeper than `above` m do not matter.
+  Dip edgeDip(const ContactSample& sample, const glm::vec3& place, const Reading& read, float above) const;
+  /// The same on the way to the next sample, down in the direction and length of `along`.
+  Dip dipTowards(const glm::vec3& along, const glm::vec3& place, const Reading& read) const;
   /// Replaces the normal and gap of a field whose error is between smooth and rough by those of the face of
   /// the last answer, while the sample is still before that face.
   void alignToFace(std::uint32_t i, const Reading& read, glm::vec3& normal, float& gap) const;
@@ -61,9 +81,11 @@ class CandidateRows {
   const SampleMemory& memory_;
   SideClocks& clocks_;
   ContactRows& rows_;
-  float allowed_ = 0.0f;  // m, depth that the present sample had at rest
-  float clear_ = 0.0f;    // m, by which the present sample with its piece may move at least
-  float deepest_ = 0.0f;  // m
+  const glm::quat turn_;      // target from samples
+  const glm::mat3 rotation_;  // the same
+  float allowed_ = 0.0f;      // m, depth that the present sample had at rest
+  float clear_ = 0.0f;        // m, by which the present sample with its piece may move at least
+  float deepest_ = 0.0f;      // m
 };
 
 }  // namespace tandem::haptics

@@ -41,7 +41,8 @@ inline constexpr int kMaxPairs = 96;
 /// Which sample of which pair of parts a row comes from.
 struct RowSource {
   std::uint16_t pair = 0;  // into the pairs of this tick
-  std::uint16_t side = 0;  // 0: a sample of the first part; 1: of the other one; 2, 3: their second planes
+  // 0: a sample of the first part; 1: of the other one; 2, 3, ...: their further planes.
+  std::uint16_t side = 0;
   std::uint32_t sample = 0;
   bool operator==(const RowSource&) const = default;
 };

@@ -40,7 +40,7 @@ void ContactStep::move(std::span<MovingPart* const> moving, const Tick& tick, in
     if (longest + island_.push() < kStill * tolerance) break;
     island_.place();
     reach_ = std::min(longest + island_.push(), kShortReach * tolerance + kGrowth * lastMotion_);
-    refiner_.beginStep(tick.dt, reach_, tick.effort.exact);
+    refiner_.beginStep(tick.dt, reach_, tick.effort);
     gather(reach_, tick.dt);
     joints_.addRows(island_, tick.dt, rows_);
     addAxisRows(island_, tick.dt, rows_);

@@ -1,8 +1,18 @@
 #include "haptics/contact/sample_memory.h"
 
+#include <glm/geometric.hpp>
+
 #include "assets/base/assert.h"
 
 namespace tandem::haptics {
+
+float SampleAnswer::movedSince(const glm::vec3& now, const glm::quat& turn, float extent) const {
+  const float path = glm::length(now - place);
+  if (!(extent > 0.0f)) return path;
+  // A rotation by t moves a point at a distance of 1 by 2 sin(t/2) <= 4 sin(t/4) = 2 |a - b|.
+  const glm::quat near = glm::dot(orientation, turn) < 0.0f ? -turn : turn;
+  return path + 2.0f * extent * glm::length(near - orientation);
+}
 
 SampleMemory::SampleMemory(const ContactWorld& world) {
   for (PartId part = 0; world.has(part); ++part) {

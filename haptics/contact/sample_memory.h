@@ -10,22 +10,36 @@
 #include <cstdint>
 #include <vector>
 
+#include <glm/gtc/quaternion.hpp>
 #include <glm/vec3.hpp>
 
 #include "haptics/scene/contact_world.h"
 
 namespace tandem::haptics {
 
+/// One plane of an exact query's answer, frame of the target.
+struct AnsweredPlane {
+  glm::vec3 normal{0.0f, 0.0f, 0.0f};  // unit
+  float height = 0.0f;                 // m, of the plane over the origin of the target's field
+  glm::vec3 aside{0.0f, 0.0f, 0.0f};   // m, from the sample to the place that touches, frame of its part
+};
+
 /// The answer of one exact query.
 struct SampleAnswer {
+  /// m, an upper bound of how far any place within `extent` m of the sample has moved, now that the sample is
+  /// at `now` and its part turned by `turn`.
+  float movedSince(const glm::vec3& now, const glm::quat& turn, float extent) const;
+
   glm::vec3 place{0.0f, 0.0f, 0.0f};  // m, where the sample was, relative to the origin of the target's field
-  float room = 0.0f;                  // m that it can move from there without touching; below 0 inside
-  std::array<glm::vec3, 2> normals{};  // of the planes of its contact, frame of the target
-  std::array<float, 2> gaps{};         // m, over those planes
+  // m that it can move from there, with all that it stands for as far as that was seen, without touching;
+  // below 0 inside.
+  float room = 0.0f;
+  glm::quat orientation{1.0f, 0.0f, 0.0f, 0.0f};  // of its part then, frame of the target
   int planes = 0;
   std::uint32_t triangle = kNoTriangle;  // of the target, the nearest one
   PartId target = kNoPart;
-  std::uint32_t step = 0;  // in which it was found
+  std::uint32_t step = 0;              // in which it was found
+  std::array<AnsweredPlane, 4> plane;  // of its contact
 };
 
 class SampleMemory {

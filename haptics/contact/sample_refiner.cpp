@@ -6,15 +6,34 @@
 #include <glm/geometric.hpp>
 
 #include "haptics/base/fixed_vector.h"
+#include "haptics/contact/sample_descent.h"
 
 namespace tandem::haptics {
 namespace {
 
+constexpr double kDeeperBy = 0.1;        // tolerances by which a deeper place near a sample is deeper
+constexpr double kAllowance = 0.5;       // tolerances that a place near a sample may be deeper
+constexpr double kTurned = 0.25;         // tolerances by which the seat of a sample may be off
+constexpr int kMaxDescents = 8;          // in a step; samples beyond it are measured where they are
+constexpr double kLong = 10.0;           // tolerances that a sample goes in a long step
 constexpr std::size_t kMaxNormals = 16;  // of one sample
 constexpr double kToleranceAcross =
     8.0;  // tolerances that a sample may be across a sheet and still on its old side
 constexpr double kTolerancesOut =
     8.0;  // by which a step moves out what is inside, beyond the speed of what pushes it in
+
+std::uint32_t indexOf(const PartModel& part, const ContactSample& sample) {
+  return static_cast<std::uint32_t>(&sample - part.samples.samples().data());
+}
+
+Seat seatAt(const SampledModels& models, const KnownSeat& known) {
+  Seat seat;
+  seat.edge = known.edge;
+  seat.point = transformPoint(models.toFromSamples, known.point);
+  seat.along = static_cast<double>(known.along);
+  seat.least = 1e300;
+  return seat;
+}
 
 /// Orients the planes of a sheet, which has no inside, to the side on which the sample is, or was in its
 /// last answer.
@@ -23,7 +42,7 @@ void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tol
     TouchingPlane& plane = found.planes[k];
     bool behind = plane.gap < 0.0;
     if (last != nullptr && last->planes > 0 && std::abs(plane.gap) < kToleranceAcross * tolerance)
-      behind = glm::dot(glm::dvec3(last->normals[0]), plane.normal) < 0.0;
+      behind = glm::dot(glm::dvec3(last->plane[0].normal), plane.normal) < 0.0;
     if (!behind) continue;
     plane.normal = -plane.normal;
     plane.gap = -plane.gap;
@@ -32,12 +51,13 @@ void orientToSample(TouchingFeature& found, const SampleAnswer* last, double tol
 
 }  // namespace
 
-void SampleRefiner::beginStep(double dt, double reach, bool exact) {
+void SampleRefiner::beginStep(double dt, double reach, const ContactEffort& effort) {
   TICK_ASSERT(fault_, dt > 0.0 && reach >= 0.0);
   dt_ = dt;
   reach_ = reach;
-  exact_ = exact;
-  queries_ = 0;
+  exact_ = effort.exact;
+  descend_ = effort.descend;
+  queries_ = descents_ = 0;
   memory_.beginStep();
 }
 
@@ -82,11 +102,7 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
   sampleQuery.range = SideQuery::kTrustedShare * from.samples.spacing() +
                       (query.contactPair().second >= 0 ? 2.0 : 1.0) * reach_;
   if (to.byFormula() || from.samples.isRound(sample)) return sampleQuery;
-  const DistanceField::Reading around = to.field.read(glm::vec3(sampleQuery.point - to.field.origin()));
-  sampleQuery.nearest = static_cast<double>(1.001f * (std::abs(around.distance) + around.error));
-  // Where the field's error leaves the side open, the sample is outside, for it came from there.
-  sampleQuery.outside =
-      around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
+  readField(query, sampleQuery);
   if (ContactPatch edge; from.patchOf(sample, edge)) {
     sampleQuery.edge = query.toFromSamples.orientation * edge.axis;
     sampleQuery.along = edge.along;
@@ -94,31 +110,155 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
   return sampleQuery;
 }
 
+void SampleRefiner::readField(const SideQuery& query, SampleQuery& sampleQuery) const {
+  const DistanceField& field = query.to->field;
+  const DistanceField::Reading around = field.read(glm::vec3(sampleQuery.point - field.origin()));
+  sampleQuery.nearest = static_cast<double>(1.001f * (std::abs(around.distance) + around.error));
+  // Where the field's error leaves the side open, the sample is outside, for it came from there.
+  sampleQuery.outside =
+      around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
+}
+
 bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-                          const SampleAnswer* last, TouchingFeature& found) const {
+                          const SampleAnswer* last, TouchingFeature& found) {
   const PartModel& to = *query.to;
   const std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
   if (to.byFormula()) return touchShapes(query, sample, sampleQuery, found);
   if (query.from->samples.isRound(sample)) return touchPatch(query, sample, sampleQuery, hint, exact_, found);
-  if (!exact_) return fieldFeature(to, sampleQuery, found);
+  return exact_ ? touchMesh(query, sample, sampleQuery, last, found) : fieldFeature(to, sampleQuery, found);
+}
+
+bool SampleRefiner::touchAt(const SideQuery& query, const SampleQuery& at, std::uint32_t& hint,
+                            TouchingFeature& found) {
+  const PartModel& to = *query.to;
   // Beyond its grid a field knows only how far the mesh is at least.
-  return touchingFeature(*to.tree, to.edges, sampleQuery, sampleQuery.nearest, hint, found) ||
-         touchingFeature(*to.tree, to.edges, sampleQuery, 1e300, hint, found);
+  if (!touchingFeature(*to.tree, to.edges, at, at.nearest, hint, found) &&
+      !touchingFeature(*to.tree, to.edges, at, 1e300, hint, found))
+    return false;
+  hint = found.triangle;
+  return true;
+}
+
+bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sample,
+                              const SampleQuery& sampleQuery, const SampleAnswer* last,
+                              TouchingFeature& found) {
+  std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
+  if (!touchAt(query, sampleQuery, hint, found)) return false;
+  // The depth that an overlap at rest allows was measured at the samples alone.
+  if (!descend_ || sample.edge == assets::kNone || query.allowed(sample) > 0.0) return true;
+  const TouchingFeature beside = found;
+  const Seat seat = seatOf(query, sample, sampleQuery, hint, found);
+  const double least = std::min(found.distance - kAllowance * query.to->field.tolerance(), seat.least);
+  found.least = least;
+  // Beside a flush face the planes of a place over it are those of the face's border, in any direction: the
+  // place counts only where it may be inside.
+  const bool counts = ContactSamples::isSmooth(sample) || seat.least < glm::length(sampleQuery.motion);
+  if (seat.edge == assets::kNone || !counts) return true;
+  const MeshEdge& edge = query.from->edges.edges()[seat.edge];
+  const glm::dquat& rotation = query.toFromSamples.orientation;
+  const std::array<glm::dvec3, 2> normals{rotation * edge.normals[0], rotation * edge.normals[1]};
+  SampleQuery seated = sampleQuery;
+  seated.point = seat.point;
+  readField(query, seated);
+  seated.normals = normals;
+  seated.edge = rotation * glm::normalize(edge.b - edge.a);
+  seated.along = seat.along;
+  if (!touchAt(query, seated, hint, found)) return false;
+  found.least = least;
+  // A piece of sharp edge may lie over a hollow, and touch at both places.
+  if (!ContactSamples::isSmooth(sample)) found.add(beside);
+  return true;
+}
+
+Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
+                           const SampleQuery& sampleQuery, std::uint32_t hint, const TouchingFeature& found) {
+  const PartModel &from = *query.from, &to = *query.to;
+  const double tolerance = to.field.tolerance(), motion = glm::length(sampleQuery.motion);
+  const LevelBounds level{kAllowance * tolerance, static_cast<double>(query.smooth)};
+  const glm::dvec3& up = found.planes[0].normal;
+  if (isLevel(query, sample, level, up, found.count == 1)) return {};
+  if (const KnownSeat* const known = recall(query, sample, sampleQuery, up)) return seatAt(query, *known);
+  if (descents_ >= kMaxDescents) {
+    const double spread =
+        ContactSamples::isSmooth(sample) ? from.samples.smoothDip(sample) : static_cast<double>(sample.along);
+    Seat unseen;
+    unseen.least = found.distance - spread;
+    return unseen;
+  }
+  ++descents_;
+  const DescentBounds bounds{kDeeperBy * tolerance, sampleQuery.range};
+  Seat seat = deepestNear(query, sample, bounds, hint);
+  const bool looked = seat.least <= bounds.range;
+  if (looked && (seat.edge == assets::kNone || ContactSamples::isSmooth(sample)))
+    note(query, sample, sampleQuery, up, seat);
+  // In a long step the deepest place may be another one at its end.
+  if (seat.edge == assets::kNone && motion > kLong * tolerance) {
+    SampledModels ahead = query;
+    ahead.toFromSamples.position += sampleQuery.motion;
+    const double least = seat.least;
+    seat = deepestNear(ahead, sample, bounds, hint);
+    seat.point -= sampleQuery.motion;
+    seat.least = std::min(least, seat.least);
+  }
+  return seat;
+}
+
+const KnownSeat* SampleRefiner::recall(const SideQuery& query, const ContactSample& sample,
+                                       const SampleQuery& sampleQuery, const glm::dvec3& up) const {
+  const PartModel& from = *query.from;
+  const KnownSeat* const known =
+      seats_.find(query.sampled, indexOf(from, sample), query.target, from.features.get());
+  if (known == nullptr) return nullptr;
+  const glm::vec3 place(sampleQuery.point - query.to->field.origin()),
+      ownUp(glm::conjugate(query.toFromSamples.orientation) * up);
+  const auto extent = static_cast<float>(from.samples.extent(sample)),
+             turned = static_cast<float>(kTurned * query.to->field.tolerance());
+  const bool same =
+      glm::length(place - known->place) <= extent && extent * glm::length(ownUp - known->up) <= turned;
+  return same ? known : nullptr;
+}
+
+void SampleRefiner::note(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
+                         const glm::dvec3& up, const Seat& seat) {
+  const Pose& pose = query.toFromSamples;
+  KnownSeat known;
+  known.sampled = query.sampled;
+  known.target = query.target;
+  known.sample = indexOf(*query.from, sample);
+  known.features = query.from->features.get();
+  known.edge = seat.edge;
+  known.along = static_cast<float>(seat.along);
+  known.point = transformPoint(inverse(pose), seat.point);
+  known.up = glm::vec3(glm::conjugate(pose.orientation) * up);
+  known.place = glm::vec3(sampleQuery.point - query.to->field.origin());
+  seats_.remember(known);
 }
 
 void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                              const TouchingFeature& found) {
   SampleAnswer& answer = memory_.slot(query.sampled, sample, query.target);
-  answer.place = glm::vec3(sampleQuery.point - query.to->field.origin());
-  answer.room = static_cast<float>(std::min(found.distance, found.planes[0].gap));
-  answer.planes = found.count;
+  const glm::dvec3& origin = query.to->field.origin();
+  answer.place = glm::vec3(sampleQuery.point - origin);
+  answer.room = static_cast<float>(std::min(found.distance, found.least));
+  answer.orientation = glm::quat(query.toFromSamples.orientation);
+  answer.planes = 0;
   const bool round = query.from->samples.isRound(query.from->samples.samples()[sample]);
+  static_assert(TouchingFeature::kMaxPlanes <= std::tuple_size_v<decltype(answer.plane)>);
+  double lowest = 1e300;
   for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
     const TouchingPlane& plane = found.planes[k];
-    answer.normals[k] = glm::vec3(plane.normal);
+    answer.room = std::min(answer.room, static_cast<float>(plane.gap));
     // The gap of a patch is stored at its sample, from which that of any of its places follows.
-    const double above = round ? glm::dot(plane.normal, sampleQuery.point - plane.point) : 0.0;
-    answer.gaps[k] = static_cast<float>(plane.gap + above);
+    const glm::dvec3 seat = round ? sampleQuery.point : plane.point;
+    answer.plane[static_cast<std::size_t>(answer.planes++)] = {
+        glm::vec3(plane.normal), static_cast<float>(glm::dot(plane.normal, plane.point - origin) - plane.gap),
+        glm::vec3(glm::conjugate(query.toFromSamples.orientation) * (seat - sampleQuery.point))};
+    // The plane that is predicted to be violated most is the first one.
+    const double predicted = plane.gap + glm::dot(plane.normal, sampleQuery.motion);
+    if (predicted < lowest) {
+      lowest = predicted;
+      std::swap(answer.plane[0], answer.plane[k]);
+    }
   }
   answer.triangle = found.triangle;
   answer.target = query.target;
@@ -127,7 +267,7 @@ void SampleRefiner::remember(const SideQuery& query, std::uint32_t sample, const
 
 void SampleRefiner::addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
                             RowSource source, ContactRows& rows) const {
-  if (!TICK_ASSERT(fault_, found.count >= 0 && found.count <= 2)) return;
+  if (!TICK_ASSERT(fault_, found.count >= 0 && found.count <= TouchingFeature::kMaxPlanes)) return;
   const assets::Material &mine = world_.material(query.sampled, sample.triangle),
                          &its = world_.material(query.target, found.triangle);
   const double tolerance = query.to->field.tolerance(), allowed = query.allowed(sample);

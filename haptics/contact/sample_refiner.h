@@ -7,11 +7,14 @@
 
 #include <cstdint>
 
+#include "haptics/base/contact_effort.h"
 #include "haptics/base/fault.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/overlaps.h"
 #include "haptics/contact/row_refiner.h"
+#include "haptics/contact/sample_descent.h"
 #include "haptics/contact/sample_memory.h"
+#include "haptics/contact/seat_memory.h"
 #include "haptics/contact/side_query.h"
 #include "haptics/contact/touching_feature.h"
 
@@ -23,9 +26,8 @@ class SampleRefiner final : public RowRefiner {
                 FaultLatch& fault)
       : world_(world), island_(island), overlaps_(overlaps), fault_(fault), memory_(world) {}
 
-  /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m. With `exact`
-  /// false fields are read where meshes would be queried.
-  void beginStep(double dt, double reach, bool exact);
+  /// Begins a step of a tick of dt seconds in which nothing moves further than `reach` m.
+  void beginStep(double dt, double reach, const ContactEffort& effort);
 
   void refine(RowSource source, const Displacement& u, ContactRows& rows) override;
   glm::dvec3 surfaceMotion(const ExactRow& row) const override;
@@ -39,9 +41,26 @@ class SampleRefiner final : public RowRefiner {
   /// first part.
   SampleQuery sampleQueryFor(const SideQuery& query, const ContactSample& sample,
                              const Displacement& u) const;
+  /// Sets what the field knows of the place of a query.
+  void readField(const SideQuery& query, SampleQuery& sampleQuery) const;
   /// False if nothing constrains the sample.
   bool touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
-             const SampleAnswer* last, TouchingFeature& found) const;
+             const SampleAnswer* last, TouchingFeature& found);
+  /// The same on a mesh, at the deepest place near the sample.
+  bool touchMesh(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
+                 const SampleAnswer* last, TouchingFeature& found);
+  /// The same at one place, of which `hint` is a triangle near by; it becomes the one that was found.
+  static bool touchAt(const SideQuery& query, const SampleQuery& at, std::uint32_t& hint,
+                      TouchingFeature& found);
+  /// The deepest place near a sample that has been found to touch at `found`: known or newly descended to.
+  Seat seatOf(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
+              std::uint32_t hint, const TouchingFeature& found);
+  /// The sample's last seat while the target, in the direction `up`, touches it from the same side; null
+  /// otherwise.
+  const KnownSeat* recall(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
+                          const glm::dvec3& up) const;
+  void note(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
+            const glm::dvec3& up, const Seat& seat);
   void remember(const SideQuery& query, std::uint32_t sample, const SampleQuery& sampleQuery,
                 const TouchingFeature& found);
   void addRows(const SideQuery& query, const ContactSample& sample, const TouchingFeature& found,
@@ -54,8 +73,9 @@ class SampleRefiner final : public RowRefiner {
   SampleMemory memory_;
   double dt_ = 0.0;     // s
   double reach_ = 0.0;  // m
-  bool exact_ = true;
-  int queries_ = 0;
+  bool exact_ = true, descend_ = true;
+  SeatMemory seats_;
+  int queries_ = 0, descents_ = 0;  // of the present step
 };
 
 }  // namespace tandem::haptics

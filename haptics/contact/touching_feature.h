@@ -40,12 +40,23 @@ struct TouchingPlane {
 };
 
 /// The contact planes of a sample: that of the nearest feature, and beside a hollow edge the plane beyond
-/// it.
+/// it; of a piece of edge, of the sample and of a deeper place beside it.
 struct TouchingFeature {
-  std::array<TouchingPlane, 2> planes;
+  static constexpr int kMaxPlanes = 4;
+  std::array<TouchingPlane, kMaxPlanes> planes;
   int count = 0;
-  double distance = 0.0;  // m, from the sample's point to the mesh, without a sign
+  double distance = 0.0;  // m, from the first place to the mesh, without a sign
+  double least = 1e300;   // m over the mesh, of all that the sample stands for, as far as it was seen
   std::uint32_t triangle = kNoTriangle;
+
+  /// Adds the planes of another place of the same sample, none deeper than that place is in the mesh.
+  void add(const TouchingFeature& other) {
+    for (int k = 0; k < other.count && count < kMaxPlanes; ++k) {
+      TouchingPlane& plane = planes[static_cast<std::size_t>(count++)];
+      plane = other.planes[static_cast<std::size_t>(k)];
+      plane.gap = plane.gap < -other.distance ? -other.distance : plane.gap;
+    }
+  }
 };
 
 /// False if the mesh is further than `reach` away. `hint`: a triangle that may be near, or any other number.

@@ -25,11 +25,13 @@ struct ContactSample {
   glm::dvec3 point{0.0, 0.0, 0.0};     // m
   std::uint32_t firstNormal = 0;       // into ContactSamples::normals()
   std::uint32_t normalCount = 0;       // of the faces that meet here
-  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on smooth surfaces
+  std::uint32_t edge = assets::kNone;  // into MeshEdges::edges(); kNone at corners and on implicit shapes
   std::uint32_t triangle = 0;          // one of those that meet here
-  // m: half length of the edge piece, or the radius of the patch, that the sample represents.
+  // m: half length of the sharp edge's piece, or the radius of the patch, that the sample represents; 0 on a
+  // smooth surface.
   float along = 0.0f;
   std::uint32_t patch = assets::kNone;  // into ContactSamples::patches(); kNone for a mesh
+  float turn = 0.0f;  // sine of the angle by which a smooth surface turns between here and its next samples
 };
 
 /// Samples with the lists that they index, part frame.
@@ -55,6 +57,8 @@ class ContactSamples {
     std::uint32_t begin, end, second;
   };
   static constexpr std::uint32_t kMaxInLeaf = 16;
+  /// Spacings of the samples of a smooth surface that each of them stands for.
+  static constexpr double kDescent = 1.5;
 
   /// 1/64 of the mesh's diagonal, m. A straight edge needs no finer spacing, because a sample represents its
   /// piece of the edge; the error on a smooth surface is the sag over that length.
@@ -78,6 +82,19 @@ class ContactSamples {
   /// edge.
   bool isRound(const ContactSample& sample) const {
     return sample.patch != assets::kNone && set_.patches[sample.patch].kind != ContactPatch::Kind::straight;
+  }
+  /// Whether the sample lies on a smooth surface of a mesh.
+  static bool isSmooth(const ContactSample& sample) {
+    return sample.edge != assets::kNone && !(sample.along > 0.0f);
+  }
+  /// m around a sample of a mesh of what it stands for.
+  double extent(const ContactSample& sample) const {
+    return isSmooth(sample) ? kDescent * smoothSpacing_ : static_cast<double>(sample.along);
+  }
+  /// Upper bound (m) of how much nearer to another part a smooth convex surface can be between its samples
+  /// than at this one.
+  double smoothDip(const ContactSample& sample) const {
+    return static_cast<double>(sample.turn) * smoothSpacing_;
   }
   /// Root first; empty without samples.
   std::span<const Node> nodes() const { return nodes_; }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <unordered_set>
+#include <unordered_map>
 #include <vector>
 
 #include <glm/common.hpp>
@@ -14,22 +14,26 @@
 namespace tandem::haptics {
 namespace {
 
+// Cells over which a smooth surface turns as much as counts for the sample of one.
+constexpr double kBeyondCell = 1.5;
+
 /// A grid whose cells each hold at most one sample.
 class Thinning {
  public:
   Thinning(const glm::dvec3& origin, double cell) : origin_(origin), cell_(cell) {}
-  bool insert(const glm::dvec3& p) {
+  /// The sample in the cell of p; `sample` where there was none.
+  std::uint32_t sampleAt(const glm::dvec3& p, std::uint32_t sample) {
     const glm::dvec3 q = glm::floor((p - origin_) / cell_);
     const auto part = [](double x) {
       return static_cast<std::uint64_t>(static_cast<std::int64_t>(x)) & 0x1fffffu;
     };
-    return occupied_.insert(part(q.x) | part(q.y) << 21 | part(q.z) << 42).second;
+    return samples_.emplace(part(q.x) | part(q.y) << 21 | part(q.z) << 42, sample).first->second;
   }
 
  private:
   glm::dvec3 origin_;
   double cell_;
-  std::unordered_set<std::uint64_t> occupied_;
+  std::unordered_map<std::uint64_t, std::uint32_t> samples_;
 };
 
 void addDistinct(std::vector<glm::dvec3>& normals, std::size_t first, const glm::dvec3& normal) {
@@ -113,23 +117,32 @@ void MeshSampler::addCorners(const std::vector<bool>& corner) {
 
 void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
   Thinning cells(mesh_.bounds.min, smoothSpacing_);
-  const auto add = [&](const MeshEdge& edge, const glm::dvec3& p) {
-    if (!cells.insert(p)) return;
-    const auto first = static_cast<std::uint32_t>(out_.normals.size());
-    out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
-    out_.samples.push_back({p, first, 2, assets::kNone, edge.triangles[0], 0.0f});
+  const auto add = [&](std::uint32_t i, const glm::dvec3& p) {
+    const MeshEdge& edge = edges_.edges()[i];
+    const auto fresh = static_cast<std::uint32_t>(out_.samples.size()), at = cells.sampleAt(p, fresh);
+    if (at == fresh) {
+      const auto first = static_cast<std::uint32_t>(out_.normals.size());
+      out_.normals.insert(out_.normals.end(), edge.normals.begin(), edge.normals.end());
+      out_.samples.push_back({p, first, 2, i, edge.triangles[0], 0.0f});
+    }
+    // The surface goes on turning as it does in the cell up to the middle of the next one.
+    ContactSample& sample = out_.samples[at];
+    for (const glm::dvec3& normal : edge.normals) {
+      const double sine = glm::length(glm::cross(out_.normals[sample.firstNormal], normal));
+      sample.turn = std::max(sample.turn, static_cast<float>(std::min(1.0, kBeyondCell * sine)));
+    }
   };
-  for (const MeshEdge& edge : edges_.edges()) {
+  for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
+    const MeshEdge& edge = edges_.edges()[i];
     if (edge.angle >= sharp_ || edge.angle <= 0.0) continue;
     for (int end = 0; end < 2; ++end) {
       const std::uint32_t v = edge.ends[static_cast<std::size_t>(end)];
-      if (!sampled[v]) add(edge, end == 0 ? edge.a : edge.b);
+      if (!sampled[v]) add(i, end == 0 ? edge.a : edge.b);
       sampled[v] = true;
     }
     const double length = glm::length(edge.b - edge.a);
     const int pieces = static_cast<int>(std::ceil(length / smoothSpacing_));
-    for (int k = 1; k < pieces; ++k)
-      add(edge, edge.a + (edge.b - edge.a) * (static_cast<double>(k) / pieces));
+    for (int k = 1; k < pieces; ++k) add(i, edge.a + (edge.b - edge.a) * (static_cast<double>(k) / pieces));
   }
 }
 

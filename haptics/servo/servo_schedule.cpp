@@ -48,7 +48,7 @@ ContactEffort EffortGuard::limited(ContactEffort set) const {
   ASSERT(stage_ >= 0 && stage_ <= kMaxStages);
   constexpr std::array<int, kMaxStages + 1> kMaxSteps = {4, 4, 2, 1};
   return {std::min(set.steps, kMaxSteps[static_cast<std::size_t>(stage_)]), set.sampleQueries >> stage_,
-          set.exact};
+          set.exact, set.descend && stage_ == 0};
 }
 
 }  // namespace tandem::haptics

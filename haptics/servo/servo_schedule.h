@@ -45,8 +45,9 @@ class OverrunGuard {
 };
 
 /// Lowers the effort of contact between parts while ticks are short of time, in stages: half the sample
-/// queries, a quarter of them and two steps, an eighth and one step. Parts then move less far in a tick;
-/// contacts stay exact. The effort returns stage by stage once ticks have been fast for kCalm of them.
+/// queries and no descents from samples, a quarter of the queries and two steps, an eighth and one step.
+/// Parts then move less far in a tick; contacts stay exact at the samples. The effort returns stage by stage
+/// once ticks have been fast for kCalm of them.
 class EffortGuard {
  public:
   static constexpr int kWindow = 64, kLimit = 6, kCalm = 1000, kMaxStages = 3;

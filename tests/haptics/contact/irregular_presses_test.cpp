@@ -102,40 +102,66 @@ struct Figures {
   }
 };
 
-Figures pressAll(Family family, unsigned pairs, unsigned poses, double sampleScale = 1.0) {
+/// m, the depth of one press.
+double depthOf(Family family, unsigned pair, unsigned pose,
+               const haptics::TickParameters& parameters = rigParameters()) {
+  HeldPartRig rig(pressCase(MeshPair(family, pair), 1000 * pair + pose), parameters, cachedModels());
+  return rig.run(5).deepest();
+}
+
+Figures pressAll(Family family, unsigned pairs, unsigned poses,
+                 const haptics::TickParameters& parameters = rigParameters()) {
   Figures figures;
-  haptics::ModelOptions modelling = cachedModels();
-  modelling.sampleScale = sampleScale;
   for (unsigned i = 0; i < pairs; ++i) {
     const MeshPair pair(family, i);
-    for (unsigned seed = 0; seed < poses; ++seed) {
-      HeldPartRig rig(pressCase(pair, 1000 * i + seed), rigParameters(), modelling);
-      rig.run(5);
-      figures.add(rig);
+    for (unsigned pose = 0; pose < poses; ++pose) {
+      HeldPartRig rig(pressCase(pair, 1000 * i + pose), parameters, cachedModels());
+      figures.add(rig.run(5));
+      if (rig.deepest() > kSteadyDepth)
+        std::printf("pair %u, pose %u: %.2f um\n", i, pose, 1e6 * rig.deepest());
     }
   }
   figures.print(family);
   return figures;
 }
 
-/// Irregular parts go deeper than kSteadyDepth, because samples of smooth surfaces and of edges are sparse
-/// beside the facets. The bounds are what these presses reach, not what is asked of contact: of 1,008 presses
-/// of more shapes 510 go deeper than 5 um, the worst 107 um.
+/// Deeper than kSteadyDepth, which is asked: over a smooth surface no row says that the part is deeper
+/// between its samples until one of them is queried.
+constexpr double kKnownDepth = 10.5e-6;  // m
+
 TEST(IrregularPresses, GoNoDeeperThanIsKnownOf) {
-  EXPECT_LT(pressAll(Family::blobs, 1, 4).deepest(), 13e-6);
+  EXPECT_LT(pressAll(Family::blobs, 1, 4).deepest(), kSteadyDepth);
   EXPECT_LT(pressAll(Family::blocks, 1, 4).deepest(), kSteadyDepth);
-  EXPECT_LT(pressAll(Family::turned, 1, 4).deepest(), 7e-6);
+  EXPECT_LT(pressAll(Family::turned, 1, 4).deepest(), 6e-6);
 }
 
-TEST(IrregularPresses, GoDeeperBetweenSparserSamples) {
-  EXPECT_GT(pressAll(Family::turned, 1, 4, 16.0).deepest(), 7e-6);
+/// Seeds whose presses go 6 to 58 um deep at the samples alone: where edges cross near a corner, where a flat
+/// meets a round surface between its samples, where a sharp edge snaps over another one within a step, beyond
+/// a blade, and over hollows of the other part.
+TEST(IrregularPresses, ThatWentDeepAtTheSamplesGoNoDeeperThanIsKnownOf) {
+  EXPECT_LT(depthOf(Family::blobs, 3, 2), kSteadyDepth);
+  EXPECT_LT(depthOf(Family::blobs, 7, 4), kSteadyDepth);
+  EXPECT_LT(depthOf(Family::blobs, 21, 4), kKnownDepth);
+  EXPECT_LT(depthOf(Family::blobs, 39, 6), kKnownDepth);
+  EXPECT_LT(depthOf(Family::blocks, 25, 2), kSteadyDepth);
+  EXPECT_LT(depthOf(Family::turned, 10, 3), kSteadyDepth);
+  EXPECT_LT(depthOf(Family::turned, 17, 0), kSteadyDepth);
+  EXPECT_LT(depthOf(Family::turned, 27, 0), kKnownDepth);
+  EXPECT_LT(depthOf(Family::turned, 40, 5), kSteadyDepth);
+}
+
+TEST(IrregularPresses, GoDeeperAtTheSamplesAlone) {
+  haptics::TickParameters parameters = rigParameters();
+  parameters.effort.descend = false;
+  EXPECT_GT(pressAll(Family::turned, 1, 4, parameters).deepest(), kSteadyDepth);
+  EXPECT_GT(depthOf(Family::turned, 10, 3, parameters), 2.0 * kSteadyDepth);
 }
 
 TEST(IrregularPresses, OfManyGoNoDeeperThanIsKnownOf) {
   if (!atFullSize()) GTEST_SKIP() << "set TANDEM_FULL_SIZE";
-  EXPECT_LT(pressAll(Family::blobs, 5, 5).deepest(), 30e-6);
-  EXPECT_LT(pressAll(Family::blocks, 5, 5).deepest(), 45e-6);
-  EXPECT_LT(pressAll(Family::turned, 5, 5).deepest(), 15e-6);
+  EXPECT_LT(pressAll(Family::blobs, 48, 7).deepest(), 27e-6);
+  EXPECT_LT(pressAll(Family::blocks, 48, 7).deepest(), 30e-6);
+  EXPECT_LT(pressAll(Family::turned, 48, 7).deepest(), 21e-6);
 }
 
 }  // namespace

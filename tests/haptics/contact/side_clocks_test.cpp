@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "haptics/contact/due_samples.h"
+#include "haptics/contact/sample_memory.h"
 #include "haptics/contact/side_clocks.h"
 #include "tests/haptics/contact/irregular_shapes.h"
 #include "tests/support/part_cases.h"
@@ -113,6 +114,38 @@ TEST(SideClocks, AMotionIsAtLeastThatOfAnyPointOfTheBall) {
     tightest = std::min(tightest, bound / farthest);
   }
   EXPECT_LT(tightest, 1.2);
+}
+
+/// Random answers of samples that then move: how many of 50 places within `extent` m of each have moved
+/// further than the answer says.
+int placesBeyond(float extentSaid, float extent) {
+  Random random(11);
+  const auto any = [&] {
+    return glm::dvec3(between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0));
+  };
+  int beyond = 0;
+  for (int i = 0; i < 500; ++i) {
+    const double size = std::pow(10.0, between(random, -4.0, 0.3));
+    const Pose then{0.05 * any(), fromRotationVector(3.0 * any())};
+    const Pose now{then.position + 0.01 * size * any(), fromRotationVector(size * any()) * then.orientation};
+    const glm::dvec3 sample = 0.02 * any();
+    haptics::SampleAnswer answer;
+    answer.place = glm::vec3(transformPoint(then, sample));
+    answer.orientation = glm::quat(then.orientation);
+    const double said = static_cast<double>(
+        answer.movedSince(glm::vec3(transformPoint(now, sample)), glm::quat(now.orientation), extentSaid));
+    for (int k = 0; k < 50; ++k) {
+      const glm::dvec3 p = sample + static_cast<double>(extent) * glm::normalize(any());
+      beyond += glm::length(transformPoint(now, p) - transformPoint(then, p)) > said + 1e-8 ? 1 : 0;
+    }
+  }
+  return beyond;
+}
+
+TEST(SideClocks, AnAnswerHoldsForAllThatItsSampleStandsFor) {
+  EXPECT_EQ(placesBeyond(1e-3f, 1e-3f), 0);
+  // The control: an answer that counts the way of the sample alone.
+  EXPECT_GT(placesBeyond(0.0f, 1e-3f), 0);
 }
 
 TEST(SideClocks, NoSampleThatIsNearIsLeftOut) {

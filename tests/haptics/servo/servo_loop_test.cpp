@@ -83,9 +83,11 @@ TEST(EffortGuard, TakesEffortBackInItsOrderAndGivesItBackOnceTicksAreShort) {
   ticks(EffortGuard::kLimit - 1, 0.9);
   EXPECT_EQ(guard.stage(), 0) << "a few long ticks are forgiven";
   EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries);
+  EXPECT_TRUE(guard.limited(set).descend);
   ticks(1, 0.9);
   EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries / 2);
   EXPECT_EQ(guard.limited(set).steps, set.steps);
+  EXPECT_FALSE(guard.limited(set).descend);
   ticks(EffortGuard::kLimit, 0.9);
   EXPECT_EQ(guard.limited(set).sampleQueries, set.sampleQueries / 4);
   EXPECT_EQ(guard.limited(set).steps, 2);
