@@ -119,12 +119,15 @@ class DrawnLevelsTest : public testing::Test {
     return pixels;
   }
 
+  /// Leaves the processor for a while to those who make levels, which give way to all else.
+  static void waitForLevels() { std::this_thread::sleep_for(std::chrono::milliseconds(50)); }
+
   /// Draws until what is drawn is within a pixel and nothing is being made.
   Pixels drawSettled(const View& view) {
     for (;;) {
       Pixels pixels = draw(*levels_, view);
       if (levels_->pixelsOff() <= kMostPixels && levels_->meshesLeft() == 0) return pixels;
-      std::this_thread::sleep_for(std::chrono::milliseconds(2));
+      waitForLevels();
     }
   }
 
@@ -189,7 +192,7 @@ TEST_F(DrawnLevelsTest, CutsTheExactMesh) {
   const Pixels expected = draw(*exact_, view);
   while (levels_->pixelsOff() > 0.0 || levels_->meshesLeft() > 0) {
     draw(*levels_, view);
-    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    waitForLevels();
   }
   // The first picture after the last mesh came.
   EXPECT_EQ(draw(*levels_, view), expected);
