@@ -3,8 +3,9 @@
 // Which sites say that they do not believe the motion of which others. The server judges nothing: it tells
 // all who says what of whom, and notes it for the audit. Nobody loses a part or a place by it.
 //
-// 1. A doubt holds for kHolds after the site has said it last. It begins and ends once for all, whatever is
-//    said in between, and ends with either site.
+// 1. A doubt holds for kHolds after the site has said it last, or until one of the two sites leaves. The
+//    others are told that it has begun and that it has ended, and nothing in between, however often the site
+//    repeats it.
 // 2. Those of observers, of oneself, of sites that are not listed and those beyond a site's rate or
 //    kMostAtOnce are dropped and counted: whoever accuses everybody costs the others kMostAtOnce messages
 //    in kHolds.

@@ -1,4 +1,3 @@
-#include <malloc.h>
 #include <unistd.h>
 
 #include <array>
@@ -12,6 +11,7 @@
 
 #include <glm/geometric.hpp>
 #include "assets/base/assert.h"
+#include "assets/base/process_memory.h"
 #include "client/commands/colour_option.h"
 #include "client/commands/command.h"
 #include "client/commands/join_report.h"
@@ -23,6 +23,7 @@
 #include "client/review/clash_search.h"
 #include "client/review/clearance_watch.h"
 #include "client/viewer/camera.h"
+#include "client/viewer/level_choice.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/operator/steered_hand.h"
@@ -43,8 +44,6 @@ struct Arguments {
   SectionSet cut;  // what `sections` say
   double deadband = PublishRates{}.deadband;
 };
-
-constexpr int kLargeArray = 1 << 20;  // bytes, from which on what is freed goes back to the system at once
 
 volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
 
@@ -333,7 +332,7 @@ class JoinRun {
     }
     // What stands in for large parts at first is several pixels off.
     for (const Clock::time_point start = Clock::now();
-         viewer.pixelsOff() > 1.0 && !interrupted && Clock::now() - start < kLevelsPatience;) {
+         viewer.pixelsOff() > kMostPixels && !interrupted && Clock::now() - start < kLevelsPatience;) {
       std::this_thread::sleep_for(std::chrono::milliseconds(20));
       static_cast<void>(viewer.frame(model_));
     }
@@ -473,7 +472,7 @@ int run(Arguments& arguments) {
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGUSR1, [](int) { faultClears = faultClears + 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
-  ::mallopt(M_MMAP_THRESHOLD, kLargeArray);
+  returnFreedArrays();
   auto line = std::make_unique<ProgressLine>();
   Result<std::unique_ptr<JoinedSite>> site = JoinedSite::enter(options, [&](double done, const char* what) {
     line->show(done, what);

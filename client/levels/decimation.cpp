@@ -339,8 +339,9 @@ std::size_t Decimation::reduceTo(std::size_t triangles, const std::function<bool
   StopObserver observer(stopped);
   data_->decimater->set_observer(&observer);
   while (data_->faces > triangles && !(stopped && stopped())) {
-    // A collapse takes two faces, one at an open border. The decimater knows the cost of a collapse anew only
-    // beside those it makes, and forgets that the end of an edge has come to bear more: it begins anew often.
+    // A collapse takes two faces, one at an open border. The decimater computes a cost anew only beside the
+    // collapses that it makes. The cost of an edge grows with the quadrics of its ends, so that older costs
+    // are too low after a while: all are computed again after each share of the triangles.
     const auto few = static_cast<std::size_t>(kShareAtOnce * static_cast<double>(data_->faces));
     const std::size_t collapses = (std::min(data_->faces - triangles, few) + 1) / 2;
     if (data_->decimater->decimate(collapses) == 0) break;

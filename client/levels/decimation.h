@@ -3,8 +3,8 @@
 // A mesh with ever fewer triangles, by collapses of edges onto their ends. Needs OpenMesh's decimater, which
 // only decimation.cpp sees.
 //
-// 1. What is left of the vertices stands where it stood, so sharp edges, open borders and borders of
-//    materials keep their corners; a vertex on one of them only moves along it.
+// 1. Vertices are taken away and never moved. One on a sharp edge, an open border or a border of materials
+//    is only merged with its neighbour along that line, so that these lines keep their corners.
 // 2. A closed mesh stays closed.
 
 #include <functional>

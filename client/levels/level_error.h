@@ -15,6 +15,7 @@ double distanceBound(const assets::Mesh& from, const haptics::TriangleBvh& to, d
 /// The largest distance, m, of points of `from` to `to`, looked at in steps of at most `spacing`. It proves
 /// nothing of what lies between.
 double sampledDistance(const assets::Mesh& from, const haptics::TriangleBvh& to, double spacing);
+/// m, over the first edges of all triangles; 0 without triangles.
 double meanEdge(const assets::Mesh& mesh);
 
 /// What a level is off: the bound on the exact surface's distance to it, or its own sampled distance to the

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "assets/base/cache_file.h"
+#include "assets/scene/sealed_file.h"
 
 namespace tandem::client {
 namespace {
@@ -15,11 +15,6 @@ namespace {
 // Raised whenever the levels of the same mesh become others.
 constexpr std::uint64_t kLevelsVersion = 1;
 constexpr std::array<char, 8> kLevelsMark = {'T', 'D', 'L', 'e', 'v', 'e', 'l', 's'};
-
-struct LevelsHeader {
-  std::array<char, 8> mark = kLevelsMark;
-  assets::ContentHash mesh{}, levels{};  // what they were made of; what follows
-};
 
 template <typename T>
 void append(std::vector<std::byte>& bytes, const std::vector<T>& values) {
@@ -67,13 +62,10 @@ assets::ContentHash levelContent(const assets::Mesh& mesh) {
 std::optional<std::vector<Level>> readLevels(const std::string& directory,
                                              const assets::ContentHash& content) {
   if (directory.empty()) return std::nullopt;
-  const std::optional<std::vector<std::byte>> file = assets::readCacheFile(levelsPath(directory, content));
-  LevelsHeader header;
-  if (!file || file->size() < sizeof header) return std::nullopt;
-  std::memcpy(&header, file->data(), sizeof header);
-  std::span<const std::byte> rest = std::span<const std::byte>(*file).subspan(sizeof header);
-  if (header.mark != kLevelsMark || header.mesh != content || header.levels != assets::contentHash(rest))
-    return std::nullopt;
+  const std::optional<assets::SealedContent> file =
+      assets::readSealedFile(levelsPath(directory, content), {kLevelsMark, content});
+  if (!file) return std::nullopt;
+  std::span<const std::byte> rest = file->bytes();
   std::vector<Level> levels;
   std::vector<double> errors;
   if (!take(rest, errors)) return std::nullopt;
@@ -92,7 +84,7 @@ std::optional<std::vector<Level>> readLevels(const std::string& directory,
 void keepLevels(const std::string& directory, const assets::ContentHash& content,
                 const std::vector<Level>& levels) {
   if (directory.empty()) return;
-  std::vector<std::byte> bytes(sizeof(LevelsHeader));
+  std::vector<std::byte> bytes;
   std::vector<double> errors;
   for (const Level& level : levels) errors.push_back(level.error);
   append(bytes, errors);
@@ -103,11 +95,7 @@ void keepLevels(const std::string& directory, const assets::ContentHash& content
     append(bytes, level.mesh.clusters);
     append(bytes, level.mesh.featureEdges);
   }
-  LevelsHeader header;
-  header.mesh = content;
-  header.levels = assets::contentHash(std::span<const std::byte>(bytes).subspan(sizeof header));
-  std::memcpy(bytes.data(), &header, sizeof header);
-  assets::writeCacheFile(levelsPath(directory, content), bytes);
+  assets::writeSealedFile(levelsPath(directory, content), {kLevelsMark, content}, bytes);
 }
 
 }  // namespace tandem::client

@@ -14,8 +14,8 @@ constexpr int kNiceness = 10;  // the hand's loop and the window come first
 
 }  // namespace
 
-LevelMaker::LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes,
-                       std::string cacheDirectory, unsigned threads)
+LevelMaker::LevelMaker(const assets::Scene& scene, std::span<const Source> meshes, std::string cacheDirectory,
+                       unsigned threads)
     : scene_(scene),
       cacheDirectory_(std::move(cacheDirectory)),
       urgency_(scene.meshes.size(), 0.0f),
@@ -79,26 +79,27 @@ std::optional<LevelMaker::Order> LevelMaker::next() {
   if (stop_) return std::nullopt;
   // An exact mesh is quickly made, and somebody looks at it.
   if (!exactWanted_.empty()) {
-    const Order order{exactWanted_.front(), true};
+    const Order order{{exactWanted_.front(), {}}, true};
     exactWanted_.erase(exactWanted_.begin());
     return order;
   }
-  const auto most = std::max_element(levelsWanted_.begin(), levelsWanted_.end(),
-                                     [&](auto a, auto b) { return urgency_[a] < urgency_[b]; });
+  const auto most =
+      std::max_element(levelsWanted_.begin(), levelsWanted_.end(),
+                       [&](const Source& a, const Source& b) { return urgency_[a.mesh] < urgency_[b.mesh]; });
   const Order order{*most, false};
   levelsWanted_.erase(most);
   return order;
 }
 
 void LevelMaker::work(const Order& order) {
-  const assets::Mesh& mesh = scene_.meshes[order.mesh];
+  const auto& [index, content] = order.source;
+  const assets::Mesh& mesh = scene_.meshes[index];
   Made made;
-  made.mesh = order.mesh;
+  made.mesh = index;
   made.exact = order.exact;
   if (order.exact) {
     made.levels.push_back({makeRenderMesh(mesh), 0.0});
   } else {
-    const assets::ContentHash content = levelContent(mesh);
     std::optional<std::vector<Level>> kept = readLevels(cacheDirectory_, content);
     if (kept) {
       made.levels = std::move(*kept);

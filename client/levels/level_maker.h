@@ -3,10 +3,10 @@
 // Makes the levels of a scene's large meshes in threads of their own, that which is furthest off on the
 // screen first, and exact meshes for the GPU as they are asked for.
 //
-// 1. Meshes of one content are made once, for the least of them.
+// 1. It is given each mesh with the hash of its content, and one of those that are equal.
 // 2. Levels come from the cache where it has them, and go there when they are made.
-// 3. What is begun goes on while other things become more urgent; only the destructor stops it, within some
-//    ms.
+// 3. What is begun goes on while other things become more urgent; only the destructor stops it, after some
+//    ms of processor time.
 
 #include <atomic>
 #include <condition_variable>
@@ -25,6 +25,10 @@ namespace tandem::client {
 
 class LevelMaker {
  public:
+  struct Source {
+    std::uint32_t mesh = 0;         // of the scene
+    assets::ContentHash content{};  // its levelContent()
+  };
   struct Made {
     std::uint32_t mesh = 0;     // of the scene
     std::vector<Level> levels;  // finest first; empty: none can be made
@@ -33,7 +37,7 @@ class LevelMaker {
 
   /// Has the levels of `meshes` to make, equally urgent ones in this order. `scene` outlives this.
   /// `threads` 0: all cores but two, which are the hand's and the window's, and one at least.
-  LevelMaker(const assets::Scene& scene, std::span<const std::uint32_t> meshes, std::string cacheDirectory,
+  LevelMaker(const assets::Scene& scene, std::span<const Source> meshes, std::string cacheDirectory,
              unsigned threads = 0);
   ~LevelMaker();
   LevelMaker(const LevelMaker&) = delete;
@@ -54,7 +58,7 @@ class LevelMaker {
 
  private:
   struct Order {
-    std::uint32_t mesh = 0;
+    Source source;
     bool exact = false;
   };
 
@@ -67,11 +71,11 @@ class LevelMaker {
   const std::string cacheDirectory_;
   mutable std::mutex mutex_;
   std::condition_variable wake_;
-  bool begun_ = false;                       // guarded by mutex_
-  std::vector<float> urgency_;               // of each mesh of the scene; guarded by mutex_
-  std::vector<std::uint32_t> levelsWanted_;  // guarded by mutex_
-  std::vector<std::uint32_t> exactWanted_;   // guarded by mutex_
-  std::deque<Made> results_;                 // guarded by mutex_
+  bool begun_ = false;                      // guarded by mutex_
+  std::vector<float> urgency_;              // of each mesh of the scene; guarded by mutex_
+  std::vector<Source> levelsWanted_;        // guarded by mutex_
+  std::vector<std::uint32_t> exactWanted_;  // guarded by mutex_
+  std::deque<Made> results_;                // guarded by mutex_
   std::atomic<std::size_t> left_{0}, made_{0};
   std::atomic<bool> stop_{false};
   std::vector<std::thread> workers_;

@@ -37,21 +37,21 @@ DrawnLevels::DrawnLevels(const assets::Scene& scene, std::vector<std::uint32_t> 
   std::vector<assets::ContentHash> contents(large.size());
   parallelFor(large.size(), [&](std::size_t i) { contents[i] = levelContent(scene.meshes[large[i]]); });
   std::map<assets::ContentHash, std::uint32_t> first;
-  std::vector<std::uint32_t> owners;
+  std::vector<LevelMaker::Source> owners;
   for (std::size_t i = 0; i < large.size(); ++i) {
     const auto [found, isNew] = first.emplace(contents[i], large[i]);
     owner_[large[i]] = found->second;
-    if (isNew) owners.push_back(large[i]);
+    if (isNew) owners.push_back({large[i], contents[i]});
   }
   makeStandIns(owners);
   maker_ = std::make_unique<LevelMaker>(scene, owners, detail.cacheDirectory);
 }
 
-void DrawnLevels::makeStandIns(const std::vector<std::uint32_t>& meshes) {
+void DrawnLevels::makeStandIns(const std::vector<LevelMaker::Source>& meshes) {
   std::vector<Level> standIns(meshes.size());
-  parallelFor(meshes.size(), [&](std::size_t i) { standIns[i] = standInFor(scene_.meshes[meshes[i]]); });
+  parallelFor(meshes.size(), [&](std::size_t i) { standIns[i] = standInFor(scene_.meshes[meshes[i].mesh]); });
   for (std::size_t i = 0; i < meshes.size(); ++i) {
-    Shape& shape = shapes_[meshes[i]];
+    Shape& shape = shapes_[meshes[i].mesh];
     shape.levels.push_back(upload(standIns[i].mesh));
     shape.errors.push_back(standIns[i].error);
   }

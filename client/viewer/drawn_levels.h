@@ -50,7 +50,7 @@ class DrawnLevels {
   };
 
   DrawnLevels(const assets::Scene& scene, std::vector<std::uint32_t> large, const Detail& detail);
-  void makeStandIns(const std::vector<std::uint32_t>& meshes);
+  void makeStandIns(const std::vector<LevelMaker::Source>& meshes);
   void add(LevelMaker::Made made);
   void dropOldExact();
   void askExact(Shape& shape, std::uint32_t mesh);

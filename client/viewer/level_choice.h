@@ -10,10 +10,10 @@ namespace tandem::client {
 inline constexpr double kMostPixels = 1.0;      // by which a level may be off that is drawn
 inline constexpr double kCoarserPixels = 0.75;  // below which a coarser one than the last is taken
 
-/// Of levels by their errors (m, the finest first) the coarsest that is off by no more than kMostPixels where
-/// a pixel is `pixel` m; the finest if none is. `last` is what was drawn before, or the number of levels:
-/// nothing coarser than it is taken before that is off by less than kCoarserPixels, so that a moving part
-/// does not go to and fro.
+/// The index of the coarsest level whose error is at most kMostPixels on the screen, or 0 if there is none.
+/// `errors` are in m, the finest level first; `pixel` is the width in m that a pixel covers at the part.
+/// `last` is the level that was drawn before, or the number of levels if none was: a coarser one has to be
+/// within kCoarserPixels, so that a moving part does not change between two levels at every frame.
 inline std::size_t chooseLevel(std::span<const double> errors, double pixel, std::size_t last) {
   for (std::size_t i = errors.size(); i-- > 1;) {
     const bool coarser = last < errors.size() && i > last;

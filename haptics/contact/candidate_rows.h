@@ -68,8 +68,7 @@ class CandidateRows {
     bool ofBlade = false;  // the target is a thin blade or rib there, so that its field has no direction
   };
   /// Of a piece of edge. Where the target is convex, the distance along the edge is a convex function and
-  /// lies above its tangents.
-  /// Dips that are not deeper than `above` m do not matter.
+  /// lies above its tangents. Dips that are not deeper than `above` m do not matter.
   Dip edgeDip(const ContactSample& sample, const glm::vec3& place, const Reading& read, float above) const;
   /// The same on the way to the next sample, down in the direction and length of `along`.
   Dip dipTowards(const glm::vec3& along, const glm::vec3& place, const Reading& read) const;

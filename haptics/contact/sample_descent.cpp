@@ -279,13 +279,11 @@ bool Descent::searchBetween(EdgeEnd a, EdgeEnd b, bool moved) {
 Seat Descent::run() {
   Seat seat;
   seat.triangle = hint_;
-  const double spread =
-      smooth() ? models_.from->samples.smoothDip(sample_) : static_cast<double>(sample_.along);
-  seat.least = height_.height - spread;
+  seat.least = height_.height - models_.from->samples.dip(sample_);
   if (seat.least > bounds_.range) return seat;
   bool moved = smooth() && descend();
   const MeshEdge& edge = ownEdges().edges()[place_.edge];
-  const double length = glm::length(edge.b - edge.a), reach = smooth() ? furthest() : spread;
+  const double length = glm::length(edge.b - edge.a), reach = furthest();
   const auto from = [&] { return glm::dot(edge.b - edge.a, place_.point - edge.a) / length; };
   moved = searchEdge(std::max(0.0, from() - reach), std::min(length, from() + reach)) || moved;
   seat.triangle = hint_;

@@ -38,8 +38,9 @@ struct LevelBounds {
   double trusted = 0.0;    // m, error of the field up to which it is believed
 };
 
-/// m, how much deeper than a sample of a smooth surface its part may be between the samples, by how much the
-/// direction to the target (-ownUp, unit, frame of the part) leans from the faces beside the sample.
+/// m, how much deeper than at a sample of a smooth surface its part may be between this sample and the next
+/// ones. It grows with the angle between the direction to the target (-ownUp, unit, frame of the part) and
+/// the normals of the faces that meet at the sample.
 double smoothDip(const ContactSamples& all, const ContactSample& sample, const glm::dvec3& ownUp);
 
 /// Whether no place near a sample at an edge is deeper in the target than the sample: then a descent is not

@@ -179,10 +179,8 @@ Seat SampleRefiner::seatOf(const SideQuery& query, const ContactSample& sample,
   if (isLevel(query, sample, level, up, found.count == 1)) return {};
   if (const KnownSeat* const known = recall(query, sample, sampleQuery, up)) return seatAt(query, *known);
   if (descents_ >= kMaxDescents) {
-    const double spread =
-        ContactSamples::isSmooth(sample) ? from.samples.smoothDip(sample) : static_cast<double>(sample.along);
     Seat unseen;
-    unseen.least = found.distance - spread;
+    unseen.least = found.distance - from.samples.dip(sample);
     return unseen;
   }
   ++descents_;

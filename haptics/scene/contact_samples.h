@@ -96,6 +96,10 @@ class ContactSamples {
   double smoothDip(const ContactSample& sample) const {
     return static_cast<double>(sample.turn) * smoothSpacing_;
   }
+  /// The same of what any sample of a mesh stands for: along a sharp edge at most its whole piece.
+  double dip(const ContactSample& sample) const {
+    return isSmooth(sample) ? smoothDip(sample) : static_cast<double>(sample.along);
+  }
   /// Root first; empty without samples.
   std::span<const Node> nodes() const { return nodes_; }
   /// Spacings as used, m.

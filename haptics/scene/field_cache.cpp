@@ -2,14 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <cstring>
 #include <filesystem>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "assets/base/cache_file.h"
-#include "assets/scene/scene_package.h"
+#include "assets/scene/sealed_file.h"
 #include "haptics/geometry/triangle_bvh.h"
 
 namespace tandem::haptics {
@@ -19,13 +17,6 @@ namespace {
 constexpr std::uint64_t kBakeVersion = 3;
 
 constexpr std::array<char, 8> kCacheMark = {'T', 'D', 'F', 'C', 'a', 'c', 'h', 'e'};
-
-/// File header: what the file holds, identified by the inputs, and a hash of the rest.
-struct Header {
-  std::array<char, 8> mark = kCacheMark;
-  assets::ContentHash key{}, content{};
-};
-static_assert(sizeof(Header) == 8 + 2 * sizeof(assets::ContentHash), "read and written as it lies in memory");
 
 template <typename T>
 void append(std::vector<std::byte>& bytes, const T* values, std::size_t count) {
@@ -49,28 +40,11 @@ assets::ContentHash keyOf(const assets::Mesh& mesh, const DistanceField::Options
 }
 
 std::optional<DistanceField> read(const std::filesystem::path& path, const assets::ContentHash& key) {
-  const std::optional<std::vector<std::byte>> bytes = assets::readCacheFile(path);
-  Header header;
-  if (!bytes || bytes->size() < sizeof header) return std::nullopt;
-  std::memcpy(&header, bytes->data(), sizeof header);
-  const std::span<const std::byte> content = std::span<const std::byte>(*bytes).subspan(sizeof header);
-  if (header.mark != kCacheMark || header.key != key || header.content != assets::contentHash(content))
-    return std::nullopt;
-  Result<DistanceField> field = DistanceField::unpack(content);
+  const std::optional<assets::SealedContent> content = assets::readSealedFile(path, {kCacheMark, key});
+  if (!content) return std::nullopt;
+  Result<DistanceField> field = DistanceField::unpack(content->bytes());
   if (!field) return std::nullopt;
   return std::move(field).value();
-}
-
-void write(const std::filesystem::path& path, const assets::ContentHash& key, const DistanceField& field) {
-  const std::vector<std::byte> content = field.pack();
-  Header header;
-  header.key = key;
-  header.content = assets::contentHash(content);
-  std::vector<std::byte> bytes;
-  bytes.reserve(sizeof header + content.size());
-  append(bytes, &header, 1);
-  append(bytes, content.data(), content.size());
-  assets::writeCacheFile(path, bytes);
 }
 
 std::filesystem::path pathOf(const std::string& directory, const assets::ContentHash& key) {
@@ -91,7 +65,7 @@ DistanceField cachedField(const TriangleBvh& tree, const DistanceField::Options&
     return std::move(*field);
   }
   DistanceField field(tree, options);
-  if (!field.stopped()) write(path, key, field);
+  if (!field.stopped()) assets::writeSealedFile(path, {kCacheMark, key}, field.pack());
   return field;
 }
 

@@ -2,7 +2,6 @@
 // signal stops it. Standard output carries the links and nothing else; the log goes to standard error. Exit
 // codes: 0 done, 1 the run failed, 2 bad arguments or input (one line on standard error).
 
-#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -19,6 +18,7 @@
 
 #include <spdlog/spdlog.h>
 
+#include "assets/base/process_memory.h"
 #include "assets/base/utc_time.h"
 #include "assets/scene/scene_package.h"
 #include "assets/scene/scene_size.h"
@@ -36,7 +36,6 @@ namespace tandem::server {
 namespace {
 
 constexpr sync::Micros kLongestWait = 100 * sync::kMillisecond;  // so that a signal is handled soon
-constexpr int kLargeArray = 1 << 20;  // bytes, from which on what is freed goes back to the system at once
 constexpr sync::Micros kClosingTime = 300 * sync::kMillisecond;
 
 volatile std::sig_atomic_t stopAsked = 0;
@@ -149,7 +148,7 @@ Result<Server> prepare(Options& options, int& exitCode) {
   std::vector<std::byte> package = assets::packScene(*scene);
   const std::size_t triangles = assets::triangleCount(*scene);
   assets::dropGeometry(*scene);
-  ::malloc_trim(0);  // what loading took goes back to the system
+  returnFreedPieces();  // what loading took
   Result<DataDirectory> directory = DataDirectory::open(options.data);
   if (!directory) return directory.error();
   const auto hash = assets::contentHash(package);
@@ -189,7 +188,7 @@ void raiseFileLimit() {
 int run(Options& options) {
   watchSignals();
   raiseFileLimit();
-  ::mallopt(M_MMAP_THRESHOLD, kLargeArray);
+  returnFreedArrays();
   ::umask(077);  // files of the server are readable by its user only
   startLog(options.quiet, options.log == "json");
   localNow();

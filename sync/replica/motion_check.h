@@ -1,8 +1,8 @@
 #pragma once
 
-// Whether what an owner says of its part is a motion that a body in a hand can make. Two sums tell: the way
-// that no velocity accounts for, and the changes of velocity. Both shrink with time, so that collisions,
-// lost datagrams and a clock that is corrected fill neither.
+// Whether what an owner says of its part is a motion that a body in a hand can make. Four sums tell: the way
+// and the turn that the stated velocities do not account for, and the changes of linear and of angular
+// velocity. All shrink with time, so that collisions, lost datagrams and a corrected clock do not fill them.
 //
 // Pure, no clock: times are the owner's, of session time.
 

@@ -1,6 +1,5 @@
 // bench_large: an assembly of many finely cut parts (50 of 200,000 triangles) drawn by the viewer while the
-// camera turns: frames a second, memory, time until the first picture. `--make 1` makes all levels first, on
-// all cores; `--write FILE.glb` writes the assembly, for tandem-server.
+// camera turns: frames a second, memory, time until the first picture.
 
 #include <algorithm>
 #include <cstdio>
@@ -8,13 +7,16 @@
 #include <cstring>
 #include <ctime>
 #include <fstream>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "assets/base/command_line.h"
 #include "assets/base/parallel.h"
 #include "assets/generate/large_assembly.h"
 #include "client/levels/level_file.h"
+#include "client/viewer/level_choice.h"
 #include "client/viewer/viewer.h"
 #include "tests/bench/bench_report.h"
 #include "tests/support/gltf_builder.h"
@@ -24,36 +26,9 @@ namespace {
 
 struct Arguments {
   int parts = 50, triangles = 200'000, frames = 20;
-  bool exact = false, make = false;
+  int exact = 0, make = 0;  // 1: yes
   std::string write, json, picture, cache;
 };
-
-bool parse(int argc, char** argv, Arguments& arguments) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string name = argv[i], value = argv[i + 1];
-    if (name == "--parts")
-      arguments.parts = std::atoi(value.c_str());
-    else if (name == "--triangles")
-      arguments.triangles = std::atoi(value.c_str());
-    else if (name == "--frames")
-      arguments.frames = std::atoi(value.c_str());
-    else if (name == "--exact")
-      arguments.exact = value == "1";
-    else if (name == "--make")
-      arguments.make = value == "1";
-    else if (name == "--cache")
-      arguments.cache = value;
-    else if (name == "--write")
-      arguments.write = value;
-    else if (name == "--picture")
-      arguments.picture = value;
-    else if (name == "--json")
-      arguments.json = value;
-    else
-      return false;
-  }
-  return argc % 2 == 1;
-}
 
 /// MB of this process, from /proc/self/status ("VmRSS", "VmHWM").
 double memory(const char* field) {
@@ -104,7 +79,7 @@ void draw(const assets::Scene& scene, const Arguments& arguments, Report& report
   options.width = 1280;
   options.height = 800;
   options.panels = false;
-  options.levels = !arguments.exact;
+  options.levels = arguments.exact == 0;
   options.cacheDirectory = arguments.cache;
   Stopwatch opening;
   auto viewer = client::Viewer::openOffscreen(scene, options);
@@ -117,7 +92,7 @@ void draw(const assets::Scene& scene, const Arguments& arguments, Report& report
   report.value("memory with it", "MB", memory("VmRSS"));
   report.value("off at first", "pixels", (*viewer)->pixelsOff());
   const Stopwatch waiting;
-  while ((*viewer)->pixelsOff() > 1.0) {
+  while ((*viewer)->pixelsOff() > client::kMostPixels) {
     static_cast<void>((*viewer)->frame(model));
     std::this_thread::sleep_for(std::chrono::milliseconds(20));
   }
@@ -143,7 +118,7 @@ int run(const Arguments& arguments) {
   report.value("triangles", "", static_cast<double>(assets::triangleCount(scene)));
   report.value("made in", "s", making.seconds());
   report.value("memory of the scene", "MB", memory("VmRSS"));
-  if (arguments.make) makeAll(scene, arguments, report);
+  if (arguments.make != 0) makeAll(scene, arguments, report);
   if (!arguments.write.empty())
     write(scene, arguments.write);
   else
@@ -155,13 +130,19 @@ int run(const Arguments& arguments) {
 }  // namespace tandem::bench
 
 int main(int argc, char** argv) {
-  tandem::bench::Arguments arguments;
-  if (!tandem::bench::parse(argc, argv, arguments)) {
-    std::fprintf(
-        stderr,
-        "usage: bench_large [--parts N] [--triangles N] [--frames N] [--exact 1] [--make 1] [--cache DIR] "
-        "[--write FILE.glb] [--picture FILE.png] [--json FILE]\n");
-    return 2;
-  }
-  return tandem::bench::run(arguments);
+  tandem::bench::Arguments a;
+  tandem::assets::CommandLine line("Draws an assembly of many finely cut parts while the camera turns.",
+                                   "bench_large");
+  line.option("--parts", a.parts, "parts of the assembly").showDefault().integerFrom(1, 10'000);
+  line.option("--triangles", a.triangles, "triangles of each").showDefault().integerFrom(1, 10'000'000);
+  line.option("--frames", a.frames, "frames that are timed").showDefault().integerFrom(1, 100'000);
+  line.option("--exact", a.exact, "1: without levels of detail").integerFrom(0, 1);
+  line.option("--make", a.make, "1: makes all levels first, on all cores").integerFrom(0, 1);
+  line.option("--cache", a.cache, "folder in which levels are kept").typeName("DIR");
+  line.option("--write", a.write, "writes the assembly for tandem-server and draws nothing")
+      .typeName("FILE.glb");
+  line.option("--picture", a.picture, "writes the last picture").typeName("FILE.png");
+  line.option("--json", a.json, "writes the figures").typeName("FILE");
+  if (const std::optional<int> code = line.parse("bench_large", argc, argv)) return *code;
+  return tandem::bench::run(a);
 }

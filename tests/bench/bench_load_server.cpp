@@ -24,8 +24,10 @@
 #include <cstring>
 #include <ctime>
 #include <memory>
+#include <optional>
 #include <thread>
 
+#include "assets/base/command_line.h"
 #include "assets/scene/scene_package.h"
 #include "server/journal/memory_journal.h"
 #include "server/session.h"
@@ -518,38 +520,18 @@ bool run(bench::Report& report, const Setup& setup) {
   return report.bound("server: processor (s/s)", figures.processor_s / figures.time_s, 1.0);
 }
 
-bool parse(int argc, char** argv, Setup& setup) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string name = argv[i];
-    const double value = std::atof(argv[i + 1]);
-    if (name == "--sites")
-      setup.sites = static_cast<int>(value);
-    else if (name == "--observers")
-      setup.observers = static_cast<int>(value);
-    else if (name == "--hz")
-      setup.hz = value;
-    else if (name == "--seconds")
-      setup.seconds = value;
-    else if (name == "--spacing")
-      setup.spacing = value;
-    else if (name == "--json")
-      setup.json = argv[i + 1];
-    else
-      return false;
-  }
-  return argc % 2 == 1 && setup.sites > 0 && setup.observers >= 0 && setup.hz > 0.0 && setup.seconds > 0.0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   Setup setup;
-  if (!parse(argc, argv, setup)) {
-    std::fprintf(stderr,
-                 "usage: bench_load_server [--sites N] [--observers M] [--hz F] [--seconds S] [--spacing M]"
-                 " [--json OUT]\n");
-    return 2;
-  }
+  assets::CommandLine line("What a session of many sites costs the server.", "bench_load_server");
+  line.option("--sites", setup.sites, "sites that each move a part").showDefault().integerFrom(1, 100'000);
+  line.option("--observers", setup.observers, "sites that look on").showDefault().integerFrom(0, 100'000);
+  line.option("--hz", setup.hz, "updates a second of a site").showDefault().numberFrom(1e-9, 1e9);
+  line.option("--seconds", setup.seconds, "of the session").showDefault().numberFrom(1e-9, 1e9);
+  line.option("--spacing", setup.spacing, "m between the places of the sites").showDefault();
+  line.option("--json", setup.json, "writes the figures").typeName("FILE");
+  if (const std::optional<int> code = line.parse("bench_load_server", argc, argv)) return *code;
   const rlimit files{8192, 8192};
   setrlimit(RLIMIT_NOFILE, &files);
   bench::Report report("bench_load_server");

@@ -25,10 +25,15 @@ LevelMaker::Made next(LevelMaker& maker) {
   }
 }
 
-const std::uint32_t kAll[] = {0, 1, 2};
+std::vector<LevelMaker::Source> sourcesOf(const assets::Scene& scene) {
+  std::vector<LevelMaker::Source> sources;
+  for (std::uint32_t m = 0; m < scene.meshes.size(); ++m)
+    sources.push_back({m, levelContent(scene.meshes[m])});
+  return sources;
+}
 
 TEST(LevelMaker, MakesFirstWhatIsFurthestOff) {
-  LevelMaker maker(threeMeshes(), kAll, "", 1);
+  LevelMaker maker(threeMeshes(), sourcesOf(threeMeshes()), "", 1);
   EXPECT_EQ(maker.left(), 3u);
   maker.setUrgency(1, 2.0f);
   maker.setUrgency(2, 5.0f);
@@ -48,7 +53,7 @@ TEST(LevelMaker, MakesFirstWhatIsFurthestOff) {
 TEST(LevelMaker, ReadsWhatIsKeptAndMakesAnewWhatIsDamaged) {
   const test::TemporaryFolder folder;
   const auto levelsOf = [&](std::size_t& made) {
-    LevelMaker maker(threeMeshes(), kAll, folder.path().string());
+    LevelMaker maker(threeMeshes(), sourcesOf(threeMeshes()), folder.path().string());
     maker.begin();
     std::vector<Level> levels;
     for (int i = 0; i < 3; ++i)
@@ -77,8 +82,7 @@ TEST(LevelMaker, KeepsNothingHalfMadeWhenItIsLeft) {
   const test::TemporaryFolder folder;
   // Levels of this mesh take over a second of the processor.
   const assets::Scene scene = generate::largeAssembly(1, 60'000);
-  const std::uint32_t only[] = {0};
-  auto maker = std::make_unique<LevelMaker>(scene, only, folder.path().string());
+  auto maker = std::make_unique<LevelMaker>(scene, sourcesOf(scene), folder.path().string());
   maker->begin();
   std::this_thread::sleep_for(std::chrono::milliseconds(50));
   EXPECT_EQ(maker->left(), 1u);

@@ -94,9 +94,7 @@ class Led {
 
 TEST(SideClocks, AMotionIsAtLeastThatOfAnyPointOfTheBall) {
   Random random(3);
-  const auto any = [&] {
-    return glm::dvec3(between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0));
-  };
+  const auto any = [&] { return anyVector(random); };
   double tightest = 1e300;
   for (int i = 0; i < 2000; ++i) {
     const double size = std::pow(10.0, between(random, -6.0, 0.3));
@@ -120,9 +118,7 @@ TEST(SideClocks, AMotionIsAtLeastThatOfAnyPointOfTheBall) {
 /// further than the answer says.
 int placesBeyond(float extentSaid, float extent) {
   Random random(11);
-  const auto any = [&] {
-    return glm::dvec3(between(random, -1.0, 1.0), between(random, -1.0, 1.0), between(random, -1.0, 1.0));
-  };
+  const auto any = [&] { return anyVector(random); };
   int beyond = 0;
   for (int i = 0; i < 500; ++i) {
     const double size = std::pow(10.0, between(random, -4.0, 0.3));
