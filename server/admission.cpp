@@ -31,19 +31,6 @@ void initialiseSodium() {
   ASSERT(ready >= 0);
 }
 
-struct KeyPair {
-  std::array<std::uint8_t, crypto_sign_PUBLICKEYBYTES> open{};
-  std::array<std::uint8_t, crypto_sign_SECRETKEYBYTES> secret{};
-  explicit KeyPair(const SigningKey& key) {
-    initialiseSodium();
-    static_assert(crypto_sign_SEEDBYTES == sizeof(key.seed));
-    crypto_sign_seed_keypair(open.data(), secret.data(), key.seed.data());
-  }
-  ~KeyPair() { sodium_memzero(secret.data(), secret.size()); }
-  KeyPair(const KeyPair&) = delete;
-  KeyPair& operator=(const KeyPair&) = delete;
-};
-
 std::array<std::uint8_t, kContext.size() + kPayloadBytes> signedBytes(
     std::span<const std::uint8_t, kPayloadBytes> payload) {
   std::array<std::uint8_t, kContext.size() + kPayloadBytes> bytes{};
@@ -87,12 +74,12 @@ Result<Ticket> ticketOf(std::span<const std::uint8_t, kPayloadBytes> payload) {
 
 /// The second half of the knock that begins with these bytes.
 std::array<std::uint8_t, kKnockHalf> proofFor(const SigningKey& key, const sync::Knock& knock) {
-  static_assert(crypto_auth_hmacsha256_KEYBYTES == std::tuple_size_v<decltype(key.seed)>);
+  static_assert(crypto_auth_hmacsha256_KEYBYTES == std::tuple_size_v<SigningKey::Seed>);
   std::array<std::uint8_t, kKnockContext.size() + kKnockHalf> message{};
   const auto end = std::copy(kKnockContext.begin(), kKnockContext.end(), message.begin());
   std::copy_n(knock.begin(), kKnockHalf, end);
   std::array<std::uint8_t, crypto_auth_hmacsha256_BYTES> mac{};
-  crypto_auth_hmacsha256(mac.data(), message.data(), message.size(), key.seed.data());
+  crypto_auth_hmacsha256(mac.data(), message.data(), message.size(), key.seed().data());
   std::array<std::uint8_t, kKnockHalf> half{};
   std::copy_n(mac.begin(), half.size(), half.begin());
   return half;
@@ -100,11 +87,19 @@ std::array<std::uint8_t, kKnockHalf> proofFor(const SigningKey& key, const sync:
 
 }  // namespace
 
+SigningKey::SigningKey(const Seed& seed) : seed_(seed) {
+  initialiseSodium();
+  static_assert(crypto_sign_SEEDBYTES == sizeof(seed_));
+  static_assert(crypto_sign_PUBLICKEYBYTES == sizeof(open_));
+  static_assert(crypto_sign_SECRETKEYBYTES == sizeof(secret_));
+  crypto_sign_seed_keypair(open_.data(), secret_.data(), seed_.data());
+}
+
 SigningKey makeSigningKey() {
   initialiseSodium();
-  SigningKey key;
-  randombytes_buf(key.seed.data(), key.seed.size());
-  return key;
+  SigningKey::Seed seed{};
+  randombytes_buf(seed.data(), seed.size());
+  return SigningKey(seed);
 }
 
 std::string makeNonce() {
@@ -133,13 +128,12 @@ bool knows(const SigningKey& key, const sync::Knock& knock) {
 }
 
 std::string sign(const Ticket& ticket, const SigningKey& key) {
-  const KeyPair pair(key);
   const auto payload = payloadOf(ticket);
   const auto message = signedBytes(payload);
   std::array<std::uint8_t, kTicketBytes> bytes{};
   std::copy(payload.begin(), payload.end(), bytes.begin());
   crypto_sign_detached(bytes.data() + kPayloadBytes, nullptr, message.data(), message.size(),
-                       pair.secret.data());
+                       key.secret().data());
   std::array<char, kTicketLength + 1> text{};
   sodium_bin2base64(text.data(), text.size(), bytes.data(), bytes.size(),
                     sodium_base64_VARIANT_URLSAFE_NO_PADDING);
@@ -149,7 +143,6 @@ std::string sign(const Ticket& ticket, const SigningKey& key) {
 Result<Ticket> verify(const std::string& text, const SigningKey& key, std::int64_t unixNow) {
   const Error notOurs{"credential: not signed by this server"};
   if (text.size() != kTicketLength) return notOurs;
-  const KeyPair pair(key);
   std::array<std::uint8_t, kTicketBytes> bytes{};
   std::size_t length = 0;
   const int bad = sodium_base642bin(bytes.data(), bytes.size(), text.data(), text.size(), nullptr, &length,
@@ -158,7 +151,7 @@ Result<Ticket> verify(const std::string& text, const SigningKey& key, std::int64
   const std::span<const std::uint8_t, kPayloadBytes> payload(bytes.data(), kPayloadBytes);
   const auto message = signedBytes(payload);
   if (crypto_sign_verify_detached(bytes.data() + kPayloadBytes, message.data(), message.size(),
-                                  pair.open.data()) != 0)
+                                  key.open().data()) != 0)
     return notOurs;
   Result<Ticket> ticket = ticketOf(payload);
   if (ticket && ticket->expires <= unixNow) return Error{"credential: expired"};

@@ -13,9 +13,23 @@
 
 namespace tandem::server {
 
-/// A server's signing key: 32 bytes of seed, kept in the data directory so that links outlive a restart.
-struct SigningKey {
-  std::array<std::uint8_t, 32> seed{};
+/// A server's signing key: 32 bytes of seed, kept in the data directory so that links outlive a restart, and
+/// the pair of Ed25519 that follows from it.
+class SigningKey {
+ public:
+  using Seed = std::array<std::uint8_t, 32>;
+
+  SigningKey() : SigningKey(Seed{}) {}
+  explicit SigningKey(const Seed& seed);
+
+  const Seed& seed() const { return seed_; }
+  const std::array<std::uint8_t, 32>& open() const { return open_; }
+  const std::array<std::uint8_t, 64>& secret() const { return secret_; }
+
+ private:
+  Seed seed_;
+  std::array<std::uint8_t, 32> open_{};
+  std::array<std::uint8_t, 64> secret_{};
 };
 SigningKey makeSigningKey();
 

@@ -27,19 +27,19 @@ Error failed(const std::string& path, int error) {
 
 std::string toHex(const SigningKey& key) {
   std::string text;
-  for (const std::uint8_t byte : key.seed) text += {kHex[byte >> 4], kHex[byte & 15]};
+  for (const std::uint8_t byte : key.seed()) text += {kHex[byte >> 4], kHex[byte & 15]};
   return text;
 }
 
 std::optional<SigningKey> keyFromHex(const std::string& text) {
-  SigningKey key;
-  if (text.size() < 2 * key.seed.size()) return std::nullopt;
-  for (std::size_t i = 0; i < key.seed.size(); ++i) {
+  SigningKey::Seed seed{};
+  if (text.size() < 2 * seed.size()) return std::nullopt;
+  for (std::size_t i = 0; i < seed.size(); ++i) {
     const std::string digits = text.substr(2 * i, 2);
     if (digits.find_first_not_of("0123456789abcdef") != std::string::npos) return std::nullopt;
-    key.seed[i] = static_cast<std::uint8_t>(std::stoi(digits, nullptr, 16));
+    seed[i] = static_cast<std::uint8_t>(std::stoi(digits, nullptr, 16));
   }
-  return key;
+  return SigningKey(seed);
 }
 
 /// A key's file; nothing if there is none.

@@ -41,14 +41,14 @@ bool StatePublishing::othersTouch(PartId part) const {
   });
 }
 
-void StatePublishing::offerParts() {
-  ASSERT(hand_.tick.ownedCount >= 0 && hand_.tick.ownedCount <= haptics::kMaxOwnedParts);
+void StatePublishing::offerParts(const HandOutput& hand) {
+  ASSERT(hand.tick.ownedCount >= 0 && hand.tick.ownedCount <= haptics::kMaxOwnedParts);
   const OwnershipView& view = ownership_.view();
   offered_.clear();
-  for (int i = 0; i < hand_.tick.ownedCount; ++i) {
+  for (int i = 0; i < hand.tick.ownedCount; ++i) {
     const auto index = static_cast<std::size_t>(i);
-    const haptics::OwnedPart& part = hand_.tick.owned[index];
-    const Epoch epoch = hand_.ownedEpoch[index];
+    const haptics::OwnedPart& part = hand.tick.owned[index];
+    const Epoch epoch = hand.ownedEpoch[index];
     ASSERT(ownership_.exists(part.part));
     if (epoch != view.part(part.part).epoch || !view.mayPublish(part.part, clock_.now())) continue;
     offered_.push_back(
@@ -60,18 +60,18 @@ void StatePublishing::offerParts() {
 void StatePublishing::publish(const Pose& worldFromCamera) {
   const Micros now = clock_.now();
   if (!clock_.known() || !publisher_.mayBeDue(now)) return;
-  hand_ = exchange_.output.latest();
-  if (hand_.time == 0) return;  // it has not ticked yet, so there is no pose and no time of it
-  offerParts();
-  Presence presence{people_.self(), hand_.tick.worldFromProxy, worldFromCamera,
-                    hand_.tick.hands[0].toHand.force, hand_.tick.touched};
-  if (hand_.hands[1].present) presence.worldFromSecondTool = hand_.hands[1].worldFromProxy;
+  const HandOutput& hand = exchange_.output.latest();
+  if (hand.time == 0) return;  // it has not ticked yet, so there is no pose and no time of it
+  offerParts(hand);
+  Presence presence{people_.self(), hand.tick.worldFromProxy, worldFromCamera,
+                    hand.tick.hands[0].toHand.force, hand.tick.touched};
+  if (hand.hands[1].present) presence.worldFromSecondTool = hand.hands[1].worldFromProxy;
   bool newPresence = true;
-  if (!publisher_.due(now, hand_.time, offered_, presence, newPresence)) return;
+  if (!publisher_.due(now, hand.time, offered_, presence, newPresence)) return;
   auto& update = std::get<StateUpdate>(message_);
   update.site = people_.self();
   update.sequence = ++sequence_;
-  update.time = clock_.at(hand_.time);
+  update.time = clock_.at(hand.time);
   update.presence = presence;
   update.newPresence = newPresence;
   update.parts.clear();

@@ -36,7 +36,7 @@ class StatePublishing {
 
  private:
   bool othersTouch(PartId part) const;
-  void offerParts();
+  void offerParts(const HandOutput& hand);
 
   PartOwnership& ownership_;
   const Participants& people_;
@@ -47,7 +47,6 @@ class StatePublishing {
 
   StatePublisher publisher_;
   sync::StateSender encoder_;
-  HandOutput hand_;  // as last published or offered
   std::vector<OfferedPart> offered_;
   std::uint32_t sequence_ = 0;
   std::uint64_t updatesOfConnection_ = 0, updates_ = 0;

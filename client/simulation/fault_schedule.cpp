@@ -69,9 +69,15 @@ void FaultSchedule::advanceTo(Micros now) {
   }
   restart();
   applyNetworkSteps();
+  hearTheDead();
+  for (const auto& stranger : strangers_) stranger->step(now);
+}
+
+void FaultSchedule::hearTheDead() {
+  if (network_.heardFromTheDead() == heardFromTheDead_) return;
+  heardFromTheDead_ = network_.heardFromTheDead();
   for (std::size_t i = 0; i < sites_.size(); ++i)
     invariants_.onHeardFromTheDead(i, network_.lastFromTheDead(sites_[i]->name()));
-  for (const auto& stranger : strangers_) stranger->step(now);
 }
 
 Micros FaultSchedule::nextDue(Micros never) const {

@@ -60,6 +60,7 @@ class FaultSchedule {
   void applyToNetwork(const Fault& fault, bool ends);
   void setDrift(const std::string& site, double ppm);
   void end(const Fault& fault);
+  void hearTheDead();
   void restart();
   void applyNetworkSteps();
   void becomeCalm();
@@ -77,6 +78,7 @@ class FaultSchedule {
   std::vector<std::unique_ptr<Stranger>> strangers_;
   sync::NetworkConditions conditions_;
   sync::Micros now_ = 0, serverRestartsAt_ = -1;
+  std::uint64_t heardFromTheDead_ = 0;
   std::vector<bool> blackoutDone_, stepDone_;                 // an entry of the scenario each
   std::vector<std::pair<sync::Micros, FaultySite*>> rejoin_;  // when which site starts again; < 0: done
   bool calm_ = false;

@@ -26,7 +26,9 @@ SimulatedServer::SimulatedServer(const assets::Scene& scene, VirtualNetwork& net
       package_(assets::packScene(scene)),
       journal_(seed),
       wallClock_(kWallClock) {
-  key_.seed.fill(static_cast<std::uint8_t>(seed));
+  server::SigningKey::Seed bytes{};
+  bytes.fill(static_cast<std::uint8_t>(seed));
+  key_ = server::SigningKey(bytes);
 }
 
 std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClock_ + now / kSecond; }
@@ -34,7 +36,11 @@ std::int64_t SimulatedServer::unixNow(Micros now) const { return wallClock_ + no
 void SimulatedServer::start(Micros now, Invariants& invariants) {
   ASSERT(!running());
   now_ = now;
-  if (journal_.restart()) ++key_.seed[0];
+  if (journal_.restart()) {
+    server::SigningKey::Seed next = key_.seed();
+    ++next[0];
+    key_ = server::SigningKey(next);
+  }
   server::SessionConfig config;
   config.key = key_;
   if (mistake_ == Mistake::regrantedEarly) config.lease.driftPpm = -9e5;
@@ -95,9 +101,9 @@ std::string SimulatedServer::forgeToken(Role role) const {
   ticket.role = role;
   ticket.nonce = std::string(32, 'a');
   ticket.expires = wallClock_ + kTokenLasts;
-  server::SigningKey other = key_;
-  other.seed[1] ^= 0x55;
-  return server::sign(ticket, other);
+  server::SigningKey::Seed other = key_.seed();
+  other[1] ^= 0x55;
+  return server::sign(ticket, server::SigningKey(other));
 }
 
 }  // namespace tandem::client

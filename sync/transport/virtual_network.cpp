@@ -120,6 +120,7 @@ struct Core {
   std::uint64_t order = 0;
   Deliveries deliveries;
   std::map<std::string, SitePath> paths;  // by site
+  std::uint64_t heardFromTheDead = 0;
   Endpoint* server = nullptr;
   ConnectionId lastConnection = 0;
 
@@ -206,7 +207,9 @@ struct Core {
   }
   void noteTheDead(const Delivery& delivery) {
     const VirtualConnection& connection = *delivery.connection;
-    if (delivery.to == kServerSide && !connection.open[kSiteSide]) connection.path->lastFromTheDead = now;
+    if (delivery.to != kServerSide || connection.open[kSiteSide]) return;
+    connection.path->lastFromTheDead = now;
+    ++heardFromTheDead;
   }
   void deliverConnect(Delivery& delivery) {
     VirtualConnection& connection = *delivery.connection;
@@ -458,6 +461,8 @@ Micros VirtualNetwork::lastFromTheDead(const std::string& site) const {
   const auto found = impl_->paths.find(site);
   return found == impl_->paths.end() ? 0 : found->second.lastFromTheDead;
 }
+
+std::uint64_t VirtualNetwork::heardFromTheDead() const { return impl_->heardFromTheDead; }
 
 std::optional<Micros> VirtualNetwork::nextArrival() const {
   if (impl_->deliveries.empty()) return std::nullopt;

@@ -66,6 +66,8 @@ class VirtualNetwork {
   /// When the server last received what an end of this site had sent that is closed by now, or destroyed; 0:
   /// never.
   Micros lastFromTheDead(const std::string& site) const;
+  /// How often it did, of all sites.
+  std::uint64_t heardFromTheDead() const;
   /// When the next message arrives; nothing if none is under way.
   std::optional<Micros> nextArrival() const;
   /// Whether an end of this network has events to be polled. It must be one of a VirtualNetwork.

@@ -56,7 +56,7 @@ struct Crowd {
       part.worldFromPart.position.x = static_cast<double>(i);
     }
     SessionConfig config;
-    config.key.seed.fill(7);
+    config.key = SigningKey({7});
     transport = network.listen();
     session =
         std::make_unique<Session>(scene, package, config, *transport, journal, nullptr, now, kWallClock);

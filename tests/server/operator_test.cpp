@@ -8,17 +8,11 @@
 namespace tandem::server {
 namespace {
 
-SigningKey keyOf(std::uint8_t fill) {
-  SigningKey key;
-  key.seed.fill(fill);
-  return key;
-}
-
 /// A session, and what its audit trail has said.
 struct Desk : SessionRig {
   std::vector<AuditEntry> audit;
 
-  Desk() : SessionRig({}, keyOf(8)) {}
+  Desk() : SessionRig({}, SigningKey({8})) {}
   void afterStep() override {
     for (AuditEntry& entry : session->drainAudit()) audit.push_back(std::move(entry));
   }
@@ -144,7 +138,7 @@ TEST(Operator, RevokedLinksAdmitNobodyAndTicketsStillDo) {
   Desk desk;
   FakeSite& ben = desk.join("Ben");
   const std::string open = desk.session->makeToken(Role::instructor, kUnix + 3600);
-  desk.session->replaceLinkKey(keyOf(9));
+  desk.session->replaceLinkKey(SigningKey({9}));
   EXPECT_TRUE(wasRefused(desk.hello("Eve", false, open), Refusal::badCredential));
   EXPECT_NE(desk.join("Cy").last<Welcome>(), nullptr);
   EXPECT_EQ(ben.last<NewTicket>(), nullptr);
@@ -158,7 +152,7 @@ TEST(Operator, RotatedKeysVoidEveryCredentialButThoseOfTheSitesPresent) {
   cy.transport->close(0);
   ASSERT_TRUE(desk.session->revokeTicket("Ada").ok());
   desk.run(30 * kMillisecond);
-  desk.session->replaceKeys(keyOf(17), keyOf(18));
+  desk.session->replaceKeys(SigningKey({17}), SigningKey({18}));
   desk.run(30 * kMillisecond);
 
   EXPECT_FALSE(ada.closed);
@@ -222,7 +216,7 @@ TEST(Operator, NoOrderOfOrdersLetsAVoidCredentialIn) {
           if (one != nullptr && desk.session->revokeTicket(who).ok()) one->valid = false;
           break;
         case 4:
-          desk.session->replaceKeys(keyOf(fill), keyOf(static_cast<std::uint8_t>(fill + 1)));
+          desk.session->replaceKeys(SigningKey({fill}), SigningKey({static_cast<std::uint8_t>(fill + 1)}));
           fill = static_cast<std::uint8_t>(fill + 2);
           desk.run(30 * kMillisecond);
           for (Known& k : known) {

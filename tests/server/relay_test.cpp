@@ -109,7 +109,7 @@ struct Relay {
       part.movable = true;
     }
     SessionConfig config;
-    config.key.seed.fill(7);
+    config.key = SigningKey({7});
     session = std::make_unique<Session>(scene, package, config, transport, journal, recording, now, kUnixNow);
     for (ConnectionId site = 1; site <= 4; ++site) {
       transport.connected(site);

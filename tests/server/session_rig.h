@@ -46,7 +46,7 @@ struct SessionRig {
       scene.parts.push_back(part);
     }
     for (int i = 0; i < 200000; ++i) package.push_back(static_cast<std::byte>(i * 7));
-    config.key.seed.fill(7);
+    config.key = SigningKey({7});
     config.linkKey = linkKey;
     config.places = places;
     config.maxBacklogBytes = 64 * 1024;

@@ -42,7 +42,7 @@ struct Loading {
       scene.parts.push_back(part);
     }
     server::SessionConfig config;
-    config.key.seed.fill(7);
+    config.key = server::SigningKey({7});
     transport = network.listen();
     session =
         std::make_unique<server::Session>(scene, package, config, *transport, journal, nullptr, now, kUnix);

@@ -112,7 +112,8 @@ std::string wrongAfterRecovery(DeadSession& session) {
   const SigningKey links = session.directory->linkKey(), tickets = session.directory->signingKey();
   const auto report = recoverSession(*session.directory, 1'790'000'000);
   if (!report) return report.error().message;
-  if (session.directory->linkKey().seed == links.seed || session.directory->signingKey().seed == tickets.seed)
+  if (session.directory->linkKey().seed() == links.seed() ||
+      session.directory->signingKey().seed() == tickets.seed())
     return "links and tickets from before are good";
   auto journal = SqliteJournal::open((session.dead / "session.db").string(), session.asBefore());
   if (!journal) return journal.error().message;
@@ -295,7 +296,7 @@ TEST_F(JournalDamage, RestoringAnOldBackupGoesBeyondWhatWasTold) {
   const SigningKey links = session.directory->linkKey();
   const auto report = restoreSession(*session.directory, backup, 1'790'000'000);
   ASSERT_TRUE(report.ok()) << report.error().message;
-  EXPECT_NE(session.directory->linkKey().seed, links.seed);
+  EXPECT_NE(session.directory->linkKey().seed(), links.seed());
   auto journal = SqliteJournal::open(data + "/session.db", session.asBefore());
   ASSERT_TRUE(journal.ok()) << journal.error().message;
   EXPECT_EQ((*journal)->contents().parts.size(), session.told.parts.size());

@@ -228,7 +228,7 @@ TEST_F(SqliteJournalTest, ADirectoryServesOneServerAndKeepsItsKeys) {
   auto again = DataDirectory::open(data);
   ASSERT_TRUE(again.ok()) << again.error().message;
   EXPECT_EQ(again->identity().certificate, certificate);
-  EXPECT_EQ(again->signingKey().seed, key.seed);
+  EXPECT_EQ(again->signingKey().seed(), key.seed());
 }
 
 }  // namespace
