@@ -10,6 +10,7 @@
 
 #include "assets/base/assertion_scope.h"
 #include "assets/base/finite.h"
+#include "haptics/lifted_tool.h"
 #include "haptics/section_change.h"
 #include "haptics/tick_data.h"
 
@@ -48,6 +49,13 @@ void explainChange(const Data& data, const TickParameters& parameters, double st
   }
 }
 
+/// s, of the session's clock, else of the reading, else `next`.
+double sessionTime(const TickInput& input, double next) {
+  const double own = input.hands[0].device.time;
+  if (std::isfinite(input.sessionTime)) return input.sessionTime;
+  return std::isfinite(own) ? own : next;
+}
+
 /// One call of tick(): the steps in the order in which they run.
 class Tick {
  public:
@@ -66,15 +74,17 @@ class Tick {
     data_.tool.forgetIgnored(data_.held.held());
     if (first_.valid() && holdsSolid()) {
       carryTool();
+    } else if (first_.valid() && input_.lifted) {
+      liftTool(stiffnessInPlay(), data_);
     } else if (first_.valid()) {
+      setToolDown(data_);
       data_.tool.touch(first_.steadyDevice(), parameters_, out_);
       data_.foreign.noteTouch(data_.tool);
     } else {
       data_.tool.withdraw();
     }
     if (!data_.fields.empty()) feelFields();
-    out_.touched = out_.contactCount > 0 && data_.tool.started() ? out_.contacts[0].part
-                                                                 : data_.tool.partUnder(data_.held.held());
+    out_.touched = partTouched(out_, data_);
     findPushed();
     report();
     send();
@@ -475,22 +485,16 @@ class Tick {
     if (work.infeasible > 0) out_.flags |= kFlagSqueezed;
   }
 
-  double sessionTime() const {
-    const double own = input_.hands[0].device.time;
-    if (std::isfinite(input_.sessionTime)) return input_.sessionTime;
-    return std::isfinite(own) ? own : data_.time + parameters_.dt;
-  }
-
   /// Time for links, which run on without a valid reading.
   double noteTime() {
-    const double time = sessionTime();
+    const double time = sessionTime(input_, data_.time + parameters_.dt);
     data_.time = first_.valid() || std::isfinite(input_.sessionTime) ? time : data_.time + parameters_.dt;
     return data_.time;
   }
 
   void feelFields() {
     data_.fieldWrench = Wrench{};
-    const double share = 1.0 - data_.fieldShare[0];
+    const double share = (1.0 - data_.fieldShare[0]) * setDownShare(input_.lifted, parameters_, data_);
     if (!first_.valid() || !(share > 0.0)) return data_.fields.forgetHand();
     const FieldForces felt =
         data_.fields.step(data_.world, input_.hands[0].device, data_.time, fieldSettings(data_.held.held()));

@@ -38,6 +38,8 @@ struct TickState::Data {
   std::array<double, kHands> fieldShare{};        // 0..1, of fieldsOnPart; the rest acts at the tip
   std::array<HeldSurfaces, kHands> heldSurfaces;  // under what each hand holds
   std::array<Wrench, kHands> throughPart;  // of these surfaces on each hand, of this tick, before limits
+  bool lifted = false;       // the tool, in the last tick
+  double liftedShare = 0.0;  // 0..1, of the fields on the tip, which a lifted tool does not feel
   int bridging = 0;    // ticks in which the proxy may still find its place after sections have moved
   Wrench fieldWrench;  // of this tick, before limits
   double time = 0.0;   // s, session clock, of the last tick

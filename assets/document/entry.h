@@ -8,7 +8,9 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <variant>
 #include <vector>
 
@@ -27,6 +29,7 @@ inline constexpr std::size_t kMaxText = 2000;    // bytes, UTF-8
 inline constexpr std::size_t kMaxSections = 8;   // of a view
 inline constexpr std::size_t kMaxAnchors = 4;    // of a measure
 inline constexpr std::size_t kMaxListed = 4096;  // parts of a view or a group
+inline constexpr std::size_t kMaxApart = 2048;   // parts that a view draws apart, unless it is all
 inline constexpr std::size_t kMaxPoses = 240;    // of a saved state; larger ones are several entries
 
 /// The entry is no more. Its id is kept for a while, so that whoever removed it can take that back.
@@ -37,6 +40,29 @@ struct SectionPlane {
   glm::dvec3 point{0.0, 0.0, 0.0};   // m, world
   glm::dvec3 normal{0.0, 1.0, 0.0};  // world, of any length
 };
+enum class PartColouring : std::uint8_t {
+  asMade,
+  byBody,      // parts of one mesh alike
+  byMaterial,  // by that of a part's first face
+  byOwner      // pale, but for those that somebody holds
+};
+inline constexpr std::array<const char*, 4> kColouringNames{"as made", "by body", "by material", "by owner"};
+/// By its name, or that without "by "; nothing if there is none.
+inline std::optional<PartColouring> colouringNamed(std::string_view name) {
+  for (std::size_t i = 0; i < kColouringNames.size(); ++i) {
+    const std::string_view known = kColouringNames[i];
+    if (name == known || "by " + std::string(name) == known) return static_cast<PartColouring>(i);
+  }
+  return std::nullopt;
+}
+/// How the parts of a view are drawn, besides which of them.
+struct PartStyle {
+  double explode = 0.0;       // 0..1: how far parts are drawn from each other; 0: where they are
+  std::vector<PartId> apart;  // of these alone, from their middle; none: of all parts
+  PartColouring colouring = PartColouring::asMade;
+  bool ghosts = false;  // what is hidden is still seen, faintly
+  friend bool operator==(const PartStyle&, const PartStyle&) = default;
+};
 struct NamedView {
   std::string name;
   Pose worldFromCamera;
@@ -44,6 +70,7 @@ struct NamedView {
   std::vector<SectionPlane> sections;
   bool onlyThese = false;  // `parts` are all that is shown; else they are hidden
   std::vector<PartId> parts;
+  PartStyle style;
 };
 
 enum class NoteStatus : std::uint8_t { open, inProgress, resolved, closed };

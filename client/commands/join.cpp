@@ -42,6 +42,8 @@ struct Arguments {
   int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
   std::vector<std::string> sections;
   SectionSet cut;  // what `sections` say
+  document::PartStyle style;
+  std::string colourBy;
   double deadband = PublishRates{}.deadband;
 };
 
@@ -200,6 +202,7 @@ class JoinRun {
     options.height = arguments_.height;
     options.stylusFromMouse = arguments_.device.empty() || arguments_.device == "stylus";
     options.sections = arguments_.cut;
+    options.style = arguments_.style;
     options.follows = !arguments_.alone;
     options.cacheDirectory = cacheOf(arguments_);
     return options;
@@ -246,7 +249,8 @@ class JoinRun {
   void loop(haptics::VirtualStylus* stylus, haptics::SteeredHand* steered) {
     ASSERT(end_.empty());
     const Clock::time_point start = Clock::now();
-    headless_.emplace(fitView(site_.scene().bounds, 1.6), arguments_.cut.planes(), !arguments_.alone);
+    headless_.emplace(fitView(site_.scene().bounds, 1.6), arguments_.cut.planes(), !arguments_.alone,
+                      arguments_.style);
     if (!viewer_) site_.act(headless_->act(model_));
     if (viewer_ && stylus) followMouse(*stylus, waiting_, 0.0);
     if (viewer_ && arguments_.notes) viewer_->openNotes();
@@ -311,6 +315,8 @@ class JoinRun {
     ViewerOptions options;
     options.width = arguments_.width;
     options.sections = SectionSet(headless_->sections(model_));
+    options.style = headless_->style(model_);
+    options.hidden = headless_->hidden();
     options.height = arguments_.height;
     options.follows = headless_->following().followsSections();
     options.shares = headless_->shares();
@@ -428,6 +434,14 @@ class JoinRun {
   bool failed_ = false;
 };
 
+Status setColouring(Arguments& arguments) {
+  if (arguments.colourBy.empty()) return {};
+  const std::optional<document::PartColouring> named = document::colouringNamed(arguments.colourBy);
+  if (!named) return Error{"--colour-by " + arguments.colourBy + ": must be body, material or owner"};
+  arguments.style.colouring = *named;
+  return {};
+}
+
 int run(Arguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
@@ -435,6 +449,7 @@ int run(Arguments& arguments) {
   for (const std::string& path : {arguments.json, arguments.trace, arguments.record, arguments.screenshot})
     if (Status free = writable(path); !free) return badInput(free.error());
   if (Status cut = arguments.cut.addAll(arguments.sections); !cut) return badInput(cut.error());
+  if (Status colouring = setColouring(arguments); !colouring) return badInput(colouring.error());
   if (arguments.clashes >= 0.0 && arguments.headless && arguments.screenshot.empty())
     return badInput(Error{"--clashes: nobody sees the list without a window or --screenshot"});
   if (!arguments.hand.empty())
@@ -483,6 +498,19 @@ int run(Arguments& arguments) {
   return JoinRun(arguments, **site).run();
 }
 
+/// How the scene is cut open and its parts are drawn.
+void addLooks(assets::CommandLine& command, Arguments& arguments) {
+  command.option("--section", arguments.sections,
+                 "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
+                 "repeatable");
+  command
+      .option("--explode", arguments.style.explode,
+              "Draw parts apart from each other, 0 to 1; nothing is felt meanwhile")
+      .numberFrom(0.0, 1.0);
+  command.option("--colour-by", arguments.colourBy, "Colour parts by body, material or owner");
+  command.flag("--ghosts", arguments.style.ghosts, "Draw what is hidden faintly");
+}
+
 }  // namespace
 
 void addJoin(assets::CommandLine& program, int& exitCode) {
@@ -519,9 +547,7 @@ void addJoin(assets::CommandLine& program, int& exitCode) {
       .numberFrom(0.0, 1e6);
   command.flag("--notes", arguments->notes, "Open the list of notes and views");
   command.flag("--measures", arguments->measures, "Open the panel of measures");
-  command.option("--section", arguments->sections,
-                 "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
-                 "repeatable");
+  addLooks(command, *arguments);
   command.flag("--alone", arguments->alone, "Do not follow the sections and views that others share");
   command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
   command.option("--json", arguments->json, "Write what happened to this file");

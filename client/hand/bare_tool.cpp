@@ -4,8 +4,8 @@ namespace tandem::client {
 
 Wrench BareTool::tick(const haptics::DeviceSample& reading, std::span<const haptics::PartMotion> moved,
                       const haptics::TickOutput& first, std::span<const haptics::PartCommand> commands,
-                      std::span<const haptics::Section> sections, const haptics::TickParameters& parameters,
-                      double sessionTime, bool holds) {
+                      const Felt& felt, const haptics::TickParameters& parameters, double sessionTime,
+                      bool holds) {
   moved_.clear();
   commands_.clear();
   for (const haptics::PartMotion& motion : moved)
@@ -22,7 +22,8 @@ Wrench BareTool::tick(const haptics::DeviceSample& reading, std::span<const hapt
   heldBefore_ = holds;
   haptics::TickInput input;
   input.hands[0].device = reading;
-  input.sections = sections;
+  input.sections = felt.sections;
+  input.lifted = felt.lifted;
   input.sessionTime = sessionTime;
   input.hands[0].device.valid = reading.valid && !holds && away_ == 0;
   input.moved = {moved_.data(), moved_.size()};

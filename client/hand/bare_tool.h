@@ -18,14 +18,18 @@ class BareTool {
   /// The scene must outlive this.
   explicit BareTool(const haptics::ContactScene& scene) : scene_(scene), state_(scene) {}
 
+  /// What of the scene the tool feels, as TickInput has it.
+  struct Felt {
+    std::span<const haptics::Section> sections;
+    bool lifted = false;
+  };
   /// One tick; returns what the tool feels. `moved` are the parts that others move; `first` is the last
   /// tick of both hands, whose parts the tool meets where they are; of `commands`, those of that tick,
-  /// setPose holds here too; `sections` and `sessionTime`, s, as TickInput's. While the hand `holds` a part
-  /// the tool touches nothing; then it begins anew where the device is.
+  /// setPose holds here too; `sessionTime`, s, as TickInput's. While the hand `holds` a part the tool
+  /// touches nothing; then it begins anew where the device is.
   Wrench tick(const haptics::DeviceSample& reading, std::span<const haptics::PartMotion> moved,
               const haptics::TickOutput& first, std::span<const haptics::PartCommand> commands,
-              std::span<const haptics::Section> sections, const haptics::TickParameters& parameters,
-              double sessionTime, bool holds);
+              const Felt& felt, const haptics::TickParameters& parameters, double sessionTime, bool holds);
 
   /// The part under the tool, as TickOutput::touched.
   PartId touched() const { return touched_; }

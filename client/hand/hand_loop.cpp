@@ -85,7 +85,8 @@ Wrench HandLoop::tick(const haptics::DeviceSample& reading, sync::Micros now,
                                  .commands = commands,
                                  .sections = sections(),
                                  .sessionTime = static_cast<double>(sessionNow) * 1e-6,
-                                 .handCount = both ? 2 : 1};
+                                 .handCount = both ? 2 : 1,
+                                 .lifted = settings_.lifted};
   parts_.links().receive(exchange_, state_);
   output_.tick = haptics::tick(input, *scene_, settings_.parameters[0], state_);
   noteReached();
@@ -104,15 +105,21 @@ void HandLoop::setButtons(const haptics::DeviceSample& sample, bool both) {
     return wishes_[hand] != kNoPart ? wishes_[hand] : wish != kNoPart ? wish : touched;
   };
   const auto pressed = [](const haptics::DeviceSample& of) { return of.valid && (of.buttons & 1u) != 0; };
-  grasps_.setButton(0, settings_.graspButton || pressed(sample),
+  // A button that is down when the hands may take parts again has to be pressed anew.
+  const auto counts = [this](std::size_t hand, bool down) {
+    waitsForLift_[hand] = settings_.lifted || (waitsForLift_[hand] && down);
+    return down && !waitsForLift_[hand];
+  };
+  grasps_.setButton(0, counts(0, settings_.graspButton || pressed(sample)),
                     target(0, settings_.wish, output_.tick.touched));
-  if (both) grasps_.setButton(1, pressed(hands_[1].device), target(1, kNoPart, bareTool_->touched()));
+  if (both)
+    grasps_.setButton(1, counts(1, pressed(hands_[1].device)), target(1, kNoPart, bareTool_->touched()));
 }
 
 Wrench HandLoop::feelBareTool(std::span<const PartCommand> commands, sync::Micros sessionNow) {
-  return bareTool_->tick(hands_[1].device, parts_.followed().moved(), output_.tick, commands, sections(),
-                         settings_.parameters[1], static_cast<double>(sessionNow) * 1e-6,
-                         grasps_.isHolding(1));
+  return bareTool_->tick(hands_[1].device, parts_.followed().moved(), output_.tick, commands,
+                         {sections(), settings_.lifted}, settings_.parameters[1],
+                         static_cast<double>(sessionNow) * 1e-6, grasps_.isHolding(1));
 }
 
 void HandLoop::noteSecondHand() {

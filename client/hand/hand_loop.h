@@ -16,6 +16,8 @@
 //    first hand only.
 // 4. Controls are asked for without the button, when the tool presses on one, and are not grasped
 //    (control_hand.h).
+// 5. While parts are shown elsewhere than they are (HandSettingsInput::lifted) the hands let go, feel nothing
+//    and take nothing; what they have let go of, and what others move, goes on as ever.
 
 #include <array>
 #include <cstdint>
@@ -129,7 +131,8 @@ class HandLoop {
   NearParts near_;
   StallGuard stalls_;
   DisplayPoses display_;
-  std::array<PartId, haptics::kHands> wishes_;             // by hand; kNoPart: none
+  std::array<PartId, haptics::kHands> wishes_;        // by hand; kNoPart: none
+  std::array<bool, haptics::kHands> waitsForLift_{};  // by hand: its button does not count until it is up
   std::array<haptics::HandInput, haptics::kHands> hands_;  // of this tick
   std::unique_ptr<BareTool> bareTool_;                     // of the second hand; null: there is none
   static_assert(BareTool::kMaxMoved >= FollowedParts::kMax + haptics::kMaxOwnedParts);

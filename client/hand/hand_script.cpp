@@ -102,10 +102,10 @@ PartId controlPart(const Json& step, const assets::Scene* scene) {
 
 /// A misspelt key would silently do something else.
 void refuseUnknown(const Json& step) {
-  static const char* const known[] = {"t",       "do",    "part",      "over_s", "to",     "by",
-                                      "axis",    "angle", "amplitude", "hz",     "for_s",  "depth",
-                                      "control", "value", "text",      "name",   "status", "measures",
-                                      "at",      "parts", "planes",    "what",   "from"};
+  static const char* const known[] = {
+      "t",  "do",    "part",   "over_s",  "to",    "by",     "axis", "angle",  "amplitude",
+      "hz", "for_s", "depth",  "control", "value", "text",   "name", "status", "measures",
+      "at", "parts", "planes", "what",    "from",  "factor", "on"};
   for (const auto& item : step.members())
     if (std::find(std::begin(known), std::end(known), item.first) == std::end(known))
       throw "does not know \"" + item.first + "\"";
@@ -238,6 +238,32 @@ std::vector<PartId> parts(const Json& step, const assets::Scene* scene) {
   return parts;
 }
 
+/// A step that changes how parts are drawn; false if the verb is another one.
+bool parseStyle(const Json& entry, const std::string& verb, const assets::Scene* scene, ScriptStep& step) {
+  using Verb = ScriptStep::Verb;
+  if (verb == "explode") {
+    step.verb = Verb::explode;
+    step.style.explode = number(entry, "factor", 1.0);
+    if (step.style.explode < 0.0) throw std::string("\"factor\" must be 0 to 1");
+    if (entry.contains("parts")) step.style.apart = parts(entry, scene);
+    if (step.style.apart.size() > document::kMaxApart) throw std::string("\"parts\" has too many parts");
+  } else if (verb == "colour") {
+    step.verb = Verb::colour;
+    const std::string what = text(entry, "what", document::kMaxName);
+    const std::optional<document::PartColouring> colouring = document::colouringNamed(what);
+    if (!colouring) throw std::string("\"what\" must be as made, body, material or owner");
+    step.style.colouring = *colouring;
+  } else if (verb == "ghosts") {
+    step.verb = Verb::ghosts;
+    if (!entry.contains("on") || !entry.at("on").isBoolean())
+      throw std::string("needs \"on\": true or false");
+    step.style.ghosts = entry.at("on").boolean();
+  } else {
+    return false;
+  }
+  return true;
+}
+
 /// A step that the others see; false if the verb is another one.
 bool parseShowing(const Json& entry, const std::string& verb, const assets::Scene* scene, ScriptStep& step) {
   using Verb = ScriptStep::Verb;
@@ -309,10 +335,12 @@ ScriptStep parseStep(const Json& entry, const assets::Scene* scene) {
     step.amount = number(entry, "value");
   } else if (verb == "let_go") {
     step.verb = Verb::letGo;
-  } else if (!parseWriting(entry, verb, scene, step) && !parseShowing(entry, verb, scene, step)) {
+  } else if (!parseWriting(entry, verb, scene, step) && !parseStyle(entry, verb, scene, step) &&
+             !parseShowing(entry, verb, scene, step)) {
     throw "does not know \"" + verb +
         "\"; verbs: grasp release move move_relative turn sine hold press set let_go note reply status view "
-        "measure find_clashes judge undo redo section share follow hide select look point say";
+        "measure find_clashes judge undo redo section share follow hide explode colour ghosts select look "
+        "point say";
   }
   return step;
 }

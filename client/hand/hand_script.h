@@ -37,6 +37,10 @@
 //                             camera); nothing ends it
 //   follow {what}             what others share is followed here: view (all of it), or nothing
 //   hide {parts}              this site's hidden parts
+//   explode {factor [, parts]}
+//                             parts are drawn apart, 0..1: all, or these; nothing is felt meanwhile
+//   colour {what}             parts are coloured by body, material or owner, or as made
+//   ghosts {on}               hidden parts are seen faintly
 //   select {part}
 //   look {from, to}           this site's camera
 //   point [{part}]            shows the others the place of that part that is nearest to the hand; without
@@ -84,6 +88,9 @@ struct ScriptStep {
     share,
     follow,
     hide,
+    explode,
+    colour,
+    ghosts,
     select,
     look,
     point,
@@ -100,7 +107,8 @@ struct ScriptStep {
   document::NoteStatus status = document::NoteStatus::open;  // of the verb `status`
   FigureKind figure = FigureKind::distance;                  // of the verb `measure`, and its places
   std::vector<glm::dvec3> places;
-  std::vector<PartId> parts;                                   // of the verbs `judge` and `hide`, too
+  std::vector<PartId> parts;                                   // of `judge`, `hide` and `explode`, too
+  document::PartStyle style;                                   // of `explode`, `colour` and `ghosts`
   document::ClashStatus clash = document::ClashStatus::fresh;  // of the verb `judge`
   std::vector<document::SectionPlane> planes;
   glm::dvec3 from{0.0, 0.0, 0.0};               // of a camera

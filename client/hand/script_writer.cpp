@@ -61,7 +61,7 @@ DocumentWish wishOf(const ScriptStep& step, const ViewModel& model, const Camera
       return {Kind::change, judge(*note, step.clash, {ownName(model), step.text})};
     case Verb::view:
       return {Kind::change,
-              {0, 0, NamedView{step.text, worldFromCamera(camera), camera.distance, {}, false, {}}}};
+              {0, 0, NamedView{step.text, worldFromCamera(camera), camera.distance, {}, false, {}, {}}}};
     default:
       ASSERT(step.verb == Verb::note);
       return {Kind::change, {0, 0, noteAtHand(model, step.part, step.text)}};

@@ -36,6 +36,16 @@ void HeadlessView::perform(const ScriptStep& step, const ViewModel& model) {
     case Verb::hide:
       hidden_ = step.parts;
       break;
+    case Verb::explode:
+      style_.explode = step.style.explode;
+      style_.apart = step.style.apart;
+      break;
+    case Verb::colour:
+      style_.colouring = step.style.colouring;
+      break;
+    case Verb::ghosts:
+      style_.ghosts = step.style.ghosts;
+      break;
     case Verb::select:
       selected_ = step.part;
       break;
@@ -66,6 +76,8 @@ const std::vector<document::SectionPlane>& HeadlessView::sections(const ViewMode
   return following_.followsSections() ? model.presenting.shared.sections : sections_;
 }
 
+const document::PartStyle& HeadlessView::style(const ViewModel&) const { return style_; }
+
 ViewActions HeadlessView::act(const ViewModel& model) {
   if (std::exchange(ended_, model.presenting.ended) != model.presenting.ended)
     shown_.shares = Shares::nothing;
@@ -74,6 +86,7 @@ ViewActions HeadlessView::act(const ViewModel& model) {
   actions.settings = model.settings;
   actions.worldFromCamera = worldFromCamera(camera_);
   actions.sections = sections(model);
+  actions.lifted = style(model).explode > 0.0;
   actions.says = std::exchange(says_, {});
   shareView(shown_, actions.sections, selected_, model.worldFromPart.size(),
             [&](PartId part) { return std::find(hidden_.begin(), hidden_.end(), part) != hidden_.end(); });

@@ -16,8 +16,9 @@ namespace tandem::client {
 
 class HeadlessView {
  public:
-  HeadlessView(const Camera& camera, std::vector<document::SectionPlane> sections, bool follows)
-      : camera_(camera), sections_(std::move(sections)), following_(follows) {}
+  HeadlessView(const Camera& camera, std::vector<document::SectionPlane> sections, bool follows,
+               document::PartStyle style = {})
+      : camera_(camera), sections_(std::move(sections)), style_(std::move(style)), following_(follows) {}
 
   /// A step of a script that the others see; a message is said by the next act().
   void perform(const ScriptStep& step, const ViewModel& model);
@@ -29,12 +30,16 @@ class HeadlessView {
   sync::Shares shares() const { return shown_.shares; }
   /// The planes in effect, whoever set them.
   const std::vector<document::SectionPlane>& sections(const ViewModel& model) const;
+  /// How parts are drawn, likewise.
+  const document::PartStyle& style(const ViewModel& model) const;
+  const std::vector<PartId>& hidden() const { return hidden_; }
 
  private:
   void pointAt(PartId part, const ViewModel& model);
 
   Camera camera_;
   std::vector<document::SectionPlane> sections_;  // this person's own
+  document::PartStyle style_;                     // the same
   std::vector<PartId> hidden_;
   PartId selected_ = kNoPart;
   sync::Presentation shown_;

@@ -352,6 +352,7 @@ void JoinedSite::act(const ViewActions& actions) {
   if (actions.resetFault) ++settings_.faultResets;
   settings_.graspButton = actions.grasp;
   settings_.wish = actions.graspedAt;
+  settings_.lifted = actions.lifted;
   const haptics::Sections sections = feltSections(actions.sections);
   settings_.sectionCount = sections.size();
   std::copy(sections.begin(), sections.end(), settings_.sections.begin());

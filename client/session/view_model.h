@@ -157,6 +157,7 @@ struct ViewActions {
   // the virtual stylus, where no device is: world pose that mouse and keyboard ask for
   bool stylusMoved = false;
   Pose worldFromStylus;
+  bool lifted = false;          // parts are drawn elsewhere than they are: no hand feels or takes one
   bool grasp = false;           // the grasp button is down (mouse) or latched (keyboard)
   PartId graspedAt = kNoPart;   // under the cursor when `grasp` began: to be taken; kNoPart: the touched one
   PartId setControl = kNoPart;  // the part of a control that shall have `controlValue`

@@ -110,7 +110,8 @@ Camera cameraOfView(const NamedView& view, const Camera& like) {
 
 NamedView viewAs(std::string name, const Camera& camera, const SectionSet& sections,
                  const PartDisplay& parts) {
-  NamedView view{std::move(name), worldFromCamera(camera), camera.distance, sections.planes(), false, {}};
+  NamedView view{std::move(name), worldFromCamera(camera), camera.distance, sections.planes(), false, {},
+                 parts.style};
   std::vector<PartId> shown;
   for (std::size_t p = 0; p < parts.partCount(); ++p) {
     const auto part = static_cast<PartId>(p);

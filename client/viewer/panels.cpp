@@ -124,6 +124,8 @@ void drawRight(const PanelContext& context, const Rect& rect) {
     section(context, "Controls", drawControls);
   if (!context.model.replay) section(context, "Network", drawNetwork);
   if (context.model.scene) section(context, "Sections", drawSections, context.ui.sections.any());
+  if (context.model.scene && context.model.scene->parts.size() > 1)
+    section(context, "Explode", drawExplode, context.ui.parts.style.explode > 0.0);
   section(context, "Settings", drawSettings);
   ImGui::End();
 }

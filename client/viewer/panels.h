@@ -81,6 +81,8 @@ void drawLabels(const View& view, const Rect& viewport, const std::vector<Label>
 void drawNotices(const PanelContext& context, const Rect& viewport);
 /// The panel of measures, while it is open.
 void drawMeasures(const PanelContext& context, const Rect& viewport);
+/// Says that parts are drawn elsewhere than they are, while they are.
+void drawApart(const PanelContext& context, const Rect& viewport);
 void drawReplayBar(const PanelContext& context, const Rect& viewport);
 void drawHelp(const PanelContext& context);
 /// The range of a slider and the format of its number.
@@ -92,6 +94,8 @@ struct SliderRange {
 /// A slider with its number to the right, where the handle does not cover it. True if the person moved it.
 /// The section planes: for each axis what is cut away beyond a place, and before one.
 void drawSections(const PanelContext& context);
+/// How far parts are drawn apart, and which.
+void drawExplode(const PanelContext& context);
 bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range);
 /// The activity of a person in words: holds, touches, watches.
 std::string activityOf(const ViewModel& model, const SiteView& site);

@@ -23,7 +23,7 @@ void markOwned(PartLook& look, const glm::vec3& colour, bool heldHere) {
 
 void colour(const ViewModel& model, PartId part, PartColouring colouring, PartLook& look) {
   if (model.scene == nullptr || colouring == PartColouring::asMade) return;
-  look.tint = linear(*colourOf(*model.scene, part, colouring));
+  look.tint = linear(*client::colourOf(*model.scene, part, colouring));
   look.tintAmount = kColouredTint;
 }
 
@@ -68,11 +68,11 @@ void partLooks(const ViewModel& model, const PartDisplay& display, std::vector<P
   for (std::size_t p = 0; p < looks.size(); ++p) {
     const auto part = static_cast<PartId>(p);
     PartLook& look = looks[p];
-    look.visible = display.visible(part) || display.ghosts;
+    look.visible = display.visible(part) || display.style.ghosts;
     look.pickable = display.visible(part);
     if (display.transparent(part)) look.alpha = kTransparentAlpha;
     if (!look.pickable) look.alpha = kGhostAlpha;
-    colour(model, part, display.colouring, look);
+    colour(model, part, display.style.colouring, look);
     const SiteId owner = p < model.owner.size() ? model.owner[p] : kNoSite;
     const bool held = part == model.hand.held;
     if (held) {

@@ -25,8 +25,7 @@ class PartDisplay {
   void isolate(const std::vector<PartId>& parts);
   void showAll();
 
-  bool ghosts = false;                              // what is hidden is still seen, faintly
-  PartColouring colouring = PartColouring::asMade;  // of parts that nobody holds
+  document::PartStyle style;  // colours are those of parts that nobody holds
 
   PartId selected = kNoPart;
   PartId hovered = kNoPart;  // under the mouse, in the part tree or in the scene

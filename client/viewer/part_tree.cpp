@@ -88,6 +88,10 @@ void partMenu(const PanelContext& context, const std::vector<PartId>& parts) {
   if (ImGui::MenuItem("Transparent", "T", transparent))
     for (const PartId part : parts) display.setTransparent(part, !transparent);
   if (ImGui::MenuItem("Show all", "Shift+H")) display.showAll();
+  if (parts.size() > 1 && parts.size() <= document::kMaxApart && ImGui::MenuItem("Explode")) {
+    display.style.apart = parts;
+    display.style.explode = 1.0;
+  }
   if (context.model.role != sync::Role::instructor || parts.size() != 1) return;
   const SiteId owner = parts[0] < context.model.owner.size() ? context.model.owner[parts[0]] : kNoSite;
   ImGui::Separator();

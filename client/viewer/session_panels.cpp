@@ -268,16 +268,17 @@ void drawSettings(const PanelContext& context) {
     ImGui::Checkbox("Stylus follows surfaces", &context.ui.followSurface);
   }
   ImGui::Checkbox("Edges", &context.ui.showEdges);
-  PartDisplay& parts = context.ui.parts;
-  ImGui::Checkbox("Hidden parts as ghosts", &parts.ghosts);
+  document::PartStyle& style = context.ui.parts.style;
+  ImGui::Checkbox("Hidden parts as ghosts", &style.ghosts);
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(theme::kMuted, "Colours");
   ImGui::SameLine(108.0f * context.scale);
   ImGui::SetNextItemWidth(-1.0f);
-  if (!ImGui::BeginCombo("##colours", kColouringNames[static_cast<std::size_t>(parts.colouring)])) return;
-  for (std::size_t i = 0; i < kColouringNames.size(); ++i) {
+  const auto& names = document::kColouringNames;
+  if (!ImGui::BeginCombo("##colours", names[static_cast<std::size_t>(style.colouring)])) return;
+  for (std::size_t i = 0; i < names.size(); ++i) {
     const auto colouring = static_cast<PartColouring>(i);
-    if (ImGui::Selectable(kColouringNames[i], colouring == parts.colouring)) parts.colouring = colouring;
+    if (ImGui::Selectable(names[i], colouring == style.colouring)) style.colouring = colouring;
   }
   ImGui::EndCombo();
 }

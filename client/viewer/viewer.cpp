@@ -13,7 +13,9 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "client/viewer/camera_drag.h"
 #include "client/viewer/colours.h"
+#include "client/viewer/exploded_scene.h"
 #include "client/viewer/field_glyphs.h"
 #include "client/viewer/glyphs.h"
 #include "client/viewer/hand_glyphs.h"
@@ -64,8 +66,6 @@ class SceneViewer final : public Viewer {
   void fitAll() override { ui_.fit = std::vector<PartId>{}; }
 
  private:
-  enum class Drag { none, turn, shift };
-
   SceneViewer(const assets::Scene& scene, const ViewerOptions& options, std::unique_ptr<Surface> surface,
               std::unique_ptr<SceneRenderer> parts, std::unique_ptr<GlyphRenderer> glyphs)
       : options_(options),
@@ -78,6 +78,8 @@ class SceneViewer final : public Viewer {
         sceneBounds_(scene.bounds) {
     camera_ = fitView(sceneBounds_, 1.0);
     ui_.sections = options_.sections;
+    ui_.parts.style = options_.style;
+    for (const PartId part : options_.hidden) ui_.parts.setHidden(part, true);
     ui_.shared = SharedView(options_.follows);
     ui_.shared.shares = options_.shares;
   }
@@ -85,8 +87,7 @@ class SceneViewer final : public Viewer {
   void keys(const ViewModel& model, const Input& input, ViewActions& actions);
   void partKey(int key, bool shift);
   void fit(const ViewModel& model);
-  void moveCamera(const Input& input, const View& view);
-  void startDrag(const Input& input, const View& view, bool cursorInView);
+  void turnByMouse(const Input& input, const View& view, const glm::dvec2& cursor, bool cursorInView);
   void moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
                   ViewActions& actions);
   void pointAt(const ViewModel& model, std::vector<Label>& labels);
@@ -106,6 +107,8 @@ class SceneViewer final : public Viewer {
   void drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch);
   glm::dvec2 pixelScale() const;
   SharedView::Window window() { return {ui_.sections, ui_.parts, ui_.following}; }
+  /// Whether parts are drawn elsewhere than they are, or will be in the next frame.
+  bool apart() const { return apartNow_ || ui_.parts.style.explode > 0.0; }
   glm::dvec3 middle() const { return 0.5 * (sceneBounds_.min + sceneBounds_.max); }
 
   ViewerOptions options_;
@@ -124,10 +127,10 @@ class SceneViewer final : public Viewer {
   Rect viewport_;  // window pixels
   std::vector<PartLook> looks_;
   std::optional<Hit> underCursor_;
-  glm::dvec3 pivot_{0.0, 0.0, 0.0};
-  glm::dvec2 dragStart_{0.0, 0.0};
-  Drag drag_ = Drag::none;
-  bool dragged_ = false, started_ = false;
+  CameraDrag drag_;
+  bool started_ = false;
+  ExplodedScene exploded_;
+  bool apartNow_ = false;  // in this frame's picture
   PartId menuPart_ = kNoPart;
   PartId graspedAt_ = kNoPart;  // under the cursor when the stylus began to grasp
   ScenePicture picture_;
@@ -140,7 +143,7 @@ glm::dvec2 SceneViewer::pixelScale() const {
 /// Says what the others may see of this window.
 void SceneViewer::showOthers(const ViewModel& model, const Input& input, ViewActions& actions) {
   ui_.shared.pointing = input.keysDown[GLFW_KEY_X] && !ImGui::GetIO().WantTextInput;
-  const PartId part = underCursor_ && drag_ == Drag::none ? underCursor_->part : kNoPart;
+  const PartId part = underCursor_ && !drag_.active() ? underCursor_->part : kNoPart;
   actions.shown = ui_.shared.shown(model, ui_.sections, ui_.parts, part,
                                    underCursor_ ? underCursor_->point : glm::dvec3(0.0));
 }
@@ -318,7 +321,7 @@ void SceneViewer::flyToClash(const ViewModel& model) {
   const ClashUi& ui = ui_.clashes;
   if (!std::exchange(ui_.clashes.fly, false) || !ui.open || ui.a == kNoPart) return;
   std::optional<ClashWitness> witness;
-  if (const FoundClash* found = shownClash(model))
+  if (const FoundClash* found = apartNow_ ? nullptr : shownClash(model))
     witness = witnessOf(*model.clashes.findings, *found, model.worldFromPart);
   const auto boundsOf = [&](PartId part) { return renderer_->bounds(model.worldFromPart, std::array{part}); };
   const double aspect = viewport_.size().x / std::max(viewport_.size().y, 1.0);
@@ -379,30 +382,18 @@ void SceneViewer::keepView(ViewActions& actions) {
   notes.viewName = {};
 }
 
-void SceneViewer::startDrag(const Input& input, const View& view, bool cursorInView) {
-  const bool leftTurns = !options_.stylusFromMouse && input.pressed[0];
-  const bool pressed = leftTurns || input.pressed[1] || input.pressed[2] || (input.shift && input.pressed[0]);
-  if (drag_ != Drag::none || !pressed || !cursorInView) return;
-  drag_ = input.shift ? Drag::shift : Drag::turn;
-  dragged_ = false;
-  dragStart_ = input.cursor;
-  pivot_ = underCursor_ ? underCursor_->point : view.camera.target;
-}
-
-void SceneViewer::moveCamera(const Input& input, const View& view) {
-  if (drag_ != Drag::none && !input.down[0] && !input.down[1] && !input.down[2]) drag_ = Drag::none;
-  if (drag_ != Drag::none) {
-    dragged_ = dragged_ || glm::length(input.cursor - dragStart_) > 4.0;
-    if (dragged_ && drag_ == Drag::turn) orbit(camera_, input.cursorMove, pivot_);
-    if (dragged_ && drag_ == Drag::shift) {
-      const double depth = std::max(view.depthOf(pivot_), view.near);
-      pan(camera_, input.cursorMove, view.metresPerPixel(depth));
-    }
-    if (dragged_) {
-      ui_.following = kNoSite;
-      flight_.stop();
-    }
+void SceneViewer::turnByMouse(const Input& input, const View& view, const glm::dvec2& cursor,
+                              bool cursorInView) {
+  if (cursorInView)
+    drag_.begin(input, !options_.stylusFromMouse, underCursor_ ? underCursor_->point : view.camera.target);
+  bool moved = drag_.move(input, view, camera_);
+  if (cursorInView && !input.ctrl && input.wheel != 0.0) {
+    zoom(camera_, input.wheel, underCursor_ ? underCursor_->point : view.pointAt(cursor, camera_.distance));
+    moved = true;
   }
+  if (!moved) return;
+  ui_.following = kNoSite;
+  flight_.stop();
 }
 
 void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const View& view, bool cursorInView,
@@ -415,9 +406,9 @@ void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const V
   StylusControl::Situation now{view, input};
   now.cursor = input.cursor - viewport_.min;
   now.cursorInView = cursorInView;
-  now.cameraMoving = drag_ != Drag::none;
+  now.cameraMoving = drag_.active();
   now.keysFree = !ImGui::GetIO().WantTextInput;
-  now.mayGrasp = model.role != sync::Role::observer && !model.replay;
+  now.mayGrasp = model.role != sync::Role::observer && !model.replay && !apart();
   now.holding = model.hand.held != kNoPart;
   now.followSurface = ui_.followSurface;
   now.toolRadius = model.hand.toolRadius;
@@ -437,9 +428,9 @@ void SceneViewer::moveStylus(const ViewModel& model, const Input& input, const V
 /// so it is the one in reach, not the part that happens to be nearest to the tip.
 void SceneViewer::pointAt(const ViewModel& model, std::vector<Label>& labels) {
   ui_.parts.inReach = kNoPart;
-  if (!underCursor_ || drag_ != Drag::none || model.hand.held != kNoPart) return;
+  if (!underCursor_ || drag_.active() || model.hand.held != kNoPart) return;
   const PartId part = underCursor_->part;
-  if (options_.stylusFromMouse && !model.replay)
+  if (options_.stylusFromMouse && !model.replay && !apart())
     ui_.parts.inReach = part;
   else
     ui_.parts.hovered = part;
@@ -447,8 +438,9 @@ void SceneViewer::pointAt(const ViewModel& model, std::vector<Label>& labels) {
 }
 
 void SceneViewer::partMenuOverScene(const PanelContext& context, const Input& input, bool cursorInView) {
-  const bool click = input.released[1] && !dragged_ && cursorInView;
-  const bool select = !options_.stylusFromMouse && input.released[0] && !dragged_ && cursorInView;
+  const bool click = input.released[1] && !drag_.moved() && cursorInView;
+  const bool select =
+      (!options_.stylusFromMouse || apart()) && input.released[0] && !drag_.moved() && cursorInView;
   if (click || select) ui_.parts.selected = underCursor_ ? underCursor_->part : kNoPart;
   if (click && underCursor_) {
     menuPart_ = underCursor_->part;
@@ -477,7 +469,7 @@ void SceneViewer::drawScene(const View& view, const ViewModel& model, const Glyp
 /// Everything over the parts: what is chosen or written at them, and the people.
 void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vector<Label>& labels) {
   if (ui_.clashes.open && ui_.clashes.a != kNoPart) markPair(ui_.clashes.a, ui_.clashes.b, looks_);
-  if (const FoundClash* found = shownClash(model)) {
+  if (const FoundClash* found = apartNow_ ? nullptr : shownClash(model)) {
     addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
   }
   addNotes(model, ui_.notes, batch, labels);
@@ -502,11 +494,13 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   actions.quit = surface_->closeRequested();
   const PanelContext context{model, ui_, actions, interface_->fonts(), interface_->scale(), surface_->live()};
 
+  apartNow_ = ui_.parts.style.explode > 0.0;
+  const ViewModel& drawn = exploded_.drawn(model, ui_.parts.style, *renderer_);
   ui_.parts.hovered = kNoPart;
   viewport_ = {{0.0, 0.0}, glm::dvec2(surface_->size())};
-  keys(model, input, actions);
+  keys(drawn, input, actions);
   if (options_.panels && ui_.showPanels) viewport_ = drawPanels(context, tree_, glm::dvec2(surface_->size()));
-  steerCamera(model, input.dt);
+  steerCamera(drawn, input.dt);
   keepView(actions);
 
   // In a slow frame the mouse has moved since the click: a click on a panel must not grasp the part that is
@@ -514,46 +508,42 @@ ViewActions SceneViewer::frame(const ViewModel& model) {
   if (!viewport_.contains(input.pressedAt)) input.pressed.fill(false);
   const glm::dvec2 cursor = input.cursor - viewport_.min;
   bool cursorInView = !ImGui::GetIO().WantCaptureMouse && viewport_.contains(input.cursor);
-  View view = currentView(model);
-  if (drag_ == Drag::none && !ui_.shared.following().followsSections() &&
+  View view = currentView(drawn);
+  if (!drag_.active() && !ui_.shared.following().followsSections() &&
       sectionHandles_.update(view, input, cursor, cursorInView, middle(), ui_.sections)) {
     input.pressed[0] = cursorInView = false;  // the mouse is the handle's
   }
   actions.sections = ui_.sections.planes();
   renderer_->setSections(actions.sections);
   partLooks(model, ui_.parts, looks_);
-  if (drag_ == Drag::none)
-    underCursor_ = cursorInView ? renderer_->pick(view, cursor, model.worldFromPart, looks_) : std::nullopt;
-  startDrag(input, view, cursorInView);
-  moveCamera(input, view);
-  if (cursorInView && !input.ctrl && input.wheel != 0.0) {
-    zoom(camera_, input.wheel, underCursor_ ? underCursor_->point : view.pointAt(cursor, camera_.distance));
-    ui_.following = kNoSite;
-    flight_.stop();
-  }
-  view = currentView(model);
-  if (options_.stylusFromMouse) moveStylus(model, input, view, cursorInView, actions);
+  if (!drag_.active())
+    underCursor_ = cursorInView ? renderer_->pick(view, cursor, drawn.worldFromPart, looks_) : std::nullopt;
+  turnByMouse(input, view, cursor, cursorInView);
+  view = currentView(drawn);
+  if (options_.stylusFromMouse) moveStylus(drawn, input, view, cursorInView, actions);
   partMenuOverScene(context, input, cursorInView);
 
   std::vector<Label> labels;
-  pointAt(model, labels);
+  pointAt(drawn, labels);
   partLooks(model, ui_.parts, looks_);
   GlyphBatch batch(view);
-  addGlyphs(model, batch, labels);
-  showOthers(model, input, actions);
+  addGlyphs(drawn, batch, labels);
+  showOthers(drawn, input, actions);
   drawLabels(view, viewport_, labels, context);
   if (options_.panels) {
     drawNotices(context, viewport_);
     drawReplayBar(context, viewport_);
     drawMeasures(context, viewport_);
+    drawApart(context, viewport_);
     if (ui_.showHelp) drawHelp(context);
   }
-  drawScene(view, model, batch);
+  drawScene(view, drawn, batch);
   interface_->end();
   surface_->present();
   started_ = true;
   actions.marks = ui_.measures.marks;
   actions.worldFromCamera = view.worldFromEye;
+  actions.lifted = apart();
   return actions;
 }
 

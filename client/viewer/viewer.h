@@ -17,6 +17,8 @@ struct ViewerOptions {
   bool panels = true;                           // false: the scene alone
   bool stylusFromMouse = true;                  // no hardware device: mouse and keyboard move the stylus
   SectionSet sections{};                        // how the scene is cut open at first, for this person alone
+  document::PartStyle style{};                  // how parts are drawn at first
+  std::vector<PartId> hidden{};                 // at first
   bool follows = true;                          // what others share is followed
   sync::Shares shares = sync::Shares::nothing;  // by this person, at first
   bool levels = true;                           // large meshes of a large scene are drawn by levels of detail

@@ -99,6 +99,9 @@ struct TickInput {
   // time of the reading counts.
   double sessionTime = std::numeric_limits<double>::quiet_NaN();
   int handCount = 1;  // 1: the first hand is alone
+  // The bare tool touches nothing: the scene is drawn otherwise than it is. What it felt fades; once this
+  // ends, the tool is where the device is, and passes through what it is inside of until it has left it.
+  bool lifted = false;
 };
 
 /// One constraint that the proxy rests on.

@@ -46,8 +46,9 @@ class HandProbe {
 
   const haptics::TickOutput& tick() {
     sample.time += parameters.dt;
-    out = haptics::tick({.hands = {{{sample}}}, .moved = moved, .commands = commands, .sections = sections},
-                        contact, parameters, state);
+    out = haptics::tick(
+        {.hands = {{{sample}}}, .moved = moved, .commands = commands, .sections = sections, .lifted = lifted},
+        contact, parameters, state);
     moved.clear();
     commands.clear();
     return out;
@@ -62,6 +63,7 @@ class HandProbe {
   std::vector<haptics::PartMotion> moved;
   std::vector<haptics::PartCommand> commands;
   std::vector<haptics::Section> sections;
+  bool lifted = false;
   haptics::TickOutput out;
 
  private:

@@ -113,6 +113,41 @@ TEST_F(HandLoopTest, WhatThePersonHasCutAwayIsNotFelt) {
   EXPECT_EQ(hand_->output().tick.contactCount, 0);
 }
 
+TEST_F(HandLoopTest, WhilePartsAreShownElsewhereNothingIsFeltOrTaken) {
+  take();
+  HandSettingsInput settings;
+  settings.lifted = true;
+  exchange_->settings.write(settings);
+  tick();
+  EXPECT_EQ(hand_->output().tick.hands[0].held, kNoPart) << "the hand lets go";
+  tick(1000);
+  const auto released = intent();
+  ASSERT_TRUE(released.has_value());
+  EXPECT_EQ(released->kind, HandIntent::Kind::release);
+  tell(NetworkEvent::Kind::ownership, kNoSite, 2, scene_.parts[kTheBox].worldFromPart);
+  button_ = false;
+  tick(5);
+  button_ = true;
+  device_.position.z = 0.0;
+  tick(200);
+  EXPECT_FALSE(intent().has_value());
+  EXPECT_EQ(lastForce_, glm::dvec3(0.0));
+  EXPECT_EQ(hand_->output().tick.touched, kNoPart);
+
+  settings.lifted = false;
+  exchange_->settings.write(settings);
+  tick(200);
+  EXPECT_FALSE(intent().has_value()) << "the button went down before";
+  EXPECT_EQ(lastForce_, glm::dvec3(0.0)) << "the tool stands inside of the part";
+  button_ = false;
+  tick(5);
+  button_ = true;
+  tick(5);
+  const auto asked = intent();
+  ASSERT_TRUE(asked.has_value());
+  EXPECT_EQ(asked->kind, HandIntent::Kind::grab);
+}
+
 TEST_F(HandLoopTest, APartThatThePersonPointsAtIsTakenFromWhereTheTipIsWithoutForce) {
   constexpr PartId kPointedAt = 1;
   tick(5);

@@ -65,6 +65,26 @@ TEST(HandScript, GoesToTheSurfaceOfAPartOfShapesToo) {
   EXPECT_NEAR(glm::length(onBall.point - glm::dvec3(0.35, 0.0, 1.0)), 0.0, 1e-12);
 }
 
+TEST(HandScript, SaysHowPartsAreDrawn) {
+  const assets::Scene scene = squareScene();
+  const auto stepOf = [&](const std::string& step) {
+    return parseHandScript("[" + step + "]", "test", scene);
+  };
+  const Result<HandScript> apart = stepOf(R"({"t":0,"do":"explode","factor":0.5,"parts":["square"]})");
+  ASSERT_TRUE(apart.ok()) << apart.error().message;
+  EXPECT_EQ(apart->steps[0].style.explode, 0.5);
+  EXPECT_EQ(apart->steps[0].style.apart, std::vector<PartId>{0});
+  EXPECT_TRUE(apart->steps[0].shows());
+  const Result<HandScript> coloured = stepOf(R"({"t":0,"do":"colour","what":"material"})");
+  ASSERT_TRUE(coloured.ok()) << coloured.error().message;
+  EXPECT_EQ(coloured->steps[0].style.colouring, document::PartColouring::byMaterial);
+  EXPECT_TRUE(stepOf(R"({"t":0,"do":"ghosts","on":true})").ok());
+  for (const char* wrong : {R"({"t":0,"do":"explode"})", R"({"t":0,"do":"explode","factor":1.5})",
+                            R"({"t":0,"do":"explode","factor":-0.5})", R"({"t":0,"do":"ghosts"})",
+                            R"({"t":0,"do":"colour","what":"size"})"})
+    EXPECT_FALSE(stepOf(wrong).ok()) << wrong;
+}
+
 TEST(HandScript, MovesAlongAMinimumJerkPath) {
   const assets::Scene scene = squareScene();
   ScriptedPerson p =

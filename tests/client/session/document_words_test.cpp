@@ -10,7 +10,7 @@ TEST(DocumentWords, SayKindAndTextInOneLine) {
   note.text = "the bolt\nis loose";
   EXPECT_EQ(inWords(note), "note \"the bolt is loose\"");
   EXPECT_EQ(inWords(document::Comment{1, "why?"}), "reply \"why?\"");
-  EXPECT_EQ(inWords(document::NamedView{"from below", {}, 1.0, {}, false, {}}), "view \"from below\"");
+  EXPECT_EQ(inWords(document::NamedView{"from below", {}, 1.0, {}, false, {}, {}}), "view \"from below\"");
   EXPECT_EQ(inWords(document::Removed{}), "removed");
 }
 

@@ -218,7 +218,7 @@ TEST(PartDisplay, WhatIsHiddenMayBeAGhostThatNoClickTakes) {
   std::vector<PartLook> looks;
   partLooks(model, display, looks);
   EXPECT_FALSE(looks[0].visible);
-  display.ghosts = true;
+  display.style.ghosts = true;
   partLooks(model, display, looks);
   EXPECT_TRUE(looks[0].visible);
   EXPECT_FALSE(looks[0].pickable);
@@ -244,14 +244,14 @@ TEST(PartDisplay, ColoursTellBodiesMaterialsAndOwnersApart) {
   PartDisplay display(3);
   std::vector<PartLook> looks;
   for (const PartColouring colouring : {PartColouring::byBody, PartColouring::byMaterial}) {
-    display.colouring = colouring;
+    display.style.colouring = colouring;
     partLooks(model, display, looks);
     EXPECT_NE(looks[0].tint, looks[2].tint);
     EXPECT_GT(looks[1].tint.z, 0.9f) << "who holds a part is told all the same";
   }
   EXPECT_EQ(colourOf(builder.scene, 0, PartColouring::byBody),
             colourOf(builder.scene, 1, PartColouring::byBody));
-  display.colouring = PartColouring::byOwner;
+  display.style.colouring = PartColouring::byOwner;
   partLooks(model, display, looks);
   EXPECT_EQ(looks[0].tint, looks[2].tint);
   EXPECT_GT(looks[1].tint.z, 0.9f);
