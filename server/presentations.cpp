@@ -15,7 +15,11 @@ using sync::Shares;
 
 bool Presentations::isSound(const Presentation& shown) const {
   const auto known = [&](PartId part) { return part == kNoPart || part < partCount_; };
-  return known(shown.selected) && known(shown.pointedAt) && shown.hidden.size() <= (partCount_ + 7) / 8;
+  const std::size_t most = (partCount_ + 7) / 8;
+  return known(shown.selected) && known(shown.pointedAt) && shown.hidden.size() <= most &&
+         shown.transparent.size() <= most &&
+         std::all_of(shown.style.apart.begin(), shown.style.apart.end(),
+                     [&](PartId part) { return part < partCount_; });
 }
 
 void Presentations::onPresentation(const Peer& peer, const Presentation& message) {
@@ -63,6 +67,8 @@ void Presentations::endSharing(Shown& shown) const {
   newest.shares = Shares::nothing;
   newest.sections.clear();
   newest.hidden.clear();
+  newest.transparent.clear();
+  newest.style = {};
   newest.selected = kNoPart;
 }
 

@@ -12,6 +12,8 @@
 //   choice(name, enumeration, names)
 //   parts(name, std::vector<PartId>, limit)
 //   list(name, std::vector<T>, limit)     of records with fields of their own
+//   addition(name, T)                     a record that came later, last of its body: what is as in T{} is
+//                                         not written, and what is not there is as in T{}
 
 #include <concepts>
 #include <type_traits>
@@ -32,6 +34,12 @@ void fields(auto& a, Is<SectionPlane> auto& s) {
   a.vector("point", s.point);
   a.vector("normal", s.normal);
 }
+void fields(auto& a, Is<PartStyle> auto& s) {
+  a.real("explode", s.explode, 0.0, 1.0);
+  a.parts("apart", s.apart, kMaxApart);
+  a.choice("colours", s.colouring, kColouringNames);
+  a.flag("ghosts", s.ghosts);
+}
 void fields(auto& a, Is<NamedView> auto& v) {
   a.text("name", v.name, kMaxName);
   a.pose("camera", v.worldFromCamera);
@@ -39,6 +47,7 @@ void fields(auto& a, Is<NamedView> auto& v) {
   a.list("sections", v.sections, kMaxSections);
   a.flag("only_these", v.onlyThese);
   a.parts("parts", v.parts, kMaxListed);
+  a.addition("style", v.style);
 }
 void fields(auto& a, Is<Note> auto& n) {
   a.text("text", n.text, kMaxText);

@@ -48,6 +48,13 @@ class JsonWriter {
     }
     object_[name] = std::move(elements);
   }
+  template <typename T>
+  void addition(const char* name, const T& value) {
+    if (value == T{}) return;
+    object_[name] = Json::object();
+    JsonWriter writer(object_[name]);
+    fields(writer, value);
+  }
 
  private:
   Json& object_;
@@ -113,6 +120,13 @@ class JsonReader {
       fields(reader, values.emplace_back());
       reader.finish();
     }
+  }
+  template <typename T>
+  void addition(const char* name, T& value) {
+    if (!object_.contains(name)) return;
+    JsonReader reader(at(name));
+    fields(reader, value);
+    reader.finish();
   }
 
  private:

@@ -60,6 +60,10 @@ class Checker {
     if (values.size() > limit) return fail(name, "has more than " + std::to_string(limit) + " elements");
     for (const T& value : values) fields(*this, value);
   }
+  template <typename T>
+  void addition(const char*, const T& value) {
+    if (value != T{}) fields(*this, value);
+  }
 
  private:
   static bool isNear(const glm::dvec3& v) {

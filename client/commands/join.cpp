@@ -8,6 +8,7 @@
 #include <memory>
 #include <optional>
 #include <thread>
+#include <utility>
 
 #include <glm/geometric.hpp>
 #include "assets/base/assert.h"
@@ -15,6 +16,7 @@
 #include "client/commands/colour_option.h"
 #include "client/commands/command.h"
 #include "client/commands/join_report.h"
+#include "client/commands/script_in_window.h"
 #include "client/commands/tool_option.h"
 #include "client/hand/script_writer.h"
 #include "client/join/headless_view.h"
@@ -266,7 +268,8 @@ class JoinRun {
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
       writeByScript(elapsed);
       if (viewer_) {
-        const ViewActions actions = viewer_->frame(model_);
+        ViewActions actions = viewer_->frame(model_);
+        for (sync::Say& said : std::exchange(says_, {})) actions.says.push_back(std::move(said));
         if (stylus) followMouse(*stylus, actions, elapsed);
         // A SpaceMouse or gamepad moves the stylus in screen axes. Full deflection crosses the scene in four
         // seconds.
@@ -386,7 +389,12 @@ class JoinRun {
       const ScriptWriter::Written written =
           hand->writer->write(elapsed, hand->scripted->written(), model_, camera);
       for (const DocumentWish& wish : written.wishes) site_.want(wish);
-      for (const ScriptStep& step : written.shown) headless_->perform(step, model_);
+      for (const ScriptStep& step : written.shown) {
+        if (viewer_)
+          showInWindow(step, model_, *viewer_, says_);
+        else
+          headless_->perform(step, model_);
+      }
       for (const std::string& problem : written.problems)
         std::fprintf(stderr, "tandem: script: %s\n", problem.c_str());
     }
@@ -424,7 +432,8 @@ class JoinRun {
   std::array<Hand*, 2> scripts_{};        // while run() runs
   std::optional<HeadlessView> headless_;  // from loop() on
   ViewModel model_;
-  ViewActions waiting_;  // input from before the hand exists
+  std::vector<sync::Say> says_;  // by the scripts, in a window
+  ViewActions waiting_;          // input from before the hand exists
   JoinReport report_;
   static constexpr std::chrono::minutes kLevelsPatience{10};
   static constexpr double kCaughtShare = 0.05;  // of the scene's size

@@ -53,6 +53,8 @@ Json presentingJson(const ViewModel& model, const HeadlessView* view) {
   json["shared_by"] = nameOfSite(model, presenting.shared.site);
   json["shared"] = sync::kSharesNames[static_cast<std::size_t>(presenting.shared.shares)];
   json["selected"] = partName(model, presenting.shared.selected);
+  json["explode"] = presenting.shared.style.explode;
+  json["colours"] = document::kColouringNames[static_cast<std::size_t>(presenting.shared.style.colouring)];
   json["hidden"] = partNames(model, [&](PartId part) { return presenting.hides(part); });
   json["points"] = Json::array();
   for (const sync::Presentation& shown : presenting.points)

@@ -33,8 +33,8 @@
 // and, for the others in the session (join/headless_view.h; passed over likewise):
 //   section {planes}          this site's section planes, each [nx, ny, nz, m]: what lies further than that
 //                             in this direction is cut away
-//   share {what}              the others follow sections, or view (sections, hidden parts, selection and
-//                             camera); nothing ends it
+//   share {what}              the others follow sections, or view (sections, hidden parts, how parts are
+//                             drawn, selection and camera); nothing ends it
 //   follow {what}             what others share is followed here: view (all of it), or nothing
 //   hide {parts}              this site's hidden parts
 //   explode {factor [, parts]}

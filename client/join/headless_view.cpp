@@ -37,14 +37,9 @@ void HeadlessView::perform(const ScriptStep& step, const ViewModel& model) {
       hidden_ = step.parts;
       break;
     case Verb::explode:
-      style_.explode = step.style.explode;
-      style_.apart = step.style.apart;
-      break;
     case Verb::colour:
-      style_.colouring = step.style.colouring;
-      break;
     case Verb::ghosts:
-      style_.ghosts = step.style.ghosts;
+      changeStyle(step, style_);
       break;
     case Verb::select:
       selected_ = step.part;
@@ -52,9 +47,12 @@ void HeadlessView::perform(const ScriptStep& step, const ViewModel& model) {
     case Verb::look:
       camera_ = cameraFrom(step.from, step.vector, camera_);
       break;
-    case Verb::point:
-      pointAt(step.part, model);
+    case Verb::point: {
+      const document::Anchor place = nearestToHand(step.part, model);
+      shown_.pointedAt = place.part;
+      shown_.place = place.point;
       break;
+    }
     case Verb::say:
       says_.push_back(saidWithLinks(step.text, *model.scene));
       break;
@@ -63,20 +61,30 @@ void HeadlessView::perform(const ScriptStep& step, const ViewModel& model) {
   }
 }
 
-void HeadlessView::pointAt(PartId part, const ViewModel& model) {
-  shown_.pointedAt = part;
-  if (part == kNoPart) return;
+void changeStyle(const ScriptStep& step, document::PartStyle& style) {
+  if (step.verb == Verb::explode) {
+    style.explode = step.style.explode;
+    style.apart = step.style.apart;
+  }
+  if (step.verb == Verb::colour) style.colouring = step.style.colouring;
+  if (step.verb == Verb::ghosts) style.ghosts = step.style.ghosts;
+}
+
+document::Anchor nearestToHand(PartId part, const ViewModel& model) {
+  if (part == kNoPart) return {};
   const Pose& worldFromPart = model.worldFromPart[part];
   const glm::dvec3 world =
       nearestSurfacePoint(*model.scene, part, worldFromPart, model.hand.worldFromProxy.position).point;
-  shown_.place = transformPoint(inverse(worldFromPart), world);
+  return {part, transformPoint(inverse(worldFromPart), world)};
 }
 
 const std::vector<document::SectionPlane>& HeadlessView::sections(const ViewModel& model) const {
   return following_.followsSections() ? model.presenting.shared.sections : sections_;
 }
 
-const document::PartStyle& HeadlessView::style(const ViewModel&) const { return style_; }
+const document::PartStyle& HeadlessView::style(const ViewModel& model) const {
+  return following_.followsView() ? model.presenting.shared.style : style_;
+}
 
 ViewActions HeadlessView::act(const ViewModel& model) {
   if (std::exchange(ended_, model.presenting.ended) != model.presenting.ended)
@@ -88,8 +96,13 @@ ViewActions HeadlessView::act(const ViewModel& model) {
   actions.sections = sections(model);
   actions.lifted = style(model).explode > 0.0;
   actions.says = std::exchange(says_, {});
-  shareView(shown_, actions.sections, selected_, model.worldFromPart.size(),
-            [&](PartId part) { return std::find(hidden_.begin(), hidden_.end(), part) != hidden_.end(); });
+  const auto hides = [&](PartId part) {
+    return std::find(hidden_.begin(), hidden_.end(), part) != hidden_.end();
+  };
+  const auto seesThrough = [](PartId) { return false; };
+  shareView(shown_, actions.sections,
+            SeenParts<decltype(hides), decltype(seesThrough)>{model.worldFromPart.size(), selected_,
+                                                              style(model), hides, seesThrough});
   actions.shown = shown_;
   return actions;
 }

@@ -35,8 +35,6 @@ class HeadlessView {
   const std::vector<PartId>& hidden() const { return hidden_; }
 
  private:
-  void pointAt(PartId part, const ViewModel& model);
-
   Camera camera_;
   std::vector<document::SectionPlane> sections_;  // this person's own
   document::PartStyle style_;                     // the same
@@ -48,6 +46,10 @@ class HeadlessView {
   std::uint32_t ended_ = 0;
 };
 
+/// What the verbs `explode`, `colour` and `ghosts` make of how parts are drawn.
+void changeStyle(const ScriptStep& step, document::PartStyle& style);
+/// The place of a part that is nearest to this site's hand, in its frame; none of no part.
+document::Anchor nearestToHand(PartId part, const ViewModel& model);
 /// The camera that looks from one place at another, with the field of view of `like`.
 Camera cameraFrom(const glm::dvec3& from, const glm::dvec3& to, const Camera& like);
 

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "assets/base/assert.h"
+#include "client/session/said_parts.h"
 #include "sync/wire/limits.h"
 
 namespace tandem::client {
@@ -18,7 +19,7 @@ bool same(const document::SectionPlane& a, const document::SectionPlane& b) {
 
 bool same(const Presentation& a, const Presentation& b) {
   return a.shares == b.shares && a.selected == b.selected && a.pointedAt == b.pointedAt &&
-         a.place == b.place && a.hidden == b.hidden &&
+         a.place == b.place && a.hidden == b.hidden && a.transparent == b.transparent && a.style == b.style &&
          std::equal(a.sections.begin(), a.sections.end(), b.sections.begin(), b.sections.end(),
                     [](const auto& x, const auto& y) { return same(x, y); });
 }
@@ -67,7 +68,8 @@ void Presentations::tellOfChange(const Presentation& before, const Presentation&
 void Presentations::handle(const Say& message) {
   const std::string name = people_.nameOf(message.site);
   if (chat_.size() < kMaxChatLines) chat_.push_back({++lines_, name, message});
-  if (message.site != people_.self()) people_.notice(Notice::Level::info, name + " says: " + message.text);
+  if (message.site != people_.self())
+    people_.notice(Notice::Level::info, name + " says: " + inWords(message));
 }
 
 std::vector<ChatLine> Presentations::drainChat() { return std::exchange(chat_, {}); }
@@ -84,6 +86,8 @@ void Presentations::show(const Presentation& shown) {
   own_.shares = Shares::nothing;
   own_.sections.clear();
   own_.hidden.clear();
+  own_.transparent.clear();
+  own_.style = {};
   own_.selected = kNoPart;
 }
 
@@ -130,6 +134,7 @@ PresentingView Presentations::view(std::size_t partCount) const {
   const auto fitted = [partCount](Presentation shown) {
     if (shown.selected >= partCount) shown.selected = kNoPart;
     if (shown.pointedAt >= partCount) shown.pointedAt = kNoPart;
+    std::erase_if(shown.style.apart, [&](PartId part) { return part >= partCount; });
     return shown;
   };
   PresentingView view;

@@ -26,28 +26,47 @@ struct PresentingView {
   std::uint32_t ended = 0;                 // how often the server has ended what this site shared
   std::vector<sync::Presentation> points;  // of the others that point at a place
 
-  /// A part that the sharing site has hidden in its view.
-  bool hides(PartId part) const {
+  /// A part that the sharing site has hidden in its view, or made transparent.
+  bool hides(PartId part) const { return has(shared.hidden, part); }
+  bool seesThrough(PartId part) const { return has(shared.transparent, part); }
+
+ private:
+  static bool has(const std::vector<std::uint8_t>& parts, PartId part) {
     const std::size_t byte = part / 8u;
-    return byte < shared.hidden.size() && (shared.hidden[byte] >> part % 8u & 1u) != 0;
+    return byte < parts.size() && (parts[byte] >> part % 8u & 1u) != 0;
   }
 };
 
-/// Puts what a person sees into what the others are shown, as far as it is shared. `hides` says of each part
-/// whether it is hidden.
-template <typename Hides>
+/// How a person sees the parts of the scene, by tests of each part.
+template <typename Hides, typename SeesThrough>
+struct SeenParts {
+  std::size_t count = 0;
+  PartId selected = kNoPart;
+  const document::PartStyle& style;
+  Hides hides;
+  SeesThrough seesThrough;
+};
+
+/// Puts what a person sees into what the others are shown, as far as it is shared.
+template <typename Hides, typename SeesThrough>
 void shareView(sync::Presentation& shown, const std::vector<document::SectionPlane>& sections,
-               PartId selected, std::size_t partCount, const Hides& hides) {
+               const SeenParts<Hides, SeesThrough>& seen) {
   shown.sections.clear();
   shown.hidden.clear();
+  shown.transparent.clear();
   shown.selected = kNoPart;
+  shown.style = {};
   if (shown.shares != sync::Shares::nothing) shown.sections = sections;
   if (shown.shares != sync::Shares::view) return;
-  shown.selected = selected;
-  for (std::size_t part = 0; part < partCount; ++part) {
-    if (!hides(static_cast<PartId>(part))) continue;
-    shown.hidden.resize(part / 8 + 1);
-    shown.hidden.back() = static_cast<std::uint8_t>(shown.hidden.back() | 1u << part % 8);
+  shown.selected = seen.selected;
+  shown.style = seen.style;
+  const auto add = [](std::vector<std::uint8_t>& parts, std::size_t part) {
+    parts.resize(part / 8 + 1);
+    parts.back() = static_cast<std::uint8_t>(parts.back() | 1u << part % 8);
+  };
+  for (std::size_t part = 0; part < seen.count; ++part) {
+    if (seen.hides(static_cast<PartId>(part))) add(shown.hidden, part);
+    if (seen.seesThrough(static_cast<PartId>(part))) add(shown.transparent, part);
   }
 }
 

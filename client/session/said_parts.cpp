@@ -32,6 +32,21 @@ sync::Say saidWithLinks(const std::string& text, const assets::Scene& scene) {
   return said;
 }
 
+std::string inWords(const sync::Say& said) {
+  std::string words;
+  std::size_t done = 0, from = 0;
+  for (const PartId part : said.parts) {
+    const std::optional<Brackets> name = nextName(said.text, from);
+    if (!name) break;
+    from = name->close + 1;
+    if (part == kNoPart) continue;
+    words += said.text.substr(done, name->open - done);
+    words += said.text.substr(name->open + 1, name->close - name->open - 1);
+    done = from;
+  }
+  return words + said.text.substr(done);
+}
+
 std::vector<SaidPiece> piecesOf(const sync::Say& said, const assets::Scene& scene) {
   std::vector<SaidPiece> pieces;
   const auto plain = [&](std::size_t from, std::size_t to) {

@@ -20,5 +20,7 @@ struct SaidPiece {
 sync::Say saidWithLinks(const std::string& text, const assets::Scene& scene);
 /// The pieces of a message. A link is what has a part of the scene, and shows that part's name.
 std::vector<SaidPiece> piecesOf(const sync::Say& said, const assets::Scene& scene);
+/// The message without the brackets around its links, as a line of text has it.
+std::string inWords(const sync::Say& said);
 
 }  // namespace tandem::client

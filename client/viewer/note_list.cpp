@@ -128,6 +128,8 @@ void applyView(const NamedView& view, SectionSet& sections, PartDisplay& parts) 
   std::vector<PartId> known = view.parts;
   std::erase_if(known, [&](PartId part) { return part >= parts.partCount(); });
   parts.showAll();
+  parts.style = view.style;
+  std::erase_if(parts.style.apart, [&](PartId part) { return part >= parts.partCount(); });
   if (view.onlyThese && !known.empty()) return parts.isolate(known);
   for (const PartId part : known) parts.setHidden(part, true);
 }

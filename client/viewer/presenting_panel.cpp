@@ -122,13 +122,13 @@ void drawSharing(const PanelContext& context) {
       if (ImGui::SmallButton(follows ? "Stop following" : "Follow")) shared.setFollows(!follows);
       if (follows && ImGui::IsItemHovered())
         ImGui::SetTooltip("Your own sections%s come back",
-                          shared.following().followsView() ? " and hidden parts" : "");
+                          shared.following().followsView() ? ", hidden parts and colours" : "");
     }
   }
   if (model.role == sync::Role::observer || model.sites.size() < 2) return;
   shareButton(context, "Present", "Stop presenting", sync::Shares::view,
-              "The others follow your camera, sections, hidden parts and selection,\nand see the place under "
-              "your mouse");
+              "The others follow your camera, sections, hidden parts, colours,\nexplosion and selection, "
+              "and see the place under your mouse");
   ImGui::SameLine();
   shareButton(context, "Share sections", "Stop sharing", sync::Shares::sections,
               "The others' sections follow yours; what they cut away is not felt there either");

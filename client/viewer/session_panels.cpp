@@ -269,18 +269,21 @@ void drawSettings(const PanelContext& context) {
   }
   ImGui::Checkbox("Edges", &context.ui.showEdges);
   document::PartStyle& style = context.ui.parts.style;
+  ImGui::BeginDisabled(context.ui.shared.following().followsView());
   ImGui::Checkbox("Hidden parts as ghosts", &style.ghosts);
   ImGui::AlignTextToFramePadding();
   ImGui::TextColored(theme::kMuted, "Colours");
   ImGui::SameLine(108.0f * context.scale);
   ImGui::SetNextItemWidth(-1.0f);
   const auto& names = document::kColouringNames;
-  if (!ImGui::BeginCombo("##colours", names[static_cast<std::size_t>(style.colouring)])) return;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    const auto colouring = static_cast<PartColouring>(i);
-    if (ImGui::Selectable(names[i], colouring == style.colouring)) style.colouring = colouring;
+  if (ImGui::BeginCombo("##colours", names[static_cast<std::size_t>(style.colouring)])) {
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      const auto colouring = static_cast<PartColouring>(i);
+      if (ImGui::Selectable(names[i], colouring == style.colouring)) style.colouring = colouring;
+    }
+    ImGui::EndCombo();
   }
-  ImGui::EndCombo();
+  ImGui::EndDisabled();
 }
 
 }  // namespace tandem::client

@@ -43,8 +43,12 @@ void SharedView::takeOver(const PresentingView& presenting, Window window) {
   if (!own_->parts) own_->parts = window.parts;
   const PartId selected = window.parts.selected;
   window.parts.showAll();
-  for (std::size_t part = 0; part < window.parts.partCount(); ++part)
-    if (presenting.hides(static_cast<PartId>(part))) window.parts.setHidden(static_cast<PartId>(part), true);
+  window.parts.style = presenting.shared.style;
+  for (std::size_t p = 0; p < window.parts.partCount(); ++p) {
+    const auto part = static_cast<PartId>(p);
+    if (presenting.hides(part)) window.parts.setHidden(part, true);
+    if (presenting.seesThrough(part)) window.parts.setTransparent(part, true);
+  }
   const PartId theirs = presenting.shared.selected;
   window.parts.selected = std::exchange(selected_, theirs) != theirs ? theirs : selected;
 }
@@ -62,8 +66,16 @@ Presentation SharedView::shown(const ViewModel& model, const SectionSet& section
   Presentation shown;
   if (model.role == sync::Role::observer || model.replay) return shown;
   shown.shares = shares;
-  shareView(shown, sections.planes(), parts.selected, parts.partCount(),
-            [&](PartId each) { return !parts.visible(each); });
+  const auto hides = [&](PartId each) { return !parts.visible(each); };
+  const auto seesThrough = [&](PartId each) { return parts.transparent(each); };
+  shareView(shown, sections.planes(),
+            SeenParts<decltype(hides), decltype(seesThrough)>{parts.partCount(), parts.selected, parts.style,
+                                                              hides, seesThrough});
+  if (scriptPoint_) {
+    shown.pointedAt = scriptPoint_->part;
+    shown.place = scriptPoint_->point;
+    return shown;
+  }
   if (part == kNoPart || !(pointing || shares == Shares::view)) return shown;
   shown.pointedAt = part;
   shown.place = transformPoint(inverse(model.worldFromPart[part]), under);

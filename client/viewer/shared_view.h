@@ -1,8 +1,8 @@
 #pragma once
 
 // What the person in a window shows the others, and what of theirs is followed here: sections, or a whole
-// view (camera, sections, hidden parts, selection). What is followed stands in the window's own state; how
-// that was before is kept, and comes back when the following ends.
+// view (camera, sections, hidden parts, how parts are drawn, selection). What is followed stands in the
+// window's own state; how that was before is kept, and comes back when the following ends.
 
 #include <array>
 #include <cstdint>
@@ -37,6 +37,13 @@ class SharedView {
   void follow(const ViewModel& model, Window window);
   const Following& following() const { return following_; }
   void setFollows(bool follows) { following_.follow(follows); }
+  /// Whether what is shared later will be followed too.
+  void followLater(bool follows) { following_.followLater(follows); }
+  /// Points at a place of a part, as a script does, whatever is under the cursor; a part of none: no more.
+  void pointAt(const document::Anchor& place) {
+    scriptPoint_.reset();
+    if (place.part != kNoPart) scriptPoint_ = place;
+  }
   /// Ends that at once, before something else changes the window.
   void stop(Window window);
 
@@ -57,6 +64,7 @@ class SharedView {
   SiteId leader_ = kNoSite;    // whose view is followed
   PartId selected_ = kNoPart;  // by the leader, when it was taken over last
   std::uint32_t ended_ = 0;
+  std::optional<document::Anchor> scriptPoint_;
 };
 
 /// What the person is writing to all.

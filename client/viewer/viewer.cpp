@@ -52,6 +52,7 @@ class SceneViewer final : public Viewer {
   double pixelsOff() const override { return renderer_->pixelsOff(); }
   Status screenshot(const std::string& path) override;
   Camera& camera() override { return camera_; }
+  UiState& ui() override { return ui_; }
   void pressKey(int key) override { queuedKeys_.push_back(key); }
   void pointMouse(const glm::dvec2& cursor, bool leftDown) override {
     surface_->pointMouse(cursor, leftDown);

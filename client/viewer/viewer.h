@@ -11,6 +11,8 @@
 
 namespace tandem::client {
 
+struct UiState;
+
 struct ViewerOptions {
   std::string title = "Tandem";
   int width = 1440, height = 900;
@@ -42,6 +44,8 @@ class Viewer {
   /// Writes the last frame as a PNG.
   virtual Status screenshot(const std::string& path) = 0;
   virtual Camera& camera() = 0;
+  /// What the panels change.
+  virtual UiState& ui() = 0;
   /// A key (GLFW's code) for the next frame, as if it had been pressed.
   virtual void pressKey(int key) = 0;
   /// The mouse of the next frames, window pixels, for a viewer without a window.

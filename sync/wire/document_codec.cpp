@@ -54,6 +54,10 @@ class EntryWriter {
     number(static_cast<std::uint16_t>(values.size()));
     for (const T& value : values) fields(*this, value);
   }
+  template <typename T>
+  void addition(const char*, const T& value) {
+    if (value != T{}) fields(*this, value);
+  }
 };
 
 /// Reads what is there; zeros after the end. check() judges the values.
@@ -107,6 +111,13 @@ class EntryReader {
   void list(const char*, std::vector<T>& values, std::size_t limit) {
     values.resize(count(limit, 1));
     for (T& value : values) fields(*this, value);
+  }
+  /// What is there says something, so that every entry has one encoding.
+  template <typename T>
+  void addition(const char*, T& value) {
+    if (bytes_.empty()) return;
+    fields(*this, value);
+    failed_ = failed_ || value == T{};
   }
 
  private:

@@ -23,10 +23,12 @@ struct Presentation {
   SiteId site = kNoSite;  // whose; the server knows, whatever a site says
   Shares shares = Shares::nothing;
   std::vector<document::SectionPlane> sections;
-  PartId selected = kNoPart;         // of a view
-  std::vector<std::uint8_t> hidden;  // of a view: bit p % 8 of byte p / 8 is that of part p
-  PartId pointedAt = kNoPart;        // the part that the person points at
-  glm::dvec3 place{0.0, 0.0, 0.0};   // m, in the frame of that part
+  PartId selected = kNoPart;              // of a view
+  std::vector<std::uint8_t> hidden;       // of a view: bit p % 8 of byte p / 8 is that of part p
+  std::vector<std::uint8_t> transparent;  // the same
+  document::PartStyle style;              // of a view
+  PartId pointedAt = kNoPart;             // the part that the person points at
+  glm::dvec3 place{0.0, 0.0, 0.0};        // m, in the frame of that part
 };
 
 /// A short message to all. Each name in square brackets is a link to the part in the same place of `parts`.

@@ -39,6 +39,7 @@ class Writer {
   void flag(bool value) { number<std::uint8_t>(value ? 1 : 0); }
   void time(Micros value) { number(static_cast<std::uint64_t>(value)); }
   void real(double value) { number(std::bit_cast<std::uint64_t>(value)); }
+  void share(double value) { real(value); }
   void part(PartId value) { number(value); }
   template <typename E>
   void enumeration(E value, E /*last*/) {
@@ -120,6 +121,12 @@ class Reader {
     std::uint64_t raw = 0;
     number(raw);
     value = std::bit_cast<double>(raw);
+  }
+  void share(double& value) {
+    real(value);
+    if (value >= 0.0 && value <= 1.0) return;
+    value = 0.0;
+    fail("a share is not 0 to 1");
   }
   void part(PartId& value) {
     number(value);
@@ -382,10 +389,18 @@ void fields(auto& a, Is<Presentation> auto& m) {
   a.part(m.selected);
   a.count(m.hidden, kMaxParts / 8, 1);
   for (auto& byte : m.hidden) a.number(byte);
+  a.count(m.transparent, kMaxParts / 8, 1);
+  for (auto& byte : m.transparent) a.number(byte);
+  a.share(m.style.explode);
+  a.count(m.style.apart, document::kMaxApart, sizeof(PartId));
+  for (auto& part : m.style.apart) a.part(part);
+  a.enumeration(m.style.colouring, document::PartColouring::byOwner);
+  a.flag(m.style.ghosts);
   a.part(m.pointedAt);
   a.vector(m.place);
 }
-static_assert(1 + 2 + 1 + 2 + document::kMaxSections * 48 + 2 + 2 + kMaxParts / 8 + 2 + 24 <=
+static_assert(1 + 2 + 1 + 2 + document::kMaxSections * 48 + 2 + 2 * (2 + kMaxParts / 8) + 8 + 2 +
+                  document::kMaxApart * sizeof(PartId) + 2 + 2 + 24 <=
               kMaxRequestBytes);
 void fields(auto& a, Is<Say> auto& m) {
   a.number(m.site);

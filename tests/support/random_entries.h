@@ -34,8 +34,10 @@ class RandomEntries {
   Body body(std::size_t kind, EntryId note) {
     switch (kind) {
       case 1: {
-        NamedView view{text(kMaxName), pose(), 1.5, {}, number(2) == 0, parts()};
+        NamedView view{text(kMaxName), pose(), 1.5, {}, number(2) == 0, parts(), {}};
         for (std::uint32_t n = number(3); n > 0; --n) view.sections.push_back({vector(), vector()});
+        if (number(2) == 0)
+          view.style = {0.25 * number(5), parts(), static_cast<PartColouring>(number(4)), number(2) == 0};
         return view;
       }
       case 2:

@@ -184,6 +184,34 @@ TEST(DocumentJson, RefusesWhatIsNoDocumentWithItsPlace) {
   EXPECT_NE(refused("[]"), "accepted");
 }
 
+/// What came later may be missing, and is not written where it says nothing.
+TEST(DocumentJson, AViewWithoutAStyleIsAsMadeAndAnUnknownPartOfOneIsRefused) {
+  const std::string head =
+      R"({"tandem_document": 1, "scene": "s", "entries": [{"id": 1, "kind": "view", "author": "a", )"
+      R"("made": 1, "changed": 1, "name": "v", "camera": )"
+      R"({"position_m": [0, 0, 0], "orientation_wxyz": [1, 0, 0, 0]}, )"
+      R"("distance_m": 1, "sections": [], "only_these": false, "parts": [])";
+  const auto read = [&](const std::string& style) { return fromJson(head + style + "}]}", "f"); };
+  const auto old = read("");
+  ASSERT_TRUE(old) << old.error().message;
+  const NamedView& view = std::get<NamedView>(old->entries[0].body);
+  EXPECT_EQ(view.style, PartStyle{});
+  Document document;
+  document.apply({0, 0, view}, kAda);
+  EXPECT_EQ(toJson(document, "s").find("style"), std::string::npos);
+  const auto styled =
+      read(R"(, "style": {"explode": 0.5, "apart": [1], "colours": "by body", "ghosts": true})");
+  ASSERT_TRUE(styled) << styled.error().message;
+  EXPECT_EQ(std::get<NamedView>(styled->entries[0].body).style,
+            (PartStyle{0.5, {1}, PartColouring::byBody, true}));
+  for (const char* wrong :
+       {R"(, "style": {"explode": 1.5, "apart": [], "colours": "by body", "ghosts": true})",
+        R"(, "style": {"explode": 0.5, "apart": [], "colours": "by size", "ghosts": true})",
+        R"(, "style": {"explode": 0.5, "apart": [], "colours": "by body", "ghosts": true, "glow": 1})",
+        R"(, "style": {"explode": 0.5})", R"(, "style": 1)"})
+    EXPECT_FALSE(read(wrong)) << wrong;
+}
+
 /// Damaged files are read whole or refused; nothing is asserted.
 TEST(DocumentJson, SurvivesDamage) {
   testing::RandomEntries random(3);

@@ -274,7 +274,7 @@ TEST_F(SharedViews, WhatIsSaidIsHeardByAllWithItsLinks) {
     EXPECT_EQ(site->chat[0].name, "ada");
     EXPECT_EQ(site->chat[0].said.parts, (std::vector<PartId>{PartId{1}, kNoPart}));
   }
-  EXPECT_NE(std::find(ben.notices.begin(), ben.notices.end(), "ada says: look at [box 1], not [box 7]"),
+  EXPECT_NE(std::find(ben.notices.begin(), ben.notices.end(), "ada says: look at box 1, not [box 7]"),
             ben.notices.end());
   for (int i = 0; i < 20; ++i) perform(ada, say);
   settle(20 * kSecond);

@@ -123,6 +123,7 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   sections.oblique.push_back({{0.0, 0.6, 0.8}, 0.02});
   PartDisplay parts(3);
   parts.setHidden(1, true);
+  parts.style = {0.5, {0, 2}, document::PartColouring::byBody, true};
   const NamedView view = viewAs("inside", camera, sections, parts);
   Camera like;
   like.distance = 9.0;
@@ -140,14 +141,17 @@ TEST_F(NoteLists, AViewGivesBackCameraSectionsAndHiddenParts) {
   EXPECT_LT(glm::length(sectionsAgain.oblique[0].normal - sections.oblique[0].normal), 1e-12);
   EXPECT_NEAR(sectionsAgain.oblique[0].place, 0.02, 1e-12);
   EXPECT_TRUE(partsAgain.visible(0) && !partsAgain.visible(1) && partsAgain.visible(2));
+  EXPECT_EQ(partsAgain.style, parts.style);
   // With more hidden than shown, what is shown is listed; a part that the scene has not is left out.
   parts.setHidden(0, true);
   NamedView most = viewAs("lid", camera, {}, parts);
   EXPECT_TRUE(most.onlyThese);
   EXPECT_EQ(most.parts, std::vector<PartId>{2});
   most.parts.push_back(99);
+  most.style.apart.push_back(99);
   applyView(most, sectionsAgain, partsAgain);
   EXPECT_FALSE(sectionsAgain.any());
+  EXPECT_EQ(partsAgain.style, parts.style);
   EXPECT_TRUE(!partsAgain.visible(0) && !partsAgain.visible(1) && partsAgain.visible(2));
 }
 

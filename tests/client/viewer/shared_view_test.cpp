@@ -67,6 +67,9 @@ struct SharedViews : testing::Test {
     if (what != Shares::view) return;
     shared.hidden = {1u << kLeft};
     shared.selected = kRight;
+    shared.transparent = {1u << kRight};
+    shared.style.explode = 0.5;
+    shared.style.colouring = document::PartColouring::byBody;
   }
 };
 
@@ -80,6 +83,7 @@ struct Follower : SharedViews {
     sections.before[1] = -0.04;
     parts.setHidden(kRight, true);
     parts.selected = kLeft;
+    parts.style.ghosts = true;
   }
   void frame() { shared.follow(model, {sections, parts, camera}); }
   void expectOwn() {
@@ -87,6 +91,8 @@ struct Follower : SharedViews {
     EXPECT_FALSE(sections.beyond[0]);
     EXPECT_TRUE(parts.visible(kLeft));
     EXPECT_FALSE(parts.visible(kRight));
+    EXPECT_FALSE(parts.transparent(kRight));
+    EXPECT_EQ(parts.style, (document::PartStyle{0.0, {}, document::PartColouring::asMade, true}));
   }
   void expectAdas() {
     EXPECT_EQ(sections.count(), 1u);
@@ -104,6 +110,8 @@ TEST_F(Follower, AViewIsTakenOverAndGivenBack) {
   EXPECT_FALSE(parts.visible(kLeft));
   EXPECT_TRUE(parts.visible(kRight));
   EXPECT_EQ(parts.selected, kRight);
+  EXPECT_TRUE(parts.transparent(kRight));
+  EXPECT_EQ(parts.style, model.presenting.shared.style) << "apart, coloured, and without ghosts, as hers";
   EXPECT_EQ(sharingInWords(model, shared), "Ada presents: you follow");
   adaShares(Shares::nothing);
   frame();
@@ -187,6 +195,7 @@ TEST_F(Follower, WhoPresentsOrHoldsTheKeyPointsAtAPlaceOnThePart) {
   shown = shared.shown(model, sections, parts, kRight, {0.15, 0.01, 0.0});
   EXPECT_EQ(shown.pointedAt, kRight);
   EXPECT_EQ(shown.hidden, std::vector<std::uint8_t>{1u << kRight});
+  EXPECT_EQ(shown.style, parts.style);
   EXPECT_EQ(shown.selected, kLeft);
   model.role = sync::Role::observer;
   EXPECT_EQ(shared.shown(model, sections, parts, kRight, {}).shares, Shares::nothing);
@@ -213,9 +222,11 @@ TEST_F(FollowingWindow, SeesAndCutsWhatThePresenterDoesUntilEsc) {
   EXPECT_EQ(actions.sections[0].point.x, 0.03);
   EXPECT_LT(glm::length(actions.worldFromCamera.position - glm::dvec3(0.0, 0.0, 0.6)), 1e-9);
   EXPECT_EQ(actions.shown.shares, Shares::nothing);
+  EXPECT_TRUE(actions.lifted) << "nor what is drawn apart";
   viewer->pressKey(GLFW_KEY_ESCAPE);
   actions = viewer->frame(model);
   EXPECT_TRUE(actions.sections.empty());
+  EXPECT_FALSE(viewer->frame(model).lifted);
   model.sites[1].presence.worldFromCamera.position.z = 0.9;
   actions = viewer->frame(model);
   EXPECT_LT(glm::length(actions.worldFromCamera.position - glm::dvec3(0.0, 0.0, 0.6)), 1e-9)

@@ -137,17 +137,28 @@ class RandomMessages {
     for (std::uint32_t n = number(9); n > 0; --n) m.sections.push_back({vector(1.0), vector(1.0)});
     m.selected = partId();
     for (std::uint32_t n = number(20); n > 0; --n) m.hidden.push_back(static_cast<std::uint8_t>(number(256)));
+    for (std::uint32_t n = number(20); n > 0; --n)
+      m.transparent.push_back(static_cast<std::uint8_t>(number(256)));
+    m.style = style();
     m.pointedAt = partId();
     m.place = vector(1.0);
     return m;
+  }
+  document::PartStyle style() {
+    document::PartStyle style;
+    style.explode = static_cast<double>(number(5)) / 4.0;
+    for (std::uint32_t n = number(5); n > 0; --n) style.apart.push_back(static_cast<PartId>(number(99)));
+    style.colouring = static_cast<document::PartColouring>(number(4));
+    style.ghosts = number(2) == 1;
+    return style;
   }
   document::Body body() {
     switch (number(5)) {
       case 0:
         return document::Removed{};
       case 1:
-        return document::NamedView{text(40),    pose(5.0), 0.5, {{vector(1.0), vector(1.0)}},
-                                   chance(0.5), {3, 4}};
+        return document::NamedView{text(40),    pose(5.0), 0.5,    {{vector(1.0), vector(1.0)}},
+                                   chance(0.5), {3, 4},    style()};
       case 2:
         return document::Comment{1 + random_(), text(200)};
       case 3:
