@@ -14,6 +14,7 @@
 #include "assets/scene/scene.h"
 #include "client/base/readable.h"
 #include "client/commands/command.h"
+#include "client/commands/way_out.h"
 #include "client/extraction/extraction_order.h"
 #include "haptics/scene/contact_scene.h"
 
@@ -21,37 +22,12 @@ namespace tandem::client {
 
 namespace {
 
-constexpr double kSlight = 1e-3;  // N
-
 struct ExtractArguments {
   SceneArguments scene;
   std::string part, path, json;
   bool order = false;
   ExtractionOptions options;
 };
-
-/// A direction in words where it is an axis of the world: "+y"; else its components.
-std::string axisInWords(const glm::dvec3& axis) {
-  for (int i = 0; i < 3; ++i)
-    if (std::abs(axis[i]) > 0.9999) return std::string(axis[i] > 0.0 ? "+" : "-") + "xyz"[i];
-  char text[64];
-  std::snprintf(text, sizeof text, "(%.2f, %.2f, %.2f)", axis.x, axis.y, axis.z);
-  return text;
-}
-
-std::string wayInWords(const Extraction& extraction) {
-  std::string text;
-  for (const ExtractionLeg& leg : extraction.way)
-    text +=
-        (text.empty() ? "" : ", then ") + readableLength(leg.distance) + " along " + axisInWords(leg.axis);
-  return text;
-}
-
-std::string namesOf(const assets::Scene& scene, const std::vector<PartId>& parts) {
-  std::string text;
-  for (const PartId part : parts) text += (text.empty() ? "" : ", ") + scene.parts[part].name;
-  return text;
-}
 
 Json toJson(const assets::Scene& scene, const Extraction& extraction) {
   const auto vector = [](const glm::dvec3& v) { return Json{v.x, v.y, v.z}; };
@@ -66,27 +42,6 @@ Json toJson(const assets::Scene& scene, const Extraction& extraction) {
           {"force_n", extraction.force},
           {"work_j", extraction.work},
           {"blocked_by", blockers}};
-}
-
-void print(const assets::Scene& scene, const Extraction& extraction) {
-  const char* const name = scene.parts[extraction.part].name.c_str();
-  if (extraction.free && extraction.way.front().distance == 0.0) {
-    std::printf("%s stands free\n", name);
-    return;
-  }
-  if (extraction.free) {
-    std::printf("%s comes out: %s", name, wayInWords(extraction).c_str());
-    if (extraction.force < kSlight)
-      std::printf(", without resistance\n");
-    else
-      std::printf("; at most %s N, %.2g J\n", threeDigits(extraction.force).c_str(), extraction.work);
-    return;
-  }
-  const std::string blockers = namesOf(scene, extraction.blockedBy);
-  std::printf("%s does not come out", name);
-  if (!extraction.way.empty()) std::printf(": furthest %s", wayInWords(extraction).c_str());
-  std::printf("; blocked by %s\n",
-              blockers.empty() ? "no part's surface: a joint holds it" : blockers.c_str());
 }
 
 /// The way as a path for `tandem probe --tool part:NAME`, one row a millisecond: a pose of the way every
@@ -154,8 +109,10 @@ int run(const ExtractArguments& arguments) {
     if (result.parts.front().free) result.order.push_back(part);
   }
 
-  for (const Extraction& extraction : result.parts) print(*scene, extraction);
-  if (arguments.order) std::printf("order: %s\n", namesOf(*scene, result.order).c_str());
+  for (const Extraction& extraction : result.parts)
+    std::printf("%s %s\n", scene->parts[extraction.part].name.c_str(),
+                outcomeInWords(*scene, extraction).c_str());
+  if (arguments.order) std::printf("order: %s\n", partNamesInWords(*scene, result.order).c_str());
   if (!arguments.path.empty())
     if (Status written = writeFile(arguments.path, pathCsv(result.parts.front().path)); !written)
       return badInput(written.error());

@@ -15,9 +15,11 @@
 #include "assets/base/process_memory.h"
 #include "client/commands/colour_option.h"
 #include "client/commands/command.h"
+#include "client/commands/join_arguments.h"
 #include "client/commands/join_report.h"
 #include "client/commands/script_in_window.h"
 #include "client/commands/tool_option.h"
+#include "client/commands/way_out.h"
 #include "client/hand/script_writer.h"
 #include "client/join/headless_view.h"
 #include "client/join/joined_site.h"
@@ -35,20 +37,6 @@ namespace tandem::client {
 
 namespace {
 
-struct Arguments {
-  std::string link, device, calibration, hand, secondDevice, secondCalibration, secondHand, screenshot,
-      record, json, trace, name, colour, cache, tool;
-  bool headless = false, tcp = false, quiet = false, noPartContact = false, facets = false, notes = false,
-       measures = false, alone = false;
-  double duration = 0.0, clashes = -1.0;            // s; m, negative: the list of clashes stays closed
-  int width = 1440, height = 900, maxScene = 2048;  // pixels; MiB
-  std::vector<std::string> sections;
-  SectionSet cut;  // what `sections` say
-  document::PartStyle style;
-  std::string colourBy;
-  double deadband = PublishRates{}.deadband;
-};
-
 volatile std::sig_atomic_t interrupted = 0, faultClears = 0;
 
 std::string defaultName(const sync::JoinLink& link) {
@@ -56,7 +44,7 @@ std::string defaultName(const sync::JoinLink& link) {
   return user && *user ? user : sync::toString(link.role);
 }
 
-std::string cacheOf(const Arguments& arguments) {
+std::string cacheOf(const JoinArguments& arguments) {
   return arguments.cache.empty() ? assets::defaultCacheDirectory() : arguments.cache;
 }
 
@@ -99,13 +87,13 @@ Result<Hand> scriptedHand(const std::string& path, JoinedSite& site, const Pose&
   return hand;
 }
 
-bool hasSecondHand(const Arguments& arguments) {
+bool hasSecondHand(const JoinArguments& arguments) {
   return (!arguments.secondDevice.empty() && arguments.secondDevice != "none") ||
          !arguments.secondHand.empty();
 }
 
 /// Makes the second hand of the same person; without a device if there is none.
-Result<Hand> makeSecondHand(const Arguments& arguments, JoinedSite& site) {
+Result<Hand> makeSecondHand(const JoinArguments& arguments, JoinedSite& site) {
   if (!hasSecondHand(arguments)) return Hand{};
   // The hand begins on the other side of the scene, where no other site's hand begins.
   Pose start = defaultHandStart(site.scene(), site.id() + 1u);
@@ -120,7 +108,7 @@ Result<Hand> makeSecondHand(const Arguments& arguments, JoinedSite& site) {
 }
 
 /// Checks the second hand's options as far as that is possible before there is a session.
-Status checkSecondHand(const Arguments& arguments) {
+Status checkSecondHand(const JoinArguments& arguments) {
   if (!arguments.secondHand.empty()) return checkHandScript(arguments.secondHand);
   const std::string& name = arguments.secondDevice;
   if (name.empty()) return {};
@@ -134,7 +122,7 @@ Status checkSecondHand(const Arguments& arguments) {
   return {};
 }
 
-Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window) {
+Result<Hand> makeHand(const JoinArguments& arguments, JoinedSite& site, bool window) {
   Hand hand;
   const Pose start = defaultHandStart(site.scene(), site.id());
   if (!arguments.hand.empty()) return scriptedHand(arguments.hand, site, start);
@@ -154,7 +142,7 @@ Result<Hand> makeHand(const Arguments& arguments, JoinedSite& site, bool window)
 
 class JoinRun {
  public:
-  JoinRun(const Arguments& arguments, JoinedSite& site) : arguments_(arguments), site_(site) {}
+  JoinRun(const JoinArguments& arguments, JoinedSite& site) : arguments_(arguments), site_(site) {}
 
   int run() {
     const bool window = !arguments_.headless && displayPresent();
@@ -258,11 +246,16 @@ class JoinRun {
     if (viewer_ && arguments_.notes) viewer_->openNotes();
     if (viewer_ && arguments_.measures) viewer_->openMeasures();
     if (viewer_ && arguments_.clashes >= 0.0) viewer_->openClashes({arguments_.clashes, false});
+    if (viewer_ && !arguments_.wayOut.empty()) {
+      site_.update(model_);
+      wayOut_.act(wayOutOf(), model_.worldFromPart);
+    }
     LiveTable table(arguments_.quiet || viewer_ != nullptr);
     while (!interrupted && end_.empty()) {
       site_.update(model_);
       showClearance();
       showClashes();
+      model_.wayOut = wayOut_.view();
       report_.collect(site_);
       clearFaults();
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
@@ -277,6 +270,7 @@ class JoinRun {
         site_.act(actions);
         model_.measure = measures_.update(actions.marks, model_.worldFromPart);
         searchClashes(actions);
+        wayOut_.act(actions, model_.worldFromPart);
         if (actions.quit) end_ = "window closed";
       } else {
         site_.act(headless_->act(model_));
@@ -334,6 +328,7 @@ class JoinRun {
     if (!headless_->following().followsView()) viewer.fitAll();
     static_cast<void>(viewer.frame(model_));
     if (arguments_.clashes >= 0.0) frameClashes(viewer);
+    if (!arguments_.wayOut.empty()) frameWayOut(viewer);
     if (arguments_.measures) viewer.openMeasures();
     if (arguments_.notes) viewer.openNotes();
     if (arguments_.notes || arguments_.measures) {
@@ -346,6 +341,25 @@ class JoinRun {
       static_cast<void>(viewer.frame(model_));
     }
     return viewer.screenshot(arguments_.screenshot);
+  }
+
+  /// The part whose way out was asked for is searched for at once.
+  ViewActions wayOutOf() const {
+    ViewActions actions;
+    actions.findWayOut = assets::findPart(site_.scene(), arguments_.wayOut);
+    return actions;
+  }
+
+  /// Draws frames until the way out is found.
+  void frameWayOut(Viewer& viewer) {
+    wayOut_.act(wayOutOf(), model_.worldFromPart);
+    do {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      model_.wayOut = wayOut_.view();
+    } while (model_.wayOut.running && !interrupted);
+    for (int i = 0; i < 3; ++i) static_cast<void>(viewer.frame(model_));
+    viewer.fitAll();
+    static_cast<void>(viewer.frame(model_));
   }
 
   /// Draws frames until the search has ended and the camera shows the first clash.
@@ -422,12 +436,13 @@ class JoinRun {
     return failed_ ? kExitFailed : kExitDone;
   }
 
-  const Arguments& arguments_;
+  const JoinArguments& arguments_;
   JoinedSite& site_;
   std::unique_ptr<Viewer> viewer_;
   std::unique_ptr<ClearanceWatch> clearance_;  // null without a window and a picture
   std::unique_ptr<ClashSearch> clashes_;       // null before the first search
   MeasureWatch measures_{site_.contact()};
+  WayOut wayOut_{site_.scene(), cacheOf(arguments_)};
   std::unique_ptr<PoseTrace> trace_;
   std::array<Hand*, 2> scripts_{};        // while run() runs
   std::optional<HeadlessView> headless_;  // from loop() on
@@ -443,15 +458,7 @@ class JoinRun {
   bool failed_ = false;
 };
 
-Status setColouring(Arguments& arguments) {
-  if (arguments.colourBy.empty()) return {};
-  const std::optional<document::PartColouring> named = document::colouringNamed(arguments.colourBy);
-  if (!named) return Error{"--colour-by " + arguments.colourBy + ": must be body, material or owner"};
-  arguments.style.colouring = *named;
-  return {};
-}
-
-int run(Arguments& arguments) {
+int run(JoinArguments& arguments) {
   Result<sync::JoinLink> link = sync::parseJoinLink(arguments.link);
   if (!link) return badInput(Error{link.error().message + " (quote the link: it holds a & sign)"});
   // A link works once, so everything on this side is checked before it is used.
@@ -507,80 +514,12 @@ int run(Arguments& arguments) {
   return JoinRun(arguments, **site).run();
 }
 
-/// How the scene is cut open and its parts are drawn.
-void addLooks(assets::CommandLine& command, Arguments& arguments) {
-  command.option("--section", arguments.sections,
-                 "Cut away what lies beyond x=M (before: -x=M; y, z; m; along a direction: NX,NY,NZ,M); "
-                 "repeatable");
-  command
-      .option("--explode", arguments.style.explode,
-              "Draw parts apart from each other, 0 to 1; nothing is felt meanwhile")
-      .numberFrom(0.0, 1.0);
-  command.option("--colour-by", arguments.colourBy, "Colour parts by body, material or owner");
-  command.flag("--ghosts", arguments.style.ghosts, "Draw what is hidden faintly");
-}
-
 }  // namespace
 
 void addJoin(assets::CommandLine& program, int& exitCode) {
-  auto arguments = std::make_shared<Arguments>();
+  auto arguments = std::make_shared<JoinArguments>();
   assets::CommandLine command = program.command("join", "Enter a session: see, touch and move its parts");
-  command.option("link", arguments->link, "Join link, as tandem-server prints it (tandem://...)").required();
-  command.option("--name", arguments->name, "Your name, as the others see it [$USER, else the role]");
-  command.option("--colour", arguments->colour, "Your colour, #RRGGBB [one that nobody else has]");
-  command.flag("--headless", arguments->headless, "No window: a table in the terminal");
-  command.option("--device", arguments->device,
-                 "Device in your hand; see 'tandem devices' [stylus, moved by mouse and keyboard; "
-                 "without a window: none]");
-  command
-      .option("--calibration", arguments->calibration,
-              "Where the device's workspace lies in the scene (JSON of 'tandem devices --calibrate')")
-      .needs("--device");
-  command.option("--hand", arguments->hand, "Script of a simulated hand (JSON) instead of a device");
-  command.option("--tool", arguments->tool,
-                 "What your hands touch with: point, or ball:RADIUS_M [the tip that is drawn, a ball]");
-  const assets::CommandLineOption second =
-      command.option("--second-device", arguments->secondDevice,
-                     "Device in your other hand: both hold parts together, the "
-                     "same one or two, without the network between [none]");
-  command
-      .option("--second-calibration", arguments->secondCalibration, "As --calibration, of the second device")
-      .needs(second);
-  command.option("--second-hand", arguments->secondHand, "Script of a second hand [none]").excludes(second);
-  command.option("--duration", arguments->duration, "Leave after this many seconds [stay]")
-      .numberFrom(1e-3, 1e9);
-  command.option("--screenshot", arguments->screenshot, "Write a picture (PNG) at the end");
-  command
-      .option("--clashes", arguments->clashes,
-              "Open the list of clashes, and of parts that stand nearer than so many m to each other")
-      .numberFrom(0.0, 1e6);
-  command.flag("--notes", arguments->notes, "Open the list of notes and views");
-  command.flag("--measures", arguments->measures, "Open the panel of measures");
-  addLooks(command, *arguments);
-  command.flag("--alone", arguments->alone, "Do not follow the sections and views that others share");
-  command.option("--record", arguments->record, "Record the session for tandem replay, to a new file");
-  command.option("--json", arguments->json, "Write what happened to this file");
-  command.option("--trace", arguments->trace, "Write each pose of moving parts, as had here (CSV)");
-  command.option("--cache", arguments->cache,
-                 "Folder for scenes and their models [" + assets::defaultCacheDirectory() + "]");
-  command.option("--max-scene", arguments->maxScene, "Largest scene to fetch, MiB")
-      .integerFrom(1, 1 << 20)
-      .showDefault();
-  command.option("--width", arguments->width, "Of window and picture, pixels")
-      .integerFrom(200, 7680)
-      .showDefault();
-  command.option("--height", arguments->height, "The same").integerFrom(200, 4320).showDefault();
-  command
-      .option("--deadband", arguments->deadband,
-              "How wrong a moving part may look before its state is sent, as a share of its "
-              "displacement (Weber fraction)")
-      .numberFrom(0.0, 1.0)
-      .showDefault();
-  command.flag("--tcp", arguments->tcp, "State over TLS, not UDP (which falls back to TLS by itself)");
-  command.flag("--facets", arguments->facets, "Feel flat facets where normals say that a surface is curved");
-  command.flag("--no-part-contact", arguments->noPartContact,
-               "A part in the hand passes through others, which costs less of every tick");
-  command.flag("--quiet", arguments->quiet, "Print nothing but errors");
+  addJoinOptions(command, *arguments);
   command.footer(
       "In the window F1 shows all keys. Space stops all force.\n"
       "A fault turns force off until C, its button or the signal USR1 clears it.\n"

@@ -191,7 +191,8 @@ Extraction Search::run() {
   known_.push_back(world_.pose(part_));
   Place furthest = open.front();
   int pulls = 0;
-  while (!open.empty() && pulls < options_.maxPulls) {
+  bool stopped = false;
+  while (!open.empty() && pulls < options_.maxPulls && !stopped) {
     const auto next = std::max_element(open.begin(), open.end(), [](const Place& a, const Place& b) {
       return a.travelled / static_cast<double>(a.way.size() + 1) <
              b.travelled / static_cast<double>(b.way.size() + 1);
@@ -204,6 +205,8 @@ Extraction Search::run() {
     for (const glm::dvec3& axis : axes_) {
       // Straight back is where it came from.
       if (!from.way.empty() && glm::dot(axis, from.way.back().axis) < -kSameAxis) continue;
+      stopped = options_.goesOn && !options_.goesOn(static_cast<double>(pulls) / options_.maxPulls);
+      if (stopped) break;
       ++pulls;
       ends.push_back(pullStraight(contact_, pull_, from, axis));
       const PullEnd& end = ends.back();

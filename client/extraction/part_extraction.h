@@ -15,6 +15,7 @@
 // drawn at random, here the axes come from the shapes. Not complete: a way that needs a turn which no contact
 // brings about, such as unscrewing, is not found. Allocates.
 
+#include <functional>
 #include <vector>
 
 #include "client/extraction/straight_pull.h"
@@ -25,6 +26,8 @@ namespace tandem::client {
 struct ExtractionOptions {
   double maxForce = 100.0;  // N, with which a hand draws before it gives up
   int maxPulls = 80;        // straight pulls tried for one part
+  /// Receives the share of these pulls that has been tried, in the calling thread. False stops.
+  std::function<bool(double)> goesOn;
 };
 
 struct Extraction {

@@ -15,6 +15,7 @@
 #include "client/review/clash_view.h"
 #include "client/session/document_view.h"
 #include "client/session/presenting_view.h"
+#include "client/session/way_out_view.h"
 #include "haptics/tick.h"
 #include "sync/wire/participant_messages.h"
 #include "sync/wire/state_update.h"
@@ -119,6 +120,7 @@ struct ViewModel {
   LoopView loop;
   ConnectionView connection;
   ClashSearchView clashes;
+  WayOutView wayOut;
   MeasureView measure;                           // of the marks that the last frame returned
   const document::Document* document = nullptr;  // the session's; null: there is none
   DocumentStanding documentStanding;
@@ -167,6 +169,8 @@ struct ViewActions {
   bool resetFault = false;
   std::optional<ClashQuestion> findClashes;  // look for them now
   bool stopClashes = false;
+  PartId findWayOut = kNoPart;  // look for this part's way out of its assembly
+  bool clearWayOut = false;     // stop that, or forget it
   std::vector<DocumentWish> documentWishes;
   std::vector<document::Anchor> marks;  // to be measured, at most two
   Pose worldFromCamera;

@@ -115,6 +115,7 @@ void drawRight(const PanelContext& context, const Rect& rect) {
   place(rect.min.x, rect.min.y, rect.size().x, rect.size().y);
   ImGui::Begin("##session", nullptr, kFixed);
   if (!context.model.replay) drawZeroForce(context);
+  if (context.model.wayOut.part != kNoPart) section(context, "Way out", drawWayOut);
   section(context, "People", drawPeople);
   ChatUi& chat = context.ui.chat;
   if (!context.model.chat.empty() && !std::exchange(chat.opened, true)) ImGui::SetNextItemOpen(true);

@@ -94,6 +94,8 @@ struct SliderRange {
 /// A slider with its number to the right, where the handle does not cover it. True if the person moved it.
 /// The section planes: for each axis what is cut away beyond a place, and before one.
 void drawSections(const PanelContext& context);
+/// The search for a part's way out, and what it found.
+void drawWayOut(const PanelContext& context);
 /// How far parts are drawn apart, and which.
 void drawExplode(const PanelContext& context);
 bool numberSlider(const PanelContext& context, const char* id, float& value, const SliderRange& range);

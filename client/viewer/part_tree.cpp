@@ -92,6 +92,9 @@ void partMenu(const PanelContext& context, const std::vector<PartId>& parts) {
     display.style.apart = parts;
     display.style.explode = 1.0;
   }
+  if (context.model.wayOut.possible && parts.size() == 1 && context.model.scene->parts[parts[0]].movable &&
+      ImGui::MenuItem("Find its way out"))
+    context.actions.findWayOut = parts[0];
   if (context.model.role != sync::Role::instructor || parts.size() != 1) return;
   const SiteId owner = parts[0] < context.model.owner.size() ? context.model.owner[parts[0]] : kNoSite;
   ImGui::Separator();

@@ -82,6 +82,9 @@ std::uint64_t ScenePicture::hashOfRest(const Content& content) const {
     add(hash, content.worldFromPart[part]);
     add(hash, content.looks[part]);
   }
+  hash.add(content.again);
+  for (const Pose& pose : content.worldFromAgain) add(hash, pose);
+  add(hash, content.lookAgain);
   for (const GlyphBatch::Vertex& vertex : content.glyphs.triangles()) {
     hash.addComponents(vertex.position);
     hash.addComponents(vertex.colour);
@@ -95,6 +98,17 @@ void ScenePicture::drawLayer(const Content& content, const SceneRenderer& parts)
   glClear(GL_DEPTH_BUFFER_BIT);
   parts.drawBackground(content.background);
   parts.draw(content.view, content.worldFromPart, content.looks, resting_, content.edges);
+}
+
+void ScenePicture::drawAgain(const Content& content, const SceneRenderer& parts) {
+  if (content.again >= content.worldFromPart.size() || content.worldFromAgain.empty()) return;
+  posesAgain_.assign(content.worldFromPart.begin(), content.worldFromPart.end());
+  looksAgain_.assign(content.looks.begin(), content.looks.end());
+  looksAgain_[content.again] = content.lookAgain;
+  for (const Pose& pose : content.worldFromAgain) {
+    posesAgain_[content.again] = pose;
+    parts.draw(content.view, posesAgain_, looksAgain_, {&content.again, 1}, content.edges);
+  }
 }
 
 void ScenePicture::update(const Content& content, const glm::ivec2& size, const SceneRenderer& parts,
@@ -113,6 +127,7 @@ void ScenePicture::update(const Content& content, const glm::ivec2& size, const 
   copy(layer_, multisampled_, GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   multisampled_.bind();
   parts.draw(content.view, content.worldFromPart, content.looks, moving_, content.edges);
+  drawAgain(content, parts);
   glyphs.draw(content.glyphs);
   copy(multisampled_, resolved_, GL_COLOR_BUFFER_BIT);
   lastLayer_ = layer;

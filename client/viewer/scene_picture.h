@@ -23,6 +23,10 @@ class ScenePicture {
     const GlyphBatch& glyphs;
     Background background;
     bool edges = true;
+    // A part that is drawn at further poses too.
+    PartId again = kNoPart;
+    std::span<const Pose> worldFromAgain{};
+    PartLook lookAgain{};
   };
 
   /// Brings the picture up to date; `size` in pixels.
@@ -35,11 +39,14 @@ class ScenePicture {
   void sortParts(const Content& content);
   std::uint64_t hashOfLayer(const Content& content, const glm::ivec2& size, const SceneRenderer& parts) const;
   std::uint64_t hashOfRest(const Content& content) const;
+  void drawAgain(const Content& content, const SceneRenderer& parts);
   void drawLayer(const Content& content, const SceneRenderer& parts) const;
 
   GlTarget layer_, multisampled_, resolved_;
   std::vector<PartId> resting_, moving_;
   std::vector<Pose> lastPose_;
+  std::vector<Pose> posesAgain_;
+  std::vector<PartLook> looksAgain_;
   std::vector<std::uint32_t> framesAtRest_;
   std::uint64_t lastLayer_ = 0, lastRest_ = 0;
 };

@@ -29,9 +29,12 @@
 #include "client/viewer/stylus_control.h"
 #include "client/viewer/surface.h"
 #include "client/viewer/verdict_list.h"
+#include "client/viewer/way_out_picture.h"
 
 namespace tandem::client {
 namespace {
+
+constexpr std::size_t kPosesOnWay = 5;  // at which a part is drawn on its way out
 
 class SceneViewer final : public Viewer {
  public:
@@ -179,6 +182,10 @@ void SceneViewer::fit(const ViewModel& model) {
   const glm::dvec2 size = viewport_.size();
   assets::Bounds bounds = renderer_->bounds(model.worldFromPart, parts);
   if (everything) includePeople(model, bounds);
+  for (const Pose& pose : everything ? posesAlong(model.wayOut.path, 1) : std::vector<Pose>{}) {
+    bounds.min = glm::min(bounds.min, pose.position);
+    bounds.max = glm::max(bounds.max, pose.position);
+  }
   const Camera goal = fitFrom(camera_, bounds, size.x / std::max(size.y, 1.0));
   if (std::exchange(ui_.fitFlies, false))
     flight_.start(camera_, goal);
@@ -457,8 +464,13 @@ void SceneViewer::partMenuOverScene(const PanelContext& context, const Input& in
 
 void SceneViewer::drawScene(const View& view, const ViewModel& model, const GlyphBatch& batch) {
   const glm::ivec2 size = glm::max(glm::ivec2(viewport_.size() * pixelScale()), glm::ivec2(1));
-  picture_.update({view, model.worldFromPart, looks_, batch, theme::kBackground, ui_.showEdges}, size,
-                  *renderer_, *glyphs_);
+  ScenePicture::Content content{view, model.worldFromPart, looks_, batch, theme::kBackground, ui_.showEdges};
+  const std::vector<Pose> along =
+      apartNow_ ? std::vector<Pose>{} : posesAlong(model.wayOut.path, kPosesOnWay);
+  content.again = model.wayOut.part;
+  content.worldFromAgain = along;
+  content.lookAgain = wayLook(model.wayOut.free);
+  picture_.update(content, size, *renderer_, *glyphs_);
   const glm::ivec2 window = surface_->framebufferSize();
   const glm::ivec2 corner(viewport_.min * pixelScale());
   glBindFramebuffer(GL_FRAMEBUFFER, surface_->framebuffer());
@@ -473,6 +485,8 @@ void SceneViewer::addGlyphs(const ViewModel& model, GlyphBatch& batch, std::vect
   if (const FoundClash* found = apartNow_ ? nullptr : shownClash(model)) {
     addClash(found->clash, witnessOf(*model.clashes.findings, *found, model.worldFromPart), batch, labels);
   }
+  if (!apartNow_) addWayOut(model, batch);
+  markBlockers(model.wayOut, looks_);
   addNotes(model, ui_.notes, batch, labels);
   addMeasures(model, ui_.measures, batch, labels);
   addFields(model, batch);
