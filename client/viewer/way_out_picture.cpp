@@ -1,5 +1,7 @@
 #include "client/viewer/way_out_picture.h"
 
+#include <algorithm>
+
 #include <glm/geometric.hpp>
 
 #include "client/viewer/colours.h"
@@ -9,7 +11,8 @@ namespace {
 
 constexpr glm::vec3 kWayColour(0.10f, 0.52f, 0.42f), kStuckColour(0.83f, 0.42f, 0.02f);  // sRGB
 constexpr float kWayAlpha = 0.14f;                                                       // faint edges, too
-constexpr double kWayWidth = 2.5, kWayEnd = 5.0;                                         // pixels
+constexpr float kBlockerAlpha = 0.4f;             // what is stuck is seen through it
+constexpr double kWayWidth = 2.5, kWayEnd = 5.0;  // pixels
 
 }  // namespace
 
@@ -56,6 +59,7 @@ void addWayOut(const ViewModel& model, GlyphBatch& batch) {
 void markBlockers(const WayOutView& wayOut, std::vector<PartLook>& looks) {
   for (const PartId part : wayOut.blockedBy) {
     if (part >= looks.size()) continue;
+    looks[part].alpha = std::min(looks[part].alpha, kBlockerAlpha);
     looks[part].tint = linear(kStuckColour);
     looks[part].tintAmount = 0.55f;
     looks[part].edgeColour = 0.8f * kStuckColour;

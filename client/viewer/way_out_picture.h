@@ -16,7 +16,7 @@ std::vector<Pose> posesAlong(const std::vector<Pose>& path, std::size_t most);
 PartLook wayLook(bool free);
 /// Adds the way of the part's middle.
 void addWayOut(const ViewModel& model, GlyphBatch& batch);
-/// Colours what blocks the part.
+/// Colours what blocks the part, and makes it transparent.
 void markBlockers(const WayOutView& wayOut, std::vector<PartLook>& looks);
 
 }  // namespace tandem::client
