@@ -28,6 +28,7 @@
 #include "client/review/clearance_watch.h"
 #include "client/viewer/camera.h"
 #include "client/viewer/level_choice.h"
+#include "client/viewer/ui_state.h"
 #include "client/viewer/viewer.h"
 #include "haptics/devices/device_list.h"
 #include "haptics/operator/steered_hand.h"
@@ -402,7 +403,10 @@ class JoinRun {
       const Camera camera = viewer_ ? viewer_->camera() : headless_->camera();
       const ScriptWriter::Written written =
           hand->writer->write(elapsed, hand->scripted->written(), model_, camera);
-      for (const DocumentWish& wish : written.wishes) site_.want(wish);
+      for (DocumentWish wish : written.wishes) {
+        if (auto* view = std::get_if<document::NamedView>(&wish.change.body)) keepIn(*view);
+        site_.want(wish);
+      }
       for (const ScriptStep& step : written.shown) {
         if (viewer_)
           showInWindow(step, model_, *viewer_, says_);
@@ -412,6 +416,14 @@ class JoinRun {
       for (const std::string& problem : written.problems)
         std::fprintf(stderr, "tandem: script: %s\n", problem.c_str());
     }
+  }
+
+  /// Puts what the person sees, beside the camera, into a view that a script keeps.
+  void keepIn(document::NamedView& view) const {
+    if (viewer_)
+      view = viewAs(view.name, viewer_->camera(), viewer_->ui().sections, viewer_->ui().parts);
+    else
+      headless_->keepIn(view, model_);
   }
 
   double sceneSize() const { return glm::length(site_.scene().bounds.max - site_.scene().bounds.min); }

@@ -22,7 +22,7 @@
 //   note {text [, part]}      pins a note to the place that is touched, or to the nearest one of that part
 //   reply {text [, to]}       answers the note whose text begins so, or the last one
 //   status {status [, to]}    that note is now open, in progress, resolved or closed
-//   view {name}               keeps what this site's camera sees
+//   view {name}               keeps what this site sees: camera, sections, hidden parts, how parts are drawn
 //   measure {measures [, at, parts, name]}
 //                             keeps a length, diameter, distance, across, angle or clearance at places in the
 //                             world or of two named parts; a missing place is where the hand is

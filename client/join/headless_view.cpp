@@ -86,6 +86,17 @@ const document::PartStyle& HeadlessView::style(const ViewModel& model) const {
   return following_.followsView() ? model.presenting.shared.style : style_;
 }
 
+void HeadlessView::keepIn(document::NamedView& view, const ViewModel& model) const {
+  view.sections = sections(model);
+  view.style = style(model);
+  view.parts = hidden_;
+  if (!following_.followsView()) return;
+  view.parts.clear();
+  for (std::size_t part = 0; part < model.worldFromPart.size() && view.parts.size() < document::kMaxListed;
+       ++part)
+    if (model.presenting.hides(static_cast<PartId>(part))) view.parts.push_back(static_cast<PartId>(part));
+}
+
 ViewActions HeadlessView::act(const ViewModel& model) {
   if (std::exchange(ended_, model.presenting.ended) != model.presenting.ended)
     shown_.shares = Shares::nothing;

@@ -33,6 +33,8 @@ class HeadlessView {
   /// How parts are drawn, likewise.
   const document::PartStyle& style(const ViewModel& model) const;
   const std::vector<PartId>& hidden() const { return hidden_; }
+  /// Puts what this person sees, beside the camera, into a view that is kept.
+  void keepIn(document::NamedView& view, const ViewModel& model) const;
 
  private:
   Camera camera_;

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/geometric.hpp>
@@ -49,10 +50,11 @@ struct Site {
     hand = std::make_unique<HandLoop>(contact, *exchange);
     exchange->timeBase.write({1000000, 5000, SiteId{1}});
   }
-  /// Feels the sections; `naive`: as a hand that begins anew with them.
-  void feel(const std::vector<document::SectionPlane>& planes) {
+  /// Feels the sections, or nothing; `naive`: as a hand that begins anew with them.
+  void feel(const std::vector<document::SectionPlane>& planes, bool lifted) {
     const haptics::Sections felt = feltSections(planes);
-    const bool changed = felt.size() != settings.sectionCount ||
+    const bool changed = std::exchange(settings.lifted, lifted) != lifted ||
+                         felt.size() != settings.sectionCount ||
                          !std::equal(felt.begin(), felt.end(), settings.sections.begin());
     settings.sectionCount = felt.size();
     std::copy(felt.begin(), felt.end(), settings.sections.begin());
@@ -124,7 +126,7 @@ struct SharedViews : testing::Test, server::SessionRig {
     const ViewActions actions = site.view.act(site.model);
     presentations.show(actions.shown);
     for (const Say& said : actions.says) presentations.say(said);
-    site.feel(actions.sections);
+    site.feel(actions.sections, actions.lifted);
   }
   /// The hand presses on the box from above.
   void press(Site& site) {
@@ -261,6 +263,38 @@ TEST_F(SharedViews, GoOnAfterAnOutageOfTheServer) {
   EXPECT_EQ(ben.model.presenting.shared.shares, Shares::sections);
   EXPECT_EQ(ben.model.presenting.begun, 1u) << "what goes on is nothing new";
 }
+
+/// Ada presents and draws parts apart while Ben presses on one, and together again while his tool is in it.
+double kickByExplosion(SharedViews& session, bool naive) {
+  Site& ada = session.enter("ada");
+  Site& ben = session.enter("ben");
+  ben.naive = naive;
+  session.perform(ada, share(Shares::view));
+  session.settle();
+  session.press(ben);
+  ScriptStep explode = step(Verb::explode), colour = step(Verb::colour);
+  explode.style.explode = 0.5;
+  colour.style.colouring = document::PartColouring::byBody;
+  session.perform(ada, explode);
+  session.perform(ada, colour);
+  session.settle(kSecond);
+  EXPECT_EQ(ben.force(), 0.0) << "what is drawn apart is not felt at the followers either";
+  document::NamedView kept;
+  ben.view.keepIn(kept, ben.model);
+  EXPECT_EQ(kept.style, (document::PartStyle{0.5, {}, document::PartColouring::byBody, false}));
+  ben.device.z = 0.005;
+  session.run(100 * kMillisecond);
+  explode.style.explode = 0.0;
+  session.perform(ada, explode);
+  session.settle(kSecond);
+  EXPECT_FALSE(ben.settings.lifted);
+  EXPECT_EQ(ben.force(), 0.0) << "the tool stands inside of the part";
+  return ben.kick;
+}
+
+TEST_F(SharedViews, DrawingPartsApartNeverKicksAFollower) { EXPECT_LE(kickByExplosion(*this, false), 0.3); }
+
+TEST_F(SharedViews, AHandThatBeganAnewWithThemWouldBeKicked) { EXPECT_GT(kickByExplosion(*this, true), 0.3); }
 
 TEST_F(SharedViews, WhatIsSaidIsHeardByAllWithItsLinks) {
   Site& ada = enter("ada");
