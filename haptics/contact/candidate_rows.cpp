@@ -21,7 +21,7 @@ double CandidateRows::gather() {
   const PartModel &from = *query_.from, &to = *query_.to;
   const FloatMotion motion(query_.toFromSamples, to.field.origin());
   const auto visit = [&](std::uint32_t i, const glm::vec3& place, const Reading& read) {
-    addRows(i, place, read);
+    query_.fit != nullptr ? addFittedRows(i, place, read) : addRows(i, place, read);
     return clear_;
   };
   if (!query_.contained) {
@@ -48,6 +48,18 @@ void CandidateRows::addRows(std::uint32_t i, const glm::vec3& place, const Readi
   if (query_.to->byFormula()) return addShapeRows(i);
   if (query_.from->samples.isRound(sample)) return addPatchRow(i, place, read);
   addSampleRow(i, place, read);
+}
+
+void CandidateRows::addFittedRows(std::uint32_t i, const glm::vec3& place, const Reading& read) {
+  // What is outside is out of reach, wherever it is shifted within its own part.
+  shift_ = query_.fitShift(sampleAt(i));
+  if (shift_ == glm::dvec3(0.0)) {
+    addRows(i, place, read);
+  } else {
+    const glm::vec3 shifted = place + glm::vec3(shift_);
+    addRows(i, shifted, query_.to->field.read(shifted));
+  }
+  clear_ /= 1.0f + static_cast<float>(query_.fit->slope());
 }
 
 void CandidateRows::addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source) {
@@ -116,7 +128,7 @@ void CandidateRows::addSampleRow(std::uint32_t i, const glm::vec3& place, const 
   Dip dip;
   if (sample.along > 0.0f) dip = edgeDip(sample, place, read, least - query_.limit);
   if (dip.ofBlade) return addAnsweredRows(i, place, nullptr, least - sample.along);
-  if (allowed_ > 0.0f) dip.depth = 0.0f;
+  if (allowed_ > 0.0f || shift_ != glm::dvec3(0.0)) dip.depth = 0.0f;
   if (least - dip.depth > query_.limit) return;
   if (dip.depth > kShallow * query_.smooth) {
     if (const SampleAnswer* const answer = trustedAnswer(i, place))
@@ -217,7 +229,7 @@ void CandidateRows::alignToFace(std::uint32_t i, const Reading& read, glm::vec3&
   const SampleAnswer* const answer = memory_.find(query_.sampled, i, query_.target);
   if (answer == nullptr) return;
   const Triangle face = query_.to->tree->triangle(answer->triangle);
-  const glm::dvec3 p = transformPoint(query_.toFromSamples, sampleAt(i).point),
+  const glm::dvec3 p = transformPoint(query_.toFromSamples, sampleAt(i).point) + shift_,
                    &up = query_.to->edges.normal(answer->triangle);
   if (!closestPointOnTriangle(p, face).onFace) return;
   const double height = glm::dot(up, p - face.a);

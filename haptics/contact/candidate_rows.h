@@ -38,6 +38,8 @@ class CandidateRows {
 
   /// Adds the rows of one sample and sets `clear_`.
   void addRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
+  /// The same of a pair with an interference fit.
+  void addFittedRows(std::uint32_t i, const glm::vec3& place, const Reading& read);
   /// Adds a plane, unless sections cut its place away.
   void addPlane(const glm::vec3& normal, const glm::vec3& arm, float gap, RowSource source);
   /// Adds a plane for each implicit shape of the target.
@@ -80,11 +82,12 @@ class CandidateRows {
   const SampleMemory& memory_;
   SideClocks& clocks_;
   ContactRows& rows_;
-  const glm::quat turn_;      // target from samples
-  const glm::mat3 rotation_;  // the same
-  float allowed_ = 0.0f;      // m, depth that the present sample had at rest
-  float clear_ = 0.0f;        // m, by which the present sample with its piece may move at least
-  float deepest_ = 0.0f;      // m
+  const glm::quat turn_;             // target from samples
+  const glm::mat3 rotation_;         // the same
+  glm::dvec3 shift_{0.0, 0.0, 0.0};  // m, of the present sample by an interference fit, frame of the target
+  float allowed_ = 0.0f;             // m, depth that the present sample had at rest
+  float clear_ = 0.0f;               // m, by which the present sample with its piece may move at least
+  float deepest_ = 0.0f;             // m
 };
 
 }  // namespace tandem::haptics

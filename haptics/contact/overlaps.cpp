@@ -13,6 +13,14 @@ namespace {
 
 // Of a share that is computed in float.
 constexpr float kShareRounding = 1e-4f;
+// Tolerances that parts may be deeper in each other than a fit explains.
+constexpr double kExplained = 2.0;
+// Tolerances of a depth that counts as 0, and rounds of making a fit as deep as it has to be.
+constexpr double kExact = 0.1;
+constexpr int kMaxPasses = 4, kMaxFitQueries = 2000;  // queries of one round
+// Tolerances by which a seat is made roomier than it was measured, and depths of an overlap above which a fit
+// would let the parts in further than they were.
+constexpr double kRoom = 1.0, kMuchDeeper = 1.1;
 
 void include(assets::Bounds& bounds, const glm::dvec3& p) {
   bounds.min = glm::min(bounds.min, p);
@@ -64,11 +72,20 @@ const Overlaps::Overlap& Overlaps::overlapOf(int pair) const {
   return overlaps_[static_cast<std::size_t>(of_[static_cast<std::size_t>(pair)])];
 }
 
+const InterferenceFit* Overlaps::fit(int pair, bool& firstIsHollow) const {
+  if (!has(pair) || !TICK_ASSERT(fault_, pair < island_.pairCount())) return nullptr;
+  const Overlap& overlap = overlapOf(pair);
+  if (overlap.fit == kNoFit) return nullptr;
+  firstIsHollow = overlap.aIsHollow == (overlap.a == island_.first(island_.pair(pair)).part);
+  return &fits_[static_cast<std::size_t>(overlap.fit)];
+}
+
 bool Overlaps::contained(int pair) const { return has(pair) && overlapOf(pair).contained; }
 
 double Overlaps::allowedAt(int pair, const glm::dvec3& inFirst, const glm::dvec3& inOther) const {
   if (!has(pair) || !TICK_ASSERT(fault_, pair < island_.pairCount())) return 0.0;
   const Overlap& overlap = overlapOf(pair);
+  if (overlap.fit != kNoFit) return 0.0;
   const bool firstIsA = overlap.a == island_.first(island_.pair(pair)).part;
   const double share = std::max(shareBeside(overlap.inA, overlap.margin, firstIsA ? inFirst : inOther),
                                 shareBeside(overlap.inB, overlap.margin, firstIsA ? inOther : inFirst));
@@ -87,7 +104,7 @@ AllowedDepth Overlaps::allowed(int pair, bool ofFirst, const glm::dvec3& fieldOr
   const bool sampledIsA = ofFirst == (overlap.a == island_.first(island_.pair(pair)).part);
   const assets::Bounds &inSampled = sampledIsA ? overlap.inA : overlap.inB,
                        &inTarget = sampledIsA ? overlap.inB : overlap.inA;
-  if (overlap.contained || !(overlap.margin > 0.0)) return depth;
+  if (overlap.contained || overlap.fit != kNoFit || !(overlap.margin > 0.0)) return depth;
   depth.depth = static_cast<float>(overlap.allowed);
   depth.margin = static_cast<float>(overlap.margin);
   depth.sampledMiddle = glm::vec3(0.5 * (inSampled.min + inSampled.max));
@@ -130,8 +147,7 @@ void Overlaps::beginStep() {
     const PartId part = island_.first(pair).part;
     for (std::size_t k = 0; k < overlaps_.size(); ++k) {
       const Overlap& overlap = overlaps_[k];
-      if ((overlap.a == part && overlap.b == pair.other) || (overlap.b == part && overlap.a == pair.other))
-        of = static_cast<int>(k);
+      if (isOf(overlap, part, pair.other)) of = static_cast<int>(k);
     }
   }
 }
@@ -148,6 +164,11 @@ void Overlaps::endStep() {
   std::size_t remaining = 0;
   for (std::size_t k = 0; k < overlaps_.size(); ++k) {
     Overlap overlap = overlaps_[k];
+    if (overlap.fit != kNoFit) {
+      now[k] = static_cast<int>(remaining);
+      overlaps_[remaining++] = overlap;
+      continue;
+    }
     // Where neither part moves here, nothing has changed.
     bool near = island_.bodyOf(overlap.a) < 0 && island_.bodyOf(overlap.b) < 0;
     for (int i = 0; i < island_.pairCount(); ++i) {
@@ -167,16 +188,17 @@ void Overlaps::endStep() {
 }
 
 void Overlaps::forget(PartId part) {
-  const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(),
-                                  [&](const Overlap& o) { return o.a == part || o.b == part; });
+  const auto end = std::remove_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& o) {
+    return o.fit == kNoFit && (o.a == part || o.b == part);
+  });
   for (auto left = overlaps_.end() - end; left > 0; --left) overlaps_.pop_back();
 }
 
 void Overlaps::measure(bool exits) {
   queries_ = 0;
   for (const ContactPair& pair : island_.pairs()) {
-    if (TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr))
-      measurePair(pair, exits);
+    if (!TICK_ASSERT(fault_, pair.model != nullptr && island_.first(pair).model != nullptr)) return;
+    if (!keepFit(pair)) measurePair(pair, exits);
   }
 }
 
@@ -204,8 +226,99 @@ void Overlaps::measurePair(const ContactPair& pair, bool exits) {
   }
   overlap.margin = 0.25 * sizeOf(overlap.inA);
   overlap.contained = exits && ofFirst.allInside;
-  if (overlap.contained) overlap.exit = exitDirection(pair, body.part);
+  if (overlap.contained)
+    overlap.exit = exitDirection(pair, body.part);
+  else
+    findFit(pair, overlap);
   TICK_ASSERT(fault_, overlap.allowed > 0.0 && isFinite(overlap.exit));
+}
+
+bool Overlaps::keepFit(const ContactPair& pair) {
+  const PartId part = island_.first(pair).part;
+  const auto known = std::find_if(overlaps_.begin(), overlaps_.end(), [&](const Overlap& overlap) {
+    return overlap.fit != kNoFit && isOf(overlap, part, pair.other);
+  });
+  if (known == overlaps_.end()) return false;
+  const InterferenceFit& fit = fits_[static_cast<std::size_t>(known->fit)];
+  const double most = kExplained * pair.model->field.tolerance();
+  if (unexplained(fit, pair, known->aIsHollow == (known->a == part)) <= most) return true;
+  overlaps_.erase(known);
+  return false;
+}
+
+int Overlaps::freeFit() const {
+  for (std::size_t i = 0; i < kMaxFits; ++i) {
+    const auto uses = [&](const Overlap& overlap) { return overlap.fit == static_cast<int>(i); };
+    if (std::none_of(overlaps_.begin(), overlaps_.end(), uses)) return static_cast<int>(i);
+  }
+  return kNoFit;
+}
+
+void Overlaps::findFit(const ContactPair& pair, Overlap& overlap) {
+  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
+  if (first.byFormula() || other.byFormula() || !first.field.solid() || !other.field.solid()) return;
+  if (overlap.allowed < std::max(first.field.tolerance(), other.field.tolerance())) return;
+  const int free = freeFit();
+  if (free == kNoFit) return;
+  InterferenceFit& fit = fits_[static_cast<std::size_t>(free)];
+  for (const bool firstIsHollow : {false, true}) {
+    if (!measureFit(fit, pair, firstIsHollow, overlap)) continue;
+    overlap.fit = free;
+    overlap.aIsHollow = firstIsHollow;
+    return;
+  }
+}
+
+bool Overlaps::measureFit(InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow,
+                          const Overlap& overlap) const {
+  const double deepest = 1.5 * overlap.allowed;
+  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
+  const bool found = firstIsHollow
+                         ? fit.measure(first, other, pair.otherFromFirst, overlap.inA, deepest)
+                         : fit.measure(other, first, inverse(pair.otherFromFirst), overlap.inB, deepest);
+  if (!found) return false;
+  const double tolerance = other.field.tolerance();
+  double left = 1e300;
+  for (int pass = 0; pass < kMaxPasses && left > kExact * tolerance; ++pass) {
+    left = unexplained(fit, pair, firstIsHollow);
+    if (left > kMuchDeeper * overlap.allowed) return false;
+    fit.setDepth(fit.depth() + left);
+  }
+  fit.setDepth(fit.depth() + kRoom * tolerance);
+  return left <= kExact * tolerance && fit.depth() < kMuchDeeper * overlap.allowed;
+}
+
+double Overlaps::unexplained(const InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow) const {
+  const PartModel &first = *island_.first(pair).model, &other = *pair.model;
+  double deepest = 0.0;
+  int queries = 0;
+  const auto see = [&](const SampledModels& models, bool ofHollow) {
+    const DistanceField& field = models.to->field;
+    float passedBy = -1.0f;
+    bool allInside = false;
+    forEachNear(models.from->samples, field, FloatMotion(models.toFromSamples, field.origin()), 0.0f,
+                allInside, passedBy, [&](std::uint32_t i, const glm::vec3&, const DistanceField::Reading&) {
+                  const ContactSample& sample = models.from->samples.samples()[i];
+                  const glm::dvec3 at = transformPoint(models.toFromSamples, sample.point);
+                  deepest = deeperIn(*models.to, at + fit.shift(models, sample, ofHollow), deepest, queries);
+                });
+  };
+  see({&first, &other, pair.otherFromFirst}, firstIsHollow);
+  see({&other, &first, inverse(pair.otherFromFirst)}, !firstIsHollow);
+  return deepest;
+}
+
+double Overlaps::deeperIn(const PartModel& part, const glm::dvec3& p, double known, int& queries) {
+  const DistanceField::Reading read = part.field.read(glm::vec3(p - part.field.origin()));
+  const auto distance = static_cast<double>(read.distance), error = static_cast<double>(read.error);
+  if (error - distance <= known) return known;
+  if (error < kExact * part.field.tolerance()) return error - distance;
+  // Nothing is known of what there is no time to look at.
+  if (++queries > kMaxFitQueries) return 1e300;
+  MeshPoint nearest;
+  if (!part.tree->closestPoint(p, 1.001 * (error - distance), nearest)) return known;
+  const bool inside = distance < -error || isBehind(part.edges, nearest, p);
+  return inside ? std::max(known, nearest.distance) : known;
 }
 
 glm::dvec3 Overlaps::exitDirection(const ContactPair& pair, PartId part) const {

@@ -4,18 +4,23 @@
 // ejected. Each overlap may stay as deep as it is and no deeper, and shrinks as the parts come out of each
 // other. A part that lies wholly inside another is moved out along the shortest path.
 //
+// A plug in a hollow seat that is too small for it is an interference fit: it goes out along its seat and in
+// again, also after it has been out (interference_fit.h).
+//
 // 1. Alone owns the overlaps, and the depth of each pair in the present step.
 // 2. Free of allocation.
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "assets/scene/scene.h"
 #include "haptics/base/fault.h"
 #include "haptics/base/fixed_vector.h"
 #include "haptics/contact/contact_island.h"
 #include "haptics/contact/contact_rows.h"
+#include "haptics/contact/interference_fit.h"
 #include "haptics/contact/sample_touch.h"
 
 namespace tandem::haptics {
@@ -37,11 +42,13 @@ struct AllowedDepth {
 
 class Overlaps {
  public:
+  /// Alone allocates.
   Overlaps(const ContactWorld& world, const ContactIsland& island, FaultLatch& fault)
-      : world_(world), island_(island), fault_(fault) {}
+      : world_(world), island_(island), fault_(fault), fits_(new InterferenceFit[kMaxFits]) {}
 
   // When a part begins to move here.
 
+  /// Forgets the overlaps of a part; fits stay.
   void forget(PartId part);
   /// Measures and remembers the overlap of each pair of the island, which is placed. The oldest overlaps are
   /// forgotten where there is no room. Without `exits` no part counts as wholly inside another.
@@ -58,6 +65,8 @@ class Overlaps {
 
   /// Whether the parts of a pair were in each other when one began to move here.
   bool has(int pair) const { return of_[static_cast<std::size_t>(pair)] >= 0; }
+  /// The interference fit of a pair, or null; in `firstIsHollow`, whether the pair's first part has the seat.
+  const InterferenceFit* fit(int pair, bool& firstIsHollow) const;
   /// Whether one part of the pair was wholly inside the other: instead of contact rows the pair has an exit
   /// row.
   bool contained(int pair) const;
@@ -74,7 +83,8 @@ class Overlaps {
   double longestExit(double dt) const;
 
  private:
-  static constexpr std::size_t kMaxOverlaps = 64;
+  static constexpr std::size_t kMaxOverlaps = 64, kMaxFits = 32;
+  static constexpr int kNoFit = -1;
   static constexpr int kMaxQueries = 400;  // exact distances to meshes in one measure()
 
   /// Two parts that were in each other when one began to move here.
@@ -85,6 +95,8 @@ class Overlaps {
     double margin = 0.0;             // m beside the bounds, over which the allowed depth falls to 0
     bool contained = false;          // a is wholly inside b
     glm::dvec3 exit{0.0, 0.0, 0.0};  // unit, in the frame of b
+    int fit = kNoFit;                // into fits_
+    bool aIsHollow = false;          // of a fit
   };
   /// The overlap as the samples of one part measure it.
   struct Side {
@@ -93,6 +105,21 @@ class Overlaps {
     assets::Bounds inSampled, inTarget;  // m, part frames
   };
   const Overlap& overlapOf(int pair) const;
+  bool isOf(const Overlap& overlap, PartId one, PartId other) const {
+    return (overlap.a == one && overlap.b == other) || (overlap.b == one && overlap.a == other);
+  }
+  /// Whether a fit of the pair still explains how the parts stand in each other; else forgets it.
+  bool keepFit(const ContactPair& pair);
+  /// Makes an overlap an interference fit, if it is one.
+  void findFit(const ContactPair& pair, Overlap& overlap);
+  /// Measures a fit whose seat is in one of the parts, near their overlap.
+  bool measureFit(InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow,
+                  const Overlap& overlap) const;
+  /// m, how deep any sample of the pair is in the other part beyond what a fit explains.
+  double unexplained(const InterferenceFit& fit, const ContactPair& pair, bool firstIsHollow) const;
+  /// The larger (m) of a known depth and that of a point in a mesh; counts exact queries.
+  static double deeperIn(const PartModel& part, const glm::dvec3& p, double known, int& queries);
+  int freeFit() const;
   void measurePair(const ContactPair& pair, bool exits);
   void measureSide(const SampledModels& models, Side& side);
   void measureSample(const SampledModels& models, const ContactSample& sample,
@@ -105,7 +132,8 @@ class Overlaps {
   const ContactIsland& island_;
   FaultLatch& fault_;
   FixedVector<Overlap, kMaxOverlaps> overlaps_;
-  int queries_ = 0;  // of the present measure()
+  std::unique_ptr<InterferenceFit[]> fits_;  // kMaxFits
+  int queries_ = 0;                          // of the present measure()
   // Of the present step, one a pair of the island.
   std::array<int, kMaxPairs> of_{};          // into overlaps_; -1: none
   std::array<double, kMaxPairs> deepest_{};  // m, an upper bound

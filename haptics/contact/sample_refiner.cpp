@@ -95,7 +95,9 @@ SampleQuery SampleRefiner::sampleQueryFor(const SideQuery& query, const ContactS
   const double length = first.motion(u), share = length > reach_ ? reach_ / length : 1.0;
   const PartModel &from = *query.from, &to = *query.to;
   SampleQuery sampleQuery;
-  sampleQuery.point = transformPoint(query.toFromSamples, sample.point);
+  const glm::dvec3 shift = query.fitShift(sample);
+  sampleQuery.shifted = shift != glm::dvec3(0.0);
+  sampleQuery.point = transformPoint(query.toFromSamples, sample.point) + shift;
   const glm::dvec3 motion = share * u.at(transformPoint(query.worldFromTo, sampleQuery.point) - first.centre);
   sampleQuery.motion = glm::conjugate(query.worldFromTo.orientation) * (query.ofFirst() ? motion : -motion);
   sampleQuery.slack = 0.5 * to.field.tolerance();
@@ -116,7 +118,8 @@ void SampleRefiner::readField(const SideQuery& query, SampleQuery& sampleQuery) 
   sampleQuery.nearest = static_cast<double>(1.001f * (std::abs(around.distance) + around.error));
   // Where the field's error leaves the side open, the sample is outside, for it came from there.
   sampleQuery.outside =
-      around.distance > around.error || (!overlaps_.has(query.pair) && around.distance >= -around.error);
+      around.distance > around.error ||
+      ((query.fit != nullptr || !overlaps_.has(query.pair)) && around.distance >= -around.error);
 }
 
 bool SampleRefiner::touch(const SideQuery& query, const ContactSample& sample, const SampleQuery& sampleQuery,
@@ -145,7 +148,8 @@ bool SampleRefiner::touchMesh(const SideQuery& query, const ContactSample& sampl
   std::uint32_t hint = last != nullptr ? last->triangle : kNoTriangle;
   if (!touchAt(query, sampleQuery, hint, found)) return false;
   // The depth that an overlap at rest allows was measured at the samples alone.
-  if (!descend_ || sample.edge == assets::kNone || query.allowed(sample) > 0.0) return true;
+  if (!descend_ || sample.edge == assets::kNone || sampleQuery.shifted || query.allowed(sample) > 0.0)
+    return true;
   const TouchingFeature beside = found;
   const Seat seat = seatOf(query, sample, sampleQuery, hint, found);
   const double least = std::min(found.distance - kAllowance * query.to->field.tolerance(), seat.least);

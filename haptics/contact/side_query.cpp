@@ -21,6 +21,9 @@ SideQuery::SideQuery(const ContactIsland& on, const Overlaps& known, std::uint16
   rough = std::max(smooth, 0.12f * static_cast<float>(to->field.smallestCell()));
   trusted = static_cast<float>(kTrustedShare * from->samples.spacing());
   contained = known.contained(pair);
+  bool firstIsHollow = false;
+  fit = known.fit(pair, firstIsHollow);
+  sampledIsHollow = firstIsHollow == ofFirst();
   sampled = ofFirst() ? body.part : of.other;
   target = ofFirst() ? of.other : body.part;
 }

@@ -41,6 +41,10 @@ struct SideQuery : SampledModels {
   }
   /// m by which the sample may be deep in the target because it was when its part began to move here.
   double allowed(const ContactSample& sample) const;
+  /// The shift (m, frame of the target) by which an interference fit takes the sample back; zero without one.
+  glm::dvec3 fitShift(const ContactSample& sample) const {
+    return fit != nullptr ? fit->shift(*this, sample, sampledIsHollow) : glm::dvec3(0.0);
+  }
 
   const ContactPair& contactPair() const { return island->pair(pair); }
   const ContactBody& first() const { return island->first(contactPair()); }
@@ -51,12 +55,14 @@ struct SideQuery : SampledModels {
   glm::mat3 rotation{1.0f};  // world from target
   glm::vec3 shift{
       0.0f};  // m, world axes, from the first body's centre of mass to the origin of the target's field
-  float sign = 1.0f;       // -1 where a normal of the target points towards the first part's own outside
-  float limit = 0.0f;      // m, reach of the step
-  float smooth = 0.0f;     // m, error of the field up to which its reading is trusted
-  float rough = 0.0f;      // m, error of the field above which its gradient is no direction
-  float trusted = 0.0f;    // m that a sample may move before it is queried again
-  bool contained = false;  // one of the parts is inside the other and is brought out
+  float sign = 1.0f;     // -1 where a normal of the target points towards the first part's own outside
+  float limit = 0.0f;    // m, reach of the step
+  float smooth = 0.0f;   // m, error of the field up to which its reading is trusted
+  float rough = 0.0f;    // m, error of the field above which its gradient is no direction
+  float trusted = 0.0f;  // m that a sample may move before it is queried again
+  const InterferenceFit* fit = nullptr;  // of the pair
+  bool sampledIsHollow = false;          // the seat of the fit is in the part that is sampled
+  bool contained = false;                // one of the parts is inside the other and is brought out
   std::uint16_t pair = 0, side = 0;
   PartId sampled = kNoPart, target = kNoPart;
 };

@@ -175,14 +175,24 @@ bool commonPlane(const MeshEdge& edge, const EdgePlane& plane, const glm::dvec3&
   return found.gap >= -slackOf(sample, reach) || cutsSample(edge, sample, 4.0 * reach);
 }
 
+/// m, the gap at the end of the sample's motion.
+double predicted(const TouchingPlane& plane, const SampleQuery& sample) {
+  return plane.gap + glm::dot(plane.normal, sample.motion);
+}
+
 /// The plane of an edge for any sample. Two edges that run along each other also touch beyond the sample,
-/// where a direction that is nearly normal to both separates them.
+/// where a direction that is nearly normal to both separates them. Where an interference fit takes a corner
+/// of a seat's rim back, any direction that separates the corner from the plug will do, because the rim is
+/// hollow there.
 TouchingPlane planeOfEdge(const MeshEdge& edge, const glm::dvec3& foot, const SampleQuery& sample,
                           double reach) {
   const EdgePlane plane(edge);
   TouchingPlane found;
-  if (sample.normals.size() > 2 && commonPlane(edge, plane, foot, sample, reach, found)) return found;
-  return partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
+  const bool common = sample.normals.size() > 2 && commonPlane(edge, plane, foot, sample, reach, found);
+  if (common && !sample.shifted) return found;
+  const TouchingPlane near =
+      partingPlane(plane, nearestDirections(plane, sample.normals), foot, sample, reach);
+  return common && predicted(found, sample) >= predicted(near, sample) ? found : near;
 }
 
 /// The plane of the largest predicted gap among those of all convex edges that meet in the corner `foot`;
@@ -219,10 +229,12 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
     return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
   }
   TouchingPlane found;
-  if (isConvexCorner(edges, triangle, *edge, foot, reach) &&
-      planeOfCorner(edges, triangle, foot, sample, reach, found))
-    return found;
-  return planeOfEdge(*edge, foot, sample, reach);
+  if (!isConvexCorner(edges, triangle, *edge, foot, reach) ||
+      !planeOfCorner(edges, triangle, foot, sample, reach, found))
+    return planeOfEdge(*edge, foot, sample, reach);
+  if (!sample.shifted) return found;
+  const TouchingPlane single = planeOfEdge(*edge, foot, sample, reach);
+  return predicted(found, sample) >= predicted(single, sample) ? found : single;
 }
 
 }  // namespace

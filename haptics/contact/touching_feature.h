@@ -28,6 +28,7 @@ struct SampleQuery {
   double along = 0.0;                   // it stands for the edge up to this far on both sides
   double slack = 0.0;                   // by which a gap may be below zero where the predicted gap is not
   bool outside = false;                 // it is not inside the mesh
+  bool shifted = false;                 // `point` lies beside the sample, by an interference fit
   double range = 0.0;                   // m that it may move before its next query
   double nearest = 1e300;               // m, at most how far the mesh is, for a field that knows
 };

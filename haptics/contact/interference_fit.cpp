@@ -1,0 +1,177 @@
+#include "haptics/contact/interference_fit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+namespace tandem::haptics {
+namespace {
+
+constexpr double kCells = 16.0;     // along the diagonal of an overlap
+constexpr double kStep = 0.7;       // spacings between the places from which points are sought
+constexpr double kApart = 0.7;      // spacings between points at least
+constexpr int kMaxPlaces = 20'000;  // in one measure()
+// Share of a field's smallest cell up to which its error leaves it a direction, and the least slope of one.
+constexpr double kRough = 0.2, kStraight = 0.8;
+// Cosines of angles between surfaces: up to the first they do not face each other, from the second on they
+// do.
+constexpr float kAskew = 0.5f, kFacing = 0.7f;
+// Share of its points' distances by which a wall looks at its own middle.
+constexpr double kHollow = 0.05;
+// Tolerances of the field that a wall is in the plug at least.
+constexpr double kLeast = 0.25;
+
+/// A place of a surface near a point.
+struct Surface {
+  double distance = 0.0, error = 0.0;  // m, of the point, below 0 inside
+  glm::dvec3 point{0.0, 0.0, 0.0}, normal{0.0, 0.0, 0.0};
+};
+
+/// The surface near p, at most `reach` m away, by the part's field; false if there is none, or if p is before
+/// a sharp edge, where the field knows no direction.
+bool surfaceNear(const PartModel& part, const glm::dvec3& p, double reach, Surface& found) {
+  const DistanceField::Reading read = part.field.read(glm::vec3(p - part.field.origin()));
+  const double distance = static_cast<double>(read.distance), error = static_cast<double>(read.error);
+  if (std::abs(distance) > reach || (error == 0.0 && distance > 0.0)) return false;
+  const glm::dvec3 up(read.gradient);
+  const double slope = glm::length(up);
+  if (error > kRough * part.field.smallestCell() || slope < kStraight) return false;
+  found = {distance, error, p - distance / slope * up, up / slope};
+  return true;
+}
+
+}  // namespace
+
+InterferenceFit::Facing::Facing(const SampledModels& models, const ContactSample& sample, bool ofHollow)
+    : at(ofHollow ? sample.point : transformPoint(models.toFromSamples, sample.point)) {
+  for (const glm::dvec3& normal : models.from->samples.normals(sample)) {
+    if (directions.full()) return;
+    directions.push_back(ofHollow ? normal : -(models.toFromSamples.orientation * normal));
+  }
+}
+
+bool InterferenceFit::measure(const PartModel& hollow, const PartModel& plug, const Pose& plugFromHollow,
+                              const assets::Bounds& near, double deepest) {
+  points_.clear();
+  entries_.clear();
+  depth_ = 0.0;
+  box_ = {};
+  const glm::dvec3 size = near.max - near.min;
+  spacing_ = glm::length(size) / kCells;
+  origin_ = near.min;
+  if (!(spacing_ > 0.0)) return false;
+  const double step = kStep * spacing_, least = kLeast * hollow.field.tolerance();
+  const glm::ivec3 count = glm::ivec3(glm::ceil(size / step)) + 1;
+  if (static_cast<double>(count.x) * count.y * count.z > kMaxPlaces) return false;
+  for (int z = 0; z < count.z; ++z) {
+    for (int y = 0; y < count.y; ++y) {
+      for (int x = 0; x < count.x; ++x) {
+        const glm::dvec3 place = near.min + step * glm::dvec3(x, y, z);
+        Surface wall, inside;
+        if (!surfaceNear(hollow, place, step, wall)) continue;
+        const glm::dvec3 facing = plugFromHollow.orientation * wall.normal;
+        if (!surfaceNear(plug, transformPoint(plugFromHollow, wall.point), deepest, inside)) continue;
+        // Where another side of the plug is nearer, this wall is not what holds it.
+        if (inside.distance > -least || glm::dot(inside.normal, facing) > -static_cast<double>(kFacing))
+          continue;
+        if (!add({glm::vec3(wall.point - origin_), glm::vec3(wall.normal)})) return false;
+      }
+    }
+  }
+  if (!isHollow()) return false;
+  index();
+  return true;
+}
+
+bool InterferenceFit::add(const Point& point) {
+  const auto apart = static_cast<float>(kApart * spacing_);
+  for (const Point& known : points_) {
+    if (glm::length(known.at - point.at) < apart && glm::dot(known.normal, point.normal) > 0.95f) return true;
+  }
+  if (points_.full()) return false;
+  points_.push_back(point);
+  return true;
+}
+
+bool InterferenceFit::isHollow() const {
+  if (points_.empty()) return false;
+  glm::dvec3 middle(0.0);
+  for (const Point& point : points_) middle += glm::dvec3(point.at) / static_cast<double>(points_.size());
+  double inward = 0.0, distance = 0.0;
+  for (const Point& point : points_) {
+    const glm::dvec3 off = glm::dvec3(point.at) - middle;
+    inward -= glm::dot(glm::dvec3(point.normal), off);
+    distance += glm::length(off);
+  }
+  return inward > kHollow * distance;
+}
+
+std::uint32_t InterferenceFit::cellOf(const glm::vec3& at) const {
+  // Points lie within the first box, and reach no further than some cells beyond it.
+  const glm::vec3 cell = glm::floor(at / (2.0f * reach())) + 512.0f;
+  const glm::uvec3 in(glm::clamp(cell, 0.0f, 1023.0f));
+  return in.z << 20 | in.y << 10 | in.x;
+}
+
+void InterferenceFit::index() {
+  const glm::dvec3 whole(kWhole * spacing_);
+  for (std::size_t i = 0; i < points_.size(); ++i) {
+    const Point& point = points_[i];
+    const glm::dvec3 at = origin_ + glm::dvec3(point.at);
+    box_.min = glm::min(box_.min, at - whole);
+    box_.max = glm::max(box_.max, at + whole);
+    const std::size_t first = entries_.size();
+    for (int corner = 0; corner < 8; ++corner) {
+      const glm::vec3 off((corner & 1) != 0 ? 1 : -1, (corner & 2) != 0 ? 1 : -1, (corner & 4) != 0 ? 1 : -1);
+      const std::uint32_t cell = cellOf(point.at + reach() * off);
+      const auto known = [&](const Entry& entry) { return entry.cell == cell; };
+      if (std::any_of(entries_.begin() + static_cast<std::ptrdiff_t>(first), entries_.end(), known)) continue;
+      entries_.push_back({cell, static_cast<std::uint16_t>(i)});
+    }
+  }
+  std::sort(entries_.begin(), entries_.end(), [](const Entry& a, const Entry& b) {
+    return a.cell != b.cell ? a.cell < b.cell : a.point < b.point;
+  });
+}
+
+float InterferenceFit::weight(const Point& point, const glm::vec3& at, const glm::vec3& facing) const {
+  const float turned = (glm::dot(point.normal, facing) - kAskew) / (kFacing - kAskew);
+  if (turned <= 0.0f) return 0.0f;
+  // A jump would be felt.
+  const float beside = reach() - glm::length(at - point.at);
+  if (beside <= 0.0f) return 0.0f;
+  return std::min(turned, 1.0f) * std::min(beside / static_cast<float>(spacing_), 1.0f);
+}
+
+float InterferenceFit::shareAt(const glm::vec3& at, const glm::vec3& direction) const {
+  const std::uint32_t cell = cellOf(at);
+  const auto before = [](const Entry& entry, std::uint32_t value) { return entry.cell < value; };
+  float share = 0.0f;
+  for (auto entry = std::lower_bound(entries_.begin(), entries_.end(), cell, before);
+       entry != entries_.end() && entry->cell == cell && share < 1.0f; ++entry)
+    share = std::max(share, weight(points_[entry->point], at, direction));
+  return share;
+}
+
+glm::dvec3 InterferenceFit::shiftOf(const Facing& sample) const {
+  glm::dvec3 shift(0.0);
+  const glm::dvec3 off = glm::max(glm::max(box_.min - sample.at, sample.at - box_.max), glm::dvec3(0.0));
+  if (glm::dot(off, off) >= spacing_ * spacing_) return shift;
+  const glm::vec3 place(sample.at - origin_);
+  for (const glm::dvec3& direction : sample.directions) {
+    const auto share = static_cast<double>(shareAt(place, glm::vec3(direction)));
+    const double more = share * depth_ - glm::dot(shift, direction);
+    if (more > 0.0) shift += more * direction;
+  }
+  const double length = glm::length(shift), most = greatestShift();
+  return length > most ? most / length * shift : shift;
+}
+
+glm::dvec3 InterferenceFit::shift(const SampledModels& models, const ContactSample& sample,
+                                  bool ofHollow) const {
+  const glm::dvec3 shift = shiftOf({models, sample, ofHollow});
+  return ofHollow ? -(models.toFromSamples.orientation * shift) : shift;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,88 @@
+#pragma once
+
+// An interference fit: a part that stands in the seat of another one because it is modelled larger than the
+// seat, as a bolt of its major diameter in a hole of its core diameter.
+//
+// The seat's wall is known by points of it. Wherever a surface faces that wall, it counts as further back by
+// as much as the plug was deepest in the wall, and nowhere else: then the plug goes along its seat as if it
+// had been made to fit, in and out, and all its other surfaces meet the hollow part as they are. The depth is
+// the same everywhere, because a seat that is wider in one place than in another would be a wedge.
+//
+// 1. Belongs to a pair of parts; frame of the hollow part, which has the seat. 2. Free of allocation.
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <glm/vec3.hpp>
+
+#include "assets/base/pose.h"
+#include "assets/scene/scene.h"
+#include "haptics/base/fixed_vector.h"
+#include "haptics/contact/sample_touch.h"
+
+namespace tandem::haptics {
+
+class InterferenceFit {
+ public:
+  /// Finds the seat of `plug` in `hollow` within `near`, a box around their overlap, which is `deepest` m
+  /// deep. False if the hollow part is not hollow there, or if the seat takes too many points.
+  bool measure(const PartModel& hollow, const PartModel& plug, const Pose& plugFromHollow,
+               const assets::Bounds& near, double deepest);
+
+  /// The shift (m, frame of the target) that takes a sample's surfaces back from the wall, of the plug or of
+  /// the wall itself, the hollow part's.
+  glm::dvec3 shift(const SampledModels& models, const ContactSample& sample, bool ofHollow) const;
+  /// m, by which surfaces count as further back.
+  double depth() const { return depth_; }
+  void setDepth(double depth) { depth_ = depth; }
+
+  /// By how much (m) a shift may change while a sample moves by 1 m.
+  double slope() const { return 2.0 * greatestShift() / spacing_; }
+  /// m, no shift is longer: three walls may take a corner back.
+  double greatestShift() const { return 1.75 * depth_; }
+
+ private:
+  static constexpr std::size_t kMaxPoints = 768, kMaxEntries = 8 * kMaxPoints;
+  static constexpr std::size_t kMaxNormals = 16;  // of one sample
+  static constexpr double kWhole = 1.2;           // spacings from a point over which its depth holds
+
+  struct Point {
+    glm::vec3 at{0.0f};      // m, from origin_
+    glm::vec3 normal{0.0f};  // unit, of the wall
+  };
+  /// A point that may matter in a cell of side 2 reach().
+  struct Entry {
+    std::uint32_t cell = 0;
+    std::uint16_t point = 0;
+  };
+
+  /// A sample as the wall sees it: surfaces that it meets would look in these directions.
+  struct Facing {
+    Facing(const SampledModels& models, const ContactSample& sample, bool ofHollow);
+    glm::dvec3 at{0.0, 0.0, 0.0};  // m
+    FixedVector<glm::dvec3, kMaxNormals> directions;
+  };
+
+  float reach() const { return static_cast<float>((kWhole + 1.0) * spacing_); }
+  std::uint32_t cellOf(const glm::vec3& at) const;
+  bool add(const Point& point);
+  /// Whether the walls look at each other.
+  bool isHollow() const;
+  void index();
+  /// The share of the depth by which a surface is taken back at a place where the wall would look in a
+  /// direction.
+  float shareAt(const glm::vec3& at, const glm::vec3& direction) const;
+  float weight(const Point& point, const glm::vec3& at, const glm::vec3& facing) const;
+  /// The shift of a sample of the plug, in the frame of the hollow part.
+  glm::dvec3 shiftOf(const Facing& sample) const;
+
+  glm::dvec3 origin_{0.0, 0.0, 0.0};  // m
+  double spacing_ = 0.0;              // m, between points at most
+  double depth_ = 0.0;                // m
+  assets::Bounds box_;                // m; beside it a shift falls to 0 over spacing_
+  FixedVector<Point, kMaxPoints> points_;
+  FixedVector<Entry, kMaxEntries> entries_;  // by cell
+};
+
+}  // namespace tandem::haptics
