@@ -13,6 +13,7 @@ constexpr double kOutage = PlayOutDelay::kOutage;
 constexpr double kCatchUpTime = 0.05;  // s
 constexpr double kDecay = 4.0;         // N/s
 constexpr double kCalmDecay = 1.5;     // N/s, where an end has been switched off: the hand has time to adapt
+constexpr double kDoubtDecay = 6.0;    // N/s, where the peer is not believed any more
 constexpr double kMaxDecay = 100.0;    // N/s
 constexpr double kJump = 0.1;          // change of the counted share of the wave that counts as a jump
 constexpr double kGapIgnored =
@@ -84,18 +85,26 @@ void CoordinationLink::follow(double now, const Pose& worldFromCentre, const Twi
 bool CoordinationLink::carries() const { return share_ > kFull; }
 
 bool CoordinationLink::receives(const PlayedWave& peer) const {
-  return peer.fresh && peer.state.on && playOut_.newest().on && on_ && regime() != LinkRegime::apart;
+  return peer.fresh && peer.state.on && playOut_.newest().on && on_ && !trust_.doubts() &&
+         regime() != LinkRegime::apart;
 }
 
 LinkPull CoordinationLink::pull(double now, const Pose& worldFromCentre, const Twist& twist) {
   watchRegime(now);
   const SixAxes v = axesOf(twist, p_.lever);
+  trust_.advance(length(v), p_.period);
   const PlayedWave peer = playOut_.play(now - delay());
   const bool wasFresh = fresh(), isFresh = receives(peer);
   const double shareBefore = share_;
-  const LinkGoal goal = isFresh ? goalOf(peer, worldFromCentre, v) : onStarved(peer);
+  LinkGoal goal = isFresh ? goalOf(peer, worldFromCentre, v) : onStarved(peer);
   // A jump of the target force does not reach the hand: the force in excess of the target decays.
-  if (isFresh != wasFresh || std::abs(share_ - shareBefore) > kJump) excess_ = force_ - goal.force;
+  if (isFresh != wasFresh || std::abs(share_ - shareBefore) > kJump) {
+    excess_ = force_ - goal.force;
+    trust_.beginAnew(goal.force);
+  } else {
+    goal.force = trust_.admit(goal.force, -share_ * b_ * (v - lastVelocity_), p_.period);
+  }
+  lastVelocity_ = v;
   decayExcess(v);
   // Energy bound: the wave of a tick of length T spends no more than has arrived and the reserve holds,
   // T |w|^2 / 2 <= goal.energy + reserve.
@@ -200,7 +209,7 @@ SixAxes CoordinationLink::closeGap(const PlayedWave& peer, const Pose& pose, con
 // at the rate r while it delivers the power P costs F P / 2r.
 void CoordinationLink::decayExcess(const SixAxes& v) {
   const bool switchedOff = !on_ || (!playOut_.empty() && !playOut_.newest().on);
-  double rate = switchedOff ? kCalmDecay : kDecay;
+  double rate = trust_.doubts() ? kDoubtDecay : switchedOff ? kCalmDecay : kDecay;
   const double power = dot(excess_, v);
   if (power > 0.0) {
     const double budget = std::max(1e-6, 0.8 * reserve_.energy());
@@ -265,7 +274,7 @@ LinkPacket CoordinationLink::packet(double now) {
   packet.wave = sum_;
   packet.energy = announced_;
   packet.fade = fade_;
-  packet.on = on_;
+  packet.on = on_ && !trust_.doubts();
   packet.asks = asks_ || on_;
   packet.regime = regime_.measured();
   packet.worldFromDrawn = drawn_;

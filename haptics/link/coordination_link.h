@@ -25,6 +25,7 @@
 #include "haptics/link/link_regime.h"
 #include "haptics/link/link_reserve.h"
 #include "haptics/link/link_terms.h"
+#include "haptics/link/link_trust.h"
 #include "haptics/link/play_out_delay.h"
 #include "haptics/link/wave_play_out.h"
 
@@ -51,7 +52,10 @@ struct LinkAccount {
 class CoordinationLink {
  public:
   explicit CoordinationLink(const LinkParameters& parameters)
-      : p_(parameters), regime_(parameters.longestDelay), playOutDelay_(parameters.playOutMargin) {}
+      : p_(parameters),
+        regime_(parameters.longestDelay),
+        trust_(parameters.peerSlew),
+        playOutDelay_(parameters.playOutMargin) {}
 
   /// Restarts under an epoch; `delay` s is the known network delay. The present force decays.
   /// `firstFadeTime`: as in LinkTerms. A replica that `isLed` to its peer fades in once it is there.
@@ -76,7 +80,11 @@ class CoordinationLink {
   const LinkPacket* newest() const { return playOut_.empty() ? nullptr : &playOut_.newest(); }
 
   /// False if the packet was dropped: invalid, of another epoch, a duplicate or too late.
-  bool receive(const LinkPacket& packet) { return playOut_.receive(packet); }
+  bool receive(const LinkPacket& packet) {
+    const bool good = playOut_.receive(packet);
+    if (playOut_.drainContradiction()) trust_.contradicted();
+    return good;
+  }
 
   /// Begins a tick at `now` (s, session clock), given the pose of the replica's centre of mass with the
   /// replica's orientation, and the twist of that point.
@@ -103,6 +111,8 @@ class CoordinationLink {
   /// What the link leaves of the replica, 0..1, to what leads it.
   double leftToLead() const { return isLed_ ? 1.0 - share_ : 1.0; }
   bool fresh() const { return starvedFor_ == 0.0; }
+  /// A hand here holds the replica: what the peer may do to it is limited (link_trust.h).
+  void setHeld(bool held) { trust_.setHeld(held); }
   const LinkAccount& account() const { return account_; }
 
  private:
@@ -140,6 +150,7 @@ class CoordinationLink {
   WavePlayOut playOut_;
   RegimeByAge regime_;
   LinkReserve reserve_;
+  LinkTrust trust_;
   LinkAccount account_;
   bool on_ = false, asks_ = false;
   std::uint32_t epoch_ = 0, sequence_ = 0;
@@ -169,6 +180,7 @@ class CoordinationLink {
   double fade_ = 0.0;            // 0..1: m
   double share_ = 0.0;           // 0..1: g, counted share of the wave, the lesser fade of both ends
   double longestAge_ = 0.0;      // s: greatest age of the newest packet while starved
+  SixAxes lastVelocity_;         // m/s, at the beginning of the last tick
   Pose drawn_;                   // end of the spring
   Twist twist_;
 };

@@ -191,6 +191,7 @@ LinkPull ReplicaLinks::pull(PartId part, RigidBody& body, Holding holding, doubl
   LinkPull sum;
   forEachEnd(part, [&](LinkEnd& end) {
     if (end.terms.outageSpring) end.link.setLongestDelay(longestDelay(holding.held));
+    end.link.setHeld(holding.held);
     const LinkPull pull = end.link.pull(now, centre, twist);
     if (end.terms.outageSpring || end.outageSpring.share() > 0.0) {
       OutageSpring::Target target = OutageSpring::targetOf(end.link, now, holding.grasped);

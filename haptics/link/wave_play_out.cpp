@@ -59,6 +59,7 @@ bool WavePlayOut::receive(const LinkPacket& packet) {
   const bool behind =
       place > 0 && (at(place - 1).time >= packet.time || at(place - 1).energy > packet.energy);
   const bool ahead = place < count_ && (at(place).time <= packet.time || at(place).energy < packet.energy);
+  contradicted_ = contradicted_ || (!late && !known && (behind || ahead));
   if (late || known || behind || ahead) return false;
   if (count_ == kCapacity) {
     if (place == 0) return false;

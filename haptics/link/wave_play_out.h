@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <utility>
 
 #include "assets/base/assert.h"
 #include "haptics/base/link_packet.h"
@@ -39,6 +40,9 @@ class WavePlayOut {
   /// The state of the peer at `time` (s, session clock). Packets that later times do not need are dropped.
   PlayedWave play(double time);
 
+  /// Whether a packet since the last call was dropped because it contradicts others in time or energy.
+  bool drainContradiction() { return std::exchange(contradicted_, false); }
+
   bool empty() const { return count_ == 0; }
   /// The packet that was made last. The buffer must not be empty.
   const LinkPacket& newest() const {
@@ -56,7 +60,8 @@ class WavePlayOut {
   std::array<LinkPacket, kCapacity> packets_;  // a ring, by sequence
   std::size_t first_ = 0, count_ = 0;
   std::uint32_t epoch_ = 0, before_ = 0;  // equal unless the previous epoch is accepted too
-  double playedTo_ = kNothingPlayed;      // s, session clock
+  bool contradicted_ = false;
+  double playedTo_ = kNothingPlayed;  // s, session clock
 };
 
 }  // namespace tandem::haptics

@@ -142,6 +142,7 @@ void LinkedSites::step(const Intent& intent) {
     const std::size_t count = site.state.drainPackets(packets);
     for (std::size_t k = 0; k < count && !site.silent; ++k) {
       const auto peer = static_cast<std::size_t>(packets[k].link.peer - 1);
+      if (tamper && !tamper(i, packets[k].packet)) continue;
       if (peer < sites_.size()) line(i, peer).send(time(), packets[k].packet);
     }
     moveArm(i, intent);

@@ -58,6 +58,9 @@ class LinkedSites {
     const Wrench& onHand() const { return out.hands[0].toHand; }
     const haptics::RigidBody& body();
   };
+  /// What becomes of the packets that a site sends; false: it sends none.
+  std::function<bool(std::size_t site, haptics::LinkPacket&)> tamper;
+
   Site& site(std::size_t i) { return *sites_[i]; }
   const haptics::ContactScene& contact() const { return contact_; }
   double time() const { return kTick * static_cast<double>(ticks_); }

@@ -1,0 +1,42 @@
+#include "haptics/link/link_trust.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tandem::haptics {
+
+void LinkTrust::advance(double speed, double dt) {
+  speed_ = std::max(speed, speed_ * (1.0 - dt / kLately));
+  const double more = (slew_ + kBySpeed * speed_) * dt;
+  allowance_ = std::min(std::max(kBurst, more), allowance_ + more);
+  ahead_ *= std::max(0.0, 1.0 - dt / kForgetting);
+  contradictions_ *= std::max(0.0, 1.0 - dt / kForgetting);
+  doubtFor_ = std::max(0.0, doubtFor_ - dt);
+}
+
+// The force may take over any share of the own change: a peer who goes along has taken it away again.
+SixAxes LinkTrust::admit(const SixAxes& said, const SixAxes& own, double dt) {
+  if (!limits()) return force_ = said;
+  const double square = dot(own, own);
+  const double share = square > 0.0 ? std::clamp(dot(said - force_, own) / square, 0.0, 1.0) : 0.0;
+  const SixAxes nearest = force_ + share * own;
+  const SixAxes step = shortened(said - nearest, allowance_);
+  force_ = nearest + step;
+  allowance_ -= length(step);
+  ahead_ += dt * length(said - force_);
+  if (ahead_ > kMostAhead) doubt();
+  return force_;
+}
+
+void LinkTrust::contradicted() {
+  if (limits() && (contradictions_ += 1.0) > kMostContradictions) doubt();
+}
+
+void LinkTrust::doubt() {
+  if (doubts()) return;
+  doubtFor_ = std::min(kLongest, std::ldexp(kDoubt, std::min(times_, 8)));
+  ++times_;
+  ahead_ = contradictions_ = 0.0;
+}
+
+}  // namespace tandem::haptics

@@ -1,0 +1,63 @@
+#pragma once
+
+// How far an end of a link believes its peer. Packets may say anything that a number can; what hands and
+// parts do, the hand feels unchanged. It counts only where a hand here holds the part.
+//
+// 1. The force of a link changes by `slew` at most, and kBurst at once, beyond what this replica's own change
+//    of velocity does to it: a peer who goes along with this replica cancels that change, and a peer who
+//    leads it causes it. Where the replica moves, which no lie makes it do soon, it may change faster.
+// 2. Whose waves run far ahead of what is let in, or often contradict themselves, is no longer believed: the
+//    end acts as if the peer were silent. After kDoubt it is heard again, then after twice as long each time.
+// 3. Nothing here makes energy: what counts of a wave is paid for as any wave (CoordinationLink::pay).
+// 4. Nothing here allocates. The thread that ticks uses it.
+
+#include "haptics/base/six_axes.h"
+
+namespace tandem::haptics {
+
+class LinkTrust {
+ public:
+  static constexpr double kMostAhead = 1.5;               // N·s
+  static constexpr double kDoubt = 4.0, kLongest = 64.0;  // s
+
+  /// `slew` N/s; 0: the peer is believed.
+  explicit LinkTrust(double slew) : slew_(slew) {}
+
+  /// A hand here holds the part: only then is there one to protect.
+  void setHeld(bool held) { held_ = held; }
+  bool limits() const { return slew_ > 0.0 && held_; }
+
+  /// Begins a tick of dt s, in which the replica moves at `speed` m/s.
+  void advance(double speed, double dt);
+  /// What counts of the force that the peer's wave makes, N, where this replica's own motion has changed the
+  /// force by `own` since the last tick.
+  SixAxes admit(const SixAxes& said, const SixAxes& own, double dt);
+  /// The next force is bridged: it counts as it is.
+  void beginAnew(const SixAxes& force) { force_ = force; }
+  /// A packet contradicts the order of those before it, in time or energy.
+  void contradicted();
+
+  /// Whether the peer is not believed now.
+  bool doubts() const { return doubtFor_ > 0.0; }
+
+ private:
+  static constexpr double kForgetting = 0.3;  // s
+  static constexpr double kMostContradictions = 12.0;
+  static constexpr double kBySpeed = 100.0;  // N/s for each m/s
+  static constexpr double kLately = 0.1;     // s
+  static constexpr double kBurst = 0.05;     // N: late packets make honest forces jump by less
+
+  void doubt();
+
+  double slew_;
+  bool held_ = false;
+  SixAxes force_;                // N: what counted in the last tick
+  double speed_ = 0.0;           // m/s, the most of it lately
+  double allowance_ = 0.0;       // N, by which the force may change at once
+  double ahead_ = 0.0;           // N·s, lately
+  double contradictions_ = 0.0;  // lately
+  double doubtFor_ = 0.0;        // s
+  int times_ = 0;
+};
+
+}  // namespace tandem::haptics
