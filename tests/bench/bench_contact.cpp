@@ -1,4 +1,4 @@
-// bench_contact [--ticks N] [--repeats N] [--only NAME] [--json OUT] [--large yes]
+// bench_contact [--ticks N] [--repeats N] [--only NAME] [--json OUT] [--large]
 //
 // The whole tick in contact, 2 mm deep at 1000 N/m, on geometry that is hard on distance queries: a gear of a
 // million triangles, a sphere whose triangles are far smaller than the ball, rough scans, ten thousand parts
@@ -21,6 +21,7 @@
 #include <ctime>
 #include <memory>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,6 +29,7 @@
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
 
+#include "assets/base/command_line.h"
 #include "client/report/targets.h"
 #include "haptics/geometry/query_work.h"
 #include "haptics/scene/contact_scene_data.h"
@@ -442,36 +444,25 @@ class Bench {
   bool met_ = true;
 };
 
-bool parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string argument = argv[i];
-    if (argument == "--json") {
-      options.json = argv[i + 1];
-    } else if (argument == "--ticks") {
-      options.ticks = std::atoi(argv[i + 1]);
-    } else if (argument == "--repeats") {
-      options.repeats = std::atoi(argv[i + 1]);
-    } else if (argument == "--large") {
-      options.large = std::string(argv[i + 1]) == "yes";
-    } else if (argument == "--only") {
-      options.only = argv[i + 1];
-    } else {
-      return false;
-    }
-  }
-  return argc % 2 == 1 && options.ticks > 0 && options.repeats > 0;
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line("Ticks of a tool on and beside meshes of up to ten million triangles.",
+                                   "bench_contact");
+  line.option("--ticks", options.ticks, "ticks that are timed").showDefault().integerFrom(1, 10'000'000);
+  line.option("--repeats", options.repeats, "runs, of which the fastest counts a tick")
+      .showDefault()
+      .integerFrom(1, 1000);
+  line.option("--only", options.only, "the one bench that is run").typeName("NAME");
+  line.flag("--large", options.large, "also ten million triangles");
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  return line.parse("bench_contact", argc, argv);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr,
-                 "usage: bench_contact [--ticks N] [--repeats N] "
-                 "[--only NAME] [--json OUT] [--large yes]\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
   bench::Report report("bench_contact");
   Bench all(options, report);
   all.gear();

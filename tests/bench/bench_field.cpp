@@ -6,12 +6,14 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/command_line.h"
 #include "assets/gltf/load_gltf.h"
 #include "haptics/geometry/triangle_bvh.h"
 #include "haptics/scene/distance_field.h"
@@ -133,25 +135,18 @@ class Bench {
   bench::Report& report_;
 };
 
-bool parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i < argc; i += 2) {
-    if (i + 1 >= argc) return false;
-    const std::string name = argv[i];
-    if (name == "--tolerance") {
-      options.field.tolerance = std::atof(argv[i + 1]);
-    } else if (name == "--cell") {
-      options.field.smallestCell = std::atof(argv[i + 1]);
-    } else if (name == "--threads") {
-      options.field.threads = std::atoi(argv[i + 1]);
-    } else if (name == "--json") {
-      options.json = argv[i + 1];
-    } else if (name.rfind("--", 0) == 0) {
-      return false;
-    } else {
-      options.files.insert(options.files.end(), {name, argv[i + 1]});
-    }
-  }
-  return true;
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line(
+      "Distance fields of meshes: what they cost to bake and to ask, and how exact they are.", "bench_field");
+  line.option("--tolerance", options.field.tolerance, "m by which a distance may be wrong")
+      .numberFrom(0.0, 1e9);
+  line.option("--cell", options.field.smallestCell, "side of the smallest cell, m").numberFrom(0.0, 1e9);
+  line.option("--threads", options.field.threads, "threads that bake; 0: one a core").integerFrom(0, 1024);
+  line.option("files", options.files, "scenes, each with its unit of length [box, sphere and pegs]")
+      .typeName("FILE UNIT");
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  return line.parse("bench_field", argc, argv);
 }
 
 bool file(const std::string& path, const std::string& unit, Bench& run, bench::Report& report) {
@@ -180,9 +175,10 @@ bool file(const std::string& path, const std::string& unit, Bench& run, bench::R
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr,
-                 "usage: bench_field [--tolerance M] [--cell M] [--threads N] [--json OUT] [FILE UNIT]...\n");
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
+  if (options.files.size() % 2 != 0) {
+    std::fprintf(stderr, "bench_field: %s needs its unit of length behind it\n",
+                 options.files.back().c_str());
     return 2;
   }
   bench::Report report("bench_field");

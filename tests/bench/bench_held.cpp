@@ -15,9 +15,11 @@
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "assets/base/command_line.h"
 #include "assets/gltf/load_gltf.h"
 #include "assets/scene/control.h"
 #include "client/base/thread_clock.h"
@@ -223,40 +225,29 @@ class Bench {
   std::FILE* record_ = nullptr;
 };
 
-bool parse(int argc, char** argv, Options& options) {
-  int i = 1;
-  for (; i + 1 < argc && argv[i][0] == '-'; i += 2) {
-    const std::string name = argv[i], value = argv[i + 1];
-    if (name == "--repeats") {
-      options.repeats = std::atoi(value.c_str());
-    } else if (name == "--only") {
-      options.only = value;
-    } else if (name == "--record") {
-      options.record = value;
-    } else if (name == "--json") {
-      options.json = value;
-    } else {
-      return false;
-    }
-  }
-  if (i + 2 == argc) {
-    options.file = argv[i];
-    options.unit = argv[i + 1];
-    return true;
-  }
-  return i == argc && std::getenv("TANDEM_DATA") != nullptr && options.repeats > 0;
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line("Ticks of each part of an engine in the hand, and of a nut on its bolt.",
+                                   "bench_held");
+  line.option("file", options.file, "scene (.gltf or .glb) [engine and nut in TANDEM_DATA]");
+  line.option("unit", options.unit, "unit of length of the file").showDefault();
+  line.option("--repeats", options.repeats, "runs, of which the fastest counts a tick")
+      .showDefault()
+      .integerFrom(1, 1000);
+  line.option("--only", options.only, "the one part that is drawn, or nut").typeName("NAME");
+  line.option("--record", options.record, "writes every tick").typeName("FILE");
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  if (const std::optional<int> code = line.parse("bench_held", argc, argv)) return code;
+  if (!options.file.empty() || std::getenv("TANDEM_DATA") != nullptr) return std::nullopt;
+  std::fprintf(stderr, "bench_held: name a scene, or set TANDEM_DATA\n");
+  return 2;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr,
-                 "usage: bench_held [--repeats N] [--only NAME] [--record FILE] [--json OUT] [FILE UNIT], or "
-                 "set TANDEM_DATA\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
   Bench held(options);
   bool met = true;
   if (!options.file.empty()) {

@@ -12,12 +12,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <random>
 #include <string>
 
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include "assets/base/command_line.h"
 #include "assets/gltf/load_gltf.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "tests/bench/bench_report.h"
@@ -128,33 +130,26 @@ const Generated* generated(const std::string& name) {
   return nullptr;
 }
 
-bool parse(int argc, char** argv, Options& options) {
-  int i = 1;
-  for (; i < argc && argv[i][0] == '-'; i += 2) {
-    const std::string name = argv[i];
-    if (name == "--coarse") {
-      options.onlyCoarse = true;
-      --i;
-    } else if (i + 1 == argc) {
-      return false;
-    } else if (name == "--threads") {
-      options.threads = std::atoi(argv[i + 1]);
-    } else if (name == "--json") {
-      options.json = argv[i + 1];
-    } else {
-      return false;
-    }
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line(
+      "Models for contact of all parts of a scene: coarse, whole, and from the cache.", "bench_models");
+  line.option("scene", options.file,
+              "a file, or assembly, blobs, gears, million [the engine in TANDEM_DATA]");
+  line.option("unit", options.unit, "unit of length of the file").showDefault();
+  line.flag("--coarse", options.onlyCoarse, "coarse models alone");
+  line.option("--threads", options.threads, "threads that bake; 0: one a core").integerFrom(0, 1024);
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  if (const std::optional<int> code = line.parse("bench_models", argc, argv)) return code;
+  if (!options.file.empty()) return std::nullopt;
+  const char* const data = std::getenv("TANDEM_DATA");
+  if (data == nullptr) {
+    std::fprintf(stderr, "bench_models: name a scene, or set TANDEM_DATA\n");
+    return 2;
   }
-  if (i + 1 == argc && generated(argv[i]) != nullptr) {
-    options.file = argv[i];
-  } else if (i + 2 == argc) {
-    options.file = argv[i];
-    options.unit = argv[i + 1];
-  } else if (const char* data = std::getenv("TANDEM_DATA"); data != nullptr && i == argc) {
-    options.file = std::string(data) + "/2CylinderEngine.glb";
-    options.unit = "mm";
-  }
-  return !options.file.empty();
+  options.file = std::string(data) + "/2CylinderEngine.glb";
+  options.unit = "mm";
+  return std::nullopt;
 }
 
 struct Run {
@@ -209,13 +204,7 @@ tandem::Result<tandem::assets::Scene> sceneOf(const Options& options) {
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr,
-                 "usage: bench_models [--coarse] [--threads N] [--json OUT] [FILE UNIT | assembly | blobs | "
-                 "gears | million], "
-                 "or set TANDEM_DATA\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
   const bool large = options.file == kAssembly;
   const Generated* const made = generated(options.file);
   const auto scene = sceneOf(options);

@@ -14,9 +14,11 @@
 #include <cstdio>
 #include <fstream>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "assets/base/command_line.h"
 #include "client/report/part_sweep.h"
 #include "client/report/report_json.h"
 #include "client/report/sweep.h"
@@ -151,20 +153,14 @@ report::Measurement measure(const report::Experiment& e, const Triangles& triang
   return out;
 }
 
-bool parse(int argc, char** argv, report::SweepOptions& options, std::string& json) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    if (argument == "--quick") {
-      options.quick = true;
-    } else if (argument == "--json" && i + 1 < argc) {
-      json = argv[++i];
-    } else if (argument == "--scenes" && i + 1 < argc) {
-      while (i + 1 < argc && argv[i + 1][0] != '-') options.only.emplace_back(argv[++i]);
-    } else {
-      return false;
-    }
-  }
-  return !json.empty();
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, report::SweepOptions& options, std::string& json) {
+  tandem::assets::CommandLine line("The scenes of 'tandem report' as other libraries feel them.",
+                                   "bench_peers");
+  line.option("--json", json, "writes the measures for 'tandem report --peers'").typeName("FILE").required();
+  line.flag("--quick", options.quick, "shorter runs");
+  line.option("--scenes", options.only, "the scenes that are measured").typeName("ID");
+  return line.parse("bench_peers", argc, argv);
 }
 
 }  // namespace
@@ -172,10 +168,7 @@ bool parse(int argc, char** argv, report::SweepOptions& options, std::string& js
 int main(int argc, char** argv) {
   report::SweepOptions options;
   std::string path;
-  if (!parse(argc, argv, options, path)) {
-    std::fprintf(stderr, "usage: bench_peers --json OUT [--quick] [--scenes ID...]\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options, path)) return *code;
   report::SweepResult result;
   result.quick = options.quick;
   result.machine = report::machineLine();

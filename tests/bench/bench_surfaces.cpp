@@ -11,11 +11,13 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/command_line.h"
 #include "haptics/surface/apply_surface.h"
 #include "haptics/tick.h"
 #include "tests/bench/bench_report.h"
@@ -296,30 +298,22 @@ class Bench {
   bool met_ = true;
 };
 
-bool parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i + 1 < argc; i += 2) {
-    const std::string argument = argv[i];
-    if (argument == "--json") {
-      options.json = argv[i + 1];
-    } else if (argument == "--ticks") {
-      options.ticks = std::atoi(argv[i + 1]);
-    } else if (argument == "--repeats") {
-      options.repeats = std::atoi(argv[i + 1]);
-    } else {
-      return false;
-    }
-  }
-  return argc % 2 == 1 && options.ticks > 0 && options.repeats > 0;
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line("What surface effects and fields cost a tick.", "bench_surfaces");
+  line.option("--ticks", options.ticks, "ticks that are timed").showDefault().integerFrom(1, 10'000'000);
+  line.option("--repeats", options.repeats, "runs, of which the fastest counts")
+      .showDefault()
+      .integerFrom(1, 1000);
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  return line.parse("bench_surfaces", argc, argv);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr, "usage: bench_surfaces [--ticks N] [--repeats N] [--json OUT]\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
   bench::Report report("bench_surfaces");
   Bench all(options, report);
   all.question();

@@ -8,12 +8,14 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <optional>
 #include <random>
 #include <string>
 #include <vector>
 
 #include <glm/geometric.hpp>
 
+#include "assets/base/command_line.h"
 #include "assets/gltf/load_gltf.h"
 #include "haptics/scene/contact_scene_data.h"
 #include "haptics/tick.h"
@@ -156,33 +158,23 @@ bool benchBuild(bench::Report& report) {
   return report.bound("build, 1 M triangles, ms", 1e3 * ours, 300.0);
 }
 
-bool parse(int argc, char** argv, Options& options) {
-  for (int i = 1; i < argc; ++i) {
-    const std::string argument = argv[i];
-    const bool more = i + 1 < argc;
-    if (argument == "--json" && more) {
-      options.json = argv[++i];
-    } else if (argument == "--scale" && more) {
-      options.scale = std::atof(argv[++i]);
-    } else if (argument == "--ticks" && more) {
-      options.ticks = std::atoi(argv[++i]);
-    } else if (argument[0] != '-' && options.file.empty()) {
-      options.file = argument;
-    } else {
-      return false;
-    }
-  }
-  return options.ticks > 0 && options.scale > 0.0;
+/// The exit code, where the program is to end now.
+std::optional<int> parse(int argc, char** argv, Options& options) {
+  tandem::assets::CommandLine line(
+      "Ticks of a point that visits a scene, against point queries of Embree, and how fast a tree is built.",
+      "bench_tick");
+  line.option("file", options.file, "scene (.gltf or .glb) [nine spheres]");
+  line.option("--scale", options.scale, "m a unit of the file").showDefault().numberFrom(1e-9, 1e9);
+  line.option("--ticks", options.ticks, "ticks that are timed").showDefault().integerFrom(1, 10'000'000);
+  line.option("--json", options.json, "writes the figures").typeName("FILE");
+  return line.parse("bench_tick", argc, argv);
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   Options options;
-  if (!parse(argc, argv, options)) {
-    std::fprintf(stderr, "usage: bench_tick [FILE.glb] [--scale M_PER_UNIT] [--ticks N] [--json OUT]\n");
-    return 2;
-  }
+  if (const std::optional<int> code = parse(argc, argv, options)) return *code;
   Scene scene;
   if (options.file.empty()) {
     scene = defaultScene();
