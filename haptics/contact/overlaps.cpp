@@ -51,7 +51,7 @@ bool isBehind(const MeshEdges& edges, const MeshPoint& nearest, const glm::dvec3
   if (nearest.onFace) return true;
   const double near = 1e-6 * nearest.distance;
   for (const std::uint32_t i : edges.around(nearest.triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     if (glm::length(nearest.point - closestPointOnSegment(nearest.point, edge.a, edge.b)) > near) continue;
     for (const glm::dvec3& normal : edge.normals)
       if (glm::dot(normal, off) >= 0.0) return false;

@@ -109,7 +109,8 @@ Candidate lowestNear(const TriangleBvh& tree, const MeshEdges& edges, const Cont
   for (int k = 0; k < 8; ++k) {
     const std::uint32_t from = best.triangle;
     for (const std::uint32_t i : edges.around(from)) {
-      for (const std::uint32_t beside : edges.edges()[i].triangles) {
+      const MeshEdge edge = edges.edge(i);
+      for (const std::uint32_t beside : edge.triangles) {
         if (beside == from) continue;
         const Candidate other = over(tree, edges, patch, beside, slack, false);
         if (other.height < best.height - 1e-3 * slack) best = other;

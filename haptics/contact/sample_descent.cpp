@@ -92,9 +92,9 @@ class Descent {
   bool take(const EdgePlace& place, const Height& height);
 
   const MeshEdges& ownEdges() const { return models_.from->edges; }
-  const glm::dvec3& edgeStart() const { return ownEdges().edges()[place_.edge].a; }
+  glm::dvec3 edgeStart() const { return ownEdges().edge(place_.edge).a; }
   glm::dvec3 edgeDirection() const {
-    const MeshEdge& edge = ownEdges().edges()[place_.edge];
+    const MeshEdge edge = ownEdges().edge(place_.edge);
     return glm::normalize(edge.b - edge.a);
   }
   glm::dvec3 ownDirection(const glm::dvec3& direction) const {
@@ -117,7 +117,7 @@ class Descent {
 /// edge: then p is outside.
 bool nearestIsConvex(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& nearest, double size) {
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     if (edge.angle > 0.0 && glm::length(nearest - closestPointOnSegment(nearest, edge.a, edge.b)) <= size)
       return true;
   }
@@ -154,7 +154,7 @@ EdgePlace Descent::lowestAround(std::uint32_t triangle, const glm::dvec3& from, 
     best = {edge, point};
   };
   for (const std::uint32_t i : ownEdges().around(triangle)) {
-    const MeshEdge& edge = ownEdges().edges()[i];
+    const MeshEdge edge = ownEdges().edge(i);
     if (!(edge.angle > 0.0)) continue;
     const glm::dvec3 nearest = closestPointOnSegment(from, edge.a, edge.b);
     consider(i, nearest);
@@ -188,7 +188,7 @@ EdgePlace Descent::lowestAtCorner(const MeshEdge& edge, const glm::dvec3& up, Ed
 
 EdgePlace Descent::lowestOver(EdgePlace from, const glm::dvec3& up) const {
   for (int k = 0; k < kMaxMoves; ++k) {
-    const MeshEdge& edge = ownEdges().edges()[from.edge];
+    const MeshEdge edge = ownEdges().edge(from.edge);
     EdgePlace best = from;
     for (const std::uint32_t triangle : edge.triangles) best = lowestAround(triangle, from.point, up, best);
     if (best == from) best = lowestAtCorner(edge, up, best);
@@ -282,7 +282,7 @@ Seat Descent::run() {
   seat.least = height_.height - models_.from->samples.dip(sample_);
   if (seat.least > bounds_.range) return seat;
   bool moved = smooth() && descend();
-  const MeshEdge& edge = ownEdges().edges()[place_.edge];
+  const MeshEdge edge = ownEdges().edge(place_.edge);
   const double length = glm::length(edge.b - edge.a), reach = furthest();
   const auto from = [&] { return glm::dot(edge.b - edge.a, place_.point - edge.a) / length; };
   moved = searchEdge(std::max(0.0, from() - reach), std::min(length, from() + reach)) || moved;
@@ -334,7 +334,7 @@ bool isLevel(const SampledModels& models, const ContactSample& sample, const Lev
   const bool smooth = ContactSamples::isSmooth(sample);
   const glm::dvec3 ownUp = glm::conjugate(models.toFromSamples.orientation) * up;
   if (smooth && smoothDip(models.from->samples, sample, ownUp) <= bounds.allowance) return true;
-  const MeshEdge& edge = models.from->edges.edges()[sample.edge];
+  const MeshEdge edge = models.from->edges.edge(sample.edge);
   const glm::dvec3 along = static_cast<double>(sample.along) * glm::normalize(edge.b - edge.a);
   if (!smooth && alone && std::abs(glm::dot(ownUp, along)) <= bounds.allowance) return true;
   const DistanceField::Reading here = readAt(models, sample.point);

@@ -68,7 +68,7 @@ bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleQu
                   double past, TouchingPlane& least) {
   bool any = false;
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     if (edge.angle < 0.0) continue;
     const glm::dvec3 offset = sample.point - closestPointOnSegment(sample.point, edge.a, edge.b);
     TouchingPlane found;
@@ -82,19 +82,19 @@ bool crossingNear(const MeshEdges& edges, std::uint32_t triangle, const SampleQu
   return any;
 }
 
-/// The convex edge of the list that is nearest to p, within `reach`.
-const MeshEdge* nearestConvex(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& p,
-                              double reach, glm::dvec3& foot) {
-  const MeshEdge* nearest = nullptr;
+/// The convex edge of the list that is nearest to p, within `reach`; kNone if there is none.
+std::uint32_t nearestConvex(const MeshEdges& edges, std::uint32_t triangle, const glm::dvec3& p, double reach,
+                            glm::dvec3& foot) {
+  std::uint32_t nearest = assets::kNone;
   double least = reach * reach;
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     if (edge.angle < 0.0) continue;
     const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     const double square = glm::dot(p - q, p - q);
     if (square > least) continue;
     least = square;
-    nearest = &edge;
+    nearest = i;
     foot = q;
   }
   return nearest;
@@ -112,7 +112,7 @@ void addPlaneBeyond(const TriangleBvh& tree, const MeshEdges& edges, const Sampl
   const bool behind = feature.planes[0].gap < 0.0;
   double least = 1e300;
   for (const std::uint32_t i : edges.around(feature.triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     if (edge.angle > 0.0) continue;
     const glm::dvec3 q = closestPointOnSegment(p, edge.a, edge.b);
     if (glm::dot(p - q, p - q) > 4.0 * reach * reach) continue;
@@ -151,7 +151,8 @@ bool isConvexCorner(const MeshEdges& edges, std::uint32_t triangle, const MeshEd
   const glm::dvec3 a = point - edge.a, b = point - edge.b;
   if (std::min(glm::dot(a, a), glm::dot(b, b)) > same(reach)) return false;
   return std::none_of(edges.around(triangle).begin(), edges.around(triangle).end(), [&](std::uint32_t i) {
-    return edges.edges()[i].angle < 0.0 && passes(edges.edges()[i], point, reach);
+    const MeshEdge other = edges.edge(i);
+    return other.angle < 0.0 && passes(other, point, reach);
   });
 }
 
@@ -201,7 +202,7 @@ bool planeOfCorner(const MeshEdges& edges, std::uint32_t triangle, const glm::dv
                    const SampleQuery& sample, double reach, TouchingPlane& found) {
   double furthest = -1e300;
   for (const std::uint32_t i : edges.around(triangle)) {
-    const MeshEdge& edge = edges.edges()[i];
+    const MeshEdge edge = edges.edge(i);
     TouchingPlane plane;
     if (edge.angle < 0.0 || !passes(edge, foot, reach) ||
         !commonPlane(edge, EdgePlane(edge), foot, sample, reach, plane))
@@ -223,17 +224,18 @@ TouchingPlane nearestPlane(const TriangleBvh& tree, const MeshEdges& edges, std:
   if (sample.along > 0.0 && crossingNear(edges, triangle, sample, reach + sample.along, 0.0, crossing))
     return crossing;
   glm::dvec3 foot(0.0);
-  const MeshEdge* const edge = nearestConvex(edges, triangle, p, reach, foot);
-  if (edge == nullptr) {
+  const std::uint32_t nearest = nearestConvex(edges, triangle, p, reach, foot);
+  if (nearest == assets::kNone) {
     const glm::dvec3& normal = edges.normal(triangle);
     return {p, normal, glm::dot(normal, p - tree.triangle(triangle).a)};
   }
+  const MeshEdge edge = edges.edge(nearest);
   TouchingPlane found;
-  if (!isConvexCorner(edges, triangle, *edge, foot, reach) ||
+  if (!isConvexCorner(edges, triangle, edge, foot, reach) ||
       !planeOfCorner(edges, triangle, foot, sample, reach, found))
-    return planeOfEdge(*edge, foot, sample, reach);
+    return planeOfEdge(edge, foot, sample, reach);
   if (!sample.shifted) return found;
-  const TouchingPlane single = planeOfEdge(*edge, foot, sample, reach);
+  const TouchingPlane single = planeOfEdge(edge, foot, sample, reach);
   return predicted(found, sample) >= predicted(single, sample) ? found : single;
 }
 

@@ -35,7 +35,7 @@ std::uint32_t edgeTowards(const assets::Mesh& mesh, std::uint32_t from, std::uin
 
 }  // namespace
 
-MeshEdges::MeshEdges(const assets::Mesh& mesh) {
+MeshEdges::MeshEdges(const assets::Mesh& mesh) : mesh_(&mesh) {
   ASSERT(mesh.neighbours.size() == mesh.triangles.size());
   normals_.resize(mesh.triangles.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
@@ -54,11 +54,12 @@ MeshEdges::MeshEdges(const assets::Mesh& mesh) {
   findEdges(mesh, beyond, edgeOf);
   listAround(beyond, edgeOf);
   ASSERT(first_.size() == mesh.triangles.size() + 1 && first_.back() == around_.size());
-  edges_.shrink_to_fit();
+  kept_.shrink_to_fit();
+  backs_.shrink_to_fit();
   around_.shrink_to_fit();
 }
 
-/// Fills edgeOf: each triangle's edge as an index into edges_, or kNone where it is flat.
+/// Fills edgeOf: each triangle's edge as an index into kept_, or kNone where it is flat.
 void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
                           std::vector<std::array<std::uint32_t, 3>>& edgeOf) {
   for (auto& edges : edgeOf) edges.fill(assets::kNone);
@@ -69,21 +70,20 @@ void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
       const bool border = mesh.neighbours[t][e] == assets::kNone;
       if (!border && other < t) continue;
       const std::uint32_t ia = mesh.triangles[t][e], ib = mesh.triangles[t][(e + 1) % 3];
-      MeshEdge edge{mesh.positions[ia], mesh.positions[ib], {}, {}, {ia, ib}, 0.0, border};
+      Kept kept{{ia, ib}, {t, other}, 0.0, border};
       if (other == assets::kNone || (border && glm::dot(normals_[t], normals_[other]) < kFolded)) {
-        edge.normals = {normals_[t], -normals_[t]};
-        edge.triangles = {t, t};
-        edge.angle = std::acos(-1.0);
+        kept.triangles[1] = t;
+        kept.angle = std::acos(-1.0);
+        kept.back = static_cast<std::uint32_t>(backs_.size());
+        backs_.push_back(-normals_[t]);
       } else {
-        edge.normals = {normals_[t], normals_[other]};
-        edge.triangles = {t, other};
-        const glm::dvec3 along = glm::normalize(edge.b - edge.a);
-        edge.angle = std::atan2(glm::dot(glm::cross(edge.normals[0], edge.normals[1]), along),
-                                glm::dot(edge.normals[0], edge.normals[1]));
-        if (!(std::abs(edge.angle) > kFlat)) continue;
+        const glm::dvec3 along = glm::normalize(mesh.positions[ib] - mesh.positions[ia]);
+        kept.angle = std::atan2(glm::dot(glm::cross(normals_[t], normals_[other]), along),
+                                glm::dot(normals_[t], normals_[other]));
+        if (!(std::abs(kept.angle) > kFlat)) continue;
       }
-      const auto index = static_cast<std::uint32_t>(edges_.size());
-      edges_.push_back(edge);
+      const auto index = static_cast<std::uint32_t>(kept_.size());
+      kept_.push_back(kept);
       edgeOf[t][e] = index;
       if (!border) edgeOf[other][edgeTowards(mesh, other, t)] = index;
     }
@@ -91,10 +91,11 @@ void MeshEdges::findEdges(const assets::Mesh& mesh, const Beyond& beyond,
 }
 
 MeshEdges MeshEdges::ofSolid() && {
-  for (MeshEdge& edge : edges_) {
-    if (!edge.border || edge.triangles[0] != edge.triangles[1]) continue;
-    edge.normals[1] = glm::cross(glm::normalize(edge.b - edge.a), edge.normals[0]);
-    edge.angle = 0.5 * std::acos(-1.0);
+  for (Kept& kept : kept_) {
+    if (kept.back == assets::kNone) continue;
+    const glm::dvec3 along = glm::normalize(mesh_->positions[kept.ends[1]] - mesh_->positions[kept.ends[0]]);
+    backs_[kept.back] = glm::cross(along, normals_[kept.triangles[0]]);
+    kept.angle = 0.5 * std::acos(-1.0);
   }
   return std::move(*this);
 }
@@ -140,7 +141,7 @@ double MeshEdges::sharpSpacing(double cube) const {
     double length = 0.0;  // m, of the sharp edges in the cell
   };
   std::unordered_map<std::uint64_t, Cell> cells;
-  for (const MeshEdge& edge : edges_) {
+  for (const MeshEdge& edge : edges()) {
     if (std::abs(edge.angle) < kSharp || edge.border) continue;
     const double length = glm::length(edge.b - edge.a);
     const int pieces = static_cast<int>(std::min(std::ceil(2.0 * length / cell), 1e4));
@@ -172,7 +173,7 @@ double MeshEdges::sharpSpacing(double cube) const {
 }
 
 std::size_t MeshEdges::memory() const {
-  return edges_.size() * sizeof(MeshEdge) + normals_.size() * sizeof(glm::dvec3) +
+  return kept_.size() * sizeof(Kept) + (normals_.size() + backs_.size()) * sizeof(glm::dvec3) +
          (first_.size() + around_.size()) * sizeof(std::uint32_t);
 }
 

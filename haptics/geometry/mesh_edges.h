@@ -2,13 +2,15 @@
 
 // Edges of a mesh: its convex and concave edges, and those around each triangle.
 //
-// 1. Immutable, in the part's frame. An edge between coplanar faces is left out.
+// 1. Immutable, in the part's frame. An edge between coplanar faces is left out. 32 bytes of each are kept;
+//    its ends and normals are those of the mesh, which must outlive this.
 // 2. An open border within a slit's width of another forms an edge with the face beyond the slit.
 // 3. Any other forms a convex edge with its own back, since a sheet has two sides. The back of a face of a
 //    solid cannot be touched: there the border forms a right edge with the plane in which the face ends.
 
 #include <array>
 #include <cstdint>
+#include <ranges>
 #include <span>
 #include <vector>
 
@@ -31,13 +33,19 @@ struct MeshEdge {
 class MeshEdges {
  public:
   explicit MeshEdges(const assets::Mesh& mesh);
+  explicit MeshEdges(const assets::Mesh&& mesh) = delete;
   /// An empty set, for a part that is queried by formula.
   MeshEdges() = default;
 
   /// The same edges as those of a solid (3).
   MeshEdges ofSolid() &&;
 
-  std::span<const MeshEdge> edges() const { return edges_; }
+  MeshEdge edge(std::uint32_t index) const;
+  /// All of them, to be indexed or gone through; each is put together when it is asked for.
+  auto edges() const {
+    return std::views::iota(std::uint32_t{0}, static_cast<std::uint32_t>(kept_.size())) |
+           std::views::transform([this](std::uint32_t index) { return edge(index); });
+  }
   /// Indices of the edges of a triangle, and of the triangles beside it in its plane, up to two away.
   std::span<const std::uint32_t> around(std::uint32_t triangle) const {
     return {around_.data() + first_[triangle], around_.data() + first_[triangle + 1]};
@@ -51,16 +59,37 @@ class MeshEdges {
   std::size_t memory() const;
 
  private:
+  struct Kept {
+    std::array<std::uint32_t, 2> ends{}, triangles{};
+    double angle = 0.0;
+    bool border = false;
+    /// Into backs_: the second normal, where it is no triangle's; or kNone.
+    std::uint32_t back = assets::kNone;
+  };
   /// The triangle across an edge or across the slit there, or kNone.
   using Beyond = std::vector<std::array<std::uint32_t, 3>>;
   void findEdges(const assets::Mesh& mesh, const Beyond& beyond,
                  std::vector<std::array<std::uint32_t, 3>>& edgeOf);
   void listAround(const Beyond& beyond, const std::vector<std::array<std::uint32_t, 3>>& edgeOf);
 
-  std::vector<MeshEdge> edges_;
+  const assets::Mesh* mesh_ = nullptr;
+  std::vector<Kept> kept_;
   std::vector<glm::dvec3> normals_;    // per triangle
+  std::vector<glm::dvec3> backs_;      // second normals of borders without a slit
   std::vector<std::uint32_t> first_;   // per triangle and one more: into around_
-  std::vector<std::uint32_t> around_;  // into edges_
+  std::vector<std::uint32_t> around_;  // into kept_
 };
+
+inline MeshEdge MeshEdges::edge(std::uint32_t index) const {
+  const Kept& kept = kept_[index];
+  const glm::dvec3& second = kept.back == assets::kNone ? normals_[kept.triangles[1]] : backs_[kept.back];
+  return {mesh_->positions[kept.ends[0]],
+          mesh_->positions[kept.ends[1]],
+          {normals_[kept.triangles[0]], second},
+          kept.triangles,
+          kept.ends,
+          kept.angle,
+          kept.border};
+}
 
 }  // namespace tandem::haptics

@@ -75,7 +75,7 @@ class MeshSampler {
 
 void MeshSampler::sampleSharpEdges(std::vector<bool>& corner) {
   for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
-    const MeshEdge& edge = edges_.edges()[i];
+    const MeshEdge edge = edges_.edge(i);
     if (edge.angle < sharp_) continue;
     corner[edge.ends[0]] = corner[edge.ends[1]] = true;
     const double length = glm::length(edge.b - edge.a);
@@ -97,7 +97,7 @@ void MeshSampler::addCorners(const std::vector<bool>& corner) {
   std::partial_sum(count.begin(), count.end(), count.begin());
   std::vector<std::uint32_t> at(count.begin(), count.end() - 1), list(count.back());
   for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
-    const MeshEdge& edge = edges_.edges()[i];
+    const MeshEdge edge = edges_.edge(i);
     for (const std::uint32_t v : edge.ends) {
       if (corner[v] && edge.angle > 0.0) list[at[v]++] = i;
     }
@@ -106,19 +106,19 @@ void MeshSampler::addCorners(const std::vector<bool>& corner) {
     if (!corner[v]) continue;
     const std::size_t first = out_.normals.size();
     for (std::uint32_t i = count[v]; i < count[v + 1]; ++i) {
-      for (const glm::dvec3& normal : edges_.edges()[list[i]].normals)
-        addDistinct(out_.normals, first, normal);
+      const MeshEdge edge = edges_.edge(list[i]);
+      for (const glm::dvec3& normal : edge.normals) addDistinct(out_.normals, first, normal);
     }
     out_.samples.push_back({mesh_.positions[v], static_cast<std::uint32_t>(first),
                             static_cast<std::uint32_t>(out_.normals.size() - first), assets::kNone,
-                            edges_.edges()[list[count[v]]].triangles[0], 0.0f});
+                            edges_.edge(list[count[v]]).triangles[0], 0.0f});
   }
 }
 
 void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
   Thinning cells(mesh_.bounds.min, smoothSpacing_);
   const auto add = [&](std::uint32_t i, const glm::dvec3& p) {
-    const MeshEdge& edge = edges_.edges()[i];
+    const MeshEdge edge = edges_.edge(i);
     const auto fresh = static_cast<std::uint32_t>(out_.samples.size()), at = cells.sampleAt(p, fresh);
     if (at == fresh) {
       const auto first = static_cast<std::uint32_t>(out_.normals.size());
@@ -133,7 +133,7 @@ void MeshSampler::sampleSmooth(std::vector<bool>& sampled) {
     }
   };
   for (std::uint32_t i = 0; i < edges_.edges().size(); ++i) {
-    const MeshEdge& edge = edges_.edges()[i];
+    const MeshEdge edge = edges_.edge(i);
     if (edge.angle >= sharp_ || edge.angle <= 0.0) continue;
     for (int end = 0; end < 2; ++end) {
       const std::uint32_t v = edge.ends[static_cast<std::size_t>(end)];

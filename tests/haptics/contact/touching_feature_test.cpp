@@ -39,13 +39,15 @@ const std::array<glm::dvec3, 3> kDownCorner{glm::normalize(glm::dvec3(1.0, 0.0, 
                                             glm::normalize(glm::dvec3(-0.2, -1.0, -1.0))};
 
 TEST(MeshEdges, OfABoxAreItsTwelve) {
-  const MeshEdges edges(boxMesh({0.02, 0.03, 0.04}));
+  const assets::Mesh mesh = boxMesh({0.02, 0.03, 0.04});
+  const MeshEdges edges(mesh);
   ASSERT_EQ(edges.edges().size(), 12u);
   for (const auto& edge : edges.edges()) EXPECT_NEAR(edge.angle, 0.5 * kPi, 1e-12);
 }
 
 TEST(MeshEdges, OfAGrooveAreOneHollowAndItsBorders) {
-  const MeshEdges edges(grooveMesh(0.02, 0.7));
+  const assets::Mesh mesh = grooveMesh(0.02, 0.7);
+  const MeshEdges edges(mesh);
   int hollow = 0, borders = 0;
   for (const auto& edge : edges.edges()) {
     hollow += edge.angle < 0.0 ? 1 : 0;
@@ -56,10 +58,12 @@ TEST(MeshEdges, OfAGrooveAreOneHollowAndItsBorders) {
 }
 
 TEST(MeshEdges, StandAloneInABoxAndNearEachOtherInAThread) {
-  EXPECT_NEAR(MeshEdges(boxMesh(glm::dvec3(0.02))).sharpSpacing(0.002), 0.002, 1e-6);
-  EXPECT_EQ(MeshEdges(sphereMesh(0.01, 64)).sharpSpacing(0.002), 0.002) << "none are sharp";
+  const assets::Mesh box = boxMesh(glm::dvec3(0.02)), sphere = sphereMesh(0.01, 64);
+  EXPECT_NEAR(MeshEdges(box).sharpSpacing(0.002), 0.002, 1e-6);
+  EXPECT_EQ(MeshEdges(sphere).sharpSpacing(0.002), 0.002) << "none are sharp";
   // Four edges a pitch of 2 mm.
-  const double spacing = MeshEdges(meshOf(boltThreadSoup({}))).sharpSpacing(0.002);
+  const assets::Mesh bolt = meshOf(boltThreadSoup({}));
+  const double spacing = MeshEdges(bolt).sharpSpacing(0.002);
   EXPECT_GT(spacing, 0.0004);
   EXPECT_LT(spacing, 0.001);
 }

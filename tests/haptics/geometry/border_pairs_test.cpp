@@ -52,7 +52,8 @@ TEST(BorderPairs, MakeTheEdgesOfTheClosedMeshAcrossSlits) {
 /// Wider than a slit, a border has the back of its face as a sheet's, and ends its face as a solid's.
 TEST(BorderPairs, AreNoneAcrossAWideHole) {
   for (const double scale : kBorderScales) {
-    MeshEdges edges(explodedBox(1e-3, scale));
+    const assets::Mesh mesh = explodedBox(1e-3, scale);
+    MeshEdges edges(mesh);
     ASSERT_FALSE(edges.edges().empty());
     for (const auto& edge : edges.edges()) {
       EXPECT_EQ(edge.triangles[0], edge.triangles[1]);
